@@ -8,9 +8,12 @@ import tempfile
 from collections.abc import Iterator
 from typing import Any
 
+import hypothesis
 import pytest
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command does, before NumPy is imported
+hypothesis.settings.register_profile("busy", deadline=None)
+hypothesis.settings.load_profile("busy")  # how long an example takes says how busy the machine is
 YOUNG = 200_000
 """Objects that are made before those among them that nothing uses are looked for; Python's own is 700."""
 

@@ -16,6 +16,7 @@ from robodyn.robot.urdf.parts import Inertial
 from robodyn.scene.parts import Friction
 from robodyn.solids.inertia.laws import symmetric
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 OF_LINKS = ("mass", "com", "com", "com", "inertia", "inertia", "inertia", "inertia")
 """What varies of a link: mass, centre of mass along x, y and z, a factor of the inertia, and ixx, iyy and izz."""
@@ -76,9 +77,9 @@ class UncertainLink:
         I_c += off[:, 5:, None] * np.eye(3)
         _, R, p = self.frame
         centre = product(c + off[:, 1:4], R.T) + p
-        squares = np.einsum("ni,ni->n", centre, centre)
+        squares = einsum("ni,ni->n", centre, centre)
         apart = squares[:, None, None] * np.eye(3) - centre[:, :, None] * centre[:, None, :]
-        I = np.einsum("ij,njk,lk->nil", R, I_c, R) + m[:, None, None] * apart
+        I = einsum("ij,njk,lk->nil", R, I_c, R) + m[:, None, None] * apart
         moments = np.column_stack((m, m[:, None] * centre, I[:, (0, 0, 0, 1, 1, 2), (0, 1, 2, 1, 2, 2)]))
         return np.asarray(moments[1:] - moments[0])
 
@@ -159,7 +160,7 @@ class Variations:
     def variance(self, changes: Floats) -> Floats:
         """Return the variance of what has these derivatives by theta (..., m), to first order."""
         along = self.independent(changes)
-        return np.asarray(np.einsum("...k,...k->...", along, along))
+        return np.asarray(einsum("...k,...k->...", along, along))
 
     def theta(self, x: Floats) -> Floats:
         """Return (draws, m) by how much theta changes with x (draws, k), to all orders."""

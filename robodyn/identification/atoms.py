@@ -16,6 +16,7 @@ from robodyn.identification.samples import Samples
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 _SEED, _STATES = 20, 8
 
@@ -110,7 +111,7 @@ class Atoms:
         if self._payloads:
             known = known + self._of_payloads(samples)
         described = inverse_dynamics(self.model, samples.q, samples.qd, samples.qdd, scene=self._described)
-        passed = known + np.einsum("kjb,b->kj", Y[:, :, self._inertial], self._transmitting)
+        passed = known + einsum("kjb,b->kj", Y[:, :, self._inertial], self._transmitting)
         for k, load in self._loads.items():
             j = int(np.flatnonzero(self.motors[k].direction)[0])
             m = load * self.motors[k].sign(samples.qd, self.slip_speed)

@@ -14,6 +14,7 @@ from robodyn.dynamics.regressor import INERTIAL
 from robodyn.identification.householder import back_substituted, reflect, triangular
 from robodyn.programs.vectors import product
 from robodyn.support.floats import HALF_UP, Floats
+from robodyn.support.sums import einsum
 
 TOLERANCE = 1e-8
 """Of a column's length: what lies off the span of the others by less is dependent on them. Rounding reaches 1e-13, and
@@ -93,8 +94,8 @@ class Base:
 
     def values(self, theta: Floats) -> Floats:
         """Return beta (..., r) of parameters theta (..., p); 0 for what is rounding alone beside its terms."""
-        found = np.einsum("rp,...p->...r", self.matrix, theta)
-        size = np.einsum("rp,...p->...r", np.abs(self.matrix), np.abs(theta))
+        found = einsum("rp,...p->...r", self.matrix, theta)
+        size = einsum("rp,...p->...r", np.abs(self.matrix), np.abs(theta))
         return np.asarray(np.where(np.abs(found) > _ROUNDING * size, found, 0.0))
 
     def estimate(self, R: Floats, z: Floats, sigma: float = 1.0) -> Estimate:
@@ -112,7 +113,7 @@ class Base:
         r = self.rank
         inverse = back_substituted(T[:r, :r], np.eye(r)) / lengths[:, None]
         covariance = sigma * sigma * product(inverse, inverse.T)
-        errors = np.sqrt(np.einsum("ii->i", covariance))
+        errors = np.sqrt(einsum("ii->i", covariance))
         return Estimate(back_substituted(T[:r, :r], T[:r, r]) / lengths, errors, covariance)
 
     def within(self, R: Floats, tolerance: float = TOLERANCE) -> Base:
@@ -174,7 +175,7 @@ _UNITS = {name: "kg" if name == "m" else "kg m" if name.startswith("m") else "kg
 
 
 def _lengths(A: Floats) -> Floats:
-    return np.asarray(np.sqrt(np.einsum("ij,ij->j", A, A)))
+    return np.asarray(np.sqrt(einsum("ij,ij->j", A, A)))
 
 
 def _pivoted(A: Floats, tolerance: float) -> tuple[Floats, list[int], Floats]:

@@ -15,6 +15,7 @@ from robodyn.identification.log import read_log
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 
 @dataclass(frozen=True)
@@ -168,7 +169,7 @@ def _friction(evidence: Evidence, faults: tuple[Fault, ...]) -> Floats:
 
 
 def _total(values: Floats) -> float:
-    return float(np.sqrt(np.einsum("ki,ki", values, values)))
+    return float(np.sqrt(einsum("ki,ki", values, values)))
 
 
 def _explained(before: Floats, after: Floats) -> Floats:
@@ -179,5 +180,5 @@ def _explained(before: Floats, after: Floats) -> Floats:
 
 def _correlation(a: Floats, b: Floats) -> float | None:
     a, b = a - a.mean(), b - b.mean()
-    size = float(np.sqrt(np.einsum("k,k", a, a) * np.einsum("k,k", b, b)))
-    return float(np.einsum("k,k", a, b)) / size if size > 0.0 else None
+    size = float(np.sqrt(einsum("k,k", a, a) * einsum("k,k", b, b)))
+    return float(einsum("k,k", a, b)) / size if size > 0.0 else None

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 
 def _basis() -> Floats:
@@ -25,19 +26,19 @@ def _basis() -> Floats:
 
 BASIS = _basis()
 """An orthonormal basis (10, 4, 4) of the symmetric matrices."""
-ONE = np.einsum("kii->k", BASIS)
+ONE = einsum("kii->k", BASIS)
 """The coordinates of the identity."""
 
 
 def coordinates(V: Floats) -> Floats:
     """Return the coordinates (..., 10) of symmetric matrices (..., 4, 4) in `BASIS`."""
-    v: Floats = np.einsum("kij,...ij->...k", BASIS, V)
+    v: Floats = einsum("kij,...ij->...k", BASIS, V)
     return v
 
 
 def matrices(v: Floats) -> Floats:
     """Return the matrices (..., 4, 4) of coordinates (..., 10)."""
-    V: Floats = np.einsum("...k,kij->...ij", v, BASIS)
+    V: Floats = einsum("...k,kij->...ij", v, BASIS)
     return V
 
 

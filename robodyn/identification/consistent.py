@@ -14,6 +14,7 @@ from robodyn.identification.interior_point import Minimum, minimised
 from robodyn.identification.prior import Prior
 from robodyn.identification.pseudo_inertia import divergence, parameters_of, pseudo_inertia
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 MARGIN = 1e-6
 """P - MARGIN P0 is positive definite, so that rounding in print makes no body impossible."""
@@ -69,11 +70,11 @@ def consistent_parameters(R: Floats, z: Floats, prior: Prior, strength: float = 
     _check(R, z, prior, strength)
     scaled = _Scaled(R, z, prior)
     if not scaled.seen.any():
-        return ConsistentFit(prior.described.copy(), float(np.einsum("i,i->", z, z)) / 2.0, {}, 0.0, 0)
+        return ConsistentFit(prior.described.copy(), float(einsum("i,i->", z, z)) / 2.0, {}, 0.0, 0)
     found = minimised(scaled.problem(strength), scaled.y0)
     theta = scaled.theta(found)
-    residual = np.einsum("ij,j->i", R, theta) - z
-    error = float(np.einsum("i,i->", residual, residual)) / 2.0
+    residual = einsum("ij,j->i", R, theta) - z
+    error = float(einsum("i,i->", residual, residual)) / 2.0
     far = {body.name: _divergence(theta[body.columns], prior.theta[body.columns]) for body in scaled.bodies}
     return ConsistentFit(theta, error, far, found.gap * scaled.size**2, found.steps)
 

@@ -12,6 +12,7 @@ from robodyn.identification.householder import back_substituted, triangular
 from robodyn.identification.moments import LAGS, Moments
 from robodyn.identification.structure import Structure
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 
 def covariance(moments: Moments, structure: Structure, base: Base, R: Floats, sigma: Floats) -> Floats:
@@ -27,11 +28,11 @@ def covariance(moments: Moments, structure: Structure, base: Base, R: Floats, si
         R: (k, p) weighted rows of the structure's parameters. sigma: (joints,) of the residuals [N m].
     """
     A = R[:, base.independent]
-    lengths = np.sqrt(np.einsum("ij,ij->j", A, A))
+    lengths = np.sqrt(einsum("ij,ij->j", A, A))
     inverse = back_substituted(triangular(A / lengths), np.eye(base.rank)) / lengths[:, None]
     shape = structure.shape[:, base.independent] @ inverse
     C = [
-        _symmetric(np.einsum("ar,lab,bs->lrs", own, sums, own, optimize=True))
+        _symmetric(einsum("ar,lab,bs->lrs", own, sums, own, optimize=True))
         for own, sums in zip(
             (shape[used] / scale for used, scale in zip(structure.atoms.used, sigma, strict=True)),
             moments.columns,
@@ -41,8 +42,8 @@ def covariance(moments: Moments, structure: Structure, base: Base, R: Floats, si
     rho, n = _correlations(moments), moments.count
     W = _meat(C, rho)
     for j, own in enumerate(C):
-        expected = np.diag(n - np.arange(LAGS + 1.0)) - 2.0 * _lost(np.einsum("lrr->l", own)) * _taper()
-        left = rho[:, j] * (n - np.arange(LAGS + 1.0)) - np.einsum("lrs,rs->l", own[: LAGS + 1], W)
+        expected = np.diag(n - np.arange(LAGS + 1.0)) - 2.0 * _lost(einsum("lrr->l", own)) * _taper()
+        left = rho[:, j] * (n - np.arange(LAGS + 1.0)) - einsum("lrs,rs->l", own[: LAGS + 1], W)
         rho[:, j] = np.linalg.solve(expected, left)
     values, axes = np.linalg.eigh(_meat(C, rho))
     low, high = _spectrum(rho)
@@ -72,7 +73,7 @@ def _both() -> NDArray[np.float64]:
 
 
 def _meat(C: Sequence[Floats], rho: Floats) -> Floats:
-    parts = [np.einsum("l,lrs->rs", _both() * rho[:, j], own[: LAGS + 1]) for j, own in enumerate(C)]
+    parts = [einsum("l,lrs->rs", _both() * rho[:, j], own[: LAGS + 1]) for j, own in enumerate(C)]
     return np.asarray(np.sum(parts, axis=0))
 
 

@@ -15,6 +15,7 @@ from robodyn.identification.rows import filtered
 from robodyn.identification.samples import Samples
 from robodyn.robot.model import Model
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 _FEWEST = 100
 _STILL = 1e-9
@@ -73,7 +74,7 @@ def _columns(log: Log, samples: Samples) -> Floats:
     Y, theta, names, rest = regressor(model, samples.q, samples.qd, samples.qdd, scene=log.scene)
     place = {name: k for k, name in enumerate(names)}
     found = np.zeros((*rest.shape, _OWN + len(INERTIAL)))
-    found[..., 0] = np.einsum("kip,p->ki", Y, theta) + rest
+    found[..., 0] = einsum("kip,p->ki", Y, theta) + rest
     for i, name in enumerate(model.rates):
         if f"{name}.viscous" in place:
             viscous, forward, backward, rotor = (

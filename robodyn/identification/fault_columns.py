@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 OWN = ("gain", "offset", "viscous", "coulomb", "rotor", "delay")
 """The parameters of each joint, in order: `gain` is relative, less one."""
@@ -77,7 +78,7 @@ class Evidence:
 
 def rms(values: Floats) -> Floats:
     """Return the root mean square of each column."""
-    return np.asarray(np.sqrt(np.einsum("ki,ki->i", values, values) / len(values)))
+    return np.asarray(np.sqrt(einsum("ki,ki->i", values, values) / len(values)))
 
 
 def columns(evidence: Evidence, theta: Floats) -> tuple[list[Floats], Floats]:
@@ -93,8 +94,8 @@ def columns(evidence: Evidence, theta: Floats) -> tuple[list[Floats], Floats]:
     for j in range(evidence.joints):
         mine = theta[evidence.places(j)]
         gain, own, load = 1.0 + mine[GAIN], mine[VISCOUS : ROTOR + 1], mine[len(OWN) :]
-        inner = evidence.computed[:, j] + np.einsum("ki,i->k", evidence.load[:, j], load)
-        whole = gain * inner + np.einsum("ki,i->k", evidence.own[:, j], own)
+        inner = evidence.computed[:, j] + einsum("ki,i->k", evidence.load[:, j], load)
+        whole = gain * inner + einsum("ki,i->k", evidence.own[:, j], own)
         rate = make_interp_spline(at, whole, k=5).derivative()(at) / evidence.step
         per = [inner, np.ones(len(at)), *evidence.own[:, j].T, -rate, *(gain * evidence.load[:, j]).T]
         found.append(np.stack(per, axis=1)[inside])
@@ -134,7 +135,7 @@ def of_robot(theta: Floats, covariance: Floats, gains: Collection[int]) -> tuple
         found[own] /= 1.0 + theta[gain]
         rate[own, own] = 1.0 / (1.0 + theta[gain])
         rate[own, gain] = -found[own] / (1.0 + theta[gain])
-    return found, np.einsum("ia,ab,jb->ij", rate, covariance, rate, optimize=True)
+    return found, einsum("ia,ab,jb->ij", rate, covariance, rate, optimize=True)
 
 
 def first_delays(evidence: Evidence) -> Floats:
@@ -148,12 +149,12 @@ def first_delays(evidence: Evidence) -> Floats:
     shifts = np.arange(1 - margin, margin)
     for j, each in enumerate(zero):
         own = np.delete(each, DELAY, axis=1)
-        size = np.sqrt(np.einsum("ki,ki->i", own, own))
+        size = np.sqrt(einsum("ki,ki->i", own, own))
         basis = np.linalg.svd(own[:, size > 0] / size[size > 0], full_matrices=False)
         Q = basis[0][:, basis[1] > 1e-6 * basis[1][0]]
         windows = np.lib.stride_tricks.sliding_window_view(evidence.measured[:, j], len(left))[1:-1]
-        whole = np.einsum("sk,sk->s", windows, windows)
-        rest = whole - (np.square(np.einsum("sk,kq->sq", windows, Q))).sum(axis=1)
+        whole = einsum("sk,sk->s", windows, windows)
+        rest = whole - (np.square(einsum("sk,kq->sq", windows, Q))).sum(axis=1)
         best = int(np.argmin(rest))
         if rest[best] < (1.0 - _CLEAR) * rest[margin - 1]:
             found[j] = shifts[best] * evidence.step

@@ -19,6 +19,7 @@ from robodyn.identification.dependent_columns import (
 from robodyn.identification.fault_columns import DELAY, GAIN, OFFSET, OWN, Evidence, columns, rms
 from robodyn.identification.long_run import score_covariance, variance_of_sums, window_length
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 TOGETHER = 0.1
 """The probability with which noise must explain all effects that are taken for zero."""
@@ -62,7 +63,7 @@ def blurred(evidence: Evidence, start: Floats) -> set[int]:
         basis, values, _ = np.linalg.svd(each / np.where(size > 0.0, size, 1.0), full_matrices=False)
         basis = basis[:, values > DEPENDENT * values[0]]
         target = evidence.shifted(j, start[len(OWN) * j + DELAY])[:, None]
-        rest = target - np.einsum("ka,ia,ib->kb", basis, basis, target, optimize=True)
+        rest = target - einsum("ka,ia,ib->kb", basis, basis, target, optimize=True)
         two = each[:, [GAIN, DELAY]]
         scores = np.diag(score_covariance([two], rest, [(0, 1)], 2))
         errors = np.sqrt(np.abs(scores)) / np.maximum(len(two) * rms(two) ** 2, 1e-300)
@@ -120,11 +121,11 @@ class Fit:
         bread = np.zeros((len(self.theta), len(self.theta)))
         places = sorted(self.fitted)
         inverse = pseudoinverse(self._triangles[:, places])
-        bread[np.ix_(places, places)] = np.einsum("ia,ja->ij", inverse, inverse)
+        bread[np.ix_(places, places)] = einsum("ia,ja->ij", inverse, inverse)
         scores = score_covariance(scaled, self.residual / weights, self._places, len(self.theta), bread)
         rounding = np.repeat(ROUNDING * rms(evidence.measured) / weights, np.diff(self.heights))
         rounded = self._triangles[:, :-1] * rounding[:, None]
-        self._scores = scores + np.einsum("ka,kb->ab", rounded, rounded)
+        self._scores = scores + einsum("ka,kb->ab", rounded, rounded)
         self._grow = np.ones(len(self.theta))
         self.covariance = self._covariance(self.fitted)
         self._grow = self._bursts(scaled, self.residual / weights, bread)
@@ -137,13 +138,13 @@ class Fit:
         for part in 0.5 ** np.arange(_HALVINGS):
             self.theta = at + part * step
             after = columns(evidence, self.theta)[1] / weights
-            if np.einsum("ki,ki", after, after) <= np.einsum("ki,ki", before, before) * _SLACK:
+            if einsum("ki,ki", after, after) <= einsum("ki,ki", before, before) * _SLACK:
                 return
 
     def _bursts(self, scaled: Sequence[Floats], residual: Floats, bread: Floats) -> Floats:
         """Return by how much errors are larger than those of steady noise: residuals may be large where columns are."""
         parts = sum(
-            np.einsum("kp,pq->kq", columns * residual[:, [j]], bread[places])
+            einsum("kp,pq->kq", columns * residual[:, [j]], bread[places])
             for j, (columns, places) in enumerate(zip(scaled, self._places, strict=True))
         )
         variance, steady = variance_of_sums(np.asarray(parts), window_length(residual)), np.diag(self.covariance)
@@ -157,7 +158,7 @@ class Fit:
 
     def _alone(self) -> Floats:
         """Return the standard error of each parameter, were it the only one."""
-        sizes = np.einsum("ij,ij->j", self._triangles, self._triangles)[:-1]
+        sizes = einsum("ij,ij->j", self._triangles, self._triangles)[:-1]
         return np.asarray(np.sqrt(np.abs(np.diag(self._scores))) / np.where(sizes > 0.0, sizes, 1e-300))
 
     @staticmethod
@@ -181,7 +182,7 @@ class Fit:
         found = np.zeros((len(self.theta), len(self.theta)))
         if places:
             inverse = pseudoinverse(self._triangles[:, places])
-            bread = np.einsum("ia,ja->ij", inverse, inverse)
+            bread = einsum("ia,ja->ij", inverse, inverse)
             found[np.ix_(places, places)] = bread @ self._scores[np.ix_(places, places)] @ bread
             found[places, places] = np.abs(found[places, places])  # tapers may leave what is next to 0 negative
         return found * np.outer(self._grow, self._grow)
@@ -213,7 +214,7 @@ class Fit:
         if self.told != self.fitted:
             others = [place for place in self._wanted if place not in mine]
             fitted = independent(self._triangles, [*others, *(place for place in self._wanted if place in mine)])
-            explained = np.einsum("ij,j->i", self._triangles[:, :-1], theta)
+            explained = einsum("ij,j->i", self._triangles[:, :-1], theta)
             theta = least_squares(np.column_stack((self._triangles[:, :-1], explained)), fitted)
             covariance = self._covariance(fitted)
         return float(chi2.logsf(*wald(theta, covariance, sorted(mine & fitted))))

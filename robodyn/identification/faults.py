@@ -11,6 +11,7 @@ from robodyn.identification.dependent_columns import least_squares
 from robodyn.identification.fault_columns import DELAY, GAIN, OWN, Evidence, additive, first_delays, of_robot, rms
 from robodyn.identification.fault_fit import Effect, Fit, blurred, weights_of
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 LEVEL = 0.01
 """The probability that noise alone makes any fault be told."""
@@ -122,7 +123,7 @@ def _ranked(evidence: Evidence, fit: Fit, told: Sequence[Effect]) -> list[tuple[
     rows = fit.rows(found, difference, weights_of(difference, evidence.measured))
 
     def left(places: set[int]) -> Floats:
-        rest = rows[:, -1] - np.einsum("ij,j->i", rows[:, :-1], least_squares(rows, places & fit.fitted))
+        rest = rows[:, -1] - einsum("ij,j->i", rows[:, :-1], least_squares(rows, places & fit.fitted))
         return np.add.reduceat(rest * rest, fit.heights[:-1])
 
     whole = left(set())

@@ -13,6 +13,7 @@ from robodyn.identification.moments import Moments
 from robodyn.identification.rows import filtered
 from robodyn.identification.triangle import Triangle
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 _WAITING = 1024
 """Rows that are added to a factor at a time."""
@@ -98,7 +99,7 @@ def gather(
         weights, fit = None, folds < len(edges)
         if guess is not None:
             pairs = zip(parts, atoms.used, strict=True)
-            off = [np.einsum("ka,a->k", part[:, :-1], guess.values[used]) - part[:, -1] for part, used in pairs]
+            off = [einsum("ka,a->k", part[:, :-1], guess.values[used]) - part[:, -1] for part, used in pairs]
             weights = guess.weights([part[:, :-1] for part in parts], np.stack(off, axis=1), fit)
         else:
             tau = rows.tau[:, atoms.measured]

@@ -9,6 +9,7 @@ import numpy as np
 
 from robodyn.identification.fault_columns import Evidence
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 _CLEAR = 0.25
 """Of the residual's sum of squares with channels as they are, what the right ones leave at most, as geometric mean."""
@@ -117,7 +118,7 @@ def magnitudes(rows: Sequence[Floats], names: Sequence[str]) -> list[str]:
 def _factor(rows: Floats, columns: int) -> tuple[Floats, Floats]:
     """Return the triangular factor of rows with the first columns at unit length, and these lengths."""
     factor = np.asarray(np.linalg.qr(rows, mode="r"))
-    size = np.sqrt(np.einsum("ij,ij->j", factor, factor))[:columns]
+    size = np.sqrt(einsum("ij,ij->j", factor, factor))[:columns]
     scale = np.where(size > 0.0, size, 1.0)
     factor[:, :columns] /= scale
     return factor, scale
@@ -137,7 +138,7 @@ def _costs(rows: Sequence[Floats]) -> Floats:
     found = np.empty((n, n, 2))
     for i, each in enumerate(rows):
         factor, _ = _factor(each, 3)
-        size = np.einsum("ij,ij->j", factor, factor)
+        size = einsum("ij,ij->j", factor, factor)
         for j in range(n):
             least = 1e-12 * (size[3] + size[4 + j]) + 1e-300
             for k, sign in enumerate((1.0, -1.0)):

@@ -6,16 +6,17 @@ import numpy as np
 
 from robodyn.programs.vectors import product
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 
 def reflect(A: Floats, k: int) -> None:
     """Turn the rows from k on so that column k is zero under its diagonal; in place, columns before k are done."""
     v = A[k:, k].copy()
-    size = np.sqrt(np.einsum("i,i->", v, v))
+    size = np.sqrt(einsum("i,i->", v, v))
     if size == 0.0:
         return
     v[0] += np.copysign(size, v[0])
-    v /= np.sqrt(np.einsum("i,i->", v, v))
+    v /= np.sqrt(einsum("i,i->", v, v))
     A[k:, k:] -= 2.0 * v[:, None] * product(v, A[k:, k:])
     A[k + 1 :, k] = 0.0
 

@@ -23,6 +23,7 @@ from robodyn.identification.run import FOLDS, Run, begun, first_fit, repeated, w
 from robodyn.identification.structure import Structure, fitted, system
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 _REPEATED = 3
 """Gauss-Newton's steps where friction grows with load, which is not linear in the parameters."""
@@ -100,4 +101,4 @@ def _prior(run: Run, structure: Structure, shapes: bool) -> Prior:
 def _base(structure: Structure, R: Floats, z: Floats, moments: Moments, sigma: Floats, theta: Floats) -> BaseFit:
     base = base_of(R, structure.names)
     C = covariance(moments, structure, base, R, sigma)
-    return BaseFit(base, base.estimate(R, z).values, np.sqrt(np.einsum("ii->i", C)), base.values(theta), C)
+    return BaseFit(base, base.estimate(R, z).values, np.sqrt(einsum("ii->i", C)), base.values(theta), C)

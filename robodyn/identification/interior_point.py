@@ -10,6 +10,7 @@ import numpy as np
 from robodyn.identification.cones import Point, Problem
 from robodyn.identification.newton import Newton
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 _MOST = 100
 _SHORT = 0.1
@@ -46,10 +47,10 @@ def minimised(problem: Problem, y: Floats) -> Minimum:
 
     Accuracy: the objective exceeds its minimum by `gap`, 2 (k + 1) floor at most where the steps settle.
     """
-    error = np.einsum("ij,j->i", problem.A, y) - problem.b
+    error = einsum("ij,j->i", problem.A, y) - problem.b
     mu = max(1e-2, float(np.sum(error * error)))
     V = problem.matrices(y)
-    s = np.maximum(np.einsum("ij,j->i", problem.G, y) + problem.h, 1e-3)
+    s = np.maximum(einsum("ij,j->i", problem.G, y) + problem.h, 1e-3)
     Z = np.asarray((problem.lam + mu) * np.linalg.inv(V), dtype=float)
     point = Point(y, V, Z, s, mu / s)
     at_end = 0

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from robodyn.programs.vectors import product
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 Spectra = NDArray[np.complex128]
 _QUIET = 5
@@ -81,7 +82,7 @@ def score_covariance(
 
     def between(i: int, j: int, of: Floats | Spectra) -> Floats:
         left = np.conj(transforms[i] * (of * twice)[:, None])
-        return np.asarray(np.einsum("fa,fb->ab", left, transforms[j]).real)
+        return np.asarray(einsum("fa,fb->ab", left, transforms[j]).real)
 
     powers = [np.abs(spectrum) ** 2 for spectrum in spectra.T]
     found = np.zeros((size, size))
@@ -120,7 +121,7 @@ def _taken(
 
 def _quadratic(transforms: Spectra, matrix: Floats) -> Floats:
     """Return x'Ax of each row of transforms."""
-    return np.asarray(np.einsum("fa,fa->f", np.conj(transforms), np.einsum("fb,ab->fa", transforms, matrix)).real)
+    return np.asarray(einsum("fa,fa->f", np.conj(transforms), einsum("fb,ab->fa", transforms, matrix)).real)
 
 
 def variance_of_sums(series: Floats, length: int) -> Floats:
@@ -130,4 +131,4 @@ def variance_of_sums(series: Floats, length: int) -> Floats:
     """
     total = np.cumsum(np.pad(series, ((length, length), (0, 0))), axis=0)
     parts = total[length:] - total[:-length]
-    return np.asarray(np.einsum("kp,kp->p", parts, parts) / length)
+    return np.asarray(einsum("kp,kp->p", parts, parts) / length)

@@ -8,6 +8,7 @@ import numpy as np
 
 from robodyn.identification.atoms import Atoms
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 LAGS = 12
 """Rows apart up to which residuals are taken for correlated."""
@@ -40,7 +41,7 @@ class Moments:
         self._columns = [_added(*pair, sums) for pair, sums in zip(pairs, self.columns, strict=True)]
         whole = np.concatenate([self._residuals, residuals])
         for lag, (first, second) in _apart(whole, len(residuals), LAGS):
-            self.residuals[lag] += np.einsum("kj,kj->j", first, second)
+            self.residuals[lag] += einsum("kj,kj->j", first, second)
         self._residuals = whole[-LAGS:]
 
 

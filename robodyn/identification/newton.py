@@ -12,6 +12,7 @@ import numpy as np
 
 from robodyn.identification.cones import BASIS, Point, Problem, coordinates, matrices
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 _KEEP = 0.98
 """The part of the way to the border of the cones that a step goes at most."""
@@ -109,7 +110,7 @@ class Newton:
         right = self._padded(goal) - self.gradient + self.G.T @ (slack - self.ratio * outside)
         v = self.inverse_root.T @ (self.inverse_root @ right)
         links, n = v[: problem.size].reshape(-1, 10), problem.size
-        y = np.concatenate((np.einsum("lab,lb->la", self.S, links).ravel(), v[n:]))
+        y = np.concatenate((einsum("lab,lb->la", self.S, links).ravel(), v[n:]))
         V, s = matrices(links), problem.G @ y + outside
         return Direction(y, V, goal - _diagonal(d) - V, s, slack - point.w - self.ratio * s)
 
@@ -136,7 +137,7 @@ def _root(rows: Floats, own: Floats) -> Floats:
     The product is not BLAS's, whose threads wait for each other where others use the cores: here 20 times as long.
     """
     try:
-        return np.asarray(np.linalg.cholesky(np.einsum("ka,kb->ab", rows, rows) + np.diag(own)))
+        return np.asarray(np.linalg.cholesky(einsum("ka,kb->ab", rows, rows) + np.diag(own)))
     except np.linalg.LinAlgError:
         R = np.asarray(np.linalg.qr(np.concatenate((rows, np.diag(np.sqrt(own)))), mode="r"))
         return R.T

@@ -19,6 +19,7 @@ from robodyn.scene.covariance import Covariance
 from robodyn.scene.parts import CoupledMotor, Friction
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 
 class Outcome(NamedTuple):
@@ -92,7 +93,7 @@ def covariance(found: Identified) -> Covariance:
     names, theta = (*found.names, *loads), np.append(found.theta, list(loads.values()))
     carried = carriers(found.base.base, names)
     own = np.flatnonzero(carried.any(axis=1))
-    C = np.einsum("ar,rs,bs->ab", carried[own], found.base.covariance, carried[own])
+    C = einsum("ar,rs,bs->ab", carried[own], found.base.covariance, carried[own])
     return Covariance(tuple(names[k] for k in own), theta[own], (C + C.T) / 2.0)
 
 

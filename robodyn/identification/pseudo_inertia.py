@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 
 def _map() -> Floats:
@@ -40,7 +41,7 @@ def pseudo_inertia(parameters: ArrayLike) -> Floats:
 
     Accuracy: each entry within 2 eps of the largest of its kind; `parameters_of` undoes it likewise.
     """
-    P: Floats = np.einsum("...k,kij->...ij", np.asarray(parameters, dtype=float), _OF_PARAMETERS)
+    P: Floats = einsum("...k,kij->...ij", np.asarray(parameters, dtype=float), _OF_PARAMETERS)
     return P
 
 

@@ -26,6 +26,7 @@ from robodyn.identification.structure import Structure, fitted
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 FOLDS = 5
 """Parts of what is fitted, for cross-validation; what is held out is another one."""
@@ -87,7 +88,7 @@ def begun(logs: Sequence[Log], validate: Sequence[Log], scene: Scene, split: flo
     for log in every:
         top = np.zeros(len(candidates))
         for samples in states(log, cutoff):
-            speeds = np.einsum("kj,mj->km", samples.qd, np.stack([motor.direction for motor in candidates]))
+            speeds = einsum("kj,mj->km", samples.qd, np.stack([motor.direction for motor in candidates]))
             top = np.maximum(top, np.abs(speeds).max(axis=0, initial=0.0))
         if log.derived and not scene.slip_speed:
             slip = max(slip, _SLOW * float(top[: model.n].max()), _NOISE * _speed_noise(log, cutoff))

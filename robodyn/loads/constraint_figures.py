@@ -15,6 +15,7 @@ from robodyn.loads.contact_figures import ContactFigures
 from robodyn.loads.statistics import Greatest, Integrals
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats, steady
+from robodyn.support.sums import einsum
 
 TOLD = 1e-6
 """Of the largest torque of the motion: less than that at a passive joint is not told."""
@@ -56,7 +57,7 @@ class ConstraintFigures:
         """Return (2 L, N) the magnitudes of forces and moments."""
         count = len(self.solver.plan.scene.loops)
         parts = wrenches[:, : 6 * count].reshape(len(wrenches), 2 * count, 3)
-        return np.asarray(np.sqrt(np.einsum("nki,nki->kn", parts, parts)))
+        return np.asarray(np.sqrt(einsum("nki,nki->kn", parts, parts)))
 
     def _loop_of_equations(self) -> list[int]:
         found = closures(self.solver.plan) if self.solver.plan.scene.loops else ()

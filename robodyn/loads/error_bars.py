@@ -14,6 +14,7 @@ from robodyn.programs.vectors import length
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 if TYPE_CHECKING:
     from robodyn.loads.constraints import ConstraintPass
@@ -42,7 +43,7 @@ class ErrorBars:
             return 0.0
         if self._first is None:
             self._first = self.response({name: values[0] for name, values in state.items()})[self.rates]
-        found: Floats = np.sqrt(np.einsum("kj,ij->ki", self._first**2, off**2))
+        found: Floats = np.sqrt(einsum("kj,ij->ki", self._first**2, off**2))
         return found
 
     def at_peak(self, k: int, state: Mapping[str, Floats] | None, shares: Mapping[str, float]) -> tuple[float, float]:

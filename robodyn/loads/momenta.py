@@ -16,6 +16,7 @@ from robodyn.programs.run.runner import Runner
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 from robodyn.trajectory.motion import Trajectory
 
 NAMES = (*COLUMNS, "power")
@@ -41,7 +42,7 @@ class MomentumPass:
         """
         moving = frozenset(pair for pair in pattern if pair[0] != "qdd")
         found = run(momentum_runner(plan(self.model, self.scene, moving), self.view))
-        columns = np.column_stack((found, np.einsum("ij,ij->i", tau, block.qd)))
+        columns = np.column_stack((found, einsum("ij,ij->i", tau, block.qd)))
         check_loads(columns, NAMES, block.first_row, self.file)
         self.extremes.update(block.time, columns)
         return columns

@@ -18,6 +18,7 @@ from robodyn.programs.run.runner import Run, Runner
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats, first_largest
+from robodyn.support.sums import einsum
 from robodyn.trajectory.motion import Trajectory
 
 CHECKED_PER_BLOCK = 64
@@ -59,7 +60,7 @@ class SelfChecks:
         rows = np.linspace(0, len(block) - 1, min(len(block), CHECKED_PER_BLOCK)).astype(int)
         self._checked = self._checked or -(-whole * len(rows) // len(block))
         lost, lawful, stored = _runners(plan(self.model, self.scene, zero))
-        net = np.einsum("ij,ij->i", tau, block.qd) - execute(lost, sources, whole).values[:, 0]
+        net = einsum("ij,ij->i", tau, block.qd) - execute(lost, sources, whole).values[:, 0]
         checked = {name: values[rows] for name, values in sources.items()}
         expected = execute(lawful, checked, self._checked).values
         self.laws.update(expected, base[rows], net[rows], tau[rows] * block.qd[rows])

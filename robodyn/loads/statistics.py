@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from robodyn.support.floats import BEYOND, Floats, first_of_ties, steady
+from robodyn.support.sums import einsum
 from robodyn.trajectory.columns import COMPONENTS
 
 FOUNDATION = (*COMPONENTS, "fxy", "mxy")
@@ -95,7 +96,7 @@ class Integrals:
         weights[1:] += after
         weights[0] += before
         for name, values in quantities.items():
-            total = 0.5 * np.einsum("...k,k->...", values, weights)
+            total = 0.5 * einsum("...k,k->...", values, weights)
             if name in self._last:
                 total = total + 0.5 * before * self._last[name]
             self.totals[name] = self.totals.get(name, 0.0) + total

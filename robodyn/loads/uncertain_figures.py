@@ -19,6 +19,7 @@ from robodyn.loads.uncertain_quantities import Figure
 from robodyn.loads.uncertainty import UncertaintyPass
 from robodyn.programs.vectors import product
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 DRAWS, SEED = 20_000, 19
 TRIED = 400
@@ -99,7 +100,7 @@ class Figures:
         root = cube_roots if power == 3 else np.sqrt
         size = float(root(np.array(whole)))
         at = kept[..., 0]
-        own = power * np.einsum("cn,cnm->m", figure.half(at) * figure.size(at) ** (power - 2) * share, kept[..., 1:])
+        own = power * einsum("cn,cnm->m", figure.half(at) * figure.size(at) ** (power - 2) * share, kept[..., 1:])
         first, before = (slope - own)[used], _powers(figure.size(at), power, share)
 
         def drawn(theta: Floats) -> Floats:
@@ -142,7 +143,7 @@ def _used(rows: Floats) -> tuple[Floats, NDArray[np.int64]]:
 
 def _powers(sizes: Floats, power: int, share: Floats) -> Floats:
     """Return the mean of a power of magnitudes (..., n)."""
-    return np.asarray(np.einsum("...n,n->...", sizes * sizes if power == 2 else sizes * sizes * sizes, share))
+    return np.asarray(einsum("...n,n->...", sizes * sizes if power == 2 else sizes * sizes * sizes, share))
 
 
 def cube_roots(x: Floats) -> Floats:

@@ -12,6 +12,7 @@ from robodyn.loads.statistics import Greatest
 from robodyn.loads.uncertain_quantities import Figure
 from robodyn.programs.vectors import product
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 DRAWS, SEED = 64, 190
 WIDER = 1.5
@@ -65,12 +66,12 @@ class UncertainPeaks:
         figure, at = self.figures[k], self.at[k, : len(values)]
         at_peak = self.found.spread(at[:, 1:])
         apart = figure.gradient(values, along) - figure.gradient(at[:, 0], at_peak)
-        spread, errors = np.sqrt(np.einsum("nk,nk->n", apart, apart)), np.einsum("cnk,cnk->cn", along, along)
+        spread, errors = np.sqrt(einsum("nk,nk->n", apart, apart)), einsum("cnk,cnk->cn", along, along)
         across, gap = np.sqrt(errors.sum(0)), float(self.peaks.score[k]) - sure
         turns = figure.size(values) < OUT_OF_REACH * across
         if figure.lossy:
             turns |= np.abs(values[1]) < OUT_OF_REACH * np.sqrt(errors[1])
-        own = np.sqrt(np.einsum("cp,cp->", at_peak, at_peak))
+        own = np.sqrt(einsum("cp,cp->", at_peak, at_peak))
         return np.flatnonzero(gap <= OUT_OF_REACH * np.where(turns, across + own, spread))
 
     def _choose(self, k: int, near: NDArray[np.int64], drawn: Floats, of: tuple[Floats, Floats, Floats]) -> None:

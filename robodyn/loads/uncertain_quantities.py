@@ -12,6 +12,7 @@ from robodyn.loads.bearings import NAMES, frame
 from robodyn.loads.motors import LEAST, Train, allowed, load_torque, motor_torque, points
 from robodyn.robot.model import Joint, Model
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 from robodyn.trajectory.columns import COMPONENTS
 
 _PAIRS = (("radial", 0, 1), ("tilting", 3, 4)), (("radial", 0, 1), ("tilting", 2, 3))
@@ -64,7 +65,7 @@ class Figure(NamedTuple):
     def gradient(self, columns: Floats, changes: Floats) -> Floats:
         """Return the derivatives (..., m) of the magnitude, of columns (1 or 2, ...) with theirs; 0 where it is 0."""
         size = self.size(columns)
-        found = np.einsum("c...,c...k->...k", self.half(columns), changes)
+        found = einsum("c...,c...k->...k", self.half(columns), changes)
         return np.asarray(found / np.where(size > 0.0, size, np.inf)[..., None])
 
 

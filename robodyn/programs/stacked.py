@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 TINY = 1e-300
 
@@ -45,7 +46,7 @@ def least_squares(A: Floats, B: Floats) -> LeastSquares:
     size = np.abs(diagonal)
     ratio = size.min(axis=0) / np.maximum(size.max(axis=0), TINY)
     sign *= np.prod(np.sign(diagonal), axis=0) * (-1.0) ** min(k, m)
-    rest = np.sqrt(np.einsum("irn,irn->nr", W[k:, k:], W[k:, k:]))
+    rest = np.sqrt(einsum("irn,irn->nr", W[k:, k:], W[k:, k:]))
     return LeastSquares(_substituted(W, order, k), rest, ratio, sign)
 
 
@@ -68,7 +69,7 @@ def _triangular(A: Floats, B: Floats) -> tuple[Floats, NDArray[np.int64], Floats
     order: NDArray[np.int64] = np.repeat(np.arange(k)[:, None], N, axis=1)
     sign, samples = np.ones(N), np.arange(N)
     for j in range(min(m, k)):
-        squares = np.einsum("ijn,ijn->jn", W[j:, j:k], W[j:, j:k])
+        squares = einsum("ijn,ijn->jn", W[j:, j:k], W[j:, j:k])
         largest = j + np.argmax(squares, axis=0)
         sign[largest != j] *= -1.0
         for each in (W.transpose(1, 0, 2), order):
@@ -81,8 +82,8 @@ def _reflect(W: Floats, j: int, norm: Floats) -> None:
     """Take column j below row j to the negative of its first entry's sign times `norm`, all others with it."""
     v = W[j:, j].copy()
     v[0] += np.copysign(norm, v[0])
-    twice = 2.0 / np.maximum(np.einsum("in,in->n", v, v), TINY)
-    W[j:, j:] -= v[:, None] * (twice * np.einsum("in,ijn->jn", v, W[j:, j:]))
+    twice = 2.0 / np.maximum(einsum("in,in->n", v, v), TINY)
+    W[j:, j:] -= v[:, None] * (twice * einsum("in,ijn->jn", v, W[j:, j:]))
 
 
 def _substituted(W: Floats, order: NDArray[np.int64], k: int) -> Floats:
@@ -90,7 +91,7 @@ def _substituted(W: Floats, order: NDArray[np.int64], k: int) -> Floats:
     m, width, N = W.shape
     X = np.zeros((k, width - k, N))
     for j in reversed(range(min(k, m))):
-        left = W[j, k:] - np.einsum("in,irn->rn", W[j, j + 1 : k], X[j + 1 :])
+        left = W[j, k:] - einsum("in,irn->rn", W[j, j + 1 : k], X[j + 1 :])
         X[j] = left / np.where(W[j, j] == 0.0, np.inf, W[j, j])
     out = np.empty_like(X)
     np.put_along_axis(out, order[:, None, :], X, axis=0)

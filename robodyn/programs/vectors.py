@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 Array = NDArray[Any]
 """A NumPy array of any scalar."""
@@ -77,7 +78,7 @@ def product(*factors: Array) -> Any:
 def _times(A: Array, B: Array) -> Any:
     if A.dtype.hasobject or B.dtype.hasobject:
         return A @ B
-    return np.einsum(_SUMS[A.ndim > 1][B.ndim > 1], A, B)
+    return einsum(_SUMS[A.ndim > 1][B.ndim > 1], A, B)
 
 
 _SUMS = ("j,j->", "j,...jk->...k"), ("...ij,j->...i", "...ij,...jk->...ik")

@@ -7,6 +7,7 @@ import numpy as np
 from robodyn.identification.compare import Comparison, JointComparison
 from robodyn.identification.faults import Fault
 from robodyn.report.table import printable
+from robodyn.support.sums import einsum
 
 _TOLD = 0.01
 """Of a joint's residual: a share that is named."""
@@ -69,7 +70,7 @@ def _payload(found: Comparison, fault: Fault) -> str:
         return f"A load at {printable(found.load_link)} whose mass cannot be told"
     centre = fault.values[1:4] / m
     rate = np.column_stack((-centre / m, np.eye(3) / m))
-    errors = np.sqrt(np.einsum("ia,ab,ib->i", rate, fault.covariance[:4, :4], rate))
+    errors = np.sqrt(einsum("ia,ab,ib->i", rate, fault.covariance[:4, :4], rate))
     told = np.diag(fault.covariance)[1:4] > 0.0
     where = ", ".join(
         bar(float(x), float(e)) if there else "?" for x, e, there in zip(centre, errors, told, strict=True)

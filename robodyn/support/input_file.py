@@ -113,8 +113,11 @@ def _refuse(mode: int) -> NoReturn:
 
 
 def _all_of(stream: BinaryIO, file: str) -> bytes:
-    most = limits().file_bytes
-    data = stream.read(most + 1) or b""
-    if len(data) > most:
-        raise beyond("file_bytes", "too many bytes", InputError, file=file)
-    return data
+    """Return all bytes, read by parts: asked for 1 GiB at once, Python makes the room before it reads."""
+    most, parts, size = limits().file_bytes, [], 0
+    while part := stream.read(_PART):
+        size += len(part)
+        if size > most:
+            raise beyond("file_bytes", "too many bytes", InputError, file=file)
+        parts.append(part)
+    return b"".join(parts)

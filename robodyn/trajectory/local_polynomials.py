@@ -16,6 +16,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 WIDE = 80
 """Samples of a window from which moments that move along cost less than taking all its samples for each result."""
@@ -69,7 +70,7 @@ def orthonormal(u: Floats, x: Floats, degree: int) -> Basis:
 
 def _inner(a: Floats, b: Floats) -> Floats:
     """Sums of products over the samples, in an order that the shape alone decides."""
-    total: Floats = np.einsum("w...,w...->...", a, b)
+    total: Floats = einsum("w...,w...->...", a, b)
     return total
 
 
@@ -166,7 +167,7 @@ def _moved(width: int, degree: int) -> tuple[Floats, Floats, Floats]:
     for derivative in (basis.slope, basis.curve):
         weight = (far * derivative[:, half, None]).sum(axis=0)
         moved = sliding_window_view(weight, size)[size - 1 - half : half - 1 : -1]
-        shares.append(np.einsum("ij,pj->ip", moved, on))
+        shares.append(einsum("ij,pj->ip", moved, on))
     return on.T.copy(), shares[0], shares[1]
 
 

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 FEWEST = 7
 """Samples of a spline; through fewer goes one polynomial."""
@@ -250,5 +251,5 @@ def _matrix(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:
 
 def _times(A: Floats, x: Floats) -> Floats:
     """Products of 2 x 2 matrices (2, 2, S) and (2, c, S)."""
-    product: Floats = np.einsum("ijs,jks->iks", A, x)
+    product: Floats = einsum("ijs,jks->iks", A, x)
     return product

@@ -26,6 +26,7 @@ from robodyn.solids.inertia.laws import second_moments, symmetric
 from robodyn.solids.inertia.solids import SHAPES, WATER
 from robodyn.support.floats import Floats
 from robodyn.support.input_file import read_input
+from robodyn.support.sums import einsum
 
 _FACE, _OBJECT = re.compile(rb"^f[ \t]", re.MULTILINE), re.compile(rb"^[go]\b", re.MULTILINE)
 
@@ -167,6 +168,6 @@ def _fan(corners: Floats) -> Weight:
     masses = WATER / 6 * np.abs((v[:, 0] * np.cross(v[:, 1], v[:, 2])).sum(axis=1))
     mass, sums = fsum(masses.tolist()), v.sum(axis=1)
     centre = (masses[:, None] * sums).sum(axis=0) / (4 * mass) if mass else np.zeros(3)
-    squares = np.einsum("nki,nkj->nij", v, v) + np.einsum("ni,nj->nij", sums, sums)
+    squares = einsum("nki,nkj->nij", v, v) + einsum("ni,nj->nij", sums, sums)
     S = (masses[:, None, None] * squares).sum(axis=0) / 20 - mass * np.outer(centre, centre)
     return Weight(mass, (areas[:, None] * corners.mean(axis=1)).sum(axis=0) / whole + centre, S)

@@ -12,6 +12,7 @@ from robodyn.programs.vectors import product, rotation_about
 from robodyn.robot.model import Joint, Model
 from robodyn.solids.inertia.laws import about_centre
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 _WORTH = 1e-2
 """s; damping that is slower than this on the body's own inertia is of no interest."""
@@ -101,9 +102,9 @@ def _kinetic(model: Model, R: Floats, p: Floats, spins: Floats, slides: Floats) 
     np.add.at(J_w, rates, (on[:, :, None] * spins[None]).transpose(1, 0, 2))
     arms = np.cross(spins[None], c[:, None] - p[None]) + slides[None]
     np.add.at(J_v, rates, (on[:, :, None] * arms).transpose(1, 0, 2))
-    weighed = np.einsum("kab,jkb->jka", turned, J_w)
+    weighed = einsum("kab,jkb->jka", turned, J_w)
     # einsum and not @, whose threads wait for each other on a busy machine
-    both: Floats = np.einsum("ika,jka->ij", J_v * masses[:, None], J_v) + np.einsum("ika,jka->ij", J_w, weighed)
+    both: Floats = einsum("ika,jka->ij", J_v * masses[:, None], J_v) + einsum("ika,jka->ij", J_w, weighed)
     return both
 
 

@@ -27,6 +27,7 @@ from robodyn.robot.model import Frame
 from robodyn.scene.constraints import Contact
 from robodyn.solids.inertia.laws import Inertia
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 NOTHING = Inertia(0.0, ZERO, np.zeros((3, 3), dtype=object))
 Pushes = list[tuple[int, Wrench]]
@@ -105,7 +106,7 @@ def contact_map(plan: Plan, q: Floats, qd: Floats, executor: str = "auto") -> Co
         J[:, k] = units[:, c, None, :3]
         for axis in range(3):
             moment = cross(arms[:, k].transpose(2, 0, 1), IDENTITY[axis])
-            J[:, k, axis] += np.einsum("jsp,sjn->spn", moment, units[:, c, 3:])
+            J[:, k, axis] += einsum("jsp,sjn->spn", moment, units[:, c, 3:])
         at += count
     return ContactMap(J.reshape(samples, 3 * K, n), arms, places, speeds)
 
@@ -213,8 +214,8 @@ def loop_wrenches(plan: Plan, loops: LoopMap, multipliers: Floats) -> Floats:
     for closure in closures(plan) if plan.scene.loops else ():
         k = slice(at, at + len(closure.equations))
         force = np.array([equation.force() for equation in closure.equations]).reshape(-1, 3)
-        parts.append(np.einsum("nk,ki->ni", multipliers[:, k], force))
-        parts.append(np.einsum("nk,nki->ni", multipliers[:, k], loops.moments[:, k]))
+        parts.append(einsum("nk,ki->ni", multipliers[:, k], force))
+        parts.append(einsum("nk,nki->ni", multipliers[:, k], loops.moments[:, k]))
         at = k.stop
     return np.hstack(parts)
 

@@ -9,6 +9,7 @@ import numpy as np
 from robodyn.dynamics.constraints.structure import Mask, Structure, svd, times
 from robodyn.programs.stacked import least_squares, orthogonal
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 LOST = 1e-6
 """A singular value below this part of its usual size is lost at a sample: nothing is divided by it."""
@@ -64,9 +65,9 @@ def shares(found: Structure, J: Floats, tau: Floats, weights: Floats) -> Shares:
     Q = orthogonal(A.transpose(0, 2, 1))
     x = _along(Q[:, :, :rank], solved(times(A, Q[:, :, :rank]), forces[:, passive]))
     if singular.any():
-        given = np.einsum("nij,ni->nj", left[singular][:, :, :rank], forces[singular][:, passive])
+        given = einsum("nij,ni->nj", left[singular][:, :, :rank], forces[singular][:, passive])
         found_there = _divided(given, sizes[singular][:, :rank], kept[singular])
-        x[singular] = np.einsum("nij,ni->nj", right[singular][:, :rank], found_there)
+        x[singular] = einsum("nij,ni->nj", right[singular][:, :rank], found_there)
     open_forces = np.where(singular[:, None, None], 0.0, Q[:, :, rank:])
     if found.redundancy:
         drive = scaled[:, :, ~passive].transpose(0, 2, 1)
@@ -75,7 +76,7 @@ def shares(found: Structure, J: Floats, tau: Floats, weights: Floats) -> Shares:
         z, free, lost = _least_torque(times(drive, open_forces), wanted, roots, found)
         x, singular = x + _along(open_forces, z), singular | lost
         open_forces = np.where(singular[:, None, None], 0.0, times(open_forces, free))
-    left_over = (forces - np.einsum("nij,ni->nj", scaled, x)) / found.rate_scale
+    left_over = (forces - einsum("nij,ni->nj", scaled, x)) / found.rate_scale
     multipliers = _shortest(x * found.equation_scale, open_forces * found.equation_scale[:, None], singular)
     multipliers = np.where(J.any(axis=2), multipliers, 0.0)
     over = sizes[:, rank : rank + 1].max(axis=1, initial=0.0) > max(LOST, found.none) * found.largest
@@ -113,4 +114,4 @@ def _divided(values: Floats, sizes: Floats, kept: Mask) -> Floats:
 
 
 def _along(A: Floats, x: Floats) -> Floats:
-    return np.asarray(np.einsum("nij,nj->ni", A, x))
+    return np.asarray(einsum("nij,nj->ni", A, x))

@@ -28,6 +28,7 @@ from robodyn.dynamics.contacts.solve import contact_forces
 from robodyn.dynamics.plan import Plan
 from robodyn.programs.vectors import cross, length
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 PIECE = 2048
 """Samples worked on at a time, so that memory does not grow with the motion."""
@@ -116,8 +117,8 @@ class ConstraintSolver:
         else:
             multipliers, singular = self._shared(loops, tau)
             crossed = self._crossed(loops.J)
-        left = tau - np.einsum("nki,nk->ni", loops.J, multipliers)
-        left = left - np.einsum("nki,nk->ni", contacts.J, forces.reshape(samples, -1))
+        left = tau - einsum("nki,nk->ni", loops.J, multipliers)
+        left = left - einsum("nki,nk->ni", contacts.J, forces.reshape(samples, -1))
         wrenches = np.hstack((loop_wrenches(plan, loops, multipliers), _of_contacts(plan, contacts, forces)))
         wrenches = np.hstack((wrenches, reactions(plan, loops, wrenches)))
         return Found(

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 Mask = NDArray[np.bool_]
 
@@ -150,7 +151,7 @@ def _rows(matrices: Floats) -> Floats:
 
 def times(A: Floats, B: Floats) -> Floats:
     """Return the products (N, i, k) of matrices (N, i, j) and (N, j, k)."""
-    return np.asarray(np.einsum("nij,njk->nik", A, B))
+    return np.asarray(einsum("nij,njk->nik", A, B))
 
 
 def svd(A: Floats) -> tuple[Floats, Floats, Floats]:

@@ -15,6 +15,7 @@ from robodyn.programs.linear import shortest
 from robodyn.programs.vectors import length, product
 from robodyn.support.extras import need
 from robodyn.support.floats import BEYOND, Floats
+from robodyn.support.sums import einsum
 
 TOLERANCES = (1e-12, 1e-10, 1e-8, 1e-6)
 """Tried in turn, for Clarabel gets stuck with small ones at times."""
@@ -62,7 +63,7 @@ def conic_forces(problem: Problem) -> Forces:
             stuck.append(n)
             continue
         points = int(active.sum())
-        f[n, active] = size * np.einsum("kij,kj->ki", axes[n][active], x[: 3 * points].reshape(points, 3))
+        f[n, active] = size * einsum("kij,kj->ki", axes[n][active], x[: 3 * points].reshape(points, 3))
         free[n] = size * x[3 * points :]
         residual[n] = problem.b[n] - product(problem.G[n], f[n].ravel())
         if problem.free is not None:
@@ -86,7 +87,7 @@ def _by_forces_alone(problem: Problem) -> Forces:
     found, terms = plain_forces(problem), problem.torques
     if terms is None or terms.limits is None:
         return found
-    torques = terms.tau0 - np.einsum("nij,nj->ni", terms.T, found.f.reshape(len(found.f), -1))
+    torques = terms.tau0 - einsum("nij,nj->ni", terms.T, found.f.reshape(len(found.f), -1))
     return replace(found, within_limits=(np.abs(torques) <= terms.limits * BEYOND).all(axis=1))
 
 

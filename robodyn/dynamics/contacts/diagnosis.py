@@ -10,6 +10,7 @@ from robodyn.dynamics.contacts.problem import Flags, Forces, Problem
 from robodyn.dynamics.contacts.solve import contact_forces
 from robodyn.programs.vectors import cross
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 MOMENTS, FORCES = slice(0, 3), slice(3, 6)
 """The first rows of the equations: those of the base, as `base_columns` makes them."""
@@ -97,7 +98,7 @@ def least_friction(problem: Problem, known: float = 0.0, executor: str = "auto")
         if not len(left):
             return mu
         lacking = found.residual[lost]
-        worst = np.argsort(-np.einsum("ni,ni->n", lacking, lacking), kind="stable")[:WORST]
+        worst = np.argsort(-einsum("ni,ni->n", lacking, lacking), kind="stable")[:WORST]
         least = _least_of(problem.chosen(left[worst]), mu, executor)
         if least is None:
             return None
@@ -131,7 +132,7 @@ def _suffices(problem: Problem, friction: Floats, executor: str) -> Flags:
 
 def _moderate(problem: Problem, found: Forces) -> Flags:
     """Return (N,) which samples have forces, of no more than 100 |b|."""
-    strength, b = (np.sqrt(np.einsum("...i,...i->...", x, x)) for x in (found.f.reshape(len(found.f), -1), problem.b))
+    strength, b = (np.sqrt(einsum("...i,...i->...", x, x)) for x in (found.f.reshape(len(found.f), -1), problem.b))
     enough: Flags = found.feasible & (strength <= STRONGEST * b)
     return enough
 

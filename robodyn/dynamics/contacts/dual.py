@@ -11,6 +11,7 @@ from robodyn.dynamics.contacts.problem import FEASIBLE
 from robodyn.dynamics.contacts.program import runner
 from robodyn.dynamics.contacts.search import Search, begun, ended, narrowed
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 HARDEST = 1e-12
 """The least rho; that of the first look, where cones do not matter."""
@@ -190,7 +191,7 @@ def _where(good: Any, ones: Iterable[Any], others: Iterable[Any]) -> list[Any]:
 
 
 def _dot(x: Floats, y: Floats) -> Floats:
-    found: Floats = np.einsum("in,in->n", x, y)
+    found: Floats = einsum("in,in->n", x, y)
     return found
 
 

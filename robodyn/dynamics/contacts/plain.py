@@ -7,6 +7,7 @@ import numpy as np
 from robodyn.dynamics.contacts.dual import Cones, least_forces
 from robodyn.dynamics.contacts.problem import FEASIBLE, Forces, Problem
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 
 def plain_forces(problem: Problem, executor: str = "auto", expected: int = 0) -> Forces:
@@ -15,15 +16,15 @@ def plain_forces(problem: Problem, executor: str = "auto", expected: int = 0) ->
     N, _, K = problem.shape
     f, _ = least_forces(cones, executor, expected)
     found = (f.reshape(K, 3, N) * (sizes * cones.scale)[:, None]).transpose(2, 0, 1)
-    residual = problem.b - np.einsum("nij,nj->ni", problem.G, found.reshape(N, 3 * K))
-    missing = np.sqrt(np.einsum("ni,ni->n", residual, residual))
+    residual = problem.b - einsum("nij,nj->ni", problem.G, found.reshape(N, 3 * K))
+    missing = np.sqrt(einsum("ni,ni->n", residual, residual))
     return Forces(found, np.zeros((N, 0)), residual, missing <= FEASIBLE * sizes, np.ones(N, dtype=bool))
 
 
 def scaled(problem: Problem) -> tuple[Cones, Floats]:
     """Return the problem with |b| = 1, weights 1 and forces of inactive points that count for nothing; and |b| (N,)."""
     N, _, K = problem.shape
-    sizes = np.sqrt(np.einsum("ni,ni->n", problem.b, problem.b))
+    sizes = np.sqrt(einsum("ni,ni->n", problem.b, problem.b))
     scale = np.ones(K) if problem.weights is None else np.sqrt(problem.weights.max() / problem.weights)
     by_sample = scale if problem.active is None else scale * problem.active
     angle = np.arctan(problem.friction)

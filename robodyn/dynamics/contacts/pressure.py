@@ -6,6 +6,7 @@ import numpy as np
 
 from robodyn.dynamics.contacts.problem import axes_of
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 FLAT = 1e-9
 """Of the largest distance between points: what stands out less from a line lies on it. Of the force that presses: less
@@ -34,14 +35,14 @@ def centre_of_pressure(points: Floats, normal: Floats, forces: Floats) -> tuple[
     middle = points.mean(axis=1)
     arms, force = points - middle[:, None], forces.sum(axis=1)
     moment = np.cross(arms, forces).sum(axis=1)
-    press = np.einsum("ni,ni->n", force, normal)
+    press = einsum("ni,ni->n", force, normal)
     with np.errstate(all="ignore"):
         place = np.cross(normal, moment) / np.where(press > 0.0, press, np.nan)[:, None]
     if K < 3:
         return middle + place, np.full(N, np.nan)
     tangents = axes_of(normal)[:, :, :2]
-    corners = np.einsum("nki,nij->nkj", arms, tangents)
-    return middle + place, _margin(corners, np.einsum("ni,nij->nj", place, tangents))
+    corners = einsum("nki,nij->nkj", arms, tangents)
+    return middle + place, _margin(corners, einsum("ni,nij->nj", place, tangents))
 
 
 def _margin(corners: Floats, place: Floats) -> Floats:
@@ -54,9 +55,9 @@ def _margin(corners: Floats, place: Floats) -> Floats:
     size = lengths.max(axis=(1, 2), keepdims=True)
     with np.errstate(all="ignore"):
         inward = np.stack((-along[..., 1], along[..., 0]), -1) / lengths[..., None]
-        left = np.einsum("nabi,nabki->nabk", inward, corners[:, None, None] - corners[:, :, None, None])
+        left = einsum("nabi,nabki->nabk", inward, corners[:, None, None] - corners[:, :, None, None])
         edge = (left >= -FLAT * size[..., None]).all(axis=-1) & (lengths > FLAT * size)
-        distance = np.einsum("nabi,nabi->nab", inward, place[:, None, None] - corners[:, :, None])
+        distance = einsum("nabi,nabi->nab", inward, place[:, None, None] - corners[:, :, None])
     found: Floats = np.where(edge, distance, np.inf).min(axis=(1, 2))
     return np.where(np.isnan(place[:, 0]), np.nan, found)
 
@@ -73,9 +74,9 @@ def friction_used(forces: Floats, normal: Floats, friction: float) -> Floats:
 
     Accuracy: 1e-15 relative where no point pulls.
     """
-    press = np.einsum("...i,i->...", forces, normal)
+    press = einsum("...i,i->...", forces, normal)
     across = forces - press[..., None] * normal
-    along = np.sqrt(np.einsum("...i,...i->...", across, across)).sum(axis=-1)
+    along = np.sqrt(einsum("...i,...i->...", across, across)).sum(axis=-1)
     press = press.sum(axis=-1)
     with np.errstate(all="ignore"):
         return np.where(press > 0.0, np.where(along > FLAT * press, along / (friction * press), 0.0), np.nan)

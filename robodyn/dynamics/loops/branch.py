@@ -10,6 +10,7 @@ import numpy as np
 from robodyn.dynamics.loops.block_equations import BlockEquations
 from robodyn.programs.stacked import least_squares
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 LONGEST = 0.5
 """rad, or of the loops' size: what the given coordinates move in one step, all together."""
@@ -150,7 +151,7 @@ class Branch:
         u = np.zeros((len(moves), self.equations.model.n))
         v = np.zeros_like(u)
         v[:, self.given] = moves[:, self.given]
-        right = -np.einsum("mg,ng->mn", J[:, self.others], v[:, self.given])
+        right = -einsum("mg,ng->mn", J[:, self.others], v[:, self.given])
         straight = least_squares(J[None][:, :, self.own], right[None])
         if straight.ratio[0] <= FEW:
             return None

@@ -19,6 +19,7 @@ from robodyn.errors import TrajectoryError
 from robodyn.programs.stacked import least_squares
 from robodyn.support.doubts import Doubt
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 ENTRIES = 2_000_000
 """Of J in one piece of a block: some 50 MB of work."""
@@ -171,11 +172,11 @@ class Follow:
             own, others = J[:, :, branch.own], J[:, :, branch.others]
             found = least_squares(own, -others)
             self._watch(time, found.ratio, found.sign, first_row)
-            part.qd[:, branch.followed] = np.einsum("ndg,ng->nd", found.x, part.qd[:, branch.given])
-            right = equations.bias(part.q, part.qd) + np.einsum("nmg,ng->nm", others, part.qdd[:, branch.given])
+            part.qd[:, branch.followed] = einsum("ndg,ng->nd", found.x, part.qd[:, branch.given])
+            right = equations.bias(part.q, part.qd) + einsum("nmg,ng->nm", others, part.qdd[:, branch.given])
             part.qdd[:, branch.followed] = least_squares(own, -right[:, :, None]).x[:, :, 0]
             for bar in part.bars:
-                squares = np.einsum("ndg,ng->nd", found.x**2, bar[:, branch.given] ** 2)
+                squares = einsum("ndg,ng->nd", found.x**2, bar[:, branch.given] ** 2)
                 bar[:, branch.followed] = np.sqrt(squares)
         self._misfits.update(time, phi, J, part.qd, part.qdd, equations.bias(part.q, part.qd))
 

@@ -11,6 +11,7 @@ from robodyn.dynamics.loops.branch_start import OFF
 from robodyn.errors import TrajectoryError
 from robodyn.support.doubts import Doubt
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 ORDERS = ("positions", "velocities", "accelerations")
 RATES = ("", "/s", "/s^2")
@@ -79,13 +80,13 @@ class Misfits:
         if not phi.size:
             return
         rates = list(self._equations.rates)
-        rate = np.einsum("nmk,nk->nm", J, qd[:, rates])
-        change = np.einsum("nmk,nk->nm", J, qdd[:, rates]) + bias
+        rate = einsum("nmk,nk->nm", J, qd[:, rates])
+        change = einsum("nmk,nk->nm", J, qdd[:, rates]) + bias
         for order, values in enumerate((phi, rate, change)):
             self._take(order, values, time)
-        fast = np.einsum("nmk,nk->nm", np.abs(J), np.abs(qd[:, rates]))
+        fast = einsum("nmk,nk->nm", np.abs(J), np.abs(qd[:, rates]))
         turning = fast * np.abs(qd[:, rates]).max(axis=1, keepdims=True, initial=0.0)
-        sums = (fast, np.einsum("nmk,nk->nm", np.abs(J), np.abs(qdd[:, rates])) + turning)
+        sums = (fast, einsum("nmk,nk->nm", np.abs(J), np.abs(qdd[:, rates])) + turning)
         for k, values in enumerate((rate, change)):
             self._left[k] = np.maximum(self._left[k], np.abs(values).max(axis=0))
             self._sums[k] = np.maximum(self._sums[k], sums[k].max(axis=0))

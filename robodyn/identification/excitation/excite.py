@@ -25,6 +25,7 @@ from robodyn.robot.model import Model
 from robodyn.scene.fit import refuse_constraints, refuse_load
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import LARGEST, Floats
+from robodyn.support.sums import einsum
 
 PERIOD, HARMONICS, RATE = 10.0, 5, 200.0
 """[s], of the series, and rows per second."""
@@ -138,7 +139,7 @@ def _random_rows(model: Model, scene: Scene, bounds: Bounds) -> tuple[Floats, Fl
     motion[:, :, k] = limits * rng.uniform(-1.0, 1.0, (3, samples, len(k)))
     motion[0][:, k] += bounds.middle[k]
     found = regressor(model, *motion, scene=scene, executor="numpy")
-    tau = np.einsum("tip,p->ti", found.Y, found.theta) + found.rest
+    tau = einsum("tip,p->ti", found.Y, found.theta) + found.rest
     if not (np.isfinite(tau).all() and np.abs(found.Y).max(initial=0.0) < LARGEST):
         raise InputError("the torques of such motions are beyond all numbers", remedy="check gravity and limits")
     return triangular(found.Y.reshape(-1, len(found.names))), np.sqrt((tau * tau).mean(axis=0))
@@ -178,7 +179,7 @@ def _information(model: Model, scene: Scene, base: Base, motion: Motion, deviati
     shown = base.within(R, _APART)
     if shown.rank < base.rank:
         return Information(shown.rank, np.inf, -np.inf, np.full(base.rank, np.inf))
-    diagonal = np.einsum("ii->i", triangular(R[:, base.independent]))
+    diagonal = einsum("ii->i", triangular(R[:, base.independent]))
     errors = base.estimate(R, np.zeros(len(R))).standard_errors
     return Information(base.rank, shown.condition, 2.0 * float(np.log(np.abs(diagonal)).sum()), errors)
 

@@ -9,6 +9,7 @@ from robodyn.identification.excitation.fourier import Fourier
 from robodyn.identification.excitation.programs import Programs
 from robodyn.programs.vectors import product
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 _THIN = 2
 """The regressor and the torques are computed at every second sample, where positions, speeds, accelerations are."""
@@ -33,13 +34,13 @@ class Landscape:
         self._scales = 1.0 / deviations
         self._zero = bounds.middle[self._moving] / self._limits[0]
         shapes = series.shapes(series.even(samples))
-        squares = np.einsum("kti,ktj,kln->nij", shapes, shapes, self._limits**-2.0) / samples
+        squares = einsum("kti,ktj,kln->nij", shapes, shapes, self._limits**-2.0) / samples
         self._turn = np.linalg.inv(np.linalg.cholesky(squares)).transpose(0, 2, 1)
-        self._parts = np.einsum("kti,nij->ktnj", shapes, self._turn) / self._limits[..., None]
+        self._parts = einsum("kti,nij->ktnj", shapes, self._turn) / self._limits[..., None]
 
     def combinations(self, y: Floats) -> Floats:
         """Return x (m, size) of positions y."""
-        return np.asarray(np.einsum("nij,nj->ni", self._turn, y))
+        return np.asarray(einsum("nij,nj->ni", self._turn, y))
 
     def position(self, centre: Floats, swings: Floats) -> Floats:
         """Return the y of motions about a centre (m,), with y of `swings` but for that."""
@@ -49,7 +50,7 @@ class Landscape:
 
     def reach(self, y: Floats, step: Floats) -> float:
         """Return how many steps lead to the first bound of position, speed or acceleration."""
-        used, more = self._used(y), np.einsum("ktna,na->ktn", self._parts, step)
+        used, more = self._used(y), einsum("ktna,na->ktn", self._parts, step)
         with np.errstate(divide="ignore"):
             return float(((1.0 - np.sign(more) * used) / np.abs(more)).min())
 
@@ -63,7 +64,7 @@ class Landscape:
         """Return the second derivative (m, size, size) by y of what bounds of positions, speeds, accelerations add."""
         used = self._used(y)
         bend = 2.0 * self._share(pressure) / _THIN * (1.0 + used * used) / (1.0 - used * used) ** 2
-        return np.asarray(np.einsum("ktna,ktnb->nab", bend[..., None] * self._parts, self._parts))
+        return np.asarray(einsum("ktna,ktnb->nab", bend[..., None] * self._parts, self._parts))
 
     def height(self, y: Floats, pressure: float) -> tuple[float, Floats]:
         """Return the value and its slope (m, size); infinity beyond a bound, and where a parameter is not shown."""
@@ -85,11 +86,11 @@ class Landscape:
         further = self.programs.slope(motion, [-part for part in of_rows], of_torques)
         slope = 2.0 * share / _THIN * used / (1.0 - used * used)
         slope[:, ::_THIN] += further[:, :, self._moving] * self._limits
-        return barrier - telling, np.einsum("ktn,ktna->na", slope, self._parts)
+        return barrier - telling, einsum("ktn,ktna->na", slope, self._parts)
 
     def _used(self, y: Floats) -> Floats:
         """Return which parts of their bounds positions, speeds and accelerations (3, N, m) are."""
-        used = np.asarray(np.einsum("ktna,na->ktn", self._parts, y))
+        used = np.asarray(einsum("ktna,na->ktn", self._parts, y))
         used[0] -= self._zero
         return used
 
@@ -116,7 +117,7 @@ class Landscape:
         A = np.zeros((self.programs.r, self.programs.r))
         for columns, part, scale in zip(self.programs.shown, rows, self._scales, strict=True):
             A[np.ix_(columns, columns)] += scale * scale / len(part) * product(part.T, part)
-        sizes = np.sqrt(np.einsum("ii->i", A))
+        sizes = np.sqrt(einsum("ii->i", A))
         if not sizes.all():
             raise np.linalg.LinAlgError
         factor = np.linalg.cholesky(A / sizes / sizes[:, None])
@@ -126,4 +127,4 @@ class Landscape:
             2.0 * scale * scale / len(part) * product(part, inverse[np.ix_(columns, columns)])
             for columns, part, scale in zip(self.programs.shown, rows, self._scales, strict=True)
         ]
-        return 2.0 * float(np.log(np.einsum("ii->i", factor)).sum() + np.log(sizes).sum()), slopes
+        return 2.0 * float(np.log(einsum("ii->i", factor)).sum() + np.log(sizes).sum()), slopes

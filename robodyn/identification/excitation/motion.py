@@ -14,6 +14,7 @@ from robodyn.identification.excitation.fourier import Fourier
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 PERIOD_SAMPLES = 64
 """Per harmonic: where a motion is held against its limits."""
@@ -50,7 +51,7 @@ class Motion:
         """Return q, qd and qdd (3, N, n)."""
         motion = np.zeros((3, len(time), self.model.n))
         motion[0] = self.bounds.home
-        motion[:, :, list(self.bounds.moving)] = np.einsum("kti,ni->ktn", self.shapes(time), self.x)
+        motion[:, :, list(self.bounds.moving)] = einsum("kti,ni->ktn", self.shapes(time), self.x)
         return motion
 
     def shapes(self, time: Floats) -> Floats:

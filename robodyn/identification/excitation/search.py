@@ -7,6 +7,7 @@ import numpy as np
 from robodyn.errors import InputError
 from robodyn.identification.excitation.landscape import Landscape
 from robodyn.support.floats import Floats, ranked
+from robodyn.support.sums import einsum
 
 _EARLY, _LATE = (10.0, 1.0), (0.1, 0.03)
 """Pressures of the barrier, stage by stage: those that all starts go through, and those of the best of them."""
@@ -103,9 +104,9 @@ def _bent(stiffness: Floats, past: list[tuple[Floats, Floats]], slope: Floats) -
     softness = 1.0
     if past:
         s, change = past[-1]
-        own = change - np.einsum("nab,nb->na", stiffness, s)
+        own = change - einsum("nab,nb->na", stiffness, s)
         softness = max(1e-3, float((s * own).sum() / (s * s).sum()))
-    softness += 1e-12 * np.einsum("naa->n", stiffness).max()
+    softness += 1e-12 * einsum("naa->n", stiffness).max()
     v = np.linalg.solve(stiffness + softness * np.eye(stiffness.shape[1]), v[..., None])[..., 0]
     for (s, change), factor in zip(past, reversed(factors), strict=True):
         v += (factor - (change * v).sum() / (s * change).sum()) * s

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from robodyn.solids.mesh.distinct import Numbers, distinct, distinct_points
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 Mask = NDArray[np.bool_]
 
@@ -59,7 +60,7 @@ def merged(corners: Floats) -> Indexed:
 def triple(corners: Floats) -> Floats:
     """(m,) a . (b x c) of the corners of each triangle."""
     a, b, c = corners.transpose(1, 0, 2)
-    products: Floats = np.einsum("ij,ij->i", a, np.cross(b - a, c - a))
+    products: Floats = einsum("ij,ij->i", a, np.cross(b - a, c - a))
     return products
 
 

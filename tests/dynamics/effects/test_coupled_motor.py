@@ -14,6 +14,7 @@ from helpers.effect_identities import (
     kinetic_energy_is_that_of_the_mass_matrix,
 )
 from helpers.oracles import EPS, frictionless, random_state, robot, worst
+from helpers.peers import mujoco
 from helpers.small_robots import built, chain, joint, link
 
 import robodyn
@@ -196,8 +197,6 @@ ARM = """<mujoco><option gravity="0 0 -9.81"/><compiler angle="radian"/><worldbo
 
 def test_mujoco():
     """A fixed tendon with armature and damping is a coupled motor without Coulomb friction."""
-    import mujoco
-
     other = mujoco.MjModel.from_xml_string(ARM)
     data = mujoco.MjData(other)
     parts = [link("base"), link("a", 2, (0.1, 0, 0.2), (0.1, 0, 0, 0.2, 0, 0.3))]

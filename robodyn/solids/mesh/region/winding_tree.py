@@ -12,6 +12,7 @@ from robodyn.solids.mesh.distinct import Numbers
 from robodyn.solids.mesh.indexed import Indexed
 from robodyn.solids.mesh.region.columns import frame_along
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 _FRAME = frame_along(np.array((0.36, 0.48, 0.8)))
 """Along nothing that a part has, so that its points do not lie side by side."""
@@ -142,12 +143,12 @@ def _near(leaves: Floats) -> Floats:
 
 def _far(centre: Floats, area: Floats, middle: Floats) -> Floats:
     """With the sum N of areas, and M of their products with d from the centre: r^2, N . r + tr M and -3 r^T M r."""
-    N, M = area.sum(axis=1), np.einsum("kij,kil->kjl", area, middle - centre[:, None])
+    N, M = area.sum(axis=1), einsum("kij,kil->kjl", area, middle - centre[:, None])
     M = (M + M.transpose(0, 2, 1)) / 2
     found = np.zeros((3, len(centre), 10))
     found[0, :, 0], found[0, :, 1:4], found[0, :, 4:7] = (centre**2).sum(axis=1), -2 * centre, 1
     found[1, :, 0], found[1, :, 1:4] = (N * centre).sum(axis=1) + np.trace(M, axis1=1, axis2=2), -N
-    Mp = np.einsum("kij,kj->ki", M, centre)
+    Mp = einsum("kij,kj->ki", M, centre)
     found[2, :, 0], found[2, :, 1:4] = (Mp * centre).sum(axis=1), -2 * Mp
     found[2, :, 4:7] = M[:, (0, 1, 2), (0, 1, 2)]
     found[2, :, 7:] = 2 * M[:, (0, 1, 2), (1, 2, 0)]

@@ -9,6 +9,7 @@ import numpy as np
 from robodyn.programs.vectors import Array, length, product
 from robodyn.solids.mesh.symmetry.higher_moments import EvenForm
 from robodyn.support.floats import Floats, first_largest
+from robodyn.support.sums import einsum
 
 DISTINCT = 1e-9
 """Principal second moments that are closer than this part of the largest leave their axes open."""
@@ -66,7 +67,7 @@ def rim_angles(points: Array, frame: Array) -> Floats:
     Args:
         frame: (3, 3) rows: two directions from the axis on, and its own.
     """
-    x, y = np.einsum("ij,nj->in", frame[:2], points)
+    x, y = einsum("ij,nj->in", frame[:2], points)
     radius = np.hypot(x, y)
     outer = radius >= radius.max() * (1 - _RIM)
     return distinct_angles(np.array([atan2(b, a) for a, b in zip(x[outer].tolist(), y[outer].tolist(), strict=True)]))
@@ -123,7 +124,7 @@ def swapping_normals(points: Array) -> Floats:
 def _newton(form: EvenForm, n: Array) -> tuple[Array, Array]:
     """Newton's steps (n, 3) in the tangent planes, and the least absolute curvature (n,) there."""
     gradient, hessian = form.derivatives(n)
-    slope = np.einsum("ni,ni->n", gradient, n)
+    slope = einsum("ni,ni->n", gradient, n)
     across = np.cross(n, np.eye(3)[np.argmin(np.abs(n), axis=1)])
     across /= np.linalg.norm(across, axis=1, keepdims=True)
     tangent = np.stack((across, np.cross(n, across)), axis=2)
@@ -131,7 +132,7 @@ def _newton(form: EvenForm, n: Array) -> tuple[Array, Array]:
     values, turned = _plane_eigen(curvature)
     axes, size = product(tangent, turned), np.abs(curvature).max() + 1e-300
     safe = np.where(np.abs(values) > 1e-14 * size, values, size)
-    step = -np.einsum("nij,nj->ni", axes, np.einsum("nij,ni->nj", axes, gradient) / safe)
+    step = -einsum("nij,nj->ni", axes, einsum("nij,ni->nj", axes, gradient) / safe)
     return step, np.abs(values).min(axis=1)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from robodyn.programs.vectors import Array, product
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 FREQUENCIES = 8
 """Highest order of the moments about an axis."""
@@ -180,7 +181,7 @@ class EvenForm:
 
 def _form_sums(corners: Array, powers: Array) -> Floats:
     """(m,) integrals of the products of coordinates with these powers over triangles of twice the area D."""
-    points = np.einsum("qc,mcx->qmx", _FOLDED, corners)
+    points = einsum("qc,mcx->qmx", _FOLDED, corners)
     products = np.prod(_powers(points)[:, :, powers, np.arange(3)], axis=3)
     found: Floats = (products * (_FOLDED_WEIGHTS[:, None] * determinants(corners))[:, :, None]).sum(axis=(0, 1))
     return found

@@ -17,6 +17,7 @@ from robodyn.solids.mesh.symmetry.asymmetry import GOLDEN_TURN, CentredBody, mir
 from robodyn.solids.mesh.symmetry.kinds import Axis, Product, Symmetry
 from robodyn.solids.mesh.symmetry.search import Search
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 _FIXED = 1e-2
 """How far a map may move what it leaves as it is, and what counts as no direction of its own: errors of normals."""
@@ -60,7 +61,7 @@ def symmetrized(body: MassProperties, found: Symmetry) -> MassProperties:
     S = body.S_exact + fraction(body.mass) * np.outer(exact(shift), exact(shift))
     rows = found.invariants.reshape(-1, 9)
     flat = S.astype(float).ravel()
-    change = (flat - np.einsum("ki,kj,j->i", rows, rows, flat)).reshape(3, 3)
+    change = (flat - einsum("ki,kj,j->i", rows, rows, flat)).reshape(3, 3)
     S = S - exact((change + change.T) / 2)
     for one in found.products:
         if one.zero:
@@ -77,10 +78,10 @@ def _shift(com: Array, found: Symmetry) -> Floats:
     if not normals:
         return np.zeros(3)
     N = np.array([normal for normal, _ in normals])
-    off = np.einsum("ki,i->k", N, com) - [offset for _, offset in normals]
-    values, rows = eigen(np.einsum("ki,kj->ij", N, N))
+    off = einsum("ki,i->k", N, com) - [offset for _, offset in normals]
+    values, rows = eigen(einsum("ki,kj->ij", N, N))
     there = rows[values > _FIXED**2 * values[0]]
-    return np.asarray(np.einsum("mi,mj,kj,k->i", there / values[: len(there), None], there, N, off))
+    return np.asarray(einsum("mi,mj,kj,k->i", there / values[: len(there), None], there, N, off))
 
 
 def _turn(axis: Axis) -> Array:
