@@ -8,6 +8,7 @@ Names are imported when they are first used, so that `import robodyn` costs noth
 
 from __future__ import annotations
 
+import os
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -65,6 +66,9 @@ if TYPE_CHECKING:
     from robodyn.solids.mesh_mass import mass_properties as mass_properties
     from robodyn.trajectory.robot_motion import motion as motion
     from robodyn.trajectory.robot_motion import read_motion as read_motion
+
+if not os.path.isdir(os.path.join(os.path.dirname(__file__), "cli")):
+    __path__.append(os.path.dirname(os.path.dirname(__file__)))  # of a checkout, where `cli/` stands beside this folder
 
 _HOMES = {
     "checks.project": ("check",),

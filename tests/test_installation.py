@@ -21,6 +21,47 @@ def called(*call: str | Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(call, capture_output=True, text=True, check=False, env=kept, cwd="/")
 
 
+NOT_INSTALLED = """
+import sys
+sys.meta_path = [finder for finder in sys.meta_path if "editable" not in repr(finder)]
+sys.path[:] = ["", *(place for place in sys.path if place)]
+"""
+"""Modules are looked for in the current folder, as `python -m` does, and in no checkout that is installed."""
+
+
+def in_a_checkout(code: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    for name in ("robodyn", "cli", "tests", "robots", "pyproject.toml"):
+        (folder / name).symlink_to(ROOT / name)
+    call = [sys.executable, "-c", NOT_INSTALLED + code]
+    return subprocess.run(call, capture_output=True, text=True, check=False, cwd=folder)
+
+
+@pytest.mark.parametrize(
+    ("module", "arguments", "printed"),
+    [
+        (
+            "pytest",
+            ["tests/cli/test_core_only.py", "--collect-only", "-p", "no:cacheprovider"],
+            "test_the_core_suffices",
+        ),
+        ("robodyn", ["info", "robots/scara.urdf"], "robot 'scara'"),
+    ],
+)
+def test_a_checkout_runs_as_it_is(module: str, arguments: list[str], printed: str, tmp_path: Path) -> None:
+    """`python -m pytest` and `python -m robodyn`: the folder `robodyn` comes before the package that is installed."""
+    code = (
+        f"import runpy\nsys.argv[1:] = {arguments}\nrunpy.run_module({module!r}, run_name='__main__', alter_sys=True)"
+    )
+    done = in_a_checkout(code, tmp_path)
+    assert (done.returncode, done.stderr) == (0, ""), done
+    assert printed in done.stdout
+
+
+def test_the_command_line_of_a_checkout_is_its_own(tmp_path: Path) -> None:
+    done = in_a_checkout("import robodyn.cli.main as main; print(main.__file__)", tmp_path)
+    assert done.stdout.strip() == str(tmp_path / "cli" / "main.py"), done
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="an environment has its programs elsewhere")
 @pytest.mark.parametrize("options", [(), ("-e",)], ids=["plain", "editable"])

@@ -24,12 +24,11 @@ sys.path[:] = [path for path in paths if path in own or (os.path.isabs(path) and
 spec = util.spec_from_file_location("robodyn", first, submodule_search_locations=[os.path.dirname(first)])
 sys.modules["robodyn"] = util.module_from_spec(spec)
 spec.loader.exec_module(sys.modules["robodyn"])
-import robodyn.__main__
 module, name = function.split(":")
 getattr(import_module(module), name)(*sys.argv[1:])
 """
 """What a process begins with. Its path is its parent's without the current folder, and its robodyn is its parent's,
-wherever that is; `robodyn.__main__` makes a checkout complete."""
+wherever that is."""
 
 
 def start_python(
