@@ -29,6 +29,13 @@ def test_the_commands_of_the_readme_are_run_to_the_letter() -> None:
     assert not re.search(r'pip install .*"\.\[test\]"', RUN)
 
 
+def test_what_the_documentation_does_not_run_is_run() -> None:
+    """Its examples leave out what installs, tests and builds."""
+    assert re.search(r'^pip install .*"\.\[[\w,-]+\]"$', RUN, re.M)
+    assert re.search(r"^sphinx-build .*-W", RUN, re.M)
+    assert re.search(r"suite slow pytest -m slow", RUN)
+
+
 @pytest.mark.parametrize("name", ["any_processor", "numeric"])
 def test_the_tests_that_are_named_are_there(name: str) -> None:
     found = re.search(rf"^{name}=\(.*?\)$", RUN, re.M | re.S)

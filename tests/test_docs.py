@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
-import subprocess
 import sys
 from functools import cache
 from importlib import import_module
@@ -95,24 +93,6 @@ def test_every_block_of_commands_is_run():
     """There is no `bash` block, say, that nothing runs."""
     languages = {found[1] for text in PAGES.values() for found in re.finditer(r"^```+(\w+)$", text, re.MULTILINE)}
     assert languages <= {"console", "pycon", "sh", "toml", "text", "python", "xml", "yaml", "csv", "json"}
-
-
-def test_what_is_not_run_here_is_run_by_ci():
-    script = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
-    assert re.search(r'^pip install .*"\.\[[\w,-]+\]"$', script, re.MULTILINE)
-    assert re.search(r'^ .* pytest "\$@" >', script, re.MULTILINE)
-    assert re.search(r"^ *suite plain$", script, re.MULTILINE)
-    assert re.search(r"^sphinx-build .*-W", script, re.MULTILINE)
-
-
-@pytest.mark.skipif(shutil.which("bash") is None, reason="there is no bash")
-def test_what_ci_leaves_out_on_other_processors_is_there():
-    script = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
-    listed = re.search(r"^any_processor=\(.*?^\)$", script, re.MULTILINE | re.DOTALL)
-    command = ["bash", "-c", f"{listed[0]}; printf '%s\\n' \"${{any_processor[@]}}\""]
-    paths = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
-    assert len(paths) > 30
-    assert not [path for path in paths if not (ROOT / path).exists()]
 
 
 def test_numbers_are_compared_and_rounding_errors_are_not():

@@ -9,6 +9,7 @@ import numpy as np
 
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
+from robodyn.simulation.balance import KEPT, Balanced
 from robodyn.simulation.fixed import SHORTER, Motion
 from robodyn.simulation.methods import MethodOptions, TooMuchError, method_named
 from robodyn.simulation.stiffness import Stiffest, reach, rounded, stiffest
@@ -35,7 +36,7 @@ class Chosen(NamedTuple):
 class Followed(NamedTuple):
     """A motion, how it was found, notes about that, and what makes it doubtful."""
 
-    motion: Motion
+    made: Balanced
     options: MethodOptions
     notes: tuple[str, ...] = ()
     doubts: tuple[Doubt, ...] = ()
@@ -54,12 +55,13 @@ def followed(
     q: Floats,
     duration: float,
     free: Free,
-    made: Callable[[MethodOptions], Motion],
+    made: Callable[[MethodOptions], Balanced],
 ) -> Followed:
     """Return the motion that is asked for, by steps that follow the stiffest of a scene where steps or method are open.
 
     What is stiff is looked at where the motion begins, and then along all of it: where steps were too long, the motion
-    is made again with shorter ones, or by Radau's method where many would be needed.
+    is made again with shorter ones, or by Radau's method where many would be needed; and so it is where something is
+    stiff and the balance of energy and work is off, as of steps that are stable on a spring, but take its energy.
 
     Args:
         q: (nq,) where it begins; made: the motion by a method.
@@ -67,25 +69,40 @@ def followed(
     Raises:
         InputError: the method does not get through.
     """
-    if options.method.name == "radau":
-        return Followed(made(options), options)
-    fastest = stiffest(a_plan, q)
+    fastest = None if options.method.name == "radau" else stiffest(a_plan, q)
     free, most = Free(free.step, free.method and not a_plan.scene.loops), options.most
     chosen = _begun(options, fastest, duration, free)
     while True:
         options = chosen.options
         try:
-            motion = made(options)
+            found = made(options)
         except InputError as error:
             chosen = _instead(a_plan, chosen, error, fastest, duration, free, most)
             chosen = chosen._replace(options=chosen.options._replace(most=most))
             continue
-        found = None if options.method.adaptive else _outgrown(a_plan, options, motion)
-        if found is None:
-            return Followed(motion, *chosen)
-        if not free.step:
-            return Followed(motion, *chosen, (_doubt(a_plan, options, *found),))
-        chosen = _shorter(options, *found, duration, free)
+        outgrown = None if options.method.adaptive else _outgrown(a_plan, options, found.motion)
+        if outgrown is not None and free.step:
+            chosen = _shorter(options, *outgrown, duration, free)
+            continue
+        finer = _finer(options, found, duration, free) if fastest is not None and found.share > KEPT else None
+        if finer is None:
+            doubts = [] if outgrown is None else [_doubt(a_plan, options, *outgrown)]
+            doubts += [found.doubt(options)] if found.share > KEPT else []
+            return Followed(found, *chosen, tuple(doubts))
+        chosen = finer
+
+
+def _finer(options: MethodOptions, found: Balanced, duration: float, free: Free) -> Chosen | None:
+    """Return what keeps the energy where steps are open and did not; None where nothing is left to take."""
+    if not free.step or options.method.adaptive:
+        return None
+    step, why = (
+        found.finer(options.step),
+        f"steps of {options.step:g} s are off by {100 * found.share:.2g} % of the energy",
+    )
+    if duration / step <= MOST_UNASKED:
+        return Chosen(options._replace(step=step), (f"{why}: those of {step:g} s keep it",))
+    return _by_radau(options, why) if free.method else None
 
 
 def _begun(options: MethodOptions, fastest: Stiffest | None, duration: float, free: Free) -> Chosen:

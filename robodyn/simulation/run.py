@@ -16,6 +16,7 @@ from robodyn.robot.model import Model
 from robodyn.scene.fit import check_moves, refuse_constraints, refuse_others
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.simulation.adaptive import AdaptiveSteps
+from robodyn.simulation.balance import Balanced
 from robodyn.simulation.conserving import check_free, check_leapfrog
 from robodyn.simulation.equations import STATE, Equations, state_runner
 from robodyn.simulation.events import Limits
@@ -59,7 +60,8 @@ def simulate(
         table: where the scene's drives, wrenches or initial state name columns: a file, or arrays by name with `time`
             among them, which begins when the simulation does. References are cubic splines through its rows; torques
             and wrenches are straight between them, or held, as the scene says.
-        step: s; of a method with a fixed step; by default 1 ms, or less where friction, a drive or a spring needs it.
+        step: s; of a method with a fixed step; by default 1 ms, or less where friction, a drive or a spring needs it,
+            and where one of them is stiff and the balance of energy is off.
         rtol: of an adaptive method.
         method: a name that `robodyn simulate --help` lists; by default "rk4", "radau" where that needs
             too many steps, with `rtol` "dop853".
@@ -84,13 +86,18 @@ def simulate(
     begun = initial_state(model, scene)
     start = start_of(a_plan)
     unsure = start_doubts(a_plan, start)
-    motion, options, stiff, doubts = followed(
+
+    def made(options: MethodOptions) -> Balanced:
+        motion = integrated(a_plan, options, length, executor, signal, start, also)
+        return Balanced(motion, _figures(a_plan, motion, executor, signal))
+
+    (motion, figures), options, stiff, doubts = followed(
         a_plan,
         options,
         start[: model.nq],
         length,
         Free(step is None, method is None),
-        lambda options: integrated(a_plan, options, length, executor, signal, start, also),
+        made,
     )
     loops = loop_figures(a_plan, motion, executor, signal, not options.method.adaptive)
     q, qd = np.split(motion.states[:, : model.nq + model.n], [model.nq], axis=1)
@@ -105,7 +112,7 @@ def simulate(
         q=q,
         qd=qd,
         work=motion.states[:, -2],
-        figures=_figures(a_plan, motion, executor, signal),
+        figures=figures,
         steps=motion.steps,
         evaluations=motion.evaluations,
         executor=motion.executor,

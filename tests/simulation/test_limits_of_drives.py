@@ -108,7 +108,7 @@ def test_when_and_how_long_a_slide_is_too_fast() -> None:
 
 
 def test_what_carries_a_robot_is_assumed_and_said() -> None:
-    how = {"duration": 1e-3, "executor": "numpy", "method": "euler"}
+    how = {"duration": 1e-3, "executor": "numpy", "method": "midpoint"}
     standing = robodyn.simulate(robodyn.load(path_of("solo")), Scene(), **how)
     assert limits_verdict(standing).headline.endswith("as long as the base is held (assumed)")
     assert "there is no contact at its feet" in standing.doubts[0].said

@@ -12,6 +12,7 @@ from robodyn.measure.accuracy.motion_error import apart, seen
 from robodyn.measure.accuracy.refined import FIRST_STEP, TINY, Settled, UnsettledError, graze, refined, shown
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
+from robodyn.simulation.balance import DRIFTS
 from robodyn.simulation.follow import TOO_LONG
 from robodyn.simulation.methods import LEAST_RTOL, method_named
 from robodyn.simulation.result import Simulation
@@ -52,7 +53,8 @@ def simulate_within(model: Model, scene: Scene, duration: float | None, target: 
         f"length, rate or speed (from step to step: {settled.error:.0e}, {_named(other)} differs by "
         f"{checked.error:.0e})"
     )
-    shaky = tuple(doubt for doubt in quicker.shaky if doubt.clause != TOO_LONG)  # of which there is no more doubt
+    settled_now = (TOO_LONG, DRIFTS)  # of which there is no more doubt
+    shaky = tuple(doubt for doubt in quicker.shaky if doubt.clause not in settled_now)
     return replace(quicker, notes=(*quicker.notes, said), shaky=shaky, target=target, expected_error=error)
 
 
