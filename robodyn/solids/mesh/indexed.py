@@ -41,8 +41,8 @@ class Indexed:
         """(m,)."""
         return areas(self.corners)
 
-    def keep(self, chosen: Mask) -> Indexed:
-        """Only these faces."""
+    def keep(self, chosen: Mask | Numbers) -> Indexed:
+        """Only these faces, given by a mask or by their numbers."""
         return replace(self, faces=self.faces[chosen])
 
     def turned(self, chosen: Mask) -> Indexed:

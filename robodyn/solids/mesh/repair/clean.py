@@ -10,6 +10,7 @@ import numpy as np
 
 from robodyn.solids.mesh.distinct import Numbers, distinct
 from robodyn.solids.mesh.indexed import Edges, Indexed, Mask, components
+from robodyn.solids.mesh.region.winding_tree import WindingTree
 from robodyn.support.floats import Floats
 
 _ROUNDING = 16 * np.finfo(np.float64).eps
@@ -25,23 +26,44 @@ def without_degenerate(mesh: Indexed) -> Indexed:
     return mesh.keep(~_superfluous(mesh.faces, collinear(mesh.corners), alone=True))
 
 
-def without_duplicates(mesh: Indexed) -> Indexed:
-    """Return the mesh with one face of those between the same corners, whatever their winding.
+def without_duplicates(mesh: Indexed) -> tuple[Indexed, Numbers]:
+    """Return the mesh with one face of those between the same corners, and (m,) for how many wound alike each stands.
 
     Faces wound alike stay where one of them alone would open the surface: two bodies that are flush. Faces wound both
-    ways cancel: a wall between two bodies. But one stays if it is part of a surface that would be open without it, or
-    if nothing else is near: a surface that is given from both sides.
+    ways cancel: a wall between two bodies, or between a cavity and the insert that fills it. But one stays if it is
+    part of a surface that would be open without it, or if nothing else is near or around it: a surface that is given
+    from both sides.
     """
     which, even = _corner_sets(mesh.faces)
-    if int(which.max(initial=-1)) + 1 == len(which):
-        return mesh
-    repeated = ~_first_of(2 * which + even)
-    mesh = mesh.keep(~_superfluous(mesh.faces, repeated, alone=True))
-    which, even = _corner_sets(mesh.faces)
-    ways = np.stack([np.bincount(which[chosen], minlength=which.max(initial=-1) + 1) for chosen in (even, ~even)])
-    both: Mask = np.logical_and(*(ways > 0))[which]
-    stays = ~both | _first_of(which)
-    return mesh.keep(stays).keep(~_superfluous(mesh.faces[stays], both[stays], alone=False))
+    sets = int(which.max(initial=-1)) + 1
+    if sets == len(which):
+        return mesh, np.ones(sets, np.int64)
+    sided = 2 * which + even
+    copies = np.bincount(sided, minlength=2 * sets)
+    rows = np.flatnonzero(~_superfluous(mesh.faces, ~_first_of(sided), alone=True))
+    if Edges.between(mesh.faces).balance.any():
+        copies[:] = 1
+    else:
+        copies //= np.maximum(np.bincount(sided[rows], minlength=2 * sets), 1)
+        rows = rows[_uncancelled(sided[rows], sets)]
+    both = np.bincount(sided[rows], minlength=2 * sets).reshape(-1, 2).all(axis=1)[which]
+    surplus = (copies[1::2] - copies[::2])[which]
+    often = np.where(both, np.abs(surplus), copies[sided])
+    more = np.where(surplus[rows] == 0, _first_of(which[rows]), even[rows] == (surplus[rows] > 0))
+    rows = rows[~both[rows] | more]
+    rows = rows[~_superfluous(mesh.faces[rows], both[rows], alone=False)]
+    within = _enclosed(mesh.keep(rows), often[rows])
+    rows = rows[~_superfluous(mesh.faces[rows], within, alone=True)]
+    return mesh.keep(rows), np.maximum(often[rows], 1)
+
+
+def _enclosed(mesh: Indexed, copies: Numbers) -> Mask:
+    """(m,) which of the faces that count for nothing lie in what all others enclose."""
+    found: Mask = copies == 0
+    if found.any():
+        others = WindingTree.of(mesh.keep(np.repeat(np.arange(len(copies)), copies)))
+        found[found] = np.abs(others.numbers(mesh.corners[found].mean(axis=1))) > 0.5
+    return found
 
 
 def _corner_sets(faces: Numbers) -> tuple[Numbers, Mask]:
@@ -53,6 +75,21 @@ def _corner_sets(faces: Numbers) -> tuple[Numbers, Mask]:
     turn = (faces.argmin(axis=1)[:, None] + np.arange(3)) % 3
     _, second, third = np.take_along_axis(faces, turn, axis=1).T
     return which, np.less(second, third)
+
+
+def _uncancelled(sided: Numbers, sets: int) -> Mask:
+    """(m,) which faces are left of those between the same corners when opposite ones cancel, but for the last two.
+
+    Args:
+        sided: (m,) twice the number of the set of corners, and one more where they go up; there are so many sets.
+    """
+    count = np.bincount(sided, minlength=2 * sets).reshape(-1, 2)
+    pairs = count.min(axis=1) - (count[:, 0] == count[:, 1])
+    rank = np.empty_like(sided)
+    order = np.argsort(sided, kind="stable")
+    rank[order] = np.arange(len(sided)) - (np.cumsum(count) - count.ravel())[sided[order]]
+    stays: Mask = rank >= pairs[sided // 2]
+    return stays
 
 
 def _first_of(names: Numbers) -> Mask:

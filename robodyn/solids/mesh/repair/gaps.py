@@ -29,7 +29,7 @@ class Gaps:
 
 def gaps(triangles: Triangles) -> Gaps:
     """Return the gaps of a surface without its superfluous faces."""
-    mesh = without_duplicates(without_degenerate(merged(triangles.array())))
+    mesh, _ = without_duplicates(without_degenerate(merged(triangles.array())))
     if not len(mesh.faces):
         return Gaps()
     shells, _ = wound(mesh)

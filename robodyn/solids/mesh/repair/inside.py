@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from math import pi
+from typing import Any
 
 import numpy as np
 
 from robodyn.programs.vectors import product
+from robodyn.solids.mesh.distinct import Numbers
 from robodyn.solids.mesh.indexed import Indexed, Mask
 from robodyn.support.floats import Floats
 
@@ -115,3 +117,11 @@ def _straddles(weight: Floats, margin: Floats) -> Mask:
     above, below = (weight > margin).any(axis=0), (weight < -margin).any(axis=0)
     either: Mask = np.logical_not(above & below)
     return either
+
+
+def manifold(vertices: Floats, faces: Numbers) -> Any:
+    """Return a body for manifold3d, None if it is no manifold."""
+    from manifold3d import Error, Manifold, Mesh64
+
+    solid = Manifold(Mesh64(vertices, faces.astype(np.uint64)))
+    return solid if solid.status() == Error.NoError else None

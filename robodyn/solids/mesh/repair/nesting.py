@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from robodyn.solids.mesh.distinct import Numbers
-from robodyn.solids.mesh.indexed import Indexed, Mask, areas, in_parts, triple
-from robodyn.solids.mesh.repair.inside import Interior, OpenInterior
+from robodyn.solids.mesh.indexed import Indexed, Mask, areas, in_parts, merged, triple
+from robodyn.solids.mesh.repair.inside import Interior, OpenInterior, manifold
 from robodyn.solids.mesh.repair.shells import Shells
 from robodyn.support.floats import Floats
 
 _NOISE = 1e-13
 """Volume over the sum of the sizes of its terms below which a shell is flat and has no sign."""
 
-NOWHERE, IN_PATCHES = -1, -2
-"""What lies in no closed shell: in none at all, or in what open shells enclose."""
+IN_PATCHES = -1
+"""Stands for open shells taken together."""
+
+_TOUCH = 1e-11
+"""Share of its volume that a shell may have outside another, and still lie in it."""
 
 _LARGEST = 64
 """Triangles of a shell whose centres are tried."""
@@ -24,56 +28,70 @@ _LARGEST = 64
 
 @dataclass(frozen=True, eq=False)
 class Nesting:
-    """Shells with their winding made right, without those inside a body that are wound as it is.
+    """Shells with their winding made right.
 
     Attributes:
-        shells: bodies wound outwards, cavities inwards. whole: the mesh with those that are left out.
-        body: (k,) the shell of the body that each is, or is a cavity in; -1 for open and for flat ones.
+        shells: bodies wound outwards, cavities inwards.
+        copies: (k,) how often each shell counts: the least of its faces, and of cavities not more often than the bodies
+            around. uneven: whether faces of one differ in this, where there are cavities.
+        inward: (k,) which are wound inwards.
+        within: (k,) which bound nothing, as far as no two cross: they lie in a body and are wound as it is.
+        proper: (k,) which are closed, not flat, and in no open ones.
         bodies: how many were turned outwards. cavities: how many inwards.
-        within: shells left out, since they bound nothing: they lie in a body and are wound as it is.
-        less: by how much the volume is smaller where such shells are cavities.
+        less: by how much the volume is smaller where those within are cavities.
     """
 
     shells: Shells
-    whole: Indexed
-    body: Numbers
+    copies: Numbers
+    uneven: bool
+    inward: Mask
+    within: Mask
+    proper: Mask
     bodies: int
     cavities: int
-    within: int
     less: float
 
 
-def nested(shells: Shells, caps: int = 0, cavities: bool = False) -> Nesting:
+def nested(shells: Shells, copies: Numbers | None = None, caps: int = 0, cavities: bool = False) -> Nesting:
     """Decide by winding numbers which closed shells are bodies and which cavities.
 
     A shell that lies in no body is one, and turned outwards if need be, with all that is in it. In a body, one wound
     against it takes one off the winding number, which is 1 there; where none is left is a cavity. One wound as the body
-    is adds one, and so bounds nothing: two bodies of which one lies in the other are as much as their union.
+    is adds one, and so bounds nothing: two bodies of which one lies in the other are as much as their union. A shell
+    counts as often as it was given: a body given as a solid and once more with a cavity is solid.
 
     A shell is in another if its box is and none of a few of its points is outside, but one is inside. Open shells taken
     together count as one, wound outwards by its volume with caps, and around others by its winding number.
 
     Args:
+        copies: (m,) how often each of the first faces was given.
         caps: so many of the last faces are none of the surface; with them it is closed.
-        cavities: a shell in a body is a cavity, however it is wound.
+        cavities: a shell in a body is a cavity, however it is wound and however often it was given.
     """
+    often = np.ones(len(shells.label), np.int64)
+    if copies is not None:
+        often[: len(copies)] = copies
+    least, most = np.full(shells.count, often.max(initial=1)), np.ones(shells.count, np.int64)
+    np.minimum.at(least, shells.label, often)
+    np.maximum.at(most, shells.label, often)
     volumes, flat = _volumes(shells)
-    parent, order = _parents(shells, np.abs(volumes), shells.closed & ~flat, _open(shells, caps))
+    closed = shells.closed & ~flat
+    around, order = _containers(shells, volumes, closed, _open(shells, caps))
     patches = volumes[~shells.closed].sum()
     inside_out = bool(patches < 0 and not flat[~shells.closed].all())
     ways = np.where(volumes < 0, -1, 1)
-    state, other = (_States(parent, order, ways, -1 if inside_out else 1, each) for each in (cavities, True))
+    state, other = (_States(around, order, ways, least, -1 if inside_out else 1, each) for each in (cavities, True))
     wrong = np.where(shells.closed, state.turned, inside_out)
-    keeps = ~state.within[shells.label]
-    whole = shells.mesh.turned(wrong[shells.label])
     return Nesting(
-        shells=replace(shells, mesh=whole.keep(keeps), label=shells.label[keeps]),
-        whole=whole,
-        body=state.body,
+        shells=replace(shells, mesh=shells.mesh.turned(wrong[shells.label])),
+        copies=state.copies,
+        uneven=bool((least < most).any() and state.inward.any()),
+        inward=state.inward,
+        within=state.within,
+        proper=closed & ~state.patched,
         bodies=int((wrong & ~state.inward).sum()),
         cavities=int((wrong & state.inward).sum()),
-        within=int(state.within.sum()),
-        less=float((np.abs(volumes) * (state.adds - other.adds)).sum()),
+        less=float((np.abs(volumes) * closed * (state.adds - other.adds)).sum()),
     )
 
 
@@ -81,35 +99,41 @@ class _States:
     """What shells are, decided from the outermost ones inwards.
 
     Attributes:
-        body: (k,) see `Nesting`. turned, inward, within: (k,) whether each has to be turned, is wound inwards then, and
-            bounds nothing.
+        copies: (k,) see `Nesting`.
+        turned, inward, within, patched: (k,) whether each has to be turned, is wound inwards then, bounds nothing, and
+            lies in what open shells enclose.
     """
 
-    def __init__(self, parent: Numbers, order: list[int], ways: Numbers, patches: int, cavities: bool) -> None:
+    def __init__(
+        self, around: list[list[int]], order: list[int], ways: Numbers, copies: Numbers, patches: int, cavities: bool
+    ) -> None:
         """
         Args:
-            parent: (k,) the shell around each, `NOWHERE` or `IN_PATCHES`. order: of closed shells, outer ones first.
+            around: (k) shells around each, the smallest first, and `IN_PATCHES`. order: of closed shells, outer ones
+                first.
             ways: (k,) 1 for a positive volume, otherwise -1. patches: the same of open shells together.
+            copies: (k,) how often each was given.
             cavities: see `nested`.
         """
-        self.body = np.full(len(parent), -1, np.int64)
-        self.turned, self.inward, self.within = np.zeros((3, len(parent)), np.bool_)
-        winding, sense, home = {NOWHERE: 0, IN_PATCHES: 1}, {IN_PATCHES: patches}, {IN_PATCHES: -1}
+        self.turned, self.inward, self.within, self.patched = np.zeros((4, len(ways)), np.bool_)
+        self.copies = np.ones_like(copies) if cavities else copies.copy()
+        winding, sense = {IN_PATCHES: 1}, {IN_PATCHES: patches}
         for shell in order:
-            outer, way = int(parent[shell]), int(ways[shell])
-            around = winding[outer]
-            sense[shell] = sense[outer] if around else way
-            inward = around > 0 and (cavities or way != sense[shell])
-            winding[shell] = around - 1 if inward else around + 1
-            self.body[shell] = home[shell] = home[outer] if around else shell
+            before, way = sum(winding[outer] for outer in around[shell]), int(ways[shell])
+            sense[shell] = sense[around[shell][0]] if before > 0 else way
+            inward = before > 0 and (cavities or way != sense[shell])
+            if inward:
+                self.copies[shell] = min(self.copies[shell], before)
+            winding[shell] = int(-self.copies[shell] if inward else self.copies[shell])
+            self.patched[shell] = IN_PATCHES in around[shell]
             self.inward[shell] = inward
-            self.within[shell] = around > 0 and not (around == 1 and inward)
+            self.within[shell] = before > 0 and before + winding[shell] > 0
             self.turned[shell] = way != (-1 if inward else 1)
 
     @property
     def adds(self) -> Numbers:
         """(k,) what each closed shell does to the volume with its own: adds it, takes it off, or nothing."""
-        ways: Numbers = np.where(self.within | (self.body < 0) & ~self.inward, 0, np.where(self.inward, -1, 1))
+        ways: Numbers = np.where(self.within, 0, np.where(self.inward, -1, 1))
         return ways
 
 
@@ -130,11 +154,14 @@ def _open(shells: Shells, caps: int) -> OpenInterior | None:
     return OpenInterior(shells.mesh.keep(chosen)) if chosen.any() else None
 
 
-def _parents(shells: Shells, sizes: Floats, proper: Mask, patches: OpenInterior | None) -> tuple[Numbers, list[int]]:
-    """Return the smallest shell around each, and closed shells from the largest down."""
+def _containers(
+    shells: Shells, volumes: Floats, proper: Mask, patches: OpenInterior | None
+) -> tuple[list[list[int]], list[int]]:
+    """Return the shells around each, the smallest first, and closed shells from the largest down."""
     corners, lo, hi = in_parts(shells.mesh.corners, shells.label)
+    sizes = np.abs(volumes)
     interiors: dict[int, Interior] = {}
-    parent = np.full(shells.count, NOWHERE, np.int64)
+    found: list[list[int]] = [[] for _ in sizes]
     down = [shell for shell in np.argsort(-sizes, kind="stable").tolist() if proper[shell]]
     for shell in down:
         around = proper & (sizes > sizes[shell]) & (lo <= lo[shell]).all(axis=1) & (hi >= hi[shell]).all(axis=1)
@@ -142,12 +169,26 @@ def _parents(shells: Shells, sizes: Floats, proper: Mask, patches: OpenInterior 
         for other in sorted(np.flatnonzero(around).tolist(), key=sizes.__getitem__):
             if other not in interiors:
                 interiors[other] = Interior(corners[other])
-            if _holds(interiors[other], points):
-                parent[shell] = other
-                break
-        else:
-            parent[shell] = IN_PATCHES if patches is not None and _holds(patches, points) else NOWHERE
-    return parent, down
+            if _holds(interiors[other], points) and not _reaches_out(corners[shell], corners[other]):
+                found[shell].append(other)
+        if patches is not None and _holds(patches, points):
+            found[shell].append(IN_PATCHES)
+    return found, down
+
+
+def _reaches_out(corners: Floats, other: Floats) -> bool:
+    """Return whether a closed shell (n, 3, 3) has volume outside another, so far as both are manifolds."""
+    lo, hi = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+    if not ((other.min(axis=1) <= hi) & (other.max(axis=1) >= lo)).all(axis=1).any():
+        return False
+    one, two = (_solid(merged(each)) for each in (corners, other))
+    return None not in (one, two) and bool((one - two).volume() > _TOUCH * one.volume())
+
+
+def _solid(shell: Indexed) -> Any:
+    """Return what a shell encloses, however it is wound, for manifold3d; None if it is no manifold."""
+    outwards = shell.volume(shell.vertices[0]) > 0
+    return manifold(shell.vertices, shell.faces if outwards else shell.faces[:, ::-1])
 
 
 def _holds(interior: Interior | OpenInterior, points: list[Floats]) -> bool:

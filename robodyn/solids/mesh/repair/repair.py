@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from robodyn.errors import MeshError
-from robodyn.solids.mesh.indexed import Indexed, merged
-from robodyn.solids.mesh.region.quadrature import Quadrature, by_columns, by_winding_numbers
+from robodyn.solids.mesh.indexed import Edges, Indexed, merged
+from robodyn.solids.mesh.region.quadrature import Quadrature, as_given, by_columns, by_winding_numbers
 from robodyn.solids.mesh.repair.clean import without_degenerate, without_duplicates
 from robodyn.solids.mesh.repair.gaps import one_sided
 from robodyn.solids.mesh.repair.holes import Filling, filled
@@ -16,6 +16,9 @@ from robodyn.solids.mesh.repair.union import United, united
 from robodyn.solids.mesh.triangles import MemoryTriangles, Triangles
 from robodyn.support.floats import Floats
 from robodyn.support.wording import count as many
+
+_SAME = 1e-11
+"""Share of its volume by which a body may differ that is measured twice."""
 
 _BY_REGION = ("overlaps", "winding numbers")
 """Steps that leave the surface as it is."""
@@ -87,7 +90,8 @@ def repair(triangles: Triangles, cavities: bool = False) -> Repaired:
     mesh = merged(triangles.array())
     steps = _Steps(mesh.middle)
     mesh = steps.taken(mesh, *_dropped(mesh, without_degenerate(mesh), "degenerate", "without area"))
-    mesh = steps.taken(mesh, *_dropped(mesh, without_duplicates(mesh), "duplicate", "given more than once"))
+    given, (single, copies) = mesh, without_duplicates(mesh)
+    mesh = steps.taken(mesh, *_dropped(mesh, single, "duplicate", "given more than once"))
     if not len(mesh.faces):
         raise MeshError("has no triangle with an area", remedy="give a surface", file=triangles.name)
     shells, turned = wound(mesh)
@@ -96,14 +100,18 @@ def repair(triangles: Triangles, cavities: bool = False) -> Repaired:
     filling = filled(shells)
     count = filling.holes + filling.seams
     steps.taken(shells.mesh, filling.shells.mesh, count, "holes", _filling(filling))
-    nesting = nested(filling.capped, filling.caps, cavities)
+    nesting = nested(filling.capped, copies, filling.caps, cavities)
     count = nesting.bodies + nesting.cavities
-    steps.taken(filling.capped.mesh, nesting.whole, count, "orientation", _nesting(nesting))
-    what = f"{many(nesting.within, 'shell')} in another, wound as it is, counted once"
-    steps.taken(nesting.whole, nesting.shells.mesh, nesting.within, "nested", what)
+    steps.taken(filling.capped.mesh, nesting.shells.mesh, count, "orientation", _nesting(nesting))
     union = united(nesting, filling.caps)
-    steps.taken(nesting.shells.mesh, union.mesh, union.bodies, "union", f"{union.bodies} overlapping bodies united")
+    whole, spare = nesting.shells.mesh, int(union.spare.sum())
+    mesh = whole.keep(~union.spare[nesting.shells.label])
+    steps.taken(whole, mesh, spare, "nested", f"{many(spare, 'shell')} in another, wound as it is, counted once")
+    what = f"{many(union.bodies, 'overlapping body', 'overlapping bodies')} united"
+    steps.taken(mesh, union.mesh, union.bodies, "union", what)
     mesh, region = _region(union, filling, steps)
+    if (nesting.uneven or shells.tangled) and not Edges.between(given.faces).balance.any():
+        region = _by_all_faces(given, mesh, region, steps)
     changed = any(step.name not in _BY_REGION for step in steps.all)
     return Repaired(
         triangles=MemoryTriangles(corners=mesh.corners, **triangles.labels) if changed else triangles,
@@ -141,6 +149,20 @@ def _region(union: United, filling: Filling, steps: _Steps) -> tuple[Indexed, Qu
     what = f"{many(filling.left, 'gap')} too large to be filled, left to winding numbers"
     steps.measured(mesh, region, filling.left, "winding numbers", what)
     return mesh, region
+
+
+def _by_all_faces(given: Indexed, mesh: Indexed, region: Quadrature | None, steps: _Steps) -> Quadrature | None:
+    """Return what all faces as given enclose, where bodies share so many that shells cannot be told apart.
+
+    The error bar covers what the mesh without duplicates, or its region, says.
+    """
+    found, volume = as_given(given), mesh.volume(mesh.middle) if region is None else region.volume
+    apart = abs(found.volume - volume) / abs(found.volume)
+    if apart <= _SAME:
+        return region
+    found = replace(found, bar=max(found.bar, apart))
+    steps.measured(mesh, found, 1, "overlaps", "bodies that share faces counted once, by columns")
+    return found
 
 
 class _Steps:
@@ -195,11 +217,12 @@ def _remarks(found: Filling, region: Quadrature | None) -> tuple[str, ...]:
 
 def _within(found: Nesting, scale: float) -> tuple[str, ...]:
     """Return what was taken of shells that lie in others and are wound alike, and how to have it otherwise."""
-    if not found.within:
+    count = int(found.within.sum())
+    if not count:
         return ()
-    one = found.within == 1
+    one = count == 1
     is_or_are, cavity = ("is", "it is a cavity") if one else ("are", "they are cavities")
     return (
-        f"{many(found.within, 'shell')} in another {is_or_are} wound as it is, and taken as a part of it: "
+        f"{many(count, 'shell')} in another {is_or_are} wound as it is, and taken as a part of it: "
         f"if {cavity}, say --cavities ({found.less * scale**3:.4g} m^3 less)",
     )

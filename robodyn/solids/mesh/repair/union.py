@@ -2,41 +2,53 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from itertools import chain, repeat
 from typing import Any
 
 import numpy as np
 
+from robodyn.programs.vectors import IDENTITY, ZERO, rotation_from_rpy
 from robodyn.solids.mesh.distinct import Numbers
-from robodyn.solids.mesh.indexed import Edges, Indexed, Mask, components, in_parts
+from robodyn.solids.mesh.indexed import Edges, Indexed, Mask, in_parts
+from robodyn.solids.mesh.repair.inside import manifold
 from robodyn.solids.mesh.repair.nesting import Nesting
 from robodyn.support.floats import Floats
 
 _TOUCH = 1e-11
-"""Volume that bodies may share, of the sum of their volumes, and still only touch."""
+"""Volume that shells may share, of the sum of their volumes, and still only touch."""
+
+_MOST_COPIES = 16
+"""Of a shell that are told apart."""
+
+_TURNS = (IDENTITY, *(rotation_from_rpy(*angles) for angles in ((0.7, -0.4, 1.9), (-1.1, 0.8, 0.3), (2.3, 0.5, -0.6))))
+"""Poses in which bodies are united until two agree."""
 
 
 @dataclass(frozen=True, eq=False)
 class United:
-    """What became of bodies that overlap.
+    """What became of shells that cross.
 
     Attributes:
-        mesh: with the union in their place.
-        bodies: that were united, none if no two share any volume.
+        mesh: with the union in their place, and without those that bound nothing.
+        bodies: that were united, 0 if no shells cross.
+        spare: (k,) shells left out because they lie in a body, are wound as it is, and cross nothing.
         untested: bodies whose boxes overlap that of another, where one is no manifold or has caps: they may overlap.
         folded: shells with edges of more than two faces: they may overlap themselves.
     """
 
     mesh: Indexed
-    bodies: int = 0
-    untested: int = 0
-    folded: int = 0
+    bodies: int
+    spare: Mask
+    untested: int
+    folded: int
 
 
 def united(nesting: Nesting, caps: int = 0) -> United:
-    """Return the union of bodies that share volume, by `manifold3d` (a robust boolean of triangle meshes).
+    """Return what bodies and cavities whose shells cross enclose: the points in more bodies than cavities.
 
-    A body is a shell with the cavities right within it. Only bodies with boxes that overlap are tried.
+    It is found by `manifold3d` (a robust boolean of triangle meshes) for all shells whose boxes overlap. Where its
+    volume is what nesting says, no two of them cross, and they stay as they are.
 
     Args:
         caps: so many of the last faces are none of the surface; they stay the last.
@@ -44,69 +56,116 @@ def united(nesting: Nesting, caps: int = 0) -> United:
     Accuracy: volume and second moments of two convex bodies with curved faces within 1e-15 of those of their union in
         exact rationals, and within 1e-12 where they are a thousand of their sizes away from the origin.
     """
-    body = nesting.body[nesting.shells.label]
-    clusters = _clusters(nesting.shells.mesh.corners, body)
-    mesh = nesting.shells.mesh
-    found = United(mesh, folded=_folded(mesh, nesting.shells.label))
-    stays, extra = np.ones(len(mesh.faces), np.bool_), []
-    capped = set(body[len(body) - caps :].tolist())
-    for cluster in clusters:
-        parts = [] if capped.intersection(cluster) else [body == name for name in cluster]
-        solids = [manifold(*_apart(mesh, nesting.shells.label, part)) for part in parts]
-        if not solids or None in solids:
-            found = replace(found, untested=found.untested + len(cluster))
-            continue
-        union = _union(solids)
-        if union is not None:
-            found = replace(found, bodies=found.bodies + len(cluster))
-            stays &= ~np.isin(body, cluster)
-            extra.append(union)
-    return replace(found, mesh=_joined([*extra, mesh.keep(stays)])) if extra else found
+    mesh, label, count = nesting.shells.mesh, nesting.shells.label, nesting.shells.count
+    rows = np.split(np.argsort(label, kind="stable"), np.cumsum(np.bincount(label, minlength=count))[:-1])
+    capped = set(label[len(label) - caps :].tolist())
+    spare, crossing = nesting.within.copy(), np.zeros(count, np.bool_)
+    regions: list[Indexed] = []
+    bodies = untested = 0
+    for cluster in _clusters(mesh.corners, label, nesting.proper):
+        parts, inward = [mesh.keep(rows[shell]) for shell in cluster], nesting.inward[cluster]
+        outward, reference = int((~inward).sum()), parts[0].corners[0, 0]
+        volumes = np.array([part.volume(reference) for part in parts])
+        least = _TOUCH * float(np.abs(volumes).sum())
+        whole = not capped.intersection(cluster)
+        region = _region(parts, inward, nesting.copies[cluster], least) if whole else None
+        if region is None:
+            untested += outward
+            spare[cluster] = False
+        elif abs(volumes[~nesting.within[cluster]].sum() - region.volume(reference)) > least:
+            bodies += outward
+            spare[cluster], crossing[cluster] = False, True
+            regions.append(region)
+    rest = mesh.keep(~(spare | crossing)[label])
+    folded = _folded(mesh.keep(~spare[label]), label[~spare[label]])
+    return United(_joined([*regions, rest]) if regions else rest, bodies, spare, untested, folded)
 
 
-def _clusters(corners: Floats, body: Numbers) -> list[list[int]]:
-    """Bodies that are connected by overlapping boxes, two or more at a time."""
-    solid = body >= 0
-    names = np.unique(body[solid])
+def _clusters(corners: Floats, label: Numbers, proper: Mask) -> list[list[int]]:
+    """Shells that are connected by overlapping boxes, two or more at a time."""
+    chosen = proper[label]
+    names = np.flatnonzero(proper)
     if len(names) < 2:
         return []
-    _, lo, hi = in_parts(corners[solid], body[solid])
-    links = [np.flatnonzero(((lo < hi[k]) & (lo[k] < hi)).all(axis=1)) for k in range(len(names))]
-    from_body = np.repeat(np.arange(len(names)), [len(link) for link in links])
-    label = components(len(names), from_body, np.concatenate(links))
-    return [names[label == k].tolist() for k in np.flatnonzero(np.bincount(label) > 1)]
+    _, lo, hi = in_parts(corners[chosen], label[chosen])
+    free, found = np.ones(len(names), np.bool_), []
+    for first in range(len(names)):
+        cluster = [first] if free[first] else []
+        free[first] = False
+        for k in cluster:
+            near = np.flatnonzero(free & ((lo < hi[k]) & (lo[k] < hi)).all(axis=1))
+            free[near] = False
+            cluster += near.tolist()
+        if len(cluster) > 1:
+            found.append(names[np.sort(cluster)].tolist())
+    return found
 
 
 def _folded(mesh: Indexed, label: Numbers) -> int:
-    edges = Edges.between(_apart(mesh, label, np.ones(len(label), np.bool_))[1])
+    """Return how many shells have edges of more than two faces."""
+    own = label[:, None] * len(mesh.vertices) + mesh.faces
+    _, faces = np.unique(own, return_inverse=True)
+    edges = Edges.between(faces.reshape(-1, 3))
     return len(np.unique(label[(edges.count[edges.of] > 2).any(axis=1)]))
 
 
-def _apart(mesh: Indexed, label: Numbers, chosen: Mask) -> tuple[Floats, Numbers]:
-    """Vertices and faces of the chosen faces, with no vertex in more than one shell."""
-    own = label[chosen, None] * len(mesh.vertices) + mesh.faces[chosen]
-    keys, faces = np.unique(own, return_inverse=True)
-    return mesh.vertices[keys % len(mesh.vertices)], faces.reshape(-1, 3)
+def _region(parts: list[Indexed], inward: Mask, copies: Numbers, least: float) -> Indexed | None:
+    """Return where there are more bodies than cavities, each counted as often as it was given.
+
+    Where facets nearly coincide a boolean may fail, which shows in its volume when it is done again in another pose.
+
+    Args:
+        least: by which volumes may differ.
+
+    Returns:
+        None if a shell is no manifold, or no two poses agree.
+    """
+    solids = [_solid(*each) for each in zip(parts, inward, strict=True)]
+    if None in solids:
+        return None
+    copies = np.minimum(copies // np.gcd.reduce(copies), _MOST_COPIES)
+    reference, found = parts[0].corners[0, 0], list[Indexed]()
+    for turn in _TURNS:
+        turned = [solid.transform(np.column_stack([turn, ZERO])) for solid in solids]
+        bodies, cavities = ([(turned[k], int(copies[k])) for k in np.flatnonzero(way)] for way in (~inward, inward))
+        whole = _more_bodies_than_cavities(bodies, cavities)
+        mesh = whole.transform(np.column_stack([turn.T, ZERO])).to_mesh64()
+        region = Indexed(np.array(mesh.vert_properties[:, :3]), np.array(mesh.tri_verts, np.int64))
+        for other in found:
+            if abs(other.volume(reference) - region.volume(reference)) <= least:
+                return other
+        found.append(region)
+    return None
 
 
-def manifold(vertices: Floats, faces: Numbers) -> Any:
-    """Return a body for manifold3d, None if it is no manifold."""
-    from manifold3d import Error, Manifold, Mesh64
+def _solid(shell: Indexed, inward: bool) -> Any:
+    """Return what a shell encloses, however it is wound, for manifold3d; None if it is no manifold."""
+    used, faces = np.unique(shell.faces, return_inverse=True)
+    faces = faces.reshape(-1, 3)
+    return manifold(shell.vertices[used], faces[:, ::-1] if inward else faces)
 
-    solid = Manifold(Mesh64(vertices, faces.astype(np.uint64)))
-    return solid if solid.status() == Error.NoError else None
 
-
-def _union(solids: list[Any]) -> Indexed | None:
-    """None if the solids share no volume."""
+def _more_bodies_than_cavities(bodies: list[tuple[Any, int]], cavities: list[tuple[Any, int]]) -> Any:
+    """Return all bodies but for where at least n cavities are and at most n bodies, for any n."""
     from manifold3d import Manifold, OpType
 
-    total = sum(solid.volume() for solid in solids)
-    union = Manifold.batch_boolean(solids, OpType.Add)
-    if total - union.volume() <= _TOUCH * total:
-        return None
-    mesh = union.to_mesh64()
-    return Indexed(np.array(mesh.vert_properties[:, :3]), np.array(mesh.tri_verts, np.int64))
+    region = Manifold.batch_boolean([body for body, _ in bodies], OpType.Add)
+    holes = _layers(cavities)
+    around = _layers([(body ^ holes[0], often) for body, often in bodies]) if holes else []
+    for n, hole in enumerate(holes, start=1):
+        region -= hole - around[n] if n < len(around) else hole
+    return region
+
+
+def _layers(solids: list[tuple[Any, int]]) -> list[Any]:
+    """Return where at least one of the solids is, at least two of them, and so on; each counts so many times."""
+    layers: list[Any] = []
+    for rest in chain.from_iterable(repeat(*each) for each in solids):
+        for n, layer in enumerate(layers):
+            layers[n], rest = layer + rest, layer ^ rest  # noqa: PLW2901
+        if not rest.is_empty():
+            layers.append(rest)
+    return layers
 
 
 def _joined(parts: list[Indexed]) -> Indexed:
