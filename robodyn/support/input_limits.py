@@ -51,6 +51,18 @@ class InputLimits:
     """Records in the chunks of an MCAP file."""
     bag_steps: int = 1_000_000_000
     """Steps of SQLite over a bag that is a database."""
+    mesh_nodes: int = 10_000
+    """Nodes of a scene of meshes (GLB, glTF, COLLADA), shared ones as often as they are used."""
+    mesh_items: int = 3_000
+    """Objects of a 3MF, shared ones as often as they are used."""
+    mesh_depth: int = 200
+    """Nodes of a scene of meshes in one another."""
+    mesh_unpacked: int = 1 << 27
+    """Bytes of all files in an archive of meshes (3MF, ZAE)."""
+    mesh_nesting: int = 30_000
+    """Points of shells of a mesh that are tried for lying in another shell."""
+    mesh_overlaps: int = 200_000
+    """Pairs of shells with overlapping boxes that are united exactly; more are measured by columns."""
 
 
 def limits() -> InputLimits:

@@ -132,8 +132,9 @@ class Edges:
 def components(count: int, a: Numbers, b: Numbers) -> Numbers:
     """(count,) the number of the connected component of each node of a graph with the links a[i] to b[i].
 
-    Components are numbered as their first nodes are. Every node with links to lower ones is hooked to one of them and
-    then to the root of that; the roots are nodes of a smaller graph (Boruvka's contraction).
+    Components are numbered as their first nodes are. Every node with links to lower ones is hooked to the lowest of
+    them and then to the root of that; the roots are nodes of a smaller graph (Boruvka's contraction). Hooked to any
+    lower one, as many rounds may be needed as a node has links.
     """
     label = np.arange(count)
     nodes = count
@@ -143,7 +144,7 @@ def components(count: int, a: Numbers, b: Numbers) -> Numbers:
         if not a.size:
             return label
         parent = np.arange(nodes)
-        parent[np.maximum(a, b)] = np.minimum(a, b)
+        np.minimum.at(parent, np.maximum(a, b), np.minimum(a, b))
         number = np.cumsum(parent == np.arange(nodes)) - 1
         step = number[_roots(parent)]
         label, a, b = step[label], step[a], step[b]

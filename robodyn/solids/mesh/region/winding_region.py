@@ -87,11 +87,24 @@ def excess(corners: Floats, count: int = COLUMNS) -> Floats:
     """(3, 4, 4) in each direction, by about so many columns, the moments of what a surface counts too often."""
     found = []
     for direction in directions():
-        lattice = Lattice.over(corners, direction, count=count)
+        lattice = _lattice(corners, direction, count)
         every, _ = pieces(lattice.hits(corners))
         wrong = every.of((every.weight != 0) & (every.weight != 1))
         found.append(wrong._replace(weight=wrong.weight - (wrong.weight > 0)).moments(lattice))
     return np.array(found)
+
+
+_HITS = 5e5
+"""Of columns with a surface, at most, about: each takes some 600 bytes."""
+
+
+def _lattice(corners: Floats, direction: Floats, count: int) -> Lattice:
+    """Return about so many columns, or as many as meet the triangles (m, 3, 3) not too often."""
+    a, b, c = corners.transpose(1, 0, 2)
+    shadows = float(np.abs(product(np.cross(b - a, c - a), direction)).sum()) / 2
+    lattice = Lattice.over(corners, direction, count=count)
+    most = int(count * lattice.cell * _HITS / shadows) if shadows else count
+    return lattice if most >= count else Lattice.over(corners, direction, count=max(most, 1))
 
 
 _NEAR_END = 1e-6

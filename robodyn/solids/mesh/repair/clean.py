@@ -40,7 +40,8 @@ def without_duplicates(mesh: Indexed) -> tuple[Indexed, Numbers]:
         return mesh, np.ones(sets, np.int64)
     sided = 2 * which + even
     copies = np.bincount(sided, minlength=2 * sets)
-    rows = np.flatnonzero(~_superfluous(mesh.faces, ~_first_of(sided), alone=True))
+    rows = np.flatnonzero(_few_copies(sided, copies))
+    rows = rows[~_superfluous(mesh.faces[rows], ~_first_of(sided[rows]), alone=True)]
     if Edges.between(mesh.faces).balance.any():
         copies[:] = 1
     else:
@@ -83,13 +84,24 @@ def _uncancelled(sided: Numbers, sets: int) -> Mask:
     Args:
         sided: (m,) twice the number of the set of corners, and one more where they go up; there are so many sets.
     """
-    count = np.bincount(sided, minlength=2 * sets).reshape(-1, 2)
-    pairs = count.min(axis=1) - (count[:, 0] == count[:, 1])
-    rank = np.empty_like(sided)
-    order = np.argsort(sided, kind="stable")
-    rank[order] = np.arange(len(sided)) - (np.cumsum(count) - count.ravel())[sided[order]]
-    stays: Mask = rank >= pairs[sided // 2]
+    count = np.bincount(sided, minlength=2 * sets)
+    ways = count.reshape(-1, 2)
+    pairs = ways.min(axis=1) - (ways[:, 0] == ways[:, 1])
+    stays: Mask = _ranks(sided, count) >= pairs[sided // 2]
     return stays
+
+
+def _few_copies(sided: Numbers, count: Numbers) -> Mask:
+    """(m,) one of faces wound alike that are given an odd number of times, or two: edges have as many, modulo 2."""
+    few: Mask = _ranks(sided, count) <= (count - 1)[sided] % 2
+    return few
+
+
+def _ranks(names: Numbers, count: Numbers) -> Numbers:
+    """(m,) how often a name was there before; count: of each name."""
+    rank, order = np.empty_like(names), np.argsort(names, kind="stable")
+    rank[order] = np.arange(len(names)) - (np.cumsum(count) - count)[names[order]]
+    return rank
 
 
 def _first_of(names: Numbers) -> Mask:

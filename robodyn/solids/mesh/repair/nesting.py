@@ -7,11 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from robodyn.errors import MeshError
 from robodyn.solids.mesh.distinct import Numbers
 from robodyn.solids.mesh.indexed import Indexed, Mask, areas, in_parts, merged, triple
 from robodyn.solids.mesh.repair.inside import Interior, OpenInterior, manifold
 from robodyn.solids.mesh.repair.shells import Shells
 from robodyn.support.floats import Floats
+from robodyn.support.input_limits import beyond, limits
 
 _NOISE = 1e-13
 """Volume over the sum of the sizes of its terms below which a shell is flat and has no sign."""
@@ -22,7 +24,7 @@ IN_PATCHES = -1
 _TOUCH = 1e-11
 """Share of its volume that a shell may have outside another, and still lie in it."""
 
-_LARGEST = 64
+_LARGEST = 16
 """Triangles of a shell whose centres are tried."""
 
 
@@ -52,7 +54,9 @@ class Nesting:
     less: float
 
 
-def nested(shells: Shells, copies: Numbers | None = None, caps: int = 0, cavities: bool = False) -> Nesting:
+def nested(
+    shells: Shells, copies: Numbers | None = None, caps: int = 0, cavities: bool = False, name: str | None = None
+) -> Nesting:
     """Decide by winding numbers which closed shells are bodies and which cavities.
 
     A shell that lies in no body is one, and turned outwards if need be, with all that is in it. In a body, one wound
@@ -60,13 +64,18 @@ def nested(shells: Shells, copies: Numbers | None = None, caps: int = 0, cavitie
     is adds one, and so bounds nothing: two bodies of which one lies in the other are as much as their union. A shell
     counts as often as it was given: a body given as a solid and once more with a cavity is solid.
 
-    A shell is in another if its box is and none of a few of its points is outside, but one is inside. Open shells taken
+    A shell is in another if its box is, none of a few of its points is outside, but one is inside, and it has no volume
+    outside. Open shells taken
     together count as one, wound outwards by its volume with caps, and around others by its winding number.
 
     Args:
         copies: (m,) how often each of the first faces was given.
         caps: so many of the last faces are none of the surface; with them it is closed.
         cavities: a shell in a body is a cavity, however it is wound and however often it was given.
+        name: of the mesh, for the error.
+
+    Raises:
+        MeshError: there are too many shells to be placed.
     """
     often = np.ones(len(shells.label), np.int64)
     if copies is not None:
@@ -76,7 +85,7 @@ def nested(shells: Shells, copies: Numbers | None = None, caps: int = 0, cavitie
     np.maximum.at(most, shells.label, often)
     volumes, flat = _volumes(shells)
     closed = shells.closed & ~flat
-    around, order = _containers(shells, volumes, closed, _open(shells, caps))
+    around, order = _containers(shells, volumes, closed, _open(shells, caps), name)
     patches = volumes[~shells.closed].sum()
     inside_out = bool(patches < 0 and not flat[~shells.closed].all())
     ways = np.where(volumes < 0, -1, 1)
@@ -155,13 +164,14 @@ def _open(shells: Shells, caps: int) -> OpenInterior | None:
 
 
 def _containers(
-    shells: Shells, volumes: Floats, proper: Mask, patches: OpenInterior | None
+    shells: Shells, volumes: Floats, proper: Mask, patches: OpenInterior | None, name: str | None
 ) -> tuple[list[list[int]], list[int]]:
     """Return the shells around each, the smallest first, and closed shells from the largest down."""
     corners, lo, hi = in_parts(shells.mesh.corners, shells.label)
     sizes = np.abs(volumes)
     interiors: dict[int, Interior] = {}
     found: list[list[int]] = [[] for _ in sizes]
+    tried, most = 0, limits().mesh_nesting
     down = [shell for shell in np.argsort(-sizes, kind="stable").tolist() if proper[shell]]
     for shell in down:
         around = proper & (sizes > sizes[shell]) & (lo <= lo[shell]).all(axis=1) & (hi >= hi[shell]).all(axis=1)
@@ -169,18 +179,26 @@ def _containers(
         for other in sorted(np.flatnonzero(around).tolist(), key=sizes.__getitem__):
             if other not in interiors:
                 interiors[other] = Interior(corners[other])
-            if _holds(interiors[other], points) and not _reaches_out(corners[shell], corners[other]):
+            near = _near(lo[shell], hi[shell], corners[other])
+            tried += len(points) if near else 1
+            if tried > most:
+                what = f"{len(sizes)} shells to be placed in each other by {tried} points"
+                raise beyond("mesh_nesting", what, MeshError, file=name)
+            inside = _holds(interiors[other], points, all_of_them=near)
+            if inside and not (near and _reaches_out(corners[shell], corners[other])):
                 found[shell].append(other)
         if patches is not None and _holds(patches, points):
             found[shell].append(IN_PATCHES)
     return found, down
 
 
+def _near(lo: Floats, hi: Floats, corners: Floats) -> bool:
+    """Return whether the box of some triangle (n, 3, 3) meets a box, so that a shell in that may cross it."""
+    return bool(((corners.min(axis=1) <= hi) & (corners.max(axis=1) >= lo)).all(axis=1).any())
+
+
 def _reaches_out(corners: Floats, other: Floats) -> bool:
     """Return whether a closed shell (n, 3, 3) has volume outside another, so far as both are manifolds."""
-    lo, hi = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
-    if not ((other.min(axis=1) <= hi) & (other.max(axis=1) >= lo)).all(axis=1).any():
-        return False
     one, two = (_solid(merged(each)) for each in (corners, other))
     return None not in (one, two) and bool((one - two).volume() > _TOUCH * one.volume())
 
@@ -191,13 +209,16 @@ def _solid(shell: Indexed) -> Any:
     return manifold(shell.vertices, shell.faces if outwards else shell.faces[:, ::-1])
 
 
-def _holds(interior: Interior | OpenInterior, points: list[Floats]) -> bool:
+def _holds(interior: Interior | OpenInterior, points: list[Floats], all_of_them: bool = True) -> bool:
+    """Return whether points lie in a shell, as far as that can be told; or whether the first does for which it can."""
     found = False
     for point in points:
         answer = interior.has(point)
         if answer is False:
             return False
         found = found or answer is True
+        if found and not all_of_them:
+            break
     return found
 
 

@@ -85,7 +85,8 @@ def repair(triangles: Triangles, cavities: bool = False) -> Repaired:
         cavities: shells in others are cavities, however they are wound; else by winding numbers (see `nested`).
 
     Raises:
-        MeshError: no triangle has an area, or a part of the surface has one side only.
+        MeshError: no triangle has an area, a part of the surface has one side only, or shells are too many to be placed
+            in each other.
     """
     mesh = merged(triangles.array())
     steps = _Steps(mesh.middle)
@@ -100,7 +101,7 @@ def repair(triangles: Triangles, cavities: bool = False) -> Repaired:
     filling = filled(shells)
     count = filling.holes + filling.seams
     steps.taken(shells.mesh, filling.shells.mesh, count, "holes", _filling(filling))
-    nesting = nested(filling.capped, copies, filling.caps, cavities)
+    nesting = nested(filling.capped, copies, filling.caps, cavities, triangles.name)
     count = nesting.bodies + nesting.cavities
     steps.taken(filling.capped.mesh, nesting.shells.mesh, count, "orientation", _nesting(nesting))
     union = united(nesting, filling.caps)

@@ -14,6 +14,7 @@ from robodyn.solids.mesh.indexed import Edges, Indexed, Mask, in_parts
 from robodyn.solids.mesh.repair.inside import manifold
 from robodyn.solids.mesh.repair.nesting import Nesting
 from robodyn.support.floats import Floats
+from robodyn.support.input_limits import limits
 
 _TOUCH = 1e-11
 """Volume that shells may share, of the sum of their volumes, and still only touch."""
@@ -62,12 +63,12 @@ def united(nesting: Nesting, caps: int = 0) -> United:
     spare, crossing = nesting.within.copy(), np.zeros(count, np.bool_)
     regions: list[Indexed] = []
     bodies = untested = 0
-    for cluster in _clusters(mesh.corners, label, nesting.proper):
+    for cluster, pairs in _clusters(mesh.corners, label, nesting.proper):
         parts, inward = [mesh.keep(rows[shell]) for shell in cluster], nesting.inward[cluster]
         outward, reference = int((~inward).sum()), parts[0].corners[0, 0]
         volumes = np.array([part.volume(reference) for part in parts])
         least = _TOUCH * float(np.abs(volumes).sum())
-        whole = not capped.intersection(cluster)
+        whole = not capped.intersection(cluster) and pairs <= limits().mesh_overlaps
         region = _region(parts, inward, nesting.copies[cluster], least) if whole else None
         if region is None:
             untested += outward
@@ -81,8 +82,8 @@ def united(nesting: Nesting, caps: int = 0) -> United:
     return United(_joined([*regions, rest]) if regions else rest, bodies, spare, untested, folded)
 
 
-def _clusters(corners: Floats, label: Numbers, proper: Mask) -> list[list[int]]:
-    """Shells that are connected by overlapping boxes, two or more at a time."""
+def _clusters(corners: Floats, label: Numbers, proper: Mask) -> list[tuple[list[int], int]]:
+    """Shells that are connected by overlapping boxes, two or more at a time, and how many pairs of these overlap."""
     chosen = proper[label]
     names = np.flatnonzero(proper)
     if len(names) < 2:
@@ -90,14 +91,15 @@ def _clusters(corners: Floats, label: Numbers, proper: Mask) -> list[list[int]]:
     _, lo, hi = in_parts(corners[chosen], label[chosen])
     free, found = np.ones(len(names), np.bool_), []
     for first in range(len(names)):
-        cluster = [first] if free[first] else []
+        cluster, pairs = [first] if free[first] else [], 0
         free[first] = False
         for k in cluster:
-            near = np.flatnonzero(free & ((lo < hi[k]) & (lo[k] < hi)).all(axis=1))
+            near = ((lo < hi[k]) & (lo[k] < hi)).all(axis=1)
+            pairs += int(near.sum()) - 1
+            cluster += np.flatnonzero(near & free).tolist()
             free[near] = False
-            cluster += near.tolist()
         if len(cluster) > 1:
-            found.append(names[np.sort(cluster)].tolist())
+            found.append((names[np.sort(cluster)].tolist(), pairs // 2))
     return found
 
 
