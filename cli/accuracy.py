@@ -90,7 +90,7 @@ def accuracy_of(files: Sequence[str], duration: float | None, table: str | None)
         from robodyn.measure.accuracy.mesh_ladder import mesh_accuracy
         from robodyn.solids.mesh.read.load import load_triangles
 
-        return mesh_accuracy(load_triangles(files[0]))
+        return mesh_accuracy(load_triangles(files[0], typed=True))
     if not moved:
         from robodyn.measure.accuracy.torque_ladder import file_accuracy
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from os.path import isfile
 from typing import Any
 
 import click
@@ -82,7 +83,7 @@ def _shapes(
     for name, unit, outcome in zip(files, units, outcomes, strict=True):
         if isinstance(outcome, MeshError):
             continue
-        if not pictures or name == STANDARD_INPUT:
+        if not pictures or name == STANDARD_INPUT or not isfile(name):
             found.append(None)
             continue
         triangles = load_triangles(name, file_type=options["file_type"], unit=unit)

@@ -74,7 +74,7 @@ class Part:
 
 
 def mass_properties(
-    source: str | os.PathLike[str] | bytes | ArrayLike,
+    source: str | os.PathLike[str] | bytes | ArrayLike | Triangles,
     *,
     density: float | None = None,
     mass: float | None = None,
@@ -97,7 +97,7 @@ def mass_properties(
     with it is repaired where that can be done, and said.
 
     Args:
-        source: name of a mesh file, `-` for standard input, its bytes, or triangles (m, 3, 3).
+        source: name of a mesh file, `-` for standard input, its bytes, or triangles, (m, 3, 3) or loaded.
         density: kg/m^3; 1000 if neither this nor the mass is given.
         mass: kg, in place of a density.
         unit: "m", "mm", "cm" or "in"; by default what the file says, or metres.
@@ -165,13 +165,15 @@ def mass_properties(
 
 
 def _triangles(
-    source: str | os.PathLike[str] | bytes | ArrayLike,
+    source: str | os.PathLike[str] | bytes | ArrayLike | Triangles,
     unit: str | None,
     file_type: str | None,
     on_progress: OnProgress | None,
 ) -> Triangles:
+    if isinstance(source, Triangles):
+        return source
     if isinstance(source, (str, os.PathLike, bytes)):
-        return load_triangles(source, file_type=file_type, unit=unit, on_progress=on_progress)
+        return load_triangles(source, file_type=file_type, unit=unit, on_progress=on_progress, typed=True)
     return from_array(source, unit=unit or "m")
 
 

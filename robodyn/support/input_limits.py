@@ -55,10 +55,12 @@ class InputLimits:
     """Nodes of a scene of meshes (GLB, glTF, COLLADA), shared ones as often as they are used."""
     mesh_items: int = 3_000
     """Objects of a 3MF, shared ones as often as they are used."""
+    mesh_faces: int = 5_000_000
+    """Triangles of all geometries of a scene of meshes, shared ones as often as they are used."""
     mesh_depth: int = 200
     """Nodes of a scene of meshes in one another."""
     mesh_unpacked: int = 1 << 27
-    """Bytes of all files in an archive of meshes (3MF, ZAE)."""
+    """Bytes of all files in an archive of meshes (3MF, ZAE), or that the accessors of a glTF stand for."""
     mesh_nesting: int = 30_000
     """Points of shells of a mesh that are tried for lying in another shell."""
     mesh_overlaps: int = 200_000

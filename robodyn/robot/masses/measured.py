@@ -10,6 +10,7 @@ from typing import TypedDict
 
 from robodyn.errors import RobodynError
 from robodyn.robot.urdf.parts import Vector
+from robodyn.solids.mesh.read.load import load_triangles
 from robodyn.solids.mesh_mass import Part, mass_properties
 from robodyn.support.threads import in_threads
 
@@ -62,7 +63,8 @@ class Reading:
 
             def measure(file: MeshFile) -> Outcome:
                 try:
-                    return mass_properties(file[0], scale=file[1], symmetry=False, tessellation=False, **self.how)
+                    triangles = load_triangles(file[0])
+                    return mass_properties(triangles, scale=file[1], symmetry=False, tessellation=False, **self.how)
                 except RobodynError as error:
                     return error
                 finally:

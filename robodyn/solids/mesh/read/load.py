@@ -30,6 +30,7 @@ def load_triangles(
     file_type: str | None = None,
     unit: str | None = None,
     on_progress: OnProgress | None = None,
+    typed: bool = False,
 ) -> Triangles:
     """Return the triangles of a mesh.
 
@@ -41,11 +42,12 @@ def load_triangles(
         file_type: one of KINDS; by the suffix, or by how the file begins, if None.
         unit: "m", "mm", "cm" or "in"; what the file says if None, metres if it says nothing.
         on_progress: called with how many triangles of a binary STL have been read, whenever some have.
+        typed: the user gave this very name, which may be that of a pipe then; see `open_input`.
 
     Raises:
         MeshError: there is no such file, it cannot be read, or it is not a mesh of that type.
     """
-    found = open_source(source)
+    found = open_source(source, typed)
     if found.data(len(LFS_POINTER)) == LFS_POINTER:
         raise found.error("is a pointer of Git LFS, not the mesh", remedy="git lfs pull fetches the mesh")
     kind = kind_of(found, file_type)

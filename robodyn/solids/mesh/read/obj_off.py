@@ -14,7 +14,6 @@ from robodyn.solids.mesh.read.polygons import Polygons
 from robodyn.solids.mesh.read.source import Source
 from robodyn.solids.mesh.triangles import IndexedTriangles
 
-_CONTINUED = re.compile(rb"\\\r?\n")
 _OFF = re.compile(rb"\s*(?:ST)?C?N?OFF\s+(\d{1,18})[ \t]+(\d{1,18})([ \t]+\d{1,18})?[ \t]*(?=[\r\n])")
 _HEAD = 1 << 16
 
@@ -46,16 +45,18 @@ def read_obj(source: Source, scale: float, notes: tuple[str, ...]) -> IndexedTri
 
 
 def _obj_end(text: bytes) -> int:
-    end = last_line_end(text)
-    while text[:end].rstrip(b"\r\n").endswith(b"\\"):
-        end = last_line_end(text[: end - 1].rstrip(b"\r\n"))
-    return end
+    """Just after the last line that the next one does not continue."""
+    return last_line_end(_continued(text))
 
 
 def _obj_plain(text: bytes) -> bytes:
     """The text with blanks for comments, and lines joined that end with a backslash; every word stays in its place."""
-    text = without_comments(text)
-    return _CONTINUED.sub(lambda found: b" " * len(found[0]), text) if b"\\" in text else text
+    return _continued(without_comments(text))
+
+
+def _continued(text: bytes) -> bytes:
+    """Return the text with blanks for a backslash and the end of the line after it."""
+    return text.replace(b"\\\r\n", b"   ").replace(b"\\\n", b"  ") if b"\\" in text else text
 
 
 def _obj_corners(words: Tokens, first: Integers, sizes: Integers, before: Integers) -> Integers:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -145,7 +146,8 @@ def _only(source: Source, header: Header, name: str) -> Element:
     if len(found) != 1:
         raise source.error(f"has {len(found)} elements {name!r}", remedy="one is needed")
     names = [known.name for known in found[0].properties]
-    twice = next((other for other in names if names.count(other) > 1), None)
+    often = Counter(names)
+    twice = next((other for other in names if often[other] > 1), None)
     if twice is not None:
         raise source.error(f"the element {name!r} has the property {twice!r} twice", remedy="repair the header")
     return found[0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -107,7 +108,7 @@ def _walked(
     source: Source, data: bytes, at: int, element: Element, order: str, wanted: Sequence[str]
 ) -> tuple[int, dict[str, tuple[Integers, NDArray[Any]]]]:
     """Row by row, because a row says by its lists where the next one begins."""
-    places: dict[str, tuple[list[int], list[int]]] = {name: ([], []) for name in wanted}
+    places = {name: (array("q"), array("q")) for name in wanted}
     steps = [
         (places.get(known.name), known.length, np.dtype(known.length or "u1").itemsize, np.dtype(known.type).itemsize)
         for known in element.properties
@@ -131,10 +132,10 @@ def _walked(
     return at, found
 
 
-def _gathered(data: bytes, starts: list[int], lengths: list[int], kind: str) -> tuple[Integers, NDArray[Any]]:
+def _gathered(data: bytes, starts: array[int], lengths: array[int], kind: str) -> tuple[Integers, NDArray[Any]]:
     item = np.dtype(kind).itemsize
-    sizes = np.array(lengths, np.int64)
-    places = np.repeat(np.array(starts, np.int64), sizes) + item * runs(np.zeros_like(sizes), sizes)
+    sizes = np.frombuffer(lengths, np.int64)
+    places = np.repeat(np.frombuffer(starts, np.int64), sizes) + item * runs(np.zeros_like(sizes), sizes)
     values = sliding_window_view(np.frombuffer(data, np.uint8), item)[places].view(kind)[:, 0]
     return sizes, _native(values)
 

@@ -64,7 +64,7 @@ def read_header(source: Source) -> Header:
     if feed not in (b"\n", b"\r", b"\r\n") or stop < 0:
         raise source.error("the header does not end with 'end_header'", remedy="the file is cut short or damaged")
     encoding: Encoding | None = None
-    elements: list[Element] = []
+    elements: list[tuple[str, int, list[Property]]] = []
     offset = 0
     for line in text[:end].split(feed):
         words = line.decode("latin-1").split()
@@ -73,17 +73,17 @@ def read_header(source: Source) -> Header:
                 encoding = _ENCODINGS[words[1]]
             elif words[:1] == ["element"]:
                 _, name, count = words
-                elements.append(Element(name, _count(count), ()))
+                elements.append((name, _count(count), []))
             elif words[:1] == ["property"]:
-                last = elements[-1]
-                elements[-1] = Element(last.name, last.count, (*last.properties, _property(words)))
+                elements[-1][2].append(_property(words))
         except (KeyError, ValueError, IndexError):
             shown = " ".join(words)[:60]
             raise source.error(f"{shown!r} is not understood", "repair the header", offset) from None
         offset += len(line) + len(feed)
     if encoding is None:
         raise source.error("the header names no format", remedy="ascii, binary_little_endian or binary_big_endian")
-    return Header(encoding, tuple(elements), stop + len(feed))
+    found = tuple(Element(name, count, tuple(properties)) for name, count, properties in elements)
+    return Header(encoding, found, stop + len(feed))
 
 
 def _count(text: str) -> int:

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from io import BytesIO
 from typing import Any
+from urllib.parse import unquote
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.errors import MeshError
+from robodyn.errors import InputError, MeshError
 from robodyn.programs.vectors import product
 from robodyn.solids.mesh.read.assets import asset_of
 from robodyn.solids.mesh.read.polygons import triangles_of
-from robodyn.solids.mesh.read.source import Source, scale_of
+from robodyn.solids.mesh.read.source import Source, reading, scale_of
 from robodyn.solids.mesh.triangles import Corners, IndexedTriangles
 from robodyn.support.floats import Floats
+from robodyn.support.input_file import read_input
+from robodyn.support.input_limits import beyond, limits
 from robodyn.support.libraries import library_messages, treated_warnings
 
 _FLOAT32 = ("dae", "zae", "glb", "gltf")
@@ -38,13 +42,18 @@ def read_scene(source: Source, kind: str, unit: str | None) -> IndexedTriangles:
         asset = asset_of(source, kind)
         scale, note = scale_of(unit, asset.metres, source.name)
         loaded, logged = _loaded(source, kind, asset.data)
-        parts = list(_placed(loaded))
+        parts, faces, most = list[_Part](), 0, limits().mesh_faces
+        for part in _placed(loaded):
+            parts.append(part)
+            faces += len(part[1])
+            if faces > most:
+                raise beyond("mesh_faces", f"{faces} triangles", MeshError, file=source.name)
     notes = [note, *asset.notes, *logged]
     if len(parts) > 1:
         notes.append(f"{len(parts)} geometries of the scene are taken together")
     firsts = np.cumsum([0, *(len(vertices) for vertices, _ in parts)])
-    faces = [indices + first for (_, indices), first in zip(parts, firsts[:-1], strict=True)]
-    corners = np.concatenate([np.empty((0, 3), np.int64), *faces])
+    shifted = [indices + first for (_, indices), first in zip(parts, firsts[:-1], strict=True)]
+    corners = np.concatenate([np.empty((0, 3), np.int64), *shifted])
     return triangles_of(
         source.name,
         np.concatenate([vertices for vertices, _ in parts]) if parts else np.empty((0, 3)),
@@ -62,9 +71,8 @@ def _loaded(source: Source, kind: str, data: bytes | None) -> tuple[dict[str, An
     `trimesh.load` itself merges vertices and drops those that are not finite, whatever it is asked.
     """
     from trimesh.exchange.load import mesh_loaders
-    from trimesh.resolvers import FilePathResolver
 
-    resolver = FilePathResolver(source.path) if source.path and kind == "gltf" else None
+    resolver = _Beside(source) if source.path and kind == "gltf" else None
     options: dict[str, Any] = {"file_type": kind, "resolver": resolver}
     if kind in ("glb", "gltf"):
         options["skip_materials"] = True
@@ -77,6 +85,31 @@ def _loaded(source: Source, kind: str, data: bytes | None) -> tuple[dict[str, An
     lines = [message.partition("\n")[0] for message in messages]
     harmless = ("texture", "shininess")
     return loaded, [f"trimesh: {x[:200]}" for x in lines if not any(word in x.lower() for word in harmless)]
+
+
+class _Beside:
+    """Files that a glTF names, if they are in its own folder; trimesh opens none by itself."""
+
+    def __init__(self, source: Source) -> None:
+        self._source = source
+        self._folder = os.path.dirname(source.path or "")
+        self._homes = {os.path.realpath(self._folder), os.path.dirname(os.path.realpath(source.path or ""))}
+
+    def get(self, name: str) -> bytes:
+        """Return the bytes of a file.
+
+        Raises:
+            MeshError: it is outside of the folder, missing, or no regular file.
+        """
+        given = os.path.join(self._folder, name)
+        path = os.path.realpath(given if os.path.lexists(given) else os.path.join(self._folder, unquote(name)))
+        if not any(os.path.commonpath([home, path]) == home for home in self._homes):
+            what = f"names {name[:80]!r}, a file outside of its folder"
+            raise self._source.error(what, remedy="put it beside the mesh")
+        with reading(path):
+            return read_input(path)
+
+    __getitem__ = get
 
 
 def _placed(loaded: Mapping[str, Any]) -> Iterator[_Part]:
@@ -141,7 +174,7 @@ def _library_errors(source: Source, kind: str) -> Iterator[None]:
     """Tells whatever a library raises about a damaged file as a MeshError."""
     try:
         yield
-    except MeshError:
+    except InputError:
         raise
     except Exception as error:
         what = f"cannot be read as {kind.upper()}: {_first_line(error)}"

@@ -63,15 +63,18 @@ class Source:
         return 1 + (feeds or before.count(b"\r"))
 
 
-def open_source(source: str | os.PathLike[str] | bytes) -> Source:
+def open_source(source: str | os.PathLike[str] | bytes, typed: bool = False) -> Source:
     """Return the bytes of a file, of standard input (`-`), or these bytes.
 
     Pipes are copied to a temporary file, because meshes are read more than once.
 
+    Args:
+        typed: see `open_input`; a name that stands in a file is not.
+
     Raises:
         MeshError: there is no such file, it cannot be read, or it is empty.
     """
-    found = _memory(source) if isinstance(source, bytes) else _named(os.fspath(source))
+    found = _memory(source) if isinstance(source, bytes) else _named(os.fspath(source), typed)
     if not found.size:
         raise MeshError("is empty", remedy="a mesh is needed", file=found.name)
     return found
@@ -81,22 +84,22 @@ def _memory(data: bytes) -> Source:
     return Source("<bytes>", len(data), None, io.BytesIO(data))
 
 
-def _named(path: str) -> Source:
+def _named(path: str, typed: bool) -> Source:
     if path == "-":
         if sys.stdin is None:
             raise MeshError("standard input is closed", remedy="name a file", file="<stdin>")
         return _copied(sys.stdin.buffer, "<stdin>")
-    with closing(_opened(path)) as stream, reading(path):
+    with closing(_opened(path, typed)) as stream, reading(path):
         status = os.fstat(stream.fileno())
         if stat.S_ISREG(status.st_mode):
             return Source(path, status.st_size, path, None)
         return _copied(stream, path)
 
 
-def _opened(path: str) -> BinaryIO:
+def _opened(path: str, typed: bool = False) -> BinaryIO:
     try:
         with reading(path):
-            return open_input(path, typed=True)
+            return open_input(path, typed)
     except ValueError as error:
         raise MeshError(f"is not the name of a file: {error}", remedy="check the name", file=path) from None
 

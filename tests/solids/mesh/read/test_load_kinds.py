@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import threading
 
 import numpy as np
 import pytest
@@ -152,16 +151,29 @@ def test_standard_input_that_is_closed(monkeypatch):
         load_triangles("-")
 
 
-@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="the system has no named pipes")
-def test_a_named_pipe_is_read_once_and_used_twice(tmp_path):
-    pipe = tmp_path / "pipe"
-    os.mkfifo(pipe)
-    writer = threading.Thread(target=pipe.write_bytes, args=[FILES["stl"]])
-    writer.start()
-    read = load_triangles(pipe)
-    writer.join()
+@pytest.mark.skipif(not os.path.isdir("/dev/fd"), reason="the system has no names for descriptors")
+def test_a_pipe_that_was_typed_is_read_once_and_used_twice():
+    """As `<(zcat part.stl.gz)` of shells is."""
+    end, other = os.pipe()
+    with os.fdopen(other, "wb") as stream:
+        stream.write(FILES["stl"])
+    try:
+        with pytest.raises(MeshError, match="this is a pipe, not a file"):
+            load_triangles(f"/dev/fd/{end}")
+        read = load_triangles(f"/dev/fd/{end}", typed=True)
+    finally:
+        os.close(end)
     for _ in range(2):
         np.testing.assert_array_equal(read.array(), BOX)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="the system has no named pipes")
+@pytest.mark.parametrize("typed", [False, True])
+def test_a_named_pipe_is_refused(tmp_path, typed):
+    pipe = tmp_path / "pipe.stl"
+    os.mkfifo(pipe)
+    with pytest.raises(MeshError, match="this is a pipe, not a file"):
+        load_triangles(pipe, typed=typed)
 
 
 def test_a_binary_stl_needs_no_heavy_module(tmp_path):
