@@ -16,6 +16,7 @@ from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
+from robodyn.trajectory.plausible import refuse_units
 
 
 @dataclass(frozen=True)
@@ -101,10 +102,12 @@ def compare(
         reading: of `robodyn.read_motion`.
 
     Raises:
-        TrajectoryError: the log cannot be read, has no torques, none that varies, or is too short.
+        TrajectoryError: the log cannot be read, can hardly be in the units that it is taken in, has no torques, none
+            that varies, or is too short.
         SceneError: the scene has loops or contacts.
     """
     log = read_log(path, model, scene, cutoff=cutoff, **reading)
+    refuse_units(log.doubts, path)
     raw, time, places, notes = evidence_of(log)
     right = channels(raw)
     routed = rerouted(raw, right)
@@ -129,7 +132,7 @@ def compare(
         channels=right,
         faults=found.faults,
         gross=_explained(difference, found.difference),
-        notes=(*log.notes, *log.doubts, *notes),
+        notes=(*log.notes, *notes),
         curves=Curves(time[inside] - log.start, routed.measured[inside], computed, explained, speed, friction),
     )
 

@@ -17,6 +17,7 @@ from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 from robodyn.support.threads import prefetch
 from robodyn.trajectory.motion import Trajectory
+from robodyn.trajectory.plausible import refuse_units
 from robodyn.trajectory.reader import TrajectoryReader
 from robodyn.trajectory.robot_motion import read_motion
 
@@ -62,7 +63,8 @@ def torques(
         momentum: also compute mass centre, momenta, energies and power, seen in this way, for sinks and the result.
 
     Raises:
-        InputError: the scene does not fit the robot, the trajectory is wrong, or the executor cannot run.
+        InputError: the scene does not fit the robot, the trajectory is wrong or can hardly be in the units that it is
+            taken in, or the executor cannot run.
 
     Where the scene says how uncertain parameters are, the result's `uncertainty` has error bars by the derivatives of
     the recursion, and by draws where these mislead.
@@ -79,6 +81,7 @@ def torques(
         last: Trajectory | None = None
         for given, left in prefetch(_blocks(motion)):
             if len(given):
+                refuse_units([doubt.said for doubt in given.doubts], getattr(motion, "file", None))
                 block = held.take(given) if held else given
                 columns, last = run.take(block, left), block
                 for sink in sinks:

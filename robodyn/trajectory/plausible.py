@@ -1,19 +1,21 @@
-"""Whether a motion can be in the units that it is taken in: positions and speeds against the robot's limits, stamps."""
+"""Whether a motion can be in the units that it is taken in: positions and speeds against the robot's limits, given
+rates against the positions, stamps."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
+from robodyn.errors import TrajectoryError
 from robodyn.support.doubts import Doubt
 from robodyn.trajectory.clock import EPOCH, Clock
 from robodyn.trajectory.columns import Signal, Signals
 from robodyn.trajectory.layout import ABSENT, Layout
-from robodyn.trajectory.motion import Trajectory
-from robodyn.trajectory.units import ANGLES, TICKS
+from robodyn.trajectory.motion import FEW, Trajectory
+from robodyn.trajectory.units import ANGLES, RATES, TICKS
 
 _SI = {"angle": ("rad", "angles are radians"), "length": ("m", "lengths are metres")}
 _OTHER = {
@@ -21,6 +23,7 @@ _OTHER = {
     "length": (1000.0, "millimetres", "--map 'q_{joint} [mm]={column}', or [m] if they are metres"),
 }
 """The unit that is used in place of that of SI: how many make one, its name, and the options that say what is meant."""
+_UNITS = {"angle": "deg", "length": "mm"}
 _TIMES = {"s": "seconds", "ms": "milliseconds", "us": "microseconds", "ns": "nanoseconds"}
 _FAR = {"angle": 2.0 * math.pi, "length": 1.0}
 """Distance beyond a limit of position [rad, m] to which no joint moves."""
@@ -34,6 +37,23 @@ _SLOW, _COARSE = 2e-3, 0.15
 """A motion below this share of moderate speeds, sampled at steps [s] from this on, is rather one in ms, us or ns."""
 _LATEST = 5e9
 """Seconds since 1970 that no clock has reached."""
+_LIKE, _OFF, _SMOOTH = 0.95, 0.03, 0.1
+"""Given rates are the slopes in another unit where the correlation of what they cover and what is covered is above the
+first, their ratio within the second of that of the units, and what they change from row to row small beside them (in
+coarse samples of fast swings they may be anything); of so many steps at least."""
+
+
+def refuse_units(doubts: Sequence[str], file: str | None) -> None:
+    """Raise where numbers can hardly be in the units that they are taken in.
+
+    Args:
+        doubts: what `Plausibility` says.
+
+    Raises:
+        TrajectoryError: with what is seen, and the options that say what is meant.
+    """
+    if doubts:
+        raise TrajectoryError("; ".join(doubts), file=file)
 
 
 class _Seen(NamedTuple):
@@ -41,7 +61,8 @@ class _Seen(NamedTuple):
 
     Attributes:
         column: its name; told: whether that tells the unit, or an option does.
-        least, greatest: of the positions; speed: the largest.
+        least, greatest: of the positions; speed: the largest; lasting: the largest that lasts for 8 rows, as no
+            glitch of a sensor does.
     """
 
     joint: Signal
@@ -51,6 +72,7 @@ class _Seen(NamedTuple):
     least: float
     greatest: float
     speed: float
+    lasting: float
 
     @property
     def beyond(self) -> float:
@@ -70,7 +92,8 @@ class Plausibility:
         self._signals, self._layout = signals, layout
         self._rows, self._start, self._end = 0, 0.0, 0.0
         self._least, self._greatest = (np.full(len(layout.q), x) for x in (np.inf, -np.inf))
-        self._fastest = np.zeros(len(layout.qd))
+        self._fastest, self._lasting = np.zeros((2, len(layout.qd)))
+        self._steps = {name: np.zeros((4, len(layout.qd))) for name in ("qd", "qdd")}
 
     def update(self, block: Trajectory) -> None:
         """Take in a block, which is not empty."""
@@ -79,17 +102,42 @@ class Plausibility:
         self._rows, self._end = self._rows + len(block), float(block.time[-1])
         np.minimum(self._least, block.q.min(axis=0), out=self._least)
         np.maximum(self._greatest, block.q.max(axis=0), out=self._greatest)
-        np.maximum(self._fastest, np.abs(block.qd).max(axis=0), out=self._fastest)
+        speed = np.abs(block.qd)
+        np.maximum(self._fastest, speed.max(axis=0), out=self._fastest)
+        for rows in (1, 2, 4):
+            if len(speed) > 4 * rows:
+                speed = np.minimum(speed[rows:], speed[:-rows])
+        np.maximum(self._lasting, speed.max(axis=0), out=self._lasting)
+        self._compare(block)
+
+    @np.errstate(all="ignore")
+    def _compare(self, block: Trajectory) -> None:
+        """Add to sums of x^2, x y, y^2 and z^2: x the steps of positions (of velocities), y what given rates make of
+        them, z what the rates change from row to row."""
+        step = np.diff(block.time)
+        for joint, ((start, *_), (rate, *others)) in self._signals.spans.items():
+            if others:
+                continue
+            turns = self._signals.kinds[joint] == "angle"
+            whole = ("qd", block.q[:, start], block.qd), ("qdd", block.qd[:, rate], block.qdd)
+            for name, values, rates in whole:
+                if getattr(self._layout, name)[rate] != ABSENT:
+                    x, y = np.diff(values), 0.5 * step * (rates[1:, rate] + rates[:-1, rate])
+                    x = x - 2.0 * math.pi * np.rint(x / (2.0 * math.pi)) if turns and name == "qd" else x
+                    z = step * np.diff(rates[:, rate])
+                    self._steps[name][:, rate] += (x * x).sum(), (x * y).sum(), (y * y).sum(), (z * z).sum()
 
     def doubts(self) -> tuple[Doubt, ...]:
         """Return what is doubtful about the units, each with the option that mends it."""
         seen, clock = [*self._seen()], self._layout.clock
-        found = {kind: said for kind in _OTHER if (said := _positions(kind, seen))}
+        found = {kind: said for kind in _OTHER if (said := _positions(kind, seen) or self._rates(kind))}
         if "angle" not in found and (said := _degrees(seen)):
             found["angle"] = said
         parts = {kind: _OTHER[kind][0] if kind in found else 1.0 for kind in _OTHER}
         doubts = [Doubt(f"if {_SI[kind][1]} (assumed)", said) for kind, said in found.items()]
-        seen = [each._replace(speed=each.speed / parts[each.kind]) for each in seen]
+        seen = [
+            each._replace(speed=each.speed / parts[each.kind], lasting=each.lasting / parts[each.kind]) for each in seen
+        ]
         step = (self._end - self._start) / max(1, self._rows - 1)
         first = float(clock.start) + self._start
         why, unit = _fine(seen, clock) or (not clock.told and (_coarse(seen, step) or _epoch(first))) or ("", "")
@@ -100,12 +148,36 @@ class Plausibility:
             doubts.append(Doubt(f"if the stamps are {_TIMES[now]}{'' if clock.told else ' (assumed)'}", said))
         return tuple(doubts)
 
+    def _rates(self, kind: str) -> str:
+        """Return why given velocities or accelerations are in the other unit while what they are rates of is not."""
+        parts, other, _ = _OTHER[kind]
+        for order, name in enumerate(self._steps if self._rows >= FEW else (), start=1):
+            columns, ratios = getattr(self._layout, name), {}
+            for joint, (q, (rate, *others)) in self._signals.spans.items():
+                own = not others and self._signals.kinds[joint] == kind and self._layout.q[q[0]] != ABSENT
+                square, both, covered, rough = self._steps[name][:, rate].tolist()
+                clear = rough < _SMOOTH * covered and both > _LIKE * math.sqrt(square * covered)
+                if own and clear and columns[rate] not in (ABSENT, *self._layout.told):
+                    ratios[joint, self._layout.names[columns[rate]]] = both / square
+            if ratios and all(abs(ratio / parts - 1.0) < _OFF for ratio in ratios.values()):
+                (joint, column), ratio = next(iter(ratios.items()))
+                what, of = (("velocities", "positions"), ("accelerations", "velocities"))[order - 1]
+                seen = f"{what} of joint {joint!r} are {ratio:.4g} times the rates of its {of}"
+                option = f"--map '{name}_{joint} [{_UNITS[kind]}{RATES[order]}]={column}' for each joint"
+                told = ", or --angle-unit rad if they are meant so" if kind == "angle" else ""
+                return f"{seen}: are these in {other}, beside {of} in {_SI[kind][0]}? ({option}{told})"
+        return ""
+
     def _seen(self) -> Iterator[_Seen]:
         layout = self._layout
         for joint, (q, qd) in zip(self._signals.joints, self._signals.spans.values(), strict=True):
             column = layout.q[q[0]]
             if joint.kind != "floating" and column != ABSENT:
-                seen = float(self._least[q[0]]), float(self._greatest[q[0]]), float(self._fastest[qd[0]])
+                seen = (
+                    float(self._least[q[0]]),
+                    float(self._greatest[q[0]]),
+                    *(float(x[qd[0]]) for x in (self._fastest, self._lasting)),
+                )
                 kind = self._signals.kinds[joint.name]
                 yield _Seen(joint, kind, layout.names[column], column in layout.told, *seen)
 
@@ -128,17 +200,17 @@ def _positions(kind: str, seen: list[_Seen]) -> str:
 def _degrees(seen: list[_Seen]) -> str:
     """Return why angles are in degrees, by the speeds alone; empty if they are not."""
     turning = [each for each in seen if each.kind == "angle" and not each.told and math.isfinite(each.joint.speed)]
-    fast = max(turning, key=lambda each: each.speed / each.joint.speed, default=None)
+    fast = max(turning, key=lambda each: each.lasting / each.joint.speed, default=None)
     parts, other, remedy = _OTHER["angle"]
-    if fast is None or not _FAST < fast.speed / fast.joint.speed <= 2.0 * parts:
+    if fast is None or not _FAST < fast.lasting / fast.joint.speed <= 2.0 * parts:
         return ""
-    times = f"{fast.speed / fast.joint.speed:.3g} times its limit"
-    return f"joint {fast.joint.name!r} turns at {fast.speed:.4g} rad/s, {times}: are the angles {other}? ({remedy})"
+    times = f"{fast.lasting / fast.joint.speed:.3g} times its limit"
+    return f"joint {fast.joint.name!r} turns at {fast.lasting:.4g} rad/s, {times}: are the angles {other}? ({remedy})"
 
 
 def _fine(seen: list[_Seen], clock: Clock) -> tuple[str, str] | None:
     """Return why stamps are of a longer unit than was told, and of which: speeds are far beyond their limits."""
-    use = max((each.speed / each.joint.speed for each in seen), default=0.0)
+    use = max((each.lasting / each.joint.speed for each in seen), default=0.0)
     if use <= _FAST:
         return None
     units = [unit for unit, ticks in TICKS.items() if ticks < clock.ticks and use * ticks / clock.ticks <= 2.0]

@@ -183,30 +183,44 @@ def swing(path: str, ticks: float = 1.0, parts: float = 1.0, start: float = 0.0)
 
 
 SLIPS = [
-    (1e3, 1.0, "if the stamps are seconds (assumed)", "--time-unit ms"),
-    (1e9, 1.0, "if the stamps are seconds (assumed)", "--time-unit ns"),
-    (1.0, 180 / math.pi, "if angles are radians (assumed)", "--angle-unit deg"),
+    (1e3, 1.0, "--time-unit ms", "--time-unit s"),
+    (1e9, 1.0, "--time-unit ns", "--time-unit s"),
+    (1.0, 180 / math.pi, "--angle-unit deg", "--angle-unit rad"),
 ]
 
 
-@pytest.mark.parametrize(("ticks", "parts", "clause", "option"), SLIPS, ids=["ms", "ns", "deg"])
-def test_a_slip_of_units_is_told_everywhere_and_never_green(
-    ticks: float, parts: float, clause: str, option: str
+@pytest.mark.parametrize(("ticks", "parts", "option", "meant"), SLIPS, ids=["ms", "ns", "deg"])
+@pytest.mark.parametrize("more", [(), ("--measured",), ("--format", "json")], ids=["text", "measured", "json"])
+def test_a_slip_of_units_ends_in_one_line(
+    ticks: float, parts: float, option: str, meant: str, more: tuple[str, ...]
 ) -> None:
+    """Nothing is computed, printed or written of numbers that can hardly be so, unless it is said that they are."""
     swing("arm.csv", ticks, parts)
-    call = ("torques", "arm.urdf", "arm.csv")
-    outcome = run(*call, "--report", "page.md")
-    assert f"({option}, or " in next(line for line in outcome.out.splitlines() if line.startswith("warning: "))
-    assert "No limit is exceeded.\n" not in outcome.out
-    assert f"({option}, or " in Path("page.md").read_text()
-    found = document(*call)
-    assert found["within_limits"] is not True
-    assert found["doubts"][0]["clause"] == clause
-    assert found["doubts"][0]["said"] == found["warnings"][0]
-    if ticks > 1.0:
-        assert f"No limit is exceeded {clause}" in outcome.out
-    mended = document(*call, *option.split())
-    assert (mended["doubts"], mended["warnings"], mended["within_limits"]) == ([], [], True)
+    if "--measured" in more:
+        head, *rows = Path("arm.csv").read_text().splitlines()
+        lines = [f"{head},tau_shoulder", *(f"{row},{k % 7}" for k, row in enumerate(rows))]
+        Path("arm.csv").write_text("\n".join([*lines, ""]))
+    call = ("torques", "arm.urdf", "arm.csv", *more)
+    outputs = () if "--measured" in more else ("--out", "tau.csv", "--report", "page.md")
+    outcome = run(*call, *outputs)
+    assert (outcome.status, outcome.out) == (2, "")
+    assert outcome.err.count("\n") == 1
+    assert outcome.err.startswith("error: arm.csv: ")
+    assert f"({option}, or {meant} if they are" in outcome.err
+    assert not Path("tau.csv").exists()
+    assert not Path("page.md").exists()
+    if "--measured" not in more:
+        assert run(*call, *option.split()).status == run(*call, *meant.split()).status == 0
+
+
+def test_a_slip_of_units_fails_its_own_trajectory_of_many() -> None:
+    swing("arm.csv", 1.0, 180 / math.pi)
+    swing("sane.csv")
+    outcome = run("torques", "arm.urdf", "arm.csv", "sane.csv", "--out", "results/", "--jobs", "1")
+    assert outcome.status == 2
+    assert "2 files, 1 computed, 1 failed" in outcome.out
+    assert "arm.csv" not in outcome.out
+    assert outcome.err.startswith("error: arm.csv: ")
 
 
 def test_a_slip_of_units_is_told_by_other_commands() -> None:
@@ -214,11 +228,10 @@ def test_a_slip_of_units_is_told_by_other_commands() -> None:
     said = "are the stamps milliseconds? (--time-unit ms, or --time-unit s if they are seconds)"
     assert "warning: rows are 10 s apart" in run("fbd", "arm.urdf", "--traj", "arm.csv", "--time", "0").out
     assert said in document("fbd", "arm.urdf", "--traj", "arm.csv", "--time", "0")["warnings"][0]
-    assert said in run("check", "arm.urdf", "--trajectory", "arm.csv", "--select", "RD802").out
+    check = run("check", "arm.urdf", "--trajectory", "arm.csv", "--select", "RD802")
+    assert (check.status, check.out) == (2, "")
+    assert said in check.err
     assert said not in run("check", "arm.urdf", "--trajectory", "arm.csv", "--select", "RD802", "--time-unit", "ms").out
-    outcome = run("torques", "arm.urdf", "arm.csv", "--out", "results/", "--jobs", "1")
-    assert said in outcome.out
-    assert "No limit is exceeded.\n" not in outcome.out
 
 
 @pytest.mark.slow

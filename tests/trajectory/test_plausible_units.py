@@ -82,6 +82,48 @@ def limited(model: Model) -> bool:
     return any(joint.lower is not None and joint.lower < joint.upper < 100.0 for joint in turning)
 
 
+@pytest.mark.parametrize("name", ["puma560", "scara", "cylindrical", "puma"])
+def test_motions_at_any_speed_are_not_doubted(name: str) -> None:
+    """From a ten-thousandth of the limits of speed to five times these, densely sampled, and with glitches of a row."""
+    model = load(str(FOLDER / f"{name}.urdf"))
+    for seed in range(24):
+        rng = np.random.default_rng(seed)
+        time, *given = random_motion(model, rng, waypoints=False)
+        factor = 10.0 ** rng.uniform(-4.0, 0.7)
+        stretched = time / factor
+        if stretched[1] - stretched[0] > 0.1:  # rows as far apart as in another unit of time
+            stretched = np.arange(len(time)) * 0.1
+            given = [np.array([np.interp(stretched, time / factor, x) for x in each.T]).T for each in given]
+        q, qd, qdd = given[0], given[1] * factor, given[2] * factor**2
+        assert motion(model, stretched, q, qd, qdd).doubts == ()
+        glitch = q.copy()
+        glitch[rng.integers(20, len(q) - 20), rng.integers(model.nq)] += rng.uniform(-0.2, 0.2)
+        assert motion(model, stretched, glitch).doubts == ()
+
+
+@pytest.mark.parametrize("name", ["puma560", "scara", "cylindrical", "puma"])
+@pytest.mark.parametrize("order", [1, 2], ids=["qd", "qdd"])
+def test_rates_in_another_unit_than_positions(name: str, order: int) -> None:
+    """Velocities or accelerations alone are in degrees or millimetres, with noise of a hundredth or without."""
+    model = load(str(FOLDER / f"{name}.urdf"))
+    for seed in range(16):
+        rng = np.random.default_rng(seed)
+        time, *given = random_motion(model, rng, waypoints=False)
+        if (np.abs(np.diff(given[0], axis=0)).max(axis=0) > 0.15 * np.ptp(given[0], axis=0)).any():
+            continue  # too few samples a period to tell anything of rates
+        for kind, parts, unit in (("revolute", 180 / np.pi, "deg"), ("prismatic", 1000.0, "mm")):
+            joints = [joint for joint in model.independent if joint.kind == kind]
+            if joints:
+                rates = given[order].copy()
+                rates[:, [joint.rate for joint in joints]] *= parts
+                rates += 0.01 * rates.std(axis=0) * rng.standard_normal(rates.shape) * (seed % 2)
+                given_now = [*given[:order], rates, *given[order + 1 :]]
+                said = " ".join(doubt.said for doubt in motion(model, time, *given_now).doubts)
+                assert f"[{unit}/s{'^2' * (order - 1)}]=" in said
+                told = motion(model, time, *given_now, angle_unit="rad").doubts
+                assert kind == "prismatic" or told == ()
+
+
 OWN = [*map(str, sorted(FOLDER.glob("*.urdf")))]
 
 
