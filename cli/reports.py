@@ -79,20 +79,22 @@ def answer(
     document: Callable[[bool], Document] | None = None,
     written: str = "",
     form: str = "",
+    last: Section = (),
     **others: Callable[[], str],
 ) -> None:
     """Show a result in the form that is asked for, after its report is written if there shall be one.
 
     Args:
         document: the report, with figures or without.
-        written: lines on other files, below the text.
+        written: lines on other files, below the text; last: what stands below these.
         form: in place of --format.
         others: forms that are not text.
     """
     report, form = report_name(), form or kept_value("form", "text")
     if report is not None and document is not None:
         written += write_report(report, document(pictured()))
-    show(others[form]() if form in others else text(sections, page()) + written)
+    end = "\n" + text([last], page()) if last else ""
+    show(others[form]() if form in others else text(sections, page()) + written + end)
 
 
 def write_report(path: str, document: Document) -> str:

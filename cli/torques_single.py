@@ -19,6 +19,7 @@ from robodyn.loads.result import Result
 from robodyn.loads.torques import Sink, torques
 from robodyn.report.document import Document
 from robodyn.report.torques import torques_sections
+from robodyn.report.torques_verdict import verdict_section
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.threads import write_behind
@@ -71,7 +72,7 @@ def run_single(
 
         return torques_json(result)
 
-    answer(torques_sections(result, options["explain"]), document, lines, json=json)
+    answer(torques_sections(result, options["explain"]), document, lines, last=verdict_section(result), json=json)
     return result
 
 

@@ -23,12 +23,10 @@ _NAMES = 4
 """So many joints are named of those that have no limit."""
 
 
-def limits_verdict(result: Result | Simulation) -> Verdict:
-    """Return whether a motion keeps to the limits of the description, as far as that was checked."""
-    sizing = getattr(result, "sizing", None)
-    of = " of the description" if sizing is not None and sizing.exceeded else ""
+def limits_verdict(result: Simulation) -> Verdict:
+    """Return whether a simulated motion keeps to the limits of the description, as far as that was checked."""
     nearest = tuple(nearest_limits(result.joints))
-    return verdict_on_limits(len(result.joints), result.exceeded, result.limits, result.doubts, nearest, of)
+    return verdict_on_limits(len(result.joints), result.exceeded, result.limits, result.doubts, nearest)
 
 
 def verdict_on_limits(
@@ -37,7 +35,6 @@ def verdict_on_limits(
     limits: Sequence[Coverage],
     doubts: Sequence[Doubt] = (),
     nearest: Sequence[str] = (),
-    of: str = "",
 ) -> Verdict:
     """Return the verdict, green only where every limit was checked and nothing is in doubt.
 
@@ -46,14 +43,13 @@ def verdict_on_limits(
         exceeded: what is beyond a limit; limits: which there are.
         doubts: what else the verdict depends on.
         nearest: remarks on limits that are nearly reached.
-        of: whose limits, such as " of the description"; empty for all.
     """
     doubtful = tuple(doubt.said for doubt in doubts)
     over = len({excess.joint for excess in exceeded})
     if over:
         who = f"{over} of {joints} joints" if joints > 1 else "The joint"
         verb = "exceeds its limits" if over == 1 else "exceed their limits"
-        reasons = (*doubtful, *_shortened([exceeded_words(excess) for excess in exceeded]), *unchecked_words(limits))
+        reasons = (*doubtful, *shortened([exceeded_words(excess) for excess in exceeded]), *unchecked_words(limits))
         return Verdict("bad", f"{who} {verb}", reasons)
     clauses = "".join(f", {doubt.clause}" if k else f" {doubt.clause}" for k, doubt in enumerate(doubts))
     if not any(each.checked for each in limits):
@@ -61,7 +57,7 @@ def verdict_on_limits(
         reasons = (*doubtful, *unchecked_words(limits))
         return Verdict("doubtful" if doubts else "neutral", f"Nothing was checked: {why}", reasons)
     partly = any(each.unchecked for each in limits)
-    headline = f"No limit{of} is exceeded{' where there is one' if partly else ''}{clauses}"
+    headline = f"No limit is exceeded{' where there is one' if partly else ''}{clauses}"
     level: Level = "doubtful" if doubts else "neutral" if partly else "good"
     return Verdict(level, headline, (*doubtful, *unchecked_words(limits), *nearest))
 
@@ -93,7 +89,7 @@ def _without(unchecked: Sequence[Unchecked]) -> Iterator[str]:
             yield f"{why}{', '.join(printable(name) for name in names[:_NAMES])}{more}"
 
 
-def _shortened(lines: list[str]) -> tuple[str, ...]:
+def shortened(lines: list[str]) -> tuple[str, ...]:
     """Return the first of many lines; the tables have all."""
     if len(lines) <= LINES + 1:
         return tuple(lines)
@@ -157,7 +153,7 @@ def nearest_limits(joints: Sequence[Reached]) -> Iterator[str]:
             yield f"Nearest to its limit of {what} is {printable(joint.name)}, at {100 * use(joint):.0f} % of it."
 
 
-def limits_section(result: Result | Simulation) -> Section:
+def limits_section(result: Simulation) -> Section:
     """Return the verdict's headline, or a table of what is exceeded, and what could not be checked."""
     unchecked = paragraphs(unchecked_words(result.limits))
     if not result.exceeded:

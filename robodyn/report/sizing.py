@@ -19,6 +19,7 @@ _WORDS = {
     "effort": "the joint's torque",
     "velocity": "the joint's speed",
 }
+_WORST = ("over peak", "over continuous", "OK", "no limits")
 _LIMITS = {
     "motor torque": "the peak curve allows",
     "motor speed": "it may have",
@@ -49,8 +50,10 @@ def sizing_sections(result: Result) -> Iterator[Section]:
 
 
 def verdicts(loads: Sequence[JointLoad], sizing: Sizing) -> Facts:
-    """Return of each joint in plain words everything that it exceeds, or how near it comes to its limits."""
-    each = [_verdict(load, joint) for load, joint in zip(loads, sizing.joints, strict=True)]
+    """Return of each joint in plain words everything that it exceeds, or how near it comes to its limits, the worst
+    first."""
+    pairs = sorted(zip(loads, sizing.joints, strict=True), key=lambda pair: _WORST.index(pair[1].level))
+    each = [_verdict(load, joint) for load, joint in pairs]
     return Facts(tuple((name, line, "") for lines in each for name, line in lines))
 
 

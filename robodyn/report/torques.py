@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from robodyn.loads.many import Batch, Outcome, Status, Worst
 from robodyn.loads.result import Result
 from robodyn.report.document import Paragraph, Section, Table, paragraphs, remarks
-from robodyn.report.limits import limits_section, offenders_first, unchecked_words, use, verdict_on_limits
+from robodyn.report.limits import offenders_first, unchecked_words, use, verdict_on_limits
 from robodyn.report.sizes import Sizes, result_sizes, speed_unit
 from robodyn.report.table import Columns, Content, by_columns, gravity_text, printable, relative_text
 from robodyn.report.torques_tables import (
@@ -19,6 +19,7 @@ from robodyn.report.torques_tables import (
     momentum_table,
     share_table,
 )
+from robodyn.report.torques_verdict import accuracy_blocks, exceeded_section
 from robodyn.support.wording import count
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ _NAMED = 6
 
 
 def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]:
-    """Yield joints, what makes their peaks, base loads, self-checks, limits exceeded, warnings.
+    """Yield joints, what makes their peaks, base loads, self-checks, limits exceeded, warnings; not the verdict.
 
     Args:
         explain: add why each effect is on or off, what it costs, and the plan.
@@ -59,10 +60,8 @@ def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]
         plan = f"{result.operations} operations per sample for the torques; {result.executor}: {result.reason}"
         yield [Table(f"Effects: {plan}", *effect_table(result))]
     yield _checks(result)
-    if result.joints or result.doubts:
-        yield limits_section(result)
-    if result.accuracy:
-        yield [Paragraph(f"accuracy: {'' if result.accuracy.met else 'NOT MET: '}{result.accuracy.said}")]
+    yield exceeded_section(result)
+    yield [*accuracy_blocks(result)]
     yield remarks("warning", result.warnings)
 
 
@@ -158,21 +157,25 @@ def batch_sections(batch: Batch) -> Iterator[Section]:
     if batch.worst:
         yield [Table("The worst of each joint", *worst_table(batch.worst))]
     if done:
-        yield paragraphs(_limits(done))
+        yield paragraphs(_limits(done, batch.count("failed")))
 
 
-def _limits(done: Sequence[Outcome]) -> list[str]:
-    """Return the verdict on the limits of all motions, and what is in doubt, each with the files that it is about."""
+def _limits(done: Sequence[Outcome], failed: int) -> list[str]:
+    """Return what is in doubt, each with the files that it is about, and last the verdict on the limits of all motions.
+
+    Args:
+        failed: how many files there are beside those that are done.
+    """
     doubts = {doubt.clause: doubt for outcome in done for doubt in reversed(outcome.doubts)}
     limits, over = done[0].limits, sum(bool(outcome.exceeded) for outcome in done)
-    verdict = verdict_on_limits(len(done[0].joints), (), limits, tuple(doubts.values()))
-    said = f"LIMITS EXCEEDED in {count(over, 'file')}" if over else f"{verdict.headline}."
-    lines = [said, *unchecked_words(limits)]
+    lines = [*unchecked_words(limits)]
     for clause in doubts:
         about = [(x.trajectory, doubt.said) for x in done for doubt in x.doubts if doubt.clause == clause]
         others = f" and {count(len(about) - 1, 'other file')}" if len(about) > 1 else ""
         lines.append(f"warning: {about[0][0]}{others}: {about[0][1]}")
-    return lines
+    verdict = verdict_on_limits(len(done[0].joints), (), limits, tuple(doubts.values()))
+    said = f"LIMITS EXCEEDED in {count(over, 'file')}" if over else verdict.headline
+    return [*lines, f"{count(failed, 'file')} failed; of the others: {said}" if failed else said + "." * (not over)]
 
 
 def worst_table(worst: tuple[Worst, ...]) -> Content:

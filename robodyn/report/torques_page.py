@@ -16,7 +16,6 @@ from robodyn.report.document import (
     HeatMap,
     Paragraph,
     Table,
-    Verdict,
     csv_text,
     data_blocks,
 )
@@ -25,7 +24,6 @@ from robodyn.report.limits import (
     LINES,
     effort_use,
     exceeded_table,
-    limits_verdict,
     offenders_first,
     speed_use,
     use,
@@ -34,8 +32,9 @@ from robodyn.report.pictures.torques_plots import Plots
 from robodyn.report.sizes import result_sizes
 from robodyn.report.table import gravity_text, number, printable
 from robodyn.report.torques import input_words
-from robodyn.report.torques_parts import heaviest_load, sizing_blocks, sizing_verdict, trust
+from robodyn.report.torques_parts import heaviest_load, sizing_blocks, trust
 from robodyn.report.torques_tables import base_table, load_table, momentum_table, share_table
+from robodyn.report.torques_verdict import accuracy_blocks, torques_verdict
 from robodyn.report.uncertainty import uncertainty_blocks
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
@@ -56,13 +55,7 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
     history = result.history if pictures else None
     plots = Plots(result, history, model) if history else None
     ordered = offenders_first(result)
-    blocks: list[Block] = [limits_verdict(result)]
-    if result.sizing is not None and result.sizing.exceeded:
-        blocks.append(sizing_verdict(result))
-    if result.accuracy is not None:
-        met = result.accuracy.met
-        headline = "The accuracy asked for is met" if met else "The accuracy asked for is not met"
-        blocks.append(Verdict("good" if met else "bad", headline, (f"{result.accuracy.said}.",)))
+    blocks: list[Block] = [torques_verdict(result), *accuracy_blocks(result)]
     blocks += [Paragraph(line) for line in input_words(result, most=None)]
     if result.joints:
         blocks += [_facts(result), *_limits(ordered), *heaviest_load(result, model, scene, plots)]

@@ -10,13 +10,13 @@ from robodyn.errors import RobodynError
 from robodyn.loads.doubts import energy_doubt
 from robodyn.loads.history import Curves, History
 from robodyn.loads.result import Result
-from robodyn.report.document import Block, Figure, Findings, Gallery, Heading, Level, Paragraph, Table, Verdict
+from robodyn.report.document import Block, Figure, Findings, Gallery, Heading, Paragraph, Table, paragraphs
 from robodyn.report.free_body import action_table
 from robodyn.report.limits import offenders, offenders_first
 from robodyn.report.pictures.svg import NOTES, symbols
 from robodyn.report.pictures.torques_plots import Plots
 from robodyn.report.sizes import Sizes, free_body_sizes
-from robodyn.report.sizing import in_words, sizing_sections
+from robodyn.report.sizing import sizing_sections
 from robodyn.report.table import printable
 from robodyn.report.torques import balance_words
 from robodyn.report.torques_tables import derivation_table, effect_table
@@ -88,9 +88,9 @@ def _checks(result: Result, plots: Plots | None) -> Iterator[Block]:
     if not balance.consistent:
         off = energy_doubt(balance, result.samples, result.duration)
         reasons.insert(0, f"{off.said}." if off else "")
-        yield Verdict("doubtful", "The energy balance does not close", tuple(reasons))
+        yield Findings((("doubtful", "The energy balance does not close", tuple((each, False) for each in reasons)),))
     else:
-        yield Verdict("good", "Energy and momentum balance", tuple(reasons))
+        yield from paragraphs(("Energy and momentum balance.", *reasons))
     if plots is not None and (energy := plots.energy()):
         yield Gallery(tuple(energy))
 
@@ -111,7 +111,7 @@ def _grounds(result: Result) -> Iterator[Block]:
 
 
 def sizing_blocks(result: Result, model: Model, scene: Scene, curves: Curves | None) -> Iterator[Block]:
-    """Yield a verdict if all is well (others lead the page), torque against speed at the shafts of motors, and tables.
+    """Yield torque against speed at the shafts of motors, and tables.
 
     Args:
         curves: of the joints; None without figures.
@@ -120,8 +120,6 @@ def sizing_blocks(result: Result, model: Model, scene: Scene, curves: Curves | N
     if sizing is None:
         return
     yield Heading("Motors, bearings, foundation")
-    if not sizing.exceeded:
-        yield sizing_verdict(result)
     if curves is not None:
         from robodyn.report.pictures.torques_plots import motor_figures
 
@@ -131,23 +129,4 @@ def sizing_blocks(result: Result, model: Model, scene: Scene, curves: Curves | N
         if ordered:
             yield Gallery(tuple(figures[name] for name in ordered))
     for section in sizing_sections(offenders_first(result)):
-        yield from (block for block in section if isinstance(block, Table))  # verdicts come first here
-
-
-def sizing_verdict(result: Result) -> Verdict:
-    """Return whether motors, gears and joints bear the motion; green only where all have limits, none in doubt."""
-    sizing = result.sizing
-    assert sizing is not None, "it is asked for"
-    over = [joint for joint in sizing.joints if joint.exceeded]
-    if not over:
-        known = [joint for joint in sizing.joints if joint.level == "OK"]
-        if not known:
-            return Verdict("neutral", "No limits of motors and gears are known")
-        clauses = ", ".join(doubt.clause for doubt in result.doubts)
-        headline = f"{len(known)} of {len(sizing.joints)} joints have limits, and keep to them"
-        sure: Level = "good" if len(known) == len(sizing.joints) else "neutral"
-        return Verdict("doubtful" if clauses else sure, f"{headline} {clauses}".strip())
-    level: Level = "bad" if any(joint.level == "over peak" for joint in over) else "doubtful"
-    reasons = tuple(f"{printable(joint.name)}: {in_words(each)}." for joint in over for each in joint.exceeded)
-    count = f"{len(over)} of {len(sizing.joints)} joints ask more than their motors, gears or limits bear"
-    return Verdict(level, count if len(sizing.joints) > 1 else "The joint asks more than its drive bears", reasons)
+        yield from (block for block in section if isinstance(block, Table))  # verdicts lead the page

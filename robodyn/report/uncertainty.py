@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from robodyn.loads.result import Result
 from robodyn.loads.uncertainty_result import Bar, Uncertain, UncertainJoint, UncertainLoad
-from robodyn.report.document import Block, Facts, Heading, Paragraph, Section, Table, Verdict
+from robodyn.report.document import Block, Facts, Heading, Paragraph, Section, Table
 from robodyn.report.sizes import Sizes, result_sizes
 from robodyn.report.table import Content, is_noise, printable
 from robodyn.support.wording import count
@@ -37,14 +37,11 @@ def uncertainty_sections(result: Result) -> Iterator[Section]:
 
 
 def uncertainty_blocks(result: Result) -> Iterator[Block]:
-    """Yield the same for a page, its verdict first."""
+    """Yield the same for a page; how likely limits are kept is told with the verdict."""
     found = result.uncertainty
     if found is None:
         return
     yield Heading("Uncertain parameters")
-    if found.suffices is not None:
-        sure = not found.doubts
-        yield Verdict("neutral" if sure else "doubtful", f"All limits are kept with {probability(found.suffices)}")
     for section in uncertainty_sections(result):
         yield from section
 

@@ -75,10 +75,10 @@ def test_limits_in_plain_words(tmp_path: Path) -> None:
     file = tmp_path / "r.html"
     assert run("torques", str(tmp_path / "arm.urdf"), str(tmp_path / "arm.csv"), "--report", str(file)).status == 0
     text = " ".join(page_of(file).all("main")[0].text.split())
-    assert text.startswith("1 of 2 joints exceeds its limits shoulder needs a torque of 8.833 N m at 0.09 s, 126 % of")
-    assert (
-        "shoulder moves at 0.1000 rad/s, 200 % of its limit of 0.05 rad/s; it is beyond the limit for 0.09 s." in text
+    assert text.startswith(
+        "1 of 2 joints exceeds its limits shoulder moves at 0.1000 rad/s, 200 % of its limit of 0.05"
     )
+    assert "rad/s; it is beyond the limit for 0.09 s. shoulder needs a torque of 8.833 N m at 0.09 s, 126 % of" in text
     assert "shoulder goes to 0 rad, below its lower limit of 0.01 rad." in text
     assert "as a skeleton" in text
 
@@ -164,9 +164,8 @@ def test_motors(tmp_path: Path) -> None:
     assert run("torques", *PUMA, "--scene", scene, "--momentum", "--report", str(file)).status == 0
     page = page_of(file)
     text = " ".join(page.all("main")[0].text.split())
-    assert text.startswith("No limit of the description is exceeded")
-    assert (
-        "3 of 6 joints ask more than their motors, gears or limits bear wrist_roll: the motor's RMS torque is" in text
+    assert text.startswith(
+        "3 of 6 joints ask more than motors, gears or limits bear wrist_pitch: the motor's torque is"
     )
     captions = [each.text for each in page.all("figcaption")]
     assert [name for name in captions if name.startswith("Motor of")] == [

@@ -7,12 +7,13 @@ from robodyn.report.simulation import simulation_sections
 from robodyn.report.table import PLAIN, Page
 from robodyn.report.text import text
 from robodyn.report.torques import torques_sections
+from robodyn.report.torques_verdict import verdict_section
 from robodyn.simulation.result import Simulation
 
 
 def torques_text(result: Result, explain: bool = False, page: Page = PLAIN) -> str:
     """Return what `robodyn torques` prints."""
-    return text(torques_sections(result, explain), page)
+    return text([*torques_sections(result, explain), verdict_section(result)], page)
 
 
 def simulation_text(result: Simulation) -> str:

@@ -219,8 +219,8 @@ def test_batches_say_what_is_assumed(files: tuple[str, str], tmp_path: Path) -> 
     outcome = run(*call, "--fail-on-limits")
     assert outcome.status == 0
     said = outcome.out.splitlines()
-    assert said[-2] == f"{HEADLINE}."
-    assert said[-1].startswith(f"warning: {files[1]} and 1 other file: the ground holds the base with 88.3 N and ")
+    assert said[-1] == f"{HEADLINE}."
+    assert said[-2].startswith(f"warning: {files[1]} and 1 other file: the ground holds the base with 88.3 N and ")
     found = json.loads(run(*call, "--format", "json").out)
     assert found["within_limits"] is None
     assert found["files"][0]["doubts"][0]["clause"] == "as long as the base is held (assumed)"

@@ -148,7 +148,7 @@ def test_batches_say_what_was_not_checked(tmp_path: Path, monkeypatch: pytest.Mo
     call += ("--fail-on-limits",)
     outcome = run(*call)
     assert outcome.status == 0, outcome.err
-    assert outcome.out.endswith(f"\nNo limit is exceeded where there is one.\n{NO_EFFORT}\n")
+    assert outcome.out.endswith(f"\n{NO_EFFORT}\nNo limit is exceeded where there is one.\n")
     found = json.loads(run(*call, "--format", "json").out)  # finished before: from the documents
     assert found["finished_before"] == 2
     assert found["within_limits"] is None

@@ -162,7 +162,7 @@ def test_one_sample_and_one_joint() -> None:
     assert "laws at 1 sample, relative error" in text
 
 
-def test_warnings_come_last_each_on_a_line() -> None:
+def test_warnings_come_before_the_verdict_each_on_a_line() -> None:
     data = result("puma560", "puma560_sweep", None)
     lines = torques_text(replace(data, warnings=("first\nline", "second"))).splitlines()
-    assert lines[-2:] == ["warning: first\\nline", "warning: second"]
+    assert lines[-4:] == ["warning: first\\nline", "warning: second", "", "No limit is exceeded."]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from robodyn.loads.constraint_result import Peak
 from robodyn.report.json.encode import encode, select, written
-from robodyn.report.limits import limits_verdict
+from robodyn.report.torques_verdict import torques_verdict
 from robodyn.robot.limits import Coverage
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ def torques_json(result: Result) -> str:
         plan=select(result, "executor operations reason"),
         derivatives=result.derivation.joints if result.derivation else [],
         limits=limits_data(result.limits),
-        verdict=limits_verdict(result),
+        verdict=torques_verdict(result),
     )
     sizing = result.sizing and sizing_data(result.sizing)
     constraints = result.constraints and constraint_data(result.constraints)

@@ -256,7 +256,7 @@ def test_two_batches_at_once_into_one_folder_are_both_whole() -> None:
 def test_a_name_with_wildcards_may_be_that_of_a_file() -> None:
     os.rename("runs/one.csv", "runs/one[1].csv")
     outcome = run("torques", "arm.urdf", "runs/one[1].csv", "--out", "tau.csv")
-    assert outcome.out.endswith("written: tau.csv, 50 rows of time and 2 columns\n")
+    assert "\nwritten: tau.csv, 50 rows of time and 2 columns\n" in outcome.out
 
 
 MANY = ("torques", "arm.urdf", "runs/*.csv")
