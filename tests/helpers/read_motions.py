@@ -47,7 +47,7 @@ GIVEN = ("none", "velocity", "noisy velocity", "both", "both noisy", "both filte
 
 def steps(rng: Rng, least: int, most: int) -> float:
     """One turn by the steps of an encoder of so many bits [rad]."""
-    return 2 * np.pi / 2.0 ** float(rng.integers(least, most + 1))
+    return float(2 * np.pi / 2.0 ** rng.integers(least, most + 1))
 
 
 def read(course: Course, rng: Rng, hz: float, reading: str, given: str, units: Array) -> Table:
