@@ -157,4 +157,4 @@ class TorqueAccumulator:
         unsure = self.bars.over_block(state, off)
         self.statistics.update(block.time, q, qd, tau, base, state, unsure)
         if self.uncertain is not None:
-            self.uncertain.take(block, sources, loads, unsure, self.sources, self.whole)
+            self.uncertain.take(block, sources, loads, 0.0, self.sources, self.whole)

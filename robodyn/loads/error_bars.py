@@ -34,17 +34,30 @@ class ErrorBars:
         self._first: Floats | None = None
 
     def over_block(self, state: Mapping[str, Floats], off: Floats) -> Floats | float:
-        """Return (joints, N) by how much torques may be off, with the inertia of the first pose; 0 for guesses.
+        """Return (joints, N) by how much torques may be off, sqrt(sum_j (M_kj off_j)^2); 0 for guesses.
+
+        Where constraints bear a part, with what the first pose makes of accelerations.
 
         Args:
             state: q (N, nq) and so on; off: (N, n) of accelerations.
         """
         if self.openness.guessed or not off.any():
             return 0.0
-        if self._first is None:
-            self._first = self.response({name: values[0] for name, values in state.items()})[self.rates]
-        found: Floats = np.sqrt(einsum("kj,ij->ki", self._first**2, off**2))
-        return found
+        if self.constraints is None:
+            M = self._inertia(state["q"])[:, self.rates]
+        else:
+            if self._first is None:
+                self._first = self.response({name: values[0] for name, values in state.items()})[self.rates]
+            M = self._first[None]
+        return np.asarray(np.sqrt((M.transpose(1, 0, 2) ** 2 * off**2).sum(axis=2)))
+
+    def _inertia(self, q: Floats) -> Floats:
+        """Return (N, n, n) by how much torques of poses (N, nq) change with accelerations, load's friction included."""
+        M = mass_matrix(self.model, np.ascontiguousarray(q), scene=self.scene)
+        for _, joint, friction in joints_with_friction(self.model, self.scene):
+            if friction.load:
+                M[..., joint.rate, :] *= 1.0 + friction.load
+        return M
 
     def at_peak(self, k: int, state: Mapping[str, Floats] | None, shares: Mapping[str, float]) -> tuple[float, float]:
         """Return sqrt(sum (M_kj s_j)^2) of joint k at its peak, what noise of accelerations does there; and its bar.
@@ -67,8 +80,4 @@ class ErrorBars:
         """
         if self.constraints is not None:
             return self.constraints.response(state, own)
-        M = mass_matrix(self.model, np.ascontiguousarray(state["q"]), scene=self.scene, executor="numpy")
-        for _, joint, friction in joints_with_friction(self.model, self.scene):
-            if friction.load:
-                M[joint.rate] *= 1.0 + friction.load
-        return M
+        return self._inertia(state["q"])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import astuple
 
 import numpy as np
@@ -85,13 +85,21 @@ def _joints(run: TorqueAccumulator, whole: Plan) -> tuple[tuple[JointLoad, ...],
     """Return the loads of the joints, and what is open of their peaks."""
     gathered = run.statistics
     shares = shares_at_peaks(whole, gathered.at_peak, run.rates.start)
-    bars = [run.bars.at_peak(k, gathered.at_peak.get(k), shares[k]) for k in range(len(run.joints))]
+    bars = [_bar(run, k, shares[k]) for k in range(len(run.joints))]
     joints = tuple(
         joint_load(gathered, k, joint, name, run.scene, shares[k], bars[k])
         for k, (joint, name) in enumerate(zip(run.joints, run.model.rates[run.rates], strict=True))
     )
-    left = np.maximum([bar for _, bar in bars], gathered.most - np.abs(gathered.torque.kept["value"])).tolist()
-    return joints, left
+    return joints, [bar for _, bar in bars]
+
+
+def _bar(run: TorqueAccumulator, k: int, shares: Mapping[str, float]) -> tuple[float, float]:
+    """Return what noise does to joint k at its peak, and by how much its largest torque may be off."""
+    gathered = run.statistics
+    noise, guessed = run.bars.at_peak(k, gathered.at_peak.get(k), shares)
+    peak = abs(float(gathered.torque.kept["value"][k]))
+    bar = max(float(gathered.most[k]) - peak, peak - float(gathered.least[k]))
+    return noise, max(bar, guessed) if run.bars.openness.guessed else bar
 
 
 def _inertias(run: TorqueAccumulator, joints: Sequence[int]) -> dict[int, float | None]:

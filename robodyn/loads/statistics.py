@@ -113,7 +113,8 @@ class Statistics:
     """Peaks and integrals of joint torques and the base wrench.
 
     Attributes:
-        torque: by what is sure of its magnitude, with its `value` and the `speed` then; most: the largest it may be.
+        torque: by its magnitude, with its `value` and the `speed` then.
+        least, most: (joints,) between which the largest magnitude is, as far as torques are sure.
         speed: by its magnitude, with its `value` and the `torque` then; base: likewise, with its `value`.
         at_peak: for each joint the state (q, qd, qdd, columns) of its peak torque.
     """
@@ -123,7 +124,7 @@ class Statistics:
         n = len(effort)
         self._most = BEYOND * np.array((effort, velocity))[..., None]
         self.torque, self.speed, self.base = Greatest(n), Greatest(n), Greatest(len(FOUNDATION))
-        self.most = np.zeros(n)
+        self.least, self.most = np.zeros(n), np.zeros(n)
         self.power_most, self.power_least = np.full(n, -np.inf), np.full(n, np.inf)
         self.q_min, self.q_max = np.full(n, np.inf), np.full(n, -np.inf)
         self.integrals = Integrals()
@@ -146,12 +147,13 @@ class Statistics:
             q, qd, tau: (joints, N).
             base: (6, N) base wrench f, n.
             state: (N, k) arrays of which a peak's sample is kept.
-            off: (joints, N) by how much torques may be off, about; a peak is where most of a torque is sure.
+            off: (joints, N) by how much torques may be off.
         """
         base = np.vstack((base, resultant(base[0], base[1]), resultant(base[3], base[4])))
         row, size, speed = self.integrals.samples + 1, np.abs(tau), np.abs(qd)
+        np.maximum(self.least, (size - off).max(axis=1), out=self.least)
         np.maximum(self.most, (size + off).max(axis=1), out=self.most)
-        for joint, at in self.torque.update(time, row, size - off, value=tau, speed=qd):
+        for joint, at in self.torque.update(time, row, size, value=tau, speed=qd):
             self.at_peak[joint] = {name: values[at].copy() for name, values in state.items()}
         self.speed.update(time, row, speed, value=qd, torque=tau)
         self.base.update(time, row, np.abs(base), value=base)

@@ -9,12 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from robodyn.support.floats import Floats
-from robodyn.trajectory import adaptive
 from robodyn.trajectory.derivatives import CENTRAL, SPLINE, Method, equal_spacing, savgol
-from robodyn.trajectory.estimates import Trust
+from robodyn.trajectory.estimates import Trust, local
 from robodyn.trajectory.local_polynomials import at_samples
 from robodyn.trajectory.noise import Noise, by_window, estimate
-from robodyn.trajectory.windows import DEGREE, WIDEST, lengths
+from robodyn.trajectory.windows import DEGREE, SIZES
 
 Run = tuple[Floats, Floats, Floats]
 WINDOWS = (7, 9, 13, 17, 23, 31, 41, 55, 75, 101, 135, 181, 241, 321, 431, 575, 767, 1023, 1365, 1819)
@@ -27,7 +26,7 @@ _LATER, _FEWEST, _STEEP = 4, 2, 60.0
 """Four windows wider the squared error of smoothing is 10 times as large where the rate of the acceleration jumps, and
 thousands of times where nothing does; the least change is half noise."""
 _ROWS = 1 << 14
-_SHORT = 16
+_SHORT = 8
 _ROUNDINGS = 4.0
 
 
@@ -69,7 +68,7 @@ def diagnose(runs: Sequence[Run], order: int, mode: str) -> Diagnosis:
     scale = _scale(runs, noise.sigma, noisy)
     smooth = noisy and found.smooth
     if smooth:
-        scale = scale[: max(1, sum(length <= found.window for length in lengths(WIDEST)))]
+        scale = scale[: max(1, sum(parts * part <= found.window for parts, part in SIZES))]
     trust = Trust(noisy, smooth, mode != "auto", noise.sigma, scale, found.window, found.level, order)
     if mode == "central":
         method = CENTRAL
@@ -90,11 +89,13 @@ def _scale(runs: Sequence[Run], sigma: float, noisy: bool) -> tuple[float, ...]:
     """Return the noise for windows of every length that is worth trying: of the noisiest column, and of rounding."""
     largest = max((float(np.abs(raw).max()) for _, raw, _ in runs), default=0.0)
     sigma = max(sigma, _ROUNDINGS * float(np.finfo(np.float64).eps) * largest, float(np.finfo(np.float64).tiny))
+    longest = max((len(time) for time, _, _ in runs), default=0)
+    count = sum(parts * part <= longest for parts, part in SIZES) or 1
     if not noisy:
-        return (sigma,) * len(lengths(_SHORT))
+        return (sigma,) * min(_SHORT, count)
     some = _some(runs)
-    each = [by_window([(t, x[:, k]) for t, _, x in some], sigma, WIDEST) for k in range(some[0][2].shape[1])]
-    return tuple(max(column) for column in zip(*each, strict=True))
+    each = [by_window([(t, x[:, k]) for t, _, x in some], sigma) for k in range(some[0][2].shape[1])]
+    return tuple(max(column) for column in zip(*each, strict=True))[:count]
 
 
 def _some(runs: Sequence[Run]) -> list[Run]:
@@ -104,21 +105,14 @@ def _some(runs: Sequence[Run]) -> list[Run]:
 
 
 def _local(runs: Sequence[Run], trust: Trust, noise: Noise) -> Diagnosis:
-    """Return local polynomials, of windows no longer than are of use, with the median of the noise that they leave."""
-    longest, noises = 0, []
+    """Return local polynomials, with the median of the noise that they leave."""
+    noises = []
     for time, _, values in _some(runs):
-        even = equal_spacing(time)
-        for column in values.T:
-            own = np.ascontiguousarray(column)
-            _, rate, useful = adaptive.rates(None if even else time, own, None, trust.scale, trust.order)
-            longest = max(longest, useful)
-            noises.append(float(np.median(rate.noise)) / (even or 1.0) ** trust.order)
-    known = lengths(WIDEST)
-    count = min(len(trust.scale), sum(length <= longest for length in known) + 2)
-    typical = float(np.median(noises))
-    trust = replace(trust, scale=trust.scale[:count])
-    method = Method("local", known[count - 1], DEGREE)
-    return Diagnosis(method, trust, noise.quantum, noise.sigma, typical, noise.warning)
+        _, rate = local(time, values, None, trust, 0)
+        noises.append(float(np.median(rate.noise)))
+    width = max(parts * part for parts, part in SIZES[: len(trust.scale)])
+    method = Method("local", width, DEGREE)
+    return Diagnosis(method, trust, noise.quantum, noise.sigma, float(np.median(noises)), noise.warning)
 
 
 @dataclass(frozen=True)

@@ -107,7 +107,7 @@ def _rates(samples: Trajectory, plan: Plan) -> Iterator[tuple[Group, Rate, Rate]
     for (kind, method, trust), groups in alike.items():
         values = np.concatenate([_source(group, samples) for group in groups], axis=1)
         turns = _turns(values) if kind == "continuous" else None
-        rates, start = estimated(samples.time, values, turns, method, trust), 0
+        rates, start = estimated(samples.time, values, turns, method, trust, samples.first_row - 1), 0
         for group in groups:
             own = slice(start, start + len(group.rows))
             first, second = (Rate(*(part[:, own] for part in rate)) for rate in rates)

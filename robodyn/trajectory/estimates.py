@@ -6,16 +6,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
 
 from robodyn.support.floats import Floats
 from robodyn.trajectory import adaptive
 from robodyn.trajectory.adaptive import Rate
 from robodyn.trajectory.derivatives import SPLINE, Method, differentiate, equal_spacing, savgol
-from robodyn.trajectory.noise import louder
 from robodyn.trajectory.quintic import REACH
-from robodyn.trajectory.windows import WIDEST, lengths
+from robodyn.trajectory.windows import SIZES
 
-INNER, END, WIDER = 3.0, 8.0, 2.0
+INNER, END, WIDER = 3.0, 8.0, 3.0
 """Bars of one window for all samples: standard deviations of the noise, in the middle and near an end, and how often
 counts what a wider window changes."""
 CORNER = 1e-3
@@ -50,29 +50,30 @@ class Trust:
 
 def reach(trust: Trust) -> int:
     """Return how many neighbours on either side the derivatives of a sample depend on."""
-    windows = lengths(WIDEST)[: len(trust.scale)]
-    return max(2 * REACH, *windows) + max(NEAR, adaptive.NEAR)
+    return max(2 * REACH, *(parts * part for parts, part in SIZES[: len(trust.scale)])) + NEAR
 
 
-def estimated(time: Floats, values: Floats, turns: Floats | None, method: Method, trust: Trust) -> tuple[Rate, Rate]:
+def estimated(
+    time: Floats, values: Floats, turns: Floats | None, method: Method, trust: Trust, first: int = 0
+) -> tuple[Rate, Rate]:
     """Return the first and second derivatives (N, c) of values (N, c), with error bars.
 
-    Args: as of `differentiate`.
+    Args: as of `differentiate`; first: of the samples, counted in the table.
 
     Accuracy: bars cover 19 of 20 errors of peaks, for motions of all kinds (`accuracy/test_bars_of_motions.py`).
     """
     if method.kind == "savgol" and trust.smooth and not trust.forced:
         return _by_one_window(time, values, turns, method, trust.sigma)
-    best = _best(time, values, turns, trust)
+    best = _best(time, values, turns, trust, first)
     if not trust.forced:
         return best
-    first, second = (
+    slopes, curves = (
         Rate(value, noise + 0.0 * value, np.abs(value - each.value) + each.off)
         for value, noise, each in zip(
             differentiate(time, values, method, turns), _noises(time, method, trust.sigma), best, strict=True
         )
     )
-    return first, second
+    return slopes, curves
 
 
 def _noises(time: Floats, method: Method, sigma: float) -> tuple[Floats, Floats]:
@@ -107,36 +108,54 @@ def _by_one_window(
     return rates[0], rates[1]
 
 
-def _best(time: Floats, values: Floats, turns: Floats | None, trust: Trust) -> tuple[Rate, Rate]:
+def _best(time: Floats, values: Floats, turns: Floats | None, trust: Trust, first: int) -> tuple[Rate, Rate]:
     """Return the quintic spline where it can be trusted, and what local polynomials make of it elsewhere."""
     spline = _spline(time, values, turns, trust.sigma)
     changes = [rate.off - adaptive.NOISE * rate.noise for rate in spline]
     wanted = np.full(values.shape, True) if trust.noisy else changes[trust.order - 1] > CORNER * trust.level
-    spacing, order = equal_spacing(time), trust.order
-    unit = spacing or 1.0
-    first, rate = spline[0], spline[order - 1]
+    order = trust.order
+    rate = spline[order - 1]
     if trust.noisy and len(time) > trust.window * 4 // 3:
         filtered = _by_one_window(time, values, turns, savgol(trust.window), trust.sigma)
         better = filtered[order - 1].off < rate.off
-        for whole, part in zip((first.value, *rate), (filtered[0].value, *filtered[order - 1]), strict=True):
+        for whole, part in zip((spline[0].value, *rate), (filtered[0].value, *filtered[order - 1]), strict=True):
             whole[better] = part[better]
-    for k in np.flatnonzero(wanted.any(axis=0)):
-        rows = wanted[:, k]
-        scaled = first.value[:, k] * unit, Rate(*(part[:, k] * unit**order for part in rate))
-        column, turned = values[:, k], None if turns is None else turns[:, k]
-        level = louder(time, column if turned is None else column - 2.0 * np.pi * turned, trust.sigma)
-        slope, local, _ = adaptive.rates(
-            None if spacing else time, column, turned, trust.scale, order, scaled, level if trust.noisy else 1.0
-        )
-        if trust.noisy:
-            local = adaptive.smoothed(local)
-        first.value[rows, k] = slope[rows] / unit if order > 1 else local.value[rows] / unit
-        for whole, part in zip(rate, local, strict=True):
-            whole[rows, k] = part[rows] / unit**order
+    if wanted.any():
+        slope, windowed = local(time, values, turns, trust, first, (spline[0].value, rate), wanted.any(axis=0))
+        for whole, part in zip((spline[0].value, *rate), (slope, *windowed), strict=True):
+            whole[wanted] = part[wanted]
     if len(time) < NOISY:
         for found, least in zip(spline, changes, strict=True):
             np.maximum(found.off, least, out=found.off)
     return spline
+
+
+def local(
+    time: Floats,
+    values: Floats,
+    turns: Floats | None,
+    trust: Trust,
+    first: int,
+    other: tuple[Floats, Rate] | None = None,
+    columns: NDArray[np.bool_] | None = None,
+) -> tuple[Floats, Rate]:
+    """Return the first derivative (N, c) by local polynomials, and that of the order with its bars.
+
+    Args:
+        other: the same otherwise found, to be weighed with these; columns: (c,) those to do, the others stay.
+    """
+    spacing, order = equal_spacing(time), trust.order
+    unit = spacing or 1.0
+    nothing = np.zeros_like(values), Rate(np.zeros_like(values), np.zeros_like(values), np.full(values.shape, np.inf))
+    slope, rate = (nothing[0], nothing[1]) if other is None else (other[0].copy(), Rate(*(x.copy() for x in other[1])))
+    for k in range(values.shape[1]) if columns is None else np.flatnonzero(columns):
+        known = slope[:, k] * unit, Rate(*(part[:, k] * unit**order for part in rate))
+        turned = None if turns is None else turns[:, k]
+        own, found = adaptive.rates(None if spacing else time, values[:, k], turned, trust.scale, order, known, first)
+        slope[:, k] = own / unit
+        for whole, part in zip(rate, found, strict=True):
+            whole[:, k] = part / unit**order
+    return slope, rate
 
 
 def _spline(time: Floats, values: Floats, turns: Floats | None, sigma: float) -> tuple[Rate, Rate]:

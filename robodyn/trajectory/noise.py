@@ -7,11 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 
 from robodyn.support.floats import Floats
 from robodyn.trajectory.derivatives import equal_spacing
-from robodyn.trajectory.windows import BASES, fits, lengths
+from robodyn.trajectory.windows import SIZES, windows
 
 HIGHEST = 14
 """Highest difference looked at."""
@@ -21,7 +20,6 @@ _LEVEL = 0.7
 _STILL = 32
 FINEST_ENCODER = 2.0 * math.pi / 1024
 _APART = 18
-_HIGH, _AROUND, _CHANCE = 8, 16, 1.5
 _COLOURED = 1.5
 """Power of a window's length: noise of steeper spectra is taken for motion"""
 _UNSURE = 2.0
@@ -162,58 +160,37 @@ def _judge(sigma: float, grid: float, fine: bool, jumps: Floats, raw: Floats) ->
     return Noise(sigma, grid)
 
 
-def louder(time: Floats, values: Floats, sigma: float) -> Floats:
-    """Return (N,) how many times the noise about each sample exceeds that of the table, 1 where it does not.
+def by_window(runs: Sequence[tuple[Floats, Floats]], sigma: float) -> tuple[float, ...]:
+    """Return what white noise would have to be to scatter the fits on windows of each of `SIZES` as the data's does.
 
-    Stamps that software takes late make noise that grows with the speed. The median over 33 samples of a high
-    difference counts, so that no corner does.
-    """
-    found = np.ones(len(values))
-    if len(values) < _HIGH + 2 * _AROUND or sigma == 0.0:
-        return found
-    even = np.arange(len(time), dtype=np.float64)
-    unit = even if equal_spacing(time) else (time - time[0]) / float(np.median(np.diff(time)))
-    off = np.abs(differences(unit, values, weights(unit)[:_HIGH])[-1])
-    level = np.median(sliding_window_view(np.pad(off, _AROUND, mode="edge"), 2 * _AROUND + 1), axis=1)
-    first = _HIGH // 2
-    found[first : first + len(level)] = np.maximum(level / (_MEDIAN * _CHANCE * sigma), 1.0)
-    found[:first], found[first + len(level) :] = found[first], found[first + len(level) - 1]
-    return found
-
-
-def by_window(runs: Sequence[tuple[Floats, Floats]], sigma: float, widest: int) -> tuple[float, ...]:
-    """Return what white noise would have to be to scatter the fits on windows of every length as the data's does.
-
-    Of neighbouring windows that share no sample the second derivatives of parabolas differ by noise, and by what the
-    motion does; the median over a table is the noise's as long as it grows no faster with the length than that of
-    coloured noise. From where it does the last value counts.
+    Of neighbouring windows that share no sample the curvatures of parabolas differ by noise, and by what the motion
+    does; the median over a table is the noise's as long as it grows no faster with the length than that of coloured
+    noise. From where it does the last value counts.
 
     Args:
         runs: (time (N,), values (N,)) of stretches of the table; sigma: the least that is returned.
     """
-    sizes: dict[int, list[Floats]] = {}
-    for time, values in runs:
-        spacing = equal_spacing(time)
-        for fit in fits(None if spacing else time, values, None, min(widest, len(values) // _APART)):
-            _, curve, gain = next(fit.derivative(2, fit.middle))
-            near, far = curve[: -fit.length], curve[fit.length :]
-            both = (
-                np.sqrt(gain[: -fit.length] ** 2 + gain[fit.length :] ** 2)
-                if isinstance(gain, np.ndarray)
-                else gain * math.sqrt(2.0)
-            )
-            sizes.setdefault(fit.length, []).append(np.abs(far - near) / both)
     found: list[float] = []
-    before: tuple[float, float] | None = (0.5 * BASES[0], sigma)
-    for length in lengths(widest):
-        if before is not None and length in sizes:
-            off = np.concatenate(sizes[length])
+    shorter, least, ended = 0.5 * SIZES[0][0], sigma, False
+    for size in SIZES:
+        length = size[0] * size[1]
+        off = np.concatenate([_scatter(time, values, size) for time, values in runs])
+        if not ended and len(off):
             level = float(np.median(off[off > 0.0])) / _MEDIAN if (off > 0.0).any() else 0.0
-            shorter, least = before
-            if level > max(least, sigma) * (length / shorter) ** _COLOURED:
-                before = None
-            else:
-                sigma = max(sigma, level * (1.0 - _UNSURE * math.sqrt(length / len(off))))
-                before = length, level
+            ended = level > max(least, sigma) * (length / shorter) ** _COLOURED
+            if not ended:
+                sigma = max(sigma, level * (1.0 - _UNSURE * math.sqrt(size[0] / len(off))))
+                shorter, least = length, level
         found.append(sigma)
     return tuple(found)
+
+
+def _scatter(time: Floats, values: Floats, size: tuple[int, int]) -> Floats:
+    """Return the differences of parabolas' curvatures on windows side by side, as deviations of white noise."""
+    if len(values) < _APART * size[0] * size[1]:
+        return np.zeros(0)
+    fits = windows(None if equal_spacing(time) else time, values, None, size, 0)
+    curve = fits.coefficients[2] * fits.basis.curve[2, 0] / fits.half**2
+    gain = fits.basis.curve[2, 0] / fits.half**2 + np.zeros_like(curve)
+    near, far = slice(None, -size[0]), slice(size[0], None)
+    return np.abs(curve[far] - curve[near]) / np.sqrt(gain[near] ** 2 + gain[far] ** 2)
