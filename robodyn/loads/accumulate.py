@@ -154,7 +154,7 @@ class TorqueAccumulator:
         state = {**sources, "noise": noise, "off": off}
         if self.constraints is not None:
             state["touching"] = self.constraints.touching
-        unsure = self.bars.over_block(state, off)
+        unsure = self.bars.over_block(state)
         self.statistics.update(block.time, q, qd, tau, base, state, unsure)
         if self.uncertain is not None:
             self.uncertain.take(block, sources, loads, 0.0, self.sources, self.whole)

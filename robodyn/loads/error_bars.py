@@ -16,6 +16,9 @@ from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
 
+NOISE = 3.0
+"""Standard deviations of noise in a bar."""
+
 if TYPE_CHECKING:
     from robodyn.loads.constraints import ConstraintPass
 
@@ -33,14 +36,17 @@ class ErrorBars:
         self.openness = Openness(model.n)
         self._first: Floats | None = None
 
-    def over_block(self, state: Mapping[str, Floats], off: Floats) -> Floats | float:
-        """Return (joints, N) by how much torques may be off, sqrt(sum_j (M_kj off_j)^2); 0 for guesses.
+    def over_block(self, state: Mapping[str, Floats]) -> Floats | float:
+        """Return (joints, N) by how much torques may be off; 0 for guesses.
 
-        Where constraints bear a part, with what the first pose makes of accelerations.
+        Noise s of accelerations adds up as sqrt(sum_j (M_kj s_j)^2); what is in doubt besides as sum_j |M_kj d_j|, since
+        joints that move together have their corners together. Where constraints bear a part, M is that of the first
+        pose.
 
         Args:
-            state: q (N, nq) and so on; off: (N, n) of accelerations.
+            state: q (N, nq) and so on; noise, off: (N, n) of accelerations.
         """
+        noise, off = NOISE * state["noise"], state["off"]
         if self.openness.guessed or not off.any():
             return 0.0
         if self.constraints is None:
@@ -49,7 +55,9 @@ class ErrorBars:
             if self._first is None:
                 self._first = self.response({name: values[0] for name, values in state.items()})[self.rates]
             M = self._first[None]
-        return np.asarray(np.sqrt((M.transpose(1, 0, 2) ** 2 * off**2).sum(axis=2)))
+        M = np.abs(M.transpose(1, 0, 2))
+        doubt = (M * np.maximum(off - noise, 0.0)).sum(axis=2)
+        return np.asarray(doubt + np.sqrt(((M * np.minimum(noise, off)) ** 2).sum(axis=2)))
 
     def _inertia(self, q: Floats) -> Floats:
         """Return (N, n, n) by how much torques of poses (N, nq) change with accelerations, load's friction included."""

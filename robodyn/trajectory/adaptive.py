@@ -139,9 +139,7 @@ def _weighed(best: _Best, other: tuple[Floats, Rate]) -> tuple[Floats, Rate]:
     alike = np.maximum(left, right) <= ALIKE * np.minimum(left, right)
     apart = np.abs(best.value[0] - best.value[2]) > left + right
     jump = apart & (clear | alike)
-    reach = np.where(jump, best.bar, 0.0)[ends]
-    low = np.maximum((best.value[ends] - reach).min(axis=0), rate.value - rate.off)
-    high = np.minimum((best.value[ends] + reach).max(axis=0), rate.value + rate.off)
-    jump &= low <= high
+    reach = np.where(jump, np.minimum(left, right), 0.0)
+    low, high = (best.value[ends] - reach).min(axis=0), (best.value[ends] + reach).max(axis=0)
     value, off = np.where(jump, 0.5 * (low + high), value), np.where(jump, 0.5 * (high - low), off)
     return of_slope, Rate(value, noise, off)

@@ -115,11 +115,6 @@ def _best(time: Floats, values: Floats, turns: Floats | None, trust: Trust, firs
     wanted = np.full(values.shape, True) if trust.noisy else changes[trust.order - 1] > CORNER * trust.level
     order = trust.order
     rate = spline[order - 1]
-    if trust.noisy and len(time) > trust.window * 4 // 3:
-        filtered = _by_one_window(time, values, turns, savgol(trust.window), trust.sigma)
-        better = filtered[order - 1].off < rate.off
-        for whole, part in zip((spline[0].value, *rate), (filtered[0].value, *filtered[order - 1]), strict=True):
-            whole[better] = part[better]
     if wanted.any():
         slope, windowed = local(time, values, turns, trust, first, (spline[0].value, rate), wanted.any(axis=0))
         for whole, part in zip((spline[0].value, *rate), (slope, *windowed), strict=True):
