@@ -74,12 +74,26 @@ READING = together(
     kept(
         "--angle-unit", type=click.Choice(get_args(AngleUnit)), help="Of joints whose columns do not tell; default rad."
     ),
-    kept("--derivatives", type=click.Choice(MODES), default="auto", help="Of missing columns; default auto."),
+    kept("--derivatives", type=click.Choice(MODES), default="auto", help="Of missing columns; anew: of all."),
+    kept(
+        "--encoder-error",
+        type=click.FloatRange(min=0.0),
+        default=0.0,
+        metavar="RAD",
+        help="Largest error of encoders that repeats with the angle (m of slides): into the error bars.",
+    ),
     kept("--topic", metavar="NAME", help="Of a ROS bag, if several topics are about joints."),
     kept("--ignore-extra", is_flag=True, help="Leave out columns that the robot does not know."),
 )
 """The options whose values are those of `reading`."""
-_DEFAULTS = {"time_unit": None, "angle_unit": None, "derivatives": "auto", "ignore_extra": False, "topic": None}
+_DEFAULTS = {
+    "time_unit": None,
+    "angle_unit": None,
+    "derivatives": "auto",
+    "encoder_error": 0.0,
+    "ignore_extra": False,
+    "topic": None,
+}
 
 
 def reading() -> dict[str, Any]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from math import hypot
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,9 +15,12 @@ from robodyn.robot.model import Model
 from robodyn.robot.standing import untouched
 from robodyn.scene.scene import Scene
 from robodyn.support.doubts import TOO_FEW, Doubt
-from robodyn.support.floats import Floats
+from robodyn.support.floats import BEYOND, Floats, steady
 from robodyn.support.wording import count, figure, shown
 from robodyn.trajectory.motion import FEW, Trajectory
+
+if TYPE_CHECKING:
+    from robodyn.loads.sizing_result import Sizing
 
 OPEN = 0.5
 """Of the rms of derived accelerations: what is open above it is not an error of some rows but of the motion."""
@@ -36,11 +40,12 @@ class Openness:
 
     def __init__(self, rates: int) -> None:
         self.off_squares, self.squares = np.zeros(rates), np.zeros(rates)
-        self.guessed = False
+        self.guessed = self.unknown = False
 
     def update(self, block: Trajectory) -> tuple[Floats, Floats]:
         """Return (N, n) the noise of accelerations of a block, and by how much they may be off."""
         found = block.sampling
+        self.unknown |= found is None or found.unknown
         if found is None:
             return np.zeros_like(block.qdd), np.zeros_like(block.qdd)
         self.guessed = found.guessed
@@ -79,8 +84,7 @@ class Openness:
         energy = energy_doubt(balance, samples, duration)
         if too_few is not None:
             return (too_few,) if energy is None or _coarse(balance, samples) else (too_few, energy)
-        found = (energy, bar_doubt(joints))
-        return tuple(doubt for doubt in found if doubt is not None)
+        return () if energy is None else (energy,)
 
 
 def sampling_doubt(joints: Sequence[JointLoad], bars: Sequence[float], samples: int, duration: float) -> Doubt | None:
@@ -124,18 +128,29 @@ def _coarse(balance: EnergyBalance, samples: int) -> bool:
     return balance.explained > COARSE * balance.turnover or samples < FEW
 
 
-def bar_doubt(joints: Sequence[JointLoad]) -> Doubt | None:
-    """Return the doubt about peaks that may be beyond their limits within their error bars."""
-    near = [joint for joint in joints if (left := joint.effort_margin) is not None and 0.0 <= left < joint.error_bar]
-    if not near:
-        return None
-    worst = min(near, key=lambda joint: (joint.effort_margin or 0.0) / joint.error_bar)
-    others = f", and {len(near) - 1} more" if len(near) > 1 else ""
-    said = (
-        f"the peak of {shown(worst.name)}{others} may be beyond its limit: {figure(worst.peak)} +- "
-        f"{figure(worst.error_bar, 2)} {worst.unit}, limit {worst.effort_limit:g} {worst.unit}"
-    )
-    return Doubt(f"unless within the error bar of {shown(worst.name)}{others}", said)
+def bar_doubts(joints: Sequence[JointLoad], sizing: Sizing | None) -> Iterator[Doubt]:
+    """Yield the doubts about limits that are within the error bars of peaks.
+
+    What a motor's torque is in doubt by is taken for the same share of it as of its joint's.
+    """
+    bars = [(joint, joint.error_bar or 0.0) for joint in joints]
+    of_joints = [(joint, bar, abs(joint.peak), joint.effort_limit, "") for joint, bar in bars]
+    of_motors = [
+        (joint, bar * near.torque / max(abs(joint.peak), TINY), near.torque, near.limit, "the motor of ")
+        for (joint, bar), own in zip(bars, sizing.joints if sizing else (), strict=False)
+        if own.motor and (near := own.motor.nearest)
+    ]
+    for beyond, what in ((False, "may be beyond its limit"), (True, "may be within its limit")):
+        near_it = [
+            (abs(peak - limit) / bar, joint, bar, peak, limit, whose)
+            for joint, bar, peak, limit, whose in (*of_joints, *of_motors)
+            if limit is not None and bar and (peak > BEYOND * limit) is beyond and abs(peak - limit) < bar
+        ]
+        if near_it:
+            _, joint, bar, peak, limit, whose = min(near_it, key=lambda each: steady(each[0]))
+            who = f"{whose}{shown(joint.name)}{f', and {len(near_it) - 1} more,' if len(near_it) > 1 else ''}"
+            said = f"the peak of {who} {what}: {figure(peak)} within {figure(bar, 2)} {joint.unit}, limit {limit:g}"
+            yield Doubt(f"unless within the error bar of {who.rstrip(',')}", f"{said} {joint.unit}")
 
 
 def _how_many(samples: int, duration: float) -> str:

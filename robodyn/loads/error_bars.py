@@ -39,7 +39,7 @@ class ErrorBars:
     def over_block(self, state: Mapping[str, Floats]) -> Floats | float:
         """Return (joints, N) by how much torques may be off; 0 for guesses.
 
-        Noise s of accelerations adds up as sqrt(sum_j (M_kj s_j)^2); what is in doubt besides as sum_j |M_kj d_j|, since
+        Noise s of accelerations adds up as sqrt(sum_j (M_kj s_j)^2), what is in doubt besides as sum_j |M_kj d_j|:
         joints that move together have their corners together. Where constraints bear a part, M is that of the first
         pose.
 

@@ -64,7 +64,7 @@ def joint_load(
     name: str,
     scene: Scene,
     shares: Mapping[str, float],
-    uncertainty: tuple[float, float],
+    uncertainty: tuple[float, float | None],
 ) -> JointLoad:
     """Return the figures of joint k.
 

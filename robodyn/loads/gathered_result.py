@@ -10,7 +10,7 @@ import numpy as np
 from robodyn.dynamics.plan import Plan, plan
 from robodyn.loads.accumulate import TorqueAccumulator
 from robodyn.loads.checks_result import Checks
-from robodyn.loads.doubts import carried
+from robodyn.loads.doubts import bar_doubts, carried
 from robodyn.loads.figures import base_loads, check_figures, effect_reports, joint_load, shares_at_peaks
 from robodyn.loads.result import JointLoad, Result
 from robodyn.robot.limits import coverage
@@ -40,6 +40,7 @@ def gathered_result(run: TorqueAccumulator, last: Trajectory, explain: bool) -> 
         *(constraints.doubts if constraints else ()),
         *carried(run.model, run.scene, base, joints, checks.largest_force, checks.largest_moment, looped),
         *run.bars.openness.doubts(joints, left, checks.energy_balance, total.samples, total.duration),
+        *bar_doubts(joints, sizing),
         *(unsure.doubts if unsure else ()),
     )
     about = run.uncertain.notes if run.uncertain else ()
@@ -90,11 +91,13 @@ def _joints(run: TorqueAccumulator, whole: Plan) -> tuple[tuple[JointLoad, ...],
         joint_load(gathered, k, joint, name, run.scene, shares[k], bars[k])
         for k, (joint, name) in enumerate(zip(run.joints, run.model.rates[run.rates], strict=True))
     )
-    return joints, [bar for _, bar in bars]
+    return joints, [bar or 0.0 for _, bar in bars]
 
 
-def _bar(run: TorqueAccumulator, k: int, shares: Mapping[str, float]) -> tuple[float, float]:
+def _bar(run: TorqueAccumulator, k: int, shares: Mapping[str, float]) -> tuple[float, float | None]:
     """Return what noise does to joint k at its peak, and by how much its largest torque may be off."""
+    if run.bars.openness.unknown:
+        return 0.0, None
     gathered = run.statistics
     noise, guessed = run.bars.at_peak(k, gathered.at_peak.get(k), shares)
     peak = abs(float(gathered.torque.kept["value"][k]))

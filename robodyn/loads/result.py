@@ -36,8 +36,9 @@ class JointLoad:
         effort_limit, velocity_limit: None where the description has none or says 0; a margin is limit - |value|,
             negative if exceeded, for `seconds_over_effort` and `seconds_over_velocity`.
         lower, upper, q_min, q_max: position limits and the range of the motion.
-        uncertainty: standard deviation of the peak torque implied by differentiating noisy positions; 0 if none was.
-        error_bar: what noise and smoothing make the peak torque be off by, at most in 19 of 20 cases.
+        uncertainty: standard deviation of the peak torque that comes of noise of accelerations; 0 if none was found.
+        error_bar: by how much the largest torque of the motion may differ from the peak, in 19 of 20 cases, for noise
+            of accelerations and what they leave in doubt; None where accelerations are given and nothing tells.
         shares: by effect, what it adds to the peak [N m]; they sum to `peak`.
     """
 
@@ -68,7 +69,7 @@ class JointLoad:
     q_min: float
     q_max: float
     uncertainty: float
-    error_bar: float
+    error_bar: float | None
     shares: dict[str, float]
 
     @property

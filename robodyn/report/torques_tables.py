@@ -84,18 +84,24 @@ def share_table(result: Result) -> Content:
     bars = "error (of accelerations)" if loops else "error (95 %)"
     for title, values in (
         (bars, [_bar(joint) for joint in joints]),
-        ("friction holds", [number(joint.hold) for joint in joints]),
+        ("friction holds", [f"+- {hold}" if (hold := number(joint.hold)) != "0" else "" for joint in joints]),
     ):
-        if set(values) != {"0"}:
+        if any(values):
             head.append(title)
             for row, value in zip(rows, values, strict=True):
-                row.append("" if value == "0" else f"+- {value}")
+                row.append(value)
     return tuple(head), [tuple(row) for row in rows]
 
 
 def _bar(joint: JointLoad) -> str:
-    """Return the error bar of a peak; 0 if it is known to a millionth."""
-    return f"{joint.error_bar:.2g}" if joint.error_bar > _KNOWN * abs(joint.peak) else "0"
+    """Return the error bar of the largest torque, empty if that is known to a millionth, or its bar is not known.
+
+    Where doubt is more of it than noise, three standard deviations, it is a bound, which comes with the noise.
+    """
+    bar, noise = joint.error_bar, 3.0 * joint.uncertainty
+    if bar is None or bar <= _KNOWN * abs(joint.peak):
+        return ""
+    return f"+- {bar:.2g}" if bar <= 2.0 * noise else f"within {bar:.2g}" + (f", noise {noise:.2g}" if noise else "")
 
 
 def derivation_table(derivation: Derivation, samples_suffice: bool = True) -> tuple[str, Content | None]:

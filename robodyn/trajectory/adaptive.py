@@ -106,9 +106,7 @@ def _take(
     else:
         begins = [k * part for k in range(*parts)]
         at = [int(fits.starts[0]) + begin for begin in begins]
-        stretches = [
-            (slice(k, k + part), slice(row, row + part * count)) for k, row in zip(begins, at, strict=True)
-        ]
+        stretches = [(slice(k, k + part), slice(row, row + part * count)) for k, row in zip(begins, at, strict=True)]
     for samples, rows in stretches:
         cut = [each[samples] for each in found]
         cut[2] = cut[2] + largest

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from robodyn.support.floats import Floats
+from robodyn.trajectory.adaptive import NOISE
 from robodyn.trajectory.derivatives import CENTRAL, SPLINE, Method, equal_spacing, savgol
 from robodyn.trajectory.estimates import Trust, local
 from robodyn.trajectory.local_polynomials import at_samples
@@ -42,7 +43,7 @@ class Diagnosis:
     warning: str = ""
 
 
-def diagnose(runs: Sequence[Run], order: int, mode: str) -> Diagnosis:
+def diagnose(runs: Sequence[Run], order: int, mode: str, declared: float = 0.0) -> Diagnosis:
     """The method that differentiates these columns best.
 
     1. The noise s is estimated by `noise.estimate`; a signal without noise, or one that moves in steps or is too coarse
@@ -59,14 +60,18 @@ def diagnose(runs: Sequence[Run], order: int, mode: str) -> Diagnosis:
         runs: (time (N,), values as given (N, c), values to differentiate (N, c)) of stretches of the table.
         order: the highest derivative wanted, 1 or 2.
         mode: "auto", or the method to use: "spline", "savgol" (the window as above), "central".
+        declared: amplitude of a cyclic error. It may move with the motion, so that no window averages it: the fit of n
+            samples is off by up to the gain of white noise times sqrt(n / 2) of it.
     """
     runs = [run for run in runs if len(run[0]) > 1]
     noise = estimate(runs)
+    if declared:
+        noise = replace(noise, sigma=max(noise.sigma, declared / math.sqrt(2.0)))
     spacing = np.float64(np.median(np.concatenate([np.diff(time) for time, _, _ in runs])) if runs else 1.0)
     found = _search(runs, order, noise, spacing)
-    noisy = noise.sigma > 0.0 and not found.harmless
-    scale = _scale(runs, noise.sigma, noisy)
-    smooth = noisy and found.smooth
+    noisy = noise.sigma > 0.0 and (not found.harmless or declared > 0.0)
+    scale = _scale(runs, noise.sigma, noisy, declared)
+    smooth = noisy and found.smooth and not declared
     if smooth:
         scale = scale[: max(1, sum(parts * part <= found.window for parts, part in SIZES))]
     trust = Trust(noisy, smooth, mode != "auto", noise.sigma, scale, found.window, found.level, order)
@@ -85,7 +90,7 @@ def diagnose(runs: Sequence[Run], order: int, mode: str) -> Diagnosis:
     )
 
 
-def _scale(runs: Sequence[Run], sigma: float, noisy: bool) -> tuple[float, ...]:
+def _scale(runs: Sequence[Run], sigma: float, noisy: bool, declared: float) -> tuple[float, ...]:
     """Return the noise for windows of every length that is worth trying: of the noisiest column, and of rounding."""
     largest = max((float(np.abs(raw).max()) for _, raw, _ in runs), default=0.0)
     sigma = max(sigma, _ROUNDINGS * float(np.finfo(np.float64).eps) * largest, float(np.finfo(np.float64).tiny))
@@ -95,7 +100,8 @@ def _scale(runs: Sequence[Run], sigma: float, noisy: bool) -> tuple[float, ...]:
         return (sigma,) * min(_SHORT, count)
     some = _some(runs)
     each = [by_window([(t, x[:, k]) for t, _, x in some], sigma) for k in range(some[0][2].shape[1])]
-    return tuple(max(column) for column in zip(*each, strict=True))[:count]
+    coherent = [declared * math.sqrt(0.5 * parts * part) / NOISE for parts, part in SIZES]
+    return tuple(max(column) for column in zip(*each, coherent, strict=True))[:count]
 
 
 def _some(runs: Sequence[Run]) -> list[Run]:

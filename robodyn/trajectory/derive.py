@@ -35,26 +35,27 @@ class Plan:
         return max(own, *(reach(trust) for trust in self.trusts)) if self.trusts else 0
 
 
-def plan(groups: Sequence[Group], pieces: Sequence[Trajectory], mode: str) -> Plan:
+def plan(groups: Sequence[Group], pieces: Sequence[Trajectory], mode: str, encoder_error: float = 0.0) -> Plan:
     """How to derive each group.
 
     Args:
         groups: what is missing.
         pieces: runs of consecutive samples that stand for the table.
         mode: "auto" (see `choose.diagnose`), "spline", "savgol" or "central".
+        encoder_error: amplitude of errors of positions that repeat with the angle.
     """
     with np.errstate(all="ignore"):
-        found = [_diagnose(group, pieces, mode) for group in groups]
+        found = [_diagnose(group, pieces, mode, encoder_error) for group in groups]
     accounts = tuple(_account(group, diagnosis) for group, diagnosis in zip(groups, found, strict=True))
     notes = tuple(f"{group.name}: {d.warning}" for group, d in zip(groups, found, strict=True) if d.warning)
     methods, trusts = tuple(each.method for each in found), tuple(each.trust for each in found)
     return Plan(tuple(groups), methods, trusts, Derivation(accounts), notes)
 
 
-def _diagnose(group: Group, pieces: Sequence[Trajectory], mode: str) -> Diagnosis:
+def _diagnose(group: Group, pieces: Sequence[Trajectory], mode: str, encoder_error: float) -> Diagnosis:
     order = 2 if group.acceleration and group.source == "q" else 1
     runs = [(piece.time, _raw(group, piece), straight(group, piece)) for piece in pieces]
-    return diagnose(runs, order, mode)
+    return diagnose(runs, order, mode, encoder_error if group.source == "q" else 0.0)
 
 
 def _account(group: Group, found: Diagnosis) -> JointDerivation:

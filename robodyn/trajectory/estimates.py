@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from robodyn.support.floats import Floats
 from robodyn.trajectory import adaptive
 from robodyn.trajectory.adaptive import Rate
-from robodyn.trajectory.derivatives import SPLINE, Method, differentiate, equal_spacing, savgol
+from robodyn.trajectory.derivatives import SPLINE, Method, differentiate, equal_spacing
 from robodyn.trajectory.quintic import REACH
 from robodyn.trajectory.windows import SIZES
 

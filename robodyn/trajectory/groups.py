@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from robodyn.trajectory.columns import Signals
@@ -55,6 +55,28 @@ def missing(signals: Signals, layout: Layout) -> tuple[tuple[Group, ...], tuple[
             groups += _scalar(joint.name, kind, layout, position, velocity)
             position, velocity = position + 1, velocity + 1
     return tuple(groups), tuple(notes)
+
+
+def anew(signals: Signals, layout: Layout) -> Layout:
+    """Return the layout without the velocities and accelerations that can be derived from positions in the table."""
+    gone: set[int] = set()
+    p = v = 0
+    for joint in signals.joints:
+        if joint.kind == "floating":
+            gone |= {v + 3 + i for i in range(3) if layout.q[p + i] != ABSENT}
+            gone |= {v, v + 1, v + 2} if layout.q[p + 3] != ABSENT else set()
+            p, v = p + 7, v + 6
+        else:
+            gone |= {v} if layout.q[p] != ABSENT else set()
+            p, v = p + 1, v + 1
+    qd, qdd = (tuple(ABSENT if i in gone else c for i, c in enumerate(of)) for of in (layout.qd, layout.qdd))
+    return replace(layout, qd=qd, qdd=qdd)
+
+
+def given(signals: Signals, layout: Layout) -> tuple[Group, ...]:
+    """Return how to derive from positions what the table gives of velocities and accelerations."""
+    lacking = missing(signals, layout)[0]
+    return tuple(group for group in missing(signals, anew(signals, layout))[0] if group not in lacking)
 
 
 def _scalar(name: str, kind: Literal["scalar", "continuous"], layout: Layout, p: int, v: int) -> Iterator[Group]:

@@ -59,6 +59,7 @@ class Sampling:
         noise: (N, n) standard deviation of each that comes of noise.
         off_squares, squares: (n,) sums of the squares of `off`, where that is for want of samples, and of qdd.
         guessed: whether velocities are derived from so few rows that they may as well be 0.
+        unknown: whether accelerations are given that nothing was compared with.
     """
 
     off: Floats
@@ -66,6 +67,7 @@ class Sampling:
     off_squares: Floats
     squares: Floats
     guessed: bool = False
+    unknown: bool = False
 
 
 @dataclass(frozen=True)

@@ -16,16 +16,17 @@ from robodyn.support.doubts import Doubt
 from robodyn.support.wording import count
 from robodyn.trajectory.assemble import Assembly, cut, with_neighbours
 from robodyn.trajectory.columns import Signals
-from robodyn.trajectory.groups import missing, samples_needed
+from robodyn.trajectory.groups import anew, given, missing, samples_needed
 from robodyn.trajectory.header import Header, listing
 from robodyn.trajectory.layout import Layout, resolve
-from robodyn.trajectory.motion import Derivation, Trajectory
+from robodyn.trajectory.motion import FEW, Derivation, Trajectory
 from robodyn.trajectory.plausible import Plausibility
 from robodyn.trajectory.reading import DEFAULT, MODES, Reading
 from robodyn.trajectory.table import Table, reason
 
 if TYPE_CHECKING:
     from robodyn.trajectory.derive import Plan
+    from robodyn.trajectory.given import Given
 
 BLOCK_ROWS = 1 << 15
 _PIECES, _PIECE_ROWS = 16, 4096
@@ -61,12 +62,17 @@ class TrajectoryReader:
         header = Header(table.names, table.file, table.header_line)
         if header.labels:
             header = header.labelled(table.texts([*header.labels]))
-        layout = _begun(resolve(header, signals, extra, reading), table)
+        layout = resolve(header, signals, extra, reading)
+        if reading.derivatives == "anew":
+            layout = anew(signals, layout)
+        layout = _begun(layout, table)
         self._assembly = Assembly(signals, layout, table.error_at)
         self._groups, assumptions = missing(signals, layout)
         self.missing = tuple(group.name for group in self._groups)
+        self._told = given(signals, layout)
+        self._encoder_error = reading.encoder_error
         if reading.derivatives == "none":
-            self._groups = ()
+            self._groups = self._told = ()
         if reading.derivatives == "given" and self._groups:
             lost = [group.name for group in self._groups]
             what = f"velocity or acceleration of {listing(lost)} is not given"
@@ -112,29 +118,42 @@ class TrajectoryReader:
             raise TrajectoryError(error.what, remedy=error.remedy, file=self.file) from None
 
     def _blocks(self) -> Iterator[Trajectory]:
+        pieces = self._pieces() if self._groups or self._told else []
         if self._groups:
             from robodyn.trajectory.derive import plan
 
-            self._plan = plan(self._groups, self._pieces(), self._mode)
+            mode = "auto" if self._mode == "anew" else self._mode
+            self._plan = plan(self._groups, pieces, mode, self._encoder_error)
             self._remember(self._plan.notes)
-        halo = self._plan.halo if self._plan else 0
+        check: Given | None = None
+        if self._told and max(map(len, pieces), default=0) >= FEW:
+            from robodyn.trajectory.given import against_positions
+
+            check = against_positions(self._told, pieces, self._plan, self._encoder_error)
+        halo = max(self._plan.halo if self._plan else 0, check.halo if check else 0)
         needed = max(1, samples_needed(self._groups))
         plausible = Plausibility(self._assembly.signals, self._assembly.layout)
         for samples, start, stop in with_neighbours(self._samples(), halo):
             if len(samples) < needed:
                 self._refuse_short(len(samples), needed)
-            block = self._derived(samples, self._plan, start, stop) if self._plan else cut(samples, start, stop)
+            block = self._trusted(samples, check, slice(start, stop))
             plausible.update(block if self._plan or not self.missing else _with_rough_speeds(block))
-            self.doubts = plausible.doubts()
+            self.doubts = (*plausible.doubts(), *(check.doubts if check else ()))
             yield replace(block, derivation=self.derivation, notes=self.notes, doubts=self.doubts)
 
-    @staticmethod
-    def _derived(samples: Trajectory, plan: Plan, start: int, stop: int) -> Trajectory:
-        """Return the samples from start to stop with the missing columns, and how far they can be trusted."""
-        from robodyn.trajectory.derive import derive, sampling
+    def _trusted(self, samples: Trajectory, check: Given | None, rows: slice) -> Trajectory:
+        """Return some of the samples with the missing columns, and how far they can be trusted."""
+        known = None
+        if self._plan:
+            from robodyn.trajectory.derive import derive, sampling
 
-        whole, noise, off = derive(samples, plan)
-        return replace(cut(whole, start, stop), sampling=sampling(whole, plan, noise, off, slice(start, stop)))
+            samples, noise, off = derive(samples, self._plan)
+            known = sampling(samples, self._plan, noise, off, rows)
+        if check:
+            known = check.trusted(samples, known, rows)
+        elif known and self._told:
+            known = replace(known, unknown=True)
+        return replace(cut(samples, rows.start, rows.stop), sampling=known)
 
     def _samples(self) -> Iterator[Trajectory]:
         row, last_time = 1, -math.inf

@@ -12,8 +12,8 @@ from robodyn.support.wording import alternatives, shown
 from robodyn.trajectory.columns import POSE, Signals
 from robodyn.trajectory.units import ANGLES, AngleUnit, TimeUnit
 
-Derivatives = Literal["auto", "given", "spline", "savgol", "central", "none"]
-MODES = ("auto", "given", "spline", "savgol", "central")
+Derivatives = Literal["auto", "anew", "given", "spline", "savgol", "central", "none"]
+MODES = ("auto", "anew", "given", "spline", "savgol", "central")
 REST = "rest"
 HoldGiven = str | float | Mapping[str, str | float]
 """`"rest"`, a position for all, positions by joint; or all of these as text: `"rest,elbow=0.3"`."""
@@ -103,13 +103,14 @@ class Reading:
 
     Attributes:
         derivatives: what to do about missing velocities and accelerations: "auto" chooses by the noise of the data (see
-            `choose.diagnose`), "given" refuses, "spline", "savgol" and "central" are methods; "none" leaves them 0, for
-            those who take derivatives themselves.
+            `choose.diagnose`), "anew" does so and leaves those aside that the table gives, "given" refuses, "spline",
+            "savgol" and "central" are methods; "none" leaves them 0, for those who take derivatives themselves.
         ignore_extra: leave unknown columns out instead of refusing them.
         hold: where joints without columns are.
         columns: our name -> the table's, such as "q_elbow" -> "Elbow angle".
         time_unit, angle_unit: of columns whose names do not tell; None is s and rad, and that it is only assumed.
         topic: of a bag, whose messages are read; None: the only one that there is.
+        encoder_error: largest cyclic error of the encoders [rad; m of slides], 0 for none.
         measured: read measured torques too, as extra columns `tau_<joint>`.
     """
 
@@ -121,6 +122,11 @@ class Reading:
     angle_unit: AngleUnit | None = None
     topic: str | None = None
     measured: bool = False
+    encoder_error: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.encoder_error < math.inf:
+            raise TrajectoryError(f"an encoder's error of {self.encoder_error:g} rad is none", remedy="0 or more")
 
 
 DEFAULT = Reading()

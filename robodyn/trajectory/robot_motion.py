@@ -78,6 +78,7 @@ def read_motion(
     angle_unit: AngleUnit | None = None,
     topic: str | None = None,
     measured: bool = False,
+    encoder_error: float = 0.0,
 ) -> TrajectoryReader:
     """Return a reader of the motion of this robot in this scene, for `torques`.
 
@@ -86,8 +87,8 @@ def read_motion(
     Args:
         path: `.csv`, `.parquet` or `.npz`; a bag of ROS (`.db3`, `.mcap`, `.bag`, or a folder) or messages of ROS
             (`.yaml`, `.json`); `-` is standard input.
-        derivatives: how missing velocities and accelerations are derived: "auto", "given" (not at all), "spline",
-            "savgol" or "central".
+        derivatives: how missing velocities and accelerations are derived: "auto", "anew" (also those that are given),
+            "given" (not at all), "spline", "savgol" or "central".
         ignore_extra: leave unknown columns out instead of refusing them.
         hold: where joints without columns are held: "rest" (nearest to zero within the limits), a position for all, or
             positions by joint; None refuses them. Those of loops are held only by name.
@@ -96,12 +97,16 @@ def read_motion(
             motion could hardly be so.
         topic: of a bag; None: the only one with messages about joints.
         measured: read the torques that a log gives too: `extra["tau_<joint>"]` of its blocks [N m].
+        encoder_error: the largest error of encoders that repeats with the angle [rad; m of slides], for error bars:
+            positions alone do not tell it from motion.
 
     Raises:
         TrajectoryError: the file cannot be read or its columns do not fit the robot.
     """
     refuse_others(model, scene)
-    reading = Reading(derivatives, ignore_extra, hold_of(hold), columns or {}, time_unit, angle_unit, topic, measured)
+    reading = Reading(
+        derivatives, ignore_extra, hold_of(hold), columns or {}, time_unit, angle_unit, topic, measured, encoder_error
+    )
     return open_trajectory(path, signals(model, scene), extra=scene.motion_columns, reading=reading)
 
 
@@ -117,6 +122,7 @@ def motion(
     derivatives: Derivatives = "auto",
     time_unit: TimeUnit | None = None,
     angle_unit: AngleUnit | None = None,
+    encoder_error: float = 0.0,
 ) -> Trajectory:
     """A motion of this robot from arrays, for `torques`; velocities and accelerations that are left out are derived.
 
@@ -126,13 +132,13 @@ def motion(
             Or (N,) by coordinate or rate: what is left out follows from the loops of the scene.
         scene: with the loops that tell what is left out.
         columns: (N,) values of the columns that the scene's wrenches and contacts name.
-        derivatives, time_unit, angle_unit: as for `read_motion`.
+        derivatives, time_unit, angle_unit, encoder_error: as for `read_motion`.
 
     Raises:
         TrajectoryError: an array has the wrong shape or is not finite, or time does not increase.
     """
     refuse_others(model, scene)
-    reading = Reading(derivatives, time_unit=time_unit, angle_unit=angle_unit)
+    reading = Reading(derivatives, time_unit=time_unit, angle_unit=angle_unit, encoder_error=encoder_error)
     return from_arrays(signals(model, scene), time, q, qd, qdd, columns, reading)
 
 
