@@ -11,7 +11,7 @@ import numpy as np
 from robodyn.dynamics.arrays import zero_columns, zero_sources
 from robodyn.dynamics.effects.effect import ZeroColumns
 from robodyn.dynamics.plan import Plan, plan
-from robodyn.dynamics.runners import runner_of
+from robodyn.dynamics.runners import runner_of, torque_runner
 from robodyn.loads.columns import output_names
 from robodyn.loads.error_bars import ErrorBars
 from robodyn.loads.figures import check_loads, joint_of_rates, position_of_rates
@@ -155,6 +155,10 @@ class TorqueAccumulator:
         if self.constraints is not None:
             state["touching"] = self.constraints.touching
         unsure = self.bars.over_block(state)
+        if block.sampling is not None and block.sampling.other is not None and self.constraints is None:
+            by_positions = {**sources, **dict(zip(("qd", "qdd"), block.sampling.other, strict=True))}
+            runner = torque_runner(self.model, self.scene)
+            unsure = unsure + np.abs(tau - self._run(runner, by_positions, self.whole).values.T[self.rates])
         self.statistics.update(block.time, q, qd, tau, base, state, unsure)
         if self.uncertain is not None:
             self.uncertain.take(block, sources, loads, 0.0, self.sources, self.whole)

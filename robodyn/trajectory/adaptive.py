@@ -14,10 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.support.floats import Floats
-from robodyn.trajectory.windows import SIZES, Windows, all_windows
+from robodyn.trajectory.windows import NOISE, SIZES, Windows, all_windows
 
-NOISE = 3.0
-"""Standard deviations of the noise in a bar."""
 CLEAR = 3.0
 """Doubt over noise, up to which a window is not suspected to have a jump in it."""
 ALIKE = 8.0
@@ -55,6 +53,7 @@ def rates(
     order: int,
     other: tuple[Floats, Rate],
     first: int,
+    noisy: bool,
 ) -> tuple[Floats, Rate]:
     """Return the first derivative of a column, and that of the order with its bars.
 
@@ -63,18 +62,18 @@ def rates(
         noise: standard deviation for windows of each of `windows.SIZES` that is to be tried.
         order: 1 or 2, of the derivative that windows are chosen by.
         other: the same otherwise found, which is weighed with what windows tell.
-        first: of the samples, counted in the table.
+        first: of the samples, counted in the table; noisy: whether there is more than rounding in the data.
     """
     shape = 3, len(values)
     best = _Best(*(np.full(shape, start) for start in (0.0, np.inf, np.inf, 0.0, np.inf)))
     of_length = dict(zip((parts * part for parts, part in SIZES), noise, strict=False))
     for fits in all_windows(time, values, turns, first, len(noise)):
         for degree in range(order, min(order + 3, len(fits.basis.on) - 2)):
-            _improve(best, fits, degree, order, of_length[fits.length])
+            _improve(best, fits, degree, order, of_length[fits.length], noisy)
     return _weighed(best, other)
 
 
-def _improve(best: _Best, fits: Windows, degree: int, order: int, sigma: float) -> None:
+def _improve(best: _Best, fits: Windows, degree: int, order: int, sigma: float, noisy_data: bool) -> None:
     """Take what fits of a degree tell of the samples that they know better than those before."""
     basis, shape = fits.basis, (fits.length, len(fits.starts))
     which = basis.curve if order == 2 else basis.slope
@@ -82,7 +81,7 @@ def _improve(best: _Best, fits: Windows, degree: int, order: int, sigma: float) 
     terms = [fits.coefficients[k] * which[k] for k in range(order, degree + 3)]
     value = sum(terms[:-2]) + np.zeros(shape)
     doubt = np.maximum(np.abs(terms[-2]), np.abs(terms[-2] + terms[-1])) / unit
-    scale = np.maximum(sigma, fits.left(degree + 2)) / unit
+    scale = fits.scatter(degree + 2, sigma, noisy_data) / unit
     edge = np.zeros(shape)
     for sample, inner in ((0, 1), (-1, -2)):
         edge[sample] = EDGE * np.abs(value[sample] - value[inner]) / unit
@@ -111,7 +110,8 @@ def _take(
         cut = [each[samples] for each in found]
         cut[2] = cut[2] + largest
         flat = [each.T.ravel() for each in cut]
-        better = flat[2] < best.bar[kind, rows]
+        old = best.bar[kind, rows]
+        better = (flat[2] < old) & (np.abs(flat[0] - best.value[kind, rows]) <= flat[2] + old)
         for whole, new in zip(best, flat, strict=True):
             np.copyto(whole[kind, rows], new, where=better)
 

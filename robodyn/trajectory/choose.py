@@ -9,12 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from robodyn.support.floats import Floats
-from robodyn.trajectory.adaptive import NOISE
 from robodyn.trajectory.derivatives import CENTRAL, SPLINE, Method, equal_spacing, savgol
 from robodyn.trajectory.estimates import Trust, local
 from robodyn.trajectory.local_polynomials import at_samples
 from robodyn.trajectory.noise import Noise, by_window, estimate
-from robodyn.trajectory.windows import DEGREE, SIZES
+from robodyn.trajectory.windows import DEGREE, SIZES, coherent
 
 Run = tuple[Floats, Floats, Floats]
 WINDOWS = (7, 9, 13, 17, 23, 31, 41, 55, 75, 101, 135, 181, 241, 321, 431, 575, 767, 1023, 1365, 1819)
@@ -100,8 +99,8 @@ def _scale(runs: Sequence[Run], sigma: float, noisy: bool, declared: float) -> t
         return (sigma,) * min(_SHORT, count)
     some = _some(runs)
     each = [by_window([(t, x[:, k]) for t, _, x in some], sigma) for k in range(some[0][2].shape[1])]
-    coherent = [declared * math.sqrt(0.5 * parts * part) / NOISE for parts, part in SIZES]
-    return tuple(max(column) for column in zip(*each, coherent, strict=True))[:count]
+    cyclic = [coherent(declared, parts * part) for parts, part in SIZES]
+    return tuple(max(column) for column in zip(*each, cyclic, strict=True))[:count]
 
 
 def _some(runs: Sequence[Run]) -> list[Run]:

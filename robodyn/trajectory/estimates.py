@@ -146,7 +146,9 @@ def local(
     for k in range(values.shape[1]) if columns is None else np.flatnonzero(columns):
         known = slope[:, k] * unit, Rate(*(part[:, k] * unit**order for part in rate))
         turned = None if turns is None else turns[:, k]
-        own, found = adaptive.rates(None if spacing else time, values[:, k], turned, trust.scale, order, known, first)
+        own, found = adaptive.rates(
+            None if spacing else time, values[:, k], turned, trust.scale, order, known, first, trust.noisy
+        )
         slope[:, k] = own / unit
         for whole, part in zip(rate, found, strict=True):
             whole[:, k] = part / unit**order

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from robodyn.support.doubts import Doubt
 from robodyn.support.floats import Floats
 from robodyn.support.wording import figure, shown
-from robodyn.trajectory.adaptive import NOISE
 from robodyn.trajectory.assemble import cut
 from robodyn.trajectory.derive import Plan, derive, plan
 from robodyn.trajectory.groups import Group
 from robodyn.trajectory.motion import Sampling, Trajectory
 from robodyn.trajectory.noise import estimate
+from robodyn.trajectory.windows import NOISE
 
 PIECES, ROWS = 4, 2048
 """Of a table, that are compared."""
@@ -38,7 +38,7 @@ class Given:
 
     Attributes:
         own: how the same is derived from the positions.
-        wrong: columns of qdd that positions contradict; their bars are counted from what positions tell.
+        wrong: columns of qdd that positions contradict; their bars are those of what positions tell.
         open, noise: (n,) of the others: what positions leave open, and the standard deviation of their noise.
         doubts: what is said of those that are wrong.
     """
@@ -52,7 +52,7 @@ class Given:
     @property
     def halo(self) -> int:
         """Neighbours that a block needs on either side."""
-        return self.own.halo if len(self.wrong) else 0
+        return self.own.halo if self.doubts else 0
 
     def trusted(self, samples: Trajectory, known: Sampling | None, rows: slice) -> Sampling:
         """Return how far accelerations of some rows can be trusted, of which those are known that are derived.
@@ -65,12 +65,11 @@ class Given:
         if known is None:
             known = Sampling(nothing, nothing, np.zeros(qdd.shape[1]), (qdd**2).sum(axis=0))
         off, noise = np.maximum(known.off, self.open), np.maximum(known.noise, self.noise)
-        if len(self.wrong):
-            mine, _, bars = derive(samples, self.own)
-            apart = np.abs(samples.qdd - mine.qdd)[rows]
-            for k in self.wrong:
-                off[:, k] = np.maximum(known.off[:, k], apart[:, k] + bars[rows, k])
-        return replace(known, off=off, noise=noise)
+        if not self.doubts:
+            return replace(known, off=off, noise=noise)
+        mine, _, bars = derive(samples, self.own)
+        off[:, self.wrong] = np.maximum(known.off, bars[rows])[:, self.wrong]
+        return replace(known, off=off, noise=noise, other=(mine.qd[rows], mine.qdd[rows]))
 
 
 def against_positions(

@@ -60,6 +60,7 @@ class Sampling:
         off_squares, squares: (n,) sums of the squares of `off`, where that is for want of samples, and of qdd.
         guessed: whether velocities are derived from so few rows that they may as well be 0.
         unknown: whether accelerations are given that nothing was compared with.
+        other: (N, n) of qd and qdd by the positions, which contradict what is given; None where they do not.
     """
 
     off: Floats
@@ -68,6 +69,7 @@ class Sampling:
     squares: Floats
     guessed: bool = False
     unknown: bool = False
+    other: tuple[Floats, Floats] | None = None
 
 
 @dataclass(frozen=True)

@@ -171,7 +171,7 @@ def by_window(runs: Sequence[tuple[Floats, Floats]], sigma: float) -> tuple[floa
         runs: (time (N,), values (N,)) of stretches of the table; sigma: the least that is returned.
     """
     found: list[float] = []
-    shorter, least, ended = 0.5 * SIZES[0][0], sigma, False
+    shorter, least, ended = 0.75 * SIZES[0][0], sigma, False
     for size in SIZES:
         length = size[0] * size[1]
         off = np.concatenate([_scatter(time, values, size) for time, values in runs])

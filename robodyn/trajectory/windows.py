@@ -21,6 +21,20 @@ WIDEST = 1920
 """Samples of the longest window."""
 
 
+NOISE = 3.0
+"""Standard deviations of the noise in a bar."""
+LOUD = 4.0
+"""Times its standard deviation in the table, from which on what a window leaves is no noise."""
+
+SMOOTH = 1.0
+"""Ratio of the mean squares of what is left, from sample to sample and as it is; 2 of white noise."""
+
+
+def coherent(size: float, samples: int) -> float:
+    """Return the white noise whose bar is what an oscillation of this amplitude does to a fit at the worst."""
+    return size * math.sqrt(0.5 * samples) / NOISE
+
+
 @dataclass(frozen=True)
 class Windows:
     """The fits to all windows of a length, w of them with n samples each.
@@ -44,10 +58,12 @@ class Windows:
     def length(self) -> int:
         return self.basis.on.shape[1]
 
-    def left(self, degree: int) -> Floats:
-        """Return (w,) what white noise would have to be to leave the sums over parts that a fit of a degree leaves.
+    def scatter(self, degree: int, sigma: float, noisy: bool) -> Floats:
+        """Return (w,) what white noise would have to be to explain what a fit of a degree leaves, sigma or more.
 
-        Sums, since what a fit misses of the motion has one sign for a while, as noise has that is correlated.
+        It is told by sums over parts, since what a fit misses of the motion has one sign for a while, as noise has that
+        is correlated. In noisy data what is left that is much larger than noise, and smooth, is a vibration that the
+        fit misses, whose accelerations it says nothing of: infinity.
         """
         rest = self.values.copy()
         for on, coefficients in zip(self.basis.on[: degree + 1], self.coefficients, strict=False):
@@ -55,8 +71,12 @@ class Windows:
         parts = min(self.parts, 15)
         part = self.length // parts
         sums = rest[: parts * part].reshape(parts, part, -1).sum(axis=1)
-        found: Floats = np.sqrt((sums**2).sum(axis=0) / (part * max(1, parts - degree - 1)))
-        return found
+        found = np.sqrt((sums**2).sum(axis=0) / (part * max(1, parts - degree - 1)))
+        found = np.maximum(found, sigma)
+        if noisy:
+            left, rough = ((each**2).mean(axis=0) for each in (rest, np.diff(rest, axis=0)))
+            found[(left > (LOUD * sigma) ** 2) & (rough < SMOOTH * left)] = np.inf
+        return np.asarray(found)
 
 
 def windows(time: Floats | None, values: Floats, turns: Floats | None, size: tuple[int, int], first: int) -> Windows:
