@@ -12,7 +12,7 @@ from robodyn.support.doubts import Doubt
 from robodyn.support.floats import Floats
 from robodyn.support.wording import figure, shown
 from robodyn.trajectory.assemble import cut
-from robodyn.trajectory.derive import Plan, derive, plan
+from robodyn.trajectory.derive import Plan, derive, plan, straight
 from robodyn.trajectory.groups import Group
 from robodyn.trajectory.motion import Sampling, Trajectory
 from robodyn.trajectory.noise import estimate
@@ -26,6 +26,8 @@ SPEED_OFF = 0.05
 """Of the rms of velocities from the positions: given ones that are off by more are not these."""
 ROUNDING = 1e-6
 """Of the rms of accelerations: what they may be off by in any case."""
+ALMOST = 1e-2
+"""Of the distance of velocities from derivatives of the positions: as near they are to simple differences of these."""
 EXPLAINED = 0.5
 """Of the squares of what accelerations are off by: where a delay explains more, they lag."""
 
@@ -95,7 +97,8 @@ def against_positions(
             level = _rms(np.concatenate([each.qdd[:, k] for each in ours]))
             noise[k] = estimate([(x.time, x.qdd[:, [k]], x.qdd[:, [k]]) for x in theirs]).sigma
             open_[k] = float(np.median(bar)) + NOISE * noise[k]
-            if np.mean(np.abs(apart) > BEYOND * bar + ROUNDING * level) > OFTEN:
+            differences = _are_differences(group, theirs, ours)
+            if differences or np.mean(np.abs(apart) > BEYOND * bar + ROUNDING * level) > OFTEN:
                 wrong.append(k)
                 noise[k] = _rms(apart)
                 lag = _lag(apart, [(x.time, x.qdd[:, k]) for x in ours])
@@ -107,6 +110,17 @@ def against_positions(
                 faults.append(f"velocities are off by {figure(_rms(apart), 2)} of {figure(level, 2)} (rms)")
         said += [(group.name, fault) for fault in faults[:1]]
     return Given(own, np.array(wrong, dtype=np.intp), open_, noise, _doubts(said))
+
+
+def _are_differences(group: Group, theirs: Sequence[Trajectory], ours: Sequence[Trajectory]) -> bool:
+    """Return whether velocities are differences of neighbouring positions, and not what all positions say."""
+    if group.kind == "quaternion":
+        return False
+    for _, k in group.velocity:
+        rates = np.concatenate([np.gradient(straight(group, each)[:, 0], each.time) for each in theirs])
+        given = np.concatenate([each.qd[:, k] for each in theirs])
+        return _rms(given - rates) < ALMOST * _rms(_apart(theirs, ours, "qd", k))
+    return False
 
 
 def _cut(piece: Trajectory) -> Trajectory:
