@@ -14,10 +14,7 @@ from robodyn.programs.vectors import length
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
-from robodyn.support.sums import einsum
-
-NOISE = 3.0
-"""Standard deviations of noise in a bar."""
+from robodyn.trajectory.motion import NOISE
 
 if TYPE_CHECKING:
     from robodyn.loads.constraints import ConstraintPass

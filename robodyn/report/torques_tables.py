@@ -9,7 +9,7 @@ from robodyn.loads.result import ComponentLoad, EffectReport, JointLoad, Momentu
 from robodyn.report.limits import use
 from robodyn.report.sizes import result_sizes, speed_unit
 from robodyn.report.table import Columns, Content, by_columns, is_noise, moment, number, printable
-from robodyn.trajectory.motion import Derivation, JointDerivation
+from robodyn.trajectory.motion import NOISE, Derivation, JointDerivation
 
 _KNOWN = 1e-6
 """Of a peak: an error bar that is smaller is left out."""
@@ -96,9 +96,9 @@ def share_table(result: Result) -> Content:
 def _bar(joint: JointLoad) -> str:
     """Return the error bar of the largest torque, empty if that is known to a millionth, or its bar is not known.
 
-    Where doubt is more of it than noise, three standard deviations, it is a bound, which comes with the noise.
+    Where doubt is more of it than noise, two standard deviations, it is a bound, with the noise beside it.
     """
-    bar, noise = joint.error_bar, 3.0 * joint.uncertainty
+    bar, noise = joint.error_bar, NOISE * joint.uncertainty
     if bar is None or bar <= _KNOWN * abs(joint.peak):
         return ""
     return f"+- {bar:.2g}" if bar <= 2.0 * noise else f"within {bar:.2g}" + (f", noise {noise:.2g}" if noise else "")

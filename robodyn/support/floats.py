@@ -26,6 +26,12 @@ HALF_UP = 1.0 + 1e-12
 """Times this, a number half-way between two of few digits is printed as the larger one, whatever its last digits."""
 
 
+def median(values: ArrayLike) -> float:
+    """Return the median of all of some numbers; NumPy's loads its masked arrays."""
+    ordered = np.sort(np.asarray(values, dtype=float), axis=None)
+    return float(0.5 * (ordered[(len(ordered) - 1) // 2] + ordered[len(ordered) // 2]))
+
+
 def steady(numbers: ArrayLike, noise: float = 0.0) -> Floats:
     """Return the numbers rounded to 30 bits, which comparisons are made with.
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from robodyn.support.floats import Floats
+from robodyn.support.floats import Floats, median
 from robodyn.trajectory.derivatives import CENTRAL, SPLINE, Method, equal_spacing, savgol
 from robodyn.trajectory.estimates import Trust, local
 from robodyn.trajectory.local_polynomials import at_samples
@@ -66,7 +66,7 @@ def diagnose(runs: Sequence[Run], order: int, mode: str, declared: float = 0.0) 
     noise = estimate(runs)
     if declared:
         noise = replace(noise, sigma=max(noise.sigma, declared / math.sqrt(2.0)))
-    spacing = np.float64(np.median(np.concatenate([np.diff(time) for time, _, _ in runs])) if runs else 1.0)
+    spacing = np.float64(median(np.concatenate([np.diff(time) for time, _, _ in runs])) if runs else 1.0)
     found = _search(runs, order, noise, spacing)
     noisy = noise.sigma > 0.0 and (not found.harmless or declared > 0.0)
     scale = _scale(runs, noise.sigma, noisy, declared)
@@ -114,10 +114,10 @@ def _local(runs: Sequence[Run], trust: Trust, noise: Noise) -> Diagnosis:
     noises = []
     for time, _, values in _some(runs):
         _, rate = local(time, values, None, trust, 0)
-        noises.append(float(np.median(rate.noise)))
+        noises.append(median(rate.noise))
     width = max(parts * part for parts, part in SIZES[: len(trust.scale)])
     method = Method("local", width, DEGREE)
-    return Diagnosis(method, trust, noise.quantum, noise.sigma, float(np.median(noises)), noise.warning)
+    return Diagnosis(method, trust, noise.quantum, noise.sigma, median(noises), noise.warning)
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from robodyn.errors import TrajectoryError
-from robodyn.support.floats import Floats
+from robodyn.support.floats import Floats, median
 from robodyn.trajectory.adaptive import Rate
 from robodyn.trajectory.choose import Diagnosis, diagnose
 from robodyn.trajectory.derivatives import Method
@@ -122,7 +122,7 @@ def _refuse_pauses(samples: Trajectory, methods: Sequence[Method]) -> None:
     """A polynomial through the ends of two recordings means nothing, and its equations are singular."""
     steps = np.diff(samples.time)
     window = min((method.window for method in methods if method.kind in {"savgol", "local"}), default=0)
-    if window and len(steps) and steps.max() > window * np.median(steps):
+    if window and len(steps) and steps.max() > window * median(steps):
         row = samples.first_row + int(np.argmax(steps)) + 1
         what = f"row {row}: a pause of {steps.max():.6g} s is longer than the window that smooths the noise"
         raise TrajectoryError(what, remedy="split the trajectory there, or use --derivatives central")

@@ -4,10 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
+import numpy as np
+
+from robodyn.support.floats import Floats, median
 from robodyn.trajectory.columns import Signals
 from robodyn.trajectory.layout import ABSENT, Layout
+
+if TYPE_CHECKING:
+    from robodyn.trajectory.motion import Trajectory
 
 Targets = tuple[tuple[int, int], ...]
 _AXES = "xyz"
@@ -117,3 +123,34 @@ def _unsaid(layout: Layout, p: int) -> bool:
 
 def _unknown(layout: Layout, p: int, v: int) -> bool:
     return _unsaid(layout, p) and layout.qd[v] == ABSENT
+
+
+def consistent(groups: Sequence[Group], pieces: Sequence[Trajectory]) -> Floats | None:
+    """Return (n,) what accelerations are off by from differences of velocities, None if anything may be wrong.
+
+    That is told by exact data with equal steps h: q1 - q0 = h (qd0 + qd1) / 2 - h^2 (qdd1 - qdd0) / 12 but for terms of
+    h^5, and Simpson's rule for velocities. In half of the rows both must hold as well as smooth motions have it.
+    """
+    found = np.zeros(pieces[0].qdd.shape[1])
+    for group in groups:
+        if group.kind == "quaternion" or not (group.velocity and group.acceleration):
+            return None
+        p, v = group.rows[0], group.velocity[0][1]
+        for each in pieces:
+            q, qd, qdd, h = (
+                each.q[:, p],
+                each.qd[:, v],
+                each.qdd[:, v],
+                (each.time[-1] - each.time[0]) / (len(each) - 1),
+            )
+            dq = np.diff(q)
+            if group.kind == "continuous":
+                dq -= 2.0 * np.pi * np.rint(dq / (2.0 * np.pi))
+            off = np.abs(dq - 0.5 * h * (qd[1:] + qd[:-1]) + h * h / 12.0 * (qdd[1:] - qdd[:-1]))
+            rate = np.abs(qd[2:] - qd[:-2] - h / 3.0 * (qdd[2:] + 4.0 * qdd[1:-1] + qdd[:-2]))
+            uneven = float(np.abs(np.diff(each.time) - h).max()) > 1e-6 * h
+            speed, level = (float(np.sqrt(np.mean(x**2))) for x in (qd, qdd))
+            if uneven or median(off) > 1e-8 * h * speed or median(rate) > 2e-6 * h * level:
+                return None
+            found[v] = max(found[v], median(rate) / (2.0 * h))
+    return found

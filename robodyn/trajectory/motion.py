@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from robodyn.support.doubts import Doubt
 from robodyn.support.floats import Floats
 
+NOISE = 2.0
+"""Standard deviations of noise in an error bar."""
 FEW = 24
 """Rows of a table below which they are taken for way-points: what lies between them is anyone's guess."""
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robodyn.support.floats import Floats
+from robodyn.support.floats import Floats, median
 from robodyn.trajectory.derivatives import equal_spacing
 from robodyn.trajectory.windows import SIZES, windows
 
@@ -124,7 +124,7 @@ def _of_column(runs: Sequence[tuple[Floats, Floats, Floats]]) -> Noise:
         if len(time) <= 2 * HIGHEST:
             continue
         even = np.arange(len(time), dtype=np.float64)
-        unit = even if equal_spacing(time) else (time - time[0]) / float(np.median(np.diff(time)))
+        unit = even if equal_spacing(time) else (time - time[0]) / median(np.diff(time))
         active = moving(values)
         jumps.append(np.abs(np.diff(values))[active[1:]])
         for p, difference in enumerate(differences(unit, values, weights(unit)), start=1):
@@ -133,7 +133,7 @@ def _of_column(runs: Sequence[tuple[Floats, Floats, Floats]]) -> Noise:
     if not sizes[-1].size:
         return Noise(0.0, grid)
     fine = 0.0 < grid <= FINEST_ENCODER
-    sigma = _floor([float(np.median(size)) / _MEDIAN for size in sizes])
+    sigma = _floor([median(size) / _MEDIAN for size in sizes])
     if fine:
         spread = _floor([float(np.sqrt((size**2).mean())) for size in sizes])
         sigma = max(sigma, min(spread, grid / math.sqrt(12.0)))
@@ -150,7 +150,7 @@ def _floor(levels: list[float]) -> float:
 
 def _judge(sigma: float, grid: float, fine: bool, jumps: Floats, raw: Floats) -> Noise:
     leaps = jumps[jumps > 0.0]
-    if 0 < 2 * len(leaps) < len(jumps) and not (fine and float(np.median(leaps)) <= 4.0 * grid):
+    if 0 < 2 * len(leaps) < len(jumps) and not (fine and median(leaps) <= 4.0 * grid):
         return Noise(0.0, grid, "most samples repeat the one before, then jump; steps are not smoothed")
     largest, span = float(np.abs(raw).max()), float(raw.max() - raw.min())
     if sigma <= 8.0 * float(np.finfo(np.float64).eps) * largest:
@@ -176,7 +176,7 @@ def by_window(runs: Sequence[tuple[Floats, Floats]], sigma: float) -> tuple[floa
         length = size[0] * size[1]
         off = np.concatenate([_scatter(time, values, size) for time, values in runs])
         if not ended and len(off):
-            level = float(np.median(off[off > 0.0])) / _MEDIAN if (off > 0.0).any() else 0.0
+            level = median(off[off > 0.0]) / _MEDIAN if (off > 0.0).any() else 0.0
             ended = level > max(least, sigma) * (length / shorter) ** _COLOURED
             if not ended:
                 sigma = max(sigma, level * (1.0 - _UNSURE * math.sqrt(size[0] / len(off))))

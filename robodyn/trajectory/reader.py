@@ -13,13 +13,14 @@ import numpy as np
 
 from robodyn.errors import TrajectoryError
 from robodyn.support.doubts import Doubt
+from robodyn.support.floats import Floats
 from robodyn.support.wording import count
 from robodyn.trajectory.assemble import Assembly, cut, with_neighbours
 from robodyn.trajectory.columns import Signals
-from robodyn.trajectory.groups import anew, given, missing, samples_needed
+from robodyn.trajectory.groups import anew, consistent, given, missing, samples_needed
 from robodyn.trajectory.header import Header, listing
 from robodyn.trajectory.layout import Layout, resolve
-from robodyn.trajectory.motion import FEW, Derivation, Trajectory
+from robodyn.trajectory.motion import FEW, Derivation, Sampling, Trajectory
 from robodyn.trajectory.plausible import Plausibility
 from robodyn.trajectory.reading import DEFAULT, MODES, Reading
 from robodyn.trajectory.table import Table, reason
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 
 BLOCK_ROWS = 1 << 15
 _PIECES, _PIECE_ROWS = 16, 4096
+_COMPARED = 4, 1024
 _FEW, _OFTEN = 3, 0.9
 
 
@@ -80,6 +82,7 @@ class TrajectoryReader:
         self.notes, self.followed = (*table.notes, *layout.notes, *assumptions), layout.followed
         self.doubts: tuple[Doubt, ...] = ()
         self._plan: Plan | None = None
+        self._open: Floats | None = None
 
     @property
     def file(self) -> str | None:
@@ -118,7 +121,9 @@ class TrajectoryReader:
             raise TrajectoryError(error.what, remedy=error.remedy, file=self.file) from None
 
     def _blocks(self) -> Iterator[Trajectory]:
-        pieces = self._pieces() if self._groups or self._told else []
+        pieces: list[Trajectory] = []
+        if self._groups or self._told:
+            pieces = self._pieces(*(_PIECES, _PIECE_ROWS) if self._groups else _COMPARED)
         if self._groups:
             from robodyn.trajectory.derive import plan
 
@@ -126,7 +131,9 @@ class TrajectoryReader:
             self._plan = plan(self._groups, pieces, mode, self._encoder_error)
             self._remember(self._plan.notes)
         check: Given | None = None
-        if self._told and max(map(len, pieces), default=0) >= FEW:
+        enough = bool(self._told) and max(map(len, pieces), default=0) >= FEW
+        self._open = consistent(self._told, pieces) if enough and not self._groups else None
+        if enough and self._open is None:
             from robodyn.trajectory.given import against_positions
 
             check = against_positions(self._told, pieces, self._plan, self._encoder_error)
@@ -151,6 +158,9 @@ class TrajectoryReader:
             known = sampling(samples, self._plan, noise, off, rows)
         if check:
             known = check.trusted(samples, known, rows)
+        elif self._open is not None:
+            qdd = samples.qdd[rows]
+            known = Sampling(self._open + 0.0 * qdd, 0.0 * qdd, 0.0 * self._open, (qdd**2).sum(axis=0))
         elif known and self._told:
             known = replace(known, unknown=True)
         return replace(cut(samples, rows.start, rows.stop), sampling=known)
@@ -166,10 +176,10 @@ class TrajectoryReader:
         if row == 1:
             raise TrajectoryError("has no rows", remedy="give rows of numbers", file=self._table.file)
 
-    def _pieces(self) -> list[Trajectory]:
+    def _pieces(self, count: int, rows: int) -> list[Trajectory]:
         """Runs of samples that stand for the table; bad rows are left for `blocks` to report."""
         pieces = []
-        for block in self._table.pieces(self._assembly.layout.needed, _PIECES, _PIECE_ROWS):
+        for block in self._table.pieces(self._assembly.layout.needed, count, rows):
             if len(block) and np.isfinite(block).all():
                 with suppress(TrajectoryError):
                     pieces.append(self._assembly.samples(block, 1, -math.inf))

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from robodyn.support.floats import Floats
 from robodyn.trajectory.local_polynomials import Basis, orthonormal
+from robodyn.trajectory.motion import NOISE
 
 DEGREE = 6
 """The highest degree that is fitted."""
@@ -21,8 +22,6 @@ WIDEST = 1920
 """Samples of the longest window."""
 
 
-NOISE = 3.0
-"""Standard deviations of the noise in a bar."""
 LOUD = 4.0
 """Times its standard deviation in the table, from which on what a window leaves is no noise."""
 
