@@ -8,8 +8,6 @@ import os
 import sys
 from typing import NoReturn
 
-from robodyn.cli.interrupts import STATUS, interrupted, listen
-
 ALLOCATIONS = 100_000
 """Objects between two searches for cycles: imports make about as many, none of them garbage."""
 
@@ -24,6 +22,8 @@ def start() -> NoReturn:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     os.environ["PYTHONSAFEPATH"] = "1"  # for processes that libraries start
     _import_nothing_from_here()
+    from robodyn.cli.interrupts import STATUS, interrupted, listen
+
     status = 0
     try:
         listen()

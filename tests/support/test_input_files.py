@@ -34,6 +34,7 @@ MAY = {
         "os.open": "the same",
         "read_bytes": "robodyn's own modules",
     },
+    "robodyn/support/processes.py": {"open": "the null device", "fdopen": "a stream", "os.fdopen": "a stream"},
     "robodyn/report/renderers/html.py": {"read_text": "robodyn's own assets"},
     "robodyn/measure/doctor.py": {"read_text": "/proc/cpuinfo"},
     "robodyn/trajectory/formats.py": {"memmap": "a temporary file of its own", "ZipFile": "an output that is open",
@@ -44,8 +45,8 @@ MAY = {
     "robodyn/trajectory/read_parquet.py": {"ParquetFile": "a file that was vetted", "OSFile": "a file that was vetted"},
     "robodyn/trajectory/read_bag.py": {"AnyReader": "a bag whose files were vetted"},
     "robodyn/trajectory/bounded_bags.py": {"open": "a stream of rosbags"},
-    "robodyn/solids/mesh/read/assets.py": {"ElementTree.parse": "a stream that is open", "iterparse": "the same",
-                                           "ZipFile": "the same", "open": "a member of that"},
+    "robodyn/solids/mesh/read/assets.py": {"ElementTree.parse": "a stream that is open", "ZipFile": "the same",
+                                           "open": "a member of that"},
     "cli/screen.py": {"open": "the null device", "os.open": "the same"},
 }  # fmt: skip
 """Who calls one, and on what."""
