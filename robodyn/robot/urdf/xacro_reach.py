@@ -32,10 +32,10 @@ _LONGEST_MANIFEST = 1 << 16
 class Reach:
     """Reads for an expansion.
 
-    A file must be regular, and lie, links followed, in the package of the description (its folder, where no package.xml
-    is above), in a package path, in a file or folder that an argument names, in a package that was found by its
-    package.xml, or in another copy of one of these packages, as links of an installation lead to. Nothing is read below
-    names that begin with a dot, such as .git.
+    A file must be regular. Links followed, it must lie in the package of the description (its folder, where no
+    package.xml is above), in a package path, in a package that was found by its package.xml, or in another copy of one
+    of these packages, as links of an installation lead to; or an argument names it from the root on. Nothing is read
+    below names that begin with a dot, such as .git.
 
     Args:
         file: the description.
@@ -51,7 +51,8 @@ class Reach:
         self._arguments, self._trusted = arguments, trusted
         homes = [_home(folder.absolute()) or folder for folder in self._search.folders]
         above = [str(home) for home in homes if os.path.realpath(home) != os.path.realpath(os.sep)]
-        roots = [file, *above, *package_paths, *filter(os.path.isabs, arguments.values())]
+        named = [value for value in arguments.values() if os.path.isabs(value) and os.path.isfile(value)]
+        roots = [file, *above, *package_paths, *named]
         self._roots = set(map(os.path.realpath, roots))
         self._names = {name for name in map(_name, homes) if name}
         self._read = 0

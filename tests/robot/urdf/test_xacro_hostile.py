@@ -171,6 +171,16 @@ def test_variables_come_from_arguments_and_those_of_packages(folder: Path, monke
     assert b'name="a/opt/ros"' in expanded(str(own)).text
 
 
+def test_of_arguments_only_files_are_read(folder: Path) -> None:
+    """A prefix may well be a slash."""
+    secret = folder.parents[1] / "secret.yaml"
+    own = written(folder, f"<xacro:arg name='x' default=''/><link name=\"${{xacro.load_yaml('{secret}').token}}\"/>")
+    for other in ("/", str(secret.parent)):
+        with pytest.raises(InputError, match="outside of the packages that were found"):
+            expanded(str(own), args={"x": other})
+    assert b"opensesame" in expanded(str(own), args={"x": str(secret)}).text
+
+
 def test_trust_lets_it_do_what_it_likes(folder: Path) -> None:
     own = written(folder, "<link name=\"${(lambda: 'a' * 3)()}$(env TOKEN)\"/>")
     assert b'name="aaaopensesame"' in expanded(str(own), trusted=True).text
