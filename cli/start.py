@@ -22,8 +22,10 @@ def start() -> NoReturn:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     os.environ["PYTHONSAFEPATH"] = "1"  # for processes that libraries start
     _import_nothing_from_here()
-    from robodyn.cli.interrupts import STATUS, interrupted, listen
-
+    try:
+        from robodyn.cli.interrupts import STATUS, interrupted, listen
+    except KeyboardInterrupt:  # before anything listens
+        _leave(130)
     status = 0
     try:
         listen()
