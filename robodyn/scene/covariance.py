@@ -14,7 +14,7 @@ import numpy as np
 from robodyn.errors import SceneError, unreadable
 from robodyn.support.floats import Floats
 from robodyn.support.frozen import Frozen
-from robodyn.support.input_file import read_input
+from robodyn.support.input_file import parse_json, read_input
 
 _KEYS = ("parameters", "values", "covariance")
 _ROUNDING = 1e-9
@@ -60,7 +60,7 @@ def read_covariance(path: str | os.PathLike[str]) -> Covariance:
     """
     file = os.fspath(path)
     try:
-        content = json.loads(read_input(path))
+        content = parse_json(read_input(path), file)
     except OSError as error:
         raise unreadable(error, file) from None
     except (ValueError, RecursionError) as error:

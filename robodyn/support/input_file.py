@@ -13,7 +13,7 @@ import re
 import stat
 import sys
 from io import BufferedReader
-from typing import BinaryIO, NoReturn
+from typing import Any, BinaryIO, NoReturn
 
 from robodyn.errors import InputError
 from robodyn.support.input_limits import beyond, limits
@@ -70,6 +70,20 @@ def read_standard_input() -> bytes:
     if sys.stdin is None:
         raise InputError("standard input is closed", remedy="name a file, or pipe one in", file="<stdin>")
     return _all_of(sys.stdin.buffer, "<stdin>")
+
+
+def parse_json(text: bytes, file: str) -> Any:
+    """Return what JSON says.
+
+    Raises:
+        ValueError, RecursionError: it is none.
+        InputError: there are more values than are read; each has a comma or a bracket before it.
+    """
+    import json
+
+    if sum(map(text.count, (b",", b"[", b"{"))) > limits().message_values:
+        raise beyond("message_values", "too many values", InputError, file=file)
+    return json.loads(text)
 
 
 def vetted(path: str | os.PathLike[str]) -> str:

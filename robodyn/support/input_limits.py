@@ -38,7 +38,7 @@ class InputLimits:
     csv_line_bytes: int = 1 << 20
     """Bytes in a line of a table as text, the header among them."""
     message_values: int = 2_000_000
-    """Values in messages as text: numbers, names, lists, and the ends of lists in YAML."""
+    """Values in JSON, and in messages as text: numbers, names, lists, and the ends of lists in YAML."""
     log_values: int = 30_000_000
     """Cells of the table that messages make: stamps times columns."""
     yaml_metadata_bytes: int = 1 << 18

@@ -6,8 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from robodyn.errors import TrajectoryError
-from robodyn.support.input_file import read_input
-from robodyn.support.input_limits import beyond, limits
+from robodyn.support.input_file import parse_json, read_input
 from robodyn.trajectory.log_messages import KINDS, TRAJECTORY, State, states_of
 from robodyn.trajectory.log_table import LogTable
 from robodyn.trajectory.table import decoding
@@ -25,7 +24,8 @@ def message_table(name: str) -> LogTable:
         TrajectoryError: it cannot be read, is beyond a limit, or has no messages about joints, or of several kinds.
     """
     text = read_input(name)
-    documents = _json(text, name) if name.lower().endswith(".json") else yaml_documents(text, name)
+    with decoding("JSON", name):
+        documents = [parse_json(text, name)] if name.lower().endswith(".json") else yaml_documents(text, name)
     found = [each for document in documents for each in _messages(document)]
     kinds = sorted({kind for kind, _ in found})
     if len(kinds) != 1:
@@ -34,16 +34,6 @@ def message_table(name: str) -> LogTable:
         raise TrajectoryError(what, remedy=remedy, file=name)
     states: list[State] = states_of(kinds[0], ((message, 0) for _, message in found), name)
     return LogTable(name, states)
-
-
-def _json(text: bytes, file: str) -> list[Any]:
-    """Return the document; every value has a comma or a bracket before it."""
-    import json
-
-    if sum(map(text.count, (b",", b"[", b"{"))) > limits().message_values:
-        raise beyond("message_values", "too many values", TrajectoryError, file=file)
-    with decoding("JSON", file):
-        return [json.loads(text)]
 
 
 def _messages(document: Any) -> Iterator[tuple[str, Mapping[str, Any]]]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.errors import TrajectoryError
+from robodyn.errors import InputError, TrajectoryError
 from robodyn.support.floats import Floats
 
 if TYPE_CHECKING:
@@ -150,7 +150,7 @@ def decoding(format_name: str, file: str | None) -> Iterator[None]:
     """Tells what a library raises about a damaged file, of whatever class it is, as a TrajectoryError."""
     try:
         yield
-    except TrajectoryError:
+    except InputError:
         raise
     except Exception as error:
         first = str(error).strip().partition("\n")[0] or type(error).__name__

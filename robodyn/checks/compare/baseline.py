@@ -14,7 +14,7 @@ from robodyn.checks.groups import cause_of, grouped, places, without_numbers
 from robodyn.checks.rule import Finding
 from robodyn.errors import InputError
 from robodyn.support.files import write_whole
-from robodyn.support.input_file import read_input
+from robodyn.support.input_file import parse_json, read_input
 
 
 class Identity(NamedTuple):
@@ -110,7 +110,7 @@ def write_baseline(findings: Iterable[Finding], path: str) -> int:
 
 def _read(path: str) -> Counter[Identity]:
     try:
-        document = json.loads(read_input(path))
+        document = parse_json(read_input(path), path)
     except FileNotFoundError:
         raise InputError("there is no such baseline", remedy="write it with --write-baseline", file=path) from None
     except OSError as error:
@@ -125,7 +125,7 @@ def _read(path: str) -> Counter[Identity]:
             same = Identity(*(str(entry[key]) for key in Identity._fields))
             known[same._replace(message=without_numbers(same.message))] += int(entry["count"])
         return known
-    except (KeyError, TypeError, ValueError):
+    except (KeyError, TypeError, ValueError, OverflowError):
         raise _no_baseline(path) from None
 
 
