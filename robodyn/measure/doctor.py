@@ -158,6 +158,7 @@ def _cache() -> Iterator[Line]:
 def _environment(variables: Mapping[str, str]) -> Iterator[Line]:
     unset = {
         "ROBODYN_CACHE": "not set: the user's cache folder",
+        "ROBODYN_LIMITS": "not set: inputs have the limits of robodyn",
         "ROBODYN_CPU": "not set: machine code is for this processor",
         **dict.fromkeys(VARIABLES, "not set: package:// by --package-path, or above the file"),
         "ROBODYN_TRACEBACK": "not set: an error is one line",

@@ -15,7 +15,7 @@ from helpers.command_line import run, write_arm
 from helpers.hostile import CALLS, HOSTILE, fault, mutant, outcomes
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="needs signals and devices")
-NAMES = sorted(path.name for path in HOSTILE.iterdir())
+NAMES = sorted(path.name for path in HOSTILE.iterdir() if path.is_file())
 
 
 @pytest.fixture(autouse=True)
