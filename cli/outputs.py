@@ -42,7 +42,8 @@ def check_outputs(ctx: click.Context, writes: Iterable[str] = ()) -> None:
         InputError: so it is, by whatever names: links, hard links, other spellings.
     """
     writes = {*writes}
-    read, written = [], []
+    read: list[str] = []
+    written: list[tuple[str, click.Parameter]] = []
     for param in ctx.command.params:
         name = param.name or ""
         value = ctx.params[name] if name in ctx.params else kept_value(name, None)

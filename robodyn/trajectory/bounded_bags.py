@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -49,23 +49,26 @@ def bounded(path: Path) -> Iterator[None]:
     from rosbags.rosbag2 import reader, storage_mcap, storage_sqlite3
 
     files = path.iterdir() if path.is_dir() else [path]
-    unpacked = _Unpacked(str(path), sum(each.stat().st_size for each in files if each.is_file()), reader.zstd)
+    zstd: Any = vars(reader)["zstd"]
+    unpacked = _Unpacked(str(path), sum(each.stat().st_size for each in files if each.is_file()), zstd)
     mcap = {name: unpacked.chunk(unpack) for name, unpack in _UNPACK.items() if name != "bz2"}
     ros1 = {name or "none": unpacked.chunk(unpack) for name, unpack in _UNPACK.items() if name != "zstd"}
     with ExitStack() as stack:
         for known, ours in ((storage_mcap.DECOMPRESSORS, mcap), (first.decompressors, ros1)):
-            stack.callback(known.update, dict(known))
-            known.update(ours)
-        for module, name, ours in (
-            (reader, "zstd", unpacked),
-            *((module, "parse_qos", _no_qos) for module in (reader, storage_mcap, storage_sqlite3)),
-        ):
-            stack.callback(setattr, module, name, getattr(module, name))
-            setattr(module, name, ours)
+            _changed(stack, known, ours)
+        _changed(stack, vars(reader), {"zstd": unpacked})
+        for module in (reader, storage_mcap, storage_sqlite3):
+            _changed(stack, vars(module), {"parse_qos": _no_qos})
         hook = _Steps(str(path)).bound
         apsw.connection_hooks.append(hook)
         stack.callback(apsw.connection_hooks.remove, hook)
         yield
+
+
+def _changed(stack: ExitStack, names: dict[str, Any], ours: Mapping[str, Any]) -> None:
+    """Give names another meaning until the stack ends; they must be there."""
+    stack.callback(names.update, {name: names[name] for name in ours})
+    names.update(ours)
 
 
 def _no_qos(_: object) -> list[Any]:

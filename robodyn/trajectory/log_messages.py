@@ -103,7 +103,7 @@ def _numbers(values: Mapping[str, Any]) -> dict[str, Sequence[float]]:
     found: dict[str, Sequence[float]] = {}
     for quantity, given in values.items():
         if isinstance(given, np.ndarray) and given.ndim == 1 and given.dtype.kind in "fiu":
-            numbers: Sequence[float] = given
+            numbers: Any = given
         else:
             numbers = [_number(value, quantity) for value in _parts(given, quantity)]
         if len(numbers) > 0:
