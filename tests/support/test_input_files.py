@@ -29,11 +29,6 @@ OPENS = {
 MAY = {
     "robodyn/support/input_file.py": {"open": "the function itself", "os.open": "the function itself"},
     "robodyn/support/files.py": {"open": "files that are written", "fdopen": "a stream", "os.fdopen": "a stream"},
-    "robodyn/support/processes.py": {
-        "fdopen": "standard streams of a child",
-        "os.fdopen": "the same",
-        "open": "the null device",
-    },
     "robodyn/support/cache.py": {
         "open": "regular files of this user alone, checked there",
         "os.open": "the same",
