@@ -31,15 +31,16 @@ class RobodynError(Exception):
     def __str__(self) -> str:
         line = "" if self.line is None else f"{self.line}:"
         place = "" if self.file is None else f"{self.file or repr('')}:{line} "
-        return _printable(place) + self.sentence
+        return printable(place) + self.sentence
 
     @property
     def sentence(self) -> str:
         """What is wrong and what to do about it, without the place."""
-        return _printable(self.what + ("" if self.remedy is None else f" ({self.remedy})"))
+        return printable(self.what + ("" if self.remedy is None else f" ({self.remedy})"))
 
 
-def _printable(text: str) -> str:
+def printable(text: str) -> str:
+    """Return the text with what does not print, or turns what follows, as escapes."""
     return "".join(character if character.isprintable() else repr(character)[1:-1] for character in text)
 
 

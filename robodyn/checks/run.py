@@ -20,12 +20,13 @@ from robodyn.robot.urdf.document import Document, read
 from robodyn.robot.urdf.packages import EXPANDED
 from robodyn.robot.urdf.sources import is_xacro
 from robodyn.robot.urdf.view import Subject
+from robodyn.support.wording import call_of
 
 Source = str | os.PathLike[str] | bytes
 STDIN = "<stdin>"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Options:
     """What is checked, and against what.
 
@@ -47,6 +48,9 @@ class Options:
     xacro_args: tuple[tuple[str, str], ...] = ()
     trust_xacro: bool = False
     asked: Asked = NOTHING
+
+    def __repr__(self) -> str:
+        return call_of(self)
 
 
 STANDARD = Options()

@@ -7,10 +7,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
+from robodyn.errors import printable
 from robodyn.programs.vectors import length
 from robodyn.solids.inertia.laws import Inertia
 from robodyn.support.floats import Floats
 from robodyn.support.frozen import Frozen
+from robodyn.support.wording import count, figure, listed, shown, shown_path
 
 if TYPE_CHECKING:
     from robodyn.robot.urdf.parts import Description
@@ -74,7 +76,7 @@ class Frame(NamedTuple):
     p: Floats
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Model(Frozen):
     """A tree of bodies; bodies[0] is the base and bodies[i].parent < i.
 
@@ -92,6 +94,15 @@ class Model(Frozen):
     links: Mapping[str, Frame]
     notes: tuple[str, ...] = ()
     description: Description | None = None
+
+    def __repr__(self) -> str:
+        heavy = sum(body.inertia.m > 0.0 for body in self.bodies)
+        lines = (
+            f"<Model {shown(self.name)} of {shown_path(self.file)}, {'moving' if self.floating else 'fixed'} base",
+            f" {count(self.n, 'degree')} of freedom, joints: {listed(self.joint_names) or 'none'}",
+            f" {figure(self.total_mass, 4)} kg in {heavy} of {count(len(self.bodies), 'body', 'bodies')}>",
+        )
+        return "\n".join(map(printable, lines))
 
     @cached_property
     def parents(self) -> tuple[int, ...]:

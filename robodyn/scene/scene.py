@@ -21,13 +21,14 @@ from robodyn.scene.parts import (
     Vector,
 )
 from robodyn.support.frozen import FrozenValue
+from robodyn.support.wording import call_of
 
 if TYPE_CHECKING:
     from robodyn.scene.motor import Motor
     from robodyn.scene.uncertainty import Uncertainty
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Scene(FrozenValue):
     """What surrounds the robot. The default scene is gravity alone, and the friction that the description declares.
 
@@ -94,6 +95,9 @@ class Scene(FrozenValue):
 
     def __hash__(self) -> int:
         return self._hash
+
+    def __repr__(self) -> str:
+        return call_of(self)
 
     def changed(self, gravity: Vector | None = None, payloads: Sequence[Payload] = (), *, held: bool = False) -> Scene:
         """Return the scene with another gravity [m/s^2], if one is given, more payloads, and a base that is held."""

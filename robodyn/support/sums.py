@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 
-def einsum(subscripts: str, *factors: ArrayLike, optimize: bool = False) -> Any:
+def einsum(subscripts: str, *factors: Any, optimize: bool = False) -> Any:
     """Return `np.einsum`, and zeros where a factor is empty: the sum is over nothing then, or the result is empty, too.
 
     NumPy 2.4 leaves there what stood in memory, or does not, as the layout of the heap has it.

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Sequence
+from dataclasses import MISSING, fields
 from itertools import islice
+from typing import Any
 
 _LONGEST = 60
 _LONGEST_PATH = 120
@@ -133,3 +135,13 @@ def shortened(names: Sequence[str], most: int) -> list[str]:
 def _cut(name: str, most: int, head: int) -> str:
     """Return the name with at most so many characters, `head` of them before the dots."""
     return name if len(name) <= most else f"{name[:head]}...{name[len(name) - (most - 3 - head) :]}"
+
+
+def call_of(value: Any) -> str:
+    """Return the call that makes a value of a dataclass, with what differs from the defaults."""
+    given = []
+    for each in fields(value):
+        usual = each.default if each.default_factory is MISSING else each.default_factory()
+        if (own := getattr(value, each.name)) != usual:
+            given.append(f"{each.name}={own!r}")
+    return f"{type(value).__name__}({', '.join(given)})"
