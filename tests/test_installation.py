@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import tarfile
 from importlib import import_module
 from pathlib import Path
 from shutil import copytree, ignore_patterns
@@ -60,6 +61,30 @@ def test_a_checkout_runs_as_it_is(module: str, arguments: list[str], printed: st
 def test_the_command_line_of_a_checkout_is_its_own(tmp_path: Path) -> None:
     done = in_a_checkout("import robodyn.cli.main as main; print(main.__file__)", tmp_path)
     assert done.stdout.strip() == str(tmp_path / "cli" / "main.py"), done
+
+
+def test_the_source_distribution_is_the_package_and_no_test(tmp_path: Path) -> None:
+    """setuptools adds some tests by itself, which do not run without the others."""
+    checkout = tmp_path / "checkout"
+    copytree(
+        ROOT, checkout, ignore=ignore_patterns(".*", "build", "dist", "data", "docs", "robots", "*cache*", "*.egg-info")
+    )
+    code = "import sys; from setuptools.build_meta import build_sdist; print(build_sdist(sys.argv[1]))"
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(tmp_path)], capture_output=True, text=True, check=False, cwd=checkout
+    )
+    assert done.returncode == 0, done.stderr
+    with tarfile.open(tmp_path / done.stdout.splitlines()[-1]) as archive:
+        names = {str(Path(*Path(name).parts[1:])) for name in archive.getnames()}
+    modules = {
+        str(path.relative_to(checkout)) for name in ("robodyn", "cli") for path in checkout.glob(f"{name}/**/*.py")
+    }
+    assert modules <= names
+    assert {"pyproject.toml", "README.md", "LICENSE", "robodyn/py.typed"} <= names
+    assert {name.split("/")[0] for name in names - {"."}} <= {
+        *("robodyn", "cli", "robodyn.egg-info", "pyproject.toml", "README.md", "LICENSE", "MANIFEST.in"),
+        *("PKG-INFO", "setup.cfg"),
+    }
 
 
 @pytest.mark.slow
