@@ -9,6 +9,7 @@ from robodyn.equations.dae.counts import Counts
 from robodyn.equations.dae.dae import Dae
 from robodyn.report.dae_numbers import MOST, acting, both_lines, elimination_lines, numbers_sections, shortened
 from robodyn.report.document import Paragraph, Section, Table, paragraphs, remarks
+from robodyn.report.equations import base_text
 from robodyn.report.table import Content, axis_text, gravity_text, number, printable
 from robodyn.support.wording import count
 
@@ -44,7 +45,8 @@ def dae_sections(found: Dae) -> Iterator[Section]:
     """Yield the report; long tables are cut after `MOST` rows, and say so."""
     robot, counts = found.robot, found.counts
     several = count(counts.bodies, "body", "bodies")
-    head = f"{robot.model.name}: DAE form, {several}, {gravity_text(robot.scene.gravity)}"
+    head = f"{robot.model.name}: DAE form, {several}, {base_text(robot.model.floating)}, "
+    head += gravity_text(robot.scene.gravity)
     yield paragraphs([head, "M a = f + G^T lambda,  g = 0,  G v = 0,  G a = gamma"])
     yield [Table("Unknowns and equations", *_unknowns(counts)), *paragraphs(_ranks(counts))]
     yield _bodies(found)

@@ -18,7 +18,9 @@ def ode_sections(ode: Ode) -> Iterator[Section]:
     """Yield configuration, mass matrix and the parts of the bias."""
     largest = float(abs(ode.M).max())
     rows = [(name, *(number(x, largest) for x in row)) for name, row in zip(ode.rates, ode.M.tolist(), strict=True)]
-    yield paragraphs([_head(ode.robot, len(ode.rates), ode.gravity), _equation(ode.shares)])
+    yield paragraphs(
+        [_head(ode.robot, len(ode.rates), ode.gravity, "base_qx" in ode.coordinates), _equation(ode.shares)]
+    )
     yield [Table("Configuration", *_configuration(ode))]
     mass = Table("Mass matrix M(q) [kg m^2, kg m or kg]", ("", *ode.rates), rows)
     yield [mass, Paragraph(_condition(ode.cond))]
@@ -52,8 +54,13 @@ def checked(closed: Closed) -> str:
     )
 
 
-def _head(robot: str, n: int, gravity: tuple[float, float, float]) -> str:
-    return f"{robot}: {count(n, 'coordinate')}, {gravity_text(gravity)}"
+def _head(robot: str, n: int, gravity: tuple[float, float, float], moving: bool = False) -> str:
+    return f"{robot}: {count(n, 'coordinate')}, {base_text(moving)}, {gravity_text(gravity)}"
+
+
+def base_text(moving: bool) -> str:
+    """Return whether the base is held, which a description does not say."""
+    return "the base moves" if moving else "the base is bolted down"
 
 
 def _equation(effects: Any) -> str:

@@ -59,10 +59,28 @@ def test_an_earlier_version(versions: Path) -> None:
     assert not found(str(versions), "RD902", Asked(against="HEAD"))
 
 
-@pytest.mark.parametrize("ref", ["no-such-revision", "--output=x", ""])
+@pytest.mark.parametrize("ref", ["no-such-revision", "--output=x", "", "HEAD~99", "other.urdf", "HEAD:other"])
 def test_a_revision_that_is_not_there_is_an_error(versions: Path, ref: str) -> None:
-    with pytest.raises(InputError, match=r"no version of arm\.urdf"):
+    """In words of ours: git's are about objects and trees."""
+    (versions.parent / "other.urdf").touch()
+    with pytest.raises(InputError) as caught:
         found(str(versions), "RD902", Asked(against=ref))
+    assert "fatal" not in str(caught.value)
+    assert repr(ref) in caught.value.what
+    assert ("is a file" in caught.value.what) == (ref == "other.urdf")
+    assert str(caught.value.remedy).startswith("give one ")
+
+
+def test_a_file_that_git_does_not_have_is_an_error(versions: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
+    new, outside = versions.parent / "new.urdf", tmp_path_factory.mktemp("outside") / "arm.urdf"
+    for file, what in (
+        (new, "there is no new.urdf at the revision 'HEAD'"),
+        (outside, "arm.urdf is in no git repository"),
+    ):
+        file.write_text(regression.check.bad)
+        with pytest.raises(InputError, match=what) as caught:
+            found(str(file), "RD902", Asked(against="HEAD"))
+        assert "fatal" not in str(caught.value)
 
 
 def whats(before: str, after: str) -> list[str]:

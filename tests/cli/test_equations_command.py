@@ -28,7 +28,7 @@ def test_text():
     text = shown(GRIPPER, *SCENE, "--at", "0.1,0.2,0.01", "--qd", "wrist=-1")
     titles = [part.splitlines()[0] for part in text.rstrip("\n").split("\n\n")]
     assert titles == [
-        "gripper: 3 coordinates, gravity (0, 0, -9.81) m/s^2",
+        "gripper: 3 coordinates, the base is bolted down, gravity (0, 0, -9.81) m/s^2",
         "Configuration",
         "Mass matrix M(q) [kg m^2, kg m or kg]",
         "What tau must supply where nothing accelerates",
@@ -36,6 +36,16 @@ def test_text():
     assert re.search(r"^wrist +0\.2 +-1$", text, re.MULTILINE)
     assert re.search(r"^joint +gravity +coriolis +payload +viscous friction .* together +unit$", text, re.MULTILINE)
     assert re.search(r"^Condition number \d+\.\d$", text, re.MULTILINE)
+
+
+@pytest.mark.parametrize("form", ["ode", "closed", "dae"])
+def test_whether_the_base_is_held_is_said(form):
+    """A description does not say it, and of a satellite it is wrong."""
+    satellite = str(ROBOTS / "satellite.urdf")
+    assert ", the base is bolted down, " in run("equations", satellite, "--form", form).out.splitlines()[0]
+    if form == "ode":
+        scene = str(ROBOTS / "satellite.toml")
+        assert ", the base moves, " in run("equations", satellite, "--scene", scene).out.splitlines()[0]
 
 
 def test_json():

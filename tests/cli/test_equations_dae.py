@@ -33,7 +33,7 @@ def test_text():
     text = shown(SCARA, *STATE)
     titles = [part.splitlines()[0] for part in text.rstrip("\n").split("\n\n")]
     assert titles == [
-        "scara: DAE form, 4 bodies, gravity (0, 0, -9.81) m/s^2",
+        "scara: DAE form, 4 bodies, the base is bolted down, gravity (0, 0, -9.81) m/s^2",
         "Unknowns and equations",
         "Bodies: six coordinates each, Newton's and Euler's laws about the mass centre c",
         "Joints: a constraint equation and a reaction for each direction in which it holds",

@@ -40,19 +40,34 @@ def version_at(file: str, ref: str) -> bytes:
         InputError: git is not there, or knows no such revision or file.
     """
     folder, name = os.path.split(os.path.abspath(file))
-    remedy = "give a revision that has the file"
     if not ref or ref.startswith("-"):
-        raise InputError(f"there is no version of {name} at {ref!r}", remedy=remedy)
+        raise _no_version(name, ref, "invalid object name")
     from robodyn.support.children import run_program
 
+    call = ("git", *_PLAIN, "show", f"{ref}:./{name}")
     try:
-        run = run_program("git", *_PLAIN, "show", f"{ref}:./{name}", folder=folder, GIT_NO_LAZY_FETCH="1")
+        run = run_program(*call, folder=folder, GIT_NO_LAZY_FETCH="1", LC_ALL="C")
     except OSError as error:
         raise InputError(f"git cannot be run: {error}", remedy="install git, or leave --against out") from None
     if run.returncode:
-        first = (run.stderr.decode(errors="replace").strip().splitlines() or ["unknown"])[0]
-        raise InputError(f"there is no version of {name} at {ref!r}: {first}", remedy=remedy)
+        raise _no_version(name, ref, run.stderr.decode(errors="replace"))
     return run.stdout
+
+
+def _no_version(name: str, ref: str, said: str) -> InputError:
+    """Return what is wrong with a revision in words of ours; `said` by git."""
+    if "not a git repository" in said:
+        return InputError(f"{name} is in no git repository, which has its versions", remedy="leave --against out")
+    if os.path.exists(ref):
+        what = f"--against takes a revision of git, and {ref!r} is a file"
+        return InputError(what, remedy=f"give one such as HEAD~1 or main, with which {name} itself is compared")
+    what, remedy = f"git has no revision {ref!r}", "give one such as HEAD~1 or main: git log lists them"
+    if "invalid object name" not in said and "bad revision" not in said:
+        what, remedy = (
+            f"there is no {name} at the revision {ref!r}",
+            "give one that has the file: git log FILE lists them",
+        )
+    return InputError(what, remedy=remedy)
 
 
 def model_at(file: str, ref: str) -> Model | None:
