@@ -226,8 +226,8 @@ MUTATIONS = {
         ),
         (
             "loads/self_checks.py",
-            'np.einsum("ij,ij->i", tau, block.qd) - execute(lost, sources, whole).values[:, 0]',
-            'np.einsum("ij,ij->i", tau, block.qd) + execute(lost, sources, whole).values[:, 0]',
+            'einsum("ij,ij->i", tau, block.qd) - execute(lost, sources, whole).values[:, 0]',
+            'einsum("ij,ij->i", tau, block.qd) + execute(lost, sources, whole).values[:, 0]',
         ),
         ("dynamics/effects/limit_spring.py", "_positive(x)", "x"),
     ],
