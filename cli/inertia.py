@@ -40,8 +40,7 @@ def command(files: tuple[str, ...], about: Any, rpy: Vector, **options: Any) -> 
     if options["file_type"] == "urdf" or any(name.lower().endswith(ROBOT_SUFFIXES) for name in files):
         from robodyn.cli.inertia_robot import robot
 
-        robot(files, view, ctx)
-        return 0
+        return robot(files, view, ctx)
     from robodyn.cli.inertia_meshes import meshes
 
     return meshes(files, view, ctx, **options)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING
@@ -13,6 +14,8 @@ from robodyn.cli.inertia_options import check_use, one_each, urdf_lines
 from robodyn.cli.options import kept_value
 from robodyn.cli.progress import counted
 from robodyn.cli.reports import answer
+from robodyn.cli.screen import complain
+from robodyn.errors import InputError
 from robodyn.report import inertia_pages as pages
 from robodyn.report.composite import comparison_sections, link_sections, link_shapes_sections, robot_sections
 from robodyn.report.json.bodies import comparison_json, link_json, link_shapes_json, robot_json
@@ -22,13 +25,14 @@ from robodyn.robot.masses.measured import How, Reading
 from robodyn.robot.masses.shapes import link_from_shapes
 from robodyn.robot.urdf.parts import Description, Kind
 from robodyn.solids.inertia.conversions import View
+from robodyn.support.wording import count
 
 if TYPE_CHECKING:
     from robodyn.checks.run import Checked
 
 
-def robot(files: Sequence[str], view: View, ctx: click.Context) -> None:
-    """Show what the options ask of one description."""
+def robot(files: Sequence[str], view: View, ctx: click.Context) -> int:
+    """Show what the options ask of one description; the exit status, 2 where no link could be compared."""
     given = ctx.params
     shapes = given["geometry"] is not None
     use = "--compare" if given["compare"] else "a whole robot"
@@ -40,12 +44,11 @@ def robot(files: Sequence[str], view: View, ctx: click.Context) -> None:
     if given["compare"] and kept_value("form", "text") == "urdf":
         raise click.UsageError("--format urdf is not for --compare; --link NAME --geometry visual prints one", ctx)
     description = described(files[0])
-    {
-        "--compare": _compared,
-        "a whole robot": _whole,
-        "a link's shapes": _from_shapes,
-        "a link as declared": _declared,
-    }[use](description, view, ctx)
+    show = {"a whole robot": _whole, "a link's shapes": _from_shapes, "a link as declared": _declared}.get(use)
+    if show is None:
+        return _compared(description, ctx)
+    show(description, view, ctx)
+    return 0
 
 
 def _reading(ctx: click.Context) -> Reading:
@@ -54,11 +57,19 @@ def _reading(ctx: click.Context) -> Reading:
     return Reading(how, watch=counted)
 
 
-def _compared(description: Description, view: View, ctx: click.Context) -> None:
+def _compared(description: Description, ctx: click.Context) -> int:
     kind: Kind = ctx.params["geometry"] or "visual"
     found = compare(description, kind, _reading(ctx))
     sections = comparison_sections(found)
     answer(sections, lambda _: pages.differences_page(found), json=lambda: comparison_json(found))
+    if any(link.difference is not None for link in found.links):
+        return 0
+    what = f"none of {count(len(found.links), 'link')} could be compared"
+    reasons = [link.reason for link in found.links if link.reason]
+    most, often = Counter(reasons).most_common(1)[0] if reasons else ("", 0)
+    remedy = f"{often} of them: {most}" if reasons else None
+    complain(InputError(what, remedy=remedy, file=found.file))
+    return 2
 
 
 def _checked(description: Description) -> Checked:

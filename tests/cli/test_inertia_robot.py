@@ -138,6 +138,20 @@ def test_compare_json():
     assert document(ARM, "--compare", "--geometry", "collision")["geometry"] == "collision"
 
 
+@pytest.mark.parametrize("form", ["text", "json"])
+def test_a_comparison_of_no_link_is_a_failure_that_says_why(tmp_path, form):
+    """As in a pipeline where the package of the meshes is not found: it must not pass."""
+    path = tmp_path / "arm.urdf"
+    path.write_text((ROBOTS / "meshed_arm.urdf").read_text().replace('filename="', 'filename="package://missing/'))
+    outcome = run("inertia", str(path), "--compare", "--format", form)
+    assert outcome.status == 2
+    (line,) = outcome.err.splitlines()
+    assert line.startswith(f"error: {path}: none of ")
+    assert "could be compared (" in line
+    assert "missing" in line
+    assert ("Not compared" if form == "text" else '"links"') in outcome.out
+
+
 def test_compare_text(tmp_path):
     text = (ROBOTS / "meshed_arm.urdf").read_text().replace("meshes/", str(ROBOTS / "meshes") + "/")
     (tmp_path / "arm.urdf").write_text(text.replace("hub.stl", "no.stl", 1))

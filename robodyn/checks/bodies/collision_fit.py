@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robodyn.checks.bodies.masses import STILL
 from robodyn.checks.bodies.primitives import Misfit, misfit_of_primitive, shared
@@ -15,6 +16,8 @@ from robodyn.programs.vectors import length
 from robodyn.robot.urdf.view import GeometryView, LinkView
 from robodyn.solids.inertia.validity import Box
 from robodyn.support.floats import Floats
+
+Mask = NDArray[np.bool_]
 
 _ALIKE = 0.1
 """Sides of the boxes of two meshes of one part differ by less: one may be simplified."""
@@ -80,12 +83,17 @@ def _foreign(
 def _aside(link: LinkView, felt: Sequence[GeometryView], context: Context) -> Misfit | None:
     """Find the shape that is seen, too, at another place."""
     known = context.once(solids)
-    for shape in felt:
-        twins = [other for other in _of_kind(link, "visual") if _same(shape, other, context)]
-        if shape not in known or not 0 < sum(_same(shape, other, context) for other in felt) <= len(twins):
+    seen, felt = ([each for each in shapes if each in known] for shapes in (_of_kind(link, "visual"), felt))
+    if not seen:
+        return None
+    places = np.array([(box.lo, box.hi) for box in (known[each].placed(STILL) for each in seen)])
+    of_seen, of_felt = _kinds_and_sides(seen, context), _kinds_and_sides(felt, context)
+    for k, shape in enumerate(felt):
+        twins = np.flatnonzero(_same(k, of_felt, of_seen))
+        if not 0 < np.count_nonzero(_same(k, of_felt, of_felt)) <= len(twins):
             continue
         box = known[shape].placed(STILL)
-        away = min(_corner(box, known[other].placed(STILL)) for other in twins)
+        away = float(np.linalg.norm(places[twins] - (box.lo, box.hi), axis=2).max(axis=1).min())
         if away > max(_ASIDE * size_of(box), _LEAST):
             what = f"its collision {_named(shape)} is not where its visual is, but up to {away:.3g} m from there"
             return Misfit(shape, what, "give both the same <origin>", away, _ASIDE * size_of(box))
@@ -145,14 +153,19 @@ def _is_mesh(shape: GeometryView) -> bool:
     return shape.shape is not None and shape.shape.tag == "mesh"
 
 
-def _same(first: GeometryView, second: GeometryView, context: Context) -> bool:
-    """Return whether two shapes are of one kind and size; meshes may be simplified."""
-    known = context.once(solids)
-    if first not in known or second not in known or first.shape is None or second.shape is None:
-        return False
-    a, b = _sides(first, context), _sides(second, context)
-    slack = _ALIKE if _is_mesh(first) else 1e-2
-    return first.shape.tag == second.shape.tag and bool((np.abs(a - b) <= slack * np.maximum(a, b)).all())
+def _kinds_and_sides(shapes: Sequence[GeometryView], context: Context) -> tuple[NDArray[np.str_], Floats]:
+    """Return the kinds (n,) and the sides (n, 3), see `_sides`, of shapes that are known."""
+    sides = np.array([_sides(shape, context) for shape in shapes]).reshape(-1, 3)
+    return np.array([_named(shape) for shape in shapes], np.str_), sides
+
+
+def _same(k: int, among: tuple[NDArray[np.str_], Floats], others: tuple[NDArray[np.str_], Floats]) -> Mask:
+    """(n,) which others are of the kind and size of shape k; meshes may be simplified."""
+    (kinds, sides), (others_kinds, others_sides) = among, others
+    slack = _ALIKE if kinds[k] == "mesh" else 1e-2
+    near = np.abs(others_sides - sides[k]) <= slack * np.maximum(others_sides, sides[k])
+    found: Mask = (others_kinds == kinds[k]) & near.all(axis=1)
+    return found
 
 
 def _sides(shape: GeometryView, context: Context) -> Floats:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from functools import cache, partial
 from typing import NamedTuple
@@ -22,6 +23,8 @@ from robodyn.solids.inertia.validity import Box
 
 _LEAST, _SHARE = 0.01, 0.1
 """Metres, and share of the smaller shape's size, that two shapes overlap at least."""
+_MOST_PAIRS = 2000
+"""Of shapes of two links that are compared."""
 
 
 class Overlap(NamedTuple):
@@ -42,12 +45,16 @@ def overlaps(context: Context) -> list[Overlap]:
     misplaced = {misfit.geometry for misfit in context.once(misfits)}
     shapes = [each for each in _shapes(context) if each[1] not in misplaced]
     disabled = _disabled(context)
-    hull = cache(partial(_hull, context))
+    hull, neighbours = cache(partial(_hull, context)), cache(partial(_neighbours, context))
     found: dict[tuple[str, str], Overlap] = {}
-    for k, n, shared in _meeting([box for *_, box in shapes]):
+    tried = Counter[tuple[str, str]]()
+    for k, n, shared in _meeting([box for *_, box in shapes], [link.name for link, *_ in shapes]):
         (link, shape, box), (other, its, its_box) = shapes[k], shapes[n]
         bound = max(_LEAST, _SHARE * min(size_of(box), size_of(its_box)))
-        if shared <= bound or _neighbours(context, link, other) or frozenset((link.name, other.name)) in disabled:
+        if shared <= bound or neighbours(link, other) or frozenset((link.name, other.name)) in disabled:
+            continue
+        tried[link.name, other.name] += 1
+        if tried[link.name, other.name] > _MOST_PAIRS:
             continue
         one, two, known = hull(link, shape), hull(other, its), found.get((link.name, other.name))
         bound = bound if known is None else max(bound, known.depth)
@@ -104,11 +111,12 @@ def _hull(context: Context, link: LinkView, shape: GeometryView) -> Hull | None:
     return Hull(shape.shape.tag, half, points, at, solid.box.placed(*at))
 
 
-def _meeting(boxes: Sequence[Box]) -> Iterator[tuple[int, int, float]]:
-    """Yield the pairs of boxes that share more than a layer, and the least side of what they share [m]."""
+def _meeting(boxes: Sequence[Box], links: Sequence[str]) -> Iterator[tuple[int, int, float]]:
+    """Yield the pairs of boxes of different links that share more than a layer, and the least side of that [m]."""
     if not boxes:
         return
-    lo, hi = np.array([box.lo for box in boxes]), np.array([box.hi for box in boxes])
-    shared = (np.minimum(hi[:, None], hi) - np.maximum(lo[:, None], lo)).min(axis=2)
-    for k, n in np.argwhere(np.triu(shared > _LEAST, 1)).tolist():
-        yield k, n, float(shared[k, n])
+    lo, hi, names = np.array([box.lo for box in boxes]), np.array([box.hi for box in boxes]), np.array(links)
+    for k in range(len(boxes)):
+        shared = (np.minimum(hi[k], hi[k + 1 :]) - np.maximum(lo[k], lo[k + 1 :])).min(axis=1)
+        for n in np.flatnonzero((shared > _LEAST) & (names[k + 1 :] != names[k])).tolist():
+            yield k, k + 1 + n, float(shared[n])

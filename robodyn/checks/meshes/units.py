@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache, partial
 from math import dist
 
 from robodyn.checks.context import Context
 from robodyn.checks.meshes.files import MeshName, MeshUse, all_facts, mesh_names
-from robodyn.robot.urdf.view import GeometryView
+from robodyn.robot.urdf.view import GeometryView, LinkView
 
 _LONGEST, _SHORTEST = 20.0, 1e-3
 """Metres beyond which no part of a robot is; and, for such ones, of its sizes over the reach of the robot's joints."""
@@ -35,6 +36,7 @@ def mesh_slips(context: Context) -> Mapping[GeometryView, UnitSlip]:
     """Return the uses of meshes that are 1000 times too large or too small."""
     around = reach(context)
     found: dict[GeometryView, UnitSlip] = {}
+    twin = cache(partial(_twin, context))
     for name in context.once(mesh_names).values():
         for use in name.uses:
             side = longest(use.geometry, name.uri, context)
@@ -44,7 +46,7 @@ def mesh_slips(context: Context) -> Mapping[GeometryView, UnitSlip]:
                     how = f"a scale of {scale:g} is for a file in kilometres"
                     found[use.geometry] = UnitSlip(name, scale, 1e3, how)
                 continue
-            mistaken = _mistaken(side, _twin(use, context), around) or _uneven(use.geometry)
+            mistaken = _mistaken(side, twin(use.link, use.geometry.kind), around) or _uneven(use.geometry)
             if mistaken is not None:
                 found[use.geometry] = UnitSlip(name, side, *mistaken)
     return found
@@ -83,9 +85,9 @@ def _uneven(geometry: GeometryView) -> tuple[float, str] | None:
     return None
 
 
-def _twin(use: MeshUse, context: Context) -> float | None:
-    """Return the longest side of the largest mesh of the link's other kind."""
-    others = [MeshUse(use.link, other) for other in use.link.geometries if other.kind != use.geometry.kind]
+def _twin(context: Context, link: LinkView, kind: str) -> float | None:
+    """Return the longest side of the largest mesh of a link that is of another kind, collision or visual."""
+    others = [MeshUse(link, other) for other in link.geometries if other.kind != kind]
     sides = [longest(other.geometry, other.uri, context) for other in others]
     return max((side for side in sides if side is not None), default=None)
 
