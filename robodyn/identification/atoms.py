@@ -14,6 +14,7 @@ from robodyn.dynamics.regressor import INERTIAL, Regressor, regressor
 from robodyn.identification.motors import Motor
 from robodyn.identification.samples import Samples
 from robodyn.robot.model import Model
+from robodyn.scene.parts import Vector
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
@@ -77,6 +78,12 @@ class Atoms:
         found._transmitting, found._loads = bodies, dict(loads)
         return found
 
+    def under(self, gravity: Vector) -> Atoms:
+        """Return the columns under another gravity [m/s^2]."""
+        found = copy(self)
+        found._scene = replace(self._scene, gravity=gravity)
+        return found
+
     @property
     def own(self) -> list[list[int]]:
         """For each measured joint where in `used` its own motor's friction is, viscous and Coulomb's, and its rotor."""
@@ -105,6 +112,7 @@ class Atoms:
         """Return (k, sum of widths): of each measured joint its columns, what is known, and the description's torque.
 
         Springs, wrenches and payloads are known. All of the description's torque is `inverse_dynamics` in the scene.
+        Where a torque is left out its joint's columns are zero.
         """
         found = self._regressor(samples.q, samples.qd, samples.qdd)
         Y, known = found.Y, found.rest
@@ -120,10 +128,12 @@ class Atoms:
             known[:, j] = known[:, j] * along - m * np.abs(passed[:, j])
         motors = [list(motor.columns(samples.qd, samples.qdd, self.slip_speed, passed)) for motor in self.motors]
         columns: list[Floats] = []
+        there = np.isfinite(samples.tau)
         for j, of_bodies in zip(self.measured, self._of_bodies, strict=True):
-            columns.append(Y[:, j, np.asarray(self._inertial)[of_bodies]])
-            columns += [share * column[:, None] for k, share, _ in self._of_motors(j) for column in motors[k]]
-            columns += [known[:, j : j + 1], described[:, j : j + 1]]
+            own = [Y[:, j, np.asarray(self._inertial)[of_bodies]]]
+            own += [share * column[:, None] for k, share, _ in self._of_motors(j) for column in motors[k]]
+            own += [known[:, j : j + 1], described[:, j : j + 1]]
+            columns.append(np.where(there[:, j : j + 1], np.concatenate(own, axis=1), 0.0))
         return np.concatenate(columns, axis=1)
 
     def _of_payloads(self, samples: Samples) -> Floats:

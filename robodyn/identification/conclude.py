@@ -9,14 +9,22 @@ import numpy as np
 from robodyn.dynamics.regressor import INERTIAL
 from robodyn.identification.gather import Gathered
 from robodyn.identification.identified import BaseFit, Errors, Identified, MotorFit
+from robodyn.identification.misfit import Misfit
 from robodyn.identification.outcome import motor_fits, outcome
 from robodyn.identification.prior import Prior, PriorBody
 from robodyn.identification.pseudo_inertia import pseudo_inertia
 from robodyn.identification.run import FOLDS, RESTS, First, Run
 from robodyn.identification.structure import Structure, counts, squares
 from robodyn.support.floats import Floats
+from robodyn.support.wording import listed
 
 _COSTLY, _SMALL = 1.5, 2e-3
+_FAR, _TOLD = 2.0, 0.05
+"""Times the fitted error of a joint, and of its torque: held-out errors that are told."""
+_GAIN = (
+    "torques alone cannot tell a gain of all their sensors, or of torque constants, from masses: weigh a body, or log "
+    "a payload that is known"
+)
 _RANK, _ALIKE = 1e-8, 0.35
 
 
@@ -41,6 +49,7 @@ def identified(
     prior: Prior,
     chosen: float,
     first: First,
+    left: Misfit,
     alike: list[str],
 ) -> Identified:
     """Return what was found.
@@ -80,6 +89,8 @@ def identified(
         bound_held_out=held[1],
         original_train=fitted_errors[2],
         original_held_out=held[2],
+        discrepancy={run.model.rates[j]: float(each) for j, each in zip(run.measured, left.deviation, strict=True)},
+        delays={run.model.rates[j]: float(run.logs[0].delays[j]) for j in run.measured},
         alone=_ratio(float(off(of, alone).sum()), float(plain.squares[of].sum())),
         strength=chosen,
         cutoff=run.cutoff,
@@ -93,11 +104,35 @@ def identified(
         faults=tuple(first.faults),
         warnings=(
             *first.faults,
+            *_late(run),
+            *first.doubts,
+            *(_worse(fitted_errors[0], held[0], errors([FOLDS])[2]) if held[0] else ()),
+            *left.words([run.model.rates[j] for j in run.measured]),
             *alike,
             *_warnings(run, prior, first.coupled, (fitted_errors[0], fitted_errors[1]), held[0] is not None),
             *_offsets(motors),
+            _GAIN,
         ),
     )
+
+
+def _late(run: Run) -> Iterator[str]:
+    """Yield a line if torques are late, and by how much."""
+    delays = run.logs[0].delays
+    late = [f"{1e3 * delays[j]:.3g} ms ({run.model.rates[j]})" for j in run.measured if delays[j]]
+    if late:
+        yield f"torques are logged late beside positions, which is taken out: {', '.join(late)}"
+
+
+def _worse(fitted: Errors, held: Errors, described: Errors) -> Iterator[str]:
+    """Yield a line for each joint that is held out much worse than it was fitted, or than the description has it."""
+    for name, error in held.joints.items():
+        before, given = fitted.joints[name], described.joints[name]
+        what = f"{name}: held-out torques are off by {100 * error:.2g} %"
+        if error > given:
+            yield f"{what}, more than by the description, {100 * given:.2g} %"
+        elif error > _FAR * before and error > _TOLD:
+            yield f"{what}, fitted ones by {100 * before:.2g} %"
 
 
 def _told_by_description(structure: Structure, theta: Floats) -> Floats:
@@ -158,6 +193,10 @@ def _warnings(
     still = {name for log in run.logs for name in log.held}
     resting = [name for name in names if run.directions[name].scale <= RESTS and name not in still]
     lines += [f"joint {name} rests: nothing is shown of its friction" for name in resting]
+    if still:
+        lines.append(
+            f"the log has nothing of {listed(sorted(still))}: no interval counts what its body and friction may be"
+        )
     for name, part in ratios.items():
         lines.append(
             f"a motor that turns with {name} explains {100.0 * (1.0 - part):.0f} % of what is left of both joints"

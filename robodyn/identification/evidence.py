@@ -83,7 +83,7 @@ def _columns(log: Log, samples: Samples) -> Floats:
             found[:, i, 1:_OWN] = np.stack((viscous, forward - backward, rotor), axis=1)
     body = load_body(model)
     found[..., _OWN:] = Y[:, :, [place[f"{body}.{each}"] for each in INERTIAL]]
-    return found
+    return np.where(np.isfinite(samples.tau)[..., None], found, 0.0)
 
 
 def _varying(log: Log, tau: Floats, notes: list[str]) -> list[int]:

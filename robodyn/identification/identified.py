@@ -69,6 +69,9 @@ class Identified:
         coupled: names of motors of two joints, and what part of the squares of both joints' residuals they leave.
         train, held_out: of the consistent parameters; `bound_*` of least squares without bounds; `original_*` of the
             description. None where nothing is held out.
+        discrepancy: by joint, standard error of torques of another motion beside that of the parameters, for what the
+            model has not [N m]; see `misfit`.
+        delays: by joint, how late its torque is logged, which was taken out [s].
         alone: relative error of held-out torques (all, where none are held out) by the calibrated description without
             its scene: without rotors, coupled motors, and what friction is beside viscous and Coulomb's.
         strength: of the prior, chosen by cross-validation; see `choose.strength`.
@@ -95,6 +98,8 @@ class Identified:
     bound_held_out: Errors | None
     original_train: Errors
     original_held_out: Errors | None
+    discrepancy: Mapping[str, float]
+    delays: Mapping[str, float]
     alone: float
     strength: float
     cutoff: float

@@ -16,6 +16,7 @@ from robodyn.identification.consistent import consistent_parameters
 from robodyn.identification.correlated import covariance
 from robodyn.identification.identified import BaseFit, Identified
 from robodyn.identification.log import Log
+from robodyn.identification.misfit import misfit
 from robodyn.identification.moments import Moments
 from robodyn.identification.motors import PARAMETERS, PLAIN
 from robodyn.identification.prior import Prior, prior_of
@@ -59,6 +60,7 @@ def identify(
     run = begun(logs, validate, scene, 1.0 if validate else split, cutoff)
     on_progress("comparing motors")
     first = first_fit(run)
+    run = first.run
     on_progress("fitting")
     plain, weighted, moments = weighted_rows(run, first)
     atoms, folds = plain.atoms, range(FOLDS)
@@ -79,8 +81,10 @@ def identify(
         raise InputError("no consistent parameters were found near the description", remedy="mend its inertials first")
     base = _base(structure, R, z, moments, sigma, theta)
     if structure.loaded:
-        structure, plain, *_ = repeated(run, structure, theta, sigma)
-    return identified(run, structure, plain, (theta, loose), base, prior, chosen, first, like_weight(structure, R))
+        structure, plain, weighted, _ = repeated(run, structure, theta, sigma)
+    left = misfit(run, structure, plain, weighted, theta, sigma)
+    alike = like_weight(structure, R)
+    return identified(run, structure, plain, (theta, loose), base, prior, chosen, first, left, alike)
 
 
 def _prior(run: Run, structure: Structure, shapes: bool) -> Prior:

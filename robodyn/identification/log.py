@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from robodyn.errors import TrajectoryError
 from robodyn.identification.log_scan import GAP, SIGHT, Scan, measured_torques
 from robodyn.identification.noise_cutoff import noise_cutoff
 from robodyn.identification.samples import Grid, Samples
-from robodyn.identification.spikes import limits, mended
+from robodyn.identification.spikes import clipping, limits, mended, noise_of, step_of
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
@@ -23,6 +23,8 @@ from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.noise import estimate
 from robodyn.trajectory.robot_motion import read_motion
 
+_COARSE = 0.01
+"""Of a torque's range: steps that are told."""
 _NOISE = 1 << 13
 """Samples from whose positions the noise is told."""
 
@@ -39,6 +41,8 @@ class Log:
         derived: whether velocities or accelerations are missing.
         cutoff: above which torques are noise [Hz].
         spikes: (n,) how far off their neighbours torques are left out [N m].
+        limits: (2, n) the least and the largest torque, where an amplifier clips it; infinite where none does [N m].
+        delays: (n,) by which torques are logged late [s]; loud: (n,) standard deviation of their noise [N m].
         held: joints without columns, and where.
         notes: what was assumed and left out, one line each; doubts: why its units may be others.
     """
@@ -57,6 +61,9 @@ class Log:
     derived: bool
     cutoff: float
     spikes: Floats
+    limits: Floats
+    delays: Floats
+    loud: Floats
     held: Mapping[str, float]
     notes: tuple[str, ...]
     doubts: tuple[str, ...]
@@ -79,7 +86,7 @@ class Log:
 
     def blocks(self) -> Iterator[Samples]:
         """Yield the samples on even grids, one grid for each stretch without gaps."""
-        grid = None if self.even else Grid(self.step)
+        grid = None if self.even and not self.delays.any() else Grid(self.step, self.delays)
         for part in self._parts():
             if grid is None:
                 yield part
@@ -94,6 +101,7 @@ class Log:
         with read_motion(self.path, self.model, self.scene, **self.options) as reader:
             for block in reader.blocks():
                 tau = mended(measured_torques(block, self.model), self.spikes)
+                tau[(tau <= self.limits[0]) | (tau >= self.limits[1])] = np.nan
                 far = np.flatnonzero(np.diff(block.time, prepend=last) > GAP * self.step)
                 last = float(block.time[-1])
                 for start, stop in zip([0, *far], [*far, len(block)], strict=True):
@@ -134,6 +142,8 @@ def read_log(path: str, model: Model, scene: Scene = DEFAULT, *, cutoff: float |
     step, even = scan.grid(path)
     tau = np.concatenate([measured_torques(block, model) for block in scan.seen])[:SIGHT]
     spikes, held, given = limits(tau), scan.last.held, {*measured, *constant}
+    moves = np.concatenate([block.q for block in scan.seen])[:SIGHT]
+    clipped = clipping(tau, (np.diff(moves, axis=0, prepend=moves[:1]) != 0.0).any(axis=1))
     notes = (
         *notes,
         *(f"{name} is held at {position:.6g}" for name, position in held.items()),
@@ -144,6 +154,8 @@ def read_log(path: str, model: Model, scene: Scene = DEFAULT, *, cutoff: float |
         ),
         *(f"the torque of {model.rates[i]} is {tau[0, i]:.6g} throughout: it is left out" for i in constant),
         *(f"the torque of {model.rates[i]} has spikes, which are left out" for i in measured if spikes[i] < np.inf),
+        *(_clipped(model.rates[i], tau[:, i], clipped[:, i]) for i in measured if np.isfinite(clipped[:, i]).any()),
+        *_in_steps([(model.rates[i], tau[:, i]) for i in measured]),
     )
     return Log(
         path=path,
@@ -160,10 +172,27 @@ def read_log(path: str, model: Model, scene: Scene = DEFAULT, *, cutoff: float |
         derived=derived,
         cutoff=noise_cutoff(mended(tau, spikes)[:, measured], step) if cutoff is None else cutoff,
         spikes=spikes,
+        limits=clipped,
+        delays=np.zeros(model.n),
+        loud=noise_of(tau),
         held=held,
         notes=notes,
         doubts=tuple(doubt.said for doubt in scan.last.doubts),
     )
+
+
+def _clipped(name: str, tau: Floats, ends: Floats) -> str:
+    share = 100.0 * float(np.mean((tau <= ends[0]) | (tau >= ends[1])))
+    where = " and ".join(f"{end:.4g}" for end in ends if np.isfinite(end))
+    return (
+        f"the torque of {name} stands at {where} in {share:.2g} % of the rows, as if it were clipped: they are left out"
+    )
+
+
+def _in_steps(torques: Sequence[tuple[str, Floats]]) -> list[str]:
+    """Return a line if torques have few values."""
+    coarse = [f"{each:.3g} ({name})" for name, tau in torques if (each := step_of(tau)) > _COARSE * np.ptp(tau)]
+    return [f"torques are in steps of {', '.join(coarse)}: what is smaller cannot be told"] if coarse else []
 
 
 def _noise(block: Trajectory) -> float:

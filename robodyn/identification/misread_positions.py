@@ -15,6 +15,7 @@ from robodyn.programs.vectors import product
 from robodyn.support.floats import Floats
 
 _ROWS, _JOINTS = 400, 8
+_FEWEST, _WHOLE = 100, 1e-6
 _CLEAR = 1.0 / 16.0
 """What the right reading leaves at most of the squares of the one at hand, as a product over the joints."""
 
@@ -34,6 +35,8 @@ def misread(logs: Sequence[Log], cutoff: float, structure: Structure, sigma: Flo
     if model.nq != model.n:
         return []
     rows = _rows(logs, cutoff)
+    if len(rows.time) < _FEWEST:
+        return []
     before = _left(rows, structure, sigma)
     size = np.array([np.sum(rows.tau[:, j] ** 2) for j in structure.atoms.measured]) / sigma**2
     worst = sorted(np.argsort(-before / np.maximum(size, 1e-300), kind="stable")[:_JOINTS].tolist())
@@ -63,15 +66,17 @@ def _readings(names: Sequence[str], joints: Sequence[int]) -> Iterator[tuple[lis
 
 
 def _rows(logs: Sequence[Log], cutoff: float) -> Samples:
-    """Return some hundred instants of the logs: motion and torques through the same filter."""
+    """Return some hundred instants of the logs, around which no torque is left out: all through the same filter."""
 
     def motion(samples: Samples) -> Floats:
-        return np.stack((samples.q, samples.qd, samples.qdd), axis=1)
+        lost = np.repeat(np.isnan(samples.tau).any(axis=1, keepdims=True), samples.q.shape[1], axis=1)
+        return np.stack((samples.q, samples.qd, samples.qdd, lost), axis=1)
 
     parts = [rows for log in logs for rows in filtered(log, cutoff, motion)]
     time, motions, tau = (np.concatenate([getattr(part, name) for part in parts]) for name in parts[0]._fields)
-    some = slice(None, None, 1 + len(time) // _ROWS)
-    q, qd, qdd = motions[some].swapaxes(0, 1)
+    whole = np.flatnonzero(np.abs(motions[:, 3]).max(axis=1) < _WHOLE)
+    some = whole[:: 1 + len(whole) // _ROWS]
+    q, qd, qdd, _ = motions[some].swapaxes(0, 1)
     return Samples(time[some], q, qd, qdd, tau[some], True)
 
 
@@ -81,7 +86,7 @@ def _left(rows: Samples, structure: Structure, sigma: Floats) -> Floats:
     parts, pairs = np.split(atoms.compute(rows), np.cumsum(atoms.widths)[:-1], axis=1), []
     for j, used, columns, scale in zip(atoms.measured, atoms.used, parts, sigma, strict=True):
         pairs.append((product(columns[:, :-2], shape[used]) / scale, (rows.tau[:, j] - columns[:, -2]) / scale))
-    theta = _possible(*whole_system([np.column_stack(pair) for pair in pairs], structure), structure.names)
+    theta = _possible(*whole_system([np.column_stack(pair) for pair in pairs], structure.names), structure.names)
     return np.array([np.sum((product(Y, theta) - z) ** 2) + 1e-20 * np.sum(z * z) + 1e-300 for Y, z in pairs])
 
 

@@ -88,12 +88,19 @@ def covariance(found: Identified) -> Covariance:
     """Return the calibrated parameters with the covariance of the base parameters, carried by those that name groups.
 
     The others of each group are taken for known, which changes no torque of a motion that shows no more than the log.
+    What the model has not is a constant torque of each joint, unknown by its discrepancy: friction forwards and
+    backwards, and, where that is, of breakaway.
     """
     loads = {f"{name}.load": found.scene.friction[name].load for name in found.scene.loaded}
     names, theta = (*found.names, *loads), np.append(found.theta, list(loads.values()))
     carried = carriers(found.base.base, names)
-    own = np.flatnonzero(carried.any(axis=1))
-    C = einsum("ar,rs,bs->ab", carried[own], found.base.covariance, carried[own])
+    C = einsum("ar,rs,bs->ab", carried, found.base.covariance, carried)
+    for name, deviation in found.discrepancy.items():
+        constant = np.array([each in (f"{name}.forward", f"{name}.backward") for each in names], dtype=float)
+        C += np.outer(deviation * constant, deviation * constant)
+        C += np.diag([deviation**2 * (each == f"{name}.stribeck") for each in names])
+    own = np.flatnonzero(np.diagonal(C) > 0.0)
+    C = C[np.ix_(own, own)]
     return Covariance(tuple(names[k] for k in own), theta[own], (C + C.T) / 2.0)
 
 

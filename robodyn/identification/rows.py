@@ -58,11 +58,11 @@ def filtered(log: Log, cutoff: float, compute: Callable[[Samples], Floats]) -> I
 
     Args:
         cutoff: Hz, see `filters.kernel`.
-        compute: samples -> (k, ...).
+        compute: samples -> (k, ...), zero where the torque that it stands beside is left out, as that is here.
     """
     taps, every = kernel(cutoff, log.step), decimation(cutoff, log.step)
     reach = len(taps) // 2
-    computed = ((each.begins, (each.time, compute(each), each.tau)) for each in states(log, cutoff))
+    computed = ((each.begins, (each.time, compute(each), np.nan_to_num(each.tau))) for each in states(log, cutoff))
     for _, (time, values, tau), count in _windows(computed, len(taps), every):
         yield Rows(
             time[reach : len(time) - reach : every][:count],

@@ -16,6 +16,7 @@ from robodyn.identification.choose import coupled, coupled_motors, joint_motors,
 from robodyn.identification.filters import kernel, rates
 from robodyn.identification.gather import Gathered, Guess, gather
 from robodyn.identification.gross_faults import magnitudes, told
+from robodyn.identification.installation import CLEAR, Raw
 from robodyn.identification.log import Log
 from robodyn.identification.misread_positions import misread
 from robodyn.identification.moments import Moments
@@ -58,6 +59,10 @@ class Run:
     def fitted(self) -> tuple[Log, ...]:
         """The logs of which something is fitted."""
         return tuple(log for log, edges in zip(self.logs, self.edges, strict=True) if edges[-1] > log.start)
+
+    def delayed(self, delays: Floats) -> Run:
+        """Return the run through logs whose torques are (n,) late [s]."""
+        return replace(self, logs=tuple(replace(log, delays=delays) for log in self.logs))
 
     def gathered(self, atoms: Atoms, guess: Guess | None = None) -> tuple[Gathered, Gathered]:
         """Return the factors of one pass over all logs, and the weighted ones."""
@@ -118,13 +123,17 @@ class First(NamedTuple):
         motors: that count; coupled: what those of several joints leave of the squares.
         values: by atom; sigma: (joints,) of residuals [N m].
         faults: of the logs, for which nothing is written.
+        doubts: of how gravity points, a line.
+        run: through the logs, with torques where they belong.
     """
 
+    run: Run
     motors: list[Motor]
     coupled: dict[str, float]
     values: dict[str, float]
     sigma: Floats
     faults: list[str]
+    doubts: list[str]
 
 
 def first_fit(run: Run) -> First:
@@ -139,10 +148,12 @@ def first_fit(run: Run) -> First:
     ]
     bare = [replace(motor, stribeck=()) for motor in motors]
     atoms = Atoms(run.model, run.scene, run.measured, bare, run.slip_speed)
+    raw = Raw(run.fitted, run.cutoff, atoms, [edges[-1] for edges in run.edges if np.isfinite(edges[-1])])
     plain, _ = run.gathered(atoms)
     joints = [k for k, motor in enumerate(motors) if motor.name in given]
     first = Structure(atoms, dict.fromkeys(joints, PLAIN))
     check_rows(plain, first, run.logs, run.cutoff, run.holds)
+    run, plain = _in_time(run, plain, first, raw)
     channels, measured = [triangle.R for triangle in plain.channels], [names[j] for j in run.measured]
     faults = told(channels).words(measured)
     ratios = {motor.name: part for motor, part in coupled(plain, range(FOLDS), first)}
@@ -150,10 +161,26 @@ def first_fit(run: Run) -> First:
     second = Structure(atoms, dict.fromkeys(chosen, PLAIN))
     theta, sigma = fitted(plain, range(FOLDS), second)
     faults = faults or misread(run.fitted, run.cutoff, second, sigma)
+    doubts = [] if faults else raw.leaning(second, theta, sigma, run.scene)
     values = dict(zip(atoms.names, (second.shape @ theta).tolist(), strict=True))
     units = [doubt if len(run.logs) == 1 else f"{log.path}: {doubt}" for log in run.logs for doubt in log.doubts]
     faults = [*units, *faults, *magnitudes(channels, measured)]
-    return First([motors[k] for k in chosen], ratios, values, sigma, faults)
+    return First(run, [motors[k] for k in chosen], ratios, values, sigma, faults, doubts)
+
+
+def _in_time(run: Run, plain: Gathered, structure: Structure, raw: Raw) -> tuple[Run, Gathered]:
+    """Return the run with torques that are logged late where they belong, and its factors.
+
+    A delay counts if it leaves much less of its joint's torque also where all joints are fitted together.
+    """
+    found = raw.delays()
+    if not found.any():
+        return run, plain
+    _, before = fitted(plain, range(FOLDS), structure)
+    _, after = fitted(run.delayed(found).gathered(structure.atoms)[0], range(FOLDS), structure)
+    found[list(run.measured)] *= after**2 < CLEAR * before**2
+    run = run.delayed(found)
+    return run, run.gathered(structure.atoms)[0]
 
 
 def weighted_rows(run: Run, first: First) -> tuple[Gathered, Gathered, Moments]:

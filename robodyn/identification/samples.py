@@ -17,7 +17,8 @@ class Samples(NamedTuple):
     """Consecutive samples on an even grid.
 
     Attributes:
-        time: (k,) s; q: (k, nq); qd, qdd: (k, n); tau: (k, n) N m, zero where nothing is measured.
+        time: (k,) s; q: (k, nq); qd, qdd: (k, n).
+        tau: (k, n) N m, zero of joints that are not measured, NaN where a torque is left out.
         begins: whether a stretch begins with them.
     """
 
@@ -42,10 +43,15 @@ def joined(first: Samples, second: Samples) -> Samples:
 
 
 class Grid:
-    """Puts rows with uneven stamps onto an even grid: motion by cubic splines, torques by straight lines."""
+    """Puts rows with uneven stamps onto an even grid: motion by cubic splines, torques by straight lines.
 
-    def __init__(self, step: float) -> None:
+    Torques that are logged `delays` (n,) late [s] are put where they belong.
+    """
+
+    def __init__(self, step: float, delays: Floats) -> None:
         self._step, self._next, self._begins = step, 0.0, True
+        self._delays = delays
+        self._halo = _HALO + int(np.ceil(np.abs(delays).max(initial=0.0) / step))
         self._rows: Samples | None = None
 
     def feed(self, part: Samples) -> Iterator[Samples]:
@@ -55,9 +61,9 @@ class Grid:
             self._rows, self._next, self._begins = None, float(part.time[0]), True
         rows = part if self._rows is None else joined(self._rows, part)
         self._rows = rows
-        if len(rows.time) > _HALO:
-            yield from self._until(float(rows.time[-_HALO]))
-            first = max(0, int(np.searchsorted(rows.time, self._next)) - _HALO)
+        if len(rows.time) > self._halo:
+            yield from self._until(float(rows.time[-self._halo]))
+            first = max(0, int(np.searchsorted(rows.time, self._next)) - self._halo)
             self._rows = rows.cut(slice(first, None), False)
 
     def finish(self) -> Iterator[Samples]:
@@ -75,6 +81,8 @@ class Grid:
         time: Floats = np.asarray(self._next + self._step * np.arange(count))
         motion = CubicSpline(rows.time, np.concatenate([rows.q, rows.qd, rows.qdd], axis=1))(time)
         q, qd, qdd = np.split(motion, [rows.q.shape[1], rows.q.shape[1] + rows.qd.shape[1]], axis=1)
-        tau = np.stack([np.interp(time, rows.time, column) for column in rows.tau.T], axis=1)
-        yield Samples(time, q, qd, qdd, tau, self._begins)
+        late = zip(self._delays.tolist(), rows.tau.T, strict=True)
+        outside = {True: np.nan, False: None}
+        tau = [np.interp(time + d, rows.time, of, outside[d != 0.0], outside[d != 0.0]) for d, of in late]
+        yield Samples(time, q, qd, qdd, np.stack(tau, axis=1), self._begins)
         self._next, self._begins = float(time[-1]) + self._step, False

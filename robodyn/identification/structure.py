@@ -70,7 +70,7 @@ def system(gathered: Gathered, folds: Sequence[int], structure: Structure, sigma
     Args:
         sigma: (joints,) N m.
     """
-    return whole_system([_of_fold(gathered, fold, structure, sigma) for fold in folds], structure)
+    return whole_system([_of_fold(gathered, fold, structure, sigma) for fold in folds], structure.names)
 
 
 def without_one(
@@ -78,14 +78,15 @@ def without_one(
 ) -> list[tuple[Floats, Floats]]:
     """Return for each fold the `system` of all others."""
     parts = [_of_fold(gathered, fold, structure, sigma) for fold in folds]
-    return [whole_system([part for k, part in enumerate(parts) if k != left], structure) for left in range(len(parts))]
+    others = ([part for k, part in enumerate(parts) if k != left] for left in range(len(parts)))
+    return [whole_system(each, structure.names) for each in others]
 
 
-def whole_system(parts: list[Floats], structure: Structure) -> tuple[Floats, Floats]:
+def whole_system(parts: list[Floats], names: Sequence[str]) -> tuple[Floats, Floats]:
     """Return R (k, p) and z (k,) of weighted rows [columns of the parameters, torques] in parts."""
     whole = stacked(parts)
     R = whole[:, :-1]
-    return np.where(shown(R, structure.names), R, 0.0), whole[:, -1]
+    return np.where(shown(R, names), R, 0.0), whole[:, -1]
 
 
 def _of_fold(gathered: Gathered, fold: int, structure: Structure, sigma: Floats) -> Floats:

@@ -1,0 +1,169 @@
+"""How a log was taken: by how much torques are logged late, and how gravity leans, told from raw samples."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from robodyn.identification.atoms import Atoms
+from robodyn.identification.log import Log
+from robodyn.identification.rows import states
+from robodyn.identification.samples import Samples, joined
+from robodyn.identification.structure import Structure, least_squares, whole_system
+from robodyn.programs.vectors import product
+from robodyn.scene.scene import Scene
+from robodyn.support.floats import Floats
+
+_SAMPLES, _ROWS, _VALUES = 1 << 17, 3000, 2_000_000
+"""Samples that are read, and instants that are compared, of at most so many numbers."""
+_MOST, _SHIFTS = 0.15, 60
+"""s: delays are looked for up to here, and up to a tenth of a log; so many are compared in either direction."""
+CLEAR = 0.6
+"""What a delay leaves of the squares at most."""
+_BENDS = (0.003, 0.01, 0.03)
+"""Of a joint's usual speed times 1 s: displacements over which dry friction may turn its sign, which looks late."""
+_DEPENDENT = 1e-6
+_LEAN, _ALIKE, _ROUNDS, _SMALL = 0.5, 0.3, 3, 1e-3
+"""Degrees that are told, if both halves of a log tell them alike but for a part; rounds; rad of differences."""
+
+
+class Raw:
+    """Some instants of logs that are fitted.
+
+    Attributes:
+        late: (n,) how late torques were found [s].
+    """
+
+    def __init__(self, logs: Sequence[Log], cutoff: float, atoms: Atoms, stop: Sequence[float]) -> None:
+        """Read logs, each until a time `stop` [s]."""
+        self.atoms, self.logs = atoms, logs
+        self.whole = [_until(log, cutoff, end) for log, end in zip(logs, stop, strict=True)]
+        count = min(_ROWS, _VALUES // sum(atoms.widths)) // len(logs)
+        self.some = [slice(None, None, 1 + len(each.time) // max(count, 1)) for each in self.whole]
+        self.few = [each.cut(own, True) for each, own in zip(self.whole, self.some, strict=True)]
+        self.late = np.zeros(atoms.model.n)
+
+    def delays(self) -> Floats:
+        """Return (n,) the delay of each torque that leaves least of it [s]; 0 unless it is clear.
+
+        Each torque some time later is fitted by all columns of its joint, free of other joints, and by dry friction
+        that turns its sign over a displacement. The least of what is left is that of a parabola between the delays that
+        are compared.
+        """
+        step = self.logs[0].step
+        reach = min(_MOST, 0.1 * min(log.stop - log.start for log in self.logs))
+        step *= max(1, round(reach / (_SHIFTS * step)))
+        shifts = step * np.arange(-int(reach / step), int(reach / step) + 1)
+        parts = [self._columns(self.atoms, few) for few in self.few]
+        pairs = zip(self.whole, self.some, self.logs, strict=True)
+        slow = np.concatenate([_presliding(whole, log.step)[own] for whole, own, log in pairs])
+        for place, j in enumerate(self.atoms.measured):
+            columns = np.concatenate([part[place] for part in parts])
+            late = self._later(shifts, j)
+            there = np.isfinite(late).all(axis=1)
+            if there.sum() > 2 * columns.shape[1]:
+                own = np.concatenate([columns[:, :-2], slow[:, j]], axis=1)[there]
+                self.late[j] = _best(shifts, _left(own, late[there] - columns[there, -2:-1]))
+        return self.late
+
+    def leaning(self, structure: Structure, theta: Floats, sigma: Floats, scene: Scene) -> list[str]:
+        """Return in words how gravity leans beside that of the scene, if both halves of the instants tell it alike.
+
+        Two angles about axes across gravity are fitted with all parameters, to first order, and anew near the fit.
+
+        Args:
+            theta: (p,) of a fit; sigma: (joints,) of its residuals [N m].
+        """
+        g = np.array(scene.gravity, dtype=float)
+        if not g.any():
+            return []
+        across = np.linalg.svd(g[None])[2][1:] * np.linalg.norm(g)
+        angles, halves = np.zeros(2), np.zeros((2, 2))
+        for _ in range(_ROUNDS):
+            here = g + product(angles, across)
+            Y, z = self._weighted(structure, sigma, here)
+            leans = [self._weighted(structure, sigma, here + _SMALL * way)[0] - Y for way in across]
+            rows = np.column_stack((Y, *(product(each, theta) / _SMALL for each in leans), z))
+            names, half = (*structure.names, "lean.first", "lean.second"), len(rows) // 2
+            parts = rows[:half], rows[half:]
+            halves = angles + [least_squares(*whole_system([part], names))[-2:] for part in parts]
+            found = least_squares(*whole_system([rows], names))
+            theta, angles = found[:-2], angles + found[-2:]
+        size = float(np.linalg.norm(angles))
+        differ = float(np.linalg.norm(halves - angles, axis=1).max())
+        if not _LEAN < np.degrees(size) < 90.0 or differ > _ALIKE * size:
+            return []
+        way = g + product(angles, across)
+        said = ",".join(f"{x:.3g}" for x in way * np.linalg.norm(g) / np.linalg.norm(way))
+        what = f"torques fit gravity that leans by {np.degrees(np.arctan(size)):.2g} degrees"
+        return [f"{what}: does the base stand tilted? then --gravity {said}"]
+
+    def _weighted(self, structure: Structure, sigma: Floats, gravity: Floats) -> tuple[Floats, Floats]:
+        """Return columns of the parameters (k, p) and torques (k,) of all instants, joint by joint in each."""
+        atoms, shape = structure.atoms.under(tuple(gravity.tolist())), structure.shape
+        parts = [self._columns(atoms, few) for few in self.few]
+        Y, z = [], []
+        for place, (j, used, scale) in enumerate(zip(atoms.measured, atoms.used, sigma, strict=True)):
+            columns, late = np.concatenate([part[place] for part in parts]), self._later(self.late[j : j + 1], j)
+            there = np.isfinite(late)
+            Y.append(np.where(there, product(columns[:, :-2], shape[used]), 0.0) / scale)
+            z.append(np.where(there, late - columns[:, -2:-1], 0.0)[:, 0] / scale)
+        return np.stack(Y, axis=1).reshape(-1, len(structure.names)), np.stack(z, axis=1).ravel()
+
+    def _columns(self, atoms: Atoms, few: Samples) -> list[Floats]:
+        """Return of each measured joint what `Atoms.compute` does, wherever its torque may be later."""
+        there = few._replace(tau=np.zeros_like(few.tau))
+        return np.split(atoms.compute(there), np.cumsum(atoms.widths)[:-1], axis=1)
+
+    def _later(self, shifts: Floats, j: int) -> Floats:
+        """Return (k, shifts) the torque of a joint later than at the instants, NaN outside of the log."""
+        pairs = zip(self.whole, self.few, strict=True)
+        return np.concatenate(
+            [np.interp(few.time[:, None] + shifts, all.time, all.tau[:, j], np.nan, np.nan) for all, few in pairs]
+        )
+
+
+def _until(log: Log, cutoff: float, stop: float) -> Samples:
+    """Return the samples of a log until some time, not more than some hundred thousand."""
+    found: list[Samples] = []
+    for part in states(log, cutoff):
+        found.append(part.cut(slice(0, int(np.searchsorted(part.time, stop))), part.begins))
+        if part.time[-1] >= stop or sum(len(each.time) for each in found) > _SAMPLES:
+            break
+    whole = found[0]
+    for part in found[1:]:
+        whole = joined(whole, part)
+    return whole
+
+
+def _presliding(whole: Samples, step: float) -> Floats:
+    """Return (k, n, `_BENDS`) the sign of dry friction that turns over a displacement s: dz/dq = (sign(qd) - z) / s."""
+    size = np.sqrt(np.mean(whole.qd**2, axis=0))
+    s = np.multiply.outer(np.where(size > 0.0, size, 1.0), _BENDS)
+    stay = np.exp(-step * np.abs(whole.qd)[..., None] / s)
+    z, found = np.zeros(s.shape), np.empty(stay.shape)
+    for k, sign in enumerate(np.sign(whole.qd)[..., None]):
+        z = sign + (z - sign) * stay[k]
+        found[k] = z
+    return found
+
+
+def _left(columns: Floats, targets: Floats) -> Floats:
+    """Return the squares that columns (k, w) leave of each of targets (k, s)."""
+    size = np.sqrt(np.einsum("kw,kw->w", columns, columns))
+    Q, values, _ = np.linalg.svd(columns[:, size > 0.0] / size[size > 0.0], full_matrices=False)
+    Q = Q[:, values > _DEPENDENT * values[0]]
+    rest = targets - product(Q, product(Q.T, targets))
+    return np.asarray(np.einsum("ks,ks->s", rest, rest))
+
+
+def _best(shifts: Floats, left: Floats) -> float:
+    """Return where what is left is least, if that is inside and much less than at 0."""
+    k = int(np.argmin(left))
+    if not 0 < k < len(shifts) - 1 or left[k] > CLEAR * left[len(left) // 2]:
+        return 0.0
+    before, least, after = left[k - 1 : k + 2]
+    bend = before - 2.0 * least + after
+    place = 0.5 * (before - after) / bend if bend > 0.0 else 0.0
+    return float(f"{shifts[k] + place * (shifts[1] - shifts[0]):.3g}")
