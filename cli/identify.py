@@ -58,6 +58,7 @@ def command(urdf: str, logs: tuple[str, ...], **options: Any) -> int:
     """
     from robodyn.identification.identify import identify
     from robodyn.identification.log import Log, read_log
+    from robodyn.identification.refusals import check_size
     from robodyn.report.identified import identified_page, identified_sections
     from robodyn.report.json.identified import identified_json
 
@@ -68,6 +69,7 @@ def command(urdf: str, logs: tuple[str, ...], **options: Any) -> int:
     for path in (*logs, *validate):
         expect(TABLE, path)
     model, scene = robot_in_scene(urdf)
+    check_size(model)
 
     def read(paths: tuple[str, ...]) -> list[Log]:
         return [read_log(path, model, scene, cutoff=options["cutoff"], **reading()) for path in paths]

@@ -55,6 +55,8 @@ NO_DIGITS = {
     "identification.triangle": "the same",
     "identification.conclude": "whether bodies can exist",
     "identification.run": "a first guess, by which outliers are told",
+    "identification.installation": "delays and angles, told to three digits where they are clear",
+    "identification.misfit": "standard errors, told to two digits",
     "identification.link_inertias": "a sign, and a share of three digits",
     "scene.covariance": "a sign",
 }

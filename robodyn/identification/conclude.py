@@ -16,7 +16,6 @@ from robodyn.identification.pseudo_inertia import pseudo_inertia
 from robodyn.identification.run import FOLDS, RESTS, First, Run
 from robodyn.identification.structure import Structure, counts, squares
 from robodyn.support.floats import Floats
-from robodyn.support.wording import listed
 
 _COSTLY, _SMALL = 1.5, 2e-3
 _FAR, _TOLD = 2.0, 0.05
@@ -194,9 +193,7 @@ def _warnings(
     resting = [name for name in names if run.directions[name].scale <= RESTS and name not in still]
     lines += [f"joint {name} rests: nothing is shown of its friction" for name in resting]
     if still:
-        lines.append(
-            f"the log has nothing of {listed(sorted(still))}: no interval counts what its body and friction may be"
-        )
+        lines.append("no interval counts what bodies and friction are of joints that the log has not")
     for name, part in ratios.items():
         lines.append(
             f"a motor that turns with {name} explains {100.0 * (1.0 - part):.0f} % of what is left of both joints"

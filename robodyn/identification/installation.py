@@ -11,7 +11,6 @@ from robodyn.identification.log import Log
 from robodyn.identification.rows import states
 from robodyn.identification.samples import Samples, joined
 from robodyn.identification.structure import Structure, least_squares, whole_system
-from robodyn.programs.vectors import product
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
 
@@ -24,7 +23,7 @@ CLEAR = 0.6
 _BENDS = (0.003, 0.01, 0.03)
 """Of a joint's usual speed times 1 s: displacements over which dry friction may turn its sign, which looks late."""
 _DEPENDENT = 1e-6
-_LEAN, _ALIKE, _ROUNDS, _SMALL = 0.5, 0.3, 3, 1e-3
+_LEAN, _ALIKE, _ROUNDS, _SMALL = 0.5, 0.3, 2, 1e-3
 """Degrees that are told, if both halves of a log tell them alike but for a part; rounds; rad of differences."""
 
 
@@ -81,10 +80,10 @@ class Raw:
         across = np.linalg.svd(g[None])[2][1:] * np.linalg.norm(g)
         angles, halves = np.zeros(2), np.zeros((2, 2))
         for _ in range(_ROUNDS):
-            here = g + product(angles, across)
+            here = g + angles @ across
             Y, z = self._weighted(structure, sigma, here)
             leans = [self._weighted(structure, sigma, here + _SMALL * way)[0] - Y for way in across]
-            rows = np.column_stack((Y, *(product(each, theta) / _SMALL for each in leans), z))
+            rows = np.column_stack((Y, *(each @ theta / _SMALL for each in leans), z))
             names, half = (*structure.names, "lean.first", "lean.second"), len(rows) // 2
             parts = rows[:half], rows[half:]
             halves = angles + [least_squares(*whole_system([part], names))[-2:] for part in parts]
@@ -94,7 +93,7 @@ class Raw:
         differ = float(np.linalg.norm(halves - angles, axis=1).max())
         if not _LEAN < np.degrees(size) < 90.0 or differ > _ALIKE * size:
             return []
-        way = g + product(angles, across)
+        way = g + angles @ across
         said = ",".join(f"{x:.3g}" for x in way * np.linalg.norm(g) / np.linalg.norm(way))
         what = f"torques fit gravity that leans by {np.degrees(np.arctan(size)):.2g} degrees"
         return [f"{what}: does the base stand tilted? then --gravity {said}"]
@@ -107,7 +106,7 @@ class Raw:
         for place, (j, used, scale) in enumerate(zip(atoms.measured, atoms.used, sigma, strict=True)):
             columns, late = np.concatenate([part[place] for part in parts]), self._later(self.late[j : j + 1], j)
             there = np.isfinite(late)
-            Y.append(np.where(there, product(columns[:, :-2], shape[used]), 0.0) / scale)
+            Y.append(np.where(there, columns[:, :-2] @ shape[used], 0.0) / scale)
             z.append(np.where(there, late - columns[:, -2:-1], 0.0)[:, 0] / scale)
         return np.stack(Y, axis=1).reshape(-1, len(structure.names)), np.stack(z, axis=1).ravel()
 
@@ -154,7 +153,7 @@ def _left(columns: Floats, targets: Floats) -> Floats:
     size = np.sqrt(np.einsum("kw,kw->w", columns, columns))
     Q, values, _ = np.linalg.svd(columns[:, size > 0.0] / size[size > 0.0], full_matrices=False)
     Q = Q[:, values > _DEPENDENT * values[0]]
-    rest = targets - product(Q, product(Q.T, targets))
+    rest = targets - Q @ (Q.T @ targets)
     return np.asarray(np.einsum("ks,ks->s", rest, rest))
 
 

@@ -13,11 +13,22 @@ from robodyn.identification.gather import Gathered
 from robodyn.identification.log import Log
 from robodyn.identification.rows import POSITIONS
 from robodyn.identification.structure import Structure, counts, system
+from robodyn.robot.model import Model
 
 _LEAST = 2
 """Rows for each base parameter."""
+_JOINTS = 30
 _FOLDS = 2
 """With rows in them, so that what one leaves out is told by another."""
+
+
+def check_size(model: Model) -> None:
+    """Raise if a robot has so many joints that fits would take longer than minutes."""
+    if model.n > _JOINTS:
+        what = (
+            f"{model.name} has {model.n} joints, and identify fits at most {_JOINTS} together: time grows as their cube"
+        )
+        raise InputError(what, remedy="describe and log its limbs one by one")
 
 
 def check_files(logs: Sequence[Log], cutoff: float) -> None:

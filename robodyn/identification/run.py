@@ -21,7 +21,7 @@ from robodyn.identification.log import Log
 from robodyn.identification.misread_positions import misread
 from robodyn.identification.moments import Moments
 from robodyn.identification.motors import PLAIN, Motor
-from robodyn.identification.refusals import check_files, check_rows
+from robodyn.identification.refusals import check_files, check_rows, check_size
 from robodyn.identification.rows import POSITIONS, states
 from robodyn.identification.structure import Structure, fitted
 from robodyn.robot.model import Model
@@ -78,6 +78,7 @@ def begun(logs: Sequence[Log], validate: Sequence[Log], scene: Scene, split: flo
     """Go through the logs once for the largest speeds."""
     every = (*logs, *validate)
     model = every[0].model
+    check_size(model)
     for spin in spins(model, scene):
         what = f"[rotor] {spin.joint.name} has an axis, and identify knows only rotors that turn in place"
         raise InputError(what, remedy="leave axis and on out")

@@ -43,11 +43,11 @@ def clipping(tau: Floats, moves: NDArray[np.bool_]) -> Floats:
         tau: (N, n) N m. moves: (N,) whether any joint does; a robot at rest needs the same torque for long.
     """
     found = np.stack((np.full(tau.shape[1], -np.inf), np.full(tau.shape[1], np.inf)))
-    for j, column in enumerate(tau.T):
-        values, counts = np.unique(column[moves], return_counts=True)
+    for j, column in enumerate(tau[moves].T):
+        values, counts = np.unique(column, return_counts=True)
         for side, order in enumerate((slice(None), slice(None, None, -1))):
-            most, *next_ones = counts[order][:3].tolist()
-            if len(values) > 1 and most >= _OFTEN and most > _PILED * max(next_ones):
+            most, next_ones = counts[order][:1].sum(), counts[order][1:3]
+            if len(values) > 1 and most >= _OFTEN and most > _PILED * next_ones.max():
                 found[side, j] = values[order][0]
     return found
 
