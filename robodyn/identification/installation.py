@@ -23,7 +23,7 @@ CLEAR = 0.6
 _BENDS = (0.003, 0.01, 0.03)
 """Of a joint's usual speed times 1 s: displacements over which dry friction may turn its sign, which looks late."""
 _DEPENDENT = 1e-6
-_LEAN, _ALIKE, _ROUNDS, _SMALL = 0.5, 0.45, 2, 1e-3
+_LEAN, _ALIKE, _ROUNDS, _SMALL = 1.0, 0.45, 2, 1e-3
 """Degrees that are told, if both halves of a log tell them alike but for a part; rounds; rad of differences."""
 
 

@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 
 from benchmarks.coverage_of_bars import coverage_table
+from benchmarks.coverage_of_identified import coverage_of_identified
 from benchmarks.derivative_errors import derivatives_table
 
 from helpers.machine import machine
@@ -65,7 +66,11 @@ def steady_tables() -> dict[str, Callable[[], str]]:
 
 def timed_tables() -> dict[str, Callable[[], str]]:
     """What makes the tables that take minutes: of error bars, and those of timings, each by a process of its own."""
-    return {"bars": coverage_table, **{name: partial(measured, script) for name, script in TIMED.items()}}
+    return {
+        "bars": coverage_table,
+        "identified": coverage_of_identified,
+        **{name: partial(measured, script) for name, script in TIMED.items()},
+    }
 
 
 def measured(script: str) -> str:

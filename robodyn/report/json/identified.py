@@ -15,7 +15,8 @@ def identified_json(found: Identified) -> str:
         select(
             found,
             "robot:model.name train held_out original bound consistent better base_parameters rank:base.base.rank "
-            "condition:base.base.condition friction coupled strength cutoff slip_speed unseen parameters rows samples "
+            "condition:base.base.condition friction coupled discrepancy delays "
+            "strength cutoff slip_speed unseen parameters rows samples "
             "duration logs warnings",
             original={**_errors(held), **_both(found.original_train, found.original_held_out)},
             bound=_both(found.bound_train, found.bound_held_out),
@@ -23,6 +24,8 @@ def identified_json(found: Identified) -> str:
             friction=[{"name": name, **encode(fit)} for name, fit in found.motors.items()],
             coupled=[{"name": name, "unexplained": part} for name, part in found.coupled.items()],
             parameters=_parameters(found),
+            discrepancy=dict(found.discrepancy),
+            delays=dict(found.delays),
             logs=[{"path": path, "sha256": sha256} for path, sha256 in found.hashes.items()],
         )
     )
