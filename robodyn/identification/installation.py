@@ -13,6 +13,7 @@ from robodyn.identification.samples import Samples, joined
 from robodyn.identification.structure import Structure, least_squares, whole_system
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 _SAMPLES, _ROWS, _VALUES = 1 << 17, 3000, 2_000_000
 """Samples that are read, and instants that are compared, of at most so many numbers."""
@@ -150,11 +151,11 @@ def _presliding(whole: Samples, step: float) -> Floats:
 
 def _left(columns: Floats, targets: Floats) -> Floats:
     """Return the squares that columns (k, w) leave of each of targets (k, s)."""
-    size = np.sqrt(np.einsum("kw,kw->w", columns, columns))
+    size = np.sqrt(einsum("kw,kw->w", columns, columns))
     Q, values, _ = np.linalg.svd(columns[:, size > 0.0] / size[size > 0.0], full_matrices=False)
     Q = Q[:, values > _DEPENDENT * values[0]]
     rest = targets - Q @ (Q.T @ targets)
-    return np.asarray(np.einsum("ks,ks->s", rest, rest))
+    return np.asarray(einsum("ks,ks->s", rest, rest))
 
 
 def _best(shifts: Floats, left: Floats) -> float:

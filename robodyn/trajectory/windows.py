@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 from robodyn.trajectory.local_polynomials import Basis, orthonormal
 from robodyn.trajectory.motion import NOISE
 
@@ -124,7 +125,7 @@ def _fitted(
         half = 0.5 * (t[-1] - t[0])
         u = (t - 0.5 * (t[-1] + t[0])) / half
         basis = orthonormal(u, u, degree)
-    coefficients = np.stack([np.einsum("nw,nw->w", np.broadcast_to(on, y.shape), y) for on in basis.on])
+    coefficients = np.stack([einsum("nw,nw->w", np.broadcast_to(on, y.shape), y) for on in basis.on])
     return Windows(starts, size[0], basis, coefficients, y, half)
 
 
