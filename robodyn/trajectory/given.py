@@ -27,7 +27,7 @@ ROUNDING = 1e-6
 """Of the rms of accelerations: what they may be off by in any case."""
 ALMOST = 1e-2
 """Of the distance of velocities from derivatives of the positions: as near they are to simple differences of these."""
-BETTER = 0.5
+BETTER = 0.1
 """Of what derivatives of positions leave unexplained of their steps: where what is given leaves less, it is right."""
 CLEAR = 0.2
 """Of the rms of accelerations: where positions leave more open, they do not tell velocities either."""
@@ -94,8 +94,8 @@ def against_positions(
     said: list[tuple[str, str]] = []
     open_, noise = np.zeros(some[0].qdd.shape[1]), np.zeros(some[0].qdd.shape[1])
     for group in groups:
-        faults, clear = [], False
-        if _unexplained(group, theirs) < BETTER * _unexplained(group, ours):
+        faults, clear, differences = [], False, _are_differences(group, theirs, ours)
+        if not differences and _unexplained(group, theirs) < BETTER * _unexplained(group, ours):
             continue
         for _, k in group.acceleration:
             bar, apart = np.concatenate(bars)[:, k], _apart(theirs, ours, "qdd", k)
@@ -103,7 +103,6 @@ def against_positions(
             noise[k] = estimate([(x.time, x.qdd[:, [k]], x.qdd[:, [k]]) for x in theirs]).sigma
             open_[k] = median(bar) + NOISE * noise[k]
             clear = open_[k] < CLEAR * level
-            differences = _are_differences(group, theirs, ours)
             if differences or np.mean(np.abs(apart) > BEYOND * bar + ROUNDING * level) > OFTEN:
                 wrong.append(k)
                 noise[k] = _rms(apart)
