@@ -27,7 +27,7 @@ ROUNDING = 1e-6
 """Of the rms of accelerations: what they may be off by in any case."""
 ALMOST = 1e-2
 """Of the distance of velocities from derivatives of the positions: as near they are to simple differences of these."""
-BETTER = 0.1
+BETTER = 0.25
 """Of what derivatives of positions leave unexplained of their steps: where what is given leaves less, it is right."""
 CLEAR = 0.2
 """Of the rms of accelerations: where positions leave more open, they do not tell velocities either."""

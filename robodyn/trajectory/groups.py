@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 Targets = tuple[tuple[int, int], ...]
 _AXES = "xyz"
+_MOVES, _EVEN, _EXACT = 1e-3, 1e-6, 1e-8
+"""Of the largest acceleration: rows that accelerate; of steps, or accelerations: what counts as equal; of speeds, too."""
 
 
 @dataclass(frozen=True)
@@ -129,7 +131,7 @@ def consistent(groups: Sequence[Group], pieces: Sequence[Trajectory]) -> Floats 
     """Return (n,) what accelerations are off by from differences of velocities, None if anything may be wrong.
 
     That is told by exact data with equal steps h: q1 - q0 = h (qd0 + qd1) / 2 - h^2 (qdd1 - qdd0) / 12 but for terms of
-    h^5, and Simpson's rule for velocities. In half of the rows both must hold as well as smooth motions have it.
+    h^5, and Simpson's rule for velocities. In half of the rows that accelerate both must hold as for smooth motions.
     """
     found = np.zeros(pieces[0].qdd.shape[1])
     for group in groups:
@@ -137,20 +139,22 @@ def consistent(groups: Sequence[Group], pieces: Sequence[Trajectory]) -> Floats 
             return None
         p, v = group.rows[0], group.velocity[0][1]
         for each in pieces:
-            q, qd, qdd, h = (
-                each.q[:, p],
-                each.qd[:, v],
-                each.qdd[:, v],
-                (each.time[-1] - each.time[0]) / (len(each) - 1),
-            )
-            dq = np.diff(q)
+            q, qd, qdd, steps = each.q[:, p], each.qd[:, v], each.qdd[:, v], np.diff(each.time)
+            h, dq = float(steps.mean()), np.diff(q)
             if group.kind == "continuous":
                 dq -= 2.0 * np.pi * np.rint(dq / (2.0 * np.pi))
             off = np.abs(dq - 0.5 * h * (qd[1:] + qd[:-1]) + h * h / 12.0 * (qdd[1:] - qdd[:-1]))
             rate = np.abs(qd[2:] - qd[:-2] - h / 3.0 * (qdd[2:] + 4.0 * qdd[1:-1] + qdd[:-2]))
-            uneven = float(np.abs(np.diff(each.time) - h).max()) > 1e-6 * h
-            speed, level = (float(np.sqrt(np.mean(x**2))) for x in (qd, qdd))
-            if uneven or median(off) > 1e-8 * h * speed or median(rate) > 2e-6 * h * level:
+            speed, level = np.abs(qd).max(), np.abs(qdd).max()
+            moves = np.abs(qdd[1:-1]) > _MOVES * level
+            if not moves.any():
+                continue
+            apart = median(rate[moves]) / (2.0 * h)
+            if (
+                np.abs(steps - h).max() > _EVEN * h
+                or median(off[1:][moves]) > _EXACT * h * speed
+                or apart > _EVEN * level
+            ):
                 return None
-            found[v] = max(found[v], median(rate) / (2.0 * h))
+            found[v] = max(found[v], apart)
     return found
