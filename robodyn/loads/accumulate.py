@@ -155,8 +155,9 @@ class TorqueAccumulator:
         if self.constraints is not None:
             state["touching"] = self.constraints.touching
         unsure = self.bars.over_block(state)
-        if block.sampling is not None and block.sampling.other is not None and self.constraints is None:
-            by_positions = {**sources, **dict(zip(("qd", "qdd"), block.sampling.other, strict=True))}
+        other = block.sampling.other if block.sampling else None
+        if other is not None and len(other[0]) == len(block) and self.constraints is None:
+            by_positions = {**sources, **dict(zip(("qd", "qdd"), other, strict=True))}
             runner = torque_runner(self.model, self.scene)
             unsure = unsure + np.abs(tau - self._run(runner, by_positions, self.whole).values.T[self.rates])
         self.statistics.update(block.time, q, qd, tau, base, state, unsure)

@@ -45,8 +45,8 @@ class Openness:
     def update(self, block: Trajectory) -> tuple[Floats, Floats]:
         """Return (N, n) the noise of accelerations of a block, and by how much they may be off."""
         found = block.sampling
-        self.unknown |= found is None or found.unknown
-        if found is None:
+        self.unknown |= found is None or found.unknown or len(found.off) != len(block)
+        if found is None or len(found.off) != len(block):
             return np.zeros_like(block.qdd), np.zeros_like(block.qdd)
         self.guessed = found.guessed
         self.off_squares, self.squares = self.off_squares + found.off_squares, self.squares + found.squares

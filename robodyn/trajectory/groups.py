@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 Targets = tuple[tuple[int, int], ...]
 _AXES = "xyz"
 _MOVES, _EVEN, _EXACT = 1e-3, 1e-6, 1e-8
-"""Of the largest acceleration: rows that accelerate; of steps, or accelerations: what counts as equal; of speeds, too."""
+"""Of the largest acceleration: rows that accelerate; of steps or accelerations: what is equal; and of speeds."""
 
 
 @dataclass(frozen=True)

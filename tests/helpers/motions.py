@@ -23,7 +23,9 @@ class Pieces:
             part, cut = self.trajectory, slice(start, start + length)
             extra = {name: values[cut] for name, values in part.extra.items()}
             arrays = {name: getattr(part, name)[cut] for name in ("time", "q", "qd", "qdd")}
-            yield replace(part, **arrays, extra=extra, first_row=part.first_row + start)
+            trust = part.sampling
+            known = trust and replace(trust, off=trust.off[cut], noise=trust.noise[cut])
+            yield replace(part, **arrays, extra=extra, first_row=part.first_row + start, sampling=known)
             start += length
         assert start == len(self.trajectory)
 
