@@ -10,7 +10,7 @@ import numpy as np
 
 from robodyn.support.floats import Floats, median
 from robodyn.trajectory.derivatives import CENTRAL, SPLINE, Method, equal_spacing, savgol
-from robodyn.trajectory.estimates import Trust, local
+from robodyn.trajectory.estimates import Trust
 from robodyn.trajectory.local_polynomials import at_samples
 from robodyn.trajectory.noise import Noise, by_window, estimate
 from robodyn.trajectory.windows import DEGREE, SIZES, coherent
@@ -82,11 +82,10 @@ def diagnose(runs: Sequence[Run], order: int, mode: str, declared: float = 0.0) 
         method = savgol(found.window)
         trust = replace(trust, sigma=max(noise.sigma, scale[-1])) if smooth else trust
     else:
-        return _local(runs, trust, noise)
-    gain = method.gains.second if order == 2 else method.gains.first
-    return Diagnosis(
-        method, trust, noise.quantum, noise.sigma, float(trust.sigma * gain / spacing**order), noise.warning
-    )
+        method = Method("local", max(parts * part for parts, part in SIZES[: len(scale)]), DEGREE)
+    gains = (savgol(found.window) if method.kind == "local" else method).gains
+    std = float(trust.sigma * (gains.second if order == 2 else gains.first) / spacing**order)
+    return Diagnosis(method, trust, noise.quantum, noise.sigma, std, noise.warning)
 
 
 def _scale(runs: Sequence[Run], sigma: float, noisy: bool, declared: float) -> tuple[float, ...]:
@@ -107,17 +106,6 @@ def _some(runs: Sequence[Run]) -> list[Run]:
     """Return the first, the last and some runs between, of few rows in all."""
     count = max(1, _ROWS // max(len(time) for time, _, _ in runs))
     return [runs[k] for k in np.unique(np.linspace(0, len(runs) - 1, min(count, len(runs))).astype(int))]
-
-
-def _local(runs: Sequence[Run], trust: Trust, noise: Noise) -> Diagnosis:
-    """Return local polynomials, with the median of the noise that they leave."""
-    noises = []
-    for time, _, values in _some(runs):
-        _, rate = local(time, values, None, trust, 0)
-        noises.append(median(rate.noise))
-    width = max(parts * part for parts, part in SIZES[: len(trust.scale)])
-    method = Method("local", width, DEGREE)
-    return Diagnosis(method, trust, noise.quantum, noise.sigma, median(noises), noise.warning)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import numpy as np
 
 from robodyn.support.floats import Floats
 from robodyn.trajectory.local_polynomials import at_samples, equally_spaced, stencil
-from robodyn.trajectory.quintic import FEWEST, REACH, spline_equally_spaced, spline_rates
+from robodyn.trajectory.quintic import FEWEST, REACH, spline_rates
 
 ORDER = 4
 
@@ -115,7 +115,7 @@ def differentiate(time: Floats, values: Floats, method: Method, turns: Floats | 
         steps -= 2.0 * math.pi * np.diff(turns, axis=0)
     if not spacing:
         return spline_rates(np.diff(time), steps)
-    first, second = spline_equally_spaced(steps) if spline else equally_spaced(steps, width, degree)
+    first, second = spline_rates(None, steps) if spline else equally_spaced(steps, width, degree)
     return first / spacing, second / spacing / spacing
 
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
 
 from robodyn.support.floats import Floats
 from robodyn.trajectory import adaptive
@@ -113,46 +112,22 @@ def _best(time: Floats, values: Floats, turns: Floats | None, trust: Trust, firs
     spline = _spline(time, values, turns, trust.sigma)
     changes = [rate.off - adaptive.NOISE * rate.noise for rate in spline]
     wanted = np.full(values.shape, True) if trust.noisy else changes[trust.order - 1] > CORNER * trust.level
-    order = trust.order
-    rate = spline[order - 1]
-    if wanted.any():
-        slope, windowed = local(time, values, turns, trust, first, (spline[0].value, rate), wanted.any(axis=0))
-        for whole, part in zip((spline[0].value, *rate), (slope, *windowed), strict=True):
-            whole[wanted] = part[wanted]
+    spacing, order = equal_spacing(time), trust.order
+    unit = spacing or 1.0
+    for k in np.flatnonzero(wanted.any(axis=0)):
+        rows, turned = wanted[:, k], None if turns is None else turns[:, k]
+        parts = spline[0].value[:, k], *(part[:, k] for part in spline[order - 1])
+        slope, *rate = (part * unit**each for part, each in zip(parts, (1, *[order] * 3), strict=True))
+        own, found = adaptive.rates(
+            *(None if spacing else time, values[:, k], turned, trust.scale, order),
+            *((slope, Rate(*rate)), first, trust.noisy),
+        )
+        for whole, part, each in zip(parts, (own, *found), (1, *[order] * 3), strict=True):
+            whole[rows] = part[rows] / unit**each
     if len(time) < NOISY:
         for found, least in zip(spline, changes, strict=True):
             np.maximum(found.off, least, out=found.off)
     return spline
-
-
-def local(
-    time: Floats,
-    values: Floats,
-    turns: Floats | None,
-    trust: Trust,
-    first: int,
-    other: tuple[Floats, Rate] | None = None,
-    columns: NDArray[np.bool_] | None = None,
-) -> tuple[Floats, Rate]:
-    """Return the first derivative (N, c) by local polynomials, and that of the order with its bars.
-
-    Args:
-        other: the same otherwise found, to be weighed with these; columns: (c,) those to do, the others stay.
-    """
-    spacing, order = equal_spacing(time), trust.order
-    unit = spacing or 1.0
-    nothing = np.zeros_like(values), Rate(np.zeros_like(values), np.zeros_like(values), np.full(values.shape, np.inf))
-    slope, rate = (nothing[0], nothing[1]) if other is None else (other[0].copy(), Rate(*(x.copy() for x in other[1])))
-    for k in range(values.shape[1]) if columns is None else np.flatnonzero(columns):
-        known = slope[:, k] * unit, Rate(*(part[:, k] * unit**order for part in rate))
-        turned = None if turns is None else turns[:, k]
-        own, found = adaptive.rates(
-            None if spacing else time, values[:, k], turned, trust.scale, order, known, first, trust.noisy
-        )
-        slope[:, k] = own / unit
-        for whole, part in zip(rate, found, strict=True):
-            whole[:, k] = part / unit**order
-    return slope, rate
 
 
 def _spline(time: Floats, values: Floats, turns: Floats | None, sigma: float) -> tuple[Rate, Rate]:

@@ -160,9 +160,9 @@ def _rms(values: Floats) -> float:
 def _lag(apart: Floats, ours: Sequence[tuple[Floats, Floats]]) -> float:
     """Return the delay [s] that explains what accelerations are off by, -lag d/dt of them; 0 if none explains half."""
     rate = np.concatenate([np.gradient(values, time) for time, values in ours])
-    square = float(rate @ rate)
-    lag = -float(rate @ apart) / square if square else 0.0
-    return lag if lag > 0.0 and lag * lag * square > EXPLAINED * float(apart @ apart) else 0.0
+    square = float((rate * rate).sum())
+    lag = -float((rate * apart).sum()) / square if square else 0.0
+    return lag if lag > 0.0 and lag * lag * square > EXPLAINED * float((apart * apart).sum()) else 0.0
 
 
 def _doubts(said: Sequence[tuple[str, str]]) -> tuple[Doubt, ...]:

@@ -12,14 +12,11 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
 
-WIDE = 80
-"""Samples of a window from which moments that move along cost less than taking all its samples for each result."""
 _CELLS = 1 << 15
 _OWN = np.array((1.0, 2.0))
 """How often p_k and its slope count in the slope and the curvature of x p_k."""
@@ -89,13 +86,12 @@ def equally_spaced(steps: Floats, width: int, degree: int) -> tuple[Floats, Floa
     Args:
         steps: (N - 1, c) from each value to the next; width: odd, <= N; degree: 2 or more, < width.
 
-    Accuracy: 1e-14 of the largest derivative, 1e-11 from windows of WIDE samples on.
+    Accuracy: 1e-14 of the largest derivative.
     """
     half, count = width // 2, len(steps) + 1
     found = np.empty((2, steps.shape[1], count))
     for k, column in enumerate(np.ascontiguousarray(steps.T)):
-        inner = _by_moments if width >= WIDE and count >= 2 * width else _by_pairs
-        found[:, k, half : count - half] = inner(column, width, degree)
+        found[:, k, half : count - half] = _by_pairs(column, width, degree)
         found[:, k, :half] = _at_end(column[: width - 1], width, degree)[:, :half]
         found[:, k, count - half :] = _at_end(column[count - width :], width, degree)[:, half + 1 :]
     return found[0].T, found[1].T
@@ -125,50 +121,6 @@ def _by_pairs(steps: Floats, width: int, degree: int) -> tuple[Floats, Floats]:
         found[0] += np.multiply(np.add(before, after, out=part), first[k], out=part)
         found[1] += np.multiply(np.subtract(before, after, out=part), second[k], out=part)
     return found[0], found[1]
-
-
-def _by_moments(steps: Floats, width: int, degree: int) -> tuple[Floats, Floats]:
-    """The same from the moments of each window, which are differences of sums that run along stretches of the column.
-
-    A stretch of 2 width - 1 samples holds `width` windows, the weights of each of which are a polynomial, so a sum of
-    the few that are orthonormal on the stretch.
-    """
-    on, first, second = _moved(width, degree)
-    inner, size = len(steps) + 2 - width, 2 * width - 1
-    start = np.minimum(np.arange(0, inner, width), inner - width)
-    values = np.zeros((size, len(start)))
-    values[1:] = sliding_window_view(steps, size - 1)[start].T
-    for row in range(2, size):
-        values[row] += values[row - 1]
-    sums = values[:, None] * on[:, :, None]
-    for row in range(1, size):
-        sums[row] += sums[row - 1]
-    moments = sums[width - 1 :].copy()
-    moments[1:] -= sums[:-width]
-    found = np.empty((2, inner))
-    for each, share in zip(found, (first, second), strict=True):
-        total = moments[:, 0] * share[:, 0, None]
-        for p in range(1, degree + 1):
-            total += moments[:, p] * share[:, p, None]
-        whole = inner // width * width
-        each[:whole] = total.T[: whole // width].ravel()
-        each[inner - width :] = total[:, -1]
-    return found[0], found[1]
-
-
-@lru_cache(maxsize=8)
-def _moved(width: int, degree: int) -> tuple[Floats, Floats, Floats]:
-    """The polynomials (2 width - 1, degree + 1) of a stretch, and their shares (width, degree + 1) in the weights of
-    the first and second derivatives at its windows' middles."""
-    size, half = 2 * width - 1, width // 2
-    on, basis = stencil(size, degree).on, stencil(width, degree)
-    far = orthonormal(np.arange(width, dtype=np.float64) - half, np.arange(1.0 - size, size), degree).value
-    shares = []
-    for derivative in (basis.slope, basis.curve):
-        weight = (far * derivative[:, half, None]).sum(axis=0)
-        moved = sliding_window_view(weight, size)[size - 1 - half : half - 1 : -1]
-        shares.append(einsum("ij,pj->ip", moved, on))
-    return on.T.copy(), shares[0], shares[1]
 
 
 def at_samples(

@@ -6,7 +6,6 @@ every sum is spelled out, and what makes it quick is that many stretches of the 
 
 from __future__ import annotations
 
-import math
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -21,10 +20,6 @@ REACH = 48
 """Samples over which a quintic spline forgets: its influence falls by 0.4306 a sample, to 3e-18 here."""
 _LENGTH = 160
 """Samples of a stretch that serve; REACH on either side are there for their sake."""
-_POLES = (math.sqrt(105.0) - 13.0, 6), (-math.sqrt(105.0) - 13.0, 4)
-"""z + 1/z for the roots z of the spline's filter `z^4 + 26 z^3 + 66 z^2 + 26 z + 1`, and n with z^(2^n) below 1e-21."""
-_END = 80
-"""Steps on either side that the filter looks at: 63 and 15 for its poles, 2 for the derivatives."""
 _BLOCK = 1 << 15
 _ADJUGATE = np.array(((1.0, -1.0), (-1.0, 1.0)))[:, :, None]
 
@@ -56,53 +51,6 @@ def spline_rates(gaps: Floats | None, steps: Floats) -> tuple[Floats, Floats]:
             begin = int(start[number])
             found[:, :, serve] = solved[serve.start - begin : serve.stop - begin, :, :, k].transpose(1, 2, 0)
     return found[0].T, found[1].T
-
-
-def spline_equally_spaced(steps: Floats) -> tuple[Floats, Floats]:
-    """Return the same as `spline_rates` for samples a unit apart, several times as fast.
-
-    Far from the ends the spline is a recursive filter: Unser, Aldroubi and Eden (1993).
-
-    Accuracy: as `spline_rates` to 1e-14 of the largest derivative.
-    """
-    count, columns = len(steps) + 1, steps.shape[1]
-    ends = _ends()
-    size = ends.shape[2]
-    if count <= size:
-        return spline_rates(None, steps)
-    found = np.empty((2, columns, count))
-    for k, column in enumerate(np.ascontiguousarray(steps.T)):
-        found[:, k, :_END] = (ends[:, :_END] * column[:size]).sum(axis=2)
-        found[:, k, count - _END :] = (ends[:, -_END:] * column[-size:]).sum(axis=2)
-        for start in range(_END, count - _END, _BLOCK):
-            stop = min(start + _BLOCK, count - _END)
-            found[:, k, start:stop] = _filtered(column[start - _END : stop + _END - 1])
-    return found[0].T, found[1].T
-
-
-@lru_cache(maxsize=1)
-def _ends() -> Floats:
-    """Weights (2, W, W - 1) of the steps between W samples in the derivatives at each."""
-    return np.stack(spline_rates(None, np.eye(2 * _END + REACH - 1)))
-
-
-def _filtered(steps: Floats) -> tuple[Floats, Floats]:
-    """Derivatives at all samples but the _END at either end: every pole is summed over 2^n steps, by doubling."""
-    e, part, gain = steps.copy(), np.empty_like(steps), 120.0
-    for both, doublings in _POLES:
-        z = 0.5 * (both + math.sqrt(both * both - 4.0))
-        gain *= z
-        for earlier in (True, False):
-            weight = z
-            for k in range(doublings):
-                near, far = (slice(1 << k, None), slice(None, -1 << k))[:: 1 if earlier else -1]
-                shifted = np.multiply(e[far], weight, out=part[far])
-                np.add(e[near], shifted, out=e[near])
-                weight *= weight
-    inner = slice(_END - 2, len(e) - _END - 1)
-    before, last, next_, after = (e[inner.start + k : inner.stop + k] for k in range(4))
-    first = ((last + next_) * 11.0 + (before + after)) * (gain / 24.0)
-    return first, ((next_ - last) * 3.0 + (after - before)) * (gain / 6.0)
 
 
 class _Factors(NamedTuple):

@@ -13,8 +13,8 @@ from scipy.signal import savgol_filter
 from robodyn.errors import TrajectoryError
 from robodyn.trajectory.columns import Signal, Signals
 from robodyn.trajectory.derivatives import CENTRAL, SPLINE, Method, differentiate, equal_spacing, savgol
-from robodyn.trajectory.local_polynomials import WIDE, at_samples, equally_spaced
-from robodyn.trajectory.quintic import spline_equally_spaced, spline_rates
+from robodyn.trajectory.local_polynomials import at_samples
+from robodyn.trajectory.quintic import spline_rates
 from robodyn.trajectory.read import from_arrays
 from robodyn.trajectory.reading import Reading
 
@@ -153,17 +153,6 @@ def test_a_local_polynomial_depends_on_its_own_window_alone() -> None:
             np.testing.assert_array_equal(one, all_[rows])
 
 
-def test_wide_windows_by_moments_are_those_by_pairs(monkeypatch: pytest.MonkeyPatch) -> None:
-    steps = np.random.default_rng(9).normal(size=(1000, 2))
-    for window in (WIDE + 1, 301):
-        found = equally_spaced(steps, window, 4)
-        with monkeypatch.context() as patch:
-            patch.setattr("robodyn.trajectory.local_polynomials.WIDE", 10_000)
-            expected = equally_spaced(steps, window, 4)
-        for one, other in zip(found, expected, strict=True):
-            assert 0.0 < np.abs(one - other).max() <= 1e-11 * np.abs(other).max()
-
-
 @pytest.mark.parametrize("method", [savgol(7), savgol(31), CENTRAL])
 def test_equal_and_unequal_spacing_meet(method: Method) -> None:
     """The stencil and the fit at each sample are the same operator: a stamp off by 1e-9 changes no more than that."""
@@ -277,10 +266,3 @@ def test_a_quintic_comes_back_from_the_spline(count: int) -> None:
     shortest = np.diff(time).min()
     assert np.abs(first - p.deriv(1)(time)).max() < 10 * EPS * np.abs(p(time)).max() / shortest
     assert np.abs(second - p.deriv(2)(time)).max() < 20 * EPS * np.abs(p(time)).max() / shortest**2
-
-
-@pytest.mark.parametrize("count", [209, 1000, 40_000])
-def test_the_filter_is_the_spline(count: int) -> None:
-    steps = np.random.default_rng(count).normal(size=(count - 1, 2))
-    for found, expected in zip(spline_equally_spaced(steps), spline_rates(None, steps), strict=True):
-        assert np.abs(found - expected).max() <= 1e-13 * np.abs(expected).max()
