@@ -14,7 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.support.floats import Floats
-from robodyn.trajectory.windows import NOISE, SIZES, Windows, all_windows
+from robodyn.trajectory.motion import NOISE
+from robodyn.trajectory.windows import SIZES, Windows, all_windows
 
 CLEAR = 3.0
 """Doubt over noise, up to which a window is not suspected to have a jump in it."""

@@ -59,8 +59,7 @@ def diagnose(runs: Sequence[Run], order: int, mode: str, declared: float = 0.0) 
         runs: (time (N,), values as given (N, c), values to differentiate (N, c)) of stretches of the table.
         order: the highest derivative wanted, 1 or 2.
         mode: "auto", or the method to use: "spline", "savgol" (the window as above), "central".
-        declared: amplitude of a cyclic error. It may move with the motion, so that no window averages it: the fit of n
-            samples is off by up to the gain of white noise times sqrt(n / 2) of it.
+        declared: amplitude of a cyclic error, which no window averages where it moves with the motion.
     """
     runs = [run for run in runs if len(run[0]) > 1]
     noise = estimate(runs)

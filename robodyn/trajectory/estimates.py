@@ -11,6 +11,7 @@ from robodyn.support.floats import Floats
 from robodyn.trajectory import adaptive
 from robodyn.trajectory.adaptive import Rate
 from robodyn.trajectory.derivatives import SPLINE, Method, differentiate, equal_spacing
+from robodyn.trajectory.motion import NOISE
 from robodyn.trajectory.quintic import REACH
 from robodyn.trajectory.windows import SIZES
 
@@ -110,7 +111,7 @@ def _by_one_window(
 def _best(time: Floats, values: Floats, turns: Floats | None, trust: Trust, first: int) -> tuple[Rate, Rate]:
     """Return the quintic spline where it can be trusted, and what local polynomials make of it elsewhere."""
     spline = _spline(time, values, turns, trust.sigma)
-    changes = [rate.off - adaptive.NOISE * rate.noise for rate in spline]
+    changes = [rate.off - NOISE * rate.noise for rate in spline]
     wanted = np.full(values.shape, True) if trust.noisy else changes[trust.order - 1] > CORNER * trust.level
     spacing, order = equal_spacing(time), trust.order
     unit = spacing or 1.0
@@ -146,5 +147,5 @@ def _spline(time: Floats, values: Floats, turns: Floats | None, sigma: float) ->
     rates = []
     for full, change, noise in zip(whole, changes, _noises(time, SPLINE, sigma), strict=True):
         largest = sliding_window_view(change, 2 * NEAR + 1, axis=0).max(axis=-1)
-        rates.append(Rate(full.copy(), noise + np.zeros_like(full), adaptive.NOISE * noise + 2.0 * largest))
+        rates.append(Rate(full.copy(), noise + np.zeros_like(full), NOISE * noise + 2.0 * largest))
     return rates[0], rates[1]

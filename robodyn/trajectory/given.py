@@ -23,6 +23,8 @@ OFTEN, BEYOND = 0.1, 2.0
 """Share of rows in which accelerations are off by more than so many bars: they are not those of the positions."""
 SPEED_OFF = 0.05
 """Of the rms of velocities from the positions: given ones that are off by more are not these."""
+DOUBTED = 0.02
+"""Of the rms of accelerations: where they are off by less, the error bars say enough."""
 ROUNDING = 1e-6
 """Of the rms of accelerations: what they may be off by in any case."""
 ALMOST = 1e-2
@@ -32,7 +34,7 @@ BETTER = 0.25
 CLEAR = 0.2
 """Of the rms of accelerations: where positions leave more open, they do not tell velocities either."""
 EXPLAINED = 0.5
-"""Of the squares of what accelerations are off by: where a delay explains more, they lag."""
+"""Of squares of what accelerations are off by: if a delay explains more, they lag."""
 
 CLAUSE = "by velocities and accelerations that are not those of the positions"
 
@@ -57,7 +59,7 @@ class Given:
     @property
     def halo(self) -> int:
         """Neighbours that a block needs on either side."""
-        return self.own.halo if self.doubts else 0
+        return self.own.halo if len(self.wrong) or self.doubts else 0
 
     def trusted(self, samples: Trajectory, known: Sampling | None, rows: slice) -> Sampling:
         """Return how far accelerations of some rows can be trusted, of which those are known that are derived.
@@ -70,7 +72,7 @@ class Given:
         if known is None:
             known = Sampling(nothing, nothing, np.zeros(qdd.shape[1]), (qdd**2).sum(axis=0))
         off, noise = np.maximum(known.off, self.open), np.maximum(known.noise, self.noise)
-        if not self.doubts:
+        if not self.halo:
             return replace(known, off=off, noise=noise)
         mine, _, bars = derive(samples, self.own)
         off[:, self.wrong] = np.maximum(known.off, bars[rows])[:, self.wrong]
@@ -86,7 +88,8 @@ def against_positions(
         groups: of `groups.given`; pieces: runs of consecutive samples that stand for the table.
         lacking: how what is not given is derived.
     """
-    some = [_cut(pieces[k]) for k in np.unique(np.linspace(0, len(pieces) - 1, PIECES).astype(int))]
+    picked = np.unique(np.linspace(0, len(pieces) - 1, PIECES).astype(int))
+    some = [cut(pieces[k], 0, min(ROWS, len(pieces[k]))) for k in picked]
     theirs = [piece if lacking is None else derive(piece, lacking)[0] for piece in some]
     own = plan(groups, pieces, "auto", encoder_error)
     ours, bars = zip(*((each, off) for each, _, off in (derive(piece, own) for piece in some)), strict=True)
@@ -108,7 +111,8 @@ def against_positions(
                 noise[k] = _rms(apart)
                 lag = _lag(apart, [(x.time, x.qdd[:, k]) for x in ours])
                 late = f", {figure(1e3 * lag, 2)} ms late" if lag else ""
-                faults.append(f"accelerations are off by {figure(noise[k], 2)} of {figure(level, 2)} (rms){late}")
+                fault = f"accelerations are off by {figure(noise[k], 2)} of {figure(level, 2)} (rms){late}"
+                faults += [fault] if noise[k] > DOUBTED * level else []
         for _, k in group.velocity:
             apart, level = _apart(theirs, ours, "qd", k), _rms(np.concatenate([each.qd[:, k] for each in ours]))
             if clear and _rms(apart) > SPEED_OFF * level:
@@ -142,10 +146,6 @@ def _are_differences(group: Group, theirs: Sequence[Trajectory], ours: Sequence[
         given = np.concatenate([each.qd[:, k] for each in theirs])
         return _rms(given - rates) < ALMOST * _rms(_apart(theirs, ours, "qd", k))
     return False
-
-
-def _cut(piece: Trajectory) -> Trajectory:
-    return cut(piece, 0, min(ROWS, len(piece)))
 
 
 def _apart(theirs: Sequence[Trajectory], ours: Sequence[Trajectory], name: str, k: int) -> Floats:

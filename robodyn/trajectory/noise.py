@@ -193,4 +193,4 @@ def _scatter(time: Floats, values: Floats, size: tuple[int, int]) -> Floats:
     curve = fits.coefficients[2] * fits.basis.curve[2, 0] / fits.half**2
     gain = fits.basis.curve[2, 0] / fits.half**2 + np.zeros_like(curve)
     near, far = slice(None, -size[0]), slice(size[0], None)
-    return np.abs(curve[far] - curve[near]) / np.sqrt(gain[near] ** 2 + gain[far] ** 2)
+    return np.asarray(np.abs(curve[far] - curve[near]) / np.sqrt(gain[near] ** 2 + gain[far] ** 2))

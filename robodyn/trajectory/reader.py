@@ -121,9 +121,7 @@ class TrajectoryReader:
             raise TrajectoryError(error.what, remedy=error.remedy, file=self.file) from None
 
     def _blocks(self) -> Iterator[Trajectory]:
-        pieces: list[Trajectory] = []
-        if self._groups or self._told:
-            pieces = self._pieces(*(_PIECES, _PIECE_ROWS) if self._groups else _COMPARED)
+        pieces = self._pieces(*(_PIECES, _PIECE_ROWS) if self._groups else _COMPARED)
         if self._groups:
             from robodyn.trajectory.derive import plan
 
@@ -178,7 +176,9 @@ class TrajectoryReader:
 
     def _pieces(self, count: int, rows: int) -> list[Trajectory]:
         """Runs of samples that stand for the table; bad rows are left for `blocks` to report."""
-        pieces = []
+        pieces: list[Trajectory] = []
+        if not (self._groups or self._told):
+            return pieces
         for block in self._table.pieces(self._assembly.layout.needed, count, rows):
             if len(block) and np.isfinite(block).all():
                 with suppress(TrajectoryError):

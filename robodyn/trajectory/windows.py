@@ -19,8 +19,6 @@ DEGREE = 6
 """The highest degree that is fitted."""
 SIZES = ((6, 1), (7, 1), *((parts, 1 << k) for k in range(8) for parts in (9, 12, 15)))
 """Of the windows of each length: parts, and the samples of a part, by which one begins after the other."""
-WIDEST = 1920
-"""Samples of the longest window."""
 
 
 LOUD = 4.0
@@ -56,7 +54,7 @@ class Windows:
 
     @property
     def length(self) -> int:
-        return self.basis.on.shape[1]
+        return int(self.basis.on.shape[1])
 
     def scatter(self, degree: int, sigma: float, noisy: bool) -> Floats:
         """Return (w,) what white noise would have to be to explain what a fit of a degree leaves, sigma or more.
