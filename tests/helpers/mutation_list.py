@@ -216,7 +216,7 @@ MUTATIONS = {
     ],
     "loads/test_blocks.py": [
         ("dynamics/arrays.py", "rows[:, column]", "rows[:1, column]"),
-        ("loads/statistics.py", "size - off", "tau - off"),
+        ("loads/statistics.py", "row, size, value=tau", "row, tau, value=tau"),
     ],
     "loads/test_self_checks.py": [
         (
@@ -249,8 +249,8 @@ MUTATIONS = {
         ),
     ],
     "measure/accuracy/test_bars_of_motions.py": [
-        ("trajectory/adaptive.py", "top - BACK", "top"),
-        ("trajectory/adaptive.py", "trust * (NOISE * chosen.noise + chosen.change)", "0.2 * NOISE * chosen.noise"),
+        ("trajectory/adaptive.py", "cut[2] + largest", "0.2 * cut[2]"),
+        ("trajectory/adaptive.py", "weights[np.abs(values - surest) > bars + least] = 0.0", "weights[:] = weights"),
         ("trajectory/estimates.py", "times * noise + WIDER * change", "times * noise"),
     ],
     "dynamics/loops/test_closures.py": [
