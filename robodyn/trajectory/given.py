@@ -27,8 +27,7 @@ DOUBTED = 0.02
 """Of the rms of accelerations: where they are off by less, the error bars say enough."""
 ROUNDING = 1e-6
 """Of the rms of accelerations: what they may be off by in any case."""
-ALMOST = 1e-2
-"""Of the distance of velocities from derivatives of the positions: as near they are to simple differences of these."""
+ALMOST = 1e-2  # of their distance from derivatives of the positions: so near velocities are to simple differences
 BETTER = 0.25
 """Of what derivatives of positions leave unexplained of their steps: where what is given leaves less, it is right."""
 CLEAR = 0.2
