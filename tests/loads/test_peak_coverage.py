@@ -49,11 +49,16 @@ def test_no_verdict_is_green_over_an_exceeded_limit(cases: list[Case], name: str
 
 @pytest.mark.slow
 def test_verdicts_tell_a_limit_that_is_kept(cases: list[Case]) -> None:
-    """No bar is so wide that it always holds: where it is narrow, a limit 5 % above the largest torque is kept."""
+    """No bar is so wide that it always holds: where it is narrow, a limit 5 % above the largest torque is kept.
+
+    No verdict is green over rates that positions contradict, so the share that is kept is of the other tables.
+    """
     firsts = [each.verdicts[:3] for each in cases]
     narrow = [told for load, share, told in chain(*firsts) if share == ABOVE and load.bar <= NARROW * load.true]
     assert len(narrow) >= len(cases) / 3
     assert len(narrow) - sum(told is False for told in narrow) >= least(1 - GREEN, len(narrow))
+    sound = [case.verdicts[:3] for case in cases if case.labels[2] in ("none", "velocity", "both")]
+    narrow = [told for load, share, told in chain(*sound) if share == ABOVE and load.bar <= NARROW * load.true]
     assert np.mean([told is True for told in narrow]) >= 0.9
 
 
