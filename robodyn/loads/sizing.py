@@ -19,8 +19,6 @@ from robodyn.scene.scene import Scene
 from robodyn.support.floats import BEYOND, Floats, steady
 from robodyn.trajectory.motion import Trajectory
 
-STANDSTILL = 1e-3
-"""Speed [rad/s, m/s] up to which a joint counts as standing still."""
 PIECE = 8192
 """Samples worked on at a time, so that what belongs to them stays in the cache."""
 FOUNDATION = ("fxy", "fz", "mxy", "mz")
@@ -39,6 +37,7 @@ class SizingPass:
         self.static = Greatest(len(joints))
         self.base = Extremes(FOUNDATION)
         self.integrals = Integrals()
+        self.slowest = np.zeros(len(joints))
 
     def take(
         self,
@@ -52,6 +51,8 @@ class SizingPass:
             loads: (N, k) tau, the base wrench, and the wrenches of all other bodies.
             static: (N, n) torques that hold its poses at rest.
         """
+        if block.slowest is not None:
+            self.slowest = block.slowest[self.rates]
         for start in range(0, len(block), PIECE):
             k = slice(start, start + PIECE)
             motion = (block.qd[k, self.rates], block.qdd[k, self.rates], static[k, self.rates])
@@ -67,7 +68,7 @@ class SizingPass:
         self.base.update(time, base)
         pace = np.abs(qd)
         quantities = {
-            "moving": (pace > STANDSTILL).astype(float),
+            "moving": (pace > self.slowest[:, None]).astype(float),
             "travel": pace,
             "static square": static * static,
             "base": base.T,
@@ -114,12 +115,12 @@ class SizingPass:
         limited = list(self._limited(k, load, motor))
         exceeded = sorted((each for each in limited if each.value > BEYOND * each.limit), key=_severity)
         level: Level = exceeded[0].level if exceeded else "OK" if limited else "no limits"
-        moving = abs(load.max_speed) > STANDSTILL
+        moving = abs(load.max_speed) > self.slowest[k]
         return JointSizing(
             name=load.name,
             unit=load.unit,
             duty_cycle=float(moving) if still else min(float(totals["moving"][k]) / duration, 1.0),
-            standstill=STANDSTILL,
+            standstill=float(self.slowest[k]),
             mean_speed=abs(load.max_speed) if still else float(totals["travel"][k]) / duration,
             static_peak=peak,
             static_peak_time=float(self.static.time[k]),

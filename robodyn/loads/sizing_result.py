@@ -129,7 +129,8 @@ class JointSizing:
     """How one joint is used, whether it may be, and what that asks of its motor.
 
     Attributes:
-        duty_cycle: the share of the time in which the joint moves, faster than `standstill` [rad/s or m/s].
+        duty_cycle: the share of the time in which the joint moves; slower than `standstill` [rad/s or m/s] it cannot be
+            told from one that stands still, by the resolution of the table's positions.
         mean_speed: of |qd| over the whole time.
         static_peak, static_peak_time, static_rms: of the torque that stands still in each pose of the motion: gravity,
             springs, buoyancy, wrenches of the scene. static_share: static_rms / rms, the static hold share.

@@ -34,6 +34,12 @@ class Plan:
         own = max((method.halo for method in self.methods), default=0)
         return max(own, *(reach(trust) for trust in self.trusts)) if self.trusts else 0
 
+    @property
+    def resolutions(self) -> dict[int, tuple[float, float]]:
+        """Of columns of q that are derived one by one: step of their grid, and standard deviation of their noise."""
+        pairs = zip(self.groups, self.derivation.joints, strict=True)
+        return {x.rows[0]: (own.quantum, own.noise) for x, own in pairs if x.source == "q" and len(x.rows) == 1}
+
 
 def plan(groups: Sequence[Group], pieces: Sequence[Trajectory], mode: str, encoder_error: float = 0.0) -> Plan:
     """How to derive each group.

@@ -92,6 +92,8 @@ class Trajectory:
         followed: joints without columns, which loops tell; zero until they are filled in, see `loads.follow`.
         doubts: what makes the table's units doubtful, by all samples up to the last of these.
         sampling: how far the derived accelerations of these samples can be trusted; None if that is not known.
+        slowest: (n,) speeds below which a joint cannot be told from one that stands still [rad/s, m/s]; speeds are 0
+            where it does. None if that is not known.
     """
 
     time: Floats
@@ -108,6 +110,7 @@ class Trajectory:
     followed: tuple[str, ...] = ()
     doubts: tuple[Doubt, ...] = ()
     sampling: Sampling | None = None
+    slowest: Floats | None = None
 
     def __len__(self) -> int:
         return len(self.time)

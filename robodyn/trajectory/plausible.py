@@ -37,6 +37,8 @@ _SLOW, _COARSE = 2e-3, 0.15
 """A motion below this share of moderate speeds, sampled at steps [s] from this on, is rather one in ms, us or ns."""
 _LATEST = 5e9
 """Seconds since 1970 that no clock has reached."""
+_COMPARED = 1 << 12
+"""Rows of a block whose rates are compared with slopes."""
 _LIKE, _OFF, _SMOOTH = 0.95, 0.03, 0.1
 """Given rates are the slopes in another unit where the correlation of what they cover and what is covered is above the
 first, their ratio within the second of that of the units, and what they change from row to row small beside them (in
@@ -114,12 +116,13 @@ class Plausibility:
     def _compare(self, block: Trajectory) -> None:
         """Add to sums of x^2, x y, y^2 and z^2: x the steps of positions (of velocities), y what given rates make of
         them, z what the rates change from row to row."""
-        step = np.diff(block.time)
+        q, qd, qdd = (x[:_COMPARED] for x in (block.q, block.qd, block.qdd))
+        step = np.diff(block.time[:_COMPARED])
         for joint, ((start, *_), (rate, *others)) in self._signals.spans.items():
             if others:
                 continue
             turns = self._signals.kinds[joint] == "angle"
-            whole = ("qd", block.q[:, start], block.qd), ("qdd", block.qd[:, rate], block.qdd)
+            whole = ("qd", q[:, start], qd), ("qdd", qd[:, rate], qdd)
             for name, values, rates in whole:
                 if getattr(self._layout, name)[rate] != ABSENT:
                     x, y = np.diff(values), 0.5 * step * (rates[1:, rate] + rates[:-1, rate])

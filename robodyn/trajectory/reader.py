@@ -23,6 +23,7 @@ from robodyn.trajectory.layout import Layout, resolve
 from robodyn.trajectory.motion import FEW, Derivation, Sampling, Trajectory
 from robodyn.trajectory.plausible import Plausibility
 from robodyn.trajectory.reading import DEFAULT, MODES, Reading
+from robodyn.trajectory.standstill import REACH, Standstill
 from robodyn.trajectory.table import Table, reason
 
 if TYPE_CHECKING:
@@ -121,6 +122,7 @@ class TrajectoryReader:
             raise TrajectoryError(error.what, remedy=error.remedy, file=self.file) from None
 
     def _blocks(self) -> Iterator[Trajectory]:
+        known: dict[int, tuple[float, float]] = {}
         pieces = self._pieces(*(_PIECES, _PIECE_ROWS) if self._groups else _COMPARED)
         if self._groups:
             from robodyn.trajectory.derive import plan
@@ -128,6 +130,7 @@ class TrajectoryReader:
             mode = "auto" if self._mode == "anew" else self._mode
             self._plan = plan(self._groups, pieces, mode, self._encoder_error)
             self._remember(self._plan.notes)
+            known = self._plan.resolutions
         check: Given | None = None
         enough = bool(self._told) and max(map(len, pieces), default=0) >= FEW
         self._open = consistent(self._told, pieces) if enough and not self._groups else None
@@ -135,19 +138,22 @@ class TrajectoryReader:
             from robodyn.trajectory.given import against_positions
 
             check = against_positions(self._told, pieces, self._plan, self._encoder_error)
-        halo = max(self._plan.halo if self._plan else 0, check.halo if check else 0)
+        every = self._assembly.signals, self._assembly.layout
+        still = Standstill(*every, pieces, known) if self._mode != "none" else None
+        halo = max(max(self._plan.halo, REACH) if self._plan else 0, check.halo if check else 0)
         needed = max(1, samples_needed(self._groups))
         plausible = Plausibility(self._assembly.signals, self._assembly.layout)
         for samples, start, stop in with_neighbours(self._samples(), halo):
             if len(samples) < needed:
                 self._refuse_short(len(samples), needed)
-            block = self._trusted(samples, check, slice(start, stop))
+            block = self._trusted(samples, check, still, slice(start, stop))
             plausible.update(block if self._plan or not self.missing else _with_rough_speeds(block))
             self.doubts = (*plausible.doubts(), *(check.doubts if check else ()))
             yield replace(block, derivation=self.derivation, notes=self.notes, doubts=self.doubts)
 
-    def _trusted(self, samples: Trajectory, check: Given | None, rows: slice) -> Trajectory:
-        """Return some of the samples with the missing columns, and how far they can be trusted."""
+    def _trusted(self, samples: Trajectory, check: Given | None, still: Standstill | None, rows: slice) -> Trajectory:
+        """Return some of the samples with the missing columns, speeds of 0 where joints stand still, and how far they
+        can be trusted."""
         known = None
         if self._plan:
             from robodyn.trajectory.derive import derive, sampling
@@ -161,6 +167,7 @@ class TrajectoryReader:
             known = Sampling(self._open + 0.0 * qdd, 0.0 * qdd, 0.0 * self._open, (qdd**2).sum(axis=0))
         elif known and self._told:
             known = replace(known, unknown=True)
+        samples = still.stopped(samples) if still else samples
         return replace(cut(samples, rows.start, rows.stop), sampling=known)
 
     def _samples(self) -> Iterator[Trajectory]:

@@ -18,6 +18,7 @@ from robodyn.robot.assemble import load
 from robodyn.scene.read import load_scene
 from robodyn.scene.scene import DEFAULT
 from robodyn.trajectory.read import open_trajectory
+from robodyn.trajectory.reading import Reading
 from robodyn.trajectory.robot_motion import signals
 
 CASES = [
@@ -81,7 +82,9 @@ def peak_memory(folder: Path, rows: int) -> int:
     tracemalloc.start()
     try:
         model = load(folder / "arm.urdf")
-        with open_trajectory(folder / "arm.csv", signals(model), block_rows=256) as reader:
+        with open_trajectory(
+            folder / "arm.csv", signals(model), reading=Reading(angle_unit="rad"), block_rows=256
+        ) as reader:
             torques(model, reader, sinks=[lambda *_: None])
         return tracemalloc.get_traced_memory()[1]
     finally:

@@ -15,6 +15,7 @@ from robodyn.trajectory.columns import Signal, Signals
 from robodyn.trajectory.read import open_trajectory
 from robodyn.trajectory.reader import TrajectoryReader
 from robodyn.trajectory.reading import Reading
+from robodyn.trajectory.standstill import REACH
 from robodyn.trajectory.table import ArrayTable
 from robodyn.trajectory.write import open_writer
 
@@ -105,7 +106,10 @@ class CountingTable(ArrayTable):
             yield block
 
 
-@pytest.mark.parametrize(("mode", "noise", "halo"), [("auto", 0.0, 102), ("central", 0.0, 102), ("auto", 1e-5, 1798)])
+BOUNDS = [("auto", 0.0, REACH), ("central", 0.0, REACH), ("auto", 1e-5, 1798)]
+
+
+@pytest.mark.parametrize(("mode", "noise", "halo"), BOUNDS)
 def test_rows_in_flight_are_bounded(mode: str, noise: float, halo: int) -> None:
     """The reader is ahead of what it has delivered by one block and the halo at most, however long the table is."""
     table = CountingTable(None, motion(6_000, noise=noise))
