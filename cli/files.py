@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import click
 
-from robodyn.cli.options import ROBOT_SUFFIXES, gravity, kept_value, lookup, payloads, scene_name
+from robodyn.cli.options import ROBOT_SUFFIXES, gravity, kept_value, lookup, payloads, scene_name, scene_names
 from robodyn.cli.outputs import check_outputs, inputs_of
 from robodyn.errors import InputError, SceneError
 from robodyn.support.input_file import read_standard_input
@@ -44,8 +45,9 @@ def robot_in_scene(
     from robodyn.scene.fit import check_scene, known, refuse_constraints
     from robodyn.scene.scene import DEFAULT
 
+    files = scene_names() if scene_file in (None, scene_name()) else (scene_file,)
     scene_file = scene_file or scene_name()
-    scene = _scene(scene_file) if scene_file is not None else DEFAULT
+    scene = _scene(files) if files else DEFAULT
     scene = scene.changed(gravity(), held=kept_value("base_held", False))
     model = load(robot_source(urdf), moving_base=scene.moving_base, **lookup())
     scene = scene_of(model, scene)
@@ -106,11 +108,16 @@ def check_names(*writes: str) -> None:
     check_outputs(ctx, writes)
 
 
-def _scene(path: str) -> Scene:
+def _scene(paths: Sequence[str]) -> Scene:
     from robodyn.scene.read import load_scene, parse_scene
 
-    expect(SCENE_FILE, path)
-    return parse_scene(read_standard_input(), "<stdin>") if path == STANDARD_INPUT else load_scene(path)
+    for path in paths:
+        expect(SCENE_FILE, path)
+    if STANDARD_INPUT not in paths:
+        return load_scene(*paths)
+    if len(paths) > 1:
+        raise InputError("one of several scenes cannot be standard input", remedy="name a file", file="<stdin>")
+    return parse_scene(read_standard_input(), "<stdin>")
 
 
 def expect(kind: str, path: str) -> None:

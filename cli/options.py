@@ -205,7 +205,8 @@ SCENE = together(
         "scene_file",
         type=PATH,
         metavar="FILE",
-        help="TOML: friction, motors, springs, payloads, wrenches, base; robodyn scene init writes one.",
+        multiple=True,
+        help="TOML: friction, motors, payloads, wrenches, base; robodyn scene init writes one. Repeatable: merged.",
     ),
     kept(
         "--payload",
@@ -221,10 +222,15 @@ SCENE = together(
 BASE_HELD = kept("--base-held", is_flag=True, help="The base is bolted down, or something carries it: do not warn.")
 
 
-def scene_name() -> str | None:
-    """Return the file that --scene names."""
-    found: str | None = kept_value("scene_file", None)
+def scene_names() -> tuple[str, ...]:
+    """Return the files that --scene names."""
+    found: tuple[str, ...] = kept_value("scene_file", ())
     return found
+
+
+def scene_name() -> str | None:
+    """Return what messages call the files that --scene names."""
+    return " + ".join(scene_names()) or None
 
 
 def payloads() -> tuple[Payload, ...]:

@@ -11,10 +11,10 @@ from typing import Any
 
 import click
 
-from robodyn.cli.batch.jobs import Job, Setup, jobs_of
+from robodyn.cli.batch.jobs import BETWEEN, Job, Setup, jobs_of
 from robodyn.cli.batch.workers import worked_here
 from robodyn.cli.files import STANDARD_INPUT, robot_in_scene
-from robodyn.cli.options import gravity, kept_value, payloads, scene_name
+from robodyn.cli.options import gravity, kept_value, payloads, scene_names
 from robodyn.cli.outputs import inputs_of
 from robodyn.cli.progress import files_done
 from robodyn.cli.reading_options import reading
@@ -53,7 +53,7 @@ def run_batch(
         raise click.UsageError("many trajectories need --out FOLDER for their results", click.get_current_context())
     if os.path.isfile(out):
         raise InputError("is a file, many trajectories need a folder", remedy="give --out another name", file=out)
-    if STANDARD_INPUT in (urdf, scene_name(), *trajectories):
+    if STANDARD_INPUT in (urdf, *scene_names(), *trajectories):
         raise InputError("standard input serves one trajectory", remedy="name files for many", file="<stdin>")
     todo, lines = (
         jobs_of(trajectories, out, inputs_of(click.get_current_context())),
@@ -83,7 +83,7 @@ def _setup(urdf: str, options: dict[str, Any]) -> tuple[Setup, str]:
         options["executor"] = "numpy" if compiler().problem else "compiled"
     setup = Setup(
         robot=zlib.compress(model.description.data),
-        scene=None if (name := scene_name()) is None else zlib.compress(read_input(name)),
+        scene=zlib.compress(BETWEEN.join(map(read_input, names))) if (names := scene_names()) else None,
         gravity=gravity(),
         payloads=payloads(),
         base_held=kept_value("base_held", False),

@@ -18,7 +18,7 @@ from robodyn.errors import InputError
 from robodyn.robot.assemble import load
 from robodyn.robot.model import Model
 from robodyn.scene.parts import Payload
-from robodyn.scene.read import parse_scene
+from robodyn.scene.read import parse_scenes
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.cache import code_digest
 from robodyn.support.extras import need
@@ -116,12 +116,16 @@ VERSION = f"{version_of('robodyn')}, code {code_digest(Path(robodyn.__file__).pa
 """Of robodyn as this process has loaded it; the command line, which computes nothing, does not count."""
 
 
+BETWEEN = b"\0"
+"""Between the bytes of scenes: no TOML has it."""
+
+
 @dataclass(frozen=True)
 class Setup:
     """Robot, scene and options.
 
     Attributes:
-        robot, scene: the files' bytes, packed by zlib; the scene None where there is none.
+        robot, scene: the files' bytes, packed by zlib, of scenes with BETWEEN between them; None where there is none.
         gravity: m/s^2, in place of the scene's; payloads: beside the scene's; base_held: something carries the base.
         reading: as for `read_motion`; options: as for `torques`, with the threads of each process.
         version: of robodyn and its code, which all machines must have.
@@ -136,10 +140,14 @@ class Setup:
     options: Mapping[str, Any]
     version: str = VERSION
 
+    @property
+    def _scenes(self) -> list[tuple[bytes, str]]:
+        return [(data, "<scene>") for data in zlib.decompress(self.scene or b"").split(BETWEEN)]
+
     def loaded(self) -> tuple[Model, Scene]:
         """Return the robot and its scene, read once by each thread, which then has programs of its own."""
         if getattr(_KEPT, "setup", None) != self:
-            scene = DEFAULT if self.scene is None else parse_scene(zlib.decompress(self.scene))
+            scene = DEFAULT if self.scene is None else parse_scenes(self._scenes)
             scene = scene.changed(self.gravity, self.payloads, held=self.base_held)
             _KEPT.robot = load(zlib.decompress(self.robot), moving_base=scene.moving_base), scene
             _KEPT.setup = self

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import astuple
 
 import numpy as np
@@ -43,7 +43,7 @@ def gathered_result(run: TorqueAccumulator, last: Trajectory, explain: bool) -> 
         *bar_doubts(joints, sizing),
         *(unsure.doubts if unsure else ()),
     )
-    about = run.uncertain.notes if run.uncertain else ()
+    about = (*(run.uncertain.notes if run.uncertain else ()), *_added(run))
     idle = (
         f"nothing drives {shown(joints[k].name)}, so that its [motor] is judged by its speed alone" for k in _idle(run)
     )
@@ -71,6 +71,16 @@ def gathered_result(run: TorqueAccumulator, last: Trajectory, explain: bool) -> 
         constraints=constraints,
         uncertainty=unsure,
     )
+
+
+def _added(run: TorqueAccumulator) -> Iterator[str]:
+    """Yield which links have several payloads, as of a scene and of the command line, and what these add up to."""
+    payloads = run.scene.payloads
+    for link in dict.fromkeys(payload.link for payload in payloads):
+        masses = [payload.mass for payload in payloads if payload.link == link]
+        if len(masses) > 1:
+            parts = " + ".join(f"{mass:g}" for mass in masses)
+            yield f"{len(masses)} payloads on link {shown(link)} add up: {parts} = {sum(masses):g} kg"
 
 
 def _check(run: TorqueAccumulator, checks: Checks) -> None:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from robodyn.errors import unreadable
+from robodyn.errors import SceneError, unreadable
 from robodyn.scene.parts import CoupledMotor, ExternalWrench, Friction, Immersed, Payload, Rotor, Spring
 from robodyn.scene.read_constraints import constraints_of
 from robodyn.scene.read_motors import motors_of
@@ -23,30 +24,55 @@ _HELD = "true if something carries the base, else leave it out"
 NOT_COMPUTED = ("ground", "floor")
 
 
-def load_scene(path: str | os.PathLike[str]) -> Scene:
-    """Return the scene that a TOML file describes.
+def load_scene(path: str | os.PathLike[str], *more: str | os.PathLike[str]) -> Scene:
+    """Return the scene that a TOML file describes, or several together.
 
     Args:
-        path: a file with the keys `gravity`, `friction`, `rotor`, `coupled`, `spring`, `payload`, `wrench`, `fluid`,
-            `base`, `slip_speed`, `initial`, `drive`, `between_rows`, `joint_limits`, `limit_spring`, `loop`,
+        path, more: files with the keys `gravity`, `friction`, `rotor`, `coupled`, `spring`, `payload`, `wrench`,
+            `fluid`, `base`, `slip_speed`, `initial`, `drive`, `between_rows`, `joint_limits`, `limit_spring`, `loop`,
             `baumgarte`, `motor`, `actuated`,
             `passive`, `share`, `weights`, `contact`, `contact_cost`, `uncertainty`.
 
     Raises:
         SceneError: the file cannot be read, is not TOML, has a key that is not understood, lacks one, or has a value of
-            the wrong type or size. Whether joints and links exist is asked by `check_scene`.
+            the wrong type or size, or two files give the same key. Whether joints and links exist is asked by
+            `check_scene`.
     """
-    file = os.fspath(path)
+    parts = []
+    for each in (path, *more):
+        file = os.fspath(each)
+        try:
+            parts.append((read_input(each, typed=True), file))
+        except (OSError, ValueError) as error:
+            raise unreadable(error, file) from None
+    return parse_scenes(parts)
+
+
+def parse_scenes(parts: Sequence[tuple[bytes, str]]) -> Scene:
+    """Return the scene that several TOML texts describe together, each with the name of its file; see `load_scene`."""
+    if len(parts) == 1:
+        return parse_scene(*parts[0])
+    from robodyn.scene.merge import merged
+
     try:
-        data = read_input(path, typed=True)
-    except (OSError, ValueError) as error:
-        raise unreadable(error, file) from None
-    return parse_scene(data, file)
+        return _scene(merged(parts), " + ".join(file for _, file in parts))
+    except SceneError as error:
+        for data, file in parts:  # say which file it is, if one has the same error for itself
+            try:
+                parse_scene(data, file)
+            except SceneError as own:
+                if (own.what, own.remedy) == (error.what, error.remedy):
+                    raise own from None
+        raise
 
 
 def parse_scene(data: bytes, file: str = "<scene>") -> Scene:
     """Return the scene that TOML text describes; see `load_scene`."""
-    table = SceneTable(read_toml(data, file), WHOLE, file)
+    return _scene(read_toml(data, file), file)
+
+
+def _scene(values: dict[str, Any], file: str) -> Scene:
+    table = SceneTable(values, WHOLE, file)
     scene = Scene(
         gravity=table.vector("gravity", Scene.gravity),
         friction={name: _friction(entry) for name, entry in table.tables("friction")},
