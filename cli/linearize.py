@@ -26,11 +26,14 @@ from robodyn.support.files import write_whole
 @QD
 @click.option("--equilibrium", is_flag=True, help="Look for the state at rest nearest to --at.")
 @click.option("--step", type=POSITIVE, metavar="S", help="s: A and B of steps, with inputs held in between.")
+@click.option("--fail-on-limits", is_flag=True, help="Exit with 1 if limits do not allow the state at rest.")
 @click.option("--out", type=Output("an archive"), metavar="FILE", help="Write A, B, states and inputs: .npz.")
 @SCENE
 @REPORT
 @FORMAT
-def command(urdf: str, at: Any, qd: Any, equilibrium: bool, step: float | None, out: str | None) -> None:
+def command(
+    urdf: str, at: Any, qd: Any, equilibrium: bool, step: float | None, fail_on_limits: bool, out: str | None
+) -> int:
     """Linearize x' = A x + B u near a state, x being positions and speeds and u torques, with the scene's drives and
     springs closed; and list the modes: frequency, damping, time constant and what moves. Derivatives are exact.
     Without --equilibrium the robot is held where --at puts it. A file named - is standard input.
@@ -52,6 +55,7 @@ def command(urdf: str, at: Any, qd: Any, equilibrium: bool, step: float | None, 
         write_whole(out, _npz(found), "name another file")
         written = f"\nwritten: {out}, A, B, states and inputs\n"
     answer(linearized_sections(found), partial(linearized_page, found), written, json=lambda: text)
+    return int(fail_on_limits and bool(found.exceeded))
 
 
 def _npz(found: Linearized) -> bytes:

@@ -25,6 +25,7 @@ from robodyn.report.document import (
     remarks,
 )
 from robodyn.report.json.linearized import linearized_json
+from robodyn.report.limits import exceeded_words
 from robodyn.report.table import number
 from robodyn.support.wording import count
 
@@ -33,6 +34,8 @@ _MOVES = 0.05
 _NAMED = 4
 _SAME = 0.1
 """Of half a turn: how far a phase may be from in step or against."""
+_PRINTED = 16
+"""States of matrices that are printed."""
 _PICTURED = 12
 """Modes that have pictures, the slowest."""
 
@@ -46,8 +49,23 @@ def linearized_sections(found: Linearized) -> Iterator[Section]:
     yield [Table("State", ("joint", "q", "qd", "drive", "torque added", "unit"), _state(found))]
     rows = [_row(found, mode) for mode in found.modes.modes]
     yield [Table("Modes, the slowest first", _HEAD, rows, _note(found.modes))]
-    yield paragraphs([f"{verdict.headline}.", *verdict.reasons])
+    yield from _matrices(found)
     yield remarks("warning", found.warnings)
+    yield paragraphs([f"{verdict.headline}.", *verdict.reasons])
+
+
+def _matrices(found: Linearized) -> Iterator[Section]:
+    """Yield A and B where they are small enough to be read."""
+    if not found.states or len(found.states) > _PRINTED:
+        yield paragraphs(["A and B are in --out FILE.npz and --format json."] if found.states else [])
+        return
+    law = "x' = A x + B u" if found.step is None else f"x(t + {found.step:.6g} s) = A x(t) + B u"
+    for name, M, over in (("A", found.A, found.states), ("B", found.B, found.inputs)):
+        half = len(M) // 2
+        scales = [abs(part).max(initial=0.0) for part in (M[:half], M[half:])]
+        cells = [[number(x, scales[k >= half]) for x in row] for k, row in enumerate(M.tolist())]
+        rows = [(state, *row) for state, row in zip(found.states, cells, strict=True)]
+        yield [Table(f"{name} of {law}", ("", *over), rows)]
 
 
 def linearized_page(found: Linearized, pictures: bool = True) -> Document:
@@ -73,6 +91,12 @@ def _pictures(found: Linearized) -> list[Block]:
 def stability(found: Linearized) -> Verdict:
     """Return whether the robot comes back after a small push, and how soon or how fast it goes."""
     verdict = _stability(found.modes)
+    if found.exceeded:
+        what = "The equilibrium is" if found.balanced else "The state is"
+        lines = tuple(f"{exceeded_words(excess)}" for excess in found.exceeded)
+        apart = verdict.headline[0].lower() + verdict.headline[1:]
+        said = (*lines, f"Without limits: {apart}.", *verdict.reasons)
+        return Verdict("bad", f"{what} beyond limits: the robot cannot stay there", said)
     if not found.held.any() or not found.motion.at_rest:
         return verdict
     return replace(verdict, reasons=(*verdict.reasons, "That is so while the torques added stay as they are."))

@@ -110,6 +110,28 @@ def reached_beyond(joint: Reached) -> list[Excess]:
     return out
 
 
+def held_beyond(model: Model, q: Floats, tau: Floats) -> tuple[Excess, ...]:
+    """Return the limits that a robot at rest exceeds: positions, those of joints that mimic others too, and effort.
+
+    Args:
+        q: (nq,); tau: (n,) what holds it there, by rate [N m or N].
+    """
+    found = []
+    for body in model.bodies:
+        joint = body.joint
+        if joint.kind not in ("revolute", "prismatic"):
+            continue
+        place, force = ("m", "N") if joint.kind == "prismatic" else ("rad", "N m")
+        value = joint.multiplier * float(q[joint.coordinate]) + joint.offset
+        for limit, beyond in ((joint.lower, -1.0), (joint.upper, 1.0)):
+            if limit is not None and beyond * (value - limit) > (BEYOND - 1.0) * max(1.0, abs(limit)):
+                found.append(Excess(joint.name, "position", value, limit, place))
+        effort = binding(joint.effort)
+        if joint.mimics is None and effort is not None and abs(tau[joint.rate]) > BEYOND * effort:
+            found.append(Excess(joint.name, "effort", abs(float(tau[joint.rate])), effort, force))
+    return tuple(found)
+
+
 def coordinate_ranges(model: Model) -> tuple[Floats, Floats]:
     """Return between which values of each coordinate all joints that it moves are within their limits.
 

@@ -13,6 +13,7 @@ from robodyn.equations.linearized.modes import Modes
 from robodyn.equations.linearized.small_motion import SmallMotion
 from robodyn.errors import InputError
 from robodyn.programs.vectors import product
+from robodyn.robot.limits import Excess, held_beyond
 from robodyn.robot.model import Model
 from robodyn.support.floats import Floats
 
@@ -50,6 +51,21 @@ class Linearized:
     motion: SmallMotion
     warnings: tuple[str, ...]
     step: float | None = None
+
+    @cached_property
+    def exceeded(self) -> tuple[Excess, ...]:
+        """Limits of the description that the state exceeds: its positions, and the effort that holds it at rest."""
+        return held_beyond(self.model, self.q, self.drive + self.held) if self.motion.at_rest else ()
+
+    @property
+    def stable(self) -> bool | None:
+        """Whether it stays there: False too where limits do not allow the state; None where it is not decided."""
+        return False if self.exceeded else self.modes.stable
+
+    @property
+    def verdict(self) -> str:
+        """That of the modes, or "beyond limits"."""
+        return "beyond limits" if self.exceeded else self.modes.verdict
 
     @cached_property
     def modes(self) -> Modes:

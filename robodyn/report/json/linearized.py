@@ -18,8 +18,8 @@ def linearized_json(found: Linearized) -> str:
     return written(
         select(
             found,
-            "robot states inputs A B step equilibrium modes stable:modes.stable verdict:modes.verdict "
-            "margin:modes.margin warnings",
+            "robot states inputs A B step equilibrium modes stable verdict "
+            "margin:modes.margin limits_exceeded:exceeded warnings",
             equilibrium=state,
             modes=list(map(_mode, found.modes.modes)),
         )
