@@ -18,6 +18,7 @@ from robodyn.loads.columns import output_names
 from robodyn.loads.result import Result
 from robodyn.loads.torques import Sink, torques
 from robodyn.report.document import Document
+from robodyn.report.limits import speed_use
 from robodyn.report.torques import torques_sections
 from robodyn.report.torques_verdict import verdict_section
 from robodyn.robot.model import Model
@@ -49,7 +50,7 @@ def run_single(
     lines = ""
     if example:
         write_example(trajectory, model, scene)
-        lines = f"\nwritten: {trajectory}, an example motion to begin with\n"
+        lines = f"\nwritten: {trajectory}, an example motion to begin with"
     way = None
     if accuracy is not None:
         way = arithmetic_for(accuracy, trajectory, model, scene)
@@ -59,6 +60,8 @@ def run_single(
     with reader, sinks(out, names, reader) as gather:
         result = torques(model, reader, scene, sinks=gather, history=pictured(), **options)
     result = way.fulfilled(result) if way else result
+    if example:
+        lines += f"{example_caution(result)}\n"
     if out:
         lines += f"\nwritten: {out}, {result.samples} rows of time and {len(names)} columns\n"
 
@@ -104,6 +107,15 @@ def write_example(path: str, model: Model, scene: Scene) -> None:
         writer.write(time, columns)
     for line in overloaded(model, scene, columns):
         click.echo(f"warning: {line}", err=True)
+
+
+def example_caution(result: Result) -> str:
+    """Return that an example is no duty cycle, where it is used for sizing, and how fast it is."""
+    if result.sizing is None:
+        return ""
+    use = max(map(speed_use, result.joints), default=0.0)
+    slow = f" and reaches {100 * use:.0f} % of the limits of speed" if use else ""
+    return f", which is no duty cycle{slow}: size by the motion that the robot will do"
 
 
 def arithmetic_for(target: float, trajectory: str, model: Model, scene: Scene) -> Arithmetic:

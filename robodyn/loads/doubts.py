@@ -219,6 +219,6 @@ def _base_doubt(model: Model, scene: Scene, force: float, moment: float) -> Doub
     said = (
         f"the ground holds the base with {_wrench(force, moment)}, {loads}: {why}; "
         f"if something carries the base, such as bolts or a vehicle, say so (--base-held, or [base] held = true), "
-        f"otherwise {free}give the contact forces as [[wrench]]"
+        f"otherwise {free}say where its feet stand ([[contact]])"
     )
     return Doubt("as long as the base is held (assumed)", said)

@@ -34,6 +34,10 @@ BLOCK_ROWS = 1 << 15
 _PIECES, _PIECE_ROWS = 16, 4096
 _COMPARED = 4, 1024
 _FEW, _OFTEN = 3, 0.9
+_AT_REST = (
+    "one row is no motion: velocities and accelerations that it does not give are 0, as at rest "
+    "(robodyn fbd ROBOT --at Q shows the forces on each body)"
+)
 
 
 class TrajectoryReader:
@@ -144,7 +148,10 @@ class TrajectoryReader:
         needed = max(1, samples_needed(self._groups))
         plausible = Plausibility(self._assembly.signals, self._assembly.layout)
         for samples, start, stop in with_neighbours(self._samples(), halo):
-            if len(samples) < needed:
+            if len(samples) == 1 < needed:
+                self._plan = None
+                self._remember([_AT_REST])
+            elif len(samples) < needed:
                 self._refuse_short(len(samples), needed)
             block = self._trusted(samples, check, still, slice(start, stop))
             plausible.update(block if self._plan or not self.missing else _with_rough_speeds(block))

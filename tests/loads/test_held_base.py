@@ -96,7 +96,7 @@ def test_a_quadruped_whose_base_hangs_is_not_green() -> None:
     weight = f"{9.81 * robodyn.load(path_of('anymal')).total_mass:.3g} N"
     assert doubt.said.startswith(f"the ground holds the base with {weight} and ")
     assert "there is no contact at its feet ('LF_FOOT', 'RF_FOOT', 'LH_FOOT', 'RH_FOOT')" in doubt.said
-    ways = ("--base-held", "[base] held = true", '[base] motion = "moving"', "[[wrench]]")
+    ways = ("--base-held", "[base] held = true", '[base] motion = "moving"', "[[contact]]")
     assert all(way in doubt.said for way in ways)
     assert result.warnings[0] == doubt.said
     assert result.within_limits is None
