@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
+from robodyn.dynamics.effects.rotor_inertia import rotor_of
+from robodyn.dynamics.effects.viscous_friction import friction_of
 from robodyn.identification.evidence import evidence_of, load_body, moving
 from robodyn.identification.fault_columns import OWN, VISCOUS, Evidence, rms
 from robodyn.identification.faults import Explained, Fault, explain
@@ -111,7 +114,7 @@ def compare(
     raw, time, places, notes = evidence_of(log)
     right = channels(raw)
     routed = rerouted(raw, right)
-    found = explain(routed)
+    found = explain(routed, present_in(model, scene, places))
     inside = raw.inside
     names = [model.rates[place] for place in places]
     computed, difference = raw.computed[inside], (raw.measured - raw.computed)[inside]
@@ -135,6 +138,16 @@ def compare(
         notes=(*log.notes, *notes),
         curves=Curves(time[inside] - log.start, routed.measured[inside], computed, explained, speed, friction),
     )
+
+
+def present_in(model: Model, scene: Scene, places: Sequence[int]) -> Floats:
+    """Return (n, 3) viscous and Coulomb friction and reflected rotor inertia of joints, by their places in tau."""
+    found = np.zeros((len(places), 3))
+    joints = {joint.rate: joint for joint in model.independent}
+    for row, place in zip(found, places, strict=True):
+        friction, (inertia, gear) = friction_of(joints[place], scene), rotor_of(joints[place], scene)
+        row[:] = friction.viscous, 0.5 * (friction.forward - friction.backward), gear * gear * inertia
+    return found
 
 
 def _joint(model: Model, name: str, raw: Evidence, found: Explained, j: int) -> JointComparison:

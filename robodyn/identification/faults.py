@@ -8,13 +8,25 @@ from dataclasses import dataclass
 import numpy as np
 
 from robodyn.identification.dependent_columns import least_squares
-from robodyn.identification.fault_columns import DELAY, GAIN, OWN, Evidence, additive, first_delays, of_robot, rms
+from robodyn.identification.fault_columns import (
+    DELAY,
+    GAIN,
+    OWN,
+    VISCOUS,
+    Evidence,
+    additive,
+    first_delays,
+    of_robot,
+    rms,
+)
 from robodyn.identification.fault_fit import Effect, Fit, blurred, weights_of
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
 
 LEVEL = 0.01
 """The probability that noise alone makes any fault be told."""
+NOTHING = 0.05
+"""Of friction or a rotor that the model has: so much less than nothing may be noise."""
 LEAST = 1e-4
 """Of the measured torque: what explains less of its residual is of no use, and may be of derivatives from positions."""
 
@@ -57,7 +69,7 @@ class Explained:
     residual: Floats
 
 
-def explain(evidence: Evidence) -> Explained:
+def explain(evidence: Evidence, present: Floats | None = None) -> Explained:
     """Return what explains the difference of measured and computed torques.
 
     1. All effects of all joints and a payload are fitted at once: Gauss-Newton, joints weighted by their residuals;
@@ -71,6 +83,11 @@ def explain(evidence: Evidence) -> Explained:
     4. If the others together are more than noise, but none alone, as many as possible of them are taken for zero, and
        the rest is fitted: effects that would do.
     5. Effects are ranked: each explains most of what those before it left.
+    6. Friction and rotors that would be less than nothing in all are left out, and the rest is fitted anew.
+
+    Args:
+        present: (n, 3) viscous friction, Coulomb friction and rotor inertia that the computed torques have; None where
+            any change is possible.
 
     Friction, rotors and payload are those of the robot; a gain that is told, which scales them too, and the offset are
     the sensor's.
@@ -85,7 +102,29 @@ def explain(evidence: Evidence) -> Explained:
     fitted = Fit(evidence, start, [effect for effect in every if not hidden & {*effect.places}], rounds=4)
     hidden -= fitted.clear_delays(evidence)
     every = [effect for effect in every if not hidden & {*effect.places}]
-    level = LEVEL / len(every)
+    while True:
+        found = _explained(evidence, start, every)
+        kept = [effect for effect in every if effect not in _impossible(found, present)]
+        if len(kept) == len(every):
+            return found
+        every = kept
+
+
+def _impossible(found: Explained, present: Floats | None) -> list[Effect]:
+    """Return the effects that would make friction or a rotor less than nothing."""
+    out = []
+    for fault in found.faults if present is not None else ():
+        kind, j = fault.effect.kind, fault.effect.joint
+        if j is not None and kind in OWN[VISCOUS : VISCOUS + 3]:
+            there = float(present[j, OWN.index(kind) - VISCOUS]) if present is not None else 0.0
+            if there + float(fault.values[0]) < -NOTHING * there:
+                out.append(fault.effect)
+    return out
+
+
+def _explained(evidence: Evidence, start: Floats, every: list[Effect]) -> Explained:
+    """Return what of these effects explains the difference."""
+    level = LEVEL / max(1, len(every))
     whole = Fit(evidence, start, every)
     sure = [effect for effect in every if whole.sure([effect], level)]
     others = [effect for effect in every if effect not in sure]

@@ -28,8 +28,8 @@ from robodyn.report.measured_words import bar, fault_words, percent
 from robodyn.report.table import number, printable
 from robodyn.support.wording import count
 
-_LEAST = 0.001
-"""One that has a line."""
+_LEAST = 0.02
+"""Of the residual of a joint: an effect that explains less has no line."""
 _GOOD = 0.05
 _MUCH = 0.5
 _ROUNDED = 1e-9
@@ -42,7 +42,7 @@ def measured_sections(found: Comparison) -> Iterator[Section]:
     told = [fault for fault in found.faults if fault.shares.max() >= _LEAST]
     lines = [*_gross(found), *(fault_words(found, fault) for fault in told)]
     few = count(len(found.faults) - len(told), "effect")
-    rest = [f"{few} that hardly explain anything left out"] if len(told) < len(found.faults) else []
+    rest = [f"{few} that explain less than 2 % left out"] if len(told) < len(found.faults) else []
     numbered = [f"{k}. {line}" for k, line in enumerate(lines, start=1)]
     said = numbered or ["nothing that is more than noise"]
     yield paragraphs(["What explains the difference", *said, *rest, *_left(found)])

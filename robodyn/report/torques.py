@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from robodyn.loads.many import Batch, Outcome, Status, Worst
-from robodyn.loads.result import Result
+from robodyn.loads.result import EffectReport, Result
 from robodyn.report.document import Paragraph, Section, Table, paragraphs, remarks
 from robodyn.report.limits import offenders_first, unchecked_words, use, verdict_on_limits
 from robodyn.report.sizes import Sizes, result_sizes, speed_unit
@@ -90,13 +90,22 @@ def _base(result: Result) -> Section:
 
 def _checks(result: Result) -> Section:
     (work, stored, residual, _, sampling), laws = balance_words(result)
+    losses = " less friction and drag" if any(map(_takes, result.effects)) else ""
     lines = (
         "Self-checks, from momenta and energy",
-        f"energy: work {work} J, stored {stored} J, residual {residual} J (sampling explains {sampling} J)",
+        f"energy: work{losses} {work} J, stored {stored} J, residual {residual} J (sampling explains {sampling} J)",
         f"laws at {count(result.checks.samples, 'sample')}, relative error: Euler's first {laws[0]}, second {laws[1]}, "
         f"power {laws[2]}",
     )
     return paragraphs(lines)
+
+
+_TAKES = ("coulomb friction", "viscous friction", "load friction", "fluid drag")
+
+
+def _takes(effect: EffectReport) -> bool:
+    """Return whether an effect takes energy, which the work in the balance is without."""
+    return effect.verdict.active and effect.name in _TAKES
 
 
 def balance_words(result: Result) -> tuple[list[str], list[str]]:
