@@ -81,13 +81,15 @@ class Case:
         loads: of each joint.
         verdicts: of joints that had a limit, one at a time: the limit's share of the true largest torque, and
             `within_limits`.
+        refused: why the table was refused, which leaves nothing to judge.
     """
 
     labels: tuple[str, ...]
     robot: str
     draw: int
-    loads: tuple[Load, ...]
-    verdicts: tuple[tuple[Load, float, bool | None], ...]
+    loads: tuple[Load, ...] = ()
+    verdicts: tuple[tuple[Load, float, bool | None], ...] = ()
+    refused: str = ""
 
     def told(self, *shares: float) -> list[bool | None]:
         """The verdicts on limits of these shares, by default on the random ones."""
@@ -142,11 +144,16 @@ def case(kind: str, draw: int, half: str) -> Case:
     units = np.array([PITCH if joint.kind == "prismatic" else 1.0 for joint in joints])
     table = read(path, rng, hz, reading, given, units)
     true, between = truths(model, path, table, exact=given == "both")
-    torques = computed(model, table)
+    labels = (kind, reading, given, f"{hz} Hz")
+    try:
+        torques = computed(model, table)
+        printed = torques(model).joints
+    except robodyn.RobodynError as error:
+        return Case(labels, file.stem, draw, refused=str(error))
     scale = float(true.max())
     loads = tuple(
         Load(found.name, float(a), float(b), abs(found.peak), bar_of(found), scale)
-        for found, a, b in zip(torques(model).joints, true, between, strict=True)
+        for found, a, b in zip(printed, true, between, strict=True)
     )
     heavy = [load for load in loads if load.true > 1e-3 * scale]
     limits = (BELOW, float(rng.uniform(0.9, 0.99)), ABOVE)
@@ -155,7 +162,7 @@ def case(kind: str, draw: int, half: str) -> Case:
         for load in (heavy[k] for k in rng.permutation(len(heavy))[:JUDGED])
         for share in limits
     )
-    return Case((kind, reading, given, f"{hz} Hz"), file.stem, draw, loads, verdicts)
+    return Case(labels, file.stem, draw, loads, verdicts)
 
 
 def range_of(joint: Any) -> tuple[float, float]:
@@ -211,16 +218,32 @@ def score(cases: Sequence[Case]) -> Score:
     )
 
 
-HEAD = ("joints", "holds", "between", "bar / error", "bar / peak", "green -1.5 %", "green -1..10 %", "red", "unsure")
+HEAD = (
+    "joints",
+    "refused",
+    "holds",
+    "between",
+    "bar / error",
+    "bar / peak",
+    "green -1.5 %",
+    "green -1..10 %",
+    "red",
+    "unsure",
+)
 
 
 def row(name: str, cases: Sequence[Case]) -> tuple[str, ...]:
     """The cells of a class."""
-    found = score(cases)
+    judged = [each for each in cases if not each.refused]
+    refused = f"{100 - 100 * len(judged) / len(cases):.1f} %"
+    if not judged:
+        return (name, "0", refused, *("-" for _ in HEAD[2:]))
+    found = score(judged)
     shares = (found.green, found.green_near, found.red, found.unsure)
     return (
         name,
         str(found.joints),
+        refused,
         *(f"{100 * x:.1f} %" for x in (found.holds, found.between)),
         f"{found.sharpness:.2g}",
         f"{100 * found.width:.2g} %",
@@ -242,6 +265,8 @@ def tables(cases: Sequence[Case]) -> str:
 def misses(cases: Iterable[Case]) -> Iterator[str]:
     """A line for each bar that does not hold, and for each green verdict over an exceeded limit."""
     for each in cases:
+        if each.refused:
+            yield f"refused {each.draw:4d} {', '.join(each.labels)}, {each.robot}: {each.refused}"
         where = f"{each.draw:4d} {', '.join(each.labels)}, {each.robot}"
         for load in each.loads:
             if not load.holds(load.true):
@@ -267,7 +292,8 @@ def main() -> None:
     for kind in [arguments.only] if arguments.only else MOTIONS:
         cases += [case(kind, draw, arguments.half) for draw in range(arguments.per_class)]
     print(tables(cases), end="")
-    print(f"\n{len(cases)} motions, {perf_counter() - start:.0f} s")
+    refused = sum(bool(each.refused) for each in cases)
+    print(f"\n{len(cases)} motions, {refused} of them refused, {perf_counter() - start:.0f} s")
     if arguments.misses:
         print(*misses(cases), sep="\n")
     if arguments.write:
@@ -287,6 +313,7 @@ or by `numpy.gradient` of what was read, "filtered" with a first-order lag of 10
 jittered say when the sample was taken; late ones are up to a third of a sample after it; cyclic errors are those of an
 encoder with 64 to 2048 lines, of 0.1 to 1 % of a line, declared by `--encoder-error`.
 
+- refused: the share of tables that are refused with a remedy, of which nothing is printed.
 - holds: the share of joints of which the largest torque at the samples, or just beside them where it jumps there, is
   within the printed peak and its bar, or within the four digits of the peak.
 - between: the same of the largest torque between the samples, too, of which a table of samples need not tell.

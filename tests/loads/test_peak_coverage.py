@@ -30,10 +30,18 @@ def least(share: float, count: int) -> int:
     return int(binom.ppf(RISK, count, share))
 
 
+def judged(cases: list[Case], name: str) -> list[Case]:
+    """Those of a class of which something was printed: most of them."""
+    every = [each for each in cases if name in each.labels]
+    own = [each for each in every if not each.refused]
+    assert len(own) >= len(every) / 2, next(each.refused for each in every if each.refused)
+    return own
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CLASSES)
 def test_bars_hold_the_largest_torque(cases: list[Case], name: str) -> None:
-    own = [each for each in cases if name in each.labels]
+    own = judged(cases, name)
     holds = [each.verdicts[0][0].holds(each.verdicts[0][0].true) for each in own]
     assert sum(holds) >= least(ENOUGH, len(own)), f"{sum(holds)} of {len(own)}"
 
@@ -41,7 +49,7 @@ def test_bars_hold_the_largest_torque(cases: list[Case], name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CLASSES)
 def test_no_verdict_is_green_over_an_exceeded_limit(cases: list[Case], name: str) -> None:
-    own = [each for each in cases if name in each.labels]
+    own = judged(cases, name)
     for told in ([each.told(BELOW)[0] for each in own], [each.told()[0] for each in own]):
         green = sum(verdict is True for verdict in told)
         assert len(own) - green >= least(1 - GREEN, len(own)), f"{green} of {len(own)}"
