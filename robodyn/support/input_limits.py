@@ -61,6 +61,8 @@ class InputLimits:
     """Nodes of a scene of meshes in one another."""
     mesh_unpacked: int = 1 << 27
     """Bytes of all files in an archive of meshes (3MF, ZAE), or that the accessors of a glTF stand for."""
+    mesh_shape: int = 2_000_000
+    """Triangles of a mesh whose symmetry and facets are asked for: each takes 800 bytes of memory."""
     mesh_nesting: int = 30_000
     """Points of shells of a mesh that are tried for lying in another shell."""
     mesh_overlaps: int = 200_000

@@ -17,7 +17,7 @@ from robodyn.solids.mesh.integrate.sweep import swept
 from robodyn.solids.mesh.region.columns import Lattice
 from robodyn.solids.mesh.region.winding_region import Pieces, directions, pieces
 from robodyn.solids.mesh.region.winding_tree import WindingTree
-from robodyn.solids.mesh.repair.union import manifold
+from robodyn.solids.mesh.repair.inside import manifold
 from robodyn.solids.mesh.triangles import MemoryTriangles, Triangles
 from robodyn.support.floats import Floats
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from robodyn.solids.mesh.integrate.integrals import Integrals
 from robodyn.solids.mesh.triangles import Triangles
+from robodyn.support.input_limits import VARIABLE, limits
 
 if TYPE_CHECKING:
     from robodyn.solids.mesh.symmetry.kinds import Symmetry
@@ -85,6 +86,9 @@ def _keep_what_is_freed() -> None:
 
 
 def _wanted(name: str, asked: bool | None, count: int, most: int) -> tuple[bool, tuple[str, ...]]:
+    if asked and count > limits().mesh_shape:
+        what = f"{name}: not sought above {limits().mesh_shape} triangles, for want of memory"
+        return False, (f"{what} (simplify the mesh, or {VARIABLE}=mesh_shape=NUMBER allows more)",)
     if asked is not None or count <= most:
         return asked is not False, ()
     return False, (f"{name}: not sought unasked above {most} triangles (--{name} does)",)

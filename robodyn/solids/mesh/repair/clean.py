@@ -47,7 +47,7 @@ def without_duplicates(mesh: Indexed) -> tuple[Indexed, Numbers]:
     else:
         copies //= np.maximum(np.bincount(sided[rows], minlength=2 * sets), 1)
         rows = rows[_uncancelled(sided[rows], sets)]
-    both = np.bincount(sided[rows], minlength=2 * sets).reshape(-1, 2).all(axis=1)[which]
+    both: Mask = np.logical_and(*(np.bincount(sided[rows], minlength=2 * sets).reshape(-1, 2).T > 0))[which]
     surplus = (copies[1::2] - copies[::2])[which]
     often = np.where(both, np.abs(surplus), copies[sided])
     more = np.where(surplus[rows] == 0, _first_of(which[rows]), even[rows] == (surplus[rows] > 0))

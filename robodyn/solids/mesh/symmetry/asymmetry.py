@@ -19,6 +19,7 @@ from robodyn.solids.mesh.triangles import Triangles
 from robodyn.support.floats import Floats
 
 _BITS = 30
+_BLOCK = 1 << 14
 _SHIFT = 0.3819660113
 _FACTORS = tuple(map(np.uint64, (0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9)))
 _HALF = np.uint64(29)
@@ -28,9 +29,9 @@ class TriangleSet:
     """The triangles (m, 3, 3) of a mesh as a set, with corners rounded to 2^-30 of their largest distance."""
 
     def __init__(self, corners: Array, reach: float) -> None:
-        self._X = np.ascontiguousarray(corners.T)
+        self._corners = corners
         self._scale = 2.0**_BITS / reach
-        self._sum = self._hash(self._X)
+        self._sum = self._total(IDENTITY)
 
     def invariant(self, Q: Array) -> bool:
         """Whether Q, about the origin, takes every triangle to one of the set, whatever the order of its corners.
@@ -38,10 +39,18 @@ class TriangleSet:
         Sets are told apart by a sum of 64 bits. Corners that are rounded differently make sets differ that do not; a
         set that is called invariant is so within the rounding.
         """
-        return self._hash(product(Q, self._X.reshape(3, -1)).reshape(self._X.shape)) == self._sum
+        return self._total(Q) == self._sum
+
+    def _total(self, Q: Array) -> int:
+        """The sum over all triangles, turned by Q, modulo 2^64."""
+        total = 0
+        for start in range(0, len(self._corners), _BLOCK):
+            X = np.ascontiguousarray(self._corners[start : start + _BLOCK].T)
+            total += self._hash(X if Q is IDENTITY else product(Q, X.reshape(3, -1)).reshape(X.shape))
+        return total % 2**64
 
     def _hash(self, X: Array) -> int:
-        """The sum over the triangles (3 coordinates, 3 corners, m) of a mix of the sum of a mix of each corner."""
+        """The sum over the triangles (3 coordinates, 3 corners, n) of a mix of the sum of a mix of each corner."""
         places = np.floor(X * self._scale + _SHIFT).astype(np.int64).view(np.uint64)
         words = places[0] * _FACTORS[0]
         for i in (1, 2):
@@ -89,8 +98,9 @@ class CentredBody:
             raise MeshError("has no volume", remedy="symmetry is that of a closed mesh", file=triangles.name)
         shift = integrals.first / V
         S = (integrals.S - np.outer(integrals.first, shift)) * np.sign(V)
-        by_coordinate = triangles.array().T - integrals.reference[:, None, None] - shift[:, None, None]
-        corners = by_coordinate.T
+        corners = triangles.array()
+        corners -= integrals.reference
+        corners -= shift
         return cls(corners if V > 0 else corners[:, ::-1], integrals.reference + shift, abs(V), S)
 
     @cached_property

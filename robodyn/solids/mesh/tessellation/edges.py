@@ -107,7 +107,7 @@ def bent_edges(corners: Array) -> BentEdges:
     coplanar: list[Integers] = []
     blocks = (slice(k, k + _BLOCK) for k in range(0, max(len(one), 1), _BLOCK))
     parts = [_bent(points, normals, one[block], other[block], coplanar) for block in blocks]
-    columns: dict[str, Any] = {name: np.concatenate([part[name] for part in parts], axis=-1) for name in _COLUMNS}
+    columns: dict[str, Any] = {name: np.concatenate([part.pop(name) for part in parts], axis=-1) for name in _COLUMNS}
     a, b = np.concatenate(coplanar, axis=1)
     flat = np.zeros(len(normals), dtype=np.bool_)
     flat[a] = flat[b] = True
