@@ -100,7 +100,9 @@ def begun(logs: Sequence[Log], validate: Sequence[Log], scene: Scene, split: flo
             slip = max(slip, _SLOW * float(top[: model.n].max()), _NOISE * _speed_noise(log, cutoff))
         largest = np.maximum(largest, top)
     if largest[: model.n].max() <= max(RESTS, 2.0 * slip if slip != scene.slip_speed else 0.0):
-        what = "; ".join(("no joint moves: the log shows nothing of masses and friction", *every[0].doubts))
+        what = "; ".join(
+            ("no joint moves: the log shows nothing of masses and friction", *(doubt.said for doubt in every[0].doubts))
+        )
         raise InputError(what, remedy="log an exciting motion, see robodyn excite", file=every[0].path)
     motors = {each.name: with_speeds(each, float(top), slip) for each, top in zip(candidates, largest, strict=True)}
     ends = [log.start + (log.stop - log.start) * split * np.arange(1, FOLDS + 1) / FOLDS for log in logs]
@@ -164,7 +166,9 @@ def first_fit(run: Run) -> First:
     faults = faults or misread(run.fitted, run.cutoff, second, sigma)
     doubts = [] if faults else raw.leaning(second, theta, sigma, run.scene)
     values = dict(zip(atoms.names, (second.shape @ theta).tolist(), strict=True))
-    units = [doubt if len(run.logs) == 1 else f"{log.path}: {doubt}" for log in run.logs for doubt in log.doubts]
+    units = [
+        doubt.said if len(run.logs) == 1 else f"{log.path}: {doubt.said}" for log in run.logs for doubt in log.doubts
+    ]
     faults = [*units, *faults, *magnitudes(channels, measured)]
     return First(run, [motors[k] for k in chosen], ratios, values, sigma, faults, doubts)
 

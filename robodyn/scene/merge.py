@@ -43,7 +43,7 @@ def _put(whole: dict[str, Any], more: Mapping[str, Any], above: Path) -> Iterato
         elif isinstance(old, dict) and isinstance(value, dict):
             yield from _put(old, value, path)
         elif _is_tables(old) and _is_tables(value):
-            whole[key] = [*old, *value]
+            whole[key] = [*whole[key], *value]
         else:
             yield path
 
@@ -62,7 +62,8 @@ def _has(values: Any, path: Path) -> bool:
 
 def _line(data: bytes, path: Path) -> int | None:
     """Return the line of a key, or of the last of the tables that hold it and have one of their own."""
-    found, best, above = None, 0, ()
+    above: Path = ()
+    found, best = None, 0
     for number, text in enumerate(data.decode("utf-8", errors="replace").splitlines(), start=1):
         stripped = text.strip()
         head = stripped.startswith("[")

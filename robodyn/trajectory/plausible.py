@@ -45,17 +45,17 @@ first, their ratio within the second of that of the units, and what they change 
 coarse samples of fast swings they may be anything); of so many steps at least."""
 
 
-def refuse_units(doubts: Sequence[str], file: str | None) -> None:
+def refuse_units(doubts: Sequence[Doubt], file: str | None) -> None:
     """Raise where numbers can hardly be in the units that they are taken in.
 
     Args:
-        doubts: what `Plausibility` says.
+        doubts: about a table, of its units among others.
 
     Raises:
         TrajectoryError: with what is seen, and the options that say what is meant.
     """
-    if doubts:
-        raise TrajectoryError("; ".join(doubts), file=file)
+    if said := [doubt.said for doubt in doubts if doubt.of_units]:
+        raise TrajectoryError("; ".join(said), file=file)
 
 
 class _Seen(NamedTuple):
@@ -137,7 +137,7 @@ class Plausibility:
         if "angle" not in found and (said := _degrees(seen)):
             found["angle"] = said
         parts = {kind: _OTHER[kind][0] if kind in found else 1.0 for kind in _OTHER}
-        doubts = [Doubt(f"if {_SI[kind][1]} (assumed)", said) for kind, said in found.items()]
+        doubts = [Doubt(f"if {_SI[kind][1]} (assumed)", said, True) for kind, said in found.items()]
         seen = [
             each._replace(speed=each.speed / parts[each.kind], lasting=each.lasting / parts[each.kind]) for each in seen
         ]
@@ -148,7 +148,7 @@ class Plausibility:
             now = next(name for name, ticks in TICKS.items() if ticks == clock.ticks)
             remedy = f"--time-unit {unit}" + ("" if clock.told else f", or --time-unit {now} if they are {_TIMES[now]}")
             said = f"{why}: are the stamps {_TIMES[unit]}? ({remedy})"
-            doubts.append(Doubt(f"if the stamps are {_TIMES[now]}{'' if clock.told else ' (assumed)'}", said))
+            doubts.append(Doubt(f"if the stamps are {_TIMES[now]}{'' if clock.told else ' (assumed)'}", said, True))
         return tuple(doubts)
 
     def _rates(self, kind: str) -> str:
