@@ -22,6 +22,7 @@ from robodyn.robot.configuration import configuration, rates
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.files import write_whole
+from robodyn.trajectory.plausible import refuse_units
 from robodyn.trajectory.reader import row_at
 from robodyn.trajectory.robot_motion import read_motion
 
@@ -59,6 +60,7 @@ def state_of(
             row = row_at(reader, time, Follower(plan(model, scene), reader.followed, reader.file).take)
         else:
             row = row_at(reader, time)
+    refuse_units(row.doubts, traj)
     since = " after the first" if row.origin else ""
     words_of_row = f"row {row.first_row} of {traj} at {row.time[0]:.6g} s{since}"
     if row.time[0] != time:

@@ -102,3 +102,13 @@ def test_wrong_calls(call: tuple[str, ...], line: str) -> None:
     assert (outcome.status, outcome.out) == (2, "")
     assert len(outcome.err.splitlines()) == 1
     assert outcome.err.startswith(f"error: {line}")
+
+
+def test_a_row_in_degrees_is_refused(tmp_path: Path) -> None:
+    table = tmp_path / "degrees.csv"
+    rows = (f"{0.1 * k},{60 * k},{-40 * k},0.1\n" for k in range(4))
+    table.write_text("time,q_shoulder,q_elbow,q_quill\n" + "".join(rows))
+    outcome = run("fbd", SCARA, "--traj", str(table), "--time", "0.2")
+    assert (outcome.status, outcome.out) == (2, "")
+    assert "are these degrees?" in outcome.err
+    assert run("fbd", SCARA, "--traj", str(table), "--time", "0.2", "--angle-unit", "deg").status == 0

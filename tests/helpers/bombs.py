@@ -232,6 +232,7 @@ TABLES: dict[str, Callable[[Path], None]] = {
     "publishers.json": _publishers,
     "columns.csv": _columns,
     "line.csv": _write(HEAD + "1," * 4_000_000 + "\n"),
+    "lines.csv": _write("\n" * 20_000_000),
     "digits.csv": _write(HEAD + "1," + "1" * 8_000_000 + ",2\n2,3,4\n"),
     "blanks.csv": _write("time q_shoulder q_elbow\n0 1 2\n" + "1 " * 4_000_000 + "\n2 3 4\n"),
     "header.csv": _write("a," * 4_000_000 + "\n"),

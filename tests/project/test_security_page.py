@@ -11,7 +11,7 @@ from pathlib import Path
 from robodyn.support import input_limits
 from robodyn.support.input_limits import VARIABLE, InputLimits
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / ".github" / "SECURITY.md").read_text()
 
 

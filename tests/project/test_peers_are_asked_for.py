@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from pathlib import Path
 
-TESTS = Path(__file__).parent
+TESTS = Path(__file__).parents[1]
 PEERS = {"pinocchio", "mujoco", "pydrake", "idyntree", "casadi", "jax", "torch", "igl"}
 """Modules that `[test]` does not bring."""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 
-from test_layers import MODULES
+from project.test_layers import MODULES
 
 ANY_SCALAR = (
     *("dynamics.recursions", "dynamics.effects", "dynamics.momenta", "dynamics.balance", "dynamics.coriolis"),

@@ -11,7 +11,7 @@ from helpers.markdown_tables import cells
 from robodyn.errors import SceneError
 from robodyn.scene.read import parse_scene
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 LIMITS = (ROOT / "docs" / "explanation" / "limits.md").read_text(encoding="utf-8")
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 CONTACT = '[[contact]]\nname = "c"\nlink = "l"\n{}'

@@ -12,7 +12,7 @@ from shutil import copytree, ignore_patterns
 
 import pytest
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 LIBRARIES = "numpy", "click", "yourdfpy", "platformdirs"
 CALLS = ["bin/python", "-m", "robodyn"], ["bin/robodyn"]
 
@@ -64,7 +64,7 @@ def test_the_command_line_of_a_checkout_is_its_own(tmp_path: Path) -> None:
 
 
 def test_the_source_distribution_is_the_package_and_no_test(tmp_path: Path) -> None:
-    """setuptools adds some tests by itself, which do not run without the others."""
+    """setuptools adds tests/test*.py by itself, which would not run without the others: there are none."""
     checkout = tmp_path / "checkout"
     copytree(
         ROOT, checkout, ignore=ignore_patterns(".*", "build", "dist", "data", "docs", "robots", "*cache*", "*.egg-info")
@@ -82,7 +82,7 @@ def test_the_source_distribution_is_the_package_and_no_test(tmp_path: Path) -> N
     assert modules <= names
     assert {"pyproject.toml", "README.md", "LICENSE", "robodyn/py.typed"} <= names
     assert {name.split("/")[0] for name in names - {"."}} <= {
-        *("robodyn", "cli", "robodyn.egg-info", "pyproject.toml", "README.md", "LICENSE", "MANIFEST.in"),
+        *("robodyn", "cli", "robodyn.egg-info", "pyproject.toml", "README.md", "LICENSE"),
         *("PKG-INFO", "setup.cfg"),
     }
 
