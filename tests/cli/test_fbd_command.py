@@ -110,5 +110,5 @@ def test_a_row_in_degrees_is_refused(tmp_path: Path) -> None:
     table.write_text("time,q_shoulder,q_elbow,q_quill\n" + "".join(rows))
     outcome = run("fbd", SCARA, "--traj", str(table), "--time", "0.2")
     assert (outcome.status, outcome.out) == (2, "")
-    assert "are these degrees?" in outcome.err
+    assert "are the angles degrees?" in outcome.err
     assert run("fbd", SCARA, "--traj", str(table), "--time", "0.2", "--angle-unit", "deg").status == 0
