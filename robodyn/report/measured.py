@@ -144,8 +144,9 @@ def _effects(found: Comparison) -> tuple[list[str], list[list[str]]]:
     for joint in found.joints:
         row = [joint.name]
         for kind in OWN:
+            size = 1.0 if kind in (OWN[GAIN], OWN[DELAY]) else joint.measured
             value, error = joint.effects.get(kind, (0.0, 0.0))
             scale, shift = (1e3 if kind == OWN[DELAY] else 1.0), (1.0 if kind == OWN[GAIN] else 0.0)
-            row.append(bar(scale * value + shift, scale * error) if kind in joint.effects else "cannot be told")
+            row.append(bar(scale * value + shift, scale * error, size) if kind in joint.effects else "cannot be told")
         rows.append(row)
     return head, rows

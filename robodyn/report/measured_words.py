@@ -6,7 +6,7 @@ import numpy as np
 
 from robodyn.identification.compare import Comparison, JointComparison
 from robodyn.identification.faults import Fault
-from robodyn.report.table import printable
+from robodyn.report.table import is_noise, printable
 from robodyn.support.sums import einsum
 
 _TOLD = 0.01
@@ -51,11 +51,14 @@ def effect_words(joint: JointComparison, kind: str, value: float, error: float) 
         "rotor": ("Rotor inertia", "kg m^2" if unit == "N m" else "kg"),
     }
     title, of = words[kind]
-    return f"{title} of {bar(value, error)} {of} at {name}"
+    return f"{title} of {bar(value, error, joint.measured)} {of} at {name}"
 
 
-def bar(value: float, error: float) -> str:
-    """Return a value with its standard error, to two digits of the error; 0 for what is noise beside it."""
+def bar(value: float, error: float, scale: float = 1.0) -> str:
+    """Return a value with its standard error, to two digits of the error; 0 for what is noise beside it, or beside
+    the scale of the quantity."""
+    if is_noise(max(abs(value), error), scale):
+        return "0"
     if abs(value) < 0.05 * error:
         value = 0.0
     if max(abs(value), error) < 1e-3:

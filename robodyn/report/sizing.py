@@ -117,11 +117,16 @@ def _use(result: Result, sizing: Sizing) -> Content:
                 number(load.least_power, size["W"]),
                 f"{number(joint.static_peak, torque)} {joint.unit}",
                 number(joint.static_rms, torque),
-                "-" if is_noise(load.rms, torque) else f"{number(100 * joint.static_share, 100.0)} %",
+                _share(joint.static_share) if not is_noise(load.rms, torque) else "-",
             )
         )
     head = ("joint", "duty", "mean speed", "peak in row", "speed then", "max speed at [s]", "torque then")
     return (*head, "least power [W]", "static peak", "static RMS", "hold share"), rows
+
+
+def _share(share: float) -> str:
+    """Return a share in percent, 0 where it is less than a thousandth of one."""
+    return f"{number(100 * share)} %" if share >= 1e-5 else "0 %"
 
 
 def _motors(sizing: Sizing, size: Sizes) -> Content:

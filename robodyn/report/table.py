@@ -13,6 +13,9 @@ NOTHING = ("", "-")
 """Cells that may stand among numbers."""
 NOISE = 1e-12
 """What is smaller beside the largest of its case is rounding noise: other on another processor, and shown as 0."""
+NEGLIGIBLE = 2e-9
+"""Beside the largest of its case what is smaller comes of the rounding of inputs, as right angles of nine digits have,
+and is shown as 0."""
 
 Content = tuple[Sequence[str], Sequence[Sequence[str]]]
 """Titles of columns, and rows."""
@@ -52,7 +55,7 @@ def number(x: float, scale: float = 0.0) -> str:
 
 def is_noise(size: float, scale: float) -> bool:
     """Return whether a magnitude vanishes beside the largest of its case."""
-    return size <= NOISE * scale
+    return size <= NEGLIGIBLE * scale
 
 
 def moment(when: float, value: float, scale: float) -> str:
@@ -62,7 +65,7 @@ def moment(when: float, value: float, scale: float) -> str:
 
 def drift_text(drift: float, scale: float) -> str:
     """Return two digits of what should be zero; 0 for rounding noise."""
-    return "0" if is_noise(drift, scale) else f"{drift:.1e}"
+    return "0" if drift <= NOISE * scale else f"{drift:.1e}"
 
 
 def relative_text(error: float) -> str:

@@ -100,7 +100,7 @@ def _checks(result: Result) -> Section:
     return paragraphs(lines)
 
 
-_TAKES = ("coulomb friction", "viscous friction", "load friction", "fluid drag")
+_TAKES = ("coulomb friction", "viscous friction", "load friction", "fluid")
 
 
 def _takes(effect: EffectReport) -> bool:
