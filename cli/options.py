@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from functools import reduce
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import click
 
@@ -23,6 +23,29 @@ ROBOT_SUFFIXES = (".urdf", ".xacro")
 def together(*options: Callback) -> Callback:
     """Return one decorator for several options, which help lists in this order."""
     return lambda command: reduce(lambda inner, option: option(inner), reversed(options), command)
+
+
+class Grouped(click.Command):
+    """A command of many options, which its help lists under titles.
+
+    Attributes:
+        groups: title -> names of options; those that stand in none come last.
+    """
+
+    groups: ClassVar[Mapping[str, Sequence[str]]] = {}
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        titles = {name: title for title, names in self.groups.items() for name in names}
+        rows: dict[str, list[tuple[str, str]]] = {title: [] for title in (*self.groups, "Other options")}
+        for each in self.get_params(ctx):
+            record = each.get_help_record(ctx)
+            if record is not None and isinstance(each, click.Option):
+                title = next((titles[name] for name in each.opts if name in titles), "Other options")
+                rows[title].append(record)
+        for title, records in rows.items():
+            if records:
+                with formatter.section(title):
+                    formatter.write_dl(records)
 
 
 def _keep(ctx: click.Context, param: click.Parameter, value: Any) -> None:

@@ -3,12 +3,23 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import click
 
-from robodyn.cli.options import BASE_HELD, EXECUTION, FORMAT, PATH, POINT, POSITIVE, SCENE, TABLE_OUT, together
+from robodyn.cli.options import (
+    BASE_HELD,
+    EXECUTION,
+    FORMAT,
+    PATH,
+    POINT,
+    POSITIVE,
+    SCENE,
+    TABLE_OUT,
+    Grouped,
+    together,
+)
 from robodyn.cli.reading_options import READING
 from robodyn.cli.reports import REPORT
 
@@ -96,7 +107,23 @@ OPTIONS = together(
 )
 
 
-@click.command("torques", short_help="Compute what every joint and bearing carries along a motion.")
+class TorquesCommand(Grouped):
+    groups: ClassVar[Mapping[str, Sequence[str]]] = {
+        "The robot and what surrounds it": (
+            *("--scene", "--payload", "--gravity", "--base-held", "--package-path", "--xacro-arg"),
+        ),
+        "The trajectory": (
+            *("--example", "--hold", "--map", "--time-unit", "--angle-unit", "--derivatives", "--topic"),
+            "--ignore-extra",
+        ),
+        "What is computed": ("--sizing", "--momentum", "--about", "--frame", "--explain", "--samples", "--accuracy"),
+        "A log with measured torques": ("--measured", "--cutoff"),
+        "What is written": ("--out", "--reactions", "--report", "--format", "--fail-on-limits"),
+        "How it is computed": ("--executor", "--threads", "--jobs", "--dask"),
+    }
+
+
+@click.command("torques", cls=TorquesCommand, short_help="Compute what every joint and bearing carries along a motion.")
 @click.argument("urdf", type=PATH)
 @click.argument("trajectories", type=PATH, nargs=-1, required=True, metavar="TRAJECTORY...")
 @OPTIONS

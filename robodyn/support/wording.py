@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import MISSING, fields
@@ -100,7 +101,8 @@ def _edits(one: str, other: str) -> int:
 
 
 def nearest(name: str, valid: Collection[str]) -> list[str]:
-    """Return the valid name that is spelled almost so, in any case, or else those that hold it, or that it holds."""
+    """Return the valid name that is spelled almost so, in any case, or else those that hold it, that it holds, or one
+    of whose parts is spelled almost so, as sholder in shoulder_pan_joint."""
     if not 0 < len(name) <= _LONGEST:
         return []
     from difflib import get_close_matches
@@ -112,7 +114,18 @@ def nearest(name: str, valid: Collection[str]) -> list[str]:
     if close:
         return [spelled[close[0]]]
     long = [other for other in islice(valid, _MOST_CANDIDATES) if min(len(other), len(name)) >= _PART]
-    return [other for other in long if folded in other.casefold() or other.casefold() in folded]
+    held = [other for other in long if folded in other.casefold() or other.casefold() in folded]
+    if held or len(name) < _PART:
+        return held
+    return [
+        other
+        for other in long
+        if any(_edits(folded, part) <= _SLIPS for part in _parts(other) if len(part) > _SLIPS + 1)
+    ]
+
+
+def _parts(name: str) -> list[str]:
+    return re.split(r"[^a-z]+", name.casefold())
 
 
 def shortened(names: Sequence[str], most: int) -> list[str]:
