@@ -110,11 +110,11 @@ OPTIONS = together(
 class TorquesCommand(Grouped):
     groups: ClassVar[Mapping[str, Sequence[str]]] = {
         "The robot and what surrounds it": (
-            *("--scene", "--payload", "--gravity", "--base-held", "--package-path", "--xacro-arg"),
+            *("--scene", "--payload", "--gravity", "--base-held", "--package-path", "--xacro-arg", "--trust-xacro"),
         ),
         "The trajectory": (
             *("--example", "--hold", "--map", "--time-unit", "--angle-unit", "--derivatives", "--topic"),
-            "--ignore-extra",
+            *("--encoder-error", "--ignore-extra"),
         ),
         "What is computed": ("--sizing", "--momentum", "--about", "--frame", "--explain", "--samples", "--accuracy"),
         "A log with measured torques": ("--measured", "--cutoff"),

@@ -9,7 +9,6 @@ from typing import NamedTuple
 from robodyn.loads.result import Result
 from robodyn.report.document import Block, Paragraph, Section, Table, Verdict, paragraphs
 from robodyn.report.limits import exceeded_table, exceeded_words, nearest_limits, shortened, verdict_on_limits
-from robodyn.report.sizing import in_words
 from robodyn.report.table import printable
 from robodyn.robot.limits import Excess
 from robodyn.support.floats import steady
@@ -76,7 +75,11 @@ def _exceeded(result: Result) -> Iterator[_Excess]:
     """Yield everything that is exceeded, what the description limits and sizing repeats once."""
     for excess in result.exceeded:
         yield _Excess(False, -_times(excess), excess.joint, exceeded_words(excess))
-    for joint in result.sizing.joints if result.sizing else ():
+    if result.sizing is None or not result.sizing.exceeded:
+        return
+    from robodyn.report.sizing import in_words
+
+    for joint in result.sizing.joints:
         for each in joint.exceeded:
             if each.quantity not in ("effort", "velocity"):
                 times = each.value / each.limit if each.limit > 0.0 else float("inf")

@@ -26,7 +26,7 @@ def merged(parts: Sequence[tuple[bytes, str]]) -> dict[str, Any]:
     before: list[tuple[bytes, str]] = []
     for data, file in parts:
         for path in _put(whole, read_toml(data, file), ()):
-            first = next(each for each in before if _has(read_toml(*each), path))
+            first = next(each for each in before if _has(read_toml(each[0], each[1]), path))
             name = ".".join(path)
             what = f"{name} is given in {first[1]}:{_line(first[0], path) or '?'} too"
             raise SceneError(what, remedy="leave it out of one of them", file=file, line=_line(data, path))
@@ -62,8 +62,9 @@ def _has(values: Any, path: Path) -> bool:
 
 def _line(data: bytes, path: Path) -> int | None:
     """Return the line of a key, or of the last of the tables that hold it and have one of their own."""
+    found: int | None = None
+    best = 0
     above: Path = ()
-    found, best = None, 0
     for number, text in enumerate(data.decode("utf-8", errors="replace").splitlines(), start=1):
         stripped = text.strip()
         head = stripped.startswith("[")

@@ -17,7 +17,6 @@ from robodyn.trajectory.assemble import cut
 from robodyn.trajectory.columns import Signals
 from robodyn.trajectory.layout import ABSENT, Layout
 from robodyn.trajectory.motion import Trajectory
-from robodyn.trajectory.noise import FINEST_ENCODER, estimate
 
 Flags = NDArray[np.bool_]
 
@@ -36,6 +35,8 @@ LEAVES = 28.0
 turning point of its motion it moves 24 times as far as in the time in which it seems to stand still."""
 SLIGHT = 0.01
 """Of the largest speed in a table: what may be noise of speeds that are given."""
+NEAR = 32
+"""Rows within which noise changes its sign twice."""
 SURE = 4.0
 """Standard errors of their mean, beyond which speeds that are given are no noise."""
 _ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
@@ -150,10 +151,13 @@ class Standstill:
         if not self._spacing:
             self._pieces = self._pieces or [cut(samples, 0, SEEN)]
             steps = [np.diff(piece.time) for piece in self._pieces]
-            self._spacing = float(np.median(np.concatenate(steps))) if any(map(len, steps)) else 0.0
+            ordered = np.sort(np.concatenate(steps))
+            self._spacing = float(ordered[len(ordered) // 2]) if len(ordered) else 0.0
             self._top = max(float(np.abs(piece.qd).max(initial=0.0)) for piece in self._pieces)
         qd, slow = samples.qd, np.zeros(samples.qd.shape[1])
         for kind, q, rate in self._joints:
+            if rate in self._given and q not in self._bands and not _flips(qd[:, rate], SLIGHT * self._top):
+                continue
             places = _straight(samples.q[:, q]) if kind == "continuous" else samples.q[:, q]
             band = self._band(kind, q)
             slow[rate] = slowest(band, self._spacing)
@@ -169,6 +173,8 @@ class Standstill:
     def _band(self, kind: str, q: int) -> float:
         if q not in self._bands:
             columns = [piece.q[:, q] for piece in self._pieces]
+            from robodyn.trajectory.noise import FINEST_ENCODER, estimate
+
             if q not in self._known:
                 runs = [(x.time, raw[:, None]) for x, raw in zip(self._pieces, columns, strict=True) if len(raw) > 1]
                 whole = [(t, x, _straight(x[:, 0])[:, None] if kind == "continuous" else x) for t, x in runs]
@@ -178,6 +184,13 @@ class Standstill:
             largest = max(float(np.abs(x).max(initial=0.0)) for x in columns)
             self._bands[q] = resolution(step if step <= FINEST_ENCODER else 0.0, sigma, largest)
         return self._bands[q]
+
+
+def _flips(speeds: Floats, slight: float) -> bool:
+    """Return whether slight speeds change their sign twice among a few rows, as noise does."""
+    rows = np.flatnonzero((speeds != 0.0) & (np.abs(speeds) <= slight))
+    turns = rows[1:][(speeds[rows[1:]] > 0.0) != (speeds[rows[:-1]] > 0.0)]
+    return bool((np.diff(turns) <= NEAR).any())
 
 
 def _straight(angles: Floats) -> Floats:
