@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from robodyn.loads.many import Batch, Outcome, Status, Worst
 from robodyn.loads.result import EffectReport, Result
 from robodyn.report.document import Paragraph, Section, Table, paragraphs, remarks
 from robodyn.report.limits import offenders_first, unchecked_words, use, verdict_on_limits
@@ -24,6 +23,7 @@ from robodyn.support.wording import count
 
 if TYPE_CHECKING:
     from robodyn.loads.constraint_result import Constraints
+    from robodyn.loads.many import Batch, Outcome, Status, Worst
 
 _NAMED = 6
 
