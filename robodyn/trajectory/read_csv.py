@@ -47,7 +47,7 @@ class CsvTable(Table):
             self._check_lines(text, lambda: self.header_line + 1)
             self.header_line += 1
             if self._stream.tell() - len(text) > longest:
-                raise beyond("csv_line_bytes", "too many blank lines before the header", TrajectoryError, file=self.file)
+                raise beyond("csv_line_bytes", "too many blank lines at the beginning", TrajectoryError, file=self.file)
             if not text:
                 raise TrajectoryError("is empty", remedy="a header line and rows of numbers are needed", file=self.file)
         self._start = self.position_bytes = self._stream.tell()
