@@ -13,6 +13,8 @@ from robodyn.solids.mesh.indexed import Edges, Indexed, Mask, components
 from robodyn.solids.mesh.region.winding_tree import WindingTree
 from robodyn.support.floats import Floats
 
+_MOST_COPIES = 32
+
 _ROUNDING = 16 * np.finfo(np.float64).eps
 
 
@@ -92,8 +94,9 @@ def _uncancelled(sided: Numbers, sets: int) -> Mask:
 
 
 def _few_copies(sided: Numbers, count: Numbers) -> Mask:
-    """(m,) one of faces wound alike that are given an odd number of times, or two: edges have as many, modulo 2."""
-    few: Mask = _ranks(sided, count) <= (count - 1)[sided] % 2
+    """(m,) some of faces wound alike that are given very often, an odd number of them if they are an odd number."""
+    most = np.where(count > _MOST_COPIES, _MOST_COPIES - (count - _MOST_COPIES) % 2, count)
+    few: Mask = _ranks(sided, count) < most[sided]
     return few
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from robodyn.errors import MeshError
 from robodyn.solids.mesh.distinct import Numbers
 from robodyn.solids.mesh.indexed import Indexed, Mask, areas, in_parts, merged, triple
-from robodyn.solids.mesh.repair.inside import Interior, OpenInterior, manifold
+from robodyn.solids.mesh.repair.inside import Interior, OpenInterior, manifold, may_cross, triangle_boxes
 from robodyn.solids.mesh.repair.shells import Shells
 from robodyn.support.floats import Floats
 from robodyn.support.input_limits import beyond, limits
@@ -34,8 +35,9 @@ class Nesting:
 
     Attributes:
         shells: bodies wound outwards, cavities inwards.
-        copies: (k,) how often each shell counts: the least of its faces, and of cavities not more often than the bodies
-            around. uneven: whether faces of one differ in this, where there are cavities.
+        uneven: whether faces of one shell were given more often than others, where there are cavities.
+        copies: (k,) how often each shell counts, cavities not more often than the bodies around.
+        cuts: the cavities that are cut out of each body, by its shell, where cavities do not cross each other.
         inward: (k,) which are wound inwards.
         within: (k,) which bound nothing, as far as no two cross: they lie in a body and are wound as it is.
         proper: (k,) which are closed, not flat, and in no open ones.
@@ -44,8 +46,9 @@ class Nesting:
     """
 
     shells: Shells
-    copies: Numbers
     uneven: bool
+    copies: Numbers
+    cuts: dict[int, list[int]]
     inward: Mask
     within: Mask
     proper: Mask
@@ -65,8 +68,8 @@ def nested(
     counts as often as it was given: a body given as a solid and once more with a cavity is solid.
 
     A shell is in another if its box is, none of a few of its points is outside, but one is inside, and it has no volume
-    outside. Open shells taken
-    together count as one, wound outwards by its volume with caps, and around others by its winding number.
+    outside. Open shells taken together count as one, wound outwards by its volume with caps, and around others by its
+    winding number.
 
     Args:
         copies: (m,) how often each of the first faces was given.
@@ -94,6 +97,7 @@ def nested(
     return Nesting(
         shells=replace(shells, mesh=shells.mesh.turned(wrong[shells.label])),
         copies=state.copies,
+        cuts=state.cuts,
         uneven=bool((least < most).any() and state.inward.any()),
         inward=state.inward,
         within=state.within,
@@ -108,7 +112,7 @@ class _States:
     """What shells are, decided from the outermost ones inwards.
 
     Attributes:
-        copies: (k,) see `Nesting`.
+        copies, cuts: see `Nesting`.
         turned, inward, within, patched: (k,) whether each has to be turned, is wound inwards then, bounds nothing, and
             lies in what open shells enclose.
     """
@@ -125,7 +129,9 @@ class _States:
             cavities: see `nested`.
         """
         self.turned, self.inward, self.within, self.patched = np.zeros((4, len(ways)), np.bool_)
+        self.cuts: dict[int, list[int]] = {}
         self.copies = np.ones_like(copies) if cavities else copies.copy()
+        taken: dict[tuple[int, int], int] = {}
         winding, sense = {IN_PATCHES: 1}, {IN_PATCHES: patches}
         for shell in order:
             before, way = sum(winding[outer] for outer in around[shell]), int(ways[shell])
@@ -133,7 +139,14 @@ class _States:
             inward = before > 0 and (cavities or way != sense[shell])
             if inward:
                 self.copies[shell] = min(self.copies[shell], before)
-            winding[shell] = int(-self.copies[shell] if inward else self.copies[shell])
+            often = int(self.copies[shell])
+            winding[shell] = -often if inward else often
+            for body in (each for each in around[shell] if inward and each >= 0 and not self.inward[each]):
+                room = int(self.copies[body]) - sum(taken.get((outer, body), 0) for outer in around[shell])
+                taken[shell, body] = min(often, room)
+                often -= taken[shell, body]
+                if taken[shell, body] == room > 0:
+                    self.cuts.setdefault(body, []).append(shell)
             self.patched[shell] = IN_PATCHES in around[shell]
             self.inward[shell] = inward
             self.within[shell] = before > 0 and before + winding[shell] > 0
@@ -170,6 +183,7 @@ def _containers(
     corners, lo, hi = in_parts(shells.mesh.corners, shells.label)
     sizes = np.abs(volumes)
     interiors: dict[int, Interior] = {}
+    boxes = cache(lambda shell: triangle_boxes(corners[shell]))
     found: list[list[int]] = [[] for _ in sizes]
     tried, most = 0, limits().mesh_nesting
     down = [shell for shell in np.argsort(-sizes, kind="stable").tolist() if proper[shell]]
@@ -179,7 +193,7 @@ def _containers(
         for other in sorted(np.flatnonzero(around).tolist(), key=sizes.__getitem__):
             if other not in interiors:
                 interiors[other] = Interior(corners[other])
-            near = _near(lo[shell], hi[shell], corners[other])
+            near = may_cross(boxes(shell), boxes(other))
             tried += len(points) if near else 1
             if tried > most:
                 what = f"{len(sizes)} shells to be placed in each other by {tried} points"
@@ -190,11 +204,6 @@ def _containers(
         if patches is not None and _holds(patches, points):
             found[shell].append(IN_PATCHES)
     return found, down
-
-
-def _near(lo: Floats, hi: Floats, corners: Floats) -> bool:
-    """Return whether the box of some triangle (n, 3, 3) meets a box, so that a shell in that may cross it."""
-    return bool(((corners.min(axis=1) <= hi) & (corners.max(axis=1) >= lo)).all(axis=1).any())
 
 
 def _reaches_out(corners: Floats, other: Floats) -> bool:
