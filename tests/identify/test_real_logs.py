@@ -50,6 +50,12 @@ def test_tx40_whole():
     assert found["held_out"] is None
 
 
+def test_a_joint_that_is_held_out_much_worse_is_told():
+    """What the first 70 % of the log tell of joint 5 is not what the last 30 % need."""
+    said = [line for line in identified(*TX40)["warnings"] if line.startswith("joint_5: held-out torques are off by")]
+    assert len(said) == 1, said
+
+
 def test_ur10_last_forty_percent():
     """Plain least squares have 7.79 %; the stock description, without friction, 45 %."""
     urdf = path_of("ur10_robot")
