@@ -54,7 +54,7 @@ class Raw:
         step = self.logs[0].step
         reach = min(_MOST, 0.1 * min(log.stop - log.start for log in self.logs))
         step *= max(1, round(reach / (_SHIFTS * step)))
-        shifts: Floats = step * np.arange(-int(reach / step), int(reach / step) + 1)
+        shifts = np.asarray(step * np.arange(-int(reach / step), int(reach / step) + 1), dtype=float)
         parts = [self._columns(self.atoms, few) for few in self.few]
         pairs = zip(self.whole, self.some, self.logs, strict=True)
         slow = np.concatenate([_presliding(whole, log.step)[own] for whole, own, log in pairs])
