@@ -43,14 +43,13 @@ PLAIN = Page()
 
 
 def number(x: float, scale: float = 0.0) -> str:
-    """Return four digits, of small numbers those that are no noise beside `scale`, and 0 for what is all noise."""
+    """Return four digits, and 0 for what is negligible beside `scale`."""
     size, scale = abs(x), abs(scale)
     if is_noise(size, scale):
         return "0"
     if 999.95 <= size < 1e7:
         return f"{x:.0f}"
-    digits = 2 if is_noise(size, 10 * scale) else 3 if is_noise(size, 100 * scale) else 4
-    return f"{x:#.{digits}g}" if size >= 1e-3 else f"{x:.{digits - 1}e}"
+    return f"{x:#.4g}" if size >= 1e-3 else f"{x:.3e}"
 
 
 def is_noise(size: float, scale: float) -> bool:

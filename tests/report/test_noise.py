@@ -132,14 +132,14 @@ def _by_noise(x: float, scale: float, rng) -> float:
     [
         (0.9e-12, "0"),
         (-1.19e-9, "0"),
-        (3.3456e-9, "3.3e-09"),
-        (-3.3456e-8, "-3.35e-08"),
+        (3.3454e-9, "3.345e-09"),
+        (-3.3456e-8, "-3.346e-08"),
         (3.3456e-7, "3.346e-07"),
         (3.345e-6, "3.345e-06"),
         (0.5, "0.5000"),
     ],
 )
-def test_digits_end_where_noise_begins(x: float, text: str) -> None:
+def test_what_is_negligible_is_zero(x: float, text: str) -> None:
     assert number(x, 1.0) == text
     assert number(1e6 * x, 1e6) == ("0" if text == "0" else number(1e6 * float(text), 1e6))
 
