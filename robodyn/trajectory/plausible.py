@@ -148,7 +148,9 @@ class Plausibility:
             now = next(name for name, ticks in TICKS.items() if ticks == clock.ticks)
             remedy = f"--time-unit {unit}" + ("" if clock.told else f", or --time-unit {now} if they are {_TIMES[now]}")
             said = f"{why}: are the stamps {_TIMES[unit]}? ({remedy})"
-            doubts.append(Doubt(f"if the stamps are {_TIMES[now]}{'' if clock.told else ' (assumed)'}", said, True))
+            few = self._rows < FEW and first <= _LATEST  # way-points, of a robot that may well be slow
+            clause = f"if the stamps are {_TIMES[now]}{'' if clock.told else ' (assumed)'}"
+            doubts.append(Doubt(clause, said, not few))
         return tuple(doubts)
 
     def _rates(self, kind: str) -> str:

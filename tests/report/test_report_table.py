@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robodyn.report.table import number, printable, table
+from robodyn.report.table import NEGLIGIBLE, number, printable, table
 
 FINITE = st.floats(allow_nan=False, allow_infinity=False)
 
@@ -50,7 +50,7 @@ def test_number_has_four_digits_of_its_value(x: float) -> None:
 
 @given(FINITE, FINITE)
 def test_what_vanishes_beside_the_scale_is_zero(x: float, scale: float) -> None:
-    assert (number(x, scale) == "0") == (abs(x) <= 1e-12 * abs(scale))
+    assert (number(x, scale) == "0") == (abs(x) <= NEGLIGIBLE * abs(scale))
 
 
 def test_decimal_points_are_in_line_and_units_behind() -> None:
