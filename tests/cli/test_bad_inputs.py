@@ -96,7 +96,7 @@ TABLES: list[tuple[str, str | bytes, str]] = [
     ("extra column", "time,q_shoulder,q_elbow,foo\n0,0,0,1\n", r"bad.csv:1: unknown columns? 'foo' .*--ignore-extra"),
     ("column twice", GOOD.replace("qd_elbow", "qd_shoulder"), r"bad.csv:1: column 'qd_shoulder' appears twice"),
     ("nameless", GOOD.replace("qd_elbow", ""), r"bad.csv:1: column 5 of 7 has no name"),
-    ("one row", "time,q_shoulder,q_elbow\n0,0,0\n", r"bad.csv: has 1 row, too few"),
+    ("two rows", "time,q_shoulder,q_elbow\n0,0,0\n1,0,0\n", r"bad.csv: has 2 rows, too few"),
     ("stamps coincide", "t,q1,q2\n0,0,0\n1e-300,1,1\n2e-300,3,0\n", r"bad.csv: row 1: the derivative is not finite"),
     ("torque overflows", GOOD + "1,0,0,0,0,1.7e308,1.7e308\n", r"bad.csv: row 11: tau_shoulder overflows"),
     ("speed overflows", GOOD + "1,0,0,1e300,1e300,0,0\n", r"bad.csv: row 11: tau_shoulder overflows"),

@@ -11,7 +11,7 @@ from robodyn.report.document import Figure
 from robodyn.report.pictures.figures import SERIES, few_ticks, plot
 from robodyn.report.pictures.panels import LOW, WIDE, against_time, panel
 from robodyn.report.sizes import simulation_sizes
-from robodyn.report.table import drift_text, is_noise, number, printable
+from robodyn.report.table import NOISE, drift_text, is_noise, number, printable
 from robodyn.simulation.result import Simulation
 from robodyn.support.floats import Floats
 
@@ -62,7 +62,7 @@ def energy_figures(result: Simulation) -> list[Figure]:
         what = "Energies, and work done by drives and wrenches"
         largest = f"Against time; the largest kinetic energy is {number(figures.kinetic.max(), size)} J"
         found.append(Figure(what, largest, _lines(result.time, parts, "parts", 0)))
-    if not is_noise(result.energy_drift, size):
+    if result.energy_drift > NOISE * size:
         off = f"Stored energy less work done against time, at most {drift_text(result.energy_drift, size)} J from zero"
         drift = _lines(result.time, {"drift": stored - work}, "drift", 5)
         found.append(Figure("Drift: stored energy less work", off, drift))
