@@ -26,6 +26,7 @@ from robodyn.identification.rows import POSITIONS, states
 from robodyn.identification.structure import Structure, fitted
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
+from robodyn.support.doubts import WrongUnits
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
 
@@ -167,7 +168,10 @@ def first_fit(run: Run) -> First:
     doubts = [] if faults else raw.leaning(second, theta, sigma, run.scene)
     values = dict(zip(atoms.names, (second.shape @ theta).tolist(), strict=True))
     units = [
-        doubt.said if len(run.logs) == 1 else f"{log.path}: {doubt.said}" for log in run.logs for doubt in log.doubts
+        doubt.said if len(run.logs) == 1 else f"{log.path}: {doubt.said}"
+        for log in run.logs
+        for doubt in log.doubts
+        if isinstance(doubt, WrongUnits)
     ]
     faults = [*units, *faults, *magnitudes(channels, measured)]
     return First(run, [motors[k] for k in chosen], ratios, values, sigma, faults, doubts)

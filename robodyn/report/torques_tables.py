@@ -83,7 +83,7 @@ def share_table(result: Result) -> Content:
     loops = result.constraints is not None and result.constraints.loops
     bars = "error (of accelerations)" if loops else "error (95 %)"
     for title, values in (
-        (bars, [_bar(joint) for joint in joints]),
+        (bars, [_bar(joint, size[joint.unit]) for joint in joints]),
         ("friction holds", [f"+- {hold}" if (hold := number(joint.hold)) != "0" else "" for joint in joints]),
     ):
         if any(values):
@@ -93,13 +93,16 @@ def share_table(result: Result) -> Content:
     return tuple(head), [tuple(row) for row in rows]
 
 
-def _bar(joint: JointLoad) -> str:
+def _bar(joint: JointLoad, scale: float) -> str:
     """Return the error bar of the largest torque, empty if that is known to a millionth, or its bar is not known.
 
     Where doubt is more of it than noise, two standard deviations, it is a bound, with the noise beside it.
+
+    Args:
+        scale: what makes the torques, at its largest.
     """
     bar, noise = joint.error_bar, NOISE * joint.uncertainty
-    if bar is None or bar <= _KNOWN * abs(joint.peak):
+    if bar is None or bar <= _KNOWN * abs(joint.peak) or is_noise(bar, scale):
         return ""
     return f"+- {bar:.2g}" if bar <= 2.0 * noise else f"within {bar:.2g}" + (f", noise {noise:.2g}" if noise else "")
 

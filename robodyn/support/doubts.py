@@ -15,9 +15,12 @@ class Doubt:
     Attributes:
         clause: how that headline goes on, such as "as long as the base is held (assumed)".
         said: the warning in full, with the numbers and how to say otherwise; it is among the warnings too.
-        of_units: whether it is about the units of a table, so that its numbers can hardly be what they are taken for.
     """
 
     clause: str
     said: str
-    of_units: bool = False
+
+
+@dataclass(frozen=True)
+class WrongUnits(Doubt):
+    """Why the numbers of a table can hardly be in the units that they are taken in."""

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.errors import TrajectoryError
-from robodyn.support.doubts import Doubt
+from robodyn.support.doubts import Doubt, WrongUnits
 from robodyn.trajectory.clock import EPOCH, Clock
 from robodyn.trajectory.columns import Signal, Signals
 from robodyn.trajectory.layout import ABSENT, Layout
@@ -54,7 +54,7 @@ def refuse_units(doubts: Sequence[Doubt], file: str | None) -> None:
     Raises:
         TrajectoryError: with what is seen, and the options that say what is meant.
     """
-    if said := [doubt.said for doubt in doubts if doubt.of_units]:
+    if said := [doubt.said for doubt in doubts if isinstance(doubt, WrongUnits)]:
         raise TrajectoryError("; ".join(said), file=file)
 
 
@@ -137,7 +137,7 @@ class Plausibility:
         if "angle" not in found and (said := _degrees(seen)):
             found["angle"] = said
         parts = {kind: _OTHER[kind][0] if kind in found else 1.0 for kind in _OTHER}
-        doubts = [Doubt(f"if {_SI[kind][1]} (assumed)", said, True) for kind, said in found.items()]
+        doubts: list[Doubt] = [WrongUnits(f"if {_SI[kind][1]} (assumed)", said) for kind, said in found.items()]
         seen = [
             each._replace(speed=each.speed / parts[each.kind], lasting=each.lasting / parts[each.kind]) for each in seen
         ]
@@ -150,7 +150,7 @@ class Plausibility:
             said = f"{why}: are the stamps {_TIMES[unit]}? ({remedy})"
             few = self._rows < FEW and first <= _LATEST  # way-points, of a robot that may well be slow
             clause = f"if the stamps are {_TIMES[now]}{'' if clock.told else ' (assumed)'}"
-            doubts.append(Doubt(clause, said, not few))
+            doubts.append((Doubt if few else WrongUnits)(clause, said))
         return tuple(doubts)
 
     def _rates(self, kind: str) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from robodyn.errors import TrajectoryError
+from robodyn.support.extras import need
 from robodyn.support.input_file import parse_json, read_input
 from robodyn.trajectory.log_messages import KINDS, TRAJECTORY, State, states_of
 from robodyn.trajectory.log_table import LogTable
@@ -23,9 +24,12 @@ def message_table(name: str) -> LogTable:
     Raises:
         TrajectoryError: it cannot be read, is beyond a limit, or has no messages about joints, or of several kinds.
     """
+    as_json = name.lower().endswith(".json")
+    if not as_json:
+        need("YAML files", "pyyaml", file=name)
     text = read_input(name)
     with decoding("JSON", name):
-        documents = [parse_json(text, name)] if name.lower().endswith(".json") else yaml_documents(text, name)
+        documents = [parse_json(text, name)] if as_json else yaml_documents(text, name)
     found = [each for document in documents for each in _messages(document)]
     kinds = sorted({kind for kind, _ in found})
     if len(kinds) != 1:

@@ -9,7 +9,6 @@ import re
 from typing import Any
 
 from robodyn.errors import TrajectoryError
-from robodyn.support.extras import need
 from robodyn.support.input_limits import beyond, limits
 
 _WHOLE = re.compile(r"[-+]?[0-9]{1,18}")
@@ -24,7 +23,6 @@ def yaml_documents(text: bytes, file: str) -> list[Any]:
     Raises:
         TrajectoryError: it is no YAML, has an alias, or is beyond a limit; with the line.
     """
-    need("YAML files", "pyyaml", file=file)
     import yaml
 
     building = _Building(file)

@@ -33,7 +33,10 @@ CALLS: list[tuple[tuple[str, ...], str]] = [
     ((*ARM, "--gravty", "0,0,0"), "no such option '--gravty'; did you mean '--gravity'? (try: robodyn torques --help)"),
     ((*ARM, "--gravity"), "option '--gravity' requires an argument"),
     ((*ARM, "--format", "xml"), "invalid value for '--format': 'xml' is not one of 'text', 'json'"),
-    ((*ARM, "--derivatives", "magic"), "invalid value for '--derivatives': 'magic' is not one of 'auto', 'given', "),
+    (
+        (*ARM, "--derivatives", "magic"),
+        "invalid value for '--derivatives': 'magic' is not one of 'auto', 'anew', 'given', ",
+    ),
     ((*ARM, "--out", "tau.xlsx"), "tau.xlsx: unknown type of table by this suffix (name it .csv, .parquet or .npz)"),
     ((*ARM, "--out", ""), "'': unknown type of table by this suffix"),
     ((*ARM, "--out", "arm.csv"), "arm.csv: the output would overwrite an input (give --out another name)"),

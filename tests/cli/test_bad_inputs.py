@@ -14,7 +14,7 @@ from helpers.command_line import ARM, HEADER, Outcome, motion, run, write_arm
 BINARY = bytes(range(256))
 GOOD = motion(10)
 LAST = GOOD.splitlines()[-1]
-OLD = b"an older result"
+OLD = b"time,tau_old\n0,1\n"
 
 
 @pytest.fixture(autouse=True)

@@ -74,7 +74,9 @@ def document(name: str, robot: str, *more: str) -> Any:
 def found(robot: str, *more: str) -> dict[str, bool]:
     """Which commands find the mesh."""
     checked = run("check", robot, *more)
-    compared = {link["link"]: link for link in document("compare", robot, *more)["links"]}
+    outcome = called("compare", robot, *more, "--format", "json")
+    compared = {link["link"]: link for link in json.loads(outcome.out)["links"]}
+    assert outcome.status == (0 if compared["upper"]["difference"] is not None else 2), outcome.err
     drawn = {}
     for name in ("torques", "simulate", "inertia"):
         outcome = called(name, robot, *more, "--report", f"{name}.html")

@@ -194,17 +194,6 @@ def test_standard_input_is_as_the_file() -> None:
     assert outcome.out.splitlines()[1:10] == run("info", "arm.urdf").out.splitlines()[1:10]
 
 
-def test_a_file_that_can_be_read_once() -> None:
-    import os
-    from threading import Thread
-
-    os.mkfifo("pipe")
-    writer = Thread(target=lambda: Path("pipe").write_text(ARM), daemon=True)
-    writer.start()
-    outcome = run("info", "pipe")
-    assert (outcome.status, outcome.out.splitlines()[0]) == (0, "pipe: robot 'arm'")
-
-
 def test_names_cannot_command_the_terminal() -> None:
     file = robot(link("a\u0085\u009b31m", BODY.format(mass=1)))
     assert "\u009b" not in run("info", file).out

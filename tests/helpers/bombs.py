@@ -24,6 +24,11 @@ _LIMITED = (
     "import os, resource as r, sys; r.setrlimit(r.RLIMIT_CPU, (60, 60)); r.setrlimit(r.RLIMIT_AS, (3 << 30, 3 << 30)); "
     "os.execv(sys.executable, [sys.executable, '-c', 'from robodyn.cli.main import main; main()', *sys.argv[1:]])"
 )
+_APART = (
+    "import os, resource, subprocess, sys; status = subprocess.call([sys.executable, '-c', *sys.argv[1:]]); "
+    "print(status, resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)"
+)
+"""A small process between, for a child counts the memory of the one that starts it as its own until it begins."""
 MOST = 500 << 20
 """Bytes of memory that refusing a file may take."""
 
@@ -39,13 +44,10 @@ class Bounded(NamedTuple):
 def bounded(*args: str, cwd: Path) -> Bounded:
     """Run `robodyn args` with a minute of processor and 3 GB of address space."""
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "ROBODYN_CACHE": "0"}
-    call = [sys.executable, "-c", _LIMITED, *args]
-    with open(cwd / "err.txt", "w+b") as err:
-        process = subprocess.Popen(call, stdout=subprocess.DEVNULL, stderr=err, cwd=cwd, env=environment)
-        _, status, usage = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-        err.seek(0)
-        return Bounded(process.returncode, err.read().decode(), usage.ru_maxrss << 10)
+    call = [sys.executable, "-c", _APART, _LIMITED, *args]
+    done = subprocess.run(call, capture_output=True, text=True, cwd=cwd, env=environment, check=False)
+    status, memory = map(int, done.stdout.splitlines()[-1].split())
+    return Bounded(status, done.stderr, memory << 10)
 
 
 def _zstd(count: int) -> bytes:

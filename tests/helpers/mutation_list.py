@@ -216,7 +216,11 @@ MUTATIONS = {
     ],
     "loads/test_blocks.py": [
         ("dynamics/arrays.py", "rows[:, column]", "rows[:1, column]"),
-        ("loads/statistics.py", "row, size, value=tau", "row, tau, value=tau"),
+        (
+            "loads/statistics.py",
+            "self.torque.update(time, row, size, value=tau, speed=qd)",
+            "self.torque.update(time, row, tau, value=tau, speed=qd)",
+        ),
     ],
     "loads/test_self_checks.py": [
         (

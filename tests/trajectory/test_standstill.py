@@ -72,6 +72,8 @@ def test_a_slow_motion_goes_on(grid: float, step: float) -> None:
         found = derived(time, np.round((0.2 + slope * time) / grid) * grid)
         assert (found.qd[:, 0] != 0.0).all()
         if grid < 1e-5:
+            assert found.qd[8:-8, 0].mean() > 0.0
+        if steps >= 0.1:  # below it, windows between two steps of the grid count most
             assert found.qd[8:-8, 0].mean() == pytest.approx(slope, rel=0.05)
     for curve in (1e-4, 1e-3, 1e-2):  # steps of the grid per row^2: a few dozens of rows within one step
         count = len(time)
