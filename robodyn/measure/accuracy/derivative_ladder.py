@@ -44,7 +44,7 @@ def derivative_ladder(a_plan: Plan, samples: Trajectory) -> Ladder:
         data, against = noisy(a_plan.model, truth.q, samples.derivation)
     expected = torques(a_plan, truth)
     scale = np.abs(expected).max() or 1.0
-    modes: tuple[Any, ...] = tuple(mode for mode in MODES if mode != "given")
+    modes: tuple[Any, ...] = tuple(mode for mode in MODES if mode not in ("given", "anew"))
     derived = partial(motion, a_plan.model, truth.time, data, columns=truth.extra)
     acts = {str(mode): partial(derived, derivatives=mode) for mode in modes}
     rungs = []

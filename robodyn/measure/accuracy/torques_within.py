@@ -44,7 +44,8 @@ class Arithmetic:
     def fulfilled(self, result: Result) -> Result:
         """The result with what it promises: the error of the arithmetic, and of noise in derived accelerations."""
         largest = max((abs(joint.peak) for joint in result.joints), default=0.0)
-        noise = max((joint.error_bar or 0.0 for joint in result.joints), default=0.0) / largest if largest else 0.0
+        derived = result.derivation is not None and largest > 0.0
+        noise = max((joint.error_bar or 0.0 for joint in result.joints), default=0.0) / largest if derived else 0.0
         name = "pairs of doubles" if self.executor else "doubles"
         said = f"{self.target:g} asked: {name} are within {self.expected:.0e} of the largest torque"
         met = noise <= self.target

@@ -130,7 +130,7 @@ def test_what_sampling_explains_of_the_energy() -> None:
     """The residual of exact motions is that of the trapezoidal rule, which the report estimates to a factor of two."""
     rng, held = np.random.default_rng(5), []
     for k in range(40):
-        model = robot(("puma", "scara", "two_link_planar")[k % 3])
+        model = robot(("puma", "two_link_spatial", "two_link_planar")[k % 3])
         time = np.linspace(0.0, rng.uniform(0.5, 2.0), rng.integers(100, 400))
         balance = robodyn.torques(model, motion(model, time, *random_motion(rng, model.n, time))).checks.energy_balance
         held.append(abs(balance.residual) <= 2 * abs(balance.quadrature) + 1e-12 * balance.turnover)
