@@ -88,6 +88,6 @@ def test_some_mutants() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(4))
 def test_many_mutants(seed: int) -> None:
     _try(25, 1000 + seed)
