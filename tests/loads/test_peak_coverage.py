@@ -16,7 +16,7 @@ from helpers.read_motions import GIVEN, READINGS
 from scipy.stats import binom
 
 DRAWS = 30
-RISK = 1e-3
+RISK, KEPT = 1e-3, 0.9
 CLASSES = [*MOTIONS, *READINGS, *GIVEN, "100 Hz", "250 Hz", "500 Hz", "1000 Hz"]
 
 
@@ -59,7 +59,8 @@ def test_no_verdict_is_green_over_an_exceeded_limit(cases: list[Case], name: str
 def test_verdicts_tell_a_limit_that_is_kept(cases: list[Case]) -> None:
     """No bar is so wide that it always holds: where it is narrow, a limit 5 % above the largest torque is kept.
 
-    No verdict is green over rates that positions contradict, so the share that is kept is of the other tables.
+    No verdict is green over rates that positions contradict, so the share that is kept is of the other tables. A
+    verdict is of all joints: one with a wide bar near its limit leaves it open.
     """
     firsts = [each.verdicts[:3] for each in cases]
     narrow = [told for load, share, told in chain(*firsts) if share == ABOVE and load.bar <= NARROW * load.true]
@@ -67,7 +68,7 @@ def test_verdicts_tell_a_limit_that_is_kept(cases: list[Case]) -> None:
     assert len(narrow) - sum(told is False for told in narrow) >= least(1 - GREEN, len(narrow))
     sound = [case.verdicts[:3] for case in cases if case.labels[2] in ("none", "velocity", "both")]
     narrow = [told for load, share, told in chain(*sound) if share == ABOVE and load.bar <= NARROW * load.true]
-    assert np.mean([told is True for told in narrow]) >= 0.9
+    assert sum(told is True for told in narrow) >= least(KEPT, len(narrow)), len(narrow)
 
 
 def test_the_motions_are_what_they_are_said_to_be() -> None:

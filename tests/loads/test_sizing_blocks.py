@@ -17,6 +17,7 @@ from robodyn.scene.motor import Motor
 from robodyn.scene.parts import Rotor
 from robodyn.scene.scene import Scene
 from robodyn.trajectory.read import open_trajectory
+from robodyn.trajectory.reading import Reading
 from robodyn.trajectory.robot_motion import signals
 
 
@@ -41,7 +42,9 @@ def peak_memory(folder: Path, rows: int) -> int:
     tracemalloc.start()
     try:
         model = load(folder / "arm.urdf")
-        with open_trajectory(folder / "arm.csv", signals(model), block_rows=256) as reader:
+        with open_trajectory(
+            folder / "arm.csv", signals(model), block_rows=256, reading=Reading(angle_unit="rad")
+        ) as reader:
             torques(model, reader, scene, executor="numpy")
         return tracemalloc.get_traced_memory()[1]
     finally:

@@ -19,6 +19,7 @@ Asymmetry, drift, differences of executors and quartiles of times are measured: 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -117,7 +118,8 @@ def test_peaks_from_noisy_positions(name: str, count: int) -> None:
         q, qd, qdd = random_motion(rng, model.n, time)
         size = 10.0 ** rng.uniform(-5.5, -3.3)
         data = q + size * rng.standard_normal(q.shape) if k % 4 < 2 else size * np.round(q / size)
-        found = robodyn.torques(model, motion(model, time, data))
+        given = replace(motion(model, time, data), doubts=())  # positions far beyond the limits are meant
+        found = robodyn.torques(model, given)
         true = robodyn.inverse_dynamics(model, q, qd, qdd)
         held += [
             abs(j.peak - true[j.peak_row - 1, i]) <= j.error_bar for i, j in enumerate(found.joints) if j.error_bar
