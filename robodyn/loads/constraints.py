@@ -20,7 +20,7 @@ from robodyn.dynamics.runners import torque_runner
 from robodyn.loads.constraint_figures import ConstraintFigures
 from robodyn.loads.constraint_result import Constraints
 from robodyn.loads.follow import Follower
-from robodyn.programs.linear import across, shortest
+from robodyn.programs.linear import min_norm_solution, null_space
 from robodyn.programs.vectors import product
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
@@ -165,7 +165,7 @@ class ConstraintPass:
         """Return (n, n) accelerations, row by row: a unit of each, and the least of the others that loops ask for."""
         if not self.scene.loops:
             return np.eye(self.model.n)
-        free = across(loop_map(self.solver.plan, q[None], "numpy").J[0], NOTHING)
+        free = null_space(loop_map(self.solver.plan, q[None], "numpy").J[0], NOTHING)
         kept = product(free.T, free)
         own = np.diag(kept)
         return np.asarray(np.where(own > NOTHING, 1.0 / np.where(own > NOTHING, own, 1.0), 0.0)[:, None] * kept)
@@ -178,7 +178,7 @@ class ConstraintPass:
         J = loop_map(self.solver.plan, q[None], "numpy").J[0]
         out = np.diag((~followed).astype(float))
         for rate in np.flatnonzero(~followed):
-            out[rate, followed] = shortest(J[:, followed], -J[:, rate], NOTHING)
+            out[rate, followed] = min_norm_solution(J[:, followed], -J[:, rate], NOTHING)
         return out
 
     def report(self) -> Constraints:

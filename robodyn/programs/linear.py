@@ -39,19 +39,19 @@ def solve(A: Floats, B: Floats) -> Floats:
     return X.reshape(np.shape(B))
 
 
-def shortest(A: Floats, b: Floats, nothing: float) -> Floats:
+def min_norm_solution(A: Floats, b: Floats, nothing: float) -> Floats:
     """Return the shortest x with A x as near to b as it can be.
 
     Args:
         A: (m, n); what is no more than a part `nothing` of its largest row counts as dependent.
     """
-    rows = span(A, nothing)
+    rows = range_basis(A, nothing)
     B = product(A, rows.T)
-    columns = span(B.T, 0.0)
+    columns = range_basis(B.T, 0.0)
     return np.asarray(product(rows.T, solve(product(columns, B), product(columns, b))))
 
 
-def span(rows: Floats, nothing: float) -> Floats:
+def range_basis(rows: Floats, nothing: float) -> Floats:
     """Return an orthonormal basis (r, n) of the span of rows (m, n), but for a part `nothing` of the largest row.
 
     Method: Gram and Schmidt's, the largest that is left first, each vector twice.
@@ -71,11 +71,11 @@ def span(rows: Floats, nothing: float) -> Floats:
     return basis
 
 
-def across(rows: Floats, nothing: float) -> Floats:
-    """Return an orthonormal basis (n - r, n) of what stands across all rows (m, n); `nothing` is as for `span`."""
-    basis = span(rows, nothing)
+def null_space(rows: Floats, nothing: float) -> Floats:
+    """Return an orthonormal basis (n - r, n) across all rows (m, n); `nothing` as for `range_basis`."""
+    basis = range_basis(rows, nothing)
     count, n = basis.shape
-    return span(np.eye(n) - product(basis.T, basis), 0.0)[: n - count]
+    return range_basis(np.eye(n) - product(basis.T, basis), 0.0)[: n - count]
 
 
 def eigen(S: Floats) -> tuple[Floats, Floats]:

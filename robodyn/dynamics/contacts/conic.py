@@ -11,7 +11,7 @@ from robodyn.dynamics.contacts.dual import SOFTNESS
 from robodyn.dynamics.contacts.plain import plain_forces
 from robodyn.dynamics.contacts.problem import FEASIBLE, Forces, Problem, axes_of
 from robodyn.errors import InputError
-from robodyn.programs.linear import shortest
+from robodyn.programs.linear import min_norm_solution
 from robodyn.programs.vectors import length, product
 from robodyn.support.extras import need
 from robodyn.support.floats import BEYOND, Floats
@@ -122,7 +122,7 @@ def _solved(sample: _Sample) -> tuple[Floats | None, bool]:
     for limited in (True, False) if bounded else (False,):
         x = _by_clarabel(sample, limited)
         if x is not None:
-            return x + shortest(sample.A, sample.b - product(sample.A, x), 1e-10), limited or not bounded
+            return x + min_norm_solution(sample.A, sample.b - product(sample.A, x), 1e-10), limited or not bounded
     n = len(sample.q)
     x = _by_clarabel(_softened(sample), limited=False)
     if x is None:

@@ -16,7 +16,7 @@ from robodyn.dynamics.loops.find import independent
 from robodyn.dynamics.loops.necessary import nearby
 from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError, TrajectoryError
-from robodyn.programs.linear import across, span
+from robodyn.programs.linear import null_space, range_basis
 from robodyn.robot.configuration import unit_rows
 from robodyn.support.floats import Floats
 from robodyn.support.wording import count
@@ -78,7 +78,7 @@ def begin(branch: Branch, q: Floats, where: str) -> tuple[Floats, list[str]]:
         found = found._replace(places=place[None])
     place = found.places[0]
     J = equations.places(place[None])[1][0][:, branch.own]
-    if len(span(J, FEW)) < len(branch.own):
+    if len(range_basis(J, FEW)) < len(branch.own):
         rows = [equations.places(each[None])[1][0] for each in nearby(equations.chain, place)]
         _refuse_few(branch, [J, *(row[:, branch.own] for row in rows)])
         raise singular(branch, where)
@@ -112,11 +112,11 @@ def _generic(branch: Branch) -> list[Floats]:
 
 def _refuse_few(branch: Branch, matrices: Sequence[Floats]) -> None:
     """Raise if no J_d (equations, followed) determines all that is to follow."""
-    best = max(matrices, key=lambda J: len(span(J, FEW)))
-    rank, k = len(span(best, FEW)), len(branch.followed)
+    best = max(matrices, key=lambda J: len(range_basis(J, FEW)))
+    rank, k = len(range_basis(best, FEW)), len(branch.followed)
     if rank == k:
         return
-    free = across(best, FEW) if rank else np.eye(k)
+    free = null_space(best, FEW) if rank else np.eye(k)
     names = _names(branch)
     actuated = branch.equations.plan.scene.actuated or ()
     order = sorted(range(k), key=lambda i: names[i] not in actuated)

@@ -13,7 +13,7 @@ from robodyn.dynamics.loops.find import NOTHING, closed_chain
 from robodyn.dynamics.loops.local_coordinates import moved, unit
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
-from robodyn.programs.linear import shortest
+from robodyn.programs.linear import min_norm_solution
 from robodyn.programs.vectors import product, rotation_from_rpy
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
@@ -166,7 +166,7 @@ def _moving(J: Floats, free: Sequence[int]) -> list[int]:
 
 def _shortest(J: Floats, right: Floats) -> Floats:
     """Return the shortest x with J x as near to the right side as it can be."""
-    return shortest(J, right, NOTHING)
+    return min_norm_solution(J, right, NOTHING)
 
 
 def _reach(chain: ClosedChain) -> float:

@@ -12,7 +12,7 @@ from robodyn.dynamics.loops.closed_start import closed_near, closed_start
 from robodyn.dynamics.loops.find import closed_chain, independent
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
-from robodyn.programs.linear import across
+from robodyn.programs.linear import null_space
 from robodyn.programs.vectors import product
 from robodyn.support.floats import Floats
 
@@ -52,7 +52,7 @@ def _begun(plan: Plan) -> Floats | None:
 
 def nearby(chain: ClosedChain, q: Floats) -> list[Floats]:
     """Return closed places that motions which the loops allow lead to from the closed place q (nq,)."""
-    free = across(chain.jacobian(chain.sample(q.tolist())), FEW)
+    free = null_space(chain.jacobian(chain.sample(q.tolist())), FEW)
     drawn = product(np.random.default_rng(0).normal(size=(LOOKS, len(free))), free)
     places = [closed_near(chain, q, AWAY * u / max(float(np.abs(u).max(initial=0.0)), 1e-300)) for u in drawn]
     return [place for place in places if place is not None]

@@ -10,7 +10,7 @@ from robodyn.equations.dae.equations import stacked, values
 from robodyn.equations.dae.state import STILL, Place, Speed, State
 from robodyn.equations.dae.system import System
 from robodyn.errors import InputError
-from robodyn.programs.linear import shortest
+from robodyn.programs.linear import min_norm_solution
 from robodyn.programs.vectors import narrowed, product, rotation_about
 from robodyn.support.floats import Floats
 
@@ -91,7 +91,7 @@ def arcs_of(bodies: int, length: float) -> Floats:
 
 def _smallest(A: Floats, b: Floats) -> Floats:
     """Return the smallest x with A x = b, or with the smallest error where the equations depend on each other."""
-    return shortest(A, b, 1e-10)
+    return min_norm_solution(A, b, 1e-10)
 
 
 def _moved(at: State, step: Floats) -> State:

@@ -11,7 +11,7 @@ from robodyn.equations.dae.consistent import arcs_of, flat_speeds
 from robodyn.equations.dae.posed import Posed, own_rates
 from robodyn.equations.dae.state import accelerations_of, state_of
 from robodyn.equations.dae.system import Matrices
-from robodyn.programs.linear import across, shortest, solve
+from robodyn.programs.linear import min_norm_solution, null_space, solve
 from robodyn.programs.vectors import narrowed, product
 from robodyn.support.floats import Floats
 
@@ -203,7 +203,7 @@ def independent_accelerations(left: Reduced) -> Floats:
     """
     if not len(left.G):
         return solve(left.M, left.free)
-    N, start = across(left.G, LOOSE).T, shortest(left.G, left.gamma, LOOSE)
+    N, start = null_space(left.G, LOOSE).T, min_norm_solution(left.G, left.gamma, LOOSE)
     z = solve(product(N.T, left.M, N), product(N.T, left.free - product(left.M, start)))
     return np.asarray(start + product(N, z))
 

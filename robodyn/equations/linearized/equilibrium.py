@@ -6,7 +6,7 @@ import numpy as np
 
 from robodyn.equations.linearized.standing import Balance, Standing
 from robodyn.errors import InputError
-from robodyn.programs.linear import eigen, shortest, span
+from robodyn.programs.linear import eigen, min_norm_solution, range_basis
 from robodyn.programs.vectors import length, product
 from robodyn.support.floats import Floats, first_largest
 
@@ -95,7 +95,9 @@ def _by_newton(robot: Standing, q: Floats, around: float) -> tuple[Floats, Balan
 def newton_step(robot: Standing, here: Balance) -> Floats:
     """Return the shortest step (n,) after which nothing would be missing if torques were linear."""
     N = _scaled(robot, here)
-    return np.asarray(product(N, shortest(product(N.T, here.stiffness, N), -product(N.T, here.missing), _DEPENDENT)))
+    return np.asarray(
+        product(N, min_norm_solution(product(N.T, here.stiffness, N), -product(N.T, here.missing), _DEPENDENT))
+    )
 
 
 def _scaled(robot: Standing, here: Balance) -> Floats:
@@ -103,7 +105,7 @@ def _scaled(robot: Standing, here: Balance) -> Floats:
     stiff = here.scale / robot.lengths
     stiff = np.where(stiff > 0.0, stiff, 1.0)
     root = np.sqrt(stiff)[:, None]
-    return here.directions / root if robot.chain is None else span((here.directions * root).T, 0.0).T / root
+    return here.directions / root if robot.chain is None else range_basis((here.directions * root).T, 0.0).T / root
 
 
 def _first_that_helps(

@@ -21,7 +21,7 @@ from robodyn.equations.linearized.drives import Drives, drives_of, positions
 from robodyn.equations.ode import units_of
 from robodyn.errors import InputError
 from robodyn.programs.dual import Dual, rate_of
-from robodyn.programs.linear import across, shortest
+from robodyn.programs.linear import min_norm_solution, null_space
 from robodyn.programs.vectors import product
 from robodyn.robot.model import Model
 from robodyn.scene.constraints import Loop
@@ -126,8 +126,8 @@ class Standing:
         if self.chain is None:
             return Balance(missing, np.eye(model.n), stiffness, scale)
         J = self.chain.jacobian(self.chain.sample(q.tolist()))
-        multipliers = shortest(J.T, missing, FEW)
-        N = across(J, FEW).T
+        multipliers = min_norm_solution(J.T, missing, FEW)
+        N = null_space(J, FEW).T
         scale = np.where(self.tied, (scale * self.lengths)[self.tied].max(initial=0.0) / self.lengths, scale)
         return Balance(product(N, product(N.T, missing)), N, stiffness - _carried(self.chain, q, multipliers), scale)
 
@@ -157,7 +157,7 @@ def standing(model: Model, scene: Scene, q: Floats) -> Standing:
         raise InputError("a closed chain on a base that moves is not linearized", remedy=remedy, file=model.file)
     begun = dict(zip(model.coordinates, q.tolist(), strict=True))
     chain = necessary(plan(model, replace(scene, initial_q=begun, initial_qd={})))
-    ways = len(across(chain.jacobian(chain.sample(q.tolist())), FEW))
+    ways = len(null_space(chain.jacobian(chain.sample(q.tolist())), FEW))
     if ways > model.n - chain.count:
         what = f"the loops allow {ways} motions here and {model.n - chain.count} nearby, so that nothing is linear"
         raise InputError(what, remedy="begin elsewhere (--at)", file=model.file)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.equations.linearized.small_motion import SmallMotion
-from robodyn.programs.linear import across, span
+from robodyn.programs.linear import null_space, range_basis
 from robodyn.programs.vectors import length, product
 from robodyn.support.floats import Floats
 
@@ -49,13 +49,13 @@ def split(found: SmallMotion) -> Split:
     drift = _null(found.stiffness * np.outer(scale, scale), k * _WRITTEN)
     free = _undamped(found.damping * np.outer(scale, scale), drift)
     basis = np.vstack((np.hstack((drift, np.zeros_like(drift))), np.hstack((np.zeros_like(free), free))))
-    return Split(scale, drift, basis, across(basis, 0.0) if len(basis) else np.eye(2 * k))
+    return Split(scale, drift, basis, null_space(basis, 0.0) if len(basis) else np.eye(2 * k))
 
 
 def _null(rows: Floats, nothing: float) -> Floats:
     """Return an orthonormal basis (r, n) of what rows (m, n) of a size of 1 map to less than this."""
     largest = float(np.sqrt((rows * rows).sum(axis=1)).max(initial=0.0))
-    return across(rows, nothing / largest) if largest > nothing else np.eye(rows.shape[1])
+    return null_space(rows, nothing / largest) if largest > nothing else np.eye(rows.shape[1])
 
 
 def _undamped(damping: Floats, drift: Floats) -> Floats:
@@ -65,4 +65,4 @@ def _undamped(damping: Floats, drift: Floats) -> Floats:
     if not len(drift) or length(slowed.ravel()) <= nothing:
         return drift
     free = _null(slowed, nothing)
-    return span(product(free, drift), 0.0) if len(free) else drift[:0]
+    return range_basis(product(free, drift), 0.0) if len(free) else drift[:0]
