@@ -55,7 +55,7 @@ def state_of(
     with read_motion(traj, model, scene, **reading()) as reader:
         if scene.loops:
             from robodyn.dynamics.plan import plan
-            from robodyn.loads.follow import Follower
+            from robodyn.loads.dependent_joints import Follower
 
             row = row_at(reader, time, Follower(plan(model, scene), reader.followed, reader.file).take)
         else:

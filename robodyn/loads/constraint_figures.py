@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from robodyn.dynamics.constraints.maps import closures
+from robodyn.dynamics.constraints.constraint_jacobian import closures
 from robodyn.dynamics.constraints.solve import ConstraintSolver, Found
 from robodyn.dynamics.loops.closed_chain import Dropped
-from robodyn.dynamics.loops.necessary import necessary
+from robodyn.dynamics.loops.independent_equations import independent_equations
 from robodyn.loads.constraint_result import Constraints, LoopLoad, Peak, Unbalanced
 from robodyn.loads.contact_figures import ContactFigures
 from robodyn.loads.statistics import Greatest, Integrals
@@ -142,7 +142,7 @@ class ConstraintFigures:
     def _dropped(self) -> tuple[Dropped, ...]:
         """Equations that others of their loops imply, where these are left out."""
         scene = self.solver.plan.scene
-        return necessary(self.solver.plan).dropped if scene.loops and scene.contacts else ()
+        return independent_equations(self.solver.plan).dropped if scene.loops and scene.contacts else ()
 
 
 def _share_words(scene: Scene) -> str:

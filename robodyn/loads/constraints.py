@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from robodyn.dynamics.arrays import zero_sources
-from robodyn.dynamics.constraints.maps import loop_map
+from robodyn.dynamics.constraints.constraint_jacobian import loop_jacobian
 from robodyn.dynamics.constraints.solve import ConstraintSolver, Found
 from robodyn.dynamics.constraints.structure import Mask
 from robodyn.dynamics.constraints.touching import touching
@@ -19,7 +19,7 @@ from robodyn.dynamics.plan import plan
 from robodyn.dynamics.runners import torque_runner
 from robodyn.loads.constraint_figures import ConstraintFigures
 from robodyn.loads.constraint_result import Constraints
-from robodyn.loads.follow import Follower
+from robodyn.loads.dependent_joints import Follower
 from robodyn.programs.linear import min_norm_solution, null_space
 from robodyn.programs.vectors import product
 from robodyn.robot.model import Model
@@ -165,7 +165,7 @@ class ConstraintPass:
         """Return (n, n) accelerations, row by row: a unit of each, and the least of the others that loops ask for."""
         if not self.scene.loops:
             return np.eye(self.model.n)
-        free = null_space(loop_map(self.solver.plan, q[None], "numpy").J[0], NOTHING)
+        free = null_space(loop_jacobian(self.solver.plan, q[None], "numpy").J[0], NOTHING)
         kept = product(free.T, free)
         own = np.diag(kept)
         return np.asarray(np.where(own > NOTHING, 1.0 / np.where(own > NOTHING, own, 1.0), 0.0)[:, None] * kept)
@@ -175,7 +175,7 @@ class ConstraintPass:
         followed = self.followed
         if not followed.any():
             return np.eye(self.model.n)
-        J = loop_map(self.solver.plan, q[None], "numpy").J[0]
+        J = loop_jacobian(self.solver.plan, q[None], "numpy").J[0]
         out = np.diag((~followed).astype(float))
         for rate in np.flatnonzero(~followed):
             out[rate, followed] = min_norm_solution(J[:, followed], -J[:, rate], NOTHING)

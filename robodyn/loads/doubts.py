@@ -11,8 +11,8 @@ import numpy as np
 from robodyn.loads.checks_result import EnergyBalance
 from robodyn.loads.result import ComponentLoad, JointLoad
 from robodyn.programs.vectors import length
+from robodyn.robot.base_guess import untouched
 from robodyn.robot.model import Model
-from robodyn.robot.standing import untouched
 from robodyn.scene.scene import Scene
 from robodyn.support.doubts import TOO_FEW, Doubt
 from robodyn.support.floats import BEYOND, Floats, steady

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Literal
 
 from robodyn.programs.run.llvm.machine import compiler, host
-from robodyn.programs.run.trial import Trial, trial
+from robodyn.programs.run.self_test import SelfTest, self_test
 from robodyn.robot.urdf.packages import VARIABLES, listed
 from robodyn.support.cache import Key, ObjectCache, cache_folder
 from robodyn.support.extras import COMPILER, CORE, OPTIONAL, SCENES, Library
@@ -114,15 +114,15 @@ def _model_name() -> str:
     return next((line.partition(":")[2].strip() for line in text.splitlines() if line.startswith("model name")), "")
 
 
-def tried_apart() -> Trial:
-    """Return the trial in a process of its own, which machine code that does not suit the processor would end."""
+def tried_apart() -> SelfTest:
+    """Return the self-test in a process of its own, which machine code that does not suit the processor would end."""
     from robodyn.support.processes import Death, in_processes
 
-    ((_, found),) = in_processes(trial, [()], 1)
-    return Trial("machine code ends the process", True, 0.0) if isinstance(found, Death) else found
+    ((_, found),) = in_processes(self_test, [()], 1)
+    return SelfTest("machine code ends the process", True, 0.0) if isinstance(found, Death) else found
 
 
-def _executors(tried: Trial) -> Iterator[Line]:
+def _executors(tried: SelfTest) -> Iterator[Line]:
     yield Line("executors", "numpy", f"runs in {1e3 * tried.numpy:.3g} ms", figures={"run": tried.numpy})
     if tried.problem is not None:
         verdict: Verdict = "broken" if tried.broken else "missing"

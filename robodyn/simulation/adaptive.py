@@ -13,7 +13,7 @@ import numpy as np
 from robodyn.dynamics.plan import Plan
 from robodyn.dynamics.runners import runner_of
 from robodyn.errors import InputError
-from robodyn.programs.run.repeated import COLUMNS
+from robodyn.programs.run.stepper import COLUMNS
 from robodyn.robot.configuration import unit_rows
 from robodyn.simulation.equations import STATE, Equations
 from robodyn.simulation.events import Limits, dense_touches, first_passed

@@ -12,15 +12,15 @@ from robodyn.dynamics.effects.effect import Effect, Sample
 from robodyn.dynamics.effects.gyroscopic_moment import angular_momentum
 from robodyn.dynamics.forward import accelerations
 from robodyn.dynamics.loops.closed_chain import ClosedChain
+from robodyn.dynamics.loops.independent_equations import independent_equations
 from robodyn.dynamics.loops.local_coordinates import local_rates, moved, unit
-from robodyn.dynamics.loops.necessary import necessary
 from robodyn.dynamics.plan import Plan, applied
 from robodyn.dynamics.recursions.elimination import aligned
 from robodyn.dynamics.recursions.momentum import momenta, position_rates
 from robodyn.dynamics.runners import runner_of
 from robodyn.programs.program import Program, traced
-from robodyn.programs.run.repeated import COLUMNS
 from robodyn.programs.run.runner import Runner
+from robodyn.programs.run.stepper import COLUMNS
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar, cross
 from robodyn.robot.model import Model
@@ -77,7 +77,7 @@ class Equations:
     @cached_property
     def chain(self) -> ClosedChain | None:
         """The scene's loops, if it has any."""
-        return necessary(self.plan) if self.scene.loops else None
+        return independent_equations(self.plan) if self.scene.loops else None
 
     def settled(self, q: Sequence[Scalar], qd: Sequence[Scalar]) -> tuple[list[Scalar], list[Scalar]]:
         """Return the state after a step, with unit quaternions and on the loops."""

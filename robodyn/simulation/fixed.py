@@ -13,7 +13,7 @@ from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.programs.run.choice import EXECUTORS, Work, times
 from robodyn.programs.run.llvm.machine import compiler, one_line
-from robodyn.programs.run.repeated import SINGLE, CompiledSteps, NumpySteps
+from robodyn.programs.run.stepper import SINGLE, CompiledSteps, NumpySteps
 from robodyn.simulation.equations import STATE, Equations
 from robodyn.simulation.events import Limits, first_passed, hermite_touches
 from robodyn.simulation.methods import Method, TooMuchError

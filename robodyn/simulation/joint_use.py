@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.dynamics.effects.viscous_friction import joints_with_friction
+from robodyn.robot.base_guess import untouched
 from robodyn.robot.limits import Coverage, Excess, binding, coverage, reached_beyond
 from robodyn.robot.model import Joint, Model
-from robodyn.robot.standing import untouched
 from robodyn.scene.scene import Scene
 from robodyn.simulation.conserving import is_free
 from robodyn.simulation.events import Limits, Stop

@@ -10,12 +10,12 @@ import numpy as np
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.loops.closed_chain import ClosedChain
 from robodyn.dynamics.loops.find import NOTHING
-from robodyn.dynamics.loops.necessary import necessary
+from robodyn.dynamics.loops.independent_equations import independent_equations
 from robodyn.dynamics.plan import Plan, applied
 from robodyn.dynamics.runners import runner_of
 from robodyn.errors import InputError
 from robodyn.programs.program import trace, traced
-from robodyn.programs.run.repeated import COLUMNS
+from robodyn.programs.run.stepper import COLUMNS
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar
 from robodyn.simulation.equations import STATE, Equations, state_runner
@@ -77,7 +77,7 @@ def loop_figures(plan: Plan, motion: Motion, executor: str, signal: Signal, proj
     """
     if not plan.scene.loops:
         return None
-    chain, count = necessary(plan), len(plan.scene.loops)
+    chain, count = independent_equations(plan), len(plan.scene.loops)
     rank = _rank(chain, motion.states[0])
     runner = state_runner(loop_program, plan, len(signal.curves))
     sources = {STATE: motion.states, COLUMNS: signal.at(motion.time)}
@@ -106,7 +106,7 @@ def loop_figures(plan: Plan, motion: Motion, executor: str, signal: Signal, proj
 @traced
 def loop_program(equations: Equations, tape: Tape) -> Iterable[Scalar]:
     """Return the program of each loop's wrench, then of phi and phi' by equation."""
-    chain = necessary(equations.plan)
+    chain = independent_equations(equations.plan)
     state, given = equations.state(tape), equations.given(tape)
     sample: Sample = equations.sample(chain.model, state.q, state.qd, given)
     terms = applied(equations.plan.effects, sample, equations.scene)
@@ -131,7 +131,7 @@ def check_closed(plan: Plan, q: Floats, qd: Floats) -> None:
     Raises:
         InputError: the first row that is not, with its error.
     """
-    chain = necessary(plan)
+    chain = independent_equations(plan)
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
         here = chain.equations(replace(plan.sample(tape), model=chain.model, qdd=(0.0,) * plan.model.n))

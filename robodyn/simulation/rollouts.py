@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from robodyn.dynamics.arrays import arrays_of
 from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError
-from robodyn.programs.run.repeated import LANES, SINGLE, CompiledSteps, NumpySteps
+from robodyn.programs.run.stepper import LANES, SINGLE, CompiledSteps, NumpySteps
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.simulation.equations import Equations

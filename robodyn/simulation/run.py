@@ -11,7 +11,7 @@ from robodyn.dynamics.initial_state import initial_state, limits_at_start
 from robodyn.dynamics.loops.closed_start import closed_start, start_notes
 from robodyn.dynamics.plan import Plan, plan
 from robodyn.errors import InputError
-from robodyn.programs.run.repeated import COLUMNS
+from robodyn.programs.run.stepper import COLUMNS
 from robodyn.robot.model import Model
 from robodyn.scene.fit import check_moves, refuse_constraints, refuse_others
 from robodyn.scene.scene import DEFAULT, Scene
@@ -21,12 +21,12 @@ from robodyn.simulation.conserving import check_free, check_leapfrog
 from robodyn.simulation.equations import STATE, Equations, state_runner
 from robodyn.simulation.events import Limits
 from robodyn.simulation.fixed import FixedSteps, Motion
-from robodyn.simulation.follow import Free, followed
 from robodyn.simulation.joint_use import assumed, deepest, held
 from robodyn.simulation.loop_figures import loop_figures
 from robodyn.simulation.methods import MethodOptions, choose_method
 from robodyn.simulation.result import Figures, Simulation
 from robodyn.simulation.singular import passing_notes, start_doubts
+from robodyn.simulation.stiff_steps import Free, followed
 from robodyn.simulation.stiffness import with_friction
 from robodyn.simulation.table import Signal, Source, read_table
 from robodyn.support.floats import Floats

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.dynamics.loops.closed_chain import ClosedChain
-from robodyn.dynamics.loops.necessary import FEW, necessary
+from robodyn.dynamics.loops.independent_equations import FEW, independent_equations
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.programs.program import traced
@@ -42,7 +42,7 @@ def start_doubts(plan: Plan, state: Floats) -> tuple[Doubt, ...]:
     """
     if not plan.scene.loops:
         return ()
-    chain, model = necessary(plan), plan.model
+    chain, model = independent_equations(plan), plan.model
     q, qd = state[: model.nq].tolist(), state[model.nq : model.nq + model.n]
     left, across = _lost(chain, q)
     if not left.shape[1]:
@@ -101,7 +101,7 @@ def passed(plan: Plan, motion: Motion) -> tuple[Singular, ...]:
     Along a smooth motion J = U S V^T has smooth singular values that may change their sign: from one record to a later
     one J_2, the eigenvalues of S^-1 U^T J_2 V are near 1 but for those, which become negative.
     """
-    chain, n = necessary(plan), plan.model.n
+    chain, n = independent_equations(plan), plan.model.n
     if not chain.count:
         return ()
     rows = max(int(WORK / (20 * n * chain.count**2)), 2)
@@ -146,7 +146,7 @@ def _jacobians(plan: Plan, states: Floats) -> Floats:
 
 @traced
 def _jacobian_program(equations: Equations, tape: Tape) -> Iterable[Scalar]:
-    chain = necessary(equations.plan)
+    chain = independent_equations(equations.plan)
     rows = chain.equations(chain.sample(equations.state(tape).q)).J
     return [row.get(rate, 0.0) for row in rows for rate in range(chain.model.n)]
 

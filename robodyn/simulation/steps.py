@@ -8,7 +8,7 @@ from functools import cached_property
 
 from robodyn.dynamics.loops.local_coordinates import moved, unit
 from robodyn.programs.program import Program, trace
-from robodyn.programs.run.repeated import COLUMNS
+from robodyn.programs.run.stepper import COLUMNS
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar
 from robodyn.simulation.conserving import kept

@@ -11,7 +11,7 @@ from helpers.command_line import Outcome, run
 
 from robodyn.measure import doctor
 from robodyn.measure.doctor import Line, healthy
-from robodyn.programs.run.trial import TOLERANCE, Trial, trial
+from robodyn.programs.run.self_test import TOLERANCE, SelfTest, self_test
 from robodyn.report.measure import doctor_sections
 from robodyn.report.text import text
 from robodyn.robot.urdf.packages import VARIABLES
@@ -19,7 +19,7 @@ from robodyn.support.extras import COMPILER, CORE, OPTIONAL, SCENES, Library
 from robodyn.support.libraries import Installed, installed, loading
 
 LIBRARIES = (*CORE, COMPILER, SCENES, *OPTIONAL, *doctor.PEERS)
-WORKS = Trial(None, False, 1e-4, 1e-2, 1e-3, 1e-5, 1e-16)
+WORKS = SelfTest(None, False, 1e-4, 1e-2, 1e-3, 1e-5, 1e-16)
 
 
 def here(**changed: Installed) -> dict[str, Installed]:
@@ -27,7 +27,7 @@ def here(**changed: Installed) -> dict[str, Installed]:
 
 
 def diagnosed(
-    monkeypatch: pytest.MonkeyPatch, libraries: dict[str, Installed] | None = None, tried: Trial = WORKS
+    monkeypatch: pytest.MonkeyPatch, libraries: dict[str, Installed] | None = None, tried: SelfTest = WORKS
 ) -> Outcome:
     monkeypatch.setattr(doctor, "installed", lambda _: libraries or here())
     monkeypatch.setattr(doctor, "tried_apart", lambda: tried)
@@ -76,18 +76,18 @@ def test_every_extra_is_named_and_none_is_needed(monkeypatch: pytest.MonkeyPatch
 @pytest.mark.parametrize(
     ("tried", "status", "said"),
     [
-        (Trial("llvmlite is not installed; pip install llvmlite", False, 1e-4), 0, "missing  llvmlite is not"),
-        (Trial("machine code ends the process", True, 0.0), 1, "broken   machine code ends the process; long"),
-        (Trial("results differ", True, 1e-4, difference=0.5), 1, "results may be wrong: --executor numpy"),
+        (SelfTest("llvmlite is not installed; pip install llvmlite", False, 1e-4), 0, "missing  llvmlite is not"),
+        (SelfTest("machine code ends the process", True, 0.0), 1, "broken   machine code ends the process; long"),
+        (SelfTest("results differ", True, 1e-4, difference=0.5), 1, "results may be wrong: --executor numpy"),
     ],
 )
-def test_executors(monkeypatch: pytest.MonkeyPatch, tried: Trial, status: int, said: str) -> None:
+def test_executors(monkeypatch: pytest.MonkeyPatch, tried: SelfTest, status: int, said: str) -> None:
     outcome = diagnosed(monkeypatch, tried=tried)
     assert (outcome.status, said in outcome.out) == (status, True), outcome.out
 
 
 def test_executors_agree_here() -> None:
-    found = trial()
+    found = self_test()
     assert found.problem is None or not found.broken
     assert found.difference <= TOLERANCE
 
@@ -98,7 +98,7 @@ def test_wrong_machine_code_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
 
     right = compiled_blocks.CompiledBlocks.__call__
     monkeypatch.setattr(compiled_blocks.CompiledBlocks, "__call__", lambda *args: right(*args) * (1 + 1e-9))
-    found = trial()
+    found = self_test()
     assert found.broken
     assert "results differ from NumPy's by 1.0e-09" in str(found.problem)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robodyn.dynamics.loops.follow import Follow
+from robodyn.dynamics.loops.position_continuation import Follow
 from robodyn.dynamics.plan import plan
 
 

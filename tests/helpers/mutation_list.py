@@ -87,24 +87,28 @@ MUTATIONS = {
         ("dynamics/recursions/momentum.py", "H[j] + R @ H[i] + cross(p, P_in)", "H[j] + R @ H[i]"),
         ("dynamics/recursions/momentum.py", "s * a + y * c - z * b", "s * a + y * c + z * b"),
     ],
-    "dynamics/constraints/test_share.py": [
-        ("dynamics/constraints/share.py", "np.sqrt(weights / weights.max())", "weights / weights.max()"),
+    "dynamics/constraints/test_torque_distribution.py": [
+        ("dynamics/constraints/torque_distribution.py", "np.sqrt(weights / weights.max())", "weights / weights.max()"),
         (
-            "dynamics/constraints/share.py",
+            "dynamics/constraints/torque_distribution.py",
             "wanted = forces[:, ~passive] - _along(drive, x)",
             "wanted = forces[:, ~passive]",
         ),
     ],
     "dynamics/constraints/test_random_mechanisms.py": [
-        ("dynamics/constraints/maps.py", "cross(at, force) - about", "cross(at, force) + about"),
-        ("dynamics/constraints/maps.py", "product(a.R, product(place.B.T, m)) + cross(at, force)", "cross(at, force)"),
+        ("dynamics/constraints/constraint_jacobian.py", "cross(at, force) - about", "cross(at, force) + about"),
+        (
+            "dynamics/constraints/constraint_jacobian.py",
+            "product(a.R, product(place.B.T, m)) + cross(at, force)",
+            "cross(at, force)",
+        ),
     ],
     "dynamics/contacts/test_contact_forces.py": [
         ("dynamics/contacts/cones.py", "edge * along * sine / t", "edge * along / t"),
         ("dynamics/contacts/cones.py", "press * sine - t * cosine", "press * cosine - t * sine"),
     ],
     "loads/test_singular_passages.py": [
-        ("dynamics/constraints/crossing.py", "1.0 / (1.0 - least[lost])", "-1.0 / least[lost]"),
+        ("dynamics/constraints/rank_changes.py", "1.0 / (1.0 - least[lost])", "-1.0 / least[lost]"),
         ("loads/constraints.py", "loads[self._lost, :n] = self._tau[self._lost]", "pass"),
     ],
     "dynamics/effects/test_external_wrench.py": [
@@ -241,8 +245,8 @@ MUTATIONS = {
         ("loads/figures.py", "1 / 3", "1 / 2"),
     ],
     "dynamics/loops/test_closed_chain.py": [
-        ("dynamics/loops/least_change.py", "c * lower - s * upper", "c * lower + s * upper"),
-        ("dynamics/loops/least_change.py", "c * change[i]", "change[i]"),
+        ("dynamics/loops/givens_projection.py", "c * lower - s * upper", "c * lower + s * upper"),
+        ("dynamics/loops/givens_projection.py", "c * change[i]", "change[i]"),
         ("dynamics/loops/closed_chain.py", "0.0 - bias", "bias"),
         ("dynamics/forward.py", "turn.T if back else turn", "turn if back else turn"),
         ("dynamics/recursions/composite_body.py", "share * 2.0 if other == rate else share", "share"),
@@ -386,7 +390,7 @@ MUTATIONS = {
     "equations/linearized/test_linearize.py": [
         ("equations/linearized/linearize.py", "given.dq + np.diag(robot.drives.kp)", "given.dq"),
         ("equations/linearized/linearize.py", "given.dqd + np.diag(robot.drives.kd)", "given.dqd"),
-        ("equations/linearized/standing.py", "rates.dq + np.diag(self.drives.kp)", "rates.dq"),
+        ("equations/linearized/static_balance.py", "rates.dq + np.diag(self.drives.kp)", "rates.dq"),
         ("equations/linearized/drives.py", "self.reference - positions", "positions - self.reference"),
         ("equations/linearized/drives.py", "self.speed - qd", "self.speed + qd"),
         ("equations/linearized/linearized.py", "found.B * step", "found.B"),
@@ -416,17 +420,17 @@ MUTATIONS = {
         ("equations/linearized/eigenmodes.py", "value.imag * one", "0.0 * one"),
         ("equations/linearized/modes.py", "mode.real > mode.error", "mode.real > 0.0"),
         ("equations/linearized/modes.py", "abs(self.real) <= self.error", "self.real == 0.0"),
-        ("equations/linearized/standing.py", "masses[model.parents[k]] += masses[k]", "None"),
+        ("equations/linearized/static_balance.py", "masses[model.parents[k]] += masses[k]", "None"),
         ("equations/linearized/equilibrium.py", "np.sqrt(stiff)[:, None]", "1.0"),
     ],
     "equations/linearized/test_closed_chains.py": [
         (
-            "equations/linearized/standing.py",
+            "equations/linearized/static_balance.py",
             "_beyond(model, loop.link) ^ _beyond(model, loop.to)",
             "range(1, model.n + 1)",
         ),
         (
-            "equations/linearized/standing.py",
+            "equations/linearized/static_balance.py",
             "stiffness - _carried(self.chain, q, multipliers)",
             "stiffness",
         ),

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from helpers.example_robots import real
-from robodyn.dynamics.constraints.maps import contact_map
+from robodyn.dynamics.constraints.constraint_jacobian import contact_jacobian
 from robodyn.dynamics.plan import plan
 from robodyn.robot.configuration import body_poses, configuration
 from robodyn.robot.model import Model
@@ -178,7 +178,7 @@ def _standing(walker: Walker) -> np.ndarray:
 
 
 def _map(walker: Walker, q: np.ndarray, qd: np.ndarray):
-    return contact_map(plan(walker.model, walker.scene()), q, qd, "auto")
+    return contact_jacobian(plan(walker.model, walker.scene()), q, qd, "auto")
 
 
 def _mass_centre(model: Model, q: np.ndarray) -> np.ndarray:

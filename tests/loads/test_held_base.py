@@ -14,8 +14,8 @@ from helpers.small_robots import built, joint, link
 
 import robodyn
 from robodyn.report.limits import limits_verdict
+from robodyn.robot.base_guess import untouched
 from robodyn.robot.configuration import link_poses
-from robodyn.robot.standing import untouched
 
 FEET, WHEELS, FLIES, STIFF = "feet", "wheels", "thrust", "no joint"
 WARNED = {

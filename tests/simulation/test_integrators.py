@@ -167,6 +167,6 @@ def test_the_limit_is_found_between_records(monkeypatch):
 
 @pytest.mark.parametrize("executor", ["numpy", "compiled"])
 def test_sweeps_that_do_not_settle(executor, monkeypatch):
-    monkeypatch.setattr("robodyn.programs.run.repeated.SWEEPS", 2)
+    monkeypatch.setattr("robodyn.programs.run.stepper.SWEEPS", 2)
     with pytest.raises(InputError, match="the steps of gauss4 do not settle at 0 s"):
         robodyn.simulate(pendulum(), Scene(initial_q={"j1": 1.0}), 1.0, method="gauss4", step=0.1, executor=executor)

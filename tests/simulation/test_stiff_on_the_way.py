@@ -13,7 +13,7 @@ import robodyn
 from robodyn.errors import InputError
 from robodyn.report.json.runs import simulation_json
 from robodyn.scene.parts import Drive, Friction
-from robodyn.simulation import follow
+from robodyn.simulation import stiff_steps
 from robodyn.simulation.methods import TooMuchError
 
 CREEP = 1e-3 * 0.8 / 0.6
@@ -23,7 +23,7 @@ CREEP = 1e-3 * 0.8 / 0.6
 @pytest.mark.parametrize("how", [{}, {"rtol": 1e-7}])
 def test_friction_that_becomes_stiff_on_the_way_is_followed(how, monkeypatch):
     """From 4000/s to 1e7/s: rk4 with the steps of the start ends 0.35 rad away."""
-    monkeypatch.setattr(follow, "MOST_UNASKED", 4e4 if not how else 5e3)
+    monkeypatch.setattr(stiff_steps, "MOST_UNASKED", 4e4 if not how else 5e3)
     model, scene = turntable()
     found = robodyn.simulate(model, scene, 1.0, **how)
     assert abs(found.q[-1, 0] - CREEP) <= 2e-6
@@ -76,7 +76,7 @@ def test_a_limit_that_is_reached_by_chattering_does_not_end_the_motion():
 
 def test_long_motions_that_are_not_stiff_stay_with_their_method(monkeypatch):
     """More evaluations than a stiff motion may take, by a pendulum that swings with a little friction."""
-    monkeypatch.setattr(follow, "MOST_UNASKED", 500)
+    monkeypatch.setattr(stiff_steps, "MOST_UNASKED", 500)
     scene = robodyn.Scene(friction={"j1": Friction(viscous=0.1)}, initial_q={"j1": 1.0})
     found = robodyn.simulate(pendulum(), scene, 10.0, rtol=1e-9)
     assert found.method.name == "dop853"

@@ -13,7 +13,7 @@ from helpers.small_robots import joint, link
 import robodyn
 from robodyn.dynamics.plan import plan
 from robodyn.errors import TrajectoryError
-from robodyn.loads.follow import Follower
+from robodyn.loads.dependent_joints import Follower
 from robodyn.scene.constraints import Contact
 from robodyn.trajectory.assemble import join
 

@@ -8,7 +8,7 @@ fly, by their links.
 
 from robodyn.checks.examples import INERTIA, LIMIT, a_joint, a_link
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.robot.standing import untouched
+from robodyn.robot.base_guess import untouched
 
 _SHAPE = '<collision><geometry><sphere radius="0.1"/></geometry></collision>'
 _WHEELS = "".join(

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from robodyn.dynamics.arrays import arrays_of, numbers, zero_sources
 from robodyn.dynamics.constraints.actuation import actuation
-from robodyn.dynamics.constraints.maps import closures
+from robodyn.dynamics.constraints.constraint_jacobian import closures
 from robodyn.dynamics.constraints.solve import ConstraintSolver
 from robodyn.dynamics.constraints.touching import touching
 from robodyn.dynamics.constraints.tree import constraint_columns, open_scene, tree_scene

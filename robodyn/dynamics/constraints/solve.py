@@ -8,20 +8,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.dynamics.constraints.actuation import actuation
-from robodyn.dynamics.constraints.crossing import Crossings
-from robodyn.dynamics.constraints.maps import (
-    ContactMap,
-    LoopMap,
+from robodyn.dynamics.constraints.constraint_jacobian import (
+    ContactJacobian,
+    LoopJacobian,
     closures,
-    contact_map,
-    loop_map,
+    contact_jacobian,
+    loop_jacobian,
     loop_wrenches,
     no_contacts,
     no_loops,
     reactions,
 )
-from robodyn.dynamics.constraints.share import shares
+from robodyn.dynamics.constraints.rank_changes import RankChanges
 from robodyn.dynamics.constraints.structure import GOOD, Mask, Structure, structure
+from robodyn.dynamics.constraints.torque_distribution import torque_distribution
 from robodyn.dynamics.constraints.tree import normal_of
 from robodyn.dynamics.contacts.problem import Forces, FreeTerms, Problem, TorqueTerms
 from robodyn.dynamics.contacts.solve import contact_forces
@@ -59,7 +59,7 @@ class Found(NamedTuple):
     crossed: Floats
     gap: Floats
     forces: Floats
-    contacts: ContactMap
+    contacts: ContactJacobian
     problem: Problem | None
     solved: Forces | None
 
@@ -81,7 +81,7 @@ class ConstraintSolver:
         self.raised = False
         self.open_drives: Mask = np.zeros(int(self.actuation.driven.sum()), dtype=bool)
         self._patterns: set[bytes] = set()
-        self._crossings: Crossings | None = None
+        self._crossings: RankChanges | None = None
         model, gravity = plan.model, length(np.asarray(plan.scene.gravity))
         self._weight = max(model.total_mass * gravity, 1e-300)
         self._units = np.ones(model.n)
@@ -97,7 +97,7 @@ class ConstraintSolver:
     def solve(self, q: Floats, qd: Floats, tau: Floats, touching: Mask) -> Found:
         """Return constraint forces and torques.
 
-        `S_a tau_a + J^T x = tau`, see `shares` for loops and `contact_forces` for contacts.
+        `S_a tau_a + J^T x = tau`, see `torque_distribution` for loops and `contact_forces` for contacts.
 
         Args:
             q, qd: (N, nq), (N, n), N at most PIECE.
@@ -105,8 +105,8 @@ class ConstraintSolver:
             touching: (N, K) points that touch.
         """
         plan, samples, n = self.plan, len(q), tau.shape[1]
-        loops = loop_map(plan, q, self.executor) if plan.scene.loops else no_loops(samples, n)
-        contacts = contact_map(plan, q, qd, self.executor) if plan.scene.contacts else no_contacts(samples, n)
+        loops = loop_jacobian(plan, q, self.executor) if plan.scene.loops else no_loops(samples, n)
+        contacts = contact_jacobian(plan, q, qd, self.executor) if plan.scene.contacts else no_contacts(samples, n)
         self._decide(loops, contacts.J, touching)
         forces, problem, solved = np.zeros((samples, 0, 3)), None, None
         if plan.scene.contacts:
@@ -133,7 +133,7 @@ class ConstraintSolver:
         nothing = (np.abs(left) <= small) & self.actuation.passive
         return np.where(nothing, 0.0, left)
 
-    def _shared(self, loops: LoopMap, tau: Floats) -> tuple[Floats, Mask]:
+    def _shared(self, loops: LoopJacobian, tau: Floats) -> tuple[Floats, Mask]:
         """Return the loops' multipliers of least torque, and where the loops are singular.
 
         Samples that hold more than all before decide the ranks anew: those by which they were decided lay at a singular
@@ -142,24 +142,24 @@ class ConstraintSolver:
         assert self.structure is not None
         counted, part = self.actuation.counted, self.actuation
         J = loops.J[:, :, counted]
-        found = shares(self.structure, J, tau[:, counted], part.weights)
+        found = torque_distribution(self.structure, J, tau[:, counted], part.weights)
         more = found.higher | (found.smallest * GOOD > self.structure.usual)
         self.raised = bool(found.higher.any())
         if more.any():
             self._set_structure(loops, np.flatnonzero(more))
-            found = shares(self.structure, J, tau[:, counted], part.weights)
+            found = torque_distribution(self.structure, J, tau[:, counted], part.weights)
         return found.multipliers, found.singular | found.higher
 
     def _crossed(self, J: Floats) -> Floats:
         """Return where the loops lose hold of passive joints from one sample to the next."""
         assert self.structure is not None
         if self._crossings is None or self._crossings.rank != self.structure.rank:
-            self._crossings = Crossings(self.structure.rank)
+            self._crossings = RankChanges(self.structure.rank)
         counted = self.actuation.counted
         A = self.structure.scaled(J[:, :, counted])[:, :, self.actuation.passive[counted]]
         return self._crossings.update(A.transpose(0, 2, 1))
 
-    def _decide(self, loops: LoopMap, contacts: Floats, touching: Mask) -> None:
+    def _decide(self, loops: LoopJacobian, contacts: Floats, touching: Mask) -> None:
         """Decide the ranks of loops once, and which torques are open for each set of points that touch."""
         part = self.actuation
         counted = part.counted
@@ -173,7 +173,7 @@ class ConstraintSolver:
                     J = np.concatenate((loops.J[row], contacts[row][np.repeat(pattern, 3)]))[None, :, counted]
                     self.open_drives |= ~structure(J, part.passive[counted]).torque_determined
 
-    def _set_structure(self, loops: LoopMap, rows: NDArray[np.int64]) -> None:
+    def _set_structure(self, loops: LoopJacobian, rows: NDArray[np.int64]) -> None:
         """Decide the ranks of loops by some of these samples."""
         part = self.actuation
         rows = rows[np.unique(np.linspace(0, len(rows) - 1, REFERENCES).astype(int))]
@@ -182,7 +182,7 @@ class ConstraintSolver:
         if not self.plan.scene.contacts:
             self.open_drives = ~self.structure.torque_determined
 
-    def _openness(self, loops: LoopMap, rows: NDArray[np.int64]) -> float:
+    def _openness(self, loops: LoopJacobian, rows: NDArray[np.int64]) -> float:
         """Return by how much loops are open, in rad, or in m of the lengths by which rates move their points."""
         if not self.plan.scene.loops:
             return 0.0
@@ -192,7 +192,7 @@ class ConstraintSolver:
         lengths = parts[0][1].max(initial=0.0) or 1.0
         return max(float(parts[0][0].max(initial=0.0)) / lengths, float(parts[1][0].max(initial=0.0)))
 
-    def _problem(self, loops: LoopMap, contacts: ContactMap, tau: Floats, touching: Mask) -> Problem:
+    def _problem(self, loops: LoopJacobian, contacts: ContactJacobian, tau: Floats, touching: Mask) -> Problem:
         """Return what contact forces have to do: balance what is passive, its moments in units of the robot's reach."""
         scene, part, unit, weight = self.plan.scene, self.actuation, self._units, self._weight
         P, A, cost = part.passive, part.driven, scene.contact_cost
@@ -217,7 +217,7 @@ class ConstraintSolver:
         )
 
 
-def _of_contacts(plan: Plan, contacts: ContactMap, forces: Floats) -> Floats:
+def _of_contacts(plan: Plan, contacts: ContactJacobian, forces: Floats) -> Floats:
     """Return (N, 6 C) force and moment of each contact about the middle of its points, in the axes of the ground."""
     parts, at = [np.zeros((len(forces), 0))], 0
     for contact in plan.scene.contacts:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from robodyn.dynamics.constraints.maps import contact_map
+from robodyn.dynamics.constraints.constraint_jacobian import contact_jacobian
 from robodyn.dynamics.constraints.structure import Mask
 from robodyn.dynamics.constraints.tree import normal_of
 from robodyn.dynamics.plan import Plan
@@ -60,7 +60,7 @@ def _switched(contact: Contact, time: Floats | None, columns: Mapping[str, Float
 
 def _near(plan: Plan, q: Floats, qd: Floats, executor: str) -> Mask:
     """Return (N, K) which points are low and slow."""
-    here, parts, at = contact_map(plan, q, qd, executor), [], 0
+    here, parts, at = contact_jacobian(plan, q, qd, executor), [], 0
     for contact in plan.scene.contacts:
         k, normal = slice(at, at + len(contact.points)), normal_of(contact, plan.scene)
         high = product(normal, here.places[:, k].transpose(0, 2, 1)) - contact.level

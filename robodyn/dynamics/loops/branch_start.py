@@ -13,7 +13,7 @@ from robodyn.dynamics.loops.branch import FEW, Branch
 from robodyn.dynamics.loops.branch_search import search
 from robodyn.dynamics.loops.closed_start import closed_by, closed_start
 from robodyn.dynamics.loops.find import independent
-from robodyn.dynamics.loops.necessary import nearby
+from robodyn.dynamics.loops.independent_equations import nearby
 from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError, TrajectoryError
 from robodyn.programs.linear import null_space, range_basis

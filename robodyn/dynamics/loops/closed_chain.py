@@ -14,7 +14,7 @@ from robodyn.dynamics.effects.gyroscopic_moment import mass_entries
 from robodyn.dynamics.forward import floating_turns, turned
 from robodyn.dynamics.loops.closure import Closure, Equations, held
 from robodyn.dynamics.loops.equation import Equation
-from robodyn.dynamics.loops.least_change import LeastChange
+from robodyn.dynamics.loops.givens_projection import GivensProjection
 from robodyn.dynamics.loops.local_coordinates import moved, unit
 from robodyn.dynamics.plan import applied, loads
 from robodyn.dynamics.recursions.composite_body import Root, composite_body, rates_inward
@@ -48,7 +48,7 @@ class Solver(NamedTuple):
     """
 
     root: Root
-    least: LeastChange
+    least: GivensProjection
 
     def solve(self, f: Sequence[Scalar], b: Sequence[Scalar]) -> tuple[list[Scalar], list[Scalar]]:
         """a and lambda."""
@@ -62,7 +62,7 @@ class ClosedChain:
 
     Attributes:
         model: of `aligned`; scene: it has these loops.
-        closures: with the equations that are kept; `necessary` leaves out those that others imply.
+        closures: with the equations that are kept; `independent_equations` leaves out those that others imply.
         sizes: by equation, how long its column of C^-1 J^T may be, M being C C^T.
         dropped: the equations that are not kept.
     """
@@ -131,7 +131,7 @@ class ClosedChain:
         root = Root(M, rates_inward(self.model), self.model.rates)
         columns = [root.inward([row.get(rate, 0.0) for rate in range(n)]) for row in J]
         rows = [{k: column[rate] for k, column in enumerate(columns)} for rate in range(n)]
-        return Solver(root, LeastChange(rows, [softness * size for size in self.sizes]))
+        return Solver(root, GivensProjection(rows, [softness * size for size in self.sizes]))
 
     def accelerations(self, sample: Sample, terms: Terms, tau: Sequence[Scalar]) -> tuple[list[Scalar], list[Scalar]]:
         """qdd, and lambda by equation. Errors decay at the Baumgarte rate b: `J qdd = -J' qd - 2 b phi' - b^2 phi`.

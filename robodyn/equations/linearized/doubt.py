@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from robodyn.equations.linearized.equilibrium import newton_step
-from robodyn.equations.linearized.standing import Balance, Standing
+from robodyn.equations.linearized.static_balance import Balance, Standing
 from robodyn.programs.linear import solve
 from robodyn.programs.vectors import product
 from robodyn.support.floats import Floats

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robodyn.equations.linearized.standing import Balance, Standing
+from robodyn.equations.linearized.static_balance import Balance, Standing
 from robodyn.errors import InputError
 from robodyn.programs.linear import eigen, min_norm_solution, range_basis
 from robodyn.programs.vectors import length, product

@@ -17,7 +17,7 @@ from robodyn.equations.linearized.drives import following, positions
 from robodyn.equations.linearized.equilibrium import equilibrium_near
 from robodyn.equations.linearized.linearized import Linearized, in_steps
 from robodyn.equations.linearized.small_motion import SmallMotion
-from robodyn.equations.linearized.standing import Standing, overflow, standing
+from robodyn.equations.linearized.static_balance import Standing, overflow, standing
 from robodyn.equations.ode import check_equations
 from robodyn.errors import InputError
 from robodyn.programs.linear import eigen, solve

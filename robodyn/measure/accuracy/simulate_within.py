@@ -13,9 +13,9 @@ from robodyn.measure.accuracy.refined import FIRST_STEP, TINY, Settled, Unsettle
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.simulation.balance import DRIFTS
-from robodyn.simulation.follow import TOO_LONG
 from robodyn.simulation.methods import LEAST_RTOL, method_named
 from robodyn.simulation.result import Simulation
+from robodyn.simulation.stiff_steps import TOO_LONG
 
 HALVED, TIGHTENED = ("rk4", "gauss6"), ("radau",)
 """Methods whose steps are halved, or whose tolerance is tightened."""

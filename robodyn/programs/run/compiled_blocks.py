@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.programs.program import Program
-from robodyn.programs.run.few_samples import FEW, FewSamples
 from robodyn.programs.run.llvm.build import built
 from robodyn.programs.run.llvm.driver import driver
 from robodyn.programs.run.llvm.kernel import kernel
 from robodyn.programs.run.llvm.machine import Function
 from robodyn.programs.run.llvm.team import LINE
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
+from robodyn.programs.run.small_batches import FEW, SmallBatches
 from robodyn.programs.run.team import Fields, Job
 from robodyn.support.threads import cores
 
@@ -68,7 +68,7 @@ class CompiledBlocks:
         content = content_of(program, widths, dtype, fused)
         self._kernel = built("kernel", content, lambda: kernel_of(program, widths, dtype, fused))
         self._share = _driver(SCALARS[self.dtype.name])
-        self._rooms: list[FewSamples] = []
+        self._rooms: list[SmallBatches] = []
 
     def __call__(
         self, sources: Mapping[str, Numbers], samples: int, out: Numbers | None = None, threads: int | None = 1
@@ -110,7 +110,7 @@ class CompiledBlocks:
         except IndexError:
             lanes = LANES[SCALARS[self.dtype.name]]
             first_row = self.program.rows(self.widths)
-            room = FewSamples(self._kernel.address, first_row, self.widths, self.rows, self.dtype, lanes, self._homes)
+            room = SmallBatches(self._kernel.address, first_row, self.widths, self.rows, self.dtype, lanes, self._homes)
         done = room(sources, samples, out)
         if done:
             self._rooms.append(room)

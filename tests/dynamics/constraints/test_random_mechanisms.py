@@ -14,8 +14,8 @@ from scipy.spatial.transform import Rotation
 
 import robodyn
 from robodyn.dynamics.constraints.inverse import constraint_forces
-from robodyn.dynamics.constraints.share import shares
 from robodyn.dynamics.constraints.structure import structure
+from robodyn.dynamics.constraints.torque_distribution import torque_distribution
 from robodyn.dynamics.loops.find import closed_chain
 from robodyn.dynamics.plan import plan
 from robodyn.scene.constraints import GROUND
@@ -46,7 +46,7 @@ def test_shares_of_random_mechanisms(seed):
     one = kept(seed)
     J = np.array([one.rows(qd)[0] for qd in one.qd])
     tau = np.array([one.open_torques(*state) for state in zip(one.qd, one.qdd, strict=True)])
-    found = shares(structure(J, one.passive), J, tau, one.weights)
+    found = torque_distribution(structure(J, one.passive), J, tau, one.weights)
     pairs = [least_torques(each, one.passive, row, one.weights) for each, row in zip(J, tau, strict=True)]
     for got, expected in zip((found.torques, found.multipliers), map(np.array, zip(*pairs, strict=True)), strict=True):
         assert np.abs(got - expected).max(initial=0.0) <= 1e-11 * max(
@@ -204,7 +204,7 @@ def test_mujoco(seed):
     scale = np.abs(tau).max()
     assert np.abs(back - drive).max() <= 1e-9 * scale
     decided = structure(J[None], one.passive)
-    found = shares(decided, J[None], tau[None], one.weights)
+    found = torque_distribution(decided, J[None], tau[None], one.weights)
     gap = found.torques[0] - drive[~one.passive]
     assert np.abs(gap[decided.torque_determined]).max(initial=0.0) <= 1e-11 * scale
     assert np.abs(kernel(J).T[:, ~one.passive] @ gap).max() <= 1e-11 * scale

@@ -10,7 +10,7 @@ from helpers.small_robots import built, joint, link, random_tree
 import robodyn
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.loops.find import closed_chain
-from robodyn.dynamics.loops.least_change import LeastChange
+from robodyn.dynamics.loops.givens_projection import GivensProjection
 from robodyn.dynamics.plan import applied, plan
 from robodyn.dynamics.recursions.composite_body import Root, composite_body, rates_inward
 from robodyn.dynamics.recursions.elimination import aligned
@@ -147,7 +147,7 @@ def test_least_change(seed):
     A = rng.normal(size=(7, 4)) * (rng.uniform(size=(7, 4)) < 0.6)
     x, b = rng.normal(size=7), rng.normal(size=4)
     rows = [dict(enumerate(row.tolist())) for row in A]
-    y, multipliers = LeastChange(rows, [2.0**-40] * 4).solve(x.tolist(), b.tolist())
+    y, multipliers = GivensProjection(rows, [2.0**-40] * 4).solve(x.tolist(), b.tolist())
     expected = x + np.linalg.pinv(A.T) @ (b - A.T @ x)
     assert np.abs(np.array(y) - expected).max() <= 1e-13 * np.abs(expected).max() * np.linalg.cond(A)
     assert np.abs(x + A @ multipliers - y).max() <= 1e-13 * np.abs(y).max() * np.linalg.cond(A)
@@ -162,7 +162,7 @@ def test_least_change_of_columns_that_nearly_depend():
     x = y + rng.normal(size=7)
     x -= (np.eye(7) - A @ np.linalg.pinv(A)) @ (x - y)
     rows = [dict(enumerate(row.tolist())) for row in A]
-    found, _ = LeastChange(rows, [2.0**-40] * 3).solve(x.tolist(), (A.T @ y).tolist())
+    found, _ = GivensProjection(rows, [2.0**-40] * 3).solve(x.tolist(), (A.T @ y).tolist())
     assert np.abs(np.array(found) - y).max() <= 1e-8
 
 

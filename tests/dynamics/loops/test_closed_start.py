@@ -11,7 +11,7 @@ from helpers.closed_chains import crank_slider, four_bars, spatial_loop
 import robodyn
 from robodyn.dynamics.initial_state import initial_state
 from robodyn.dynamics.loops.closed_start import closed_start
-from robodyn.dynamics.loops.necessary import necessary
+from robodyn.dynamics.loops.independent_equations import independent_equations
 from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError
 from robodyn.scene.constraints import Loop
@@ -21,7 +21,7 @@ def started(model, scene):
     """q and qd that a motion begins with, and the chain."""
     a_plan = plan(model, scene)
     state = closed_start(a_plan, initial_state(model, scene))
-    return state[: model.nq], state[model.nq : model.nq + model.n], necessary(a_plan)
+    return state[: model.nq], state[model.nq : model.nq + model.n], independent_equations(a_plan)
 
 
 def test_given_coordinates_stay_and_the_others_are_found():

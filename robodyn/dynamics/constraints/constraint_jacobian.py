@@ -14,7 +14,7 @@ from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.loops.closure import Closure, Equations, held
 from robodyn.dynamics.loops.equation import Equation
 from robodyn.dynamics.loops.find import closure_of
-from robodyn.dynamics.loops.necessary import necessary
+from robodyn.dynamics.loops.independent_equations import independent_equations
 from robodyn.dynamics.plan import Plan
 from robodyn.dynamics.recursions.newton_euler import joint_torques, newton_euler
 from robodyn.dynamics.runners import runner_of
@@ -33,7 +33,7 @@ NOTHING = Inertia(0.0, ZERO, np.zeros((3, 3), dtype=object))
 Pushes = list[tuple[int, Wrench]]
 
 
-class LoopMap(NamedTuple):
+class LoopJacobian(NamedTuple):
     """At N samples, for m equations of L loops.
 
     Attributes:
@@ -54,16 +54,16 @@ def closures(plan: Plan) -> tuple[Closure, ...]:
     """Return the scene's loops, found in the model as it is.
 
     With all their equations, of which those that others imply carry their part of the least forces; beside contacts
-    with those that `necessary` keeps, for contact forces are found with independent ones.
+    with those that `independent_equations` keeps, for contact forces are found with independent ones.
     """
     whole = tuple(closure_of(plan.model, loop) for loop in plan.scene.loops)
     if not plan.scene.contacts:
         return whole
-    kept = necessary(plan).closures
+    kept = independent_equations(plan).closures
     return tuple(replace(one, equations=each.equations) for one, each in zip(whole, kept, strict=True))
 
 
-def loop_map(plan: Plan, q: Floats, executor: str = "auto") -> LoopMap:
+def loop_jacobian(plan: Plan, q: Floats, executor: str = "auto") -> LoopJacobian:
     """Return what the loops' equations are at q (N, nq).
 
     Accuracy: 1e-14 of the largest entry of J, for chains of up to 100 bodies.
@@ -72,10 +72,12 @@ def loop_map(plan: Plan, q: Floats, executor: str = "auto") -> LoopMap:
     m, n, samples = sum(of), plan.model.n, len(q)
     out = _runner(plan, "loops").run({"q": q}, samples, executor=executor).values
     J, error, moments, gaps = np.split(out, np.cumsum([m * n, m, 3 * m]), axis=1)
-    return LoopMap(J.reshape(samples, m, n), error, moments.reshape(samples, m, 3), gaps.reshape(samples, len(of), 3))
+    return LoopJacobian(
+        J.reshape(samples, m, n), error, moments.reshape(samples, m, 3), gaps.reshape(samples, len(of), 3)
+    )
 
 
-class ContactMap(NamedTuple):
+class ContactJacobian(NamedTuple):
     """At N samples, for K points of all contacts, one contact after another; all in the axes of the ground.
 
     Attributes:
@@ -90,7 +92,7 @@ class ContactMap(NamedTuple):
     speeds: Floats
 
 
-def contact_map(plan: Plan, q: Floats, qd: Floats, executor: str = "auto") -> ContactMap:
+def contact_jacobian(plan: Plan, q: Floats, qd: Floats, executor: str = "auto") -> ContactJacobian:
     """Return where the contacts' points are and what forces there do, at q (N, nq) and qd (N, n)."""
     scene, n, samples = plan.scene, plan.model.n, len(q)
     points = [len(contact.points) for contact in scene.contacts]
@@ -108,7 +110,7 @@ def contact_map(plan: Plan, q: Floats, qd: Floats, executor: str = "auto") -> Co
             moment = cross(arms[:, k].transpose(2, 0, 1), IDENTITY[axis])
             J[:, k, axis] += einsum("jsp,sjn->spn", moment, units[:, c, 3:])
         at += count
-    return ContactMap(J.reshape(samples, 3 * K, n), arms, places, speeds)
+    return ContactJacobian(J.reshape(samples, 3 * K, n), arms, places, speeds)
 
 
 @lru_cache(maxsize=32)
@@ -194,17 +196,17 @@ def _rest(sample: Sample) -> tuple[list[Scalar], list[Scalar]]:
     return nothing, nothing
 
 
-def no_loops(samples: int, n: int) -> LoopMap:
+def no_loops(samples: int, n: int) -> LoopJacobian:
     """Return the map of a scene without loops."""
-    return LoopMap(*(np.zeros((samples, 0, *more)) for more in ((n,), (), (3,), (3,))))
+    return LoopJacobian(*(np.zeros((samples, 0, *more)) for more in ((n,), (), (3,), (3,))))
 
 
-def no_contacts(samples: int, n: int) -> ContactMap:
+def no_contacts(samples: int, n: int) -> ContactJacobian:
     """Return the map of a scene without contacts."""
-    return ContactMap(*(np.zeros((samples, 0, k)) for k in (n, 3, 3, 3)))
+    return ContactJacobian(*(np.zeros((samples, 0, k)) for k in (n, 3, 3, 3)))
 
 
-def loop_wrenches(plan: Plan, loops: LoopMap, multipliers: Floats) -> Floats:
+def loop_wrenches(plan: Plan, loops: LoopJacobian, multipliers: Floats) -> Floats:
     """Return (N, 6 L) the wrench of each loop on its link at its point, in the axes of the other link [N, N m].
 
     Args:
@@ -220,7 +222,7 @@ def loop_wrenches(plan: Plan, loops: LoopMap, multipliers: Floats) -> Floats:
     return np.hstack(parts)
 
 
-def reactions(plan: Plan, loops: LoopMap, wrenches: Floats) -> Floats:
+def reactions(plan: Plan, loops: LoopJacobian, wrenches: Floats) -> Floats:
     """Return (N, 6 L) what each loop does to the other link, at that link's point and in its axes.
 
     Args:

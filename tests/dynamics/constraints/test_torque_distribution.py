@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from robodyn.dynamics.constraints.share import shares
 from robodyn.dynamics.constraints.structure import structure
+from robodyn.dynamics.constraints.torque_distribution import torque_distribution
 
 EPS = np.finfo(float).eps
 KINDS = {
@@ -75,7 +75,7 @@ def test_forces_and_torques_are_those_of_the_optimality_conditions(kind, seed):
     J, passive, tau = drawn(rng, **KINDS[kind])
     tau = balanced(J, passive, tau)
     weights = rng.uniform(0.1, 10.0, int((~passive).sum()))
-    found = shares(structure(J, passive), J, tau, weights)
+    found = torque_distribution(structure(J, passive), J, tau, weights)
     pairs = [optimum(each, passive, one, weights) for each, one in zip(J, tau, strict=True)]
     for got, expected in zip(found, map(np.array, zip(*pairs, strict=True)), strict=False):
         assert got.shape == expected.shape
@@ -126,7 +126,7 @@ def test_what_no_force_gives_is_told_where_it_is_needed():
     J, passive, tau = drawn(rng, **KINDS["undriven"])
     J[:, :, np.flatnonzero(passive)[0]] = 0.0
     decided = structure(J, passive)
-    found = shares(decided, J, tau, np.ones(2))
+    found = torque_distribution(decided, J, tau, np.ones(2))
     scale = decided.rate_scale[passive]
     for each, one, left in zip(J, tau, found.unbalanced, strict=True):
         A = each[:, passive].T * scale[:, None]
@@ -150,8 +150,8 @@ def test_units_change_nothing(size, mass):
     names = ("rank", "redundancy", "freedoms", "undriven", "overconstrained")
     assert [getattr(here, name) for name in names] == [getattr(there, name) for name in names]
     assert np.array_equal(here.equation_determined, there.equation_determined)
-    found = shares(here, J, tau, weights)
-    got = shares(there, other, mass * tau * of_rate, weights / of_rate[~passive] ** 2)
+    found = torque_distribution(here, J, tau, weights)
+    got = torque_distribution(there, other, mass * tau * of_rate, weights / of_rate[~passive] ** 2)
     expected = found.torques * mass * of_rate[~passive]
     assert (np.abs(got.torques - expected).max(axis=0) <= 1e5 * EPS * np.abs(expected).max(axis=0)).all()
 
@@ -168,7 +168,7 @@ def test_where_the_rank_drops_nothing_is_divided_through():
     J = turning(angles)
     decided = structure(turning(np.array([0.3, 1.0])), passive)
     tau = np.tile([1.0, 2.0, 3.0], (5, 1))
-    found = shares(decided, J, tau, np.ones(1))
+    found = torque_distribution(decided, J, tau, np.ones(1))
     assert found.singular.tolist() == [False, False, True, True, False]
     assert found.smallest[2] <= 1e-15
     assert found.smallest[3] <= 1e-8
@@ -187,7 +187,7 @@ def test_a_drop_of_the_redundant_part_is_singular_too():
     J = np.stack((levers, -levers, np.zeros(3)), -1)[:, None, :]
     decided = structure(J, np.zeros(3, dtype=bool))
     assert (decided.rank, decided.redundancy) == (0, 1)
-    found = shares(decided, J, np.array([[1.0, 0.0, 2.0]] * 3), np.ones(3))
+    found = torque_distribution(decided, J, np.array([[1.0, 0.0, 2.0]] * 3), np.ones(3))
     assert found.singular.tolist() == [False, False, True]
     assert np.allclose(found.torques, [[0.5, 0.5, 2.0], [0.5, 0.5, 2.0], [1.0, 0.0, 2.0]], rtol=0, atol=1e-15)
 
@@ -195,7 +195,7 @@ def test_a_drop_of_the_redundant_part_is_singular_too():
 def test_a_rank_that_no_reference_sample_had_is_told():
     J = turning(np.array([0.0, 0.4]))
     decided = structure(J[:1], np.array([True, True, False]))
-    found = shares(decided, J, np.ones((2, 3)), np.ones(1))
+    found = torque_distribution(decided, J, np.ones((2, 3)), np.ones(1))
     assert decided.rank == 1
     assert found.higher.tolist() == [False, True]
 
@@ -206,7 +206,7 @@ def test_the_basis_does_not_matter():
     J, passive, tau = drawn(rng, **KINDS["all at once"])
     tau, weights = balanced(J, passive, tau), rng.uniform(0.5, 2.0, 6)
     Q = np.linalg.qr(rng.normal(size=(J.shape[1],) * 2))[0]
-    one = shares(structure(J, passive), J, tau, weights)
-    other = shares(structure(Q @ J, passive), Q @ J, tau, weights)
+    one = torque_distribution(structure(J, passive), J, tau, weights)
+    other = torque_distribution(structure(Q @ J, passive), Q @ J, tau, weights)
     assert np.abs(other.torques - one.torques).max() <= 2000 * EPS * np.abs(tau).max()
     assert np.abs(other.multipliers @ Q - one.multipliers).max() <= 2000 * EPS * np.abs(one.multipliers).max()

@@ -18,7 +18,7 @@ _SAMPLES = 1000
 
 
 @dataclass(frozen=True)
-class Trial:
+class SelfTest:
     """What became of the program.
 
     Attributes:
@@ -38,7 +38,7 @@ class Trial:
     difference: float = 0.0
 
 
-def trial() -> Trial:
+def self_test() -> SelfTest:
     """Both executors on the same samples; machine code is made anew, whatever is kept."""
     program, widths = _program(), {"x": 2}
     x = np.asfortranarray(np.stack([np.linspace(-3, 3, _SAMPLES), np.linspace(0.1, 2, _SAMPLES)], axis=1))
@@ -46,7 +46,7 @@ def trial() -> Trial:
     expected, numpy = _timed(lambda: by_numpy({"x": x}, _SAMPLES))
     missing = compiler().problem
     if missing is not None:
-        return Trial(missing, "does not load" in missing, numpy)
+        return SelfTest(missing, "does not load" in missing, numpy)
     try:
         from robodyn.programs.run.compiled_blocks import CompiledBlocks, kernel_of
 
@@ -55,11 +55,11 @@ def trial() -> Trial:
         by_code = CompiledBlocks(program, widths)
         found, run = _timed(lambda: by_code({"x": x}, _SAMPLES))
     except (ImportError, OSError, RuntimeError) as error:
-        return Trial(f"machine code cannot be made ({one_line(error)})", True, numpy)
+        return SelfTest(f"machine code cannot be made ({one_line(error)})", True, numpy)
     difference = float(np.abs(found - expected).max() / np.abs(expected).max())
     wrong = not difference <= TOLERANCE
     problem = f"results differ from NumPy's by {difference:.1e} of the largest" if wrong else None
-    return Trial(problem, wrong, numpy, build, load, run, difference)
+    return SelfTest(problem, wrong, numpy, build, load, run, difference)
 
 
 def _program() -> Program:

@@ -23,7 +23,7 @@ class _Parts(NamedTuple):
     outputs: Numbers
 
 
-class FewSamples:
+class SmallBatches:
     """Rows for the columns of all sources and for the outputs, and the kernel's call on them.
 
     For one call at a time. The kernel sees groups of samples as in any other run, so the results are the same to the

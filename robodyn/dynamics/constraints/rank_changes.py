@@ -8,7 +8,7 @@ from robodyn.dynamics.constraints.structure import svd, times
 from robodyn.support.floats import Floats
 
 
-class Crossings:
+class RankChanges:
     """Watches matrices sample by sample, across pieces of a motion."""
 
     def __init__(self, rank: int) -> None:

@@ -12,8 +12,8 @@ from robodyn.dynamics.loops.branch import FEW, Branch, Lost
 from robodyn.dynamics.loops.branch_search import search
 from robodyn.dynamics.loops.branch_start import OFF, UNREACHED, begin, given, singular
 from robodyn.dynamics.loops.closed_start import check_dropped
+from robodyn.dynamics.loops.independent_equations import nearby
 from robodyn.dynamics.loops.misfit import Misfit, Misfits
-from robodyn.dynamics.loops.necessary import nearby
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import TrajectoryError
 from robodyn.programs.stacked import least_squares

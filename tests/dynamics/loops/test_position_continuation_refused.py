@@ -10,7 +10,7 @@ from helpers.closed_chains import bennett, crank_slider, four_bars, parallelogra
 from helpers.followed import follow
 from helpers.small_robots import joint, link
 
-from robodyn.dynamics.loops.follow import Follow
+from robodyn.dynamics.loops.position_continuation import Follow
 from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError, TrajectoryError
 

@@ -24,7 +24,7 @@ FEW = 1e-6
 
 
 @lru_cache(maxsize=16)
-def necessary(plan: Plan) -> ClosedChain:
+def independent_equations(plan: Plan) -> ClosedChain:
     """The closed chain without equations that depend on others where the motion begins and at closed places nearby.
 
     Steps leave the loops by a little, and there such equations contradict each other. Where the rank is less at the

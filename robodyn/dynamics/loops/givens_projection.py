@@ -30,7 +30,7 @@ class Rotation(NamedTuple):
     s: Scalar
 
 
-class LeastChange:
+class GivensProjection:
     """A = Q R, so far as its entries are not zero."""
 
     def __init__(self, A: Rows, softness: Sequence[float]) -> None:

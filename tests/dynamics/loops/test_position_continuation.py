@@ -11,7 +11,7 @@ from helpers.followed import follow, named
 from helpers.small_robots import built, joint, link
 
 import robodyn
-from robodyn.dynamics.loops.follow import Follow
+from robodyn.dynamics.loops.position_continuation import Follow
 from robodyn.dynamics.plan import plan
 from robodyn.scene.constraints import Loop
 from robodyn.scene.scene import Scene

@@ -15,7 +15,7 @@ LOST = 1e-6
 """A singular value below this part of its usual size is lost at a sample: nothing is divided by it."""
 
 
-class Shares(NamedTuple):
+class TorqueDistribution(NamedTuple):
     """For N samples.
 
     Attributes:
@@ -36,7 +36,7 @@ class Shares(NamedTuple):
     higher: Mask
 
 
-def shares(found: Structure, J: Floats, tau: Floats, weights: Floats) -> Shares:
+def torque_distribution(found: Structure, J: Floats, tau: Floats, weights: Floats) -> TorqueDistribution:
     """Return the forces of constraints and the torques of drives: `tau = S_a torques + J^T multipliers`.
 
     At passive rates `A multipliers = tau_P`; where that has no solution, the equilibrated remainder is the least that
@@ -81,7 +81,7 @@ def shares(found: Structure, J: Floats, tau: Floats, weights: Floats) -> Shares:
     multipliers = np.where(J.any(axis=2), multipliers, 0.0)
     over = sizes[:, rank : rank + 1].max(axis=1, initial=0.0) > max(LOST, found.none) * found.largest
     smallest = sizes[:, rank - 1] / found.largest if rank else np.ones(len(tau))
-    return Shares(multipliers, left_over[:, ~passive], left_over[:, passive], smallest, singular, over)
+    return TorqueDistribution(multipliers, left_over[:, ~passive], left_over[:, passive], smallest, singular, over)
 
 
 def _least_torque(B: Floats, wanted: Floats, roots: Floats, found: Structure) -> tuple[Floats, Floats, Mask]:

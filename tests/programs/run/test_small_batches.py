@@ -10,7 +10,7 @@ from helpers.compiled_programs import needs_compiler, program_of
 
 from robodyn.programs.run import compiled_blocks
 from robodyn.programs.run.compiled_blocks import CompiledBlocks
-from robodyn.programs.run.few_samples import FEW
+from robodyn.programs.run.small_batches import FEW
 
 pytestmark = needs_compiler
 PROGRAM = program_of(lambda x, y: [x.sin() * y + x, y.cos() / x, x * y, 2.0 * y], 2)

@@ -14,8 +14,8 @@ from robodyn.dynamics.derivatives import inverse_dynamics_derivatives
 from robodyn.dynamics.inverse import bias_forces
 from robodyn.dynamics.loops.closed_chain import ClosedChain
 from robodyn.dynamics.loops.closed_start import closed_near
+from robodyn.dynamics.loops.independent_equations import FEW, independent_equations
 from robodyn.dynamics.loops.local_coordinates import moved, unit
-from robodyn.dynamics.loops.necessary import FEW, necessary
 from robodyn.dynamics.plan import plan
 from robodyn.equations.linearized.drives import Drives, drives_of, positions
 from robodyn.equations.ode import units_of
@@ -156,7 +156,7 @@ def standing(model: Model, scene: Scene, q: Floats) -> Standing:
         remedy = 'bolt the base down: leave out motion = "moving"'
         raise InputError("a closed chain on a base that moves is not linearized", remedy=remedy, file=model.file)
     begun = dict(zip(model.coordinates, q.tolist(), strict=True))
-    chain = necessary(plan(model, replace(scene, initial_q=begun, initial_qd={})))
+    chain = independent_equations(plan(model, replace(scene, initial_q=begun, initial_qd={})))
     ways = len(null_space(chain.jacobian(chain.sample(q.tolist())), FEW))
     if ways > model.n - chain.count:
         what = f"the loops allow {ways} motions here and {model.n - chain.count} nearby, so that nothing is linear"
