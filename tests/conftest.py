@@ -12,8 +12,12 @@ import hypothesis
 import pytest
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command does, before NumPy is imported
-hypothesis.settings.register_profile("busy", deadline=None)
-hypothesis.settings.load_profile("busy")  # how long an example takes says how busy the machine is
+_QUICK = hypothesis.settings(  # without a deadline: how long an example takes says how busy the machine is
+    deadline=None, max_examples=25, suppress_health_check=[hypothesis.HealthCheck.function_scoped_fixture]
+)
+hypothesis.settings.register_profile("quick", _QUICK)
+hypothesis.settings.register_profile("thorough", _QUICK, max_examples=300)  # pytest --hypothesis-profile thorough
+hypothesis.settings.load_profile("quick")
 YOUNG = 200_000
 """Objects that are made before those among them that nothing uses are looked for; Python's own is 700."""
 

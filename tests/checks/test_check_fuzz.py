@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from helpers.planted_defects import DEFECTS, HEALTHY
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.checks.run import check_one
@@ -28,14 +28,12 @@ def sound(data: bytes) -> None:
         assert "\n" not in excerpt.text
 
 
-@settings(deadline=None, max_examples=300)
 @given(st.integers(0, len(DATA)), st.integers(0, 40), CHUNKS, st.integers(0, len(DATA)), st.integers(0, 40), CHUNKS)
 def test_a_robot_with_pieces_replaced(a: int, m: int, first: bytes, b: int, n: int, second: bytes) -> None:
     a, b = sorted((a, b))
     sound(DATA[:a] + first + DATA[min(a + m, b) : b] + second + DATA[b + n :])
 
 
-@settings(deadline=None, max_examples=100)
 @given(st.binary(max_size=60))
 def test_any_bytes(data: bytes) -> None:
     sound(data)
@@ -49,7 +47,6 @@ def test_an_encoding_that_is_none_is_found(encoding: str) -> None:
     assert {finding.code for finding in check_one(data)} == {"RD001"}
 
 
-@settings(deadline=None, max_examples=60)
 @given(st.lists(st.sampled_from(DEFECTS), min_size=2, max_size=5))
 def test_several_defects_at_once(defects: list) -> None:  # type: ignore[type-arg]
     text = HEALTHY

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from helpers.command_line import motion, run
-from hypothesis import HealthCheck, assume, example, given, settings
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from robodyn.simulation import stiff_steps
@@ -107,7 +107,6 @@ def answered(arguments: tuple[str, ...], quoted: bool) -> None:
 @given(st.lists(st.tuples(st.sampled_from(PLACES), EXTREMES), min_size=1, max_size=3), st.sampled_from(COMMANDS))
 @example([(VISCOUS, "1e300")], (*SIMULATE, "--rtol", "1e-4"))
 @example([(COULOMB, "1.7976931348623157e308")], (*SIMULATE, "--rtol", "1e-4"))
-@settings(deadline=None, max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_extreme_numbers_are_answered(
     changes: list[tuple[tuple[str, int, int], str]], command: tuple[str, ...]
 ) -> None:

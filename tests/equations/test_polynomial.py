@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.equations.polynomial import ONE, Budget, TooLargeError, constant, generator, linear, product, total, wave
@@ -41,7 +41,6 @@ def value(form):
     return math.fsum(terms), math.fsum(map(abs, terms))
 
 
-@settings(deadline=None, max_examples=300)
 @given(st.recursive(leaves, joined, max_leaves=8))
 def test_sums_and_products(pair):
     form, expected = pair

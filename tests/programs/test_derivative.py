@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from helpers.exact_rates import exact_rates
 from helpers.random_programs import programs, seeded
-from hypothesis import given, settings
+from hypothesis import given
 
 from robodyn.programs.derivative import again, derivative, jacobian
 from robodyn.programs.program import Program, trace
@@ -39,7 +39,6 @@ def test_random_programs(operations: int, first: int) -> None:
         assert worst(*seeded(seed, operations, True), seed) < 1e-35
 
 
-@settings(max_examples=30, deadline=None)
 @given(programs(True))
 def test_programs_that_shrink(drawn) -> None:
     assert worst(*drawn, 3) < 1e-35

@@ -8,7 +8,7 @@ import operator
 import numpy as np
 import pytest
 from helpers.program_values import evaluated
-from hypothesis import assume, example, given, settings
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from robodyn.programs.program import trace
@@ -87,7 +87,6 @@ def traced(tree, unary=OF_TRACED):
 
 
 @example(("neg", ("-", ("input", 0), ("input", 1))), [3.0, 5.0, 7.0, 9.0])
-@settings(deadline=None, max_examples=500)
 @given(expressions, values)
 def test_in_plain_floats(tree, inputs):
     expected, program = checked(tree, inputs, OF_FLOATS), traced(tree)
@@ -96,7 +95,6 @@ def test_in_plain_floats(tree, inputs):
 
 
 @pytest.mark.slow
-@settings(deadline=None, max_examples=1000)
 @given(expressions, st.lists(values, min_size=1, max_size=5))
 def test_in_numpy_blocks(tree, samples):
     program = traced(tree, OF_TRACED_WITH_NUMPY)

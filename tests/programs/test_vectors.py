@@ -6,7 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 from helpers.oracles import EPS, worst
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.dynamics.recursions.newton_euler import euler
@@ -42,7 +42,6 @@ def _about(x, y, z, t):
     return [[c * (i == j) + (1 - c) * a[i] * a[j] + s * K[i][j] for j in range(3)] for i in range(3)]
 
 
-@settings(deadline=None, max_examples=200)
 @given(vectors, angles)
 def test_rotation_about_an_axis(axis, angle):
     unit = np.array(axis) / np.linalg.norm(axis)
@@ -68,7 +67,6 @@ def _of_rpy(roll, pitch, yaw):
     ]
 
 
-@settings(deadline=None, max_examples=200)
 @given(angles, angles, angles)
 def test_rotation_from_rpy(roll, pitch, yaw):
     assert np.abs(rotation_from_rpy(roll, pitch, yaw) - _exact(_of_rpy, roll, pitch, yaw)).max() <= 4 * EPS
@@ -83,7 +81,6 @@ def _of_quaternion(x, y, z, w):
     ]
 
 
-@settings(deadline=None, max_examples=200)
 @given(vectors, components)
 def test_rotation_from_a_quaternion_of_any_length(v, w):
     assert np.abs(rotation_from_quaternion(*v, w) - _exact(_of_quaternion, *v, w)).max() <= 8 * EPS

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.errors import SceneError
@@ -82,20 +82,17 @@ def clean(data):
     assert isinstance(found, Scene) or (found.what and "\n" not in str(found))
 
 
-@settings(deadline=None, max_examples=200)
 @given(tables(values))
 @pytest.mark.slow
 def test_any_tables(table):
     clean("\n".join(f"{json.dumps(key)} = {written(value)}" for key, value in table.items()).encode())
 
 
-@settings(deadline=None, max_examples=200)
 @given(st.one_of(st.binary(max_size=60), st.text(max_size=60).map(lambda text: text.encode("utf-8", "surrogatepass"))))
 def test_any_bytes(data):
     clean(data)
 
 
-@settings(deadline=None, max_examples=300)
 @given(st.sampled_from(EXAMPLES), st.data())
 def test_damaged_examples(path, data):
     text = bytearray(path.read_bytes())

@@ -10,7 +10,7 @@ import numpy as np
 import polars as pl
 import pytest
 from helpers.whole_tables import read_trajectory
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.errors import TrajectoryError
@@ -19,7 +19,6 @@ from robodyn.trajectory.columns import Signal, Signals
 SIGNALS = Signals((Signal("a", "continuous"), Signal("b", "length")))
 FREE = Signals((Signal("base", "floating"),))
 TRICKY = [b"\n", b",", b"\r", b"\r\n\r\n", b"_", b"nan", b"1e999", b'"', b"\xff\xff\xff\x7f", b"\0", b" ", b";", b"-"]
-QUICK = settings(deadline=None, max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 edits = st.lists(
     st.tuples(
@@ -66,13 +65,11 @@ def outcome(path: Path, signals: Signals = SIGNALS) -> str | bytes:
     return result.q.tobytes()
 
 
-@QUICK
 @given(edits)
 def test_damaged_csv(tmp_path: Path, changes: list[tuple[str, int, bytes]]) -> None:
     check_both(tmp_path, damage(table("csv"), changes), SIGNALS)
 
 
-@QUICK
 @given(st.binary(max_size=200))
 def test_random_bytes(tmp_path: Path, data: bytes) -> None:
     check_both(tmp_path, data, SIGNALS)
@@ -86,7 +83,6 @@ cells = st.one_of(
 )
 
 
-@QUICK
 @given(
     st.sampled_from(
         ["time,q_a,q_b", "time;q_a;q_b", "time\tq_a\tq_b", "time q_a q_b", "t,base_x,base_qw", "t,base_wz"]
@@ -110,7 +106,6 @@ def check_both(folder: Path, data: bytes, signals: Signals) -> None:
         assert outcome(path, signals) == plain
 
 
-@QUICK
 @given(edits)
 def test_damaged_npz(tmp_path: Path, changes: list[tuple[str, int, bytes]]) -> None:
     path = tmp_path / "t.npz"
@@ -118,7 +113,6 @@ def test_damaged_npz(tmp_path: Path, changes: list[tuple[str, int, bytes]]) -> N
     outcome(path)
 
 
-@QUICK
 @given(edits)
 def test_damaged_parquet(tmp_path: Path, changes: list[tuple[str, int, bytes]]) -> None:
     data = table("parquet")

@@ -15,7 +15,7 @@ import numpy as np
 import polars as pl
 import pytest
 from helpers.whole_tables import read_trajectory
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.errors import InputError
@@ -64,14 +64,12 @@ def test_header_quotes_names_with_commas(tmp_path: Path) -> None:
     assert (tmp_path / "t.csv").read_text() == 'time,"tau_a,b"\n0.0,0.0\n'
 
 
-@settings(deadline=None, max_examples=300)
 @given(st.lists(st.floats(), min_size=1, max_size=20))
 def test_both_writers_give_the_same_text(values: list[float]) -> None:
     column = np.array(values)[:, None]
     assert lines_plain(column) == b"".join(lines_fast(column))
 
 
-@settings(deadline=None, max_examples=100)
 @given(st.lists(st.floats(allow_nan=False), min_size=1, max_size=20))
 def test_text_reads_back_bit_by_bit(values: list[float]) -> None:
     for line, value in zip(lines_plain(np.array(values)[:, None]).split(), values, strict=True):

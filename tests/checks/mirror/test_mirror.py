@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from helpers.example_robots import path_of
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.checks.context import Context
@@ -95,7 +95,6 @@ def test_what_hangs_on_an_unconfirmed_pair_is_not_confirmed() -> None:
 
 
 @given(st.lists(st.floats(-1, 1).map(lambda x: round(x, 9)), min_size=12, max_size=12))
-@settings(deadline=None, max_examples=30)
 def test_the_mirror_image_is_that_of_the_mass(numbers: list[float]) -> None:
     """Against MassProperties.placed with a reflection, and the centre against the plane's image of it."""
     A = np.array(numbers[:9]).reshape(3, 3)

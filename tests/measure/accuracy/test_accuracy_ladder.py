@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.measure.accuracy.ladder import Ladder, Rung, front
@@ -27,7 +27,6 @@ RUNGS = st.lists(st.tuples(FEW, FEW), min_size=1, max_size=12).map(
 
 
 @given(RUNGS)
-@settings(deadline=None)
 def test_the_front_is_monotone_and_dominates_the_rest(rungs: list[Rung]) -> None:
     best = front(rungs)
     assert all(a.time.median < b.time.median and a.error > b.error for a, b in pairwise(best))
@@ -42,7 +41,6 @@ def test_the_front_is_monotone_and_dominates_the_rest(rungs: list[Rung]) -> None
 
 
 @given(RUNGS, FEW)
-@settings(deadline=None)
 def test_the_cheapest_is_the_quickest_within_the_target(rungs: list[Rung], target: float) -> None:
     within = [each.time.median for each in rungs if each.error <= target]
     found = ladder(*rungs).cheapest(target)

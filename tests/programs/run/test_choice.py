@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.programs.run.choice import BUILD, CALL, COMPILED, NUMPY, RUN, START, Work, choice, times
@@ -34,7 +34,6 @@ def test_work_of_no_samples_is_left_to_numpy():
     assert chosen(Work(1000, 0, 0, 0)) == "numpy"
 
 
-@settings(deadline=None)
 @given(work=works(), more=COUNT)
 def test_more_samples_never_turn_machine_code_into_numpy(work, more):
     larger = work._replace(samples=work.samples + more, blocks=work.blocks + more // 4096)

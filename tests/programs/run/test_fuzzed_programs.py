@@ -13,7 +13,7 @@ from helpers.oracles import golden_model, random_state, robot
 from helpers.random_programs import OPERATIONS, programs, random_inputs, seeded
 from helpers.rounding_bounds import bounds, exactly
 from helpers.sampled import sampled
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import isnan
 
@@ -68,7 +68,6 @@ def test_programs_of_seeds(executor, operations, tame, seeds):
 
 @each_executor
 @each_kind
-@settings(deadline=None, max_examples=15)
 @given(data=st.data())
 def test_programs_that_shrink(executor, tame, data):
     program, widths = data.draw(programs(tame))

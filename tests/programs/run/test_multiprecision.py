@@ -12,7 +12,7 @@ import pytest
 from helpers.oracles import EPS, golden_model, random_state, reference, robot, worst
 from helpers.program_values import evaluated
 from helpers.random_programs import BINARY, UNARY
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from robodyn.dynamics.plan import Plan
@@ -51,7 +51,6 @@ def last_digit(digits):
     return WIDE.mpf(10) ** (1 - digits)
 
 
-@settings(deadline=None)
 @given(doubles, doubles, st.sampled_from([15, 50, 200]))
 def test_identities(a, b, digits):
     def sides(a, b):
@@ -67,7 +66,6 @@ def test_identities(a, b, digits):
         assert error(left, right) <= 8 * (1 + abs(a) + abs(b)) * last_digit(digits)
 
 
-@settings(deadline=None)
 @given(st.sampled_from(sorted(BINARY)), doubles, doubles, st.sampled_from([3, 50]))
 def test_arithmetic_of_fractions(op, a, b, digits):
     """Even with fewer digits than a double has, the inputs are what they are."""

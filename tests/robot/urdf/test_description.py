@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import FrozenInstanceError, fields
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.errors import DescriptionError
@@ -269,7 +269,6 @@ USUAL = st.floats(1e-60, 1e30) | st.floats(-1e30, -1e-60) | st.just(0.0)
 
 
 @given(st.lists(USUAL, min_size=3, max_size=3), st.sampled_from(" \t\n"))
-@settings(deadline=None)
 def test_numbers_are_read_to_the_last_bit(numbers: list[float], blank: str) -> None:
     text = blank.join(map(repr, numbers))
     origin = f"<origin xyz='{blank}{text}{blank}' rpy='0 0 0'/>"

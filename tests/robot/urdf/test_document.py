@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.errors import DescriptionError
@@ -100,7 +100,6 @@ def check_span(document: Document, span: Span, text: str, start: int, end: int) 
 
 
 @given(texts(), st.sampled_from(["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be"]))
-@settings(deadline=None, max_examples=150)
 def test_every_attribute_lies_where_its_span_says(example: tuple[str, list[list[Written]]], encoding: str) -> None:
     text, elements = example
     text = text.lstrip() if encoding.endswith("e") else text
@@ -112,7 +111,6 @@ def test_every_attribute_lies_where_its_span_says(example: tuple[str, list[list[
 
 
 @given(texts(wide=False), st.sampled_from(["iso-8859-1", "windows-1252", "cp1252", "ISO-8859-15"]))
-@settings(deadline=None, max_examples=100)
 def test_a_declared_one_byte_encoding_keeps_the_bytes(example: tuple[str, list[list[Written]]], encoding: str) -> None:
     declaration = f"<?xml version='1.0' encoding='{encoding}'?>"
     text, shift = declaration + example[0], len(declaration)

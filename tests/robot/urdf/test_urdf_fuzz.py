@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from xml.sax.saxutils import quoteattr
 
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from robodyn.errors import DescriptionError
@@ -108,7 +108,6 @@ def error_of(data: bytes) -> DescriptionError | None:
     ),
     st.integers(0, len(VALID)) | st.none(),
 )
-@settings(deadline=None, max_examples=500)
 def test_mutated_bytes(changes: list[tuple[int, int, bytes]], end: int | None) -> None:
     data = VALID
     for start, length, token in changes:
@@ -117,14 +116,12 @@ def test_mutated_bytes(changes: list[tuple[int, int, bytes]], end: int | None) -
 
 
 @given(st.sampled_from(ENCODINGS), st.binary(max_size=20))
-@settings(deadline=None, max_examples=200)
 def test_declared_encodings(encoding: bytes, junk: bytes) -> None:
     survive(VALID.replace(b"utf-8", encoding, 1).replace(b"\xc3\xa9", junk))
 
 
 @given(st.sampled_from(["utf-16", "utf-16-le", "utf-16-be", "utf-32", "utf-8-sig"]), st.integers(0, 200), st.binary())
 @example("utf-32", 160, b"\x00\x0b")
-@settings(deadline=None, max_examples=200)
 def test_wide_encodings(encoding: str, start: int, junk: bytes) -> None:
     text = VALID.decode().replace('encoding="utf-8"', "").encode(encoding)
     survive(text[:start] + junk + text[start + len(junk) :])
@@ -136,7 +133,6 @@ def test_wide_encodings(encoding: str, start: int, junk: bytes) -> None:
 @example(" <robot a:b='c'/>".encode("utf-16-le"))
 @example(b"\xff\xfe")
 @example(b"\xef\xbb\xbf")
-@settings(deadline=None, max_examples=200)
 def test_any_bytes(data: bytes) -> None:
     survive(data)
 
@@ -155,7 +151,6 @@ TREES = st.recursive(
 
 
 @given(st.lists(TREES, max_size=6), st.sampled_from([VALID, b"<robot name='r'></robot>"]))
-@settings(deadline=None, max_examples=300)
 def test_random_trees(trees: list[str], base: bytes) -> None:
     survive(base.replace(b"</robot>", "".join(trees).encode() + b"</robot>"))
 
@@ -164,7 +159,6 @@ LINKS = ["a", "b", "c", "d"]
 
 
 @given(st.lists(st.tuples(st.sampled_from(LINKS), st.sampled_from(LINKS), st.sampled_from("0123")), max_size=5))
-@settings(deadline=None, max_examples=300)
 def test_random_graphs_load_exactly_if_they_are_trees(edges: list[tuple[str, str, str]]) -> None:
     links = [element("link", {"name": name}, []) for name in LINKS]
     joints = [

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from helpers.mass_clouds import Cloud, floats, random_cloud
 from helpers.oracles import EPS
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.errors import InputError
@@ -37,7 +37,6 @@ def test_a_uniform_box_takes_a_third_of_it():
     assert np.abs(found.ratio - 1 / 3).max() <= 8 * EPS
 
 
-@settings(deadline=None, max_examples=200)
 @given(st.integers(0, 10**6), st.integers(1, 8))
 def test_every_body_inside_a_box_keeps_it(seed, points):
     cloud = random_cloud(seed, points)
@@ -45,7 +44,6 @@ def test_every_body_inside_a_box_keeps_it(seed, points):
     assert box_bound(cloud.properties, lo, hi).worst <= 1 + 8 * EPS
 
 
-@settings(deadline=None, max_examples=50)
 @given(st.integers(0, 10**6))
 def test_accuracy(seed):
     cloud = random_cloud(seed)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from helpers.mass_clouds import floats, joined, random_cloud, within
 from helpers.oracles import EPS, ROBOTS, robot, worst
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.errors import InputError
@@ -29,7 +29,6 @@ def _poses(seed, count, far=1.0):
     return [(rotation_from_rpy(*rng.uniform(-3, 3, 3)), far * rng.normal(size=3)) for _ in range(count)]
 
 
-@settings(deadline=None, max_examples=50)
 @given(st.integers(0, 10**6), st.sampled_from([1.0, 1e4, 1e8]))
 def test_the_sum_of_clouds_is_the_cloud_of_all_points(seed, far):
     clouds = [random_cloud(seed + k) for k in range(3)]

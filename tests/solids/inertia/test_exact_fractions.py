@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.errors import InputError
@@ -22,7 +22,6 @@ def test_every_kind_of_number_is_taken_as_it_is():
     assert exact(np.eye(2, dtype=int)).shape == (2, 2)
 
 
-@settings(deadline=None, max_examples=200)
 @given(st.fractions(min_value=-(10**9), max_value=10**9).filter(lambda x: abs(x) > Fraction(1, 10**100)))
 def test_two_floats_hold_106_bits(number):
     high, low = two_floats(np.array([number], dtype=object))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from helpers.mass_clouds import random_cloud, within
 from helpers.oracles import EPS, worst
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.errors import InputError
@@ -47,7 +47,6 @@ def test_the_tetrahedron_of_tonon():
     assert np.abs(np.diagonal(I) / [43520.33329, 194711.29259, 191168.76489] - 1).max() <= 5e-8
 
 
-@settings(deadline=None, max_examples=50)
 @given(seeds, st.sampled_from([Fraction(1, 1000), 0.001, 0.0254, 1.0, 1e6]), st.floats(1.0, 2e4))
 def test_integrals_in_units_of_a_file(seed, scale, density):
     cloud = random_cloud(seed)
@@ -95,7 +94,6 @@ def test_a_shell_of_six_faces():
     assert small.com.tolist() == [1.5, 7.0, -0.25]
 
 
-@settings(deadline=None, max_examples=100)
 @given(seeds)
 def test_inertia_there_and_back(seed):
     cloud = random_cloud(seed, size=(1.0, 1e-3, 0.1))
@@ -107,7 +105,6 @@ def test_inertia_there_and_back(seed):
     assert within(whole.S_exact, body.S_exact, BITS)
 
 
-@settings(deadline=None, max_examples=100)
 @given(seeds, st.tuples(*[st.floats(-2, 2)] * 3).map(np.array))
 def test_moments_there_and_back(seed, p):
     body = random_cloud(seed).properties.moved(p)

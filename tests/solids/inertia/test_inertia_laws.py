@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from helpers.mass_clouds import floats, random_cloud
 from helpers.oracles import EPS, worst
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.errors import InputError
@@ -33,7 +33,6 @@ def _terms(I, m, d):
     return np.abs(I) + abs(m) * (d @ d * np.eye(3) + np.outer(d, d))
 
 
-@settings(deadline=None, max_examples=100)
 @given(st.integers(0, 10**6), places)
 def test_parallel_axis_theorem_both_ways(seed, point):
     cloud = random_cloud(seed)
@@ -60,7 +59,6 @@ def test_the_moment_about_any_axis_is_least_through_the_centre_of_mass(seed):
         assert abs(more - body.mass * arm**2) <= 64 * EPS * np.trace(body.about(body.com + d))
 
 
-@settings(deadline=None, max_examples=100)
 @given(st.integers(0, 10**6), rotations)
 def test_rotation_law(seed, R):
     cloud = random_cloud(seed)

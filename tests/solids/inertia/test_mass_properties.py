@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from helpers.mass_clouds import floats, random_cloud, within
 from helpers.oracles import EPS, worst
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.errors import InputError
@@ -25,7 +25,6 @@ places = st.tuples(*[st.floats(-1e8, 1e8)] * 3).map(np.array)
 seeds = st.integers(0, 10**6)
 
 
-@settings(deadline=None, max_examples=100)
 @given(seeds, rotations, places)
 def test_placed_is_rounded_once(seed, R, p):
     cloud = random_cloud(seed)
@@ -36,7 +35,6 @@ def test_placed_is_rounded_once(seed, R, p):
     assert found.mass == cloud.mass
 
 
-@settings(deadline=None, max_examples=100)
 @given(seeds, rotations, places)
 def test_in_frame_undoes_placed(seed, R, p):
     body = random_cloud(seed).properties
@@ -49,7 +47,6 @@ def test_in_frame_undoes_placed(seed, R, p):
     assert worst(seen.inertia, R.T @ body.inertia @ R) <= 16 * EPS
 
 
-@settings(deadline=None, max_examples=50)
 @given(seeds, rotations, places, rotations, places)
 def test_one_pose_after_another(seed, R1, p1, R2, p2):
     body = random_cloud(seed).properties
@@ -69,7 +66,6 @@ def test_about_any_point(seed):
     np.testing.assert_array_equal(body.about(body.com), body.inertia)
 
 
-@settings(deadline=None, max_examples=50)
 @given(seeds, rotations, st.tuples(*[st.floats(-3, 3)] * 3).map(np.array))
 def test_moments_are_those_of_the_dynamics(seed, R, p):
     body = random_cloud(seed).properties
@@ -101,7 +97,6 @@ def test_a_plane_of_symmetry_makes_its_products_of_inertia_zero(axis):
     assert body.inertia[axis, others].all()
 
 
-@settings(deadline=None, max_examples=50)
 @given(seeds, st.floats(1e-6, 1e6))
 def test_scaled_to_a_mass(seed, mass):
     body = box(1, 2, 3, mass=1) + random_cloud(seed).properties

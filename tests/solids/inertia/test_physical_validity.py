@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from helpers.mass_clouds import random_cloud
 from helpers.oracles import EPS
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from robodyn.programs.vectors import ZERO, rotation_from_rpy
@@ -21,7 +21,6 @@ TURN = rotation_from_rpy(0.3, 0.5, 0.7)
 angles = st.floats(-3, 3)
 
 
-@settings(deadline=None, max_examples=200)
 @given(st.integers(0, 10**6), st.integers(1, 6), st.sampled_from([1.0, 1e-6, 0.0]))
 def test_bodies_of_positive_masses_are_physical(seed, points, thickness):
     body = random_cloud(seed, points, (1.0, 1.0, thickness)).properties.rotated(TURN)
@@ -31,7 +30,6 @@ def test_bodies_of_positive_masses_are_physical(seed, points, thickness):
     assert unphysical(body.inertia, relative=8 * EPS) is None
 
 
-@settings(deadline=None, max_examples=100)
 @example(0.75, 0.75, 0.03125, 0.0, 1.0, 1.5)  # 1.546875 is half-way between two numbers of six digits
 @given(st.floats(0.001, 1), st.floats(0.001, 1), st.floats(1e-5, 1), angles, angles, angles)
 def test_what_breaks_the_triangle_inequality_is_found_in_any_axes(one, two, excess, roll, pitch, yaw):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from helpers.mass_clouds import random_cloud
 from helpers.oracles import EPS
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.programs.vectors import rotation_about, rotation_from_quaternion, rotation_from_rpy
@@ -110,7 +110,6 @@ def test_axes_of_an_upright_cylinder_are_the_coordinate_axes(length, order):
     assert f"every axis normal to axis {lone} = (0, 0, 1) is principal" in p.remark
 
 
-@settings(deadline=None, max_examples=100)
 @given(st.floats(-3, 3), st.floats(-1.5, 1.5), st.floats(-3, 3), st.floats(-3, 3), st.booleans())
 def test_a_turn_about_the_axis_of_a_cylinder_does_not_show(roll, pitch, yaw, turn, slender):
     """Also where the axis is as far from two coordinate axes."""

@@ -9,7 +9,7 @@ import pytest
 from helpers.mesh_oracle import rational_moments_from, rotation
 from helpers.mesh_samples import box, corners, cylinder, flipped, moved, sheet, tetrahedron, torus, uv_sphere
 from helpers.sampled import sampled
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.solids.mesh.blocks import ROWS
@@ -155,7 +155,6 @@ def test_every_triangle_of_a_grid_has_a_fingerprint_of_its_own(kind):
 points = st.lists(st.tuples(*[st.integers(-2, 2)] * 3), min_size=5, max_size=9, unique=True)
 
 
-@settings(deadline=None)
 @given(points, st.data())
 def test_glued_tetrahedra(places, data):
     four = st.permutations(range(len(places))).map(lambda order: order[:4])
@@ -169,7 +168,6 @@ def test_glued_tetrahedra(places, data):
     agrees(np.delete(whole, dropped, axis=0))
 
 
-@settings(deadline=None, max_examples=30)
 @given(points, st.data())
 def test_closed_is_when_the_integral_does_not_depend_on_the_origin(places, data):
     index = st.integers(0, len(places) - 1)
@@ -183,7 +181,6 @@ def test_closed_is_when_the_integral_does_not_depend_on_the_origin(places, data)
     assert independent or not printed(array).closed
 
 
-@settings(deadline=None, max_examples=50)
 @given(st.lists(st.floats(0.1, 2.0), min_size=3, max_size=20), st.floats(0.01, 10.0), st.integers(0, 99))
 def test_extruded_polygons(radii, height, seed):
     angle = 2 * np.pi * np.arange(len(radii)) / len(radii)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from helpers.mesh_samples import box, corners, cylinder, flipped, moved, sheet, tetrahedron, torus, uv_sphere
 from helpers.sampled import sampled
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.solids.mesh.blocks import ROWS
@@ -142,7 +142,6 @@ def test_a_mesh_without_strips_is_read_again():
 points = st.lists(st.tuples(*[st.integers(-2, 2)] * 3), min_size=5, max_size=9, unique=True)
 
 
-@settings(deadline=None)
 @given(points, st.data())
 def test_glued_tetrahedra(places, data):
     four = st.permutations(range(len(places))).map(lambda order: order[:4])

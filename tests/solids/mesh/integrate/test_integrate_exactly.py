@@ -7,7 +7,7 @@ import pytest
 from helpers.mesh_oracle import deviation, rational_moments, rational_moments_from, rotation
 from helpers.mesh_samples import box, cone, corners, cylinder, flipped, moved, tetrahedron, torus, uv_sphere
 from helpers.sampled import sampled
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.solids.mesh.integrate.integrals import integrate
@@ -102,7 +102,6 @@ numbers = st.one_of(
 )
 
 
-@settings(deadline=None, max_examples=40)
 @given(st.lists(st.tuples(*[numbers] * 3), min_size=3, max_size=8), st.data())
 def test_exact_on_any_triangles(points, data):
     index = st.integers(0, len(points) - 1)

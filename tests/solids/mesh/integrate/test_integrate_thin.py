@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from helpers.mesh_oracle import centred, deviation, rational_moments, rotation
 from helpers.mesh_samples import box, cylinder, moved, tetrahedron, torus, uv_sphere
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from robodyn.solids.inertia.conversions import from_integrals
@@ -77,7 +77,6 @@ def test_where_long_doubles_are_no_wider_integers_follow(monkeypatch):
     assert integrals(moved(box((1, 1, 0.03)), R=rotation(5))).method == "rational"
 
 
-@settings(deadline=None, max_examples=80)
 @given(
     body=st.sampled_from(sorted(BODIES)),
     exponents=st.tuples(*[st.floats(-5, 0)] * 3),

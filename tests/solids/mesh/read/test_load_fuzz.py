@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from helpers.mesh_files import ascii_stl, dae, glb, indexed, obj, off, ply, three_mf
 from helpers.mesh_samples import binary_stl, tetrahedron
-from hypothesis import HealthCheck, example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from robodyn.errors import MeshError
@@ -108,7 +108,6 @@ CUT = st.one_of(st.just(1.0), st.floats(0, 1))
 
 
 @pytest.mark.parametrize("kind", NATIVE)
-@settings(deadline=None, max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.data())
 def test_damaged_files(kind, data):
     sample = data.draw(st.sampled_from(NATIVE[kind]))
@@ -116,14 +115,12 @@ def test_damaged_files(kind, data):
 
 
 @pytest.mark.parametrize("kind", SCENES)
-@settings(deadline=None, max_examples=60)
 @given(st.data())
 def test_damaged_scenes(kind, data):
     sample = data.draw(st.sampled_from(SCENES[kind]))
     check(mutated(sample, data.draw(EDITS), data.draw(CUT)), kind)
 
 
-@settings(deadline=None, max_examples=150)
 @given(st.binary(max_size=300), st.sampled_from([*NATIVE, *SCENES, "gltf", "zae", "3dxml", "xaml", None]))
 @example(b"solid\n" + b"facet " * 40, "stl")
 @example(b"#" * 4000, None)
@@ -133,7 +130,6 @@ def test_any_bytes(data, kind):
     check(data, kind)
 
 
-@settings(deadline=None, max_examples=100)
 @given(st.lists(st.sampled_from(TOKENS), max_size=40), st.sampled_from([b" ", b"\n"]), st.sampled_from([*NATIVE]))
 def test_any_words(words, blank, kind):
     check(blank.join(words), kind)

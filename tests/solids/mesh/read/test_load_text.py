@@ -7,7 +7,7 @@ import struct
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from robodyn.errors import MeshError
@@ -28,7 +28,6 @@ def all_of(words):
     return np.arange(len(words.starts))
 
 
-@settings(deadline=None)
 @given(st.lists(st.tuples(st.text("ab./-1é", min_size=1, max_size=9), BLANKS), max_size=20), BLANKS)
 def test_words_and_lines_are_those_of_split(pairs, before):
     text = (before + "".join(word + blank for word, blank in pairs)).encode()
@@ -38,7 +37,6 @@ def test_words_and_lines_are_those_of_split(pairs, before):
     assert np.diff(words.first).tolist() == [len(line) for line in lines]
 
 
-@settings(deadline=None)
 @given(st.lists(st.tuples(ANY_FLOAT | MODERATE, FORMATS), min_size=1, max_size=30))
 def test_numbers_are_correctly_rounded(pairs):
     written = [form.format(value) for value, form in pairs]
@@ -47,7 +45,6 @@ def test_numbers_are_correctly_rounded(pairs):
     np.testing.assert_array_equal(words.floats(all_of(words)), [float(text) for text in written])
 
 
-@settings(deadline=None)
 @given(st.lists(st.integers(-(10**17), 10**17) | st.integers(-200, 200), min_size=1, max_size=30), st.booleans())
 def test_integers_are_exact(values, slash):
     tail = "/7/-8" if slash else ""
@@ -55,7 +52,6 @@ def test_integers_are_exact(values, slash):
     assert words.integers(all_of(words), slash=slash).tolist() == values
 
 
-@settings(deadline=None)
 @given(st.text("0123456789+-./e_x,\0é", min_size=1, max_size=20))
 @example("1/2")
 def test_only_plain_numbers_are_read(word):
@@ -84,7 +80,6 @@ def test_words_are_compared_whole(word):
         assert not words.equal(all_of(words), word)
 
 
-@settings(deadline=None)
 @given(st.lists(st.integers(0, 3 << 18), max_size=12))
 def test_chunks_end_with_lines_and_make_up_the_file(lengths):
     text = b"".join(b"x" * length + b"\n" for length in lengths) + b"end"

@@ -7,7 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from helpers.mesh_samples import box, corners, flipped, moved, sheet, torus, uv_sphere
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.solids.mesh.integrate.integrals import integrate
@@ -114,7 +114,6 @@ def test_walls_within_a_block_of_eight_boxes_cancel():
     assert taken(found) == [("duplicate", 4 * 12)]
 
 
-@settings(deadline=None, max_examples=60)
 @given(st.lists(st.integers(-(2**20), 2**20), min_size=6, max_size=6), st.integers(1, 2**20), st.integers(-1, 1))
 def test_lines_are_told_from_triangles_without_rounding(numbers, factor, nudge):
     a, step = np.array(numbers[:3], float), np.array(numbers[3:], float)
