@@ -60,14 +60,14 @@ def state_of(
             row = row_at(reader, time, Follower(plan(model, scene), reader.followed, reader.file).take)
         else:
             row = row_at(reader, time)
-    refuse_units(row.doubts, traj)
+    refuse_units(row.caveats, traj)
     since = " after the first" if row.origin else ""
     words_of_row = f"row {row.first_row} of {traj} at {row.time[0]:.6g} s{since}"
     if row.time[0] != time:
         words_of_row += f", the nearest to {time:.6g} s"
     columns = {name: float(values[0]) for name, values in row.extra.items()}
     found: dict[str, Any] = {"q": row.q[0], "qd": row.qd[0], "qdd": row.qdd[0], "columns": columns}
-    return words_of_row, found, (*(doubt.said for doubt in row.doubts), *row.notes)
+    return words_of_row, found, (*(caveat.text for caveat in row.caveats), *row.notes)
 
 
 @click.command("fbd", short_help="Draw free bodies: all forces and moments on each body.")

@@ -15,7 +15,7 @@ from robodyn.loads.many import JointPeak, Outcome, Status
 from robodyn.loads.torques import torques
 from robodyn.report.json.loads import torques_json
 from robodyn.robot.limits import Coverage, Quantity, Unchecked
-from robodyn.support.doubts import Doubt
+from robodyn.support.caveats import Caveat
 from robodyn.support.files import write_whole
 from robodyn.support.input_file import read_input
 from robodyn.support.threads import write_behind
@@ -115,7 +115,7 @@ def _outcome(job: Job, status: Status, document: dict[str, Any]) -> Outcome:
         duration=document["duration"],
         exceeded=_exceeded(document, sized),
         limits=tuple(_coverage(*each) for each in document["limits"].items()),
-        doubts=tuple(Doubt(**each) for each in document["doubts"]),
+        caveats=tuple(Caveat(each["clause"], each["said"]) for each in document["doubts"]),
         joints=joints,
     )
 

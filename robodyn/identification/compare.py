@@ -110,7 +110,7 @@ def compare(
         SceneError: the scene has loops or contacts.
     """
     log = read_log(path, model, scene, cutoff=cutoff, **reading)
-    refuse_units(log.doubts, path)
+    refuse_units(log.caveats, path)
     raw, time, places, notes = evidence_of(log)
     right = channels(raw)
     routed = rerouted(raw, right)

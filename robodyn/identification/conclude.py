@@ -104,7 +104,7 @@ def identified(
         warnings=(
             *first.faults,
             *_late(run),
-            *first.doubts,
+            *first.caveats,
             *(_worse(fitted_errors[0], held[0], errors([FOLDS])[2]) if held[0] else ()),
             *left.words([run.model.rates[j] for j in run.measured]),
             *alike,

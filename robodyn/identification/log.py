@@ -17,7 +17,7 @@ from robodyn.identification.samples import Grid, Samples
 from robodyn.identification.spikes import clipping, limits, mended, noise_of, step_of
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.support.doubts import Doubt
+from robodyn.support.caveats import Caveat
 from robodyn.support.floats import Floats
 from robodyn.support.input_file import open_input
 from robodyn.trajectory.motion import Trajectory
@@ -45,7 +45,7 @@ class Log:
         limits: (2, n) the least and the largest torque, where an amplifier clips it; infinite where none does [N m].
         delays: (n,) by which torques are logged late [s]; loud: (n,) standard deviation of their noise [N m].
         held: joints without columns, and where.
-        notes: what was assumed and left out, one line each; doubts: about its units and its given rates.
+        notes: what was assumed and left out, one line each; caveats: about its units and its given rates.
     """
 
     path: str
@@ -67,7 +67,7 @@ class Log:
     loud: Floats
     held: Mapping[str, float]
     notes: tuple[str, ...]
-    doubts: tuple[Doubt, ...]
+    caveats: tuple[Caveat, ...]
 
     @property
     def noisy(self) -> bool:
@@ -178,7 +178,7 @@ def read_log(path: str, model: Model, scene: Scene = DEFAULT, *, cutoff: float |
         loud=noise_of(tau),
         held=held,
         notes=notes,
-        doubts=scan.last.doubts,
+        caveats=scan.last.caveats,
     )
 
 

@@ -26,7 +26,7 @@ from robodyn.identification.rows import POSITIONS, states
 from robodyn.identification.structure import Structure, fitted
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
-from robodyn.support.doubts import WrongUnits
+from robodyn.support.caveats import WrongUnits
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
 
@@ -102,7 +102,10 @@ def begun(logs: Sequence[Log], validate: Sequence[Log], scene: Scene, split: flo
         largest = np.maximum(largest, top)
     if largest[: model.n].max() <= max(RESTS, 2.0 * slip if slip != scene.slip_speed else 0.0):
         what = "; ".join(
-            ("no joint moves: the log shows nothing of masses and friction", *(doubt.said for doubt in every[0].doubts))
+            (
+                "no joint moves: the log shows nothing of masses and friction",
+                *(caveat.text for caveat in every[0].caveats),
+            )
         )
         raise InputError(what, remedy="log an exciting motion, see robodyn excite", file=every[0].path)
     motors = {each.name: with_speeds(each, float(top), slip) for each, top in zip(candidates, largest, strict=True)}
@@ -127,7 +130,7 @@ class First(NamedTuple):
         motors: that count; coupled: what those of several joints leave of the squares.
         values: by atom; sigma: (joints,) of residuals [N m].
         faults: of the logs, for which nothing is written.
-        doubts: of how gravity points, a line.
+        caveats: of how gravity points, a line.
         run: through the logs, with torques where they belong.
     """
 
@@ -137,7 +140,7 @@ class First(NamedTuple):
     values: dict[str, float]
     sigma: Floats
     faults: list[str]
-    doubts: list[str]
+    caveats: list[str]
 
 
 def first_fit(run: Run) -> First:
@@ -165,16 +168,16 @@ def first_fit(run: Run) -> First:
     second = Structure(atoms, dict.fromkeys(chosen, PLAIN))
     theta, sigma = fitted(plain, range(FOLDS), second)
     faults = faults or misread(run.fitted, run.cutoff, second, sigma)
-    doubts = [] if faults else raw.leaning(second, theta, sigma, run.scene)
+    caveats = [] if faults else raw.leaning(second, theta, sigma, run.scene)
     values = dict(zip(atoms.names, (second.shape @ theta).tolist(), strict=True))
     units = [
-        doubt.said if len(run.logs) == 1 else f"{log.path}: {doubt.said}"
+        caveat.text if len(run.logs) == 1 else f"{log.path}: {caveat.text}"
         for log in run.logs
-        for doubt in log.doubts
-        if isinstance(doubt, WrongUnits)
+        for caveat in log.caveats
+        if isinstance(caveat, WrongUnits)
     ]
     faults = [*units, *faults, *magnitudes(channels, measured)]
-    return First(run, [motors[k] for k in chosen], ratios, values, sigma, faults, doubts)
+    return First(run, [motors[k] for k in chosen], ratios, values, sigma, faults, caveats)
 
 
 def _in_time(run: Run, plain: Gathered, structure: Structure, raw: Raw) -> tuple[Run, Gathered]:

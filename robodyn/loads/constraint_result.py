@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from robodyn.scene.parts import Vector
-from robodyn.support.doubts import Doubt
+from robodyn.support.caveats import Caveat
 from robodyn.support.floats import first_largest
 from robodyn.support.wording import count, figure, shown
 
@@ -144,13 +144,13 @@ class Constraints:
         return not self.unbalanced and not self.missing
 
     @property
-    def doubts(self) -> tuple[Doubt, ...]:
+    def caveats(self) -> tuple[Caveat, ...]:
         """What keeps a verdict over the motion from being sure."""
-        return _doubts(self)
+        return _caveats(self)
 
 
-def _doubts(found: Constraints) -> tuple[Doubt, ...]:
-    doubts = []
+def _caveats(found: Constraints) -> tuple[Caveat, ...]:
+    caveats = []
     if found.missing:
         worst = found.missing[first_largest([each.force.value for each in found.missing])]
         others = f" (and in {count(found.spans - 1, 'more span')})" if found.spans > 1 else ""
@@ -163,7 +163,7 @@ def _doubts(found: Constraints) -> tuple[Doubt, ...]:
             most = joints[first_largest([abs(each.most.value) for each in joints])]
             more = f", and {len(joints) - 1} more" if len(joints) > 1 else ""
             said += f"; {figure(most.most.value)} {most.unit} at the passive {shown(most.name)}{more}"
-        doubts.append(Doubt("as long as something gives the forces that contacts cannot (assumed)", said))
+        caveats.append(Caveat("as long as something gives the forces that contacts cannot (assumed)", said))
     elif found.unbalanced:
         worst_joint = found.unbalanced[first_largest([abs(each.most.value) for each in found.unbalanced])]
         value, time, _ = worst_joint.most
@@ -172,15 +172,15 @@ def _doubts(found: Constraints) -> tuple[Doubt, ...]:
             f"nothing drives {shown(worst_joint.name)}{others}, and the motion takes {figure(value)} "
             f"{worst_joint.unit} there at {figure(time)} s; let it drive, or give a motion that it makes by itself"
         )
-        doubts.append(Doubt("as long as something gives what passive joints need (assumed)", said))
+        caveats.append(Caveat("as long as something gives what passive joints need (assumed)", said))
     if found.singular:
         times = ", ".join(f"{time:.4g}" for time in found.singular[:4]) + (", ..." if len(found.singular) > 4 else "")
         said = (
             f"the loops lose hold of passive joints at {times} s: torques nearby grow with every error of the motion, "
             "and at such a place they are not determined and taken from beside it"
         )
-        doubts.append(Doubt("by torques that are not determined at singular places", said))
-    return tuple(doubts)
+        caveats.append(Caveat("by torques that are not determined at singular places", said))
+    return tuple(caveats)
 
 
 _BASE = frozenset(f"base_{part}{axis}" for part in "wv" for axis in "xyz")

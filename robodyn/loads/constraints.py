@@ -62,7 +62,7 @@ class ConstraintPass:
         """Return the block with the coordinates that follow from loops, and the wrenches of its constraints."""
         if (follower := self._follower) is not None:
             block = follower.take(block)
-            block = replace(block, notes=block.notes + follower.notes, doubts=block.doubts + follower.doubts)
+            block = replace(block, notes=block.notes + follower.notes, caveats=block.caveats + follower.caveats)
         names = constraint_columns(self.scene)
         self._wrenches, self._tau = np.empty((len(block), len(names))), np.empty((len(block), self.model.n))
         lost = np.zeros(len(block), dtype=bool)

@@ -8,7 +8,7 @@ from dataclasses import replace
 from robodyn.dynamics.loops.misfit import Misfit
 from robodyn.dynamics.loops.position_continuation import Follow, Whole
 from robodyn.dynamics.plan import Plan
-from robodyn.support.doubts import Doubt
+from robodyn.support.caveats import Caveat
 from robodyn.trajectory.motion import Sampling, Trajectory
 
 
@@ -38,9 +38,9 @@ class Follower:
         return self._follow.notes
 
     @property
-    def doubts(self) -> tuple[Doubt, ...]:
+    def caveats(self) -> tuple[Caveat, ...]:
         """What makes the motion so far doubtful."""
-        return self._follow.doubts
+        return self._follow.caveats
 
     def take(self, block: Trajectory) -> Trajectory:
         """Return a block with what follows in it, its accelerations with the error bars that theirs come of.

@@ -9,7 +9,7 @@ import numpy as np
 
 from robodyn.dynamics.effects.viscous_friction import joints_with_friction
 from robodyn.dynamics.mass import mass_matrix
-from robodyn.loads.doubts import Openness
+from robodyn.loads.caveats import Openness
 from robodyn.programs.vectors import length
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene

@@ -9,8 +9,8 @@ import numpy as np
 
 from robodyn.dynamics.plan import Plan, plan
 from robodyn.loads.accumulate import TorqueAccumulator
+from robodyn.loads.caveats import bar_caveats, carried
 from robodyn.loads.checks_result import Checks
-from robodyn.loads.doubts import bar_doubts, carried
 from robodyn.loads.figures import base_loads, check_figures, effect_reports, joint_load, shares_at_peaks
 from robodyn.loads.result import JointLoad, Result
 from robodyn.robot.limits import coverage
@@ -35,13 +35,13 @@ def gathered_result(run: TorqueAccumulator, last: Trajectory, explain: bool) -> 
     sizing = run.sizing.report(joints, _inertias(run, run.sizing.driven)) if run.sizing else None
     unsure = run.uncertain.report(joints, sizing) if run.uncertain else None
     looped = run.constraints is not None and run.constraints.holds_base
-    doubts = (
-        *last.doubts,
-        *(constraints.doubts if constraints else ()),
+    caveats = (
+        *last.caveats,
+        *(constraints.caveats if constraints else ()),
         *carried(run.model, run.scene, base, joints, checks.largest_force, checks.largest_moment, looped),
-        *run.bars.openness.doubts(joints, left, checks.energy_balance, total.samples, total.duration),
-        *bar_doubts(joints, sizing),
-        *(unsure.doubts if unsure else ()),
+        *run.bars.openness.caveats(joints, left, checks.energy_balance, total.samples, total.duration),
+        *bar_caveats(joints, sizing),
+        *(unsure.caveats if unsure else ()),
     )
     about = (*(run.uncertain.notes if run.uncertain else ()), *_added(run))
     idle = (
@@ -60,12 +60,12 @@ def gathered_result(run: TorqueAccumulator, last: Trajectory, explain: bool) -> 
         executor=run.choice.executor,
         reason=run.choice.reason,
         derivation=last.derivation,
-        warnings=(*(doubt.said for doubt in doubts), *about, *idle, *run.model.notes, *last.notes),
+        warnings=(*(caveat.text for caveat in caveats), *about, *idle, *run.model.notes, *last.notes),
         momentum=run.momentum.report() if run.momentum else None,
         history=run.history.history(run.statistics.at_peak) if run.history else None,
         sizing=sizing,
         limits=coverage(run.joints),
-        doubts=doubts,
+        caveats=caveats,
         origin=last.origin,
         held=last.held,
         constraints=constraints,

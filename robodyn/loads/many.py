@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 from robodyn.robot.limits import Coverage, within
-from robodyn.support.doubts import Doubt
+from robodyn.support.caveats import Caveat
 from robodyn.support.floats import ranked
 
 Status = Literal["computed", "finished before", "failed"]
@@ -42,7 +42,7 @@ class Outcome:
         table, document: the files of its torques and of its report, empty if it failed.
         samples, duration: of the motion [s].
         exceeded: joints and what of them is beyond a limit, such as "elbow velocity"; see `loads.result.Result`.
-        limits, doubts: what was checked, and what else is not sure, as `loads.result.Result` has it.
+        limits, caveats: what was checked, and what else is not sure, as `loads.result.Result` has it.
         joints: empty if it failed.
         error: one line that says why it failed, else empty.
     """
@@ -55,14 +55,14 @@ class Outcome:
     duration: float = 0.0
     exceeded: tuple[str, ...] = ()
     limits: tuple[Coverage, ...] = ()
-    doubts: tuple[Doubt, ...] = ()
+    caveats: tuple[Caveat, ...] = field(default=(), metadata={"json": "doubts"})
     joints: tuple[JointPeak, ...] = ()
     error: str = ""
 
     @property
     def within_limits(self) -> bool | None:
         """Return whether the motion exceeds no limit; None if that cannot be said, as for a motion that failed."""
-        return None if self.status == "failed" else within(bool(self.exceeded), self.limits, self.doubts)
+        return None if self.status == "failed" else within(bool(self.exceeded), self.limits, self.caveats)
 
 
 @dataclass(frozen=True)

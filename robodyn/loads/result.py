@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from robodyn.dynamics.effects.effect import Verdict
 from robodyn.loads.checks_result import Checks
 from robodyn.robot.limits import Coverage, Excess, reached_beyond, within
-from robodyn.support.doubts import TOO_FEW, Doubt
+from robodyn.support.caveats import TOO_FEW, Caveat
 from robodyn.support.floats import BEYOND
 from robodyn.trajectory.motion import Derivation
 
@@ -162,9 +162,9 @@ class Result:
     """What a robot carries along a motion.
 
     Attributes:
-        warnings: all of them, those of `doubts` too.
+        warnings: all of them, those of `caveats` too.
         limits: which limits the motion could be held against.
-        doubts: what else keeps "No limit is exceeded" from being the whole truth.
+        caveats: what else keeps "No limit is exceeded" from being the whole truth.
         origin: the stamp in the table [s] that all times here count from; 0 where these are the stamps.
         held: position [rad or m] of every joint (or coordinate of a floating joint) that was held for want of a column.
         constraints: what loops and contacts bear; None for a tree that stands on nothing.
@@ -189,7 +189,7 @@ class Result:
     sizing: Sizing | None = None
     accuracy: Promise | None = None
     limits: tuple[Coverage, ...] = ()
-    doubts: tuple[Doubt, ...] = ()
+    caveats: tuple[Caveat, ...] = ()
     origin: float = 0.0
     held: Mapping[str, float] = field(default_factory=dict)
     constraints: Constraints | None = None
@@ -203,7 +203,7 @@ class Result:
     @property
     def samples_suffice(self) -> bool:
         """Whether there are samples enough to derive accelerations."""
-        return not any(doubt.clause == TOO_FEW for doubt in self.doubts)
+        return not any(caveat.kind == TOO_FEW for caveat in self.caveats)
 
     @property
     def within_limits(self) -> bool | None:
@@ -211,4 +211,4 @@ class Result:
 
         True if all joints have limits and none is exceeded; None if joints have no limits or something is in doubt.
         """
-        return within(bool(self.exceeded or (self.sizing and self.sizing.exceeded)), self.limits, self.doubts)
+        return within(bool(self.exceeded or (self.sizing and self.sizing.exceeded)), self.limits, self.caveats)

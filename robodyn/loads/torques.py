@@ -81,7 +81,7 @@ def torques(
         last: Trajectory | None = None
         for given, left in prefetch(_blocks(motion)):
             if len(given):
-                refuse_units(given.doubts, getattr(motion, "file", None))
+                refuse_units(given.caveats, getattr(motion, "file", None))
                 block = held.take(given) if held else given
                 columns, last = run.take(block, left), block
                 for sink in sinks:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from robodyn.support.doubts import Doubt
+from robodyn.support.caveats import Caveat
 
 Method = Literal["linear", "draws"]
 
@@ -118,9 +118,9 @@ class Uncertain:
     lasting: float | None
 
     @property
-    def doubts(self) -> tuple[Doubt, ...]:
+    def caveats(self) -> tuple[Caveat, ...]:
         """Why a verdict for the parameters as they are given may not hold for the robot."""
         if self.lasting is None or self.lasting >= SURE:
             return ()
         said = f"parameters are uncertain: limits are kept all with a probability of {100.0 * self.lasting:.3g} %"
-        return (Doubt("with the parameters as they are given", said),)
+        return (Caveat("with the parameters as they are given", said),)

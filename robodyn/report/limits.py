@@ -10,7 +10,7 @@ from robodyn.loads.result import Result
 from robodyn.report.document import Level, Paragraph, Section, Table, Verdict, paragraphs
 from robodyn.report.table import Content, is_noise, number, printable
 from robodyn.robot.limits import Coverage, Excess, Reached, Unchecked
-from robodyn.support.doubts import Doubt
+from robodyn.support.caveats import Caveat
 from robodyn.support.floats import ranked
 from robodyn.support.wording import count
 
@@ -26,14 +26,14 @@ _NAMES = 4
 def limits_verdict(result: Simulation) -> Verdict:
     """Return whether a simulated motion keeps to the limits of the description, as far as that was checked."""
     nearest = tuple(nearest_limits(result.joints))
-    return verdict_on_limits(len(result.joints), result.exceeded, result.limits, result.doubts, nearest)
+    return verdict_on_limits(len(result.joints), result.exceeded, result.limits, result.caveats, nearest)
 
 
 def verdict_on_limits(
     joints: int,
     exceeded: Sequence[Excess],
     limits: Sequence[Coverage],
-    doubts: Sequence[Doubt] = (),
+    caveats: Sequence[Caveat] = (),
     nearest: Sequence[str] = (),
 ) -> Verdict:
     """Return the verdict, green only where every limit was checked and nothing is in doubt.
@@ -41,24 +41,24 @@ def verdict_on_limits(
     Args:
         joints: how many there are.
         exceeded: what is beyond a limit; limits: which there are.
-        doubts: what else the verdict depends on.
+        caveats: what else the verdict depends on.
         nearest: remarks on limits that are nearly reached.
     """
-    doubtful = tuple(doubt.said for doubt in doubts)
+    doubtful = tuple(caveat.text for caveat in caveats)
     over = len({excess.joint for excess in exceeded})
     if over:
         who = f"{over} of {joints} joints" if joints > 1 else "The joint"
         verb = "exceeds its limits" if over == 1 else "exceed their limits"
         reasons = (*doubtful, *shortened([exceeded_words(excess) for excess in exceeded]), *unchecked_words(limits))
         return Verdict("bad", f"{who} {verb}", reasons)
-    clauses = "".join(f", {doubt.clause}" if k else f" {doubt.clause}" for k, doubt in enumerate(doubts))
+    clauses = "".join(f", {caveat.kind}" if k else f" {caveat.kind}" for k, caveat in enumerate(caveats))
     if not any(each.checked for each in limits):
         why = "the description gives no limits" if joints else "the robot has no joints"
         reasons = (*doubtful, *unchecked_words(limits))
-        return Verdict("doubtful" if doubts else "neutral", f"Nothing was checked: {why}", reasons)
+        return Verdict("doubtful" if caveats else "neutral", f"Nothing was checked: {why}", reasons)
     partly = any(each.unchecked for each in limits)
     headline = f"No limit is exceeded{' where there is one' if partly else ''}{clauses}"
-    level: Level = "doubtful" if doubts else "neutral" if partly else "good"
+    level: Level = "doubtful" if caveats else "neutral" if partly else "good"
     return Verdict(level, headline, (*doubtful, *unchecked_words(limits), *nearest))
 
 

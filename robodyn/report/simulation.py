@@ -46,7 +46,7 @@ def simulation_sections(result: Simulation, explain: bool = False) -> Iterator[S
         yield [Paragraph(f"ENDED EARLY: {result.ended} ({how})")]
     if result.joints:
         yield limits_section(result)
-    yield remarks("warning", (doubt.said for doubt in result.doubts))
+    yield remarks("warning", (caveat.text for caveat in result.caveats))
     yield remarks("note", result.notes)
 
 

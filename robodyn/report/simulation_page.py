@@ -34,7 +34,7 @@ _DRIFT = 1e-3
 def simulation_page(result: Simulation, pictures: bool = True) -> Document:
     """Return how the motion ends and how far it can be trusted, then the motion itself."""
     what = f"Simulated motion: {result.model.n} degrees of freedom, {result.time[-1]:.6g} s, {result.steps} steps"
-    verdicts = [_verdict(result), *([limits_verdict(result)] if result.joints or result.doubts else [])]
+    verdicts = [_verdict(result), *([limits_verdict(result)] if result.joints or result.caveats else [])]
     blocks: list[Block] = [*sorted(verdicts, key=lambda verdict: _WORST_FIRST.index(verdict.level))]
     if pictures:
         blocks += [*_poses(result), *_plots(result)]

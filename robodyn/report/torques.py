@@ -175,14 +175,14 @@ def _limits(done: Sequence[Outcome], failed: int) -> list[str]:
     Args:
         failed: how many files there are beside those that are done.
     """
-    doubts = {doubt.clause: doubt for outcome in done for doubt in reversed(outcome.doubts)}
+    caveats = {caveat.kind: caveat for outcome in done for caveat in reversed(outcome.caveats)}
     limits, over = done[0].limits, sum(bool(outcome.exceeded) for outcome in done)
     lines = [*unchecked_words(limits)]
-    for clause in doubts:
-        about = [(x.trajectory, doubt.said) for x in done for doubt in x.doubts if doubt.clause == clause]
+    for kind in caveats:
+        about = [(x.trajectory, caveat.text) for x in done for caveat in x.caveats if caveat.kind == kind]
         others = f" and {count(len(about) - 1, 'other file')}" if len(about) > 1 else ""
         lines.append(f"warning: {about[0][0]}{others}: {about[0][1]}")
-    verdict = verdict_on_limits(len(done[0].joints), (), limits, tuple(doubts.values()))
+    verdict = verdict_on_limits(len(done[0].joints), (), limits, tuple(caveats.values()))
     said = f"LIMITS EXCEEDED in {count(over, 'file')}" if over else verdict.headline
     return [*lines, f"{count(failed, 'file')} failed; of the others: {said}" if failed else said + "." * (not over)]
 

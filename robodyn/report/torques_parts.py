@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from robodyn.dynamics.constraints.tree import tree_scene
 from robodyn.equations.free_body.types import FreeBodies, FreeBody
 from robodyn.errors import RobodynError
-from robodyn.loads.doubts import energy_doubt
+from robodyn.loads.caveats import energy_caveat
 from robodyn.loads.history import Curves, History
 from robodyn.loads.result import Result
 from robodyn.report.document import Block, Figure, Findings, Gallery, Heading, Paragraph, Table, paragraphs
@@ -86,8 +86,8 @@ def _checks(result: Result, plots: Plots | None) -> Iterator[Block]:
         f"{laws[2]} of the largest force, moment and power.",
     ]
     if not balance.consistent:
-        off = energy_doubt(balance, result.samples, result.duration)
-        reasons.insert(0, f"{off.said}." if off else "")
+        off = energy_caveat(balance, result.samples, result.duration)
+        reasons.insert(0, f"{off.text}." if off else "")
         yield Findings((("doubtful", "The energy balance does not close", tuple((each, False) for each in reasons)),))
     else:
         yield from paragraphs(("Energy and momentum balance.", *reasons))

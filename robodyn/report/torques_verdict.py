@@ -28,7 +28,7 @@ def torques_verdict(result: Result) -> Verdict:
     """Return the verdict: bad if a limit of robot, motor or gear is exceeded or an accuracy that was asked for is not
     met; doubtful, neutral or good as `verdict_on_limits` has it."""
     over, sizing = sorted(_exceeded(result)), result.sizing
-    doubtful = tuple(doubt.said for doubt in result.doubts)
+    doubtful = tuple(caveat.text for caveat in result.caveats)
     kept, unmet = _kept(result), _unmet(result)
     if over:
         names = {each.joint for each in over}
@@ -53,7 +53,7 @@ def verdict_section(result: Result) -> Section:
         more = len({each.line for each in _exceeded(result)}) - 1
         others = f" {count(more, 'more limit is', 'more limits are')} exceeded." if more > 0 else ""
         return paragraphs([f"{verdict.headline}: {verdict.reasons[0]}{others}"])
-    shown = (*(doubt.said for doubt in result.doubts), *nearest_limits(result.joints))  # among warnings, and tables
+    shown = (*(caveat.text for caveat in result.caveats), *nearest_limits(result.joints))  # among warnings, and tables
     return paragraphs([*(line for line in verdict.reasons if line not in shown), f"{verdict.headline}."])
 
 
@@ -101,9 +101,9 @@ def _unmet(result: Result) -> tuple[str, ...]:
 def _kept(result: Result) -> Verdict:
     """Return the verdict on a motion that exceeds nothing."""
     nearest, sizing = tuple(nearest_limits(result.joints)), result.sizing
-    verdict = verdict_on_limits(len(result.joints), (), result.limits, result.doubts, nearest)
+    verdict = verdict_on_limits(len(result.joints), (), result.limits, result.caveats, nearest)
     if not any(each.checked for each in result.limits) and sizing and any(joint.motor for joint in sizing.joints):
-        clauses = ", ".join(doubt.clause for doubt in result.doubts)
+        clauses = ", ".join(caveat.kind for caveat in result.caveats)
         headline = f"No limit of a motor or gear is exceeded, and the description gives none {clauses}".strip()
         verdict = replace(verdict, headline=headline)
     unsure = result.uncertainty

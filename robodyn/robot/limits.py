@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal, Protocol
 
 import numpy as np
 
-from robodyn.support.doubts import Doubt
+from robodyn.support.caveats import Caveat
 from robodyn.support.floats import BEYOND, Floats
 
 if TYPE_CHECKING:
@@ -152,11 +152,11 @@ def coordinate_ranges(model: Model) -> tuple[Floats, Floats]:
     return least, largest
 
 
-def within(exceeded: bool, limits: Sequence[Coverage], doubts: Sequence[Doubt]) -> bool | None:
+def within(exceeded: bool, limits: Sequence[Coverage], caveats: Sequence[Caveat]) -> bool | None:
     """Return False if a limit is exceeded; None if some could not be checked or something is in doubt; else True."""
     if exceeded:
         return False
-    return None if doubts or any(each.unchecked for each in limits) else True
+    return None if caveats or any(each.unchecked for each in limits) else True
 
 
 def _split(

@@ -10,14 +10,14 @@ from robodyn.simulation.fixed import Motion
 from robodyn.simulation.methods import MethodOptions
 from robodyn.simulation.result import Figures
 from robodyn.simulation.stiffness import rounded
-from robodyn.support.doubts import Doubt
+from robodyn.support.caveats import Caveat
 
 KEPT = 1e-3
 """Of the energy that a motion turns over: by more than this its balance may not be off."""
 ROUNDING = 1e-10
 """Of the stored energy, whose zero is arbitrary: what is less is rounding."""
 DRIFTS = "by steps that do not keep the energy (ENERGY DRIFTS)"
-"""The clause of motions whose balance is off."""
+"""The kind of caveat about motions whose balance is off."""
 
 
 class Balanced(NamedTuple):
@@ -47,11 +47,11 @@ class Balanced(NamedTuple):
         """Return a step whose balance should be kept."""
         return rounded(0.25 * step)
 
-    def doubt(self, options: MethodOptions) -> Doubt:
+    def caveat(self, options: MethodOptions) -> Caveat:
         """Return what is said of a balance that is off."""
         shorter = f"give --step {self.finer(options.step):g}, or --method radau"
         remedy = "give a smaller --rtol" if options.method.adaptive else shorter
-        return Doubt(
+        return Caveat(
             DRIFTS,
             f"ENERGY DRIFTS: stored energy and work part by {self.off:.3g} J, {100 * self.share:.2g} % of what the "
             f"motion turns over, and more than {100 * KEPT:g} % ({remedy})",

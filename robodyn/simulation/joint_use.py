@@ -15,7 +15,7 @@ from robodyn.robot.model import Joint, Model
 from robodyn.scene.scene import Scene
 from robodyn.simulation.conserving import is_free
 from robodyn.simulation.events import Limits, Stop
-from robodyn.support.doubts import Doubt
+from robodyn.support.caveats import Caveat
 from robodyn.support.floats import BEYOND, Floats, first_largest, ranked
 
 SLOW = 3.0
@@ -159,7 +159,7 @@ def limits_checked(model: Model, scene: Scene) -> tuple[Coverage, ...]:
     return (efforts, speeds) if scene.joint_limits == "ignore" else (efforts, speeds, positions)
 
 
-def doubts(model: Model, scene: Scene, time: Floats, q: Floats, qd: Floats) -> Iterator[Doubt]:
+def caveats(model: Model, scene: Scene, time: Floats, q: Floats, qd: Floats) -> Iterator[Caveat]:
     """Yield what else keeps "No limit is exceeded" from being the whole truth.
 
     Args:
@@ -167,23 +167,23 @@ def doubts(model: Model, scene: Scene, time: Floats, q: Floats, qd: Floats) -> I
     """
     beyond = deepest(model, time, q, qd) if scene.joint_limits == "ignore" else None
     if beyond:
-        yield Doubt(
+        yield Caveat(
             "but for positions, whose limits the scene ignores",
             f"limits of position are ignored, as the scene says: {beyond}",
         )
     if scene.motor:
-        yield Doubt(
+        yield Caveat(
             "but for motors, which are not looked at",
             "a simulation does not look at what motors can do; robodyn torques --sizing of the table of --out does",
         )
     if why := "" if scene.held or scene.wrenches else untouched(model):
         if is_free(model, scene) and any(scene.gravity):
             how = "give the forces that carry the robot as [[wrench]]"
-            yield Doubt("as the robot falls freely (assumed)", f"nothing carries the free base: {why}; {how}")
+            yield Caveat("as the robot falls freely (assumed)", f"nothing carries the free base: {why}; {how}")
         elif not model.floating:
             held = "if something carries the base, say so (--base-held, or [base] held = true)"
             free = 'otherwise free it ([base] motion = "moving") and give the forces that carry it as [[wrench]]'
-            yield Doubt(
+            yield Caveat(
                 "as long as the base is held (assumed)", f"the base stays where it is, though {why}; {held}, {free}"
             )
 

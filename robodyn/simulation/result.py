@@ -12,10 +12,10 @@ from robodyn.robot.limits import Coverage, Excess, within
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.simulation.conserving import is_free
-from robodyn.simulation.joint_use import JointUse, doubts, joint_use, limits_checked
+from robodyn.simulation.joint_use import JointUse, caveats, joint_use, limits_checked
 from robodyn.simulation.loop_figures import LoopFigures
 from robodyn.simulation.methods import Method
-from robodyn.support.doubts import Doubt
+from robodyn.support.caveats import Caveat
 from robodyn.support.floats import Floats
 
 
@@ -73,7 +73,7 @@ class Simulation:
     effects: tuple[tuple[Effect, Verdict], ...]
     loops: LoopFigures | None = None
     ended: str = ""
-    shaky: tuple[Doubt, ...] = ()
+    shaky: tuple[Caveat, ...] = ()
     notes: tuple[str, ...] = ()
     target: float | None = None
     expected_error: float | None = None
@@ -106,9 +106,9 @@ class Simulation:
         return limits_checked(self.model, self.scene)
 
     @cached_property
-    def doubts(self) -> tuple[Doubt, ...]:
+    def caveats(self) -> tuple[Caveat, ...]:
         """What else keeps "No limit is exceeded" from being the whole truth."""
-        return (*self.shaky, *doubts(self.model, self.scene, self.time, self.q, self.qd))
+        return (*self.shaky, *caveats(self.model, self.scene, self.time, self.q, self.qd))
 
     @property
     def within_limits(self) -> bool | None:
@@ -116,7 +116,7 @@ class Simulation:
 
         A position is never beyond its limit: the motion ends there, or a spring pushes back.
         """
-        return within(bool(self.exceeded), self.limits, self.doubts)
+        return within(bool(self.exceeded), self.limits, self.caveats)
 
     @property
     def energy_drift(self) -> float:

@@ -25,7 +25,7 @@ from robodyn.simulation.joint_use import assumed, deepest, held
 from robodyn.simulation.loop_figures import loop_figures
 from robodyn.simulation.methods import MethodOptions, choose_method
 from robodyn.simulation.result import Figures, Simulation
-from robodyn.simulation.singular import passing_notes, start_doubts
+from robodyn.simulation.singular import passing_notes, start_caveats
 from robodyn.simulation.stiff_steps import Free, followed
 from robodyn.simulation.stiffness import with_friction
 from robodyn.simulation.table import Signal, Source, read_table
@@ -85,13 +85,13 @@ def simulate(
     length = duration or (DURATION if signal.table is None else signal.table.duration)
     begun = initial_state(model, scene)
     start = start_of(a_plan)
-    unsure = start_doubts(a_plan, start)
+    unsure = start_caveats(a_plan, start)
 
     def made(options: MethodOptions) -> Balanced:
         motion = integrated(a_plan, options, length, executor, signal, start, also)
         return Balanced(motion, _figures(a_plan, motion, executor, signal))
 
-    (motion, figures), options, stiff, doubts = followed(
+    (motion, figures), options, stiff, caveats = followed(
         a_plan,
         options,
         start[: model.nq],
@@ -119,7 +119,7 @@ def simulate(
         effects=a_plan.verdicts,
         loops=loops,
         ended=motion.ended,
-        shaky=(*unsure, *doubts),
+        shaky=(*unsure, *caveats),
         notes=(
             *model.notes,
             *signal.assumptions,

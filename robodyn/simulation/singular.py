@@ -16,7 +16,7 @@ from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar
 from robodyn.simulation.equations import STATE, Equations, state_runner
 from robodyn.simulation.fixed import Motion
-from robodyn.support.doubts import Doubt
+from robodyn.support.caveats import Caveat
 from robodyn.support.floats import Floats
 
 KEPT = 1e-4
@@ -32,8 +32,8 @@ class Singular(NamedTuple):
     freedoms: int
 
 
-def start_doubts(plan: Plan, state: Floats) -> tuple[Doubt, ...]:
-    """Return the doubts about a start in which the equations of the loops depend on each other.
+def start_caveats(plan: Plan, state: Floats) -> tuple[Caveat, ...]:
+    """Return the caveats about a start in which the equations of the loops depend on each other.
 
     With u^T J = 0 a motion keeps u^T J' qd = 0 too, a quadratic form of the speeds: they are along one of the ways on.
 
@@ -55,7 +55,7 @@ def start_doubts(plan: Plan, state: Floats) -> tuple[Doubt, ...]:
         raise InputError(what, remedy=_ways(plan, chain, q, qd, left, across))
     how = "they follow the speeds given, and errors fall only with the step" if qd.any() else "at rest none is marked"
     said = f"{leave}: ways part there, and which one is taken is assumed ({how}); begin a little away from there"
-    return (Doubt("by one of several motions that are possible (assumed)", said),)
+    return (Caveat("by one of several motions that are possible (assumed)", said),)
 
 
 def _lost(chain: ClosedChain, q: list[float]) -> tuple[Floats, Floats]:

@@ -13,7 +13,7 @@ from robodyn.simulation.balance import KEPT, Balanced
 from robodyn.simulation.fixed import SHORTER, Motion
 from robodyn.simulation.methods import MethodOptions, TooMuchError, method_named
 from robodyn.simulation.stiffness import Stiffest, reach, rounded, stiffest
-from robodyn.support.doubts import Doubt
+from robodyn.support.caveats import Caveat
 from robodyn.support.floats import Floats
 
 MOST_UNASKED = 1e5
@@ -21,7 +21,7 @@ MOST_UNASKED = 1e5
 MOST_EVER = 1e9
 """Evaluations that dop853 is left to: hours. A motion that would take more is not one of a robot."""
 TOO_LONG = "by steps that are too long for it (STEP TOO LONG)"
-"""The clause of steps that are kept though they are too long."""
+"""The kind of caveat about steps that are kept though they are too long."""
 LOOKED_AT = 1e5
 """Rows of the mass matrices that a motion is looked at in, about; those around the stiffest come on top."""
 
@@ -39,7 +39,7 @@ class Followed(NamedTuple):
     made: Balanced
     options: MethodOptions
     notes: tuple[str, ...] = ()
-    doubts: tuple[Doubt, ...] = ()
+    caveats: tuple[Caveat, ...] = ()
 
 
 class Free(NamedTuple):
@@ -86,9 +86,9 @@ def followed(
             continue
         finer = _finer(options, found, duration, free) if fastest is not None and found.share > KEPT else None
         if finer is None:
-            doubts = [] if outgrown is None else [_doubt(a_plan, options, *outgrown)]
-            doubts += [found.doubt(options)] if found.share > KEPT else []
-            return Followed(found, *chosen, tuple(doubts))
+            caveats = [] if outgrown is None else [_caveat(a_plan, options, *outgrown)]
+            caveats += [found.caveat(options)] if found.share > KEPT else []
+            return Followed(found, *chosen, tuple(caveats))
         chosen = finer
 
 
@@ -161,12 +161,12 @@ def _instead(
     raise error
 
 
-def _doubt(a_plan: Plan, options: MethodOptions, fastest: Stiffest, since: float) -> Doubt:
+def _caveat(a_plan: Plan, options: MethodOptions, fastest: Stiffest, since: float) -> Caveat:
     longest = fastest.longest(options.method)
     when = f" from {since:.4g} s on" if since else ""
     remedy = fastest.remedy(options.method, options.step, a_plan.scene.slip_speed)
     said = f"STEP TOO LONG{when}: {fastest}, which {options.method.name} follows with steps of up to {longest:.2g} s"
-    return Doubt(
+    return Caveat(
         TOO_LONG,
         f"{said}; with {options.step:.3g} s it chatters ({remedy})",
     )

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.support.doubts import Doubt
+from robodyn.support.caveats import Caveat
 from robodyn.support.floats import Floats, median
 from robodyn.support.wording import figure, shown
 from robodyn.trajectory.assemble import cut
@@ -46,19 +46,19 @@ class Given:
         own: how the same is derived from the positions.
         wrong: columns of qdd that positions contradict; their bars are those of what positions tell.
         open, noise: (n,) of the others: what positions leave open, and the standard deviation of their noise.
-        doubts: what is said of those that are wrong.
+        caveats: what is said of those that are wrong.
     """
 
     own: Plan
     wrong: NDArray[np.intp]
     open: Floats
     noise: Floats
-    doubts: tuple[Doubt, ...]
+    caveats: tuple[Caveat, ...]
 
     @property
     def halo(self) -> int:
         """Neighbours that a block needs on either side."""
-        return self.own.halo if len(self.wrong) or self.doubts else 0
+        return self.own.halo if len(self.wrong) or self.caveats else 0
 
     def trusted(self, samples: Trajectory, known: Sampling | None, rows: slice) -> Sampling:
         """Return how far accelerations of some rows can be trusted, of which those are known that are derived.
@@ -117,7 +117,7 @@ def against_positions(
             if clear and _rms(apart) > SPEED_OFF * level:
                 faults.append(f"velocities are off by {figure(_rms(apart), 2)} of {figure(level, 2)} (rms)")
         said += [(group.name, fault) for fault in faults[:1]]
-    return Given(own, np.array(wrong, dtype=np.intp), open_, noise, _doubts(said))
+    return Given(own, np.array(wrong, dtype=np.intp), open_, noise, _caveats(said))
 
 
 def _unexplained(group: Group, theirs: Sequence[Trajectory]) -> float:
@@ -164,9 +164,9 @@ def _lag(apart: Floats, ours: Sequence[tuple[Floats, Floats]]) -> float:
     return lag if lag > 0.0 and lag * lag * square > EXPLAINED * float((apart * apart).sum()) else 0.0
 
 
-def _doubts(said: Sequence[tuple[str, str]]) -> tuple[Doubt, ...]:
+def _caveats(said: Sequence[tuple[str, str]]) -> tuple[Caveat, ...]:
     if not said:
         return ()
     (name, fault), others = said[0], f"; so are those of {len(said) - 1} more" if len(said) > 1 else ""
     what = f"{shown(name)}: the {fault} from what its positions say{others}"
-    return (Doubt(CLAUSE, f"{what}; --derivatives anew derives them from the positions instead"),)
+    return (Caveat(CLAUSE, f"{what}; --derivatives anew derives them from the positions instead"),)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from robodyn.support.doubts import Doubt
+from robodyn.support.caveats import Caveat
 from robodyn.support.floats import Floats
 
 NOISE = 2.0
@@ -90,7 +90,7 @@ class Trajectory:
         origin: what `time` counts from [s], in the table's count.
         held: position [rad or m] of each coordinate without a column that is held.
         followed: joints without columns, which loops tell; zero until they are filled in, see `loads.follow`.
-        doubts: what makes the table's units doubtful, by all samples up to the last of these.
+        caveats: what makes the table's units doubtful, by all samples up to the last of these.
         sampling: how far the derived accelerations of these samples can be trusted; None if that is not known.
         slowest: (n,) speeds below which a joint cannot be told from one that stands still [rad/s, m/s]; speeds are 0
             where it does. None if that is not known.
@@ -108,7 +108,7 @@ class Trajectory:
     origin: float = 0.0
     held: Mapping[str, float] = field(default_factory=dict)
     followed: tuple[str, ...] = ()
-    doubts: tuple[Doubt, ...] = ()
+    caveats: tuple[Caveat, ...] = ()
     sampling: Sampling | None = None
     slowest: Floats | None = None
 

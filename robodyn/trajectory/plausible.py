@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.errors import TrajectoryError
-from robodyn.support.doubts import Doubt, WrongUnits
+from robodyn.support.caveats import Caveat, WrongUnits
 from robodyn.trajectory.clock import EPOCH, Clock
 from robodyn.trajectory.columns import Signal, Signals
 from robodyn.trajectory.layout import ABSENT, Layout
@@ -45,16 +45,16 @@ first, their ratio within the second of that of the units, and what they change 
 coarse samples of fast swings they may be anything); of so many steps at least."""
 
 
-def refuse_units(doubts: Sequence[Doubt], file: str | None) -> None:
+def refuse_units(caveats: Sequence[Caveat], file: str | None) -> None:
     """Raise where numbers can hardly be in the units that they are taken in.
 
     Args:
-        doubts: about a table, of its units among others.
+        caveats: about a table, of its units among others.
 
     Raises:
         TrajectoryError: with what is seen, and the options that say what is meant.
     """
-    if said := [doubt.said for doubt in doubts if isinstance(doubt, WrongUnits)]:
+    if said := [caveat.text for caveat in caveats if isinstance(caveat, WrongUnits)]:
         raise TrajectoryError("; ".join(said), file=file)
 
 
@@ -130,14 +130,14 @@ class Plausibility:
                     z = step * np.diff(rates[:, rate])
                     self._steps[name][:, rate] += (x * x).sum(), (x * y).sum(), (y * y).sum(), (z * z).sum()
 
-    def doubts(self) -> tuple[Doubt, ...]:
+    def caveats(self) -> tuple[Caveat, ...]:
         """Return what is doubtful about the units, each with the option that mends it."""
         seen, clock = [*self._seen()], self._layout.clock
         found = {kind: said for kind in _OTHER if (said := _positions(kind, seen) or self._rates(kind))}
         if "angle" not in found and (said := _degrees(seen)):
             found["angle"] = said
         parts = {kind: _OTHER[kind][0] if kind in found else 1.0 for kind in _OTHER}
-        doubts: list[Doubt] = [WrongUnits(f"if {_SI[kind][1]} (assumed)", said) for kind, said in found.items()]
+        caveats: list[Caveat] = [WrongUnits(f"if {_SI[kind][1]} (assumed)", said) for kind, said in found.items()]
         seen = [
             each._replace(speed=each.speed / parts[each.kind], lasting=each.lasting / parts[each.kind]) for each in seen
         ]
@@ -150,8 +150,8 @@ class Plausibility:
             said = f"{why}: are the stamps {_TIMES[unit]}? ({remedy})"
             few = self._rows < FEW and first <= _LATEST  # way-points, of a robot that may well be slow
             clause = f"if the stamps are {_TIMES[now]}{'' if clock.told else ' (assumed)'}"
-            doubts.append((Doubt if few else WrongUnits)(clause, said))
-        return tuple(doubts)
+            caveats.append((Caveat if few else WrongUnits)(clause, said))
+        return tuple(caveats)
 
     def _rates(self, kind: str) -> str:
         """Return why given velocities or accelerations are in the other unit while what they are rates of is not."""

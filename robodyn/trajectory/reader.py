@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robodyn.errors import TrajectoryError
-from robodyn.support.doubts import Doubt
+from robodyn.support.caveats import Caveat
 from robodyn.support.floats import Floats
 from robodyn.support.wording import count
 from robodyn.trajectory.assemble import Assembly, cut, with_neighbours
@@ -45,7 +45,7 @@ class TrajectoryReader:
 
     columns: the names in the table; size_bytes, position_bytes: length of the file and how much has been read;
     notes: assumptions made so far; derivation: how velocities and accelerations are derived, None if all are given;
-    doubts: what makes the units doubtful, by all that has been read; followed: joints without columns that loops tell;
+    caveats: what makes the units doubtful, by all that has been read; followed: joints without columns that loops tell;
     missing: joints whose velocities or accelerations are not given.
     """
 
@@ -85,7 +85,7 @@ class TrajectoryReader:
             what = f"velocity or acceleration of {listing(lost)} is not given"
             raise header.error(what, "--derivatives auto derives what is missing")
         self.notes, self.followed = (*table.notes, *layout.notes, *assumptions), layout.followed
-        self.doubts: tuple[Doubt, ...] = ()
+        self.caveats: tuple[Caveat, ...] = ()
         self._plan: Plan | None = None
         self._open: Floats | None = None
 
@@ -155,8 +155,8 @@ class TrajectoryReader:
                 self._refuse_short(len(samples), needed)
             block = self._trusted(samples, check, still, slice(start, stop))
             plausible.update(block if self._plan or not self.missing else _with_rough_speeds(block))
-            self.doubts = (*plausible.doubts(), *(check.doubts if check else ()))
-            yield replace(block, derivation=self.derivation, notes=self.notes, doubts=self.doubts)
+            self.caveats = (*plausible.caveats(), *(check.caveats if check else ()))
+            yield replace(block, derivation=self.derivation, notes=self.notes, caveats=self.caveats)
 
     def _trusted(self, samples: Trajectory, check: Given | None, still: Standstill | None, rows: slice) -> Trajectory:
         """Return some of the samples with the missing columns, speeds of 0 where joints stand still, and how far they

@@ -58,7 +58,7 @@ def test_what_passive_knees_lack_is_told(quadruped):
     found = robodyn.torques(quadruped, robodyn.motion(quadruped, np.arange(3) * 0.1, q, still, still), scene)
     lacks = {each.name: each.most.value for each in found.constraints.unbalanced}
     assert min(abs(lacks[knee]) for knee in knees) > 0.1
-    assert sum("N m at the passive 'lf_knee', and 3 more" in doubt.said for doubt in found.doubts) == 1
+    assert sum("N m at the passive 'lf_knee', and 3 more" in caveat.text for caveat in found.caveats) == 1
 
 
 @pytest.mark.parametrize(

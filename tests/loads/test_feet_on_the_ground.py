@@ -134,9 +134,9 @@ def test_pushes_that_no_contact_forces_hold(name, kind, force, friction):
     assert 1e-3 * weight < max(span.force.value, span.moment.value) <= 1.6 * weight
     if kind == "pull":
         assert span.force.value == pytest.approx(0.5 * weight, rel=0.05)
-    (doubt,) = found.doubts
-    assert "no contact forces balance the motion" in doubt.said
-    assert " N m are missing at " in doubt.said
+    (caveat,) = found.caveats
+    assert "no contact forces balance the motion" in caveat.text
+    assert " N m are missing at " in caveat.text
 
 
 @pytest.mark.parametrize("slope", ["gravity", "normal"])

@@ -92,13 +92,13 @@ def knee(result: robodyn.Result) -> float:
 
 def test_a_quadruped_whose_base_hangs_is_not_green() -> None:
     result = standing(contacts=False, moving=False)
-    (doubt,) = result.doubts
+    (caveat,) = result.caveats
     weight = f"{9.81 * robodyn.load(path_of('anymal')).total_mass:.3g} N"
-    assert doubt.said.startswith(f"the ground holds the base with {weight} and ")
-    assert "there is no contact at its feet ('LF_FOOT', 'RF_FOOT', 'LH_FOOT', 'RH_FOOT')" in doubt.said
+    assert caveat.text.startswith(f"the ground holds the base with {weight} and ")
+    assert "there is no contact at its feet ('LF_FOOT', 'RF_FOOT', 'LH_FOOT', 'RH_FOOT')" in caveat.text
     ways = ("--base-held", "[base] held = true", '[base] motion = "moving"', "[[contact]]")
-    assert all(way in doubt.said for way in ways)
-    assert result.warnings[0] == doubt.said
+    assert all(way in caveat.text for way in ways)
+    assert result.warnings[0] == caveat.text
     assert result.within_limits is None
     verdict = limits_verdict(result)
     assert (verdict.level, verdict.headline) == ("doubtful", HEADLINE)
@@ -108,23 +108,23 @@ def test_a_quadruped_whose_base_hangs_is_not_green() -> None:
 @pytest.mark.parametrize("moving", [True, False])
 def test_feet_that_carry_the_weight_leave_nothing_in_doubt(moving: bool) -> None:
     result = standing(contacts=True, moving=moving)
-    assert not result.doubts
+    assert not result.caveats
     assert limits_verdict(result).level == "good"
 
 
 def test_a_moving_base_that_nothing_carries_says_so() -> None:
     for contacts, share, why in ((False, 0.0, "no contact that carries it"), (True, 0.5, "do not carry it")):
         result = standing(contacts=contacts, moving=True, share=share)
-        (doubt,) = result.doubts
+        (caveat,) = result.caveats
         left = (1.0 - share) * 9.81 * robodyn.load(path_of("anymal")).total_mass
-        assert doubt.said.startswith(f"the ground holds the base with {left:.3g} N and ")
-        assert why in doubt.said
+        assert caveat.text.startswith(f"the ground holds the base with {left:.3g} N and ")
+        assert why in caveat.text
 
 
 @pytest.mark.parametrize("moving", [True, False])
 def test_a_base_that_is_held_is_said_once_and_not_warned_of(moving: bool) -> None:
     result = standing(contacts=False, moving=moving, held=True)
-    assert not result.doubts
+    assert not result.caveats
     assert limits_verdict(result).headline == "No limit is exceeded"
 
 
@@ -235,8 +235,8 @@ def test_a_floating_joint_that_nothing_drives() -> None:
     q[:, 6] = 1.0
     zero = np.zeros((3, model.n))
     result = robodyn.torques(model, robodyn.motion(model, [0.0, 0.5, 1.0], q, zero, zero))
-    (doubt,) = result.doubts
-    assert doubt.said.startswith("nothing drives the floating joint 'free', whose motion takes 19.6 N and 0 N m (RMS)")
+    (caveat,) = result.caveats
+    assert caveat.text.startswith("nothing drives the floating joint 'free', whose motion takes 19.6 N and 0 N m (RMS)")
     fall = zero.copy()
     fall[:, 5] = -9.81
-    assert not robodyn.torques(model, robodyn.motion(model, [0.0, 0.5, 1.0], q, zero, fall)).doubts
+    assert not robodyn.torques(model, robodyn.motion(model, [0.0, 0.5, 1.0], q, zero, fall)).caveats

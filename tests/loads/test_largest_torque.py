@@ -66,7 +66,7 @@ def test_the_peak_is_the_largest_of_the_table_and_of_the_base(tmp_path: Path) ->
     assert abs(mz["peak"]) == pytest.approx(abs(load["peak"]), rel=1e-12)
     assert outcome.status == int(abs(load["peak"]) > load["effort_limit"])
     assert found["verdict"]["level"] != "good"
-    assert any("limit" in doubt and "within" in doubt for doubt in found["warnings"]) or outcome.status == 1
+    assert any("limit" in line and "within" in line for line in found["warnings"]) or outcome.status == 1
 
 
 def test_a_motor_whose_limit_is_within_the_bar_is_not_called_kept() -> None:
@@ -80,4 +80,4 @@ def test_a_motor_whose_limit_is_within_the_bar_is_not_called_kept() -> None:
     scene = robodyn.Scene(motor={"j1": robodyn.Motor(peak=limit)})
     found = robodyn.torques(model, motion, scene)
     assert found.within_limits is None
-    assert any("the motor of 'j1'" in doubt.said for doubt in found.doubts)
+    assert any("the motor of 'j1'" in caveat.text for caveat in found.caveats)

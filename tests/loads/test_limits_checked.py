@@ -12,7 +12,7 @@ from helpers.command_line import ARM, motion, run
 from robodyn.report.limits import unchecked_words, verdict_on_limits
 from robodyn.robot.assemble import load
 from robodyn.robot.limits import Excess, coverage
-from robodyn.support.doubts import Doubt
+from robodyn.support.caveats import Caveat
 
 LIMIT = '<limit effort="50" velocity="5" lower="-3" upper="3"/>'
 NO_EFFORT = "2 of 2 joints have no effort limit: not checked (0, which means none, for shoulder, elbow)."
@@ -76,11 +76,11 @@ def test_many_joints_without_limits_are_counted() -> None:
 
 def test_a_doubt_takes_the_green_away_and_goes_with_the_headline() -> None:
     limits = coverage(model(LIMIT).independent)
-    doubts = (Doubt("as long as it holds", "It may not hold."), Doubt("as far as it goes", "It may not go."))
-    verdict = verdict_on_limits(2, (), limits, doubts)
+    caveats = (Caveat("as long as it holds", "It may not hold."), Caveat("as far as it goes", "It may not go."))
+    verdict = verdict_on_limits(2, (), limits, caveats)
     assert verdict.headline == "No limit is exceeded as long as it holds, as far as it goes"
     assert (verdict.level, verdict.reasons) == ("doubtful", ("It may not hold.", "It may not go."))
-    red = verdict_on_limits(2, [Excess("elbow", "effort", 60.0, 50.0, "N m", 0.5, 0.1)], limits, doubts)
+    red = verdict_on_limits(2, [Excess("elbow", "effort", 60.0, 50.0, "N m", 0.5, 0.1)], limits, caveats)
     assert (red.level, red.headline) == ("bad", "1 of 2 joints exceeds its limits")
     assert red.reasons[-1] == (
         "elbow needs a torque of 60.00 N m at 0.5 s, 120 % of its limit of 50 N m; it is beyond the limit for 0.1 s."

@@ -115,7 +115,7 @@ def test_a_velocity_that_is_not_the_rate_of_the_position_is_told():
         (warning,) = set(result.warnings) - set(model.notes)
         assert warning.startswith("energy balance is off by")
         assert warning.endswith("velocities or accelerations are not the rates of the positions")
-        assert [doubt.said for doubt in result.doubts] == [warning]
+        assert [caveat.text for caveat in result.caveats] == [warning]
         assert max(result.checks.first_law, result.checks.second_law) <= 1e-12
 
 

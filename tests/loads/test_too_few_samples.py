@@ -15,7 +15,7 @@ from helpers.sampled import sampled
 
 import robodyn
 from robodyn.report.limits import limits_verdict
-from robodyn.support.doubts import TOO_FEW
+from robodyn.support.caveats import TOO_FEW
 
 DURATION = 4.0
 ENOUGH = 0.93
@@ -105,13 +105,13 @@ def test_which_numbers_of_samples_are_too_few(name: str) -> None:
     rng = np.random.default_rng(1)
     for rows in ROWS:
         derived, given, _ = both(name, rows, rng)
-        warned = any(doubt.clause == TOO_FEW for doubt in derived.doubts)
+        warned = any(caveat.kind == TOO_FEW for caveat in derived.caveats)
         blind = name == "fast sine" and rows in (3, 5)  # the same place in every row
         assert warned == (rows < TOO_FEW_BELOW[name] and not blind), rows
         assert derived.samples_suffice is not warned
         if rows >= ENERGY_BELOW[name]:
-            assert not given.doubts, rows
-        assert all("too few" in doubt.clause for doubt in given.doubts)
+            assert not given.caveats, rows
+        assert all("too few" in caveat.kind for caveat in given.caveats)
 
 
 @pytest.mark.parametrize("name", sampled(MOTIONS, 4))
@@ -134,9 +134,9 @@ def test_bars_of_well_sampled_motions_are_small() -> None:
 
 def test_five_points_are_not_clean_and_not_trusted() -> None:
     derived, _, _ = both("points by minimum jerk", 5, np.random.default_rng(4))
-    (doubt,) = derived.doubts
-    assert doubt.said.startswith("5 samples over 4 s are too few to derive accelerations: the peak of '")
-    assert doubt.said.endswith("give samples at 100 Hz or more, or give velocities and accelerations")
+    (caveat,) = derived.caveats
+    assert caveat.text.startswith("5 samples over 4 s are too few to derive accelerations: the peak of '")
+    assert caveat.text.endswith("give samples at 100 Hz or more, or give velocities and accelerations")
     verdict = limits_verdict(derived)
     assert verdict.level in ("doubtful", "bad")
     assert derived.within_limits is not True
@@ -146,7 +146,7 @@ def test_five_points_are_not_clean_and_not_trusted() -> None:
 def test_a_pose_that_is_held_needs_no_samples() -> None:
     model = robot("puma560")
     result = robodyn.torques(model, robodyn.motion(model, [0.0, 1.0, 2.0], np.full((3, model.n), 0.4)))
-    assert not result.doubts
+    assert not result.caveats
     assert not any(joint.error_bar for joint in result.joints)
 
 
@@ -192,6 +192,6 @@ def test_a_limit_within_the_error_bar_of_a_peak_is_not_green() -> None:
     limit = abs(waist.peak) + 0.5 * waist.error_bar
     tight = robodyn.load(re.sub('effort="[^"]*"', f'effort="{limit!r}"', text, count=1).encode())
     result = robodyn.torques(tight, robodyn.motion(tight, t, q))
-    (doubt,) = [each for each in result.doubts if "error bar" in each.clause]
-    assert doubt.clause == "unless within the error bar of 'waist'"
+    (caveat,) = [each for each in result.caveats if "error bar" in each.kind]
+    assert caveat.kind == "unless within the error bar of 'waist'"
     assert limits_verdict(result).level != "good"

@@ -64,9 +64,9 @@ def test_the_probability_that_a_limit_is_kept(limit):
     assert result.uncertainty.suffices == pytest.approx(expected, rel=1e-9)
     (effort, velocity) = result.uncertainty.joints[0].limits
     assert (effort.quantity, effort.limit, velocity.probability) == ("effort", limit, 1.0)
-    doubts = [doubt.clause for doubt in result.doubts if "parameters" in doubt.clause]
-    assert bool(doubts) == (limit >= G and expected < 0.95)
-    assert result.within_limits is (False if limit < G else None if doubts else True)
+    caveats = [caveat.kind for caveat in result.caveats if "parameters" in caveat.kind]
+    assert bool(caveats) == (limit >= G and expected < 0.95)
+    assert result.within_limits is (False if limit < G else None if caveats else True)
 
 
 def test_a_balanced_pendulum_is_no_linear_matter():
@@ -303,7 +303,7 @@ def test_bars_within_a_twentieth_of_a_hundred_thousand_motions(name, profile, mo
 def test_bars_of_a_long_motion(more):
     """More samples than are kept: 900, in 15 moves."""
     model = robot("scara")
-    given = replace(moves(model, quintic, 60, 15), doubts=())  # positions far beyond the limits are meant
+    given = replace(moves(model, quintic, 60, 15), caveats=())  # positions far beyond the limits are meant
     compare(robodyn.torques(model, given, scene_of(model, **more), samples=10_000))
 
 

@@ -63,7 +63,7 @@ def test_the_default_step_follows_stiff_friction_or_another_method_does():
 
 def test_a_step_that_is_too_long_chatters_and_the_report_says_what_to_do():
     found = robodyn.simulate(slide(M), HELD, 0.5, step=1e-3)
-    remark = next(doubt.said for doubt in found.doubts if doubt.said.startswith("STEP TOO LONG"))
+    remark = next(caveat.text for caveat in found.caveats if caveat.text.startswith("STEP TOO LONG"))
     assert remark == (
         'STEP TOO LONG: Coulomb friction near rest of "j1" settles at 1.5e+04/s, which rk4 follows with steps of up '
         "to 0.00019 s; with 0.001 s it chatters (give --step 5e-05, or --method radau, or slip_speed = 0.001 in the "
@@ -73,7 +73,7 @@ def test_a_step_that_is_too_long_chatters_and_the_report_says_what_to_do():
     for remedied in ({"step": 5e-5}, {"method": "radau"}):
         cured = robodyn.simulate(slide(M), HELD, 0.5, **remedied)
         assert np.abs(cured.qd[cured.time > 0.4, 0] - CREEP).max() <= 1e-4 * CREEP
-        assert not any("STEP TOO LONG" in doubt.said for doubt in cured.doubts)
+        assert not any("STEP TOO LONG" in caveat.text for caveat in cured.caveats)
     slower = robodyn.simulate(slide(M), replace(HELD, slip_speed=1e-3), 0.5, step=1e-3)
     assert np.abs(slower.qd[-50:, 0] - 10 * CREEP).max() <= 1e-4 * CREEP
 
@@ -96,7 +96,7 @@ def test_the_reach_is_the_end_of_stability(name):
     ends = [robodyn.simulate(slide(M), scene, 200 * k * longest, step=k * longest, method=name) for k in (0.98, 1.02)]
     below, above = (abs(found.qd[-1, 0]) for found in ends)
     assert below < 1.0 < above
-    assert [any("STEP TOO LONG: viscous friction" in doubt.said for doubt in found.doubts) for found in ends] == [
+    assert [any("STEP TOO LONG: viscous friction" in caveat.text for caveat in found.caveats) for found in ends] == [
         False,
         True,
     ]

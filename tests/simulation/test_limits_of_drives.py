@@ -111,13 +111,13 @@ def test_what_carries_a_robot_is_assumed_and_said() -> None:
     how = {"duration": 1e-3, "executor": "numpy", "method": "midpoint"}
     standing = robodyn.simulate(robodyn.load(path_of("solo")), Scene(), **how)
     assert limits_verdict(standing).headline.endswith("as long as the base is held (assumed)")
-    assert "there is no contact at its feet" in standing.doubts[0].said
+    assert "there is no contact at its feet" in standing.caveats[0].text
     free = robodyn.load(path_of("solo"), moving_base=True)
     falling = robodyn.simulate(free, Scene(moving_base=True), **how)
     assert limits_verdict(falling).headline.endswith("as the robot falls freely (assumed)")
     pushed = Scene(moving_base=True, wrenches=(ExternalWrench("base_link", (0.0, 0.0, 24.0)),))
     for scene in (pushed, Scene(moving_base=True, gravity=(0, 0, 0)), Scene(moving_base=True, held=True)):
-        assert robodyn.simulate(free, scene, **how).doubts == ()
+        assert robodyn.simulate(free, scene, **how).caveats == ()
 
 
 def test_a_body_that_is_thrown_falls_freely() -> None:

@@ -46,7 +46,7 @@ def test_elastic_impacts_are_followed_by_default(stiffness: float, mass: float, 
     found = rebound(stiffness, mass, speed)
     assert found.qd[-1, 0] == pytest.approx(-speed, rel=KEPT)
     assert found.energy_drift <= KEPT * 0.5 * mass * speed**2
-    assert found.doubts == ()
+    assert found.caveats == ()
 
 
 @pytest.mark.parametrize("method", FIXED)
@@ -60,27 +60,27 @@ def test_an_impact_that_is_not_followed_is_never_green(method: str) -> None:
             continue
         kept = abs(found.qd[-1, 0] + speed) <= KEPT * speed
         assert kept or found.within_limits is not True
-        doubted += any(doubt.said.startswith("ENERGY DRIFTS: ") for doubt in found.doubts)
+        doubted += any(caveat.text.startswith("ENERGY DRIFTS: ") for caveat in found.caveats)
     assert doubted
 
 
 def test_the_warning_says_by_how_much_and_what_to_do() -> None:
     found = rebound(1e8, 1.0, 2.0, step=1e-4)
-    (doubt,) = found.doubts
-    assert doubt.said.endswith(
+    (caveat,) = found.caveats
+    assert caveat.text.endswith(
         " % of what the motion turns over, and more than 0.1 % (give --step 2e-05, or --method radau)"
     )
-    assert f"{found.energy_drift:.3g} J" in doubt.said
+    assert f"{found.energy_drift:.3g} J" in caveat.text
     text = simulation_text(found)
-    assert f"warning: {doubt.said}" in text
+    assert f"warning: {caveat.text}" in text
     assert "by steps that do not keep the energy (ENERGY DRIFTS)" in limits_verdict(found).headline
     assert abs(rebound(1e8, 1.0, 2.0, step=1e-6).qd[-1, 0] + 2.0) <= 2e-5
 
 
 def test_tolerances_that_are_too_wide_are_said() -> None:
     found = rebound(1e8, 1.0, 2.0, rtol=1e-2)
-    assert [doubt.said.endswith("(give a smaller --rtol)") for doubt in found.doubts] == [True]
-    assert rebound(1e8, 1.0, 2.0, rtol=1e-9).doubts == ()
+    assert [caveat.text.endswith("(give a smaller --rtol)") for caveat in found.caveats] == [True]
+    assert rebound(1e8, 1.0, 2.0, rtol=1e-9).caveats == ()
 
 
 def test_damped_impacts_lose_what_their_damping_takes() -> None:
@@ -90,5 +90,5 @@ def test_damped_impacts_lose_what_their_damping_takes() -> None:
         found, fine = (
             rebound(stiffness, mass, speed, damping, **how) for how in ({}, {"step": 0.002 * np.sqrt(mass / stiffness)})
         )
-        assert found.doubts == ()
+        assert found.caveats == ()
         assert found.qd[-1, 0] == pytest.approx(fine.qd[-1, 0], abs=0.02 * speed)

@@ -29,7 +29,7 @@ def test_friction_that_becomes_stiff_on_the_way_is_followed(how, monkeypatch):
     assert abs(found.q[-1, 0] - CREEP) <= 2e-6
     assert abs(found.qd[-1, 0] - CREEP) <= 1e-6
     assert found.method.name == "radau"
-    assert not found.doubts or "STEP" not in found.doubts[0].said
+    assert not found.caveats or "STEP" not in found.caveats[0].text
     (said,) = [note for note in found.notes if note.endswith("radau follows it")]
     assert said.startswith('Coulomb friction near rest of "turn" settles at ')
     assert " on the way, too fast for the steps before from 0." in said
@@ -50,7 +50,7 @@ def test_steps_of_the_user_are_kept_and_the_report_says_since_when_they_are_too_
     model, scene = turntable()
     found = robodyn.simulate(model, scene, 1.0, step=2e-4)
     assert found.step == 2e-4
-    (said,) = [doubt.said for doubt in found.doubts if "STEP" in doubt.said]
+    (said,) = [caveat.text for caveat in found.caveats if "STEP" in caveat.text]
     assert said.startswith('STEP TOO LONG from 0.1568 s on: Coulomb friction near rest of "turn" settles at 9.9')
     assert "which rk4 follows with steps of up to 2.8e-07 s; with 0.0002 s it chatters (give --step 1e-07" in said
     assert f"warning: {said}" in simulation_text(found)

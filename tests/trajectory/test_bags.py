@@ -302,9 +302,9 @@ def test_a_position_that_is_mapped_brings_its_speed_and_effort(tmp_path):
 def test_degrees_in_a_bag_are_doubted_and_understood(tmp_path):
     path = renamed(tmp_path, scale=57.29577951308232)
     columns = {"q_shoulder": "q_robot1_shoulder_joint", "q_elbow": "q_Elbow"}
-    assert any("--angle-unit deg" in doubt.said for doubt in read(path, columns=columns).doubts)
+    assert any("--angle-unit deg" in caveat.text for caveat in read(path, columns=columns).caveats)
     block = read(path, columns=columns, angle_unit="deg")
-    assert not any("--angle-unit" in doubt.said for doubt in block.doubts)
+    assert not any("--angle-unit" in caveat.text for caveat in block.caveats)
     order = [robodyn.load(URDF).rates.index(name) for name in NAMES]
     np.testing.assert_allclose(block.q[:, order], samples()[1], atol=1e-13)
 

@@ -48,11 +48,11 @@ def test_bars_of_accelerations_that_are_differences_hold_the_largest_torque(bits
     for joint, largest in zip(found.joints, true, strict=True):
         assert abs(abs(joint.peak) - largest) <= joint.error_bar
     assert any(
-        "accelerations are off by" in doubt.said and "--derivatives anew" in doubt.said for doubt in found.doubts
+        "accelerations are off by" in caveat.text and "--derivatives anew" in caveat.text for caveat in found.caveats
     )
     assert limits_verdict(found).level != "good"
     anew = robodyn.torques(model, robodyn.motion(model, TIME, given, *rates, derivatives="anew"))
-    assert not any("anew" in doubt.said for doubt in anew.doubts)
+    assert not any("anew" in caveat.text for caveat in anew.caveats)
     for joint, largest in zip(anew.joints, true, strict=True):
         assert abs(abs(joint.peak) - largest) <= joint.error_bar <= largest
 
@@ -61,15 +61,15 @@ def test_bars_of_accelerations_that_are_differences_hold_the_largest_torque(bits
 def test_a_delay_is_told(delay: float) -> None:
     q, qd, _ = swing(1)
     late = swing(1, TIME - delay)[2]
-    (doubt,) = from_arrays(ONE, TIME, q, qd, late).doubts
-    told = float(re.search(r"([\d.]+) ms late", doubt.said)[1])  # type: ignore[index]
+    (caveat,) = from_arrays(ONE, TIME, q, qd, late).caveats
+    told = float(re.search(r"([\d.]+) ms late", caveat.text)[1])  # type: ignore[index]
     assert told == pytest.approx(1e3 * delay, rel=0.1)
 
 
 @pytest.mark.parametrize("hertz", [0.5, 2.0, 120.0])
 def test_exact_rates_are_not_doubted_however_fast(hertz: float) -> None:
     motion = from_arrays(ONE, TIME, *swing(1, hertz=hertz))
-    assert not motion.doubts
+    assert not motion.caveats
     assert motion.sampling is not None
     assert motion.sampling.off.max() <= 1e-3 * np.abs(motion.qdd).max()
 
@@ -77,7 +77,7 @@ def test_exact_rates_are_not_doubted_however_fast(hertz: float) -> None:
 def test_exact_rates_of_encoder_positions_are_known_as_well_as_these_tell() -> None:
     q, qd, qdd = swing(1)
     motion = from_arrays(ONE, TIME, read(q, 17), qd, qdd)
-    assert not motion.doubts
+    assert not motion.caveats
     assert motion.sampling is not None
     assert 0.0 < motion.sampling.off.max() <= 0.02 * np.abs(qdd).max()
 

@@ -21,7 +21,7 @@ from robodyn.robot.assemble import load
 from robodyn.robot.model import Model
 from robodyn.scene.read import load_scene
 from robodyn.scene.scene import Scene
-from robodyn.support.doubts import Doubt, WrongUnits
+from robodyn.support.caveats import Caveat, WrongUnits
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.read import open_trajectory
 from robodyn.trajectory.robot_motion import motion, read_motion, signals
@@ -64,9 +64,9 @@ def slipped(model: Model, given: tuple[np.ndarray, ...], slip: str) -> Trajector
     return motion(model, time * ticks, q, qd / ticks, qdd / ticks**2)
 
 
-def of_units(given: Trajectory) -> list[Doubt]:
+def of_units(given: Trajectory) -> list[Caveat]:
     """What is doubted of units; that interpolated rates are not those of the positions is another matter."""
-    return [doubt for doubt in given.doubts if isinstance(doubt, WrongUnits)]
+    return [caveat for caveat in given.caveats if isinstance(caveat, WrongUnits)]
 
 
 def found(model: Model, seeds: range) -> Counter[str]:
@@ -78,7 +78,7 @@ def found(model: Model, seeds: range) -> Counter[str]:
         count["sane"] += bool(of_units(motion(model, *given)))
         for slip in SLIPS:
             option = "--angle-unit deg" if slip == "deg" else f"--time-unit {slip}"
-            count[slip] += any(option in doubt.said for doubt in slipped(model, given, slip).doubts)
+            count[slip] += any(option in caveat.text for caveat in slipped(model, given, slip).caveats)
     return count
 
 
@@ -124,7 +124,7 @@ def test_rates_in_another_unit_than_positions(name: str, order: int) -> None:
                 rates[:, [joint.rate for joint in joints]] *= parts
                 rates += 0.01 * rates.std(axis=0) * rng.standard_normal(rates.shape) * (seed % 2)
                 given_now = [*given[:order], rates, *given[order + 1 :]]
-                said = " ".join(doubt.said for doubt in motion(model, time, *given_now).doubts)
+                said = " ".join(caveat.text for caveat in motion(model, time, *given_now).caveats)
                 assert f"[{unit}/s{'^2' * (order - 1)}]=" in said
                 told = of_units(motion(model, time, *given_now, angle_unit="rad"))
                 assert kind == "prismatic" or told == []
@@ -152,7 +152,7 @@ def test_example_motions_are_not_doubted(path: str) -> None:
     _, time, columns = example_motion(model)
     rows = columns[:: len(time) // 100]
     q, qd, qdd = np.split(rows, (model.nq, model.nq + model.n), axis=1)
-    assert motion(model, time[:: len(time) // 100], q, qd, qdd).doubts == ()
+    assert motion(model, time[:: len(time) // 100], q, qd, qdd).caveats == ()
 
 
 @pytest.mark.parametrize("table", sorted(FOLDER.glob("*.csv")), ids=lambda path: path.stem)
@@ -163,7 +163,7 @@ def test_our_tables_are_not_doubted(table: Path) -> None:
     own = table.with_suffix(".toml")
     scene = load_scene(own) if own.exists() else Scene()
     with read_motion(table, model, scene, ignore_extra=True) as reader:
-        assert [block.doubts for block in reader.blocks()][-1] == ()
+        assert [block.caveats for block in reader.blocks()][-1] == ()
 
 
 ARM = load(str(FOLDER / "puma.urdf"))
@@ -185,35 +185,35 @@ ARM = load(str(FOLDER / "puma.urdf"))
 def test_words_about_stamps(ticks: float, start: float, clause: str, said: str) -> None:
     time = np.arange(50) / 100
     q = np.tile(0.2 * np.sin(5 * time)[:, None], (1, ARM.n))
-    (doubt,) = motion(ARM, (start + time) * ticks, q).doubts
-    assert doubt.clause == clause
-    assert said in doubt.said
+    (caveat,) = motion(ARM, (start + time) * ticks, q).caveats
+    assert caveat.kind == clause
+    assert said in caveat.text
 
 
 def test_stamps_of_a_robot_at_rest_are_doubted_by_their_beginning() -> None:
     q, time = np.zeros((9, ARM.n)), np.arange(9.0)
-    assert motion(ARM, 1.7e9 + time, q).doubts == ()
-    (doubt,) = motion(ARM, 1.7e18 + 1e6 * time, q).doubts
-    assert "stamps begin at 1.7e+18, which is no time in seconds since 1970: are the stamps nanoseconds?" in doubt.said
+    assert motion(ARM, 1.7e9 + time, q).caveats == ()
+    (caveat,) = motion(ARM, 1.7e18 + 1e6 * time, q).caveats
+    assert "stamps begin at 1.7e+18, which is no time in seconds since 1970: are the stamps nanoseconds?" in caveat.text
 
 
 def test_units_that_are_told_are_not_doubted() -> None:
     """A motion that is slow, or beyond all limits, on purpose."""
     time = np.arange(50) * 10.0
     q = np.tile(0.2 * np.sin(time / 200)[:, None], (1, ARM.n))
-    assert motion(ARM, time, q).doubts
-    assert motion(ARM, time, q, time_unit="s").doubts == ()
-    assert motion(ARM, time / 1e3, 90 * q).doubts
-    assert motion(ARM, time / 1e3, 90 * q, angle_unit="rad").doubts == ()
+    assert motion(ARM, time, q).caveats
+    assert motion(ARM, time, q, time_unit="s").caveats == ()
+    assert motion(ARM, time / 1e3, 90 * q).caveats
+    assert motion(ARM, time / 1e3, 90 * q, angle_unit="rad").caveats == ()
 
 
 def test_both_units_at_once() -> None:
     time = np.arange(50) / 100
     q = np.tile(0.4 * np.sin(3 * time)[:, None], (1, ARM.n))
-    clauses = [doubt.clause for doubt in motion(ARM, 1e3 * time, np.degrees(q)).doubts]
+    clauses = [caveat.kind for caveat in motion(ARM, 1e3 * time, np.degrees(q)).caveats]
     assert clauses == ["if angles are radians (assumed)", "if the stamps are seconds (assumed)"]
     units = motion(ARM, 1e3 * time, np.degrees(q), time_unit="ms", angle_unit="deg")
-    assert units.doubts == ()
+    assert units.caveats == ()
     assert np.allclose(units.q, q, rtol=1e-15)
     assert np.allclose(units.qd, motion(ARM, time, q).qd, atol=1e-9)
 
@@ -221,18 +221,18 @@ def test_both_units_at_once() -> None:
 def test_a_time_unit_that_is_too_short_is_doubted() -> None:
     time = np.arange(50) / 100
     q = np.tile(0.2 * np.sin(5 * time)[:, None], (1, ARM.n))
-    (doubt,) = motion(ARM, time, q, time_unit="ms").doubts
-    assert doubt.clause == "if the stamps are milliseconds"
-    assert "times their limit of speed: are the stamps seconds? (--time-unit s)" in doubt.said
+    (caveat,) = motion(ARM, time, q, time_unit="ms").caveats
+    assert caveat.kind == "if the stamps are milliseconds"
+    assert "times their limit of speed: are the stamps seconds? (--time-unit s)" in caveat.text
 
 
 def test_lengths_in_millimetres_are_doubted() -> None:
     model = load(str(FOLDER / "scara.urdf"))
     time = np.arange(50) / 100
     q = np.tile(0.05 * np.sin(5 * time)[:, None], (1, 3)) * (1, 1, 1000)
-    (doubt,) = motion(model, time, q).doubts
-    assert doubt.clause == "if lengths are metres (assumed)"
-    assert "are these millimetres? (--map 'q_quill [mm]=q[3]'" in doubt.said
+    (caveat,) = motion(model, time, q).caveats
+    assert caveat.kind == "if lengths are metres (assumed)"
+    assert "are these millimetres? (--map 'q_quill [mm]=q[3]'" in caveat.text
 
 
 def test_ranges_are_those_of_all_blocks(tmp_path: Path) -> None:
@@ -242,4 +242,4 @@ def test_ranges_are_those_of_all_blocks(tmp_path: Path) -> None:
     rows = np.column_stack((time, *([60.0 * (time > 1.5)] * 3), *([0 * time] * 6)))
     np.savetxt(path, rows, delimiter=",", header=f"time,{names_of}", comments="")
     with open_trajectory(path, signals(ARM), block_rows=100) as reader:
-        assert [len(block.doubts) for block in reader.blocks()] == [0, 1]
+        assert [len(block.caveats) for block in reader.blocks()] == [0, 1]

@@ -24,8 +24,8 @@ def check(context: Context) -> Faults:
 
     with read_motion(context.asked.trajectory, context.model, **context.asked.reading) as motion:
         result = torques(context.model, motion)
-    for doubt in motion.doubts:
-        what = f"limits along {context.asked.trajectory} hold only {doubt.clause}: {doubt.said}"
+    for caveat in motion.caveats:
+        what = f"limits along {context.asked.trajectory} hold only {caveat.kind}: {caveat.text}"
         yield Fault(context.view.root.span, what, "say which unit it is", subject=None)
     for excess in result.exceeded:
         joint = context.view.joint[excess.joint]

@@ -9,7 +9,7 @@ import numpy as np
 from robodyn.dynamics.loops.block_equations import BlockEquations
 from robodyn.dynamics.loops.branch_start import OFF
 from robodyn.errors import TrajectoryError
-from robodyn.support.doubts import Doubt
+from robodyn.support.caveats import Caveat
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
 
@@ -106,8 +106,8 @@ class Misfits:
             return []
         return [f'loop "{misfit.loop}" is open by up to {misfit.size:.2g} {misfit.unit} ({misfit.time:.4g} s)']
 
-    def doubts(self) -> list[Doubt]:
-        """Return the doubt about given rates that the loops do not allow."""
+    def caveats(self) -> list[Caveat]:
+        """Return the caveat about given rates that the loops do not allow."""
         found = []
         for order in (1, 2):
             misfit, left, sums = self._largest[order], self._left[order - 1], self._sums[order - 1]
@@ -116,5 +116,5 @@ class Misfits:
                     f'the {ORDERS[order]} given open loop "{misfit.loop}" at {misfit.size:.3g} {misfit.unit} '
                     f"({misfit.time:.4g} s); leave columns out that follow from the loops"
                 )
-                found.append(Doubt(f"by {ORDERS[order]} that the loops do not allow", said))
+                found.append(Caveat(f"by {ORDERS[order]} that the loops do not allow", said))
         return found

@@ -17,7 +17,7 @@ from robodyn.dynamics.loops.misfit import Misfit, Misfits
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import TrajectoryError
 from robodyn.programs.stacked import least_squares
-from robodyn.support.doubts import Doubt
+from robodyn.support.caveats import Caveat
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
 
@@ -84,16 +84,16 @@ class Follow:
         return (*self._chosen, *self._misfits.notes())
 
     @property
-    def doubts(self) -> tuple[Doubt, ...]:
+    def caveats(self) -> tuple[Caveat, ...]:
         """What makes the motion so far doubtful: ways that part, rates that do not go with the loops."""
-        found = [*self._misfits.doubts()]
+        found = [*self._misfits.caveats()]
         if self._crossed:
             times = ", ".join(f"{time:.4g}" for time in self._crossed[:4]) + (", ..." if self._crossed[4:] else "")
             said = (
                 f"the loops are singular where the motion passes at {times} s ({len(self._crossed)} in all): ways "
                 "part there, and it is assumed to go straight on; columns of more joints would tell"
             )
-            found.append(Doubt("by one of several motions that are possible (assumed)", said))
+            found.append(Caveat("by one of several motions that are possible (assumed)", said))
         return tuple(found)
 
     @np.errstate(all="ignore")

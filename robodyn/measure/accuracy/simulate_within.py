@@ -54,7 +54,7 @@ def simulate_within(model: Model, scene: Scene, duration: float | None, target: 
         f"{checked.error:.0e})"
     )
     settled_now = (TOO_LONG, DRIFTS)  # of which there is no more doubt
-    shaky = tuple(doubt for doubt in quicker.shaky if doubt.clause not in settled_now)
+    shaky = tuple(caveat for caveat in quicker.shaky if caveat.kind not in settled_now)
     return replace(quicker, notes=(*quicker.notes, said), shaky=shaky, target=target, expected_error=error)
 
 

@@ -82,7 +82,7 @@ def file_accuracy(model: Model, scene: Scene, trajectory: str, **reading: Any) -
         for block in reader.blocks():
             if len(block):
                 found = torque_accuracy(model, block, scene)
-                return replace(found, notes=(*(f"warning: {doubt.said}" for doubt in block.doubts), *found.notes))
+                return replace(found, notes=(*(f"warning: {caveat.text}" for caveat in block.caveats), *found.notes))
     raise InputError("the trajectory has no samples", file=trajectory)
 
 

@@ -28,7 +28,7 @@ def encode(value: Any) -> Any:
     if hasattr(value, "tolist"):
         return value.tolist()
     if is_dataclass(value):
-        return {field.name: encode(getattr(value, field.name)) for field in fields(value)}
+        return {each.metadata.get("json", each.name): encode(getattr(value, each.name)) for each in fields(value)}
     if isinstance(value, Mapping):
         return {key: encode(each) for key, each in value.items()}
     if isinstance(value, (tuple, list)):

@@ -24,7 +24,7 @@ def torques_json(result: Result) -> str:
     document = select(
         result,
         "robot samples duration gravity joints base_wrench effects checks plan derivatives time_origin:origin held "
-        "limits_exceeded:exceeded limits within_limits verdict doubts warnings",
+        "limits_exceeded:exceeded limits within_limits verdict doubts:caveats warnings",
         joints=list(map(_joint, result.joints)),
         base_wrench={part.name: select(part, "peak peak_time rms") for part in result.base_wrench},
         effects=[_effect(effect, result.joints) for effect in result.effects],

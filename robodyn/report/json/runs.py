@@ -40,10 +40,10 @@ def simulation_json(result: Simulation) -> str:
             "effects": [{"name": effect.name, **select(why, "active reason")} for effect, why in result.effects],
             **select(
                 result,
-                "joints limits_exceeded:exceeded limits within_limits verdict doubts warnings notes",
+                "joints limits_exceeded:exceeded limits within_limits verdict doubts:caveats warnings notes",
                 limits=limits_data(result.limits),
                 verdict=limits_verdict(result),
-                warnings=[doubt.said for doubt in result.doubts],
+                warnings=[caveat.text for caveat in result.caveats],
             ),
         }
     )

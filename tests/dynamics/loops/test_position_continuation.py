@@ -53,7 +53,7 @@ def test_slider_crank_is_that_of_the_closed_form(given):
         for k, name in enumerate(names):
             assert np.abs(values[:, k] - expected[name]).max() <= 1e-13 * np.abs(expected[name]).max(), name
     assert max(each.size for each in follower.mismatch[:1]) <= 1e-13 * ROD
-    assert follower.doubts == ()
+    assert follower.caveats == ()
 
 
 @pytest.mark.parametrize("rows", [4, 7, 20])
@@ -155,8 +155,8 @@ def test_ways_that_part_between_rows_are_passed_straight_on():
     follower, q, _, _ = follow(model, begun, ("b", "c"), {"a": th})
     assert np.abs(q[:, model.coordinates.index("b")] - th).max() <= 1e-12
     assert np.abs(q[:, model.coordinates.index("c")] + th).max() <= 1e-12
-    (doubt,) = follower.doubts
-    assert "singular where the motion passes at 0.4474, 0.9737 s (2 in all)" in doubt.said
+    (caveat,) = follower.caveats
+    assert "singular where the motion passes at 0.4474, 0.9737 s (2 in all)" in caveat.text
 
 
 def test_error_bars_are_those_of_the_rates_they_come_of():

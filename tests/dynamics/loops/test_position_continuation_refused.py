@@ -98,8 +98,8 @@ def test_rates_that_do_not_go_with_the_loops_are_in_doubt():
     model, scene = crank_slider()
     q = {name: np.full(5, scene.initial_q[name]) for name in model.coordinates}
     follower, *_ = follow(model, scene, (), q, {"main": np.full(5, 2.0)})
-    said = [doubt.said for doubt in follower.doubts]
+    said = [caveat.text for caveat in follower.caveats]
     assert any(each.startswith('the velocities given open loop "pin" at ') for each in said)
     assert follower.mismatch[1].unit == "m/s"
     follower, *_ = follow(model, scene, OTHERS[1:], q | {"main": q["main"]}, {})
-    assert follower.doubts == ()
+    assert follower.caveats == ()

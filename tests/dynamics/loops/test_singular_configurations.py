@@ -40,25 +40,25 @@ def test_speeds_along_one_way_are_followed_and_the_reports_say_what_is_assumed(s
     found = robodyn.simulate(model, scene, 0.05, step=1e-4)
     assert found.qd[0].tolist() == pytest.approx(list(speeds.values()))
     assert found.energy_drift <= 2e-4
-    (doubt,) = [each for each in found.doubts if each.said.startswith(LEAVE)]
-    assert "ways part there, and which one is taken is assumed (they follow the speeds given" in doubt.said
-    assert f"warning: {doubt.said}" in simulation_text(found)
+    (caveat,) = [each for each in found.caveats if each.text.startswith(LEAVE)]
+    assert "ways part there, and which one is taken is assumed (they follow the speeds given" in caveat.text
+    assert f"warning: {caveat.text}" in simulation_text(found)
     document = json.loads(simulation_json(found))
-    assert doubt.said in document["warnings"]
+    assert caveat.text in document["warnings"]
     assert (document["loops"]["freedoms"], document["loops"]["usual_freedoms"]) == (2, 1)
     assert document["loops"]["singular"][0] == {"time": 0.0, "freedoms": 2}
     assert document["within_limits"] is None
-    assert doubt.said in str(simulation_page(found, pictures=False))
+    assert caveat.text in str(simulation_page(found, pictures=False))
 
 
 def test_at_rest_no_way_is_marked():
     model, scene = parallelogram()
     found = robodyn.simulate(model, scene, 0.1)
-    assert any(each.said.startswith(LEAVE) and "at rest none is marked" in each.said for each in found.doubts)
+    assert any(each.text.startswith(LEAVE) and "at rest none is marked" in each.text for each in found.caveats)
     asked = simulate_within(model, scene, 0.1, 1e-2)
-    assert any(each.said.startswith(LEAVE) for each in asked.doubts)
+    assert any(each.text.startswith(LEAVE) for each in asked.caveats)
     off = replace(scene, initial_q={"a": 0.1}, initial_qd={"a": 1.0})
-    assert not any("the loops" in each.said for each in robodyn.simulate(model, off, 0.01).doubts)
+    assert not any("the loops" in each.text for each in robodyn.simulate(model, off, 0.01).caveats)
 
 
 @pytest.mark.parametrize("count", [1, 2])
@@ -76,7 +76,7 @@ def test_passing_is_told_with_its_times(count):
     (note,) = [note for note in found.notes if note.startswith("the loops leave up to ")]
     shown = ", ".join(f"{time:.4g}" for time in times)
     assert f"up to {1 + count} degrees of freedom, and 1 elsewhere, where the motion passes at {shown} s" in note
-    assert not found.doubts or "ways part" not in found.doubts[0].said
+    assert not found.caveats or "ways part" not in found.caveats[0].text
 
 
 def test_a_coarse_look_is_refined_to_the_records(monkeypatch):
@@ -91,4 +91,4 @@ def test_loops_that_keep_their_rank_are_not_accused(chain):
     found = robodyn.simulate(*chain(), 1.0)
     assert found.loops.singular == ()
     assert found.loops.usual == found.loops.freedoms
-    assert not any("ways part" in line for line in (*found.notes, *(each.said for each in found.doubts)))
+    assert not any("ways part" in line for line in (*found.notes, *(each.text for each in found.caveats)))

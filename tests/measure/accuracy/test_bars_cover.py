@@ -118,7 +118,7 @@ def test_peaks_from_noisy_positions(name: str, count: int) -> None:
         q, qd, qdd = random_motion(rng, model.n, time)
         size = 10.0 ** rng.uniform(-5.5, -3.3)
         data = q + size * rng.standard_normal(q.shape) if k % 4 < 2 else size * np.round(q / size)
-        given = replace(motion(model, time, data), doubts=())  # positions far beyond the limits are meant
+        given = replace(motion(model, time, data), caveats=())  # positions far beyond the limits are meant
         found = robodyn.torques(model, given)
         true = robodyn.inverse_dynamics(model, q, qd, qdd)
         held += [

@@ -14,7 +14,7 @@ from robodyn.programs.vectors import length
 from robodyn.robot.base_guess import untouched
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
-from robodyn.support.doubts import TOO_FEW, Doubt
+from robodyn.support.caveats import TOO_FEW, Caveat
 from robodyn.support.floats import BEYOND, Floats, steady
 from robodyn.support.wording import count, figure, shown
 from robodyn.trajectory.motion import FEW, Trajectory
@@ -66,29 +66,29 @@ class Openness:
         of_speed = sum(abs(shares.get(name, 0.0)) for name in ("coriolis", "viscous friction"))
         return float((np.abs(inertia) * off).sum()) + of_speed
 
-    def doubts(
+    def caveats(
         self,
         joints: Sequence[JointLoad],
         bars: Sequence[float],
         balance: EnergyBalance,
         samples: int,
         duration: float,
-    ) -> tuple[Doubt, ...]:
+    ) -> tuple[Caveat, ...]:
         """Return what is in doubt for want of samples, or because the energy does not balance.
 
         Args:
             bars: what is open of the joints' peaks.
         """
         at_large = bool((self.off_squares > OPEN**2 * self.squares).any())
-        too_few = sampling_doubt(joints, bars, samples, duration) if at_large else None
-        energy = energy_doubt(balance, samples, duration)
+        too_few = sampling_caveat(joints, bars, samples, duration) if at_large else None
+        energy = energy_caveat(balance, samples, duration)
         if too_few is not None:
             return (too_few,) if energy is None or _coarse(balance, samples) else (too_few, energy)
         return () if energy is None else (energy,)
 
 
-def sampling_doubt(joints: Sequence[JointLoad], bars: Sequence[float], samples: int, duration: float) -> Doubt | None:
-    """Return the doubt about torques whose accelerations are open at large, None where that does not count.
+def sampling_caveat(joints: Sequence[JointLoad], bars: Sequence[float], samples: int, duration: float) -> Caveat | None:
+    """Return the caveat about torques whose accelerations are open at large, None where that does not count.
 
     Args:
         bars: what is open of the joints' peaks.
@@ -105,22 +105,22 @@ def sampling_doubt(joints: Sequence[JointLoad], bars: Sequence[float], samples: 
         f"{figure(joint.peak)} {joint.unit}, may be off by {figure(bar, 2)} {joint.unit}; "
         f"{_remedy(samples, duration)}, or give velocities and accelerations"
     )
-    return Doubt(TOO_FEW, said)
+    return Caveat(TOO_FEW, said)
 
 
-def energy_doubt(balance: EnergyBalance, samples: int, duration: float) -> Doubt | None:
-    """Return the doubt about a motion whose energy does not balance, None if it does."""
+def energy_caveat(balance: EnergyBalance, samples: int, duration: float) -> Caveat | None:
+    """Return the caveat about a motion whose energy does not balance, None if it does."""
     if balance.consistent:
         return None
     off = f"energy balance is off by {balance.worst:.3g} J of {balance.turnover:.3g} J"
     if not _coarse(balance, samples):
         said = f"{off}: velocities or accelerations are not the rates of the positions"
-        return Doubt("by torques that are not trusted (energy does not balance)", said)
+        return Caveat("by torques that are not trusted (energy does not balance)", said)
     said = (
         f"{off}: {_how_many(samples, duration)} too few to tell whether velocities and accelerations are the rates of "
         f"the positions, or what happens between the samples; {_remedy(samples, duration)}"
     )
-    return Doubt("at the samples given (too few for the energy check)", said)
+    return Caveat("at the samples given (too few for the energy check)", said)
 
 
 def _coarse(balance: EnergyBalance, samples: int) -> bool:
@@ -128,8 +128,8 @@ def _coarse(balance: EnergyBalance, samples: int) -> bool:
     return balance.explained > COARSE * balance.turnover or samples < FEW
 
 
-def bar_doubts(joints: Sequence[JointLoad], sizing: Sizing | None) -> Iterator[Doubt]:
-    """Yield the doubts about limits that are within the error bars of peaks.
+def bar_caveats(joints: Sequence[JointLoad], sizing: Sizing | None) -> Iterator[Caveat]:
+    """Yield the caveats about limits that are within the error bars of peaks.
 
     What a motor's torque is in doubt by is taken for the same share of it as of its joint's.
     """
@@ -150,7 +150,7 @@ def bar_doubts(joints: Sequence[JointLoad], sizing: Sizing | None) -> Iterator[D
             _, joint, bar, peak, limit, whose = min(near_it, key=lambda each: steady(each[0]))
             who = f"{whose}{shown(joint.name)}{f', and {len(near_it) - 1} more,' if len(near_it) > 1 else ''}"
             said = f"the peak of {who} {what}: {figure(peak)} within {figure(bar, 2)} {joint.unit}, limit {limit:g}"
-            yield Doubt(f"unless within the error bar of {who.rstrip(',')}", f"{said} {joint.unit}")
+            yield Caveat(f"unless within the error bar of {who.rstrip(',')}", f"{said} {joint.unit}")
 
 
 def _how_many(samples: int, duration: float) -> str:
@@ -175,7 +175,7 @@ def carried(
     largest_force: float,
     largest_moment: float,
     looped: bool = False,
-) -> tuple[Doubt, ...]:
+) -> tuple[Caveat, ...]:
     """Return what is in doubt about what carries the base, and what carries the robot at floating joints.
 
     Nothing where the scene says that the base is held, where no wrench is left, where a base that does not move may
@@ -190,14 +190,14 @@ def carried(
     least = VANISHING * max(weight, largest_force), VANISHING * max(weight * model.reach, largest_moment)
     parts = {part.name: part.rms for part in base}
     wrench = [hypot(*(parts[f"{kind}{axis}"] for axis in "xyz")) for kind in "fm"]
-    found = [_base_doubt(model, scene, *wrench)] if _left(wrench, least) and not looped else []
+    found = [_base_caveat(model, scene, *wrench)] if _left(wrench, least) and not looped else []
     loads = {joint.name: joint.rms for joint in joints}
     for name in (body.joint.name for body in model.bodies[1:] if body.joint.kind == "floating"):
         wrench = [hypot(*(loads[f"{name}_{kind}{axis}"] for axis in "xyz")) for kind in "vw"]
         if _left(wrench, least):
             what = f"nothing drives the floating joint {shown(name)}, whose motion takes {_wrench(*wrench)}"
-            found.append(Doubt("as long as what floats is carried (assumed)", f"{what}; give it as [[wrench]]"))
-    return tuple(doubt for doubt in found if doubt is not None)
+            found.append(Caveat("as long as what floats is carried (assumed)", f"{what}; give it as [[wrench]]"))
+    return tuple(caveat for caveat in found if caveat is not None)
 
 
 def _left(wrench: Sequence[float], least: Sequence[float]) -> bool:
@@ -208,7 +208,7 @@ def _wrench(force: float, moment: float) -> str:
     return f"{figure(force)} N and {figure(moment)} N m (RMS)"
 
 
-def _base_doubt(model: Model, scene: Scene, force: float, moment: float) -> Doubt | None:
+def _base_caveat(model: Model, scene: Scene, force: float, moment: float) -> Caveat | None:
     alone = "the wrenches of the scene do not carry it" if scene.wrenches else "there is no contact that carries it"
     why = alone if model.floating else untouched(model)
     told = any(wrench.cause == "contact" for wrench in scene.wrenches)
@@ -221,4 +221,4 @@ def _base_doubt(model: Model, scene: Scene, force: float, moment: float) -> Doub
         f"if something carries the base, such as bolts or a vehicle, say so (--base-held, or [base] held = true), "
         f"otherwise {free}say where its feet stand ([[contact]])"
     )
-    return Doubt("as long as the base is held (assumed)", said)
+    return Caveat("as long as the base is held (assumed)", said)
