@@ -9,7 +9,7 @@ from functools import lru_cache
 from numpy.typing import ArrayLike
 
 from robodyn.dynamics.arrays import arrays_of, results
-from robodyn.dynamics.effects import coriolis, gyroscopic_moment, payload
+from robodyn.dynamics.effects import motors, rigid_bodies
 from robodyn.dynamics.mass import mass_runner
 from robodyn.dynamics.plan import Plan, applied, loads, plan
 from robodyn.dynamics.runners import runner_of
@@ -67,7 +67,7 @@ def coriolis_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
     """The program of C row by row."""
     model, sample = plan.model, plan.sample(tape)
     sample = replace(sample, qdd=(0.0,) * model.n)
-    terms = applied([coriolis.EFFECT, payload.EFFECT, gyroscopic_moment.EFFECT], sample, plan.scene)
+    terms = applied([rigid_bodies.CORIOLIS, rigid_bodies.PAYLOAD, motors.GYROSCOPIC], sample, plan.scene)
     rows = jacobian(loads(sample, terms).tau, [{rate: 1.0} for rate in sample.qd])
     rows = [[0.5 * x for x in row] for row in rows]
     mass = again(mass_runner(model, plan.scene).program, tape)

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
 from robodyn.dynamics.arrays import arrays_of, results, zero_sources
-from robodyn.dynamics.effects.coupled_motor import reflected
 from robodyn.dynamics.effects.effect import Sample, Terms, ZeroColumns
+from robodyn.dynamics.effects.motors import reflected
 from robodyn.dynamics.loaded_joints import Loaded, Rotors, loaded_accelerations, repetitions
 from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan, applied, plan

@@ -8,8 +8,8 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from robodyn.dynamics.arrays import arrays_of, results
-from robodyn.dynamics.effects import payload
-from robodyn.dynamics.effects.gyroscopic_moment import mass_entries
+from robodyn.dynamics.effects import rigid_bodies
+from robodyn.dynamics.effects.motors import mass_entries
 from robodyn.dynamics.plan import applied, plan
 from robodyn.dynamics.recursions.newton_euler import mass_matrix as mass_matrix_of
 from robodyn.dynamics.runners import runner_of
@@ -50,7 +50,7 @@ def mass_runner(model: Model, scene: Scene) -> Runner:
 
     def outputs(tape: Any) -> Any:
         sample = a_plan.sample(tape)
-        inertias = applied([payload.EFFECT], sample, scene).inertias
+        inertias = applied([rigid_bodies.PAYLOAD], sample, scene).inertias
         return mass_matrix_of(model, sample.q, inertias, mass_entries(sample, scene)).ravel()
 
     return runner_of(trace(outputs), a_plan)

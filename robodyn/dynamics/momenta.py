@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robodyn.dynamics.arrays import arrays_of, results, zero_sources
-from robodyn.dynamics.effects import coupled_motor, gyroscopic_moment, rotor_inertia
+from robodyn.dynamics.effects import motors
 from robodyn.dynamics.plan import Plan, plan
 from robodyn.dynamics.recursions.momentum import momenta as momenta_of
 from robodyn.dynamics.runners import runner_of
@@ -134,7 +134,7 @@ def _point(about: ArrayLike) -> Point:
     return x, y, z
 
 
-_KINETIC = (rotor_inertia.EFFECT, coupled_motor.EFFECT, gyroscopic_moment.EFFECT)
+_KINETIC = (motors.ROTOR, motors.COUPLED, motors.GYROSCOPIC)
 """The effects that store kinetic energy."""
 
 
@@ -155,7 +155,7 @@ def momentum_program(a_plan: Plan, view: View) -> Program:
                 kinetic = kinetic + energy
             else:
                 potential = potential + energy
-        spinning = gyroscopic_moment.angular_momentum(sample, a_plan.scene, joints)
+        spinning = motors.angular_momentum(sample, a_plan.scene, joints)
         angular = whole.H + spinning - cross(about, whole.P)
         return [*(R.T @ (centre - p)), *(R.T @ whole.P), *(R.T @ angular), kinetic, potential]
 

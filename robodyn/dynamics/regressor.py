@@ -12,23 +12,21 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robodyn.dynamics.arrays import arrays_of, results
-from robodyn.dynamics.effects import (
-    coriolis,
-    coulomb_friction,
-    coupled_motor,
-    gravity,
-    gyroscopic_moment,
-    inertia,
-    moving_base,
-    payload,
-    rotor_inertia,
-    viscous_friction,
-)
-from robodyn.dynamics.effects.coupled_motor import coupled_motors
 from robodyn.dynamics.effects.effect import Sample
-from robodyn.dynamics.effects.gyroscopic_moment import spins, with_spins
-from robodyn.dynamics.effects.rotor_inertia import rotor_of
-from robodyn.dynamics.effects.viscous_friction import joints_with_friction
+from robodyn.dynamics.effects.friction import COULOMB, VISCOUS, coulomb_torque, joints_with_friction
+from robodyn.dynamics.effects.motors import (
+    COUPLED,
+    GYROSCOPIC,
+    ROTOR,
+    acceleration_of,
+    at_joints,
+    coupled_motors,
+    rotor_of,
+    speed_of,
+    spins,
+    with_spins,
+)
+from robodyn.dynamics.effects.rigid_bodies import CORIOLIS, GRAVITY, INERTIA, MOVING_BASE, PAYLOAD
 from robodyn.dynamics.plan import Plan, applied, at_rest, loads, plan
 from robodyn.dynamics.runners import runner_of
 from robodyn.programs.derivative import jacobian
@@ -123,10 +121,8 @@ def regressor_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
     return [*(x for row in linear for x in row), *rest]
 
 
-_MOTION = (gravity.EFFECT, inertia.EFFECT, coriolis.EFFECT, moving_base.EFFECT)
-_ROTORS = (rotor_inertia.EFFECT, coupled_motor.EFFECT, gyroscopic_moment.EFFECT)
-_MOTORS = (viscous_friction.EFFECT, coulomb_friction.EFFECT, *_ROTORS)
-_LINEAR = (*_MOTION, payload.EFFECT, *_MOTORS)
+_MOTION = (GRAVITY, INERTIA, CORIOLIS, MOVING_BASE)
+_LINEAR = (*_MOTION, PAYLOAD, VISCOUS, COULOMB, ROTOR, COUPLED, GYROSCOPIC)
 """The effects that the parameters stand for."""
 
 
@@ -134,7 +130,7 @@ def parameters(plan: Plan) -> Iterator[tuple[str, float]]:
     """Yield name and value of every parameter, in the order of the columns of Y."""
     model, scene = plan.model, plan.scene
     sample = plan.sample(Tape())
-    for body, (m, mc, I) in zip(model.bodies, applied([payload.EFFECT], sample, scene).inertias, strict=True):
+    for body, (m, mc, I) in zip(model.bodies, applied([PAYLOAD], sample, scene).inertias, strict=True):
         moments = (I[0, 0], I[0, 1], I[0, 2], I[1, 1], I[1, 2], I[2, 2])
         for name, value in zip(INERTIAL, (m, *mc, *moments), strict=True):
             yield f"{body.name}.{name}", float(value)
@@ -167,8 +163,8 @@ def _torques(plan: Plan, sample: Sample, values: Sequence[Scalar]) -> list[Scala
         moving = sample.speed(joint), sample.acceleration(joint)
         at_joint.append((i, _motor_torque(theta, friction, *moving, scene.slip_speed)))
     for motor, turned in coupled_motors(model, scene):
-        moving = coupled_motor.speed_of(sample, turned), coupled_motor.acceleration_of(sample, turned)
-        at_joint += coupled_motor.torques(turned, _motor_torque(theta, motor.friction, *moving, scene.slip_speed))
+        moving = speed_of(sample, turned), acceleration_of(sample, turned)
+        at_joint += at_joints(turned, _motor_torque(theta, motor.friction, *moving, scene.slip_speed))
     terms = replace(applied(_MOTION, sample, scene), inertias=tuple(inertias)).with_torques(at_joint)
     spinning = ((spin, of[f"{spin.joint.name}.rotor"] * (1.0 / spin.gear)) for spin in spins(sample.model, scene))
     return loads(sample, with_spins(terms, sample, spinning)).tau
@@ -181,5 +177,5 @@ def _motor_torque(
     viscous, forward, backward = islice(theta, 3)
     stribeck = None if friction.stribeck is None else next(theta)
     coefficients = replace(friction, forward=forward, backward=backward, stribeck=stribeck)
-    dry = coulomb_friction.torque(coefficients, speed, slip_speed)
+    dry = coulomb_torque(coefficients, speed, slip_speed)
     return viscous * speed + dry + next(theta) * acceleration

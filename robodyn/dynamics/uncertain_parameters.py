@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from robodyn.dynamics.effects.viscous_friction import friction_of
+from robodyn.dynamics.effects.friction import friction_of
 from robodyn.dynamics.plan import plan
 from robodyn.dynamics.regressor import INERTIAL, parameters
 from robodyn.dynamics.variations import OF_LINKS, UncertainLink, Variation, Variations, pivoted

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from robodyn.dynamics.effects import coulomb_friction, coupled_motor
 from robodyn.dynamics.effects.effect import Sample, Terms
-from robodyn.dynamics.effects.gyroscopic_moment import spins, with_spins
+from robodyn.dynamics.effects.friction import coulomb_torque, direction
+from robodyn.dynamics.effects.motors import acceleration_of, at_joints, coupled_motors, speed_of, spins, with_spins
 from robodyn.dynamics.plan import Plan, loads
 from robodyn.dynamics.regressor import INERTIAL
 from robodyn.dynamics.runners import runner_of
@@ -72,19 +72,19 @@ def _loads(plan: Plan, tape: Tape, theta: Sequence[Scalar], found: Variations) -
 def _with_joints(terms: Terms, sample: Sample, plan: Plan, x: Sequence[Scalar], each: Sequence[Variation]) -> Terms:
     """Return the terms with more friction, which is linear in its coefficients, and more inertia of rotors."""
     of = {body.joint.name: [(i, body.joint, 1.0)] for i, body in enumerate(sample.model.bodies)}
-    of |= {motor.name: turned for motor, turned in coupled_motor.coupled_motors(sample.model, plan.scene)}
+    of |= {motor.name: turned for motor, turned in coupled_motors(sample.model, plan.scene)}
     torques: list[tuple[int, Scalar]] = []
     spinning, load = [], dict(terms.load)
     rotors = {spin.joint.name: spin for spin in spins(sample.model, plan.scene)}
     for scalar, variation in zip(x, each, strict=True):
         turned, friction = of[variation.joint], variation.friction
-        speed, acceleration = coupled_motor.speed_of(sample, turned), coupled_motor.acceleration_of(sample, turned)
-        dry = coulomb_friction.torque(friction, speed, plan.scene.slip_speed) if friction.dry else 0.0
+        speed, acceleration = speed_of(sample, turned), acceleration_of(sample, turned)
+        dry = coulomb_torque(friction, speed, plan.scene.slip_speed) if friction.dry else 0.0
         torque = friction.viscous * speed + dry + variation.rotor * acceleration
-        torques += coupled_motor.torques(turned, scalar * torque)
+        torques += at_joints(turned, scalar * torque)
         if friction.load:
-            (i, _, _), direction = turned[0], coulomb_friction.direction(speed, plan.scene.slip_speed)
-            load[i] = load.get(i, 0.0) + scalar * (friction.load * direction)
+            i, way = turned[0][0], direction(speed, plan.scene.slip_speed)
+            load[i] = load.get(i, 0.0) + scalar * (friction.load * way)
         if variation.rotor and variation.joint in rotors:
             spin = rotors[variation.joint]
             spinning.append((spin, scalar * (variation.rotor / spin.gear)))

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import fields, replace
 
-from robodyn.dynamics.effects.rotor_inertia import rotor_of
-from robodyn.dynamics.effects.viscous_friction import friction_of, joints_with_friction
+from robodyn.dynamics.effects.friction import friction_of, joints_with_friction
+from robodyn.dynamics.effects.motors import rotor_of
 from robodyn.robot.model import Model
 from robodyn.scene.parts import CoupledMotor, Friction, Rotor
 from robodyn.scene.scene import DEFAULT, Scene

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from robodyn.dynamics.effects.rotor_inertia import rotor_of
-from robodyn.dynamics.effects.viscous_friction import friction_of
+from robodyn.dynamics.effects.friction import friction_of
+from robodyn.dynamics.effects.motors import rotor_of
 from robodyn.identification.evidence import evidence_of, load_body, moving
 from robodyn.identification.fault_columns import OWN, VISCOUS, Evidence, rms
 from robodyn.identification.faults import Explained, Fault, explain

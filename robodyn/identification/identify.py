@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from robodyn.dynamics.effects.rotor_inertia import rotor_of
-from robodyn.dynamics.effects.viscous_friction import joints_with_friction
+from robodyn.dynamics.effects.friction import joints_with_friction
+from robodyn.dynamics.effects.motors import rotor_of
 from robodyn.errors import InputError
 from robodyn.identification.base import base_of
 from robodyn.identification.choose import strength, with_load, with_possible_loads, with_stribeck

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.dynamics.effects.viscous_friction import friction_of
+from robodyn.dynamics.effects.friction import friction_of
 from robodyn.dynamics.regressor import INERTIAL, regressor
 from robodyn.identification.base import Base
 from robodyn.identification.calibrated_scene import calibrated

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.dynamics.effects.gyroscopic_moment import spins
+from robodyn.dynamics.effects.motors import spins
 from robodyn.dynamics.regressor import INERTIAL
 from robodyn.errors import InputError
 from robodyn.identification.atoms import Atoms

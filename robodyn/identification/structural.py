@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from robodyn.dynamics.effects.viscous_friction import joints_with_friction
+from robodyn.dynamics.effects.friction import joints_with_friction
 from robodyn.dynamics.regressor import regressor
 from robodyn.identification.base import Base, base_of
 from robodyn.identification.householder import triangular

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robodyn.dynamics.effects.viscous_friction import joints_with_friction
+from robodyn.dynamics.effects.friction import joints_with_friction
 from robodyn.dynamics.mass import mass_matrix
 from robodyn.loads.caveats import Openness
 from robodyn.programs.vectors import length

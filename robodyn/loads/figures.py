@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robodyn.dynamics.effects.viscous_friction import friction_of
+from robodyn.dynamics.effects.friction import friction_of
 from robodyn.dynamics.plan import Plan
 from robodyn.dynamics.runners import runner_of
 from robodyn.errors import InputError

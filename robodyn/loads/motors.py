@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.dynamics.effects.rotor_inertia import rotor_of
+from robodyn.dynamics.effects.motors import rotor_of
 from robodyn.errors import SceneError
 from robodyn.loads.sizing_result import MotorLoad, Nearest
 from robodyn.loads.statistics import Greatest, Integrals

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.dynamics.effects.effect import Effect, Sample
-from robodyn.dynamics.effects.gyroscopic_moment import angular_momentum
-from robodyn.dynamics.effects.payload import EFFECT as PAYLOAD
+from robodyn.dynamics.effects.motors import angular_momentum
+from robodyn.dynamics.effects.rigid_bodies import PAYLOAD
 from robodyn.dynamics.plan import applied
 from robodyn.dynamics.recursions.momentum import momenta
 from robodyn.errors import InputError

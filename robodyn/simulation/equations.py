@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from robodyn.dynamics.balance import power_lost, stored_energy
 from robodyn.dynamics.effects.effect import Effect, Sample
-from robodyn.dynamics.effects.gyroscopic_moment import angular_momentum
+from robodyn.dynamics.effects.motors import angular_momentum
 from robodyn.dynamics.forward import accelerations
 from robodyn.dynamics.loops.closed_chain import ClosedChain
 from robodyn.dynamics.loops.independent_equations import independent_equations

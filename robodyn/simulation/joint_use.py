@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.dynamics.effects.viscous_friction import joints_with_friction
+from robodyn.dynamics.effects.friction import joints_with_friction
 from robodyn.robot.base_guess import untouched
 from robodyn.robot.limits import Coverage, Excess, binding, coverage, reached_beyond
 from robodyn.robot.model import Joint, Model

@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.dynamics.effects.coupled_motor import along, coupled_motors
-from robodyn.dynamics.effects.viscous_friction import joints_with_friction
+from robodyn.dynamics.effects.friction import joints_with_friction
+from robodyn.dynamics.effects.motors import along, coupled_motors
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.plan import Plan
 from robodyn.programs.linear import solve

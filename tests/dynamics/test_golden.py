@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from helpers.oracles import golden_model, reference, run, worst
 
-from robodyn.dynamics.effects import coriolis, gravity
+from robodyn.dynamics.effects.rigid_bodies import CORIOLIS, GRAVITY
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
@@ -46,7 +46,7 @@ def test_tau(case):
     assert worst(inverse_dynamics(model, *state, scene=scene), numbers["tau"], _scale(numbers)) <= TOLERANCE
 
 
-@pytest.mark.parametrize(("effect", "key"), [(gravity.EFFECT, "tau_gravity"), (coriolis.EFFECT, "tau_coriolis")])
+@pytest.mark.parametrize(("effect", "key"), [(GRAVITY, "tau_gravity"), (CORIOLIS, "tau_coriolis")])
 def test_parts_from_their_own_programs(case, effect, key):
     model, scene, numbers, state = case
     plan = Plan(model, scene)

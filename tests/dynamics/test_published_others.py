@@ -10,7 +10,7 @@ import pytest
 from helpers.oracles import frictionless, golden_model, reference, run, worst
 from helpers.small_robots import built, joint, link
 
-from robodyn.dynamics.effects import coriolis, gravity
+from robodyn.dynamics.effects import rigid_bodies
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
@@ -62,7 +62,7 @@ class TestModernRobotics:
         assert self.printed("InverseDynamics", self.stretch * tau)
 
     @pytest.mark.parametrize(
-        ("key", "effect"), [("GravityForces", gravity.EFFECT), ("VelQuadraticForces", coriolis.EFFECT)]
+        ("key", "effect"), [("GravityForces", rigid_bodies.GRAVITY), ("VelQuadraticForces", rigid_bodies.CORIOLIS)]
     )
     def test_parts(self, key, effect):
         plan = Plan(self.model, self.weight)

@@ -12,7 +12,7 @@ import pytest
 from helpers.oracles import frictionless, reference, robot, run, worst
 from helpers.robot_files import FOLDER
 
-from robodyn.dynamics.effects import coriolis
+from robodyn.dynamics.effects import rigid_bodies
 from robodyn.dynamics.inverse import bias_forces, inverse_dynamics
 from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
@@ -92,7 +92,7 @@ def test_coriolis_matrix():
     """Built from the Coriolis share of unit speeds as the Robotics Toolbox builds it: c is quadratic in qd."""
     qd = np.array([1.0, 2, 3, 1, 2, 3])
     plan, still = Plan(MODEL, SMOOTH), np.zeros(6)
-    share = plan.share(coriolis.EFFECT)
+    share = plan.share(rigid_bodies.CORIOLIS)
     squares = np.array([run(share, plan, QN, unit, still)[0] for unit in np.eye(6)])
     C = squares.T * qd
     for j, k in combinations(range(6), 2):

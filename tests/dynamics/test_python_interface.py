@@ -11,7 +11,7 @@ from helpers.compiled_programs import needs_compiler
 from helpers.oracles import random_state, robot, run, worst
 
 import robodyn
-from robodyn.dynamics.effects import inertia, payload, rotor_inertia
+from robodyn.dynamics.effects import motors, rigid_bodies
 from robodyn.dynamics.plan import Plan, plan
 from robodyn.errors import InputError
 from robodyn.scene.scene import Scene
@@ -37,7 +37,7 @@ def test_mass_matrix_is_the_share_of_inertia_payload_and_rotors():
     a_plan = Plan(model, Scene((0.0, 0.0, 0.0), rotor=BUSY_SCENE.rotor, payloads=BUSY_SCENE.payloads))
     unit, still = np.eye(model.n), np.zeros((model.n, model.n))
     state = np.repeat(q, model.n, axis=0), still, unit
-    effects = inertia.EFFECT, payload.EFFECT, rotor_inertia.EFFECT
+    effects = rigid_bodies.INERTIA, rigid_bodies.PAYLOAD, motors.ROTOR
     expected = sum(run(a_plan.share(effect), a_plan, *state) for effect in effects)
     assert worst(robodyn.mass_matrix(model, q[0], scene=BUSY_SCENE), expected) <= 1e-14
 

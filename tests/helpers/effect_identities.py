@@ -7,7 +7,7 @@ import numpy as np
 import robodyn
 from helpers.oracles import worst
 from robodyn.dynamics.derivatives import forward_dynamics_derivatives, inverse_dynamics_derivatives
-from robodyn.dynamics.effects import payload
+from robodyn.dynamics.effects import rigid_bodies
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.plan import applied
 from robodyn.dynamics.recursions.composite_body import composite_body
@@ -57,7 +57,7 @@ def composite_bodies_give_the_mass_matrix(model, scene, states, rotors):
     straight = aligned(model)
     for q in states:
         sample = Sample(straight, tuple(q.tolist()), (0.0,) * model.n, (0.0,) * model.n)
-        inertias = applied([payload.EFFECT], sample, scene).inertias
+        inertias = applied([rigid_bodies.PAYLOAD], sample, scene).inertias
         M = np.zeros((model.n, model.n))
         for (i, j), value in composite_body(straight, sample.motions(), inertias, rotors(sample)).items():
             M[i, j] = M[j, i] = value

@@ -114,33 +114,33 @@ MUTATIONS = {
     "dynamics/effects/test_external_wrench.py": [
         ("dynamics/recursions/newton_euler.py", "n[i] - wrench.n", "n[i] + wrench.n"),
         ("programs/vectors.py", "xy - wz", "xy + wz"),
-        ("dynamics/effects/external_wrench.py", "p + R @ np.array(wrench.point)", "R @ np.array(wrench.point)"),
-        ("dynamics/effects/external_wrench.py", "where[body].R.T @ where[0].R", "where[body].R.T"),
+        ("dynamics/effects/wrenches.py", "p + R @ np.array(wrench.point)", "R @ np.array(wrench.point)"),
+        ("dynamics/effects/wrenches.py", "where[body].R.T @ where[0].R", "where[body].R.T"),
     ],
     "dynamics/effects/test_fluid.py": [
         ("solids/inertia/laws.py", "product(R, c) + p", "product(R, c) - p"),
         (
-            "dynamics/effects/payload.py",
+            "dynamics/effects/rigid_bodies.py",
             "inertia_of(load.mass, np.array(load.com), symmetric(load.inertia), R, p)",
             "inertia_of(load.mass, np.array(load.com), symmetric(load.inertia))",
         ),
-        ("dynamics/effects/fluid.py", "sign(x) * (x * x)", "x * x"),
+        ("dynamics/effects/wrenches.py", "sign(x) * (x * x)", "x * x"),
     ],
     "dynamics/effects/test_joint_effects.py": [
-        ("dynamics/effects/rotor_inertia.py", "gear * gear * inertia", "gear * inertia"),
+        ("dynamics/effects/motors.py", "gear * gear * inertia", "gear * inertia"),
         (
-            "dynamics/effects/coulomb_friction.py",
+            "dynamics/effects/friction.py",
             "friction.forward + friction.backward",
             "friction.forward - friction.backward",
         ),
-        ("dynamics/effects/coulomb_friction.py", "friction.stribeck * s - coulomb", "friction.stribeck - coulomb"),
+        ("dynamics/effects/friction.py", "friction.stribeck * s - coulomb", "friction.stribeck - coulomb"),
         (
-            "dynamics/effects/viscous_friction.py",
+            "dynamics/effects/friction.py",
             "friction.viscous * sample.speed(joint)",
             "friction.viscous * sample.qd[joint.rate]",
         ),
         (
-            "dynamics/effects/joint_spring.py",
+            "dynamics/effects/springs.py",
             "sample.position(joint) - spring.rest",
             "sample.position(joint) + spring.rest",
         ),
@@ -150,10 +150,10 @@ MUTATIONS = {
         ("robot/assemble.py", "product(R_link, p)", "p"),
         ("robot/assemble.py", "product(turn, symmetric(inertial.inertia), turn.T)", "symmetric(inertial.inertia)"),
         ("robot/joints.py", "multiplier * joints[i].offset", "joints[i].offset"),
-        ("dynamics/effects/moving_base.py", "sample", "terms"),
+        ("dynamics/effects/rigid_bodies.py", "sample.qdd[:6]", "terms.qdd[:6]"),
     ],
     "dynamics/effects/test_shares.py": [
-        ("dynamics/effects/limit_spring.py", "sign(x) * sign(x) + sign(x)", "sign(x) * sign(x) - sign(x)"),
+        ("dynamics/effects/springs.py", "sign(x) * sign(x) + sign(x)", "sign(x) * sign(x) - sign(x)"),
     ],
     "dynamics/test_function.py": [
         ("programs/run/llvm/kernel.py", "homes[k]", "homes[k][:1]"),
@@ -228,7 +228,7 @@ MUTATIONS = {
     ],
     "loads/test_self_checks.py": [
         (
-            "dynamics/effects/gravity.py",
+            "dynamics/effects/rigid_bodies.py",
             "energy - terms.gravity @ (pose.R @ body.mc + body.m * pose.p)",
             "energy + terms.gravity @ (pose.R @ body.mc + body.m * pose.p)",
         ),
@@ -237,7 +237,7 @@ MUTATIONS = {
             'einsum("ij,ij->i", tau, block.qd) - execute(lost, sources, whole).values[:, 0]',
             'einsum("ij,ij->i", tau, block.qd) + execute(lost, sources, whole).values[:, 0]',
         ),
-        ("dynamics/effects/limit_spring.py", "_positive(x)", "x"),
+        ("dynamics/effects/springs.py", "_positive(x)", "x"),
     ],
     "loads/test_sizing_figures.py": [
         ("loads/statistics.py", "weights[0] += before", "weights[0] += 0.0"),
@@ -312,7 +312,7 @@ MUTATIONS = {
         ("simulation/conserving.py", "was.H - now.H", "now.H - was.H"),
     ],
     "simulation/test_friction_and_limits.py": [
-        ("dynamics/effects/limit_spring.py", "self.spring.damping * xd", "self.spring.damping * x"),
+        ("dynamics/effects/springs.py", "self.spring.damping * xd", "self.spring.damping * x"),
         ("simulation/stiffness.py", "friction.dry / scene.slip_speed", "friction.dry * scene.slip_speed"),
         ("simulation/joint_use.py", "(mean * lasting)[still]", "mean[still]"),
     ],

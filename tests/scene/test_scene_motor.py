@@ -47,7 +47,7 @@ def test_a_rotor_may_stand_in_its_own_table():
 def test_a_gear_alone_leaves_the_inertia_of_the_description():
     from dataclasses import replace
 
-    from robodyn.dynamics.effects.rotor_inertia import rotor_of
+    from robodyn.dynamics.effects.motors import rotor_of
 
     joint = replace(robot("puma560").independent[0], rotor_inertia=5e-4, reduction=30.0)
     assert rotor_of(joint, motor("gear = 3")) == (5e-4, 30.0)

@@ -1,1 +1,1 @@
-"""One effect, one file: what it adds to the recursions, and when a scene calls for it."""
+"""Effects, a file for each family: what each adds to the recursions, and when a scene calls for it."""

@@ -2,13 +2,26 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-
+from robodyn.dynamics.effects import friction, motors, rigid_bodies, springs, wrenches
 from robodyn.dynamics.effects.effect import Effect
 
-_FILES = (
-    *("gravity", "inertia", "coriolis", "moving_base", "payload", "viscous_friction", "coulomb_friction"),
-    *("rotor_inertia", "coupled_motor", "gyroscopic_moment", "joint_spring", "limit_spring"),
-    *("external_wrench", "loop_forces", "contact_forces", "fluid", "load_friction", "mimic"),
+EFFECTS: tuple[Effect, ...] = (
+    rigid_bodies.GRAVITY,
+    rigid_bodies.INERTIA,
+    rigid_bodies.CORIOLIS,
+    rigid_bodies.MOVING_BASE,
+    rigid_bodies.PAYLOAD,
+    friction.VISCOUS,
+    friction.COULOMB,
+    motors.ROTOR,
+    motors.COUPLED,
+    motors.GYROSCOPIC,
+    springs.JOINT,
+    springs.LIMIT,
+    wrenches.EXTERNAL,
+    wrenches.LOOPS,
+    wrenches.CONTACTS,
+    wrenches.FLUID,
+    friction.LOAD,
+    rigid_bodies.MIMIC,
 )
-EFFECTS: tuple[Effect, ...] = tuple(import_module(f"robodyn.dynamics.effects.{name}").EFFECT for name in _FILES)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -103,33 +103,35 @@ class Verdict(NamedTuple):
         return cls.of(joints and not at_rest, still if joints else none, f"{len(joints)} {some}")
 
 
-EnergyOf = Callable[[Sample, Terms, Scene, list[Motion]], Scalar]
-
-
-def _no_energy(sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> Scalar:
-    return 0.0
-
-
-@dataclass(frozen=True)
 class Effect:
-    """One physical effect.
+    """One physical effect: a subclass, whose one instance is named in the catalogue.
 
     Attributes:
         name: as reports print it.
         adds: what it adds to tau, in a few words.
-        why: whether it is on.
-        add: the terms with this effect added.
-        background: what must be on for the effect to show itself when it stands alone; for most, nothing.
-        stored: the energy it stores [J].
-        lost: the power that it takes from the joints [W].
         by_load: whether it depends on the torques that the others make, so that it is what is missing without it.
     """
 
     name: str
     adds: str
-    why: Callable[[Model, Scene, ZeroColumns], Verdict]
-    add: Callable[[Terms, Sample, Scene], Terms]
-    background: Callable[[Terms, Sample, Scene], Terms] = lambda terms, sample, scene: terms
-    stored: EnergyOf = _no_energy
-    lost: EnergyOf = _no_energy
-    by_load: bool = False
+    by_load = False
+
+    def why(self, model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
+        """Whether it is on, and why."""
+        raise NotImplementedError
+
+    def add(self, terms: Terms, sample: Sample, scene: Scene) -> Terms:
+        """The terms with this effect added."""
+        raise NotImplementedError
+
+    def background(self, terms: Terms, sample: Sample, scene: Scene) -> Terms:
+        """What must be on for the effect to show itself when it stands alone; for most, nothing."""
+        return terms
+
+    def stored(self, sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> Scalar:
+        """The energy that it stores [J]."""
+        return 0.0
+
+    def lost(self, sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> Scalar:
+        """The power that it takes from the joints [W]."""
+        return 0.0

@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from robodyn.dynamics.effects import payload
+from robodyn.dynamics.effects import rigid_bodies
 from robodyn.dynamics.effects.effect import Sample, Terms
-from robodyn.dynamics.effects.gyroscopic_moment import mass_entries
+from robodyn.dynamics.effects.motors import mass_entries
 from robodyn.dynamics.forward import floating_turns, turned
 from robodyn.dynamics.loops.closure import Closure, Equations, held
 from robodyn.dynamics.loops.equation import Equation
@@ -152,7 +152,7 @@ class ClosedChain:
 
     def inertial(self, sample: Sample) -> Terms:
         """Return inertias alone."""
-        return applied([payload.EFFECT], sample, self.scene)
+        return applied([rigid_bodies.PAYLOAD], sample, self.scene)
 
     def settled(self, q: Sequence[Scalar], qd: Sequence[Scalar]) -> tuple[list[Scalar], list[Scalar]]:
         """The state on the loops that is nearest in kinetic energy, for any scalar; with Baumgarte's terms, the same.

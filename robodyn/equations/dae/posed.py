@@ -7,10 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robodyn.dynamics.effects.coupled_motor import coupled_motors
 from robodyn.dynamics.effects.effect import Sample, Terms
-from robodyn.dynamics.effects.gyroscopic_moment import spins
-from robodyn.dynamics.effects.rotor_inertia import armatures
+from robodyn.dynamics.effects.motors import armatures, coupled_motors, spins
 from robodyn.dynamics.plan import applied
 from robodyn.equations.dae.connections import PLAIN, Anchors, Connection, directions, hinge, point, slide, weld
 from robodyn.equations.dae.equations import Along, Equation, Sum, Turn

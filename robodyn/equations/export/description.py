@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import asdict
 from importlib.metadata import version
 
-from robodyn.dynamics.effects.viscous_friction import joints_with_friction
+from robodyn.dynamics.effects.friction import joints_with_friction
 from robodyn.dynamics.plan import Plan
 from robodyn.equations.export.job import Job
 from robodyn.robot.model import Model

@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.dynamics.effects import gyroscopic_moment
+from robodyn.dynamics.effects import motors
 from robodyn.dynamics.effects.effect import Effect, Sample
-from robodyn.dynamics.effects.external_wrench import acting
-from robodyn.dynamics.effects.gyroscopic_moment import spins
+from robodyn.dynamics.effects.motors import spins
+from robodyn.dynamics.effects.wrenches import acting
 from robodyn.dynamics.plan import at_rest
 from robodyn.dynamics.recursions.newton_euler import euler
 from robodyn.equations.free_body.types import Action, JointRow
@@ -22,7 +22,7 @@ from robodyn.scene.scene import Scene
 from robodyn.solids.inertia.laws import Inertia, about_centre
 from robodyn.support.floats import Floats
 
-SPINNING = gyroscopic_moment.EFFECT.name
+SPINNING = motors.GYROSCOPIC.name
 _LETTERS = {
     "viscous friction": "V",
     "coulomb friction": "C",

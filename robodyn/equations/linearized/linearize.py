@@ -8,8 +8,8 @@ from math import hypot
 import numpy as np
 
 from robodyn.dynamics.derivatives import inverse_dynamics_derivatives
-from robodyn.dynamics.effects.coupled_motor import coupled_motors
-from robodyn.dynamics.effects.viscous_friction import joints_with_friction
+from robodyn.dynamics.effects.friction import joints_with_friction
+from robodyn.dynamics.effects.motors import coupled_motors
 from robodyn.dynamics.inverse import bias_forces
 from robodyn.equations.dae.closed import begun, closed_state
 from robodyn.equations.linearized.doubt import stiffness_in_doubt

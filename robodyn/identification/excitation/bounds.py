@@ -8,7 +8,7 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.dynamics.effects.viscous_friction import friction_of
+from robodyn.dynamics.effects.friction import friction_of
 from robodyn.errors import InputError
 from robodyn.robot.limits import MOST_EFFORT, MOST_VELOCITY, binding, coordinate_ranges
 from robodyn.robot.model import Model

@@ -18,7 +18,7 @@ from helpers.peers import mujoco
 from helpers.small_robots import built, chain, joint, link
 
 import robodyn
-from robodyn.dynamics.effects import coupled_motor
+from robodyn.dynamics.effects import motors
 from robodyn.dynamics.plan import Plan
 from robodyn.dynamics.runners import runner_of
 from robodyn.equations.dae.dae import dae_at
@@ -115,7 +115,7 @@ def test_its_share_is_what_it_adds():
     rows = np.hstack(state)
     sources = {"q": rows[:, : model.nq], "qd": state[1], "qdd": state[2], "columns": np.empty((SAMPLES, 0))}
     a_plan = Plan(model, bare)
-    share = runner_of(a_plan.share(coupled_motor.EFFECT), a_plan).run(sources, SAMPLES).values
+    share = runner_of(a_plan.share(motors.COUPLED), a_plan).run(sources, SAMPLES).values
     assert worst(share, tau - without, np.abs(tau).max()) <= 1e-14
 
 
@@ -171,13 +171,13 @@ def test_what_is_wrong_in_a_scene_is_said(entry, says):
 
 def test_names_must_fit():
     model = robot("puma560")
-    for motors, says in (
+    for coupled, says in (
         ((CoupledMotor("m", {"elbo": 1.0}),), "[[coupled]]: the robot has no joint 'elbo' that moves"),
         ((CoupledMotor("elbow", {"elbow": 1.0}),), "'elbow': a joint or another coupled motor has this name"),
         ((CoupledMotor("m", {"elbow": 1.0}), CoupledMotor("m", {"waist": 1.0})), "has this name"),
     ):
         with pytest.raises(SceneError) as caught:
-            robodyn.inverse_dynamics(model, 0.0, 0.0, 0.0, scene=Scene(coupled=motors))
+            robodyn.inverse_dynamics(model, 0.0, 0.0, 0.0, scene=Scene(coupled=coupled))
         assert says in str(caught.value)
 
 
@@ -212,7 +212,7 @@ def test_mujoco():
 
 def test_composite_bodies():
     model, scene, state, _ = busy()
-    reflected = coupled_motor.reflected(model, scene)
+    reflected = motors.reflected(model, scene)
     composite_bodies_give_the_mass_matrix(model, scene, state[0][:3], lambda _: reflected)
 
 

@@ -7,7 +7,7 @@ from helpers.busy_robot import busy_robot
 from helpers.oracles import EPS, frictionless, random_state, run, worst
 from helpers.small_robots import built, joint, link
 
-from robodyn.dynamics.effects import fluid, gravity
+from robodyn.dynamics.effects import rigid_bodies, wrenches
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.plan import Plan
 from robodyn.scene.parts import Immersed, Payload
@@ -54,6 +54,6 @@ def test_drag_takes_power_in_still_water():
     state = random_state(model, np.random.default_rng(2), 50)
     immersed = tuple(Immersed(name, 0.0, (0.1, 0.2, -0.1), (0.3, 0.2, 0.1)) for name in ("l1", "tool", "l6"))
     plan = Plan(model, frictionless(model, immersed=immersed, fluid_density=WATER))
-    share = run(plan.share(fluid.EFFECT), plan, *state)
+    share = run(plan.share(wrenches.FLUID), plan, *state)
     assert (np.einsum("ij,ij->i", share, state[1]) > 0).all()
-    assert gravity.EFFECT in plan.effects
+    assert rigid_bodies.GRAVITY in plan.effects

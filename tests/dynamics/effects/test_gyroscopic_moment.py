@@ -17,7 +17,7 @@ from helpers.oracles import EPS, frictionless, random_state, robot, worst
 from helpers.small_robots import built, chain, joint, link
 
 import robodyn
-from robodyn.dynamics.effects import gyroscopic_moment
+from robodyn.dynamics.effects import motors
 from robodyn.dynamics.plan import Plan, plan
 from robodyn.dynamics.runners import runner_of
 from robodyn.dynamics.uncertain_parameters import variations
@@ -58,7 +58,7 @@ def busy(free=False, **scene):
 def explicit(free=False):
     """The busy robot with a body for each rotor, and payloads that take each one's inertia from its carrier."""
     model, parts, taken = busy_robot(free), busy_parts(), []
-    for spin in gyroscopic_moment.spins(model, Scene(rotor=ROTORS)):
+    for spin in motors.spins(model, Scene(rotor=ROTORS)):
         R = model.links[spin.link].R
         a = R.T @ spin.axis
         I = spin.inertia * np.outer(a, a)
@@ -120,9 +120,7 @@ def test_forward_is_the_inverse_of_inverse(free):
 
 def test_composite_bodies():
     model, scene, state, _ = busy()
-    composite_bodies_give_the_mass_matrix(
-        model, scene, state[0][:3], lambda sample: gyroscopic_moment.mass_entries(sample, scene)
-    )
+    composite_bodies_give_the_mass_matrix(model, scene, state[0][:3], lambda sample: motors.mass_entries(sample, scene))
 
 
 def test_beside_friction_that_grows_with_load():
@@ -171,7 +169,7 @@ def test_its_share_is_what_it_adds():
     tau, without = (robodyn.inverse_dynamics(model, *state, scene=each, columns=columns) for each in (scene, plain))
     a_plan = Plan(model, replace(scene, wrenches=()))
     sources = dict(zip(("q", "qd", "qdd"), state, strict=True)) | {"columns": np.empty((SAMPLES, 0))}
-    share = runner_of(a_plan.share(gyroscopic_moment.EFFECT), a_plan)(sources, SAMPLES, executor="numpy")
+    share = runner_of(a_plan.share(motors.GYROSCOPIC), a_plan)(sources, SAMPLES, executor="numpy")
     assert worst(share, tau - without, np.abs(tau).max()) <= 1e-14
 
 

@@ -8,7 +8,7 @@ from helpers.busy_robot import busy_parts, busy_robot
 from helpers.oracles import EPS, random_state, run, worst
 from helpers.small_robots import body_numbers, joint, link, urdf
 
-from robodyn.dynamics.effects import payload
+from robodyn.dynamics.effects import rigid_bodies
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
@@ -54,7 +54,7 @@ def test_several_loads_add_up():
     apart = sum(inverse_dynamics(model, *state, scene=Scene(payloads=(one,))) - bare for one in loads)
     assert worst(inverse_dynamics(model, *state, scene=Scene(payloads=loads)) - bare, apart) <= 1e-14
     plan = Plan(model, Scene(payloads=loads))
-    assert worst(run(plan.share(payload.EFFECT), plan, *state), apart) <= 1e-14
+    assert worst(run(plan.share(rigid_bodies.PAYLOAD), plan, *state), apart) <= 1e-14
 
 
 def test_a_point_mass_hanging_from_a_hinge():

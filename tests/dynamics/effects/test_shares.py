@@ -11,7 +11,7 @@ from helpers.example_robots import real
 from helpers.oracles import EPS, golden_model, random_state, robot, run, worst
 from helpers.robot_files import FOLDER
 
-from robodyn.dynamics.effects import coriolis, gravity, inertia, payload
+from robodyn.dynamics.effects import rigid_bodies
 from robodyn.dynamics.effects.catalogue import EFFECTS
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.mass import mass_matrix
@@ -75,7 +75,7 @@ def test_coriolis_is_quadratic(name, scale):
     model = golden_model(name)
     q, qd, _ = random_state(model, np.random.default_rng(7), 20)
     plan = Plan(model, Scene())
-    share, still = plan.share(coriolis.EFFECT), np.zeros_like(qd)
+    share, still = plan.share(rigid_bodies.CORIOLIS), np.zeros_like(qd)
     unit = run(share, plan, q, qd, still)
     found = run(share, plan, q, scale * qd, still) / scale / scale
     assert worst(found, unit) <= 1e-15
@@ -86,14 +86,14 @@ def test_inertia_is_linear_and_gravity_too(scale):
     model = golden_model("tree15_bf2_skew0.3")
     q, _, qdd = random_state(model, np.random.default_rng(7), 20)
     plan, still = Plan(model, Scene()), np.zeros_like(qdd)
-    share = plan.share(inertia.EFFECT)
+    share = plan.share(rigid_bodies.INERTIA)
     unit = run(share, plan, q, still, qdd)
     assert worst(run(share, plan, q, still, scale * qdd) / scale, unit) <= 1e-15
     M = mass_matrix(model, q)
     assert worst(np.einsum("ijk,ik->ij", M, qdd), unit) <= 1e-14
     heavy = Plan(model, Scene(gravity=(0, 0, -9.81 * scale)))
-    weight = run(plan.share(gravity.EFFECT), plan, q, still, still)
-    assert worst(run(heavy.share(gravity.EFFECT), heavy, q, still, still) / scale, weight) <= 8 * EPS
+    weight = run(plan.share(rigid_bodies.GRAVITY), plan, q, still, still)
+    assert worst(run(heavy.share(rigid_bodies.GRAVITY), heavy, q, still, still) / scale, weight) <= 8 * EPS
 
 
 def test_bias_does_not_see_the_sign_of_time():
@@ -105,7 +105,7 @@ def test_bias_does_not_see_the_sign_of_time():
 
 def _payload_share(scene, model, state, table):
     plan = Plan(model, scene)
-    return run(plan.share(payload.EFFECT), plan, *state, table)
+    return run(plan.share(rigid_bodies.PAYLOAD), plan, *state, table)
 
 
 def test_an_effect_is_the_difference_that_it_makes():
@@ -121,6 +121,6 @@ def test_an_effect_is_the_difference_that_it_makes():
             assert worst(run(plan.share(effect), plan, *state, table), difference, np.abs(whole).max()) <= 1e-14
     weightless = replace(BUSY_SCENE, gravity=(0.0, 0.0, 0.0))
     pulled = _payload_share(BUSY_SCENE, model, state, table) - _payload_share(weightless, model, state, table)
-    difference = whole - run(plan.without(gravity.EFFECT), plan, *state, table)
-    share = run(plan.share(gravity.EFFECT), plan, *state, table) + pulled
+    difference = whole - run(plan.without(rigid_bodies.GRAVITY), plan, *state, table)
+    share = run(plan.share(rigid_bodies.GRAVITY), plan, *state, table) + pulled
     assert worst(share, difference, np.abs(whole).max()) <= 1e-14

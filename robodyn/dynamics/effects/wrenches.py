@@ -1,0 +1,99 @@
+"""Wrenches ON links: of the surroundings, of fluids, and those by which loops and contacts hold the robot."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
+from robodyn.programs.vectors import Array, cross, sign
+from robodyn.robot.kinematics import Pose, Velocity, Wrench, poses, velocities
+from robodyn.robot.model import Model
+from robodyn.scene.parts import Entry, ExternalWrench, Immersed
+from robodyn.scene.scene import Scene
+
+
+def acting(scene: Scene, cause: str) -> list[ExternalWrench]:
+    """Return the wrenches of one cause that are not nothing."""
+    return [each for each in scene.wrenches if each.cause == cause and (any(each.force) or any(each.moment))]
+
+
+class WrenchEffect(Effect):
+    """The scene's wrenches of one cause."""
+
+    def __init__(self, name: str, cause: str, none: str, adds: str) -> None:
+        """Args: none: why it is off where there is none."""
+        self.name, self.cause, self.none, self.adds = name, cause, none, adds
+
+    def why(self, model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
+        links = dict.fromkeys(wrench.link for wrench in acting(scene, self.cause))
+        return Verdict.of(links, self.none, f"acts on {', '.join(links)}")
+
+    def add(self, terms: Terms, sample: Sample, scene: Scene) -> Terms:
+        where = poses(sample.model.parents, sample.motions())
+        more = tuple(_on_body(wrench, sample, where) for wrench in acting(scene, self.cause))
+        return replace(terms, wrenches=terms.wrenches + more)
+
+
+def _on_body(wrench: ExternalWrench, sample: Sample, where: list[Pose]) -> tuple[int, Wrench]:
+    """Return the body that the wrench acts on, and the wrench about that body's origin in its axes."""
+    body, R, p = sample.model.links[wrench.link]
+    if wrench.axes:
+        other, turn, _ = sample.model.links[wrench.axes]
+        axes = where[body].R.T @ (where[other].R @ turn)
+    else:
+        axes = {"link": R, "base": where[body].R.T @ where[0].R, "world": where[body].R.T}[wrench.frame]
+    f = axes @ _entries(wrench.force, sample)
+    return body, Wrench(f, axes @ _entries(wrench.moment, sample) + cross(p + R @ np.array(wrench.point), f))
+
+
+def _entries(entries: tuple[Entry, Entry, Entry], sample: Sample) -> Array:
+    return np.array([sample.columns[entry] if isinstance(entry, str) else float(entry) for entry in entries])
+
+
+class Fluid(Effect):
+    """Buoyancy and quadratic drag on links in still or streaming water or air."""
+
+    name, adds = "fluid", "buoyancy -rho V g and drag rho/2 C_d A v^2 against the motion, link by link"
+
+    def why(self, model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
+        links = [immersed.link for immersed in scene.immersed if immersed.volume or any(immersed.drag_area)]
+        some = f"{scene.fluid_density:g} kg/m^3 around {', '.join(links)}"
+        return Verdict.of(scene.fluid_density and links, "the scene has no fluid", some)
+
+    def add(self, terms: Terms, sample: Sample, scene: Scene) -> Terms:
+        joints = sample.motions()
+        where, moving = poses(sample.model.parents, joints), velocities(sample.model.parents, joints)
+        acting = []
+        for immersed in scene.immersed:
+            body = sample.model.links[immersed.link].body
+            acting.append(_in_fluid(immersed, sample, scene, where[body], moving[body]))
+        return replace(terms, wrenches=terms.wrenches + tuple(acting))
+
+
+def _in_fluid(immersed: Immersed, sample: Sample, scene: Scene, pose: Pose, moving: Velocity) -> tuple[int, Wrench]:
+    """Buoyancy -rho V g and drag -rho/2 C_d A_k |u_k| u_k along each axis k of the link, both at the centre of volume.
+
+    u is the centre's velocity relative to the fluid, in the link's axes.
+    """
+    body, R, p = sample.model.links[immersed.link]
+    centre = p + R @ np.array(immersed.centre)
+    streaming = pose.R.T @ np.array(scene.fluid_velocity, dtype=float)
+    u = R.T @ (moving.v + cross(moving.w, centre) - streaming)
+    area = 0.5 * scene.fluid_density * np.array(immersed.drag_area)
+    drag = np.array([-(c * (sign(x) * (x * x))) for c, x in zip(area, u, strict=True)])
+    buoyancy = pose.R.T @ (-scene.fluid_density * immersed.volume * np.array(scene.gravity, dtype=float))
+    f = R @ drag + buoyancy
+    return body, Wrench(f, cross(centre, f))
+
+
+EXTERNAL = WrenchEffect(
+    "external wrench",
+    "surroundings",
+    "the scene has no external wrench",
+    "-J^T w for a force and a moment that act on a link",
+)
+LOOPS = WrenchEffect("loop forces", "loop", "no loop is closed", "-J^T lambda of the forces that close loops")
+CONTACTS = WrenchEffect("contact forces", "contact", "no link stands on anything", "-J^T f of what links stand on")
+FLUID = Fluid()
