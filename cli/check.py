@@ -10,13 +10,11 @@ from typing import Any
 
 import click
 
-from robodyn.checks.catalogue import RULES
-from robodyn.checks.compare.baseline import compared, write_baseline
+from robodyn.checks.baseline import compared, write_baseline
+from robodyn.checks.catalogue import RULES, WORDS
+from robodyn.checks.check import Checked, Options, Task, check_tasks, fix_task, tasks_for
 from robodyn.checks.context import Asked
-from robodyn.checks.project import fix_task, tasks_for
 from robodyn.checks.rule import Severity
-from robodyn.checks.run import Checked, Options, Task, check_tasks
-from robodyn.checks.selection import WORDS
 from robodyn.cli.files import STANDARD_INPUT, check_names, source_of
 from robodyn.cli.options import DESCRIPTION, PATH, Parsed, lookup, together
 from robodyn.cli.progress import robots_done

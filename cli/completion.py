@@ -60,7 +60,7 @@ def _codes_and_names(ctx: click.Context) -> Iterable[str]:
 
 
 def _selected(ctx: click.Context) -> Iterable[str]:
-    from robodyn.checks.selection import WORDS
+    from robodyn.checks.catalogue import WORDS
 
     return [*WORDS, *_codes(ctx)]
 

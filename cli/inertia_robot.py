@@ -28,7 +28,7 @@ from robodyn.solids.inertia.conversions import View
 from robodyn.support.wording import count
 
 if TYPE_CHECKING:
-    from robodyn.checks.run import Checked
+    from robodyn.checks.check import Checked
 
 
 def robot(files: Sequence[str], view: View, ctx: click.Context) -> int:
@@ -74,8 +74,7 @@ def _compared(description: Description, ctx: click.Context) -> int:
 
 def _checked(description: Description) -> Checked:
     """Return what `robodyn check` finds in the description."""
-    from robodyn.checks.project import check_description
-    from robodyn.checks.run import Options
+    from robodyn.checks.check import Options, check_description
 
     return check_description(description, Options(package_path=description.search.package_paths))
 

@@ -13,7 +13,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from robodyn.checks.project import check as check
+    from robodyn.checks.check import check as check
     from robodyn.dynamics.constraints.inverse import constraint_forces as constraint_forces
     from robodyn.dynamics.coriolis import coriolis_matrix as coriolis_matrix
     from robodyn.dynamics.derivative_entries import (
@@ -71,7 +71,7 @@ if not os.path.isdir(os.path.join(os.path.dirname(__file__), "cli")):
     __path__.append(os.path.dirname(os.path.dirname(__file__)))  # of a checkout, where `cli/` stands beside this folder
 
 _HOMES = {
-    "checks.project": ("check",),
+    "checks.check": ("check",),
     "dynamics.constraints.inverse": ("constraint_forces",),
     "dynamics.coriolis": ("coriolis_matrix",),
     "dynamics.derivative_entries": ("inverse_dynamics_derivative_entries",),

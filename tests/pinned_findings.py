@@ -12,7 +12,7 @@ from pathlib import Path
 from helpers.example_robots import all_paths
 from helpers.other_robots import other_paths
 
-from robodyn.checks.run import check_one
+from robodyn.checks.check import check_one
 
 FILE = Path(__file__).parent / "data" / "check_findings.json"
 

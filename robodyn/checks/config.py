@@ -9,9 +9,8 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
-from robodyn.checks.context import DEFAULT, Thresholds
-from robodyn.checks.run import Options
-from robodyn.checks.selection import rules_for
+from robodyn.checks.catalogue import rules_for
+from robodyn.checks.context import Options, Thresholds
 from robodyn.errors import InputError, SceneError, unreadable
 from robodyn.robot.urdf.sources import is_xacro
 from robodyn.scene.toml_table import SceneTable, read_toml
@@ -155,7 +154,7 @@ def _config(table: SceneTable, file: str) -> Config:
 def _thresholds(table: SceneTable) -> Thresholds:
     remedy = "thresholds are positive or zero"
     names = {field.name: field.name.replace("_", "-") for field in fields(Thresholds)}
-    values = {name: table.nonnegative(key, getattr(DEFAULT, name), remedy) for name, key in names.items()}
+    values = {name: table.nonnegative(key, getattr(Thresholds(), name), remedy) for name, key in names.items()}
     table.finish()
     return Thresholds(**values)
 

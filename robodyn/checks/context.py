@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from robodyn.checks.reading.tree import Tree, build_tree
+from robodyn.checks.tree import Tree, build_tree
 from robodyn.errors import DescriptionError, InputError
 from robodyn.robot.limits import MOST_EFFORT, MOST_VELOCITY
 from robodyn.robot.urdf.description import read_description
@@ -15,12 +15,13 @@ from robodyn.robot.urdf.document import Document
 from robodyn.robot.urdf.packages import Search
 from robodyn.robot.urdf.parts import Description
 from robodyn.robot.urdf.view import View
-from robodyn.support.wording import alternatives, shown
+from robodyn.support.wording import alternatives, call_of, shown
 
 if TYPE_CHECKING:
     from robodyn.robot.model import Model
 
 T = TypeVar("T")
+STDIN = "<stdin>"
 TARGETS = ("mujoco", "drake", "gz", "kdl", "isaac")
 """The programs whose verdict is known; see `robodyn.checks.consumers.verdicts`."""
 
@@ -83,7 +84,35 @@ class Thresholds:
     """RD304: a greater one is too dense even for solid steel."""
 
 
-DEFAULT = Thresholds()
+@dataclass(frozen=True, repr=False)
+class Options:
+    """What is checked, and against what.
+
+    Attributes:
+        select: codes (RD207) or beginnings of codes (RD2) of the rules to run, ALL, or DEFAULT, which is meant if it is
+            empty: errors, and what is likely a defect.
+        ignore: codes or beginnings of the rules not to run.
+        thresholds: what the rules measure against.
+        package_path: folders in which `package://` names are looked up first.
+        xacro_args: names and values of the arguments of xacro files.
+        trust_xacro: whether xacro files may do whatever Python can.
+        asked: what is asked beyond the files themselves.
+    """
+
+    select: tuple[str, ...] = ()
+    ignore: tuple[str, ...] = ()
+    thresholds: Thresholds = Thresholds()
+    package_path: tuple[str, ...] = ()
+    xacro_args: tuple[tuple[str, str], ...] = ()
+    trust_xacro: bool = False
+    asked: Asked = NOTHING
+
+    def __repr__(self) -> str:
+        return call_of(self)
+
+
+STANDARD = Options()
+"""What holds where nothing else is asked: the default set, and the thresholds as they are."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +128,7 @@ class Context:
     """
 
     reading: Document
-    thresholds: Thresholds = DEFAULT
+    thresholds: Thresholds = Thresholds()
     package_path: tuple[str, ...] = ()
     asked: Asked = NOTHING
     codes: tuple[str, ...] = ()

@@ -10,8 +10,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from robodyn.checks.finding import Finding
-from robodyn.checks.rule import Rule
+from robodyn.checks.rule import Finding, Rule
 from robodyn.robot.urdf.view import Subject
 from robodyn.support.wording import surmised
 
@@ -56,7 +55,7 @@ def places(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     return tuple(one for found in files.values() for one in sorted(found, key=lambda one: (one.start, one.code)))
 
 
-def one_each(findings: Sequence[Finding], rules: Mapping[str, Rule]) -> list[Finding]:
+def deduplicate(findings: Sequence[Finding], rules: Mapping[str, Rule]) -> list[Finding]:
     """Return the findings of one file without those that another rule explains, for the same link or joint.
 
     Of two that are one defect the one that explains stays, unless the other is more severe: then that one stays, and

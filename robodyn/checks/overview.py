@@ -12,8 +12,7 @@ from math import fsum, inf
 
 import numpy as np
 
-from robodyn.checks.project import check_description, tasks_for
-from robodyn.checks.run import Checked, Options
+from robodyn.checks.check import Checked, Options, check_description, tasks_for
 from robodyn.programs.vectors import Array, narrowed, product
 from robodyn.robot.assemble import assemble
 from robodyn.robot.configuration import beyond_limits, body_poses, configuration

@@ -1,8 +1,9 @@
 """What a check is made of: rules, what they are given, and what they find.
 
-A rule is one file in `robodyn/checks/rules/`, named after its code, and nothing else is needed to add one. Its
-docstring is its documentation, and its `check`, which `@rule` makes the rule, is a generator: it is given a `Context`,
-yields one `Fault` for each thing that is wrong, and never raises. What it may rely on is its `stage`:
+A rule is one function in a file of `robodyn/checks/rules/`, that of its family, and nothing else is needed to add one.
+Its name is the rule's, its docstring the documentation. The function, which `@rule` makes the rule, is a generator: it
+is given a `Context`, yields one `Fault` for each thing that is wrong, and never raises. What it may rely on is its
+`stage`:
 
     TEXT      `context.reading`: the bytes, and what is wrong with them as XML
     DOCUMENT  `context.view`: links, joints and numbers as far as they can be read; names may lead nowhere
@@ -16,17 +17,123 @@ Whatever is costly and serves several rules is a function of the context, called
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
-from enum import IntEnum
+from dataclasses import dataclass, replace
+from enum import Enum, IntEnum
+from inspect import cleandoc
 
 from robodyn.checks.context import Context
-from robodyn.checks.finding import Excerpt, Finding, Fix, Severity, excerpt
 from robodyn.robot.urdf.document import Document
 from robodyn.robot.urdf.edits import Edit
-from robodyn.robot.urdf.elements import Span
+from robodyn.robot.urdf.elements import BOM, Span
 from robodyn.robot.urdf.view import Subject
+
+
+class Severity(Enum):
+    """ERROR fails the check, WARNING fails it with `--strict`, NOTE is a remark."""
+
+    ERROR = "error"
+    WARNING = "warning"
+    NOTE = "note"
+
+    def reaches(self, least: Severity) -> bool:
+        """Return whether it is at least as severe as another."""
+        return _ORDER.index(self) <= _ORDER.index(least)
+
+
+_ORDER = tuple(Severity)
+"""The most severe first."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fix:
+    """The one right correction: `what` it does, its edits, and whether it leaves the dynamics as they are."""
+
+    what: str
+    edits: tuple[Edit, ...]
+    safe: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Excerpt:
+    """The line of the source around a finding, cut to a readable length, and where in it the finding stands."""
+
+    text: str
+    start: int
+    length: int
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """A fault with its rule and its place; what the reports show.
+
+    `message` names the subject; `line` and `column` (in characters) count from 1, `start` and `end` are bytes.
+    `kind` is the message without subject, names and numbers: what findings share that one cause explains. `others` are
+    the further places of the same cause in the file, in their order (see `robodyn.checks.groups`). `description` is the
+    file that was checked, where `file` is another one: macros that it includes, or its SRDF.
+    """
+
+    code: str
+    name: str
+    severity: Severity
+    file: str
+    line: int
+    column: int
+    start: int
+    end: int
+    subject: Subject | None
+    message: str
+    remedy: str
+    measured: float | None
+    bound: float | None
+    cause: str | None
+    fix: Fix | None
+    excerpt: Excerpt
+    kind: str = ""
+    others: tuple[Finding, ...] = ()
+    description: str | None = None
+
+    @property
+    def checked(self) -> str:
+        """The file that was checked."""
+        return self.description or self.file
+
+    @property
+    def what(self) -> str:
+        """The message without the subject."""
+        subject = self.subject
+        return self.message if subject is None else self.message.removeprefix(f"{subject.words}: ")
+
+    @property
+    def places(self) -> tuple[Finding, ...]:
+        """Every place by itself, the first included."""
+        return (replace(self, others=()), *self.others) if self.others else (self,)
+
+
+_BEFORE, _AFTER = 60, 60
+"""Bytes that are shown before and after a finding, at most; its first `_AFTER` count."""
+
+
+def excerpt(reading: Document, at: Span) -> Excerpt:
+    """Return the line in which the span begins, without its indent, and cut where it is long."""
+    data = reading.data
+    last = min(at.start + _AFTER, len(data))
+    start = max(_after_newline(data, max(at.start - _BEFORE, 0), at.start), len(BOM) * data.startswith(BOM))
+    end = min(
+        (found for found in (data.find(b"\n", at.start, last), data.find(b"\r", at.start, last)) if found >= 0),
+        default=last,
+    )
+    before = data[start : at.start].decode(reading.encoding, "ignore").lstrip()
+    text = data[at.start : end].decode(reading.encoding, "ignore").rstrip()
+    within = data[at.start : min(at.end, end)].decode(reading.encoding, "ignore")
+    shown = (before + text).replace("\t", " ")
+    return Excerpt(shown, len(before), max(min(len(within), len(text)), 1))
+
+
+def _after_newline(data: bytes, first: int, last: int) -> int:
+    """Return the place after the last line end in [first, last), or `first`."""
+    return max(data.rfind(b"\n", first, last), data.rfind(b"\r", first, last), first - 1) + 1
+
 
 __all__ = [
     "HERE",
@@ -127,6 +234,7 @@ class Rule:
 
 
 def rule(
+    code: str,
     severity: Severity,
     stage: Stage = Stage.DOCUMENT,
     *,
@@ -136,9 +244,9 @@ def rule(
     default: Severity = Severity.WARNING,
     explains: tuple[str, ...] = (),
 ) -> Callable[[Callable[[Context], Faults]], Rule]:
-    """Make the decorated function the rule of its module: `rd201_mass_not_positive` is RD201, mass-not-positive.
+    """Make the decorated function a rule of its name: `mass_not_positive` is mass-not-positive.
 
-    The module's docstring is the summary, one sentence, and after a blank line the explanation.
+    Its docstring is the summary, one sentence, and after a blank line the explanation.
 
     Args:
         good, bad: descriptions; a pair is a piece of the good one and what stands in its place in the bad one.
@@ -149,10 +257,8 @@ def rule(
     wrong = bad if isinstance(bad, str) else good.replace(*bad)
 
     def decorate(check: Callable[[Context], Faults]) -> Rule:
-        code, _, name = check.__module__.rpartition(".")[2].partition("_")
-        summary, _, text = (sys.modules[check.__module__].__doc__ or "").partition("\n\n")
-        names = code.upper(), name.replace("_", "-")
-        words = summary, explanation or text.strip()
-        return Rule(*names, severity, stage, *words, wrong, good, check, default, explains)
+        name = check.__name__.replace("_", "-")
+        summary, _, text = cleandoc(check.__doc__ or "").partition("\n\n")
+        return Rule(code, name, severity, stage, summary, explanation or text, wrong, good, check, default, explains)
 
     return decorate

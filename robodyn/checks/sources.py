@@ -1,20 +1,90 @@
-"""Which files are meant, and how many of them are worth processes of their own."""
+"""Which files are meant, the descriptions that meshes, SRDFs and macros belong to, and which are worth processes."""
 
 from __future__ import annotations
 
 import glob
 import os
-from collections.abc import Callable, Iterator, Sequence
+import re
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing
+from pathlib import Path
 from typing import Any, TypeVar
 from warnings import warn
 
-from robodyn.checks.beside import BESIDE, describing
-from robodyn.errors import InputError, NoRobotError, RobodynWarning
+from robodyn.checks.srdf import srdf_of
+from robodyn.errors import DescriptionError, InputError, NoRobotError, RobodynWarning
+from robodyn.robot.urdf.document import read_document
+from robodyn.robot.urdf.packages import Search
 from robodyn.robot.urdf.sources import is_xacro
-from robodyn.robot.urdf.xacro import only_defines
+from robodyn.robot.urdf.xacro import no_robot, only_defines
 from robodyn.support.input_file import read_input
 from robodyn.support.threads import cores, processes
+
+RELATED = (".srdf", ".stl", ".obj", ".dae", ".ply", ".glb", ".gltf")
+"""Suffixes of files that belong to descriptions."""
+
+
+def related_descriptions(path: str) -> list[str]:
+    """Return the descriptions of the file's package that name a mesh, or whose SRDF this is, by their names; of a xacro
+    file that only defines parts those that include it, through others or not, in the packages beside as well.
+
+    Without a package.xml above the file they are looked for in its folder, in the one above, and in those in these.
+
+    Raises:
+        NoRobotError: there is none.
+    """
+    if is_xacro(path):
+        found = sorted(map(str, _including(Path(path).absolute())))
+        if not found:
+            raise no_robot(path)
+    else:
+        belongs = _has_srdf if path.lower().endswith(".srdf") else _names
+        found = [str(urdf) for urdf in _descriptions(Path(path).absolute()) if belongs(urdf, Path(path))]
+    if not found:
+        raise NoRobotError("no description in its package names it", remedy="name a description", file=path)
+    return found if os.path.isabs(path) else [os.path.relpath(urdf) for urdf in found]
+
+
+def _descriptions(path: Path) -> list[Path]:
+    home = Search(str(path)).home
+    return _in_packages([] if home is None else [home], path, ".urdf")
+
+
+def _in_packages(packages: Iterable[Path], path: Path, suffix: str) -> list[Path]:
+    """Return the files in packages, or near a file where there are none."""
+    found = {file for package in packages for file in package.rglob(f"*{suffix}")} or {
+        file for folder in path.parents[:2] for form in ("*", "*/*") for file in folder.glob(form + suffix)
+    }
+    return sorted(file for file in found if file.is_file())
+
+
+def _including(parts: Path) -> set[Path]:
+    """Return the xacro files that describe a robot and include this one, or one that does."""
+    home = Search(str(parts)).home
+    packages = [] if home is None else [folder.parent for folder in home.parent.glob("*/package.xml")]
+    texts = {file: read_input(file) for file in _in_packages(packages, parts, ".xacro")}
+    found, reached = set[Path](), [parts]
+    for one in reached:
+        name = re.compile(rb"include[^>]*[\"'/\\]" + re.escape(one.name.encode()) + rb"[\"']")
+        for file in [file for file, text in texts.items() if file not in (*found, *reached) and name.search(text)]:
+            if only_defines(str(file)):
+                reached.append(file)
+            else:
+                found.add(file)
+    return found
+
+
+def _names(urdf: Path, mesh: Path) -> bool:
+    return mesh.name.encode() in read_input(urdf)
+
+
+def _has_srdf(urdf: Path, srdf: Path) -> bool:
+    try:
+        own = srdf_of(str(urdf), read_document(urdf).root.get("name"))
+    except DescriptionError:
+        return False
+    return own is not None and os.path.samefile(own, srdf)
+
 
 R = TypeVar("R")
 _LEAST_WORK = 500_000
@@ -26,9 +96,9 @@ _MESH = 5_000
 def files_of(sources: Sequence[str | os.PathLike[str] | bytes]) -> list[str | bytes]:
     """Return the files in the order given; a folder's and a pattern's in the order of their names; each once.
 
-    Of a folder all .urdf below it; where there is none, all .xacro; of a mesh, an SRDF or a xacro file of macros the
-    descriptions that name it (see `describing`), with a warning where there is none. Where others are named as well, so
-    is a folder or a pattern without a description.
+    Of a folder all .urdf below it; where there is none, all .xacro; of a mesh, an SRDF or a xacro file of macros its
+    `related_descriptions`, with a warning where there are none. Where others are named as well, so is a folder or a
+    pattern without a description.
 
     Raises:
         InputError: there is no description in a folder, or nothing matches a pattern.
@@ -55,7 +125,7 @@ def _expanded(path: str) -> list[str]:
             raise InputError("no .urdf and no .xacro in the folder", remedy="check the name", file=path)
         return [os.path.join(path, name) for name in names]
     if os.path.exists(path) or not glob.has_magic(path):
-        return describing(path) if os.path.isfile(path) and _belongs(path) else [path]
+        return related_descriptions(path) if os.path.isfile(path) and _belongs(path) else [path]
     names = sorted(glob.iglob(path, recursive=True))
     if not names:
         raise InputError("nothing matches the pattern", remedy="check the name", file=path)
@@ -64,7 +134,7 @@ def _expanded(path: str) -> list[str]:
 
 def _belongs(path: str) -> bool:
     """Return whether a file is no description, but may belong to some."""
-    return path.lower().endswith(BESIDE) or (is_xacro(path) and only_defines(path))
+    return path.lower().endswith(RELATED) or (is_xacro(path) and only_defines(path))
 
 
 def _below(folder: str, suffix: str) -> list[str]:

@@ -9,9 +9,9 @@ from dataclasses import replace
 from pathlib import PurePath
 from textwrap import indent, wrap
 
+from robodyn.checks.check import Checked
 from robodyn.checks.fixes import Fixed, Made
 from robodyn.checks.rule import Excerpt, Finding, Fix, Rule, Severity
-from robodyn.checks.run import Checked
 from robodyn.report.check_places import further
 from robodyn.report.check_words import LEVELS, check_verdict, checked_lines, hidden_line
 from robodyn.report.document import (

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from itertools import groupby
 from textwrap import wrap
 
-from robodyn.checks.finding import Finding
-from robodyn.checks.run import Checked
+from robodyn.checks.check import Checked
+from robodyn.checks.rule import Finding
 from robodyn.report.check_words import LEVELS, checked_lines
 from robodyn.report.document import Section, paragraphs
 from robodyn.support.wording import count

@@ -9,7 +9,7 @@ from robodyn.report.document import Level, Verdict
 from robodyn.support.wording import count
 
 if TYPE_CHECKING:
-    from robodyn.checks.run import Checked
+    from robodyn.checks.check import Checked
 
 LEVELS: dict[Severity, Level] = {Severity.ERROR: "bad", Severity.WARNING: "doubtful", Severity.NOTE: "neutral"}
 UNFIT = "not fit for use as it is"

@@ -22,7 +22,7 @@ from robodyn.solids.inertia.validity import Validity, validity
 from robodyn.support.floats import ranked
 
 if TYPE_CHECKING:
-    from robodyn.checks.run import Checked
+    from robodyn.checks.check import Checked
 
 _HEAD = ("mass [kg]", "share [%]")
 _PLACED = tuple(f"{axis} [m]" for axis in AXES)

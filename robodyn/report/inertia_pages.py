@@ -54,7 +54,7 @@ from robodyn.solids.inertia.validity import validity
 from robodyn.solids.mesh_mass import Part
 
 if TYPE_CHECKING:
-    from robodyn.checks.run import Checked
+    from robodyn.checks.check import Checked
 
 _FAR = 0.1
 """Relative difference of a link from its shapes that is counted."""

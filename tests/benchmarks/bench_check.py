@@ -19,7 +19,7 @@ from helpers.example_robots import all_paths
 from helpers.machine import machine
 from helpers.markdown_tables import main, table
 
-from robodyn.checks.run import STANDARD, Options, check_one
+from robodyn.checks.check import STANDARD, Options, check_one
 
 SHAPES = ("RD301", "RD302", "RD303", "RD304", "RD305", "RD6")
 PLAIN = Options(ignore=SHAPES)

@@ -15,10 +15,10 @@ from statistics import median
 from helpers.markdown_tables import main, table
 from pinned_findings import name_of, published
 
-from robodyn.checks.finding import Finding
+from robodyn.checks.catalogue import BY_CODE
+from robodyn.checks.check import Found, Options, check_one, select_findings
 from robodyn.checks.groups import places
-from robodyn.checks.run import Found, Options, check_one, sifted
-from robodyn.checks.selection import BY_CODE
+from robodyn.checks.rule import Finding
 
 
 def by_rule(files: Sequence[Found], single: Sequence[Sequence[Finding]]) -> str:
@@ -65,7 +65,7 @@ def sample(names: Sequence[str], files: Sequence[Found], amount: int) -> str:
 def report(list: int) -> str:
     paths = published()
     single = [check_one(str(path)) for path in paths]
-    files = [sifted(found, Options()) for found in single]
+    files = [select_findings(found, Options()) for found in single]
     head = f"All rules on {len(paths)} published descriptions.\n\n"
     text = f"{head}{by_file(files, single)}\n{by_rule(files, single)}"
     return f"{text}\n{sample([*map(name_of, paths)], files, list)}" if list else text

@@ -31,8 +31,8 @@ from helpers.simcheck import ABSENT, STATIC, Verdict, command, verdicts, version
 from helpers.urdfdom import check_urdf
 from pinned_findings import published
 
-from robodyn.checks.run import Options, check_one, sifted
-from robodyn.checks.selection import BY_CODE
+from robodyn.checks.catalogue import BY_CODE
+from robodyn.checks.check import Options, check_one, select_findings
 
 TIMED = ("go2", "xarm7", "kinova")
 """Clean robots whose meshes are of middling size."""
@@ -120,7 +120,7 @@ def alarms(paths: Sequence[Path], engines: bool) -> str:
 
 
 def _shown(path: Path) -> Counter[str]:
-    return Counter(one.severity.value for one in sifted(check_one(str(path)), Options()).shown)
+    return Counter(one.severity.value for one in select_findings(check_one(str(path)), Options()).shown)
 
 
 def _said(found: Mapping[Path, Verdict]) -> dict[Path, Counter[str]]:

@@ -12,15 +12,16 @@ from helpers.example_robots import path_of
 from helpers.peers import mujoco, peer
 
 import robodyn
-from robodyn.checks.compare.regression import changes
+from robodyn.checks.catalogue import BY_CODE
+from robodyn.checks.check import Options, check_one, found_in
 from robodyn.checks.consumers.verdicts import FACTS
 from robodyn.checks.context import TARGETS, Asked
 from robodyn.checks.examples import a_joint, a_link, arm
+from robodyn.checks.regression import changes
 from robodyn.checks.rule import Finding
-from robodyn.checks.rules import rd802_limits_along_motion as along
-from robodyn.checks.rules import rd902_regression as regression
-from robodyn.checks.run import Options, check_one, found_in
 from robodyn.errors import InputError
+
+ALONG, REGRESSION = BY_CODE["RD802"], BY_CODE["RD902"]
 
 
 def found(source: str | bytes, code: str, asked: Asked) -> list[Finding]:
@@ -42,11 +43,11 @@ def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def versions(tmp_path: Path) -> Path:
     """arm.urdf with the rule's good example committed and its bad one in place."""
     file = tmp_path / "arm.urdf"
-    file.write_text(regression.check.good)
+    file.write_text(REGRESSION.good)
     git(tmp_path, "init", "-q")
     git(tmp_path, "add", "arm.urdf")
     git(tmp_path, "commit", "-qm", "good")
-    file.write_text(regression.check.bad)
+    file.write_text(REGRESSION.bad)
     return file
 
 
@@ -55,7 +56,7 @@ def test_an_earlier_version(versions: Path) -> None:
     messages = " ".join(one.message for one in results)
     assert "mass 2 kg has become 2.2 kg" in messages
     assert not found(str(versions), "RD902", Asked())
-    versions.write_text(regression.check.good)
+    versions.write_text(REGRESSION.good)
     assert not found(str(versions), "RD902", Asked(against="HEAD"))
 
 
@@ -77,7 +78,7 @@ def test_a_file_that_git_does_not_have_is_an_error(versions: Path, tmp_path_fact
         (new, "there is no new.urdf at the revision 'HEAD'"),
         (outside, "arm.urdf is in no git repository"),
     ):
-        file.write_text(regression.check.bad)
+        file.write_text(REGRESSION.bad)
         with pytest.raises(InputError, match=what) as caught:
             found(str(file), "RD902", Asked(against="HEAD"))
         assert "fatal" not in str(caught.value)
@@ -117,10 +118,10 @@ def test_limits_along_a_motion(tmp_path: Path) -> None:
     file = tmp_path / "swing.csv"
     rows = "\n".join(f"{t:.17g},{np.sin(t * 3):.17g}" for t in time)
     file.write_text(f"time,q_shoulder\n{rows}\n")
-    results = found(along.check.bad.encode(), "RD802", Asked(trajectory=str(file)))
+    results = found(ALONG.bad.encode(), "RD802", Asked(trajectory=str(file)))
     assert {one.bound for one in results} == {-0.5, 0.5}
-    assert not found(along.check.good.encode(), "RD802", Asked(trajectory=str(file)))
-    assert not found(along.check.bad.encode(), "RD802", Asked())
+    assert not found(ALONG.good.encode(), "RD802", Asked(trajectory=str(file)))
+    assert not found(ALONG.bad.encode(), "RD802", Asked())
 
 
 SAID = {"loads it as it is": "loads", "loads it with changes": "alters", "rejects it": "rejects"}

@@ -10,9 +10,8 @@ from helpers.planted_defects import HEALTHY
 
 import robodyn
 from robodyn.checks import sources
-from robodyn.checks.project import check
-from robodyn.checks.run import Checked, Options, Task, check_one, check_tasks
-from robodyn.checks.selection import rules_for
+from robodyn.checks.catalogue import rules_for
+from robodyn.checks.check import Checked, Options, Task, check, check_one, check_tasks
 from robodyn.errors import InputError, RobodynWarning
 
 BAD = '<robot name="r"><link name="a"/><link name="a"/></robot>'

@@ -7,7 +7,7 @@ from helpers.planted_defects import DEFECTS, HEALTHY
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robodyn.checks.run import check_one
+from robodyn.checks.check import check_one
 
 DATA = HEALTHY.encode()
 CHUNKS = st.sampled_from(

@@ -12,8 +12,8 @@ from helpers.robot_catalogue import FOLDER, names
 from helpers.sampled import sampled
 from pinned_findings import name_of
 
+from robodyn.checks.check import check_one
 from robodyn.checks.rule import Finding, Severity
-from robodyn.checks.run import check_one
 
 CLEAN = ("go2", "g1_29dof_rev_1_0", "g1_29dof_with_hand_rev_1_0", "solo12", "xarm7", "kinova", "jvrc1")
 PATHS = [*all_paths(), *other_paths()]

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from robodyn.checks.bodies.contacts import Sides
+from robodyn.checks.check import Options, check_one
 from robodyn.checks.context import Context
 from robodyn.checks.rule import Finding
-from robodyn.checks.run import Options, check_one
 from robodyn.robot.urdf.document import read
 from robodyn.robot.urdf.sources import LONGEST, long_token
 

@@ -10,11 +10,10 @@ import pytest
 from helpers.clean_arm import IDENTITY, arm
 
 import robodyn
-from robodyn.checks import run
+from robodyn.checks import check as checks
+from robodyn.checks.check import Options, check_tasks, tasks_for
 from robodyn.checks.config import parse_config
-from robodyn.checks.context import DEFAULT
-from robodyn.checks.project import tasks_for
-from robodyn.checks.run import Options, check_tasks
+from robodyn.checks.context import Thresholds
 from robodyn.errors import InputError
 
 TABLE = "[tool.robodyn.check]\n"
@@ -142,7 +141,7 @@ def test_thresholds(robot: Path) -> None:
     (task,) = tasks_for([str(robot)])
     thresholds = task.options.thresholds
     assert (thresholds.axis_length, thresholds.mass_ratio) == (1.0, 3.0)
-    assert thresholds.triangle == DEFAULT.triangle
+    assert thresholds.triangle == Thresholds().triangle
 
 
 def test_settings_reach_every_process(robot: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -150,7 +149,7 @@ def test_settings_reach_every_process(robot: Path, monkeypatch: pytest.MonkeyPat
     other.write_text(PLANTED)
     (robot.parent / "robodyn.toml").write_text(f'{TABLE}ignore = ["RD208"]')
     alone = check_tasks(tasks_for([str(other), str(robot)]))
-    monkeypatch.setattr(run, "worth_processes", lambda files: True)
+    monkeypatch.setattr(checks, "worth_processes", lambda files: True)
     shared = check_tasks(tasks_for([str(other), str(robot)]))
     assert shared == alone
     assert [finding.code for finding in shared.findings] == ["RD208", "RD502", "RD502"]
@@ -214,5 +213,5 @@ def test_the_page_has_the_keys_and_its_example_holds() -> None:
     assert (config.options.select, config.options.ignore) == (("DEFAULT", "RD110"), ("RD304",))
     assert (config.options.thresholds.mass_ratio, config.options.thresholds.least_mass) == (5000, 1e-5)
     assert config.per_file == (("legacy/*.urdf", ("RD4", "RD207")),)
-    for threshold in fields(DEFAULT):
+    for threshold in fields(Thresholds):
         assert f"`{threshold.name.replace('_', '-')}`" in page

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from robodyn.checks.bodies import masses, weighed
-from robodyn.checks.run import Options, check_one
+from robodyn.checks.check import Options, check_one
 from robodyn.solids.inertia.validity import Box
 
 LINK = """

@@ -8,15 +8,13 @@ from pathlib import Path
 import pytest
 from helpers.clean_arm import IDENTITY, INERTIA, arm
 
-from robodyn.checks.catalogue import CODES, RULES
-from robodyn.checks.compare.baseline import compared, fingerprints, write_baseline
+from robodyn.checks.baseline import compared, fingerprints, write_baseline
+from robodyn.checks.catalogue import BY_CODE, CODES, RULES
+from robodyn.checks.check import STANDARD, Checked, Options, Task, check_one, fix_task, found_in
 from robodyn.checks.examples import a_shaped_link
 from robodyn.checks.examples import inertia as entries
-from robodyn.checks.finding import Severity
-from robodyn.checks.groups import grouped, kind_of, one_each, places
-from robodyn.checks.project import fix_task
-from robodyn.checks.run import STANDARD, Checked, Options, Task, check_one, found_in
-from robodyn.checks.selection import BY_CODE
+from robodyn.checks.groups import deduplicate, grouped, kind_of, places
+from robodyn.checks.rule import Severity
 from robodyn.report.check_places import further
 
 ONE = arm(shoulder="0 2 0")
@@ -100,7 +98,7 @@ def test_what_explains_stays_where_it_is_as_severe() -> None:
 
 def test_another_link_s_defect_is_its_own() -> None:
     single = check_one(shaped(IDENTITY).replace(INERTIA, IDENTITY).encode(), Options(("RD208", "RD301")))
-    left = one_each(single, BY_CODE)
+    left = deduplicate(single, BY_CODE)
     assert [(one.code, one.subject and one.subject.name) for one in left] == [("RD301", "upper"), ("RD208", "fore")]
 
 

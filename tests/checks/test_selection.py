@@ -9,11 +9,10 @@ from helpers.clean_arm import IDENTITY, arm
 from helpers.planted_defects import HEALTHY
 
 import robodyn
-from robodyn.checks.catalogue import RULES
+from robodyn.checks.catalogue import ALL, BY_CODE, DEFAULT, RULES
+from robodyn.checks.check import Options, check_one, check_tasks, found_in
 from robodyn.checks.context import Asked
-from robodyn.checks.finding import Severity
-from robodyn.checks.run import Options, check_one, check_tasks, found_in
-from robodyn.checks.selection import ALL, BY_CODE, DEFAULT
+from robodyn.checks.rule import Severity
 
 ODD = arm(upper=IDENTITY).replace('"shoulder"', '"shoulder/1"')
 """A warning of RD208 and a remark of RD110."""

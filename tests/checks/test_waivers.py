@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from helpers.clean_arm import FAMILIES, IDENTITY, INERTIA, arm
 
-from robodyn.checks.run import Options, check_one
+from robodyn.checks.check import Options, check_one
 from robodyn.checks.waivers import OWN
 
 REASON = "no tensor is published, see issue 52"

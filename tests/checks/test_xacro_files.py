@@ -13,9 +13,8 @@ from helpers.clean_arm import IDENTITY, arm
 from helpers.command_line import run
 
 import robodyn
-from robodyn.checks.project import fix_task, tasks_for
+from robodyn.checks.check import Options, check_tasks, fix_task, tasks_for
 from robodyn.checks.rule import Finding
-from robodyn.checks.run import Options, check_tasks
 from robodyn.errors import InputError, RobodynWarning
 from robodyn.report.renderers.ci import check_github, check_junit
 from robodyn.robot.urdf.xacro import expanded

@@ -149,7 +149,7 @@ def test_a_file_that_cannot_be_read_is_on_the_page(name: str) -> None:
 
 
 def test_processes_do_not_stop_either(monkeypatch: pytest.MonkeyPatch) -> None:
-    from robodyn.checks import run as checks
+    from robodyn.checks import check as checks
 
     monkeypatch.setattr(checks, "worth_processes", lambda files: True)
     outcome = run("check", *MANY, "--select", "RD502")

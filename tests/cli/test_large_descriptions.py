@@ -9,8 +9,8 @@ from types import CodeType, FrameType
 
 import pytest
 
+from robodyn.checks.check import check_one
 from robodyn.checks.overview import overview
-from robodyn.checks.run import check_one
 from robodyn.report.overview import overview_sections
 from robodyn.report.text import text
 

@@ -17,8 +17,8 @@ from helpers.planted_everywhere import SMALL_ROBOT, Case
 from helpers.simcheck import Verdict, unnumbered, verdicts
 from helpers.simcheck_words import precise
 from helpers.urdfdom import refused
-from robodyn.checks.finding import Finding, Severity
-from robodyn.checks.run import Options, check_one
+from robodyn.checks.check import Options, check_one
+from robodyn.checks.rule import Finding, Severity
 
 NAMED, SOMETHING, SILENT = "named", "something", "silent"
 VERDICTS = (NAMED, SOMETHING, SILENT)

@@ -28,7 +28,7 @@ MUTATIONS = {
         ("checks/consumers/gazebo.py", "small + middle >= (1.0 - _ROUNDING) * large", "True"),
     ],
     "checks/test_selection.py": [
-        ("checks/selection.py", "not select or DEFAULT in select", "not select"),
+        ("checks/catalogue.py", "not select or DEFAULT in select", "not select"),
     ],
     "solids/mesh/integrate/test_compiled_kernel.py": [
         (

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from helpers.example_robots import path_of
-from robodyn.checks.groups import one_each
+from robodyn.checks.catalogue import BY_CODE
+from robodyn.checks.check import check_one
+from robodyn.checks.groups import deduplicate
 from robodyn.checks.rule import Finding
-from robodyn.checks.run import check_one
-from robodyn.checks.selection import BY_CODE
 
 
 class Plant(NamedTuple):
@@ -64,7 +64,7 @@ def fresh(plant: Plant) -> list[Finding]:
             before[_key(finding)] -= 1
         elif finding.code != "RD901":
             found.append(finding)
-    return one_each(found, BY_CODE)
+    return deduplicate(found, BY_CODE)
 
 
 @cache

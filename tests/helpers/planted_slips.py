@@ -20,8 +20,8 @@ from typing import NamedTuple
 from pinned_findings import name_of, published
 
 from helpers.planted_ros import write
-from robodyn.checks.finding import Finding
-from robodyn.checks.run import Options, check_one, sifted
+from robodyn.checks.check import Options, check_one, select_findings
+from robodyn.checks.rule import Finding
 
 FILE = Path(__file__).parents[1] / "data" / "planted_slips.json"
 NAMED, NEAR, UNSEEN = "named", "at its place only", "unseen"
@@ -124,7 +124,7 @@ def _as_it_is(path: str) -> tuple[Finding, ...]:
 
 def _shown(found: Sequence[Finding]) -> tuple[Finding, ...]:
     """What is shown by default."""
-    return tuple(sifted(found, Options()).shown)
+    return tuple(select_findings(found, Options()).shown)
 
 
 @cache

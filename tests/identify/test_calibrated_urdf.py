@@ -11,8 +11,8 @@ from helpers.example_robots import path_of
 from helpers.possible_bodies import calibration, described
 from helpers.small_robots import joint, link, urdf
 
-from robodyn.checks.finding import Severity
-from robodyn.checks.run import check_one
+from robodyn.checks.check import check_one
+from robodyn.checks.rule import Severity
 from robodyn.errors import InputError
 from robodyn.identification.calibrated_urdf import calibrated_urdf, lost_meshes
 from robodyn.identification.pseudo_inertia import parameters_of, pseudo_inertia

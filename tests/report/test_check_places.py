@@ -9,8 +9,8 @@ import pytest
 from helpers.clean_arm import IDENTITY, arm
 from helpers.command_line import run
 
-from robodyn.checks.finding import Finding
-from robodyn.checks.run import Options, Task, check_one, check_tasks
+from robodyn.checks.check import Options, Task, check_one, check_tasks
+from robodyn.checks.rule import Finding
 from robodyn.report.check_places import further, relative, short_sections
 from robodyn.report.text import text
 

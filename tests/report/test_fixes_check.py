@@ -11,8 +11,8 @@ from helpers.clean_arm import IDENTITY, arm
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from robodyn.checks.check import Checked, check_one
 from robodyn.checks.fixes import Fixed, fixed
-from robodyn.checks.run import Checked, check_one
 from robodyn.report.check import check_diff, fix_lines, statistics_sections
 from robodyn.report.text import text
 

@@ -13,8 +13,8 @@ from helpers.command_line import run
 from hypothesis import given
 from hypothesis import strategies as st
 
+from robodyn.checks.check import Options, check_one
 from robodyn.checks.rule import Excerpt, Finding, Severity
-from robodyn.checks.run import Options, check_one
 from robodyn.report.renderers.ci import check_github
 from robodyn.robot.urdf.view import Subject
 

@@ -8,7 +8,7 @@ from helpers.schemas import JUNIT
 from lxml import etree
 
 from robodyn.checks.catalogue import RULES
-from robodyn.checks.run import Checked, Options, check_one, found_in
+from robodyn.checks.check import Checked, Options, check_one, found_in
 from robodyn.report.renderers.ci import check_junit
 
 SCHEMA = etree.XMLSchema(etree.fromstring(JUNIT))

@@ -12,8 +12,8 @@ from helpers.schemas import SARIF, json_schema
 from jsonschema import Draft7Validator
 
 from robodyn.checks.catalogue import RULES
+from robodyn.checks.check import Options, check_one, found_in
 from robodyn.checks.rule import Edit, Fix, Severity
-from robodyn.checks.run import Options, check_one, found_in
 from robodyn.report.renderers.sarif import check_sarif
 from robodyn.robot.urdf.document import read
 

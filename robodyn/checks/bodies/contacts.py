@@ -11,7 +11,7 @@ from robodyn.checks.bodies.masses import STILL
 from robodyn.checks.bodies.rest import behind, joint_pose, relative, rest_poses
 from robodyn.checks.bodies.shapes import link_boxes, size_of
 from robodyn.checks.context import Context
-from robodyn.checks.reading.tree import Group
+from robodyn.checks.tree import Group
 from robodyn.programs.vectors import length
 from robodyn.robot.kinematics import Pose
 from robodyn.robot.urdf.view import JointView

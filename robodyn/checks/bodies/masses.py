@@ -9,8 +9,8 @@ from math import fsum, sqrt
 import numpy as np
 
 from robodyn.checks.context import Context
-from robodyn.checks.reading.tree import Group
 from robodyn.checks.rule import Severity
+from robodyn.checks.tree import Group
 from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import IDENTITY, ZERO, product, rotation_from_rpy
 from robodyn.robot.kinematics import Pose

@@ -16,8 +16,8 @@ from robodyn.checks.bodies.shapes import real_shapes, size_of, solids
 from robodyn.checks.context import Context
 from robodyn.checks.meshes.extremes import extremes
 from robodyn.checks.meshes.files import all_facts, mesh_names
-from robodyn.checks.reading.tree import Group
-from robodyn.checks.ros.srdf import srdf
+from robodyn.checks.srdf import srdf
+from robodyn.checks.tree import Group
 from robodyn.robot.urdf.view import GeometryView, LinkView
 from robodyn.solids.inertia.validity import Box
 

@@ -15,7 +15,7 @@ from robodyn.checks.context import Context
 from robodyn.checks.meshes.facts import MeshFacts
 from robodyn.checks.meshes.files import all_facts
 from robodyn.checks.meshes.units import mesh_slips
-from robodyn.checks.reading.tree import Group
+from robodyn.checks.tree import Group
 from robodyn.programs.vectors import length, product
 from robodyn.robot.kinematics import Pose
 from robodyn.robot.urdf.view import GeometryView, LinkView

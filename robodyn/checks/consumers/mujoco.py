@@ -15,7 +15,7 @@ from robodyn.checks.consumers.water import (
     weight_of,
 )
 from robodyn.checks.context import Context
-from robodyn.checks.reading.tree import Group
+from robodyn.checks.tree import Group
 from robodyn.programs.linear import eigen
 from robodyn.robot.urdf.parts import WITH_AXIS, WITH_RANGE
 from robodyn.robot.urdf.view import JointView

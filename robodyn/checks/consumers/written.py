@@ -13,7 +13,7 @@ from math import isfinite
 
 from robodyn.checks.consumers.found import Found, named
 from robodyn.checks.context import Context
-from robodyn.checks.reading.grammar import KINDS
+from robodyn.checks.grammar import KINDS
 from robodyn.robot.urdf.elements import Element
 from robodyn.robot.urdf.numbers import value_span
 from robodyn.robot.urdf.parts import INERTIA, SHAPES, SIZES

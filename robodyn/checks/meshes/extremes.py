@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from robodyn.checks.meshes.kept import Shelf
+from robodyn.checks.meshes.facts import Shelf
 from robodyn.errors import MeshError
 from robodyn.support.floats import Floats
 

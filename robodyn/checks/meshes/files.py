@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
 
-from robodyn.checks.context import Context
-from robodyn.checks.meshes.facts import MeshFacts
-from robodyn.checks.meshes.kept import facts_of
+from robodyn.checks.context import STDIN, Context
+from robodyn.checks.meshes.facts import MeshFacts, facts_of
 from robodyn.checks.rule import Edit, Fault, Fix, Severity
 from robodyn.robot.urdf.elements import Span
 from robodyn.robot.urdf.numbers import value_span
@@ -18,8 +17,6 @@ from robodyn.robot.urdf.packages import package_of
 from robodyn.robot.urdf.view import GeometryView, LinkView
 from robodyn.robot.urdf.xml_reader import unexpanded
 from robodyn.support.wording import count, shown_path
-
-STDIN = "<stdin>"
 
 
 class State(Enum):

@@ -13,7 +13,7 @@ from robodyn.solids.inertia.validity import Validity, validity
 from robodyn.solids.mesh_mass import Part
 
 if TYPE_CHECKING:
-    from robodyn.checks.run import Checked
+    from robodyn.checks.check import Checked
     from robodyn.robot.masses.compare import Comparison, Difference, LinkComparison
     from robodyn.robot.masses.declared import LinkInertia, RobotInertia
     from robodyn.robot.masses.shapes import LinkShapes

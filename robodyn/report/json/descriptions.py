@@ -9,9 +9,9 @@ from robodyn.report.json.encode import finite, select, written
 from robodyn.robot.urdf.parts import Joint, Limit
 
 if TYPE_CHECKING:
+    from robodyn.checks.check import Checked
     from robodyn.checks.overview import Overview
     from robodyn.checks.rule import Finding
-    from robodyn.checks.run import Checked
     from robodyn.measure.doctor import Line
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 
+from robodyn.checks.check import Checked, Unread
 from robodyn.checks.rule import Finding, Severity
-from robodyn.checks.run import Checked, Unread
 from robodyn.report.check_places import further
 from robodyn.report.table import printable
 

@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from robodyn.checks.compare.baseline import fingerprints
+from robodyn.checks.baseline import fingerprints
+from robodyn.checks.check import Unread
 from robodyn.checks.rule import Edit, Finding, Fix, Rule
-from robodyn.checks.run import Unread
 from robodyn.robot.urdf.document import Document
 from robodyn.robot.urdf.elements import SourcePositions
 from robodyn.support.wording import count

@@ -12,8 +12,8 @@ from helpers.sampled import sampled
 from robodyn.checks.bodies.hulls import Hull, depth
 from robodyn.checks.bodies.overlaps import overlaps
 from robodyn.checks.bodies.rest import rest
+from robodyn.checks.catalogue import BY_CODE
 from robodyn.checks.context import Context
-from robodyn.checks.rules import rd610_self_overlap
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.robot.kinematics import Pose
 from robodyn.robot.urdf.document import read_document
@@ -64,7 +64,7 @@ def found(text, folder):
 
 
 def test_neighbours_and_pairs_disabled_in_the_srdf_are_left_out(tmp_path):
-    bad, good = rd610_self_overlap.check.bad, rd610_self_overlap.check.good
+    bad, good = BY_CODE["RD610"].bad, BY_CODE["RD610"].good
     assert found(bad, tmp_path) == [("fore", "tool")]
     assert found(good, tmp_path) == []
     assert found(good.replace('link="tool"/><origin xyz="0 0 0.1"', 'link="tool"/><origin xyz="0 0 0"'), tmp_path) == []

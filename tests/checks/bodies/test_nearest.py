@@ -7,8 +7,8 @@ import pytest
 from helpers.planted_defects import HEALTHY
 
 from robodyn.checks.bodies.masses import nearest
+from robodyn.checks.check import check_one
 from robodyn.checks.fixes import fixed
-from robodyn.checks.run import check_one
 from robodyn.support.floats import Floats
 
 EPS = 2.0**-52

@@ -7,9 +7,9 @@ import re
 import pytest
 from helpers.example_robots import path_of
 
+from robodyn.checks.check import Options, check_one, select_findings
 from robodyn.checks.context import Thresholds
-from robodyn.checks.finding import Finding
-from robodyn.checks.run import Options, check_one, sifted
+from robodyn.checks.rule import Finding
 
 ROBOTS = ("go2", "panda", "z1", "solo12")
 UNITS = {1000.0: "in millimetres", 0.001: "a thousandth of metres"}
@@ -37,7 +37,9 @@ def drawn(text: str, times: float) -> str:
 def severe(stem: str, times: float) -> list[Finding]:
     path = path_of(stem)
     text = drawn(path.read_text(encoding="utf-8"), times)
-    return [one for one in sifted(check_one(text.encode(), name=str(path)), Options()).shown if one.code != "RD403"]
+    return [
+        one for one in select_findings(check_one(text.encode(), name=str(path)), Options()).shown if one.code != "RD403"
+    ]
 
 
 @pytest.mark.parametrize("stem", ROBOTS)

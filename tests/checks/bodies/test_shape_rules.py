@@ -8,10 +8,10 @@ from helpers.example_robots import path_of
 from helpers.mesh_samples import binary_stl, box
 
 from robodyn.checks.bodies.bodies import bodies
+from robodyn.checks.check import Options, check_one
 from robodyn.checks.context import Context
 from robodyn.checks.examples import a_shaped_link
 from robodyn.checks.rule import Finding, Severity
-from robodyn.checks.run import Options, check_one
 from robodyn.robot.urdf.document import read
 from robodyn.solids.inertia import solids
 

@@ -7,10 +7,9 @@ from pathlib import Path
 import pytest
 from helpers.clean_arm import FAMILIES, IDENTITY, arm
 
-from robodyn.checks.compare.baseline import compared, fingerprints, identity, write_baseline
-from robodyn.checks.project import check
+from robodyn.checks.baseline import compared, fingerprints, identity, write_baseline
+from robodyn.checks.check import Options, check, check_one
 from robodyn.checks.rule import Finding
-from robodyn.checks.run import Options, check_one
 from robodyn.errors import InputError
 
 PLANTED = arm(upper=IDENTITY, shoulder="0 2 0")

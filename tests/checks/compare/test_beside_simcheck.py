@@ -10,7 +10,7 @@ from helpers.planted_everywhere import Case, files, real, small
 from helpers.simcheck import ABSENT, Said, Verdict
 from helpers.simcheck_words import PRECISE
 
-from robodyn.checks.selection import BY_CODE
+from robodyn.checks.catalogue import BY_CODE
 
 SMALL = tuple(small())
 AXIS = next(case for case in SMALL if case.code == "RD501")

@@ -10,9 +10,9 @@ from helpers.mesh_files import dae, obj
 from helpers.mesh_samples import binary_stl
 from helpers.peers import mujoco, peer, pin
 
+from robodyn.checks.check import Options, check_one
 from robodyn.checks.context import Asked
 from robodyn.checks.examples import a_joint, a_link, arm
-from robodyn.checks.run import Options, check_one
 
 CORNERS = np.array([(0.0, 0.0, 0.0), (0.3, 0.0, 0.0), (0.0, 0.2, 0.0), (0.0, 0.0, 0.1)])
 TETRAHEDRON = CORNERS[np.array([(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])]

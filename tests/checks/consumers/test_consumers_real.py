@@ -12,9 +12,9 @@ from helpers.consumers import Answer, answers, resolved
 from helpers.robot_catalogue import FOLDER
 from pinned_findings import published
 
+from robodyn.checks.check import Options, check_one
 from robodyn.checks.consumers.water import invented
 from robodyn.checks.context import Asked, Context
-from robodyn.checks.run import Options, check_one
 from robodyn.robot.urdf.document import read
 from robodyn.robot.urdf.packages import Search
 

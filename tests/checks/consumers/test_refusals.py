@@ -10,10 +10,10 @@ from helpers.consumers import answers
 from helpers.mesh_files import obj
 from helpers.mesh_samples import binary_stl
 
+from robodyn.checks.check import Options, check_one
 from robodyn.checks.consumers.water import invented
 from robodyn.checks.context import Asked, Context
 from robodyn.checks.examples import INERTIA, a_joint, a_link, arm, inertia
-from robodyn.checks.run import Options, check_one
 from robodyn.robot.urdf.document import read
 
 LIMIT = '<limit lower="-1" upper="1" effort="3" velocity="1"/>'

@@ -13,8 +13,8 @@ from helpers.sampled import sampled
 from helpers.urdfdom import check_urdf, refused
 from pinned_findings import name_of, published
 
+from robodyn.checks.check import Options, check_one
 from robodyn.checks.rule import Severity
-from robodyn.checks.run import Options, check_one
 
 SLIPS = (
     ('<robot name="picker">', '<robot name="picker" version="2.0">'),

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 from helpers.clean_arm import arm
 
+from robodyn.checks.check import check_one
 from robodyn.checks.fixes import together
 from robodyn.checks.rule import Edit, Finding, Fix
-from robodyn.checks.run import check_one
 from robodyn.robot.urdf.edits import edited
 
 

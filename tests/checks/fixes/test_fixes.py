@@ -11,10 +11,9 @@ from helpers.clean_arm import INERTIA, arm
 
 import robodyn
 from robodyn.checks.catalogue import RULES
+from robodyn.checks.check import Options, check_one, fix_task, tasks_for
 from robodyn.checks.fixes import ROUNDS, SAME, Fixed, change_of_dynamics, fixed
-from robodyn.checks.project import fix_task, tasks_for
 from robodyn.checks.rule import Edit, Finding, Fix
-from robodyn.checks.run import Options, check_one
 
 TWICE = INERTIA.replace("iyz", 'iyx="0.000"\n   iyz')
 """A product that stands there under both of its names."""

@@ -18,9 +18,9 @@ from helpers.planted_defects import DEFECTS, SOUND
 from helpers.sampled import sampled
 from pinned_findings import name_of, published
 
+from robodyn.checks.check import check_one
 from robodyn.checks.fixes import Fixed, fixed
 from robodyn.checks.rule import Finding, Severity
-from robodyn.checks.run import check_one
 
 PLANTED = {f"{k}-{one.code or 'sound'}.urdf": one.text.encode() for k, one in enumerate((*DEFECTS, *SOUND))}
 ROBOTS = {name_of(path): path for path in published()}

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from helpers.mesh_samples import binary_stl
 
-from robodyn.checks.run import check_one
+from robodyn.checks.check import check_one
 
 LINK = """
   <link name="l{k}"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 from helpers.mesh_samples import binary_stl, box
 
+from robodyn.checks.check import check_one
 from robodyn.checks.meshes import files as mesh_files
 from robodyn.checks.rule import Finding, Severity
-from robodyn.checks.run import check_one
 from robodyn.robot.urdf.packages import Search
 
 E, W = Severity.ERROR, Severity.WARNING

@@ -12,11 +12,11 @@ from helpers.mesh_samples import binary_stl, box, flipped, moved
 from helpers.one_sided import klein_bottle
 
 from robodyn.checks.catalogue import RULES
+from robodyn.checks.check import Options, check_one
 from robodyn.checks.context import Asked
 from robodyn.checks.examples import INERTIA
 from robodyn.checks.fixes import fixed
 from robodyn.checks.rule import Finding, Severity
-from robodyn.checks.run import Options, check_one
 
 PART = box((0.1, 0.2, 0.3))
 E, W, I = Severity.ERROR, Severity.WARNING, Severity.NOTE

@@ -7,9 +7,8 @@ from pathlib import Path
 import pytest
 from helpers.mesh_samples import binary_stl, box
 
-from robodyn.checks.meshes import kept as mesh_store
-from robodyn.checks.meshes.facts import MeshFacts, mesh_facts
-from robodyn.checks.meshes.kept import facts_of
+from robodyn.checks.meshes import facts as mesh_store
+from robodyn.checks.meshes.facts import MeshFacts, facts_of, mesh_facts
 
 
 @pytest.fixture

@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 from helpers.example_robots import path_of
 
+from robodyn.checks.check import Options, check_one, found_in
 from robodyn.checks.context import Context
 from robodyn.checks.mirror.pairs import Pair, pairs
 from robodyn.checks.rule import Finding
-from robodyn.checks.run import Options, check_one, found_in
 from robodyn.robot.urdf.document import read
 from robodyn.robot.urdf.elements import Span
 from robodyn.robot.urdf.numbers import value_span

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from helpers.example_robots import path_of
 
+from robodyn.checks.check import check_one
 from robodyn.checks.examples import arm
 from robodyn.checks.rule import Finding, Severity
-from robodyn.checks.run import check_one
 
 
 def found(source: Path | str) -> list[Finding]:

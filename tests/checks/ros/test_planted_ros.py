@@ -13,8 +13,8 @@ from helpers.planted_ros import Edit, Texts, texts_of, write
 from helpers.planted_ros_kinds import ARMS, FOLLOWERS, FOLLOWING, HEALTHY, NEIGHBOURS, PLANTED, Planted
 from helpers.sampled import sampled
 
+from robodyn.checks.check import Options, check_one
 from robodyn.checks.rule import Finding
-from robodyn.checks.run import Options, check_one
 
 CASES = [pytest.param(each, stem, id=f"{each.kind}-{stem}") for each in PLANTED for stem in each.robots]
 SOUND = [

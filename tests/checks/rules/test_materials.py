@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from robodyn.checks.check import found_in
 from robodyn.checks.examples import arm
-from robodyn.checks.run import found_in
 
 NAMES = ("sand", "teal", "plum", "olive", "ivory", "coral")
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from helpers.planted_defects import DEFECTS, HEALTHY, HERE, MEASURED, MESSAGES, SOUND, Defect
 
+from robodyn.checks.check import check_one
 from robodyn.checks.examples import LIMIT, arm
 from robodyn.checks.rule import Severity
-from robodyn.checks.run import check_one
 
 IDS = [f"{defect.code}-{k}" for k, defect in enumerate(DEFECTS)]
 

@@ -7,9 +7,9 @@ from math import radians
 import pytest
 from helpers.planted_defects import HEALTHY
 
+from robodyn.checks.check import Options, check_one
 from robodyn.checks.fixes import fixed
 from robodyn.checks.rule import Finding, Severity
-from robodyn.checks.run import Options, check_one
 
 LIMITS = 'lower="-2.9" upper="2.8"'
 SOFT = 'soft_lower_limit="-2.85" soft_upper_limit="2.75"'

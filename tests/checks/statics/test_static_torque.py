@@ -10,9 +10,9 @@ from helpers.example_robots import path_of
 from helpers.sampled import sampled
 
 import robodyn
+from robodyn.checks.check import check_one
 from robodyn.checks.context import Context
 from robodyn.checks.rule import Severity
-from robodyn.checks.run import check_one
 from robodyn.checks.statics.reflected_inertia import inverse_of_definite, joint_space_inertia
 from robodyn.checks.statics.torque import gravity_bounds, position_ranges, starts, static_torques
 from robodyn.robot.urdf.document import read

@@ -1,0 +1,319 @@
+"""`robodyn check`: rules in, findings out. The map of the room, step by step:
+
+1. Which files: `sources` finds them in folders and patterns, and the descriptions that a mesh or an SRDF belongs to.
+2. How each is checked: `config` reads the settings of its project, `catalogue` has the rules and which are selected.
+3. One file (`check_one`): read as far as it can be, of xacro its expansion (`origins` leads back to the macros), into a
+   `context`, which derives what rules ask for (`tree`, `grammar`, `srdf`, `meshes/`, `bodies/`, `mirror/`) once.
+4. The rules (`run_rules`): `rule` says what one is; those of a family are a file in `rules/`. `waivers` allow findings.
+5. What is shown (`select_findings`): of two rules that tell of one defect one, places of one cause together (`groups`).
+6. What may follow: `fixes` are made and proven, `baseline` knows findings of before, `regression` earlier dynamics.
+"""
+
+from __future__ import annotations
+
+import os
+from bisect import bisect_right
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from warnings import warn
+
+from robodyn.checks.catalogue import BY_CODE, CODES, is_selected, rules_for
+from robodyn.checks.config import Config, find_config, read_config
+from robodyn.checks.context import STANDARD, STDIN, Context, Options
+from robodyn.checks.fixes import Fixed, fixed
+from robodyn.checks.groups import deduplicate, grouped, kind_of, places
+from robodyn.checks.origins import Origins
+from robodyn.checks.rule import HERE, Fault, Finding, Rule, Severity, excerpt
+from robodyn.checks.rules.text import unused_waiver, without_use
+from robodyn.checks.sources import each_in_a_process, files_of, worth_processes
+from robodyn.checks.waivers import waived, waivers
+from robodyn.errors import InputError, NoRobotError, RobodynWarning
+from robodyn.robot.urdf.document import read
+from robodyn.robot.urdf.packages import EXPANDED
+from robodyn.robot.urdf.parts import Description
+from robodyn.robot.urdf.sources import is_xacro, read_source
+from robodyn.robot.urdf.view import Subject
+
+__all__ = [
+    "STANDARD",
+    "Checked",
+    "Found",
+    "Options",
+    "Task",
+    "Unread",
+    "check",
+    "check_description",
+    "check_one",
+    "check_tasks",
+    "fix_task",
+    "found_in",
+    "run_rules",
+    "select_findings",
+    "tasks_for",
+]
+Source = str | os.PathLike[str] | bytes
+
+
+def check(
+    sources: Source | Sequence[Source],
+    options: Options = STANDARD,
+    *,
+    select: Sequence[str] = (),
+    ignore: Sequence[str] = (),
+    package_paths: Sequence[str | os.PathLike[str]] = (),
+    xacro_args: Mapping[str, str] | None = None,
+    trust_xacro: bool = False,
+    config: str | os.PathLike[str] | None = None,
+) -> tuple[Finding, ...]:
+    """Return the findings in one or several descriptions, in the order of the files and of their text: one for each
+    cause in a file, with its `places`.
+
+        for finding in robodyn.check("robot.urdf", ignore=["RD110"]):
+            print(finding.line, finding.code, finding.message)
+
+    They are those of the command `robodyn check`: the settings of a project hold for its files, and xacro files are
+    expanded first.
+
+    Args:
+        sources: paths of URDF or xacro files, folders (every .urdf below them) or patterns (`robots/*.urdf`), or bytes,
+            for which the settings of the current folder hold.
+        options: which rules run, and against what; the arguments below are added to them.
+        select, ignore: codes of rules (RD207) or their beginnings (RD2), to run and not to run. Without `select` it is
+            DEFAULT: errors, and what is likely a defect; ALL is everything.
+        package_paths: packages, or folders of packages, that are looked at first for meshes and what xacro includes.
+        xacro_args: values of the arguments of xacro files; defaults hold for the others.
+        trust_xacro: let xacro files that are named run any Python, read any file and all of the environment; not those
+            of folders and patterns.
+        config: a file whose settings hold for all, in place of robodyn.toml or pyproject.toml above each.
+
+    Raises:
+        InputError: a file cannot be read, nothing matches a pattern, there is no such rule, or settings are wrong.
+    """
+    given = replace(
+        options,
+        select=(*options.select, *map(str.upper, select)),
+        ignore=(*options.ignore, *map(str.upper, ignore)),
+        package_path=(*options.package_path, *(os.fspath(path) for path in package_paths)),
+        xacro_args=(*options.xacro_args, *(xacro_args or {}).items()),
+        trust_xacro=options.trust_xacro or trust_xacro,
+    )
+    files = [sources] if isinstance(sources, (str, bytes, os.PathLike)) else sources
+    checked = check_tasks(tasks_for(files, given, None if config is None else os.fspath(config)))
+    if checked.unread:
+        raise checked.unread[0].error
+    return checked.findings
+
+
+def tasks_for(sources: Sequence[Source], given: Options = STANDARD, config: str | None = None) -> tuple[Task, ...]:
+    """Return the files of the sources, each with its options.
+
+    Args:
+        sources: files, folders, patterns, or the bytes of standard input, for which the settings of the current folder
+            hold.
+        given: the options of the call; they win over those of the project, or are added to them (see `Config.of`).
+        config: a file whose settings hold for all; by default those found above each file.
+
+    Raises:
+        InputError: nothing matches a source, there is no such rule, or settings are wrong.
+    """
+    rules_for(given.select, given.ignore)
+    fixed = None if config is None else read_config(config)
+    known: dict[str, Config | None] = {}
+    named = {os.fspath(source) for source in sources}
+    others = replace(given, trust_xacro=False)
+    return tuple(
+        Task(file, _options(file, given if file in named else others, fixed, known)) for file in files_of(sources)
+    )
+
+
+def check_description(description: Description, given: Options = STANDARD) -> Checked:
+    """Return the findings in a description that was read, with the settings of its project."""
+    options = _options(description.file.removesuffix(EXPANDED), given, None, {})
+    found = found_in(description.data, options, description.file)
+    return Checked((description.file,), found.shown, hidden=found.hidden)
+
+
+def fix_task(task: Task, unsafe: bool = False) -> Fixed:
+    """Return the text of a file with its fixes made (see `fixed`), which is not written; of a xacro file as it is."""
+    name = task.name
+    _, data = read_source(task.source, name)
+    if is_xacro(task.source):
+        return Fixed(name, data, data)
+    return fixed(data, name, lambda text: places(found_in(text, task.options, name).shown), unsafe=unsafe)
+
+
+def _options(file: str | bytes, given: Options, fixed: Config | None, known: dict[str, Config | None]) -> Options:
+    path = STDIN if isinstance(file, bytes) else file
+    config = fixed or find_config(os.path.dirname(path), known)
+    return given if config is None else config.of(path, given)
+
+
+@dataclass(frozen=True)
+class Unread:
+    """A file that could not be checked, and why."""
+
+    file: str
+    error: InputError
+
+    @property
+    def why(self) -> str:
+        """Without the name of the file, unless another one is at fault."""
+        return self.error.sentence if self.error.file in (None, self.file) else str(self.error)
+
+
+@dataclass(frozen=True)
+class Checked:
+    """The files that were checked, and what was found, file by file and each in the order of its text.
+
+    Attributes:
+        unread: the other files.
+        hidden: findings that are not in the default set.
+    """
+
+    files: tuple[str, ...]
+    findings: tuple[Finding, ...]
+    unread: tuple[Unread, ...] = ()
+    hidden: tuple[Finding, ...] = ()
+
+    def count(self, severity: Severity) -> int:
+        return sum(finding.severity is severity for finding in self.findings)
+
+    @property
+    def fit(self) -> bool:
+        """Whether there are no errors."""
+        return not self.count(Severity.ERROR)
+
+    def of_link(self, name: str) -> Checked:
+        """Return the findings about a link."""
+        subject = Subject("link", name)
+        every = (self.findings, self.hidden)
+        findings, hidden = (grouped(one for one in places(found) if one.subject == subject) for found in every)
+        return replace(self, findings=findings, hidden=hidden)
+
+
+@dataclass(frozen=True)
+class Found:
+    """What is shown of the findings in a file, and what is not."""
+
+    shown: tuple[Finding, ...]
+    hidden: tuple[Finding, ...] = ()
+
+
+@dataclass(frozen=True)
+class Task:
+    """A file, or the bytes of standard input, and how to check it."""
+
+    source: str | bytes
+    options: Options
+
+    @property
+    def name(self) -> str:
+        """The file as findings show it."""
+        return STDIN if isinstance(self.source, bytes) else self.source
+
+
+def check_tasks(tasks: Sequence[Task], done: Callable[[], None] = lambda: None) -> Checked:
+    """Return the findings in all of them; many files are shared out among processes, one for each core.
+
+    One that cannot be read stops no other; one that describes no robot is skipped, with a warning.
+
+    Args:
+        tasks: the files.
+        done: called after each.
+    """
+    shared_out = worth_processes([task.source for task in tasks])
+    each = each_in_a_process(_outcome, [(task,) for task in tasks]) if shared_out else map(_outcome, tasks)
+    files, found, hidden, unread = list[str](), list[Finding](), list[Finding](), list[Unread]()
+    for task, outcome in zip(tasks, each, strict=True):
+        if isinstance(outcome, NoRobotError):
+            warn(f"{outcome}: skipped", RobodynWarning, stacklevel=2)
+        elif isinstance(outcome, InputError):
+            unread.append(Unread(task.name, outcome))
+        else:
+            files.append(task.name)
+            found += outcome.shown
+            hidden += outcome.hidden
+        done()
+    return Checked(tuple(files), tuple(found), tuple(unread), tuple(hidden))
+
+
+def _outcome(task: Task) -> Found | InputError:
+    try:
+        return found_in(task.source, task.options)
+    except InputError as error:
+        return error
+
+
+def found_in(source: Source, options: Options = STANDARD, name: str | None = None) -> Found:
+    """Return what is found in one file or its bytes: one finding for each cause, shown or hidden as is selected."""
+    return select_findings(check_one(source, options, name), options)
+
+
+def select_findings(every: Sequence[Finding], options: Options) -> Found:
+    """Return what `check_one` returns, with one finding for each cause, as what is shown and what is not."""
+    shown, hidden = list[Finding](), list[Finding]()
+    for finding in deduplicate(every, BY_CODE):
+        (shown if is_selected(finding, options.select, options.asked) else hidden).append(finding)
+    return Found(grouped(shown), grouped(hidden))
+
+
+def check_one(source: Source, options: Options = STANDARD, name: str | None = None) -> tuple[Finding, ...]:
+    """Return what the rules find in one file or its bytes: every place by itself, in the order of the text; of a xacro
+    file, of its expansion."""
+    expansion = None
+    if isinstance(source, bytes) or not is_xacro(source):
+        reading = read(source, name)
+    else:
+        from robodyn.robot.urdf.xacro import expanded, no_robot
+
+        path = os.fspath(source)
+        expansion = expanded(path, options.package_path, dict(options.xacro_args), options.trust_xacro)
+        reading = read(expansion.text, (name or path) + EXPANDED)
+        if reading.robot is not None and not any(part.tag in ("link", "joint") for part in reading.root.children):
+            raise no_robot(path)
+    context = Context(reading, options.thresholds, options.package_path, options.asked, CODES)
+    findings = run_rules(context, rules_for(options.select, options.ignore))
+    return findings if expansion is None else tuple(map(Origins(reading, expansion).located, findings))
+
+
+def run_rules(context: Context, rules: Sequence[Rule]) -> tuple[Finding, ...]:
+    """Return what these rules find and no waiver of the file allows, in the order of the text."""
+    ready = [rule for rule in rules if context.reaches(rule.stage)]
+    findings = [_finding(context, rule, fault) for rule in ready for fault in rule.check(context)]
+    given = [waiver for waiver in context.once(waivers) if waiver.in_force(context.codes)]
+    if given:
+        ran = {rule.code for rule in ready}
+        findings, unused = waived(context.reading, findings, given)
+        if unused_waiver.code in ran:
+            faults = (without_use(waiver, code) for waiver, code in unused if code in ran)
+            findings += [_finding(context, unused_waiver, fault) for fault in faults]
+    return tuple(sorted(findings, key=lambda finding: (finding.start, finding.code)))
+
+
+def _finding(context: Context, rule: Rule, fault: Fault) -> Finding:
+    reading, subject = fault.document or context.reading, fault.subject
+    if subject is HERE:
+        parts = reading.root.children
+        k = bisect_right(parts, fault.at.start, key=lambda part: part.start) - 1
+        known = k >= 0 and parts[k].tag in ("link", "joint")
+        subject = Subject(parts[k].tag, parts[k].get("name") or "") if known else None
+    return Finding(
+        code=rule.code,
+        name=rule.name,
+        severity=fault.severity or rule.severity,
+        file=reading.file,
+        line=fault.at.line,
+        column=fault.at.column,
+        start=fault.at.start,
+        end=fault.at.end,
+        subject=subject,
+        message=fault.what if subject is None else f"{subject.words}: {fault.what}",
+        remedy=fault.remedy,
+        measured=fault.measured,
+        bound=fault.bound,
+        cause=fault.cause,
+        fix=fault.fix,
+        excerpt=excerpt(reading, fault.at),
+        kind=fault.kind or kind_of(fault.what),
+        description=None if fault.document is None else context.reading.file,
+    )

@@ -1,1 +1,0 @@
-"""Findings and dynamics against those of before: baselines and earlier versions."""

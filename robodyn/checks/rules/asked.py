@@ -1,0 +1,138 @@
+"""What is asked for: limits along a motion, verdicts of programs, the earlier version."""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import TYPE_CHECKING
+
+from robodyn.checks.consumers.found import named
+from robodyn.checks.consumers.verdicts import FACTS, Opinion, Verdict, opinion
+from robodyn.checks.context import TARGETS
+from robodyn.checks.examples import a_joint, a_link, arm
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.robot.urdf.elements import Span
+from robodyn.robot.urdf.view import Subject
+
+if TYPE_CHECKING:
+    from robodyn.checks.regression import Change
+
+
+@rule(
+    "RD802",
+    Severity.WARNING,
+    Stage.MODEL,
+    good=arm('<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="30" velocity="9"/>'),
+    bad=('lower="-2" upper="2"', 'lower="-0.5" upper="0.5"'),
+)
+def limits_along_motion(context: Context) -> Faults:
+    """The limits hold along the given motion.
+
+    With --trajectory FILE: the torques of inverse dynamics, speeds and positions along the motion, against effort,
+    velocity, lower and upper. It is what robodyn torques --fail-on-limits says, among the other findings. The
+    examples are held against a motion that swings the arm by 1 rad.
+    """
+    if context.asked.trajectory is None:
+        return
+    from robodyn.loads.torques import torques
+    from robodyn.trajectory.robot_motion import read_motion
+
+    with read_motion(context.asked.trajectory, context.model, **context.asked.reading) as motion:
+        result = torques(context.model, motion)
+    for caveat in motion.caveats:
+        what = f"limits along {context.asked.trajectory} hold only {caveat.kind}: {caveat.text}"
+        yield Fault(context.view.root.span, what, "say which unit it is", subject=None)
+    for excess in result.exceeded:
+        joint = context.view.joint[excess.joint]
+        assert joint.limit is not None, "a limit is exceeded"
+        name: str = excess.quantity
+        if name == "position":
+            name = "lower" if excess.value < excess.limit else "upper"
+        what = (
+            f"the motion of {context.asked.trajectory} reaches {excess.quantity} {excess.value:.4g} "
+            f"{excess.unit}, beyond the limit {excess.limit:g}"
+        )
+        remedy = "slow the motion down or raise the limit; robodyn torques says when"
+        yield Fault(getattr(joint.limit, name).span, what, remedy, excess.value, excess.limit)
+
+
+_MOST = 3
+_UNASKED = ("mujoco", "drake")
+"""Programs that the tests run."""
+_SAYS = {Verdict.LOADS: "loads it as it is", Verdict.ALTERS: "loads it with changes", Verdict.REJECTS: "rejects it"}
+
+_TOOL = a_link("tool") + a_joint("yaw", "cross", "tool")
+
+_KNOWN = "\n".join(f"{fact.target} {fact.verdict.name.lower()}: it {fact.does} [{fact.source}]." for fact in FACTS)
+
+
+@rule(
+    "RD901",
+    Severity.NOTE,
+    Stage.TREE,
+    explanation=f"""For each program asked for ({", ".join(TARGETS)}) its verdict: loads, alters, or rejects and why. A
+rejection by a program that is asked for is an error, all else a remark. Without being asked, only rejections by
+{" and ".join(_UNASKED)} are reported, where no other rule tells of the same link or joint why. What is known, and from
+where (KG is a mass):
+{_KNOWN}""",
+    good=arm(more=a_link("cross") + a_joint("pitch", "upper", "cross") + _TOOL),
+    bad=arm(more=a_link("cross", "") + a_joint("pitch", "upper", "cross") + _TOOL),
+)
+def consumer_verdict(context: Context) -> Faults:
+    """The programs that a description is meant for take it as it is."""
+    for target in context.asked.targets:
+        yield _verdict(context, opinion(context, target))
+    alone = {*map(named, context.view.links), *map(named, context.view.joints)}
+    for target in () if context.asked.targets else _UNASKED:
+        for fact, found in opinion(context, target, Verdict.REJECTS).found:
+            does = f"{target} rejects it: it {fact.does}"
+            for one in found:
+                what = does if one.what in alone else f"{does} ({one.what})"
+                yield Fault(one.at, what, f"known from {fact.source}", kind=does)
+
+
+def _verdict(context: Context, one: Opinion) -> Fault:
+    shown = [entry for entry in one.found if entry[0].verdict is one.verdict]
+    reasons = [f"{fact.says(found)} ({_listed([each.what for each in found])})" for fact, found in shown]
+    sources = dict.fromkeys(fact.source for fact, _ in shown)
+    what = f"{one.target} {_SAYS[one.verdict]}" + (f": it {'; it '.join(reasons)}" if reasons else "")
+    remedy = f"known from {'; '.join(sources)}" if sources else "nothing to do"
+    at = shown[0][1][0].at if shown else context.view.root.span
+    refused = one.verdict is Verdict.REJECTS
+    return Fault(at, what, remedy, subject=None, severity=Severity.ERROR if refused else None)
+
+
+def _listed(names: list[str]) -> str:
+    more = f" and {len(names) - _MOST} more" if len(names) > _MOST else ""
+    return ", ".join(names[:_MOST]) + more
+
+
+@rule("RD902", Severity.WARNING, Stage.MODEL, good=arm(), bad=('value="2"', 'value="2.2"'))
+def regression(context: Context) -> Faults:
+    """The dynamics are those of the earlier version.
+
+    With --against REF, the robot is compared with what git has of the same file at that revision: joints that come,
+    go, move or change their order, types, axes, limits and friction; masses, centres of mass and inertias of the
+    moving bodies, with everything fixed to them; and the torques of both in random states, in percent of the
+    largest. Moving a fixed frame, renaming a fixed joint or splitting a link changes nothing here. The examples are
+    two versions of a file: the bad one is compared with the good one.
+    """
+    against = context.asked.against
+    if against is None:
+        return
+    from robodyn.checks.regression import changes, model_at
+
+    before = model_at(context.reading.file, against)
+    if before is None:
+        return
+    for change in changes(before, context.model):
+        subject, measured = Subject(change.kind, change.name), change.size if isfinite(change.size) else None
+        what = f"{change.what}, against {against}"
+        yield Fault(_place(context, change), what, "see that the change is meant", measured, subject=subject)
+
+
+def _place(context: Context, change: Change) -> Span:
+    if change.kind == "joint" and change.name in context.view.joint:
+        return context.view.joint[change.name].name_span
+    if change.kind == "link" and change.name in context.view.link:
+        return context.view.link[change.name].name_span
+    return context.view.root.span

@@ -1,0 +1,183 @@
+"""Mistakes that explain an inertia: units, signs, reference point, axes, order of entries."""
+
+from __future__ import annotations
+
+from robodyn.checks.bodies.bodies import Body, bodies
+from robodyn.checks.bodies.uniform import shaped
+from robodyn.checks.bodies.weighed import weighed
+from robodyn.checks.causes.causes import causes, faults
+from robodyn.checks.examples import IMAGE, SHAPED_INERTIA, TENSOR, a_shaped_link, inertia, two_arms
+from robodyn.checks.mirror.loads import MOMENTS, twins
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.robot.masses.units import QUANTITIES
+from robodyn.robot.masses.weighing import Cause, Weighed
+from robodyn.robot.urdf.elements import Span
+from robodyn.support.wording import figure, one_of
+
+
+@rule(
+    "RD305", Severity.ERROR, Stage.TREE, good=a_shaped_link(), bad=(SHAPED_INERTIA, inertia("12600 0 0 12400 0 3200"))
+)
+def unit_slip(context: Context) -> Faults:
+    """Mass, inertia and centre of mass are in kg, kg m^2 and m.
+
+    One unit, or one system of units, explains what does not fit the shapes: g, mg, lb or t for kg, mm, cm or in for
+    m, and all their products for kg m^2, in one of the three quantities or in several. The link is weighed by the
+    uniform solid that its own shapes are (visual ones, or else collision shapes): by density, centre, size and
+    form. A unit is named where it is nine times as probable as everything else together, among which is any factor
+    that belongs to no unit; otherwise the candidates are listed in a warning. Tensors near a multiple of the
+    identity and round numbers are made up, not in other units. RD301 to RD304 are silent about such a link.
+    """
+    for name, verdict in context.once(weighed).items():
+        if verdict.units:
+            yield _fault(context, context.once(bodies)[name], verdict)
+
+
+def _fault(context: Context, body: Body, verdict: Weighed) -> Fault:
+    first = (verdict.named or verdict.either)[0]
+    assert first.units is not None, "it is one of units"
+    which = first.units.wrong[0]
+    factor = first.units.factors[which]
+    at = _place(body, QUANTITIES[which])
+    if not verdict.named:
+        what = one_of([one.what for one in verdict.either]) or ""
+        remedy = "see which it is, and correct it"
+        return Fault(at, what, remedy, factor, 1.0, severity=Severity.WARNING, subject=body.link.subject)
+    what = f"{first.what} {_shown(context, body, first)}"
+    remedy = " and ".join(_undone(QUANTITIES[k], first.units.factors[k]) for k in first.units.wrong)
+    return Fault(at, what, f"{remedy} if that is so", factor, 1.0, subject=body.link.subject)
+
+
+def _shown(context: Context, body: Body, cause: Cause) -> str:
+    """Return how well what was meant fits."""
+    solid = context.once(shaped)[body.link.name].solid
+    apart = 100.0 * cause.apart
+    return f"(then {figure(cause.mass / solid.volume)} kg/m^3, and an inertia {figure(apart, 2)} % from the shapes')"
+
+
+def _undone(what: str, factor: float) -> str:
+    by = f"divide the {what} by {factor:g}" if factor > 1 else f"multiply the {what} by {1 / factor:g}"
+    return by
+
+
+def _place(body: Body, what: str) -> Span:
+    if what == "mass":
+        return body.inertial.mass.span
+    return body.tensor_span if what == "inertia" else body.inertial.origin.xyz.span
+
+
+@rule("RD306", Severity.WARNING, good=two_arms(), bad=(IMAGE, inertia("0.02 0.004 -0.002 0.03 0.003 0.025")))
+def product_signs(context: Context) -> Faults:
+    """Products of inertia have the sign of a matrix entry.
+
+    URDF's ixy is an entry of the inertia matrix, minus the integral of x y dm. Many CAD programs print plus that
+    integral, and then all three signs are wrong. The diagonal is right, so that few tools notice; the principal
+    moments are not. RD206 and RD207 name the cause of tensors that no body has; this rule reports those that a body
+    could have, but not this link, by its mirror twin or its shapes.
+    """
+    return faults(context, "RD306")
+
+
+@rule("RD307", Severity.WARNING, good=two_arms(), bad=(IMAGE, inertia("0.105 0.006 -0.038 0.13 0.017 0.05")))
+def about_origin(context: Context) -> Faults:
+    """The tensor is about the centre of mass.
+
+    URDF wants the tensor about the centre of mass, where the origin of <inertial> is. About the link's origin it is
+    larger by m (|c|^2 1 - c c^T), the term of the parallel axis theorem. Such a tensor is physical, and so it takes
+    the link's shapes or its mirror twin to see it: corrected, it is within 20 % of the inertia of the uniform solid
+    that the shapes are, and twice as near as it stands.
+    """
+    return faults(context, "RD307")
+
+
+@rule("RD308", Severity.WARNING, good=two_arms(), bad=(IMAGE, inertia("0.19 0.016 -0.078 0.23 0.037 0.075")))
+def parallel_axis_again(context: Context) -> Faults:
+    """The parallel axis theorem is applied once.
+
+    A tensor that is about the centre of mass already becomes too small, and often impossible, where m (|c|^2 1 - c
+    c^T) is subtracted from it, and too large where the term is added twice. RD206 and RD207 name the cause of
+    tensors that no body has; this rule reports those that a body could have, but not this link, by its mirror twin
+    or its shapes. That adding the term makes a tensor possible is no evidence: the shapes or the twin have to
+    agree.
+    """
+    return faults(context, "RD308")
+
+
+_ORIGIN = '<origin xyz="0.1 -0.05 0.2" rpy="0 0 1.5707963267948966"/>'
+_TURNED = inertia("0.03 0.004 -0.003 0.02 -0.002 0.025")
+
+
+@rule("RD309", Severity.WARNING, good=two_arms(right=f'{_ORIGIN}<mass value="2"/>{_TURNED}'), bad=(_TURNED, IMAGE))
+def rpy_not_applied(context: Context) -> Faults:
+    """The tensor is in the axes of its <origin>.
+
+    Where <origin> in <inertial> has an rpy, the tensor is in the axes turned by it. A tensor in the link's axes is
+    right with rpy 0 only. Its principal moments are right either way: it takes the link's shapes or its mirror twin
+    to see it.
+    """
+    return faults(context, "RD309")
+
+
+@rule("RD310", Severity.WARNING, good=two_arms(), bad=(IMAGE, inertia("0.02 0.002 -0.004 0.03 -0.003 0.025")))
+def entry_order(context: Context) -> Faults:
+    """The entries are in URDF's order: ixx ixy ixz iyy iyz izz.
+
+    MuJoCo's fullinertia is ixx iyy izz ixy ixz iyz, Voigt's order ixx iyy izz iyz ixz ixy, and a triangle by
+    columns ixx ixy iyy ixz iyz izz; a matrix of nine entries, row by row, has iyx in fourth place. Pasting one for
+    another gives a tensor that no body has, or wrong products. RD206 and RD207 name the cause of tensors that no
+    body has; this rule reports those that a body could have, but not this link, by its mirror twin or its shapes.
+    """
+    return faults(context, "RD310")
+
+
+@rule("RD311", Severity.WARNING, good=two_arms(), bad=('"-0.004"', '"-0.0004"'))
+def entry_decade(context: Context) -> Faults:
+    """No entry is off by a power of ten.
+
+    A slip of the exponent in one entry. Without a twin to compare with, only a moment can be told from others, by
+    the link's shapes. RD206 and RD207 name the cause of tensors that no body has; this rule reports those that a
+    body could have, but not this link, by its mirror twin or its shapes.
+    """
+    return faults(context, "RD311")
+
+
+@rule(
+    "RD312",
+    Severity.WARNING,
+    good=two_arms(),
+    bad=(IMAGE, inertia("0.03 -0.004 -0.003 0.02 0.002 0.025")),
+    explains=("RD302",),
+)
+def permuted_axes(context: Context) -> Faults:
+    """The tensor is in the axes of the link, not in another program's.
+
+    Programs differ in which axis points up or forward. A tensor with x, y and z exchanged has the right principal
+    moments about the wrong axes, and a centre of mass outside the shapes is one in those axes, too (RD302): iCub's
+    forearms have both along y, and are drawn along x. RD206 and RD207 name the cause of tensors that no body has;
+    this rule reports those that a body could have, but not this link, by its mirror twin or its shapes.
+    """
+    return faults(context, "RD312")
+
+
+_REMEDY = "reflect the one of the two that is wrong, or allow it where one part is mounted on both sides"
+
+
+@rule("RD313", Severity.WARNING, good=two_arms(), bad=(IMAGE, TENSOR))
+def copied_from_twin(context: Context) -> Faults:
+    """A right link's tensor is the mirror image of the left one's, not a copy.
+
+    A reflection turns the sign of two products of inertia. A tensor that equals its twin's entry by entry, in
+    mirrored axes, was copied. It is right only where the same part is mounted on both sides, turned and not
+    mirrored: where both links have the same meshes at the same place nothing is reported, and otherwise a waiver
+    says so. Where the centre of mass is a copy, too, RD403 does not report it again.
+    """
+    for one in context.once(twins):
+        cause = context.once(causes).get(one.link.name)
+        if cause is None or cause.code != "RD313" or (one.tensors_apart <= MOMENTS and not one.centre_is_copied):
+            continue
+        centre = f"the centre of mass, {one.shift:.3g} m away, and " if one.centre_is_copied else ""
+        what = (
+            f"{centre}the inertia tensor, {figure(100 * one.tensors_apart, 2)} % from its mirror image, "
+            f"{'are copies of those' if centre else 'is a copy of that'} of its twin {one.other}"
+        )
+        yield Fault(one.inertial.entries[0].span, what, _REMEDY, one.tensors_apart, kind="a copy of its twin")

@@ -1,0 +1,263 @@
+"""Joints: axes, effort and velocity, friction, mimics."""
+
+from __future__ import annotations
+
+from math import degrees, hypot
+
+from robodyn.checks.bodies.limit_units import of_numbers
+from robodyn.checks.examples import LIMIT, arm, longer_arm
+from robodyn.checks.rule import Context, Edit, Fault, Faults, Fix, Severity, rule
+from robodyn.robot.urdf.elements import Span
+from robodyn.robot.urdf.numbers import value_span
+from robodyn.robot.urdf.parts import WITH_AXIS, WITH_RANGE
+from robodyn.robot.urdf.structure import cycles
+from robodyn.robot.urdf.view import JointView
+from robodyn.robot.urdf.xml_reader import unexpanded
+from robodyn.support.wording import alternatives, listed, shown
+
+
+@rule("RD501", Severity.ERROR, good=arm(f'<axis xyz="0 0 1"/>{LIMIT}'), bad=('"0 0 1"', '"0 0 0"'), explains=("RD901",))
+def zero_axis(context: Context) -> Faults:
+    """The axis of a joint that moves is not zero.
+
+    Readers divide by its length: the joint then turns about NaN, or not at all.
+    """
+    for joint in context.view.joints:
+        if joint.type in WITH_AXIS and joint.axis.values is not None and not any(joint.axis.values):
+            remedy = 'write the direction in the joint frame, for example xyz="0 0 1"'
+            yield Fault(joint.axis.span, "the axis is 0 0 0, which is no direction", remedy, 0.0, 1.0)
+
+
+@rule("RD502", Severity.WARNING, good=arm(f'<axis xyz="0 0 1"/>{LIMIT}'), bad=('"0 0 1"', '"0 0 2"'))
+def axis_length(context: Context) -> Faults:
+    """The axis of a joint is a unit vector.
+
+    URDF asks for it. Most readers normalise the axis, but those that do not turn the joint by a multiple of its
+    coordinate.
+    """
+    bound = context.thresholds.axis_length
+    for joint in context.view.joints:
+        axis = joint.axis.values
+        if joint.type not in WITH_AXIS or axis is None or not any(axis):
+            continue
+        length = hypot(*axis)
+        if abs(length - 1) > bound:
+            what = f"the axis has the length {length:.6g}, not 1"
+            remedy = "divide it by its length"
+            yield Fault(joint.axis.span, what, remedy, length, 1.0, fix=_fix(axis, joint.axis.span))
+
+
+def _fix(axis: tuple[float, ...], at: Span) -> Fix:
+    """Return the division by the length, which changes nothing; by the largest entry first, lest it overflow."""
+    largest = max(map(abs, axis))
+    length = hypot(*(x / largest for x in axis))
+    text = " ".join(repr(x / largest / length) for x in axis)
+    return Fix("divide the axis by its length", (Edit(at.start, at.end, text),), safe=True)
+
+
+@rule("RD505", Severity.ERROR, good=arm(), bad=arm('<axis xyz="0 1 0"/>'))
+def no_limit(context: Context) -> Faults:
+    """Revolute and prismatic joints have a <limit>.
+
+    URDF asks for it, and urdfdom refuses the robot.
+    """
+    for joint in context.view.joints:
+        if joint.type in WITH_RANGE and joint.limit is None:
+            remedy = 'add <limit lower="..." upper="..." effort="..." velocity="..."/>'
+            if joint.type == "revolute":
+                remedy += ", or make it continuous"
+            yield Fault(joint.name_span, f"a {joint.type} joint without <limit>", remedy)
+
+
+@rule("RD506", Severity.WARNING, good=arm(), bad=('"30"', '"0"'), explains=("RD901",))
+def effort_velocity(context: Context) -> Faults:
+    """Effort and velocity limits are positive and those of a machine.
+
+    URDF asks for both wherever there is a <limit>: urdfdom refuses a file in which one of them is missing, also
+    that of a joint that is fixed. A limit of 0 makes a joint that some simulators can never move, and that others
+    do not limit. 1e9 is a stand-in that nothing can be sized against: a remark; an effort in N mm is RD515's.
+    """
+    limits, of_another_unit = context.thresholds, context.once(of_numbers)
+    for joint in context.view.joints:
+        if joint.limit is None:
+            continue
+        for numbers, most in ((joint.limit.effort, limits.most_effort), (joint.limit.velocity, limits.most_velocity)):
+            value = numbers.value
+            if not numbers.given:
+                what = f"<limit> has no {numbers.attribute}, and urdfdom refuses the file"
+            elif not joint.moves or value is None or 0 < value < most or id(numbers) in of_another_unit:
+                continue
+            else:
+                what = f"{numbers.attribute} is {value:g}, " + (
+                    "a stand-in that limits nothing" if value > 0 else "not positive"
+                )
+            endless = value is not None and value > 0
+            severity = Severity.NOTE if endless else Severity.WARNING
+            remedy = "write what the drive can do"
+            if not numbers.given:
+                severity = Severity.ERROR
+            kind = "a limit that is not positive" if numbers.given and not endless else None
+            yield Fault(numbers.span, what, remedy, value, most if endless else 0.0, severity=severity, kind=kind)
+
+
+@rule(
+    "RD509",
+    Severity.ERROR,
+    good=arm(f'<axis xyz="0 1 0"/>{LIMIT}<dynamics damping="0.1"/>'),
+    bad=('"0.1"', '"-0.1"'),
+    explains=("RD901",),
+)
+def negative_friction(context: Context) -> Faults:
+    """Damping and friction are not negative.
+
+    Friction takes energy out of a joint. With a negative coefficient it speeds up by itself, and a simulation
+    diverges.
+    """
+    for joint in context.view.joints:
+        for found in (joint.damping, joint.friction):
+            if found.value is not None and found.value < 0:
+                what = f"the {found.attribute} is {found.value:g}, and feeds energy in"
+                yield Fault(found.span, what, "write it without the sign", found.value, 0.0)
+
+
+_MIMIC_UNKNOWN_JOINT_FOLLOWER = f'<axis xyz="0 1 0"/>{LIMIT}<mimic joint="shoulder" multiplier="0.5"/>'
+
+
+@rule(
+    "RD510",
+    Severity.ERROR,
+    good=longer_arm(inside=_MIMIC_UNKNOWN_JOINT_FOLLOWER),
+    bad=('joint="shoulder"', 'joint="sholder"'),
+    explains=("RD901",),
+)
+def mimic_unknown_joint(context: Context) -> Faults:
+    """A joint mimics one of the robot's joints.
+
+    Readers refuse the robot, or make the follower a free joint that nothing drives.
+    """
+    joints = context.view.joint
+    for joint in context.view.joints:
+        if joint.mimic is None or joint.mimic.joint in joints or unexpanded(joint.mimic.joint):
+            continue
+        name = joint.mimic.joint
+        what = f"it mimics joint {shown(name)}, which does not exist" if name else "<mimic> names no joint"
+        remedy = alternatives(name, joints, "joints") if name else 'write joint="..."'
+        yield Fault(value_span(joint.mimic.element, "joint"), what, remedy)
+
+
+_MIMIC_CYCLE_FOLLOWER = f'<axis xyz="0 1 0"/>{LIMIT}<mimic joint="shoulder"/>'
+
+
+@rule(
+    "RD511",
+    Severity.ERROR,
+    good=longer_arm(inside=_MIMIC_CYCLE_FOLLOWER),
+    bad=('joint="shoulder"', 'joint="elbow"'),
+    explains=("RD901",),
+)
+def mimic_cycle(context: Context) -> Faults:
+    """Mimic joints follow one that is free, at last.
+
+    In a cycle no joint has a position of its own. Some readers follow it for ever.
+    """
+    joints = context.view.joint
+    masters = {name: joint.mimic.joint for name, joint in joints.items() if joint.mimic is not None}
+    for cycle in cycles(masters):
+        first = min((joints[name] for name in cycle), key=lambda joint: joint.element.start)
+        assert first.mimic is not None, "it follows a joint"
+        what = "it mimics itself" if len(cycle) == 1 else f"joints mimic each other in a cycle: {listed(cycle)}"
+        yield Fault(value_span(first.mimic.element, "joint"), what, "let one of them be free")
+
+
+_FOLLOWER_RANGE_FOLLOWER = f'<axis xyz="0 1 0"/>{LIMIT}<mimic joint="shoulder" multiplier="0.5"/>'
+
+
+@rule("RD512", Severity.WARNING, good=longer_arm(inside=_FOLLOWER_RANGE_FOLLOWER), bad=('"0.5"', '"1.5"'))
+def follower_range(context: Context) -> Faults:
+    """A mimic joint stays within its limits wherever the joint that it follows goes.
+
+    Otherwise the robot described cannot move through the range that its limits promise: simulators violate the
+    limits or the coupling, and planners reach positions that the hand does not have.
+    """
+    for joint in context.view.joints:
+        reached, own = _reached(context, joint), _range(joint)
+        if reached is None or own is None or joint.mimic is None:
+            continue
+        beyond = max(own[0] - reached[0], reached[1] - own[1])
+        if beyond > context.thresholds.mimic_range:
+            what = (
+                f"following joint '{joint.mimic.joint}' through its range, it goes from {reached[0]:.6g} to "
+                f"{reached[1]:.6g}, beyond its own limits {own[0]:.6g} and {own[1]:.6g} by {beyond:.3g}"
+            )
+            remedy = "correct multiplier or offset, or the limits of one of the two"
+            yield Fault(joint.mimic.multiplier.span, what, remedy, beyond, context.thresholds.mimic_range)
+
+
+def _range(joint: JointView | None) -> tuple[float, float] | None:
+    """Return lower and upper of a joint that has both, in order."""
+    if joint is None or joint.limit is None or joint.type not in WITH_RANGE:
+        return None
+    lower, upper = joint.limit.lower.value, joint.limit.upper.value
+    return (lower, upper) if lower is not None and upper is not None and lower < upper else None
+
+
+def _reached(context: Context, joint: JointView) -> tuple[float, float] | None:
+    """Return multiplier q + offset over the range of the joint that is followed, if that one is free."""
+    if joint.mimic is None:
+        return None
+    multiplier, offset = joint.mimic.multiplier.or_default(1.0), joint.mimic.offset.or_default(0.0)
+    followed = context.view.joint.get(joint.mimic.joint)
+    master = _range(followed)
+    if multiplier is None or offset is None or master is None or followed is None or followed.mimic is not None:
+        return None
+    ends = sorted(multiplier[0] * end + offset[0] for end in master)
+    return ends[0], ends[1]
+
+
+@rule("RD514", Severity.WARNING, good=arm(), bad=arm(LIMIT))
+def missing_axis(context: Context) -> Faults:
+    """A joint that turns or slides says about which axis.
+
+    Without `<axis>` it is 1 0 0, the x axis of the joint: a part that was to turn about z rolls instead, and
+    nothing else tells. Writing it down costs nothing where x is meant.
+    """
+    for joint in context.view.joints:
+        if joint.type in WITH_AXIS and joint.element.find("axis") is None:
+            what = f"it is {joint.type} and has no <axis>: it is taken to be 1 0 0, the x axis of the joint"
+            yield Fault(joint.name_span, what, 'write <axis xyz="..."/>, also where it is 1 0 0')
+
+
+_RANGE, _SPEED = 0.4, 0.2
+_FROM_ZERO = 0.1
+"""How far from 0 the range begins, as a part of it."""
+_JOINT = '<axis xyz="0 0 1"/><limit lower="0" upper="0.3" effort="200" velocity="0.05"/>'
+
+
+@rule(
+    "RD516",
+    Severity.WARNING,
+    good=arm(_JOINT, "prismatic"),
+    bad=('type="prismatic"', 'type="revolute"'),
+    explains=("RD804",),
+)
+def turning_slide(context: Context) -> Faults:
+    """A slide is prismatic.
+
+    A lift whose type is revolute turns by as many radians as it was to rise metres, and no reader complains.
+    Reported are revolute joints that begin at 0, end within 0.4 rad (23 degrees) of it, and do not exceed 0.2
+    rad/s: what a finger or a lift does in metres. Of 86 published robots none does it in radians: their joints of
+    so small a range are at least 1.6 times as fast, and most of them turn to both sides.
+    """
+    for joint in context.view.joints:
+        if joint.type != "revolute" or joint.limit is None:
+            continue
+        ends, speed = joint.limit.range, joint.limit.velocity.value
+        if ends is None or speed is None or not 0 < speed <= _SPEED:
+            continue
+        size = ends[1] - ends[0]
+        if 0 < size <= _RANGE and min(map(abs, ends)) <= _FROM_ZERO * size:
+            what = (
+                f"it is revolute, but goes from {ends[0]:g} to {ends[1]:g} at {speed:g} as a slide does in metres; in "
+                f"radians that is {degrees(size):.3g} degrees at {degrees(speed):.3g} a second"
+            )
+            yield Fault(value_span(joint.element, "type"), what, 'write type="prismatic" if it slides', size, _RANGE)

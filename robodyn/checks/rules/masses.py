@@ -1,0 +1,309 @@
+"""Masses: positive, there, and such as parts of a robot have."""
+
+from __future__ import annotations
+
+from math import fsum
+
+from robodyn.checks.bodies.bodies import bodies
+from robodyn.checks.bodies.masses import POINT, carried_masses, gyration, severity_of_zero
+from robodyn.checks.bodies.repeated import repeated
+from robodyn.checks.bodies.shapes import link_boxes, real_shapes, size_of
+from robodyn.checks.consumers.water import inventions
+from robodyn.checks.examples import (
+    INERTIA,
+    LIMIT,
+    ORIGIN,
+    TENSOR,
+    a_joint,
+    a_link,
+    a_shaped_link,
+    arm,
+    inertia,
+    longer_arm,
+    one_link,
+)
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.tree import Group
+from robodyn.robot.base_guess import untouched
+from robodyn.robot.urdf.parts import INERTIA as ENTRIES
+from robodyn.support.wording import listed
+
+
+@rule("RD201", Severity.ERROR, good=arm(), bad=one_link(f'<mass value="-2"/>{INERTIA}'), explains=("RD901",))
+def mass_not_positive(context: Context) -> Faults:
+    """Masses are positive.
+
+    No body has a negative mass, and one of zero mass that moves takes on any acceleration: its equation of motion
+    is 0 = force. A zero counts only where the whole rigid group (links joined by fixed joints) has no mass; it is a
+    warning where the group carries on to one that has mass, as in a universal joint: MuJoCo refuses such a group,
+    and Gazebo drops it and all that hangs on it.
+    """
+    for link in context.view.links:
+        if link.inertial is None or link.mass is None or link.mass > 0:
+            continue
+        severity = Severity.ERROR if link.mass < 0 else severity_of_zero(context, link)
+        if severity is not None:
+            what = f"the mass is {link.mass:g} kg, not positive"
+            what += "; MuJoCo refuses it, Gazebo drops it and what hangs on it" * (link.mass == 0)
+            remedy = "write the mass of the part, or fix the link to one that has mass"
+            yield Fault(link.inertial.mass.span, what, remedy, link.mass, 0.0, severity=severity)
+
+
+@rule(
+    "RD202",
+    Severity.ERROR,
+    Stage.TREE,
+    good=longer_arm("tip", "flange", "", "", "fixed"),
+    bad=longer_arm("tip", "wrist", ""),
+    explains=("RD901",),
+)
+def massless_group(context: Context) -> Faults:
+    """Whatever a joint moves has mass.
+
+    Links joined by fixed joints are one body, a rigid group. A moving group without any mass makes the mass matrix
+    singular: the joint's acceleration is undefined. Where other bodies with mass hang on the group, it is a
+    warning: the mass matrix is regular then, but MuJoCo makes up a mass from collision shapes or refuses the robot,
+    and Gazebo drops the group and all that hangs on it.
+    """
+    carried = context.once(carried_masses)
+    for group in context.tree.groups:
+        if group.joint is None or any(link.inertial is not None for link in group.links):
+            continue
+        first = group.links[0]
+        onward = carried[group] > 0
+        with_it = f" with {listed([link.name for link in group.links[1:]])}" if len(group.links) > 1 else ""
+        what = f"joint '{group.joint.name}' moves it{with_it}, and it has no mass" + (
+            f"; what hangs on it has {carried[group]:g} kg" if onward else ""
+        )
+        what += f"; MuJoCo {_in_mujoco(context, group)}, Gazebo drops it" + " and what hangs on it" * onward
+        remedy = "add an <inertial>" if onward else "add an <inertial>, or make the joint fixed"
+        severity = Severity.WARNING if onward else Severity.ERROR
+        yield Fault(first.name_span, what, remedy, measured=0.0, severity=severity, kind="a joint moves no mass")
+
+
+def _in_mujoco(context: Context, group: Group) -> str:
+    masses = inventions(context, group.links).values()
+    known = [mass for mass in masses if mass is not None]
+    if not masses:
+        return "refuses it"
+    return f"invents {f'{fsum(known):.3g} kg' if known else 'a mass'} from its collision shapes"
+
+
+@rule("RD203", Severity.ERROR, good=one_link(), bad=(INERTIA, ""), explains=("RD901",))
+def incomplete_inertial(context: Context) -> Faults:
+    """An <inertial> has a <mass> and an <inertia> with all six entries.
+
+    urdfdom drops an incomplete <inertial>, and the link has no mass; other readers take 0 or 1 for what is missing.
+    """
+    for link in context.view.links:
+        inertial = link.inertial
+        if inertial is None:
+            continue
+        absent = [name for name, entry in zip(ENTRIES, inertial.entries, strict=True) if not entry.given]
+        lacking = []
+        if inertial.mass_element is None:
+            lacking.append((inertial.element, "<inertial> has no <mass>", '<mass value="..."/>'))
+        elif not inertial.mass.given:
+            lacking.append((inertial.mass_element, "<mass> has no value", 'value="..."'))
+        if inertial.inertia_element is None:
+            lacking.append((inertial.element, "<inertial> has no <inertia>", "<inertia ixx=... izz=.../>"))
+        elif absent:
+            lacking.append((inertial.inertia_element, f"<inertia> has no {', '.join(absent)}", f'{absent[0]}="..."'))
+        for element, what, remedy in lacking:
+            yield Fault(element.span, what, f"write {remedy}")
+
+
+@rule(
+    "RD209",
+    Severity.WARNING,
+    Stage.TREE,
+    good=longer_arm("tip", "wrist"),
+    bad=longer_arm("tip", "wrist", '<mass value="1e-5"/>' + inertia("1e-8 0 0 1e-8 0 1e-8")),
+)
+def tiny_body(context: Context) -> Faults:
+    """A moving body has a mass and a size that a machine part can have.
+
+    A rigid group (links joined by fixed joints) of less than 0.1 g, or of a radius of gyration below 0.1 mm, is a
+    slip of units or a number put in to satisfy a program. It makes the mass matrix ill-conditioned and asks for
+    tiny steps.
+    """
+    limits = context.thresholds
+    for group in context.tree.groups:
+        if group.joint is None or not group.mass or group.mass < 0:
+            continue
+        radius = gyration(context, group)
+        if group.mass < limits.least_mass:
+            yield _fault(group, "mass", group.mass, limits.least_mass, "kg")
+        elif radius is not None and POINT < radius < limits.least_gyration:
+            yield _fault(group, "radius of gyration", radius, limits.least_gyration, "m")
+
+
+def _fault(group: Group, quantity: str, value: float, bound: float, unit: str) -> Fault:
+    _, inertial = group.heaviest
+    numbers = inertial.mass if unit == "kg" else inertial.entries[0]
+    what = f"what moves with it has a {quantity} of {value:.3g} {unit}, less than {bound:g} {unit}"
+    remedy = "check the unit (kg, m); write the inertia of the part, or fix the link to its neighbour"
+    return Fault(numbers.span, what, remedy, value, bound)
+
+
+_HEAVY = f'<mass value="5000"/>{INERTIA}'
+
+
+@rule("RD210", Severity.WARNING, Stage.TREE, good=longer_arm(), bad=('"1"', '"5000"'))
+def mass_ratio(context: Context) -> Faults:
+    """The bodies on both sides of a joint differ in mass by less than a factor of 1000.
+
+    A factor of 1000 is most often grams for kilograms. Where it is real, the mass matrix is ill-conditioned, and
+    iterative solvers of simulators need many more steps.
+    """
+    bound, least = context.thresholds.mass_ratio, context.thresholds.least_mass
+    reported: set[Group] = set()
+    for group in context.tree.groups:
+        inner = None if group.parent is None else group.parent.mass
+        if group.joint is None or group.parent is None or not group.mass or not inner:
+            continue
+        if min(group.mass, inner) < least:
+            continue
+        ratio = max(group.mass / inner, inner / group.mass)
+        if ratio <= bound:
+            continue
+        odd = group if group.mass > inner else group.parent if group.parent.joint is not None else group
+        if odd in reported:
+            continue
+        reported.add(odd)
+        what = f"it joins bodies of {inner:g} kg and {group.mass:g} kg, a ratio of {ratio:.3g}"
+        remedy = "check the unit of both masses (kg)"
+        yield Fault(odd.heaviest[1].mass.span, what, remedy, ratio, bound, subject=group.joint.subject)
+
+
+@rule("RD211", Severity.NOTE, Stage.TREE, good=arm(), bad=arm().replace('<link name="base"/>', a_link("base").strip()))
+def root_with_inertia(context: Context) -> Faults:
+    """KDL ignores the inertia of the root.
+
+    kdl_parser warns of it and drops it. It matters for a robot whose base moves; nothing is wrong for others.
+    """
+    root = context.tree.root
+    if root.inertial is not None and root.mass and context.view.joints:
+        what = f"the root has a mass of {root.mass:g} kg, which KDL ignores"
+        remedy = "where KDL or robot_state_publisher matters, put an empty root link above it with a fixed joint"
+        yield Fault(root.inertial.element.span, what, remedy, measured=root.mass)
+
+
+_ROOT_MASS_INVENTED_SHAPE = '<collision><geometry><sphere radius="0.1"/></geometry></collision>'
+_WHEELS = "".join(
+    a_link(f"{side}_wheel", f'<mass value="1"/>{INERTIA}')
+    + a_joint(f"{side}_axle", "cart", f"{side}_wheel", f'<axis xyz="0 1 0"/>{LIMIT}', "continuous")
+    for side in ("left", "right")
+)
+_CART = f"""<robot name="cart">
+  <link name="cart">
+    <inertial><mass value="4"/>{INERTIA}</inertial>
+    {_ROOT_MASS_INVENTED_SHAPE}
+  </link>
+  {_WHEELS}
+</robot>
+"""
+
+
+@rule(
+    "RD212",
+    Severity.WARNING,
+    Stage.MODEL,
+    good=_CART,
+    bad=(f'    <inertial><mass value="4"/>{INERTIA}</inertial>\n', ""),
+)
+def root_mass_invented(context: Context) -> Faults:
+    """A root with a collision shape has an <inertial>, unless it stands still.
+
+    MuJoCo takes the mass of a body without an inertial from its shapes, at the density of water, and other programs
+    take none: the same floating robot weighs differently in each. A base that stands still, as an arm's, is not
+    affected, since MuJoCo makes it a part of the ground: asked are robots that stand on two or more legs or wheels,
+    or fly, by their links.
+    """
+    root = context.tree.root
+    shapes = [shape for shape in root.geometries if shape.kind == "collision"]
+    if root.inertial is None and shapes and context.model.n and untouched(context.model):
+        what = "the root has a collision shape and no <inertial>: MuJoCo gives it the mass of water in that shape"
+        yield Fault(root.name_span, what, "write its <inertial>")
+
+
+_MASS_REPEATED_BODY = f'{ORIGIN}<mass value="1.25"/>{TENSOR}'
+
+
+@rule(
+    "RD213",
+    Severity.WARNING,
+    Stage.TREE,
+    good=arm(more=a_link("fore", _MASS_REPEATED_BODY) + a_joint("elbow", "upper", "fore")).replace("\n</robot>\n", "")
+    + a_link("tool", "")
+    + a_joint("mount", "fore", "tool", "", "fixed")
+    + "\n</robot>\n",
+    bad=('<link name="tool">', f'<link name="tool"><inertial>{_MASS_REPEATED_BODY}</inertial>'),
+)
+def mass_repeated(context: Context) -> Faults:
+    """The mass of a body is not written twice, on links that are fixed to each other.
+
+    A frame that is fixed to a part, for a tool or a camera, and has the part's inertial again doubles the mass; so
+    does a link whose inertial is that of the link it is fixed to, in other axes. Reported are links fixed to each
+    other with the same mass, of 1 % of what moves with them or more, and either one centre of mass, within 1 mm, or
+    the same numbers throughout, where the child has no shape of its own or the inertia has three products and the
+    shapes differ. Stand-ins, which have the same moment three times, do not count.
+    """
+    known = context.once(bodies)
+    for name, joint in context.once(repeated).items():
+        again = known[name]
+        what = f"its mass of {again.mass:g} kg is that of link '{joint.parent}', to which it is fixed, again"
+        remedy = "leave the <inertial> of one of them out, if it is one part"
+        yield Fault(again.inertial.mass.span, what, remedy, again.mass, 0.0)
+
+
+_UNWEIGHED_PART_SHAPE = '<visual><geometry><box size="0.1 0.1 0.1"/></geometry></visual>'
+_UNWEIGHED_PART_BODY = f'<mass value="1"/>{inertia("0.0017 0 0 0.0018 0 0.0019")}'
+_UP = f'<origin xyz="0 0 0.25"/><axis xyz="0 1 0"/>{LIMIT}'
+_MORE = (
+    a_link("fore", _UNWEIGHED_PART_BODY, _UNWEIGHED_PART_SHAPE)
+    + a_joint("elbow", "upper", "fore", _UP)
+    + a_link("hand", _UNWEIGHED_PART_BODY, _UNWEIGHED_PART_SHAPE)
+    + a_joint("wrist", "fore", "hand", _UP)
+    + a_link("camera", _UNWEIGHED_PART_BODY.replace("1", "0.2", 1), _UNWEIGHED_PART_SHAPE)
+    + a_joint("mount", "hand", "camera", '<origin xyz="0 0 0.1"/>', "fixed")
+)
+_OTHERS, _MOST = 3, 0.9
+"""Least number of other links with shapes, and the share of those with an <inertial>. Of 86 published robots one has
+moving links with shapes and no <inertial> beside others that have one, and of its links with shapes half have one."""
+
+_LONG = 0.5
+"""How long it is at least, by the longest link of its rigid group."""
+
+
+@rule(
+    "RD214",
+    Severity.WARNING,
+    Stage.TREE,
+    good=a_shaped_link().replace("\n</robot>", f"{_MORE}\n</robot>"),
+    bad=(a_link("hand", _UNWEIGHED_PART_BODY, _UNWEIGHED_PART_SHAPE), a_link("hand", "", _UNWEIGHED_PART_SHAPE)),
+)
+def unweighed_part(context: Context) -> Faults:
+    """A part that is seen has mass, as the other parts have.
+
+    Where nine of ten of the other links with shapes have an `<inertial>`, a moving link with shapes and without one
+    lost it: what is fixed to it has mass, so that the robot still loads, but too light by that link. It is at least
+    half as long as the longest link that is fixed to it, for a small one, such as a camera, may be weighed with
+    what carries it; and three other links with shapes must be there to tell. A group that has no mass at all is
+    RD202's.
+    """
+    shaped = [link for link in context.view.links if real_shapes(link)]
+    weighed = sum(link.inertial is not None for link in shaped)
+    others = len(shaped) - 1
+    if others < _OTHERS or weighed < _MOST * others:
+        return
+    boxes = {name: size_of(box) for name, box in context.once(link_boxes).items() if box is not None}
+    for group in context.tree.groups:
+        longest = max((boxes.get(link.name, 0.0) for link in group.links), default=0.0)
+        for link in group.links if group.joint is not None and group.mass else ():
+            if link.inertial is None and boxes.get(link.name, 0.0) >= _LONG * longest > 0:
+                what = (
+                    f"it has shapes and no <inertial>, and {weighed} of {others} other links with shapes have one: "
+                    f"what moves with it weighs {group.mass:.4g} kg without it"
+                )
+                yield Fault(link.name_span, what, "write its <inertial>", measured=0.0)

@@ -1,0 +1,308 @@
+"""Files of meshes: there, closed, in metres, in a format that is read."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from robodyn.checks.consumers.meshes import READS, unread
+from robodyn.checks.context import STDIN
+from robodyn.checks.examples import a_mesh, a_shaped_link
+from robodyn.checks.meshes.facts import MeshFacts
+from robodyn.checks.meshes.files import MeshName, State, all_facts, mesh_names, mesh_uses
+from robodyn.checks.meshes.units import mesh_slips
+from robodyn.checks.rule import Context, Fault, Faults, Fix, Severity, rule
+from robodyn.robot.urdf.numbers import value_span
+from robodyn.robot.urdf.packages import package_of
+from robodyn.support.input_file import open_input
+from robodyn.support.wording import count, figure, listed, shown, shown_path
+
+
+@rule(
+    "RD601",
+    Severity.ERROR,
+    good=a_shaped_link(),
+    bad=('<box size="0.1 0.1 0.25"/>', "<mesh/>"),
+    default=Severity.NOTE,
+    explains=("RD603",),
+)
+def mesh_missing(context: Context) -> Faults:
+    """Every mesh is there and can be read.
+
+    A mesh that is missing, empty or damaged stops some programs, and leaves others without the shape, and without a
+    word. `package://` is looked for in --package-path, in ROS_PACKAGE_PATH, in AMENT_PREFIX_PATH, in
+    COLCON_PREFIX_PATH, in CMAKE_PREFIX_PATH, in the folders above the file, also above the one where a symbolic
+    link leads, and among the other packages of its workspace or repository. Where none of them is known, as for a
+    file out of its package, one remark says so for all meshes. Nothing is fetched.
+    """
+    for use in mesh_uses(context):
+        if not use.uri:
+            yield Fault(use.at, "the mesh names no file", 'write filename="..."')
+    names = context.once(mesh_names).values()
+    for name in names:
+        if name.state is State.MISSING:
+            yield _missing(context, name)
+        elif name.state is State.REMOTE:
+            yield name.fault(
+                "is not on this machine", "save it in the package: few programs fetch meshes", Severity.WARNING
+            )
+    yield from _unknown([name for name in names if name.state is State.UNKNOWN])
+    for uri, facts in context.once(all_facts).items():
+        name = context.once(mesh_names)[uri]
+        if facts.problem is not None and facts.finite:
+            yield name.fault(f"cannot be read: {facts.problem}", facts.remedy)
+
+
+def _missing(context: Context, name: MeshName) -> Fault:
+    remedy, fix = "names are relative to this file", None
+    package = package_of(name.uri)
+    if package is not None and package[0]:
+        remedy = f"no such file in the package {shown(package[0])}; or name its folder with --package-path"
+    elif package is not None:
+        scheme = name.uri.partition("://")[0]
+        better = f"{scheme}://{package[1]}"
+        remedy = f"the package has no name: write two slashes, {shown_path(better)}"
+        fix = _written(context, name, better)
+    elif name.uri.startswith(("file://", "/")):
+        remedy = "it is a file of one machine: write package://NAME/... or a name relative to this file"
+    elif "\\" in name.uri:
+        better = name.uri.replace("\\", "/")
+        remedy, fix = f"write / between folders: {shown_path(better)}", _written(context, name, better)
+    return name.fault("is not there", remedy, fix=fix)
+
+
+def _written(context: Context, name: MeshName, better: str) -> Fix | None:
+    """Return the edit that writes another name, if the mesh is there by that."""
+    return None if context.search.find(better) is None else name.renamed(better)
+
+
+def _unknown(names: list[MeshName]) -> Iterator[Fault]:
+    """Yield one remark for all meshes of packages of which nothing is known."""
+    if not names:
+        return
+    packages = [package[0] for name in names if (package := package_of(name.uri)) is not None]
+    where = f"of the package {listed(list(dict.fromkeys(packages)))}" if packages else "beside standard input"
+    what = f"{count(len(names), 'mesh is', 'meshes are')} not looked at: nothing is known {where}"
+    remedy = "say where it is with --package-path" if packages else "check the file by its name"
+    yield Fault(names[0].uses[0].at, what, remedy, severity=Severity.NOTE, subject=None)
+
+
+@rule("RD602", Severity.ERROR, good=a_mesh("part.stl", "visual"), bad=("part.stl", "Part.STL"))
+def mesh_case(context: Context) -> Faults:
+    """Meshes are named in the case that their files have.
+
+    Windows and macOS find a mesh whose name differs in case, Linux does not: the description works for its author
+    and for nobody else. The examples stand beside a file `part.stl`.
+    """
+    for name in context.once(mesh_names).values():
+        if name.state is not State.OTHER_CASE or name.found is None:
+            continue
+        fix = name.renamed(name.found)
+        yield name.fault("is there in another case", fix.what, fix=fix)
+
+
+_DRIVE = re.compile(r"[A-Za-z]:[\\/]")
+
+
+@rule(
+    "RD603",
+    Severity.WARNING,
+    good=a_mesh("package://part/meshes/part.stl", "visual"),
+    bad=a_mesh("package://part/../meshes/part.stl", "visual"),
+)
+def mesh_path(context: Context) -> Faults:
+    r"""Meshes are named within their package.
+
+    An absolute path, a `file://` and a name that leads out of the package mean a file of one machine. The
+    description cannot be installed or shared. A name with \ between folders is found on Windows alone. Also the
+    folder with the package.xml above a file is a package.
+    """
+    for name in context.once(mesh_names).values():
+        why = _why(context, name)
+        if why is not None:
+            yield name.fault(why, "write package://NAME/... or a name relative to this file")
+
+
+def _why(context: Context, name: MeshName) -> str | None:
+    uri = name.uri
+    if uri.startswith("/") or _DRIVE.match(uri) or uri.startswith("\\\\"):
+        return "is an absolute path"
+    if uri.startswith("file://"):
+        return "is a file:// of this machine"
+    package = package_of(uri)
+    if package is not None and os.path.normpath(package[1]).startswith(".."):
+        return "leads out of its package"
+    if package is None and "://" not in uri and _leaves(context, uri):
+        return "leads out of this file's package"
+    if "\\" in uri and name.state is State.FOUND:
+        return "has \\ between folders, which Windows alone reads"
+    return None
+
+
+def _leaves(context: Context, uri: str) -> bool:
+    """Return whether a relative name leads out of the package that the file is in, if there is one."""
+    root = context.search.home
+    if context.reading.file == STDIN or ".." not in uri or root is None:
+        return False
+    places = [Path(os.path.normpath(folder.absolute() / uri)) for folder in context.search.folders]
+    return all(root not in place.parents for place in places)
+
+
+_REMEDY = "repair it where mass, collision or simulation is computed from it; `robodyn inertia` says what to do"
+
+
+@rule("RD604", Severity.WARNING, good=a_mesh("closed.stl"), bad=("closed", "open"))
+def mesh_surface(context: Context) -> Faults:
+    """Meshes are closed, wound outwards, free of overlaps, and their coordinates are numbers.
+
+    Mass and signed distance need a surface that encloses a volume. Reported are coordinates that are no numbers;
+    shells wound inwards that are no cavities; STL files that hold more triangles than their header counts; surfaces
+    with one side only; faces wound against their neighbours; open edges, by the boundary chain; and shells that
+    reach into another, as far as a few points of each show. The last is a remark; the three before it are a warning
+    where a link takes its mass from the mesh, being a <collision> of one without <inertial>, and remarks otherwise:
+    MuJoCo and Drake collide with the convex hull, and others with the triangles. Of an open surface it is said,
+    with the numbers that `robodyn inertia` goes by, whether its gaps are small enough to be filled, a remark then,
+    or what is missing. The bad example stands beside a file `open.stl`, a box without lid; the good one beside
+    `closed.stl`.
+    """
+    for uri, facts in context.once(all_facts).items():
+        name = context.once(mesh_names)[uri]
+        found = _wrong(facts, name)
+        if found is None or name.state is State.OTHER_CASE:
+            continue
+        what, severity = found
+        yield name.fault(what, _REMEDY, severity)
+
+
+def _wrong(facts: MeshFacts, name: MeshName) -> tuple[str, Severity] | None:
+    """Return what is wrong, worst first; what only the mass of it shows is a remark where nothing takes that."""
+    if not facts.finite:
+        return f"has a coordinate that is no number: {facts.problem}", Severity.WARNING
+    if facts.inverted:
+        inside_out = "is inside out" if facts.volume < 0 else f"has {facts.inverted} shells that are inside out"
+        return inside_out, Severity.WARNING
+    if facts.doubt:
+        return f"may not be whole: {facts.doubt}", Severity.WARNING
+    what, severity = None, Severity.WARNING if name.gives_mass else Severity.NOTE
+    if facts.one_sided:
+        what = f"has {facts.one_sided} faces in surfaces with one side only: it encloses nothing"
+    elif facts.mixed:
+        what = "has faces wound against their neighbours"
+    elif not facts.closed and facts.problem is None:
+        what, severity = _gaps(facts), severity if facts.left or facts.mended is None else Severity.NOTE
+    elif facts.overlapping:
+        what = "has shells that overlap: what they share counts twice where they are not united"
+        severity = Severity.NOTE
+    return None if what is None else (what, severity)
+
+
+def _gaps(facts: MeshFacts) -> str:
+    if facts.left:
+        share = figure(100 * facts.missing, 2)
+        return f"is not closed: {share} % of its surface is missing, in gaps that are too large to be filled"
+    if facts.mended:
+        return f"is open by small gaps only ({facts.mended}): filled, it encloses a volume"
+    return "is not closed" if facts.mended is None else "is closed but for faces without area, or given twice"
+
+
+_SCALED = """<robot name="arm">
+  <link name="base"/>
+  <link name="part">
+    <visual><geometry><mesh filename="millimetres.stl" scale="0.001 0.001 0.001"/></geometry></visual>
+  </link>
+  <joint name="mount" type="fixed">
+    <parent link="base"/>
+    <child link="part"/>
+    <origin xyz="0 0 0.3"/>
+  </joint>
+</robot>
+"""
+
+
+@rule("RD605", Severity.ERROR, good=_SCALED, bad=("0.001 0.001 0.001", "1 1 1"))
+def mesh_unit(context: Context) -> Faults:
+    """Meshes have the size of their robot.
+
+    STL and OBJ have no unit, URDF reads them as metres, and CAD writes millimetres. A mesh longer than 20 m and 20
+    times the longest distance between joints; or shorter than 1 mm in a robot 100 times as large; or about 1000
+    times larger or smaller than the link's other mesh; or with factors that differ by 1000 between axes has the
+    wrong unit, and so has one with a scale of 1000 that is not there to be measured. The other rules leave it out.
+    The examples stand beside a file `millimetres.stl` of a part 200 mm long.
+    """
+    reported = set()
+    for geometry, slip in context.once(mesh_slips).items():
+        scale = None if geometry.shape is None else geometry.shape.get("scale")
+        if geometry.shape is None or (slip.name.uri, scale) in reported:
+            continue
+        reported.add((slip.name.uri, scale))
+        what = f"the mesh {shown_path(slip.name.uri)} has the wrong unit: {slip.how}"
+        at = value_span(geometry.shape, "filename" if scale is None else "scale")
+        yield Fault(at, what, _remedy(slip.factor), slip.longest, slip.longest / slip.factor)
+
+
+def _remedy(factor: float) -> str:
+    if factor > 1:
+        return 'if the file is in millimetres, write scale="0.001 0.001 0.001"'
+    return "if the file is in metres, leave the scale out; otherwise multiply it by 1000"
+
+
+_KNOWN = "; ".join(
+    f"{target}: {' '.join(reads.suffixes)} for {' and '.join(reads.kinds)}, and {reads.otherwise} otherwise"
+    f" ({reads.source})"
+    for target, reads in READS.items()
+)
+
+
+@rule(
+    "RD607",
+    Severity.NOTE,
+    explanation=f"""With a target named, formats of meshes that it does not read are reported, once each. They read
+{_KNOWN}. The examples stand beside the meshes that they name, and are checked for mujoco.""",
+    good=a_mesh("part.stl"),
+    bad=("stl", "dae"),
+)
+def mesh_format(context: Context) -> Faults:
+    """The programs that a description is meant for read its meshes."""
+    for target in context.asked.targets:
+        for suffix, uses in unread(context, target).items():
+            reads = READS[target]
+            named = count(len(uses), "shape has one", "shapes have one")
+            what = f"{target} does not read {suffix or 'files without a suffix'} and {reads.otherwise}: {named}"
+            yield Fault(uses[0].at, what, f"it reads {' '.join(reads.suffixes)} ({reads.source})")
+
+
+_UP = re.compile(rb"<up_axis>\s*([XY])_UP")
+_HEAD = 1 << 14
+"""Bytes in which COLLADA files say it."""
+
+
+@rule("RD624", Severity.NOTE, good=a_mesh("z_up.dae", "visual"), bad=("z_up", "y_up"))
+def axis_up(context: Context) -> Faults:
+    """DAE files have the axes that their shapes are drawn with.
+
+    A COLLADA file says which of its axes points up. Pinocchio 4.1, trimesh 4, yourdfpy (all run on one box) and
+    robodyn keep the axes as they are in the file, as RViz and Gazebo do; Blender and other editors turn what is
+    Y_UP by 90 degrees. So a link that stands upright in the editor lies down in the simulator. The examples stand
+    beside the meshes that they name.
+    """
+    turned = [name for name in context.once(mesh_names).values() if _up(name) is not None]
+    if turned:
+        first = turned[0]
+        more = f" (and {count(len(turned) - 1, 'more mesh', 'more meshes')})" if turned[1:] else ""
+        what = f"the mesh {shown_path(first.uri)} says that its {_up(first)} points up{more}: editors turn it"
+        remedy = "programs for robots do not: export it with Z up"
+        yield Fault(first.uses[0].at, what, remedy, subject=None)
+
+
+def _up(name: MeshName) -> str | None:
+    """Return the axis that points up by a DAE file, if it is not Z."""
+    if name.path is None or name.path.suffix.lower() != ".dae":
+        return None
+    try:
+        with open_input(Path(name.path)) as stream:
+            found = _UP.search(stream.read(_HEAD))
+    except OSError:
+        return None
+    return None if found is None else found[1].decode()

@@ -1,0 +1,329 @@
+"""Left and right: masses, tensors, joints and origins of mirror twins."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from math import isclose, pi
+
+from robodyn.checks.causes.causes import causes
+from robodyn.checks.examples import ARM_LIMIT, IMAGE, two_arms, two_elbows
+from robodyn.checks.mirror.directions import directions, unlike_the_other_legs, unlike_their_limb
+from robodyn.checks.mirror.loads import MASS, MOMENTS, ONE_OF_TWO, Twins, twins
+from robodyn.checks.mirror.misplaced import Misplaced, misplaced
+from robodyn.checks.mirror.names import row_of
+from robodyn.checks.mirror.pairs import Pair, pairs
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.robot.urdf.elements import Span
+from robodyn.robot.urdf.numbers import value_span
+from robodyn.robot.urdf.parts import WITH_RANGE, Limit
+from robodyn.robot.urdf.view import JointView, View
+from robodyn.support.wording import figure, place, shown
+
+_UNITS = (
+    (1000.0, "in grams, 1000 times the other"),
+    (1 / 0.45359237, "in pounds, 2.2046 times the other"),
+)
+_DIGITS = (
+    (10.0, "10 times the other, as with the decimal point one place off"),
+    (100.0, "100 times the other, as with the decimal point two places off"),
+)
+_EXACT = 1e-3
+"""How far the ratio may be from a factor: masses of twins are equal or differ by chance."""
+
+_LEGS = 16
+"""More than any robot has in a row."""
+
+
+@rule(
+    "RD401",
+    Severity.WARNING,
+    Stage.MODEL,
+    explanation=f"""Links are twins if their names are each other's but for left and right, and at q = 0 each stands
+where the mirror image of the other does; the plane is found from the robot. Masses may differ by {100 * MASS:g} %.
+Where two parts that stand opposite each other do differ, as two tools do, a waiver says so. A ratio of 1000, 2.2046, 10
+or 100 is named as the slip that makes it. The one that is in grams or pounds, or that weighs what no other of the legs
+in front and behind does, is the wrong one; where neither tells, both are named.""",
+    good=two_arms(),
+    bad=(f'"2"/>{IMAGE}', f'"2.1"/>{IMAGE}'),
+    explains=("RD208", "RD313"),
+)
+def mirror_mass(context: Context) -> Faults:
+    """A left link weighs what the right one does."""
+    for one in context.once(twins):
+        if one.mass_differs:
+            yield _fault_of_mirror_mass(context, one)
+
+
+def _fault_of_mirror_mass(context: Context, one: Twins) -> Fault:
+    left, right = one.masses
+    unit, others = _named(one, _UNITS), _others(context, one)
+    is_left = left > right if unit else others is not None and others[0]
+    link = context.view.link[one.pair.left.name] if is_left else one.link
+    assert link.inertial is not None, "it has mass"
+    mass, its = (left, right) if is_left else (right, left)
+    twin = f"{shown(one.pair.right.name)} (line {one.pair.right.line})" if is_left else one.other
+    told = "" if others is None else f"; {others[1]} other links of this row weigh that"
+    apart = figure(100 * abs(left - right) / max(left, right), 2)
+    what = f"the mass is {mass:g} kg, that of its mirror twin {twin} {its:g} kg, {apart} % apart{told}"
+    how = unit or _named(one, _DIGITS)
+    cause = None if how is None else f"{'it' if mass > its else 'that of the twin'} is {how}"
+    remedy = ONE_OF_TWO if unit is None and others is None else f"correct it, to {its:g} kg if the parts are alike"
+    return Fault(link.inertial.mass.span, what, remedy, mass, its, cause=cause)
+
+
+def _named(one: Twins, factors: tuple[tuple[float, str], ...]) -> str | None:
+    """Return what makes one mass a round number of times the other, if it is one."""
+    ratio = max(one.masses) / min(one.masses)
+    return next((how for factor, how in factors if isclose(ratio, factor, rel_tol=_EXACT)), None)
+
+
+def _others(context: Context, one: Twins) -> tuple[bool, int] | None:
+    """Return whether it is the left link that weighs what no other leg's does, and how many weigh what the right one
+    does, or the other way round; None where the other legs do not tell."""
+    legs = context.once(_legs)[row_of(one.pair.left.name)]
+    masses = [mass for other in legs if other is not one for mass in other.masses][:_LEGS]
+    alike = [sum(abs(other - mass) <= MASS * mass for other in masses) for mass in one.masses]
+    if len(masses) < 2 or max(alike) < len(masses) or min(alike):
+        return None
+    return alike[1] > alike[0], max(alike)
+
+
+def _legs(context: Context) -> Mapping[str, Sequence[Twins]]:
+    """Return the twins in front, behind and so on together."""
+    found: dict[str, list[Twins]] = defaultdict(list)
+    for one in context.once(twins):
+        found[row_of(one.pair.left.name)].append(one)
+    return found
+
+
+@rule(
+    "RD402",
+    Severity.WARNING,
+    Stage.MODEL,
+    explanation=f"""A reflection leaves principal moments as they are. They may differ by {100 * MOMENTS:g} % of the
+largest, as they stand or each divided by the mass of its link, so that a wrong mass is RD401's alone. Twins are found
+as RD401 says. Where one cause explains the difference, RD306 to RD312 name it instead, and where no body can have one
+of the tensors, RD204, RD206 or RD207 do.""",
+    good=two_arms(),
+    bad=(IMAGE, IMAGE.replace('"0.02"', '"0.024"')),
+)
+def mirror_moments(context: Context) -> Faults:
+    """A left link has the principal moments of the right one."""
+    for one in context.once(twins):
+        explained = {one.link.name, one.pair.left.name} & context.once(causes).keys()
+        if one.moments_apart <= MOMENTS or not one.real or explained:
+            continue
+        left, right = ((mass * moments).tolist() for mass, moments in zip(one.masses, one.moments, strict=True))
+        what = (
+            f"the principal moments are {_listed(right)} kg m^2, those of its mirror twin {one.other} {_listed(left)}, "
+            f"up to {figure(100 * one.moments_apart, 2)} % apart"
+        )
+        yield Fault(one.inertial.entries[0].span, what, ONE_OF_TWO, one.moments_apart, MOMENTS)
+
+
+def _listed(moments: list[float]) -> str:
+    return ", ".join(f"{moment:.4g}" for moment in moments)
+
+
+_MIRROR_IMAGE_REMEDY = "reflect the one of the two that is wrong, or allow it where one part is mounted on both sides"
+
+
+@rule("RD403", Severity.WARNING, Stage.MODEL, good=two_arms(), bad=("-0.05", "0.05"))
+def mirror_image(context: Context) -> Faults:
+    """Centre of mass and tensor of a right link are the mirror image of the left one's.
+
+    A reflection turns the sign of one coordinate of the centre of mass and of two products of inertia. Copying a
+    limb's numbers to the other side without it shifts the robot's centre of mass to one side, by twice the offset
+    of the link's. The centre may be a tenth of the radius of gyration and 1 mm from the mirror image. Where the
+    very same part, an actuator say, is mounted on both sides, it is no mirror image of itself: where both links
+    have the same <visual> shapes (or, without any, the same <collision> shapes), what goes with these is as good.
+    Twins are found as RD401 says; where one cause explains the tensor, RD306 to RD313 name it instead, and where no
+    body can have one of the two, RD204, RD206 or RD207 do.
+    """
+    for one in context.once(twins):
+        cause = context.once(causes).get(one.link.name)
+        reported = cause is not None and cause.code == "RD313" and one.centre_is_copied
+        if one.shift > one.most_shift and not reported:
+            yield _centre(one)
+        explained = {one.link.name, one.pair.left.name} & context.once(causes).keys()
+        if not explained and one.tensors_apart > MOMENTS >= one.moments_apart and one.real:
+            what = (
+                f"the inertia tensor is {figure(100 * one.tensors_apart, 2)} % from the mirror image of that of "
+                f"{one.other}, although their principal moments agree"
+            )
+            yield Fault(one.inertial.entries[0].span, what, _MIRROR_IMAGE_REMEDY, one.tensors_apart, MOMENTS)
+
+
+def _centre(one: Twins) -> Fault:
+    origin = one.inertial.origin.element
+    cause = "one is a copy of the other that is not reflected" if one.centre_is_copied else None
+    what = (
+        f"the centre of mass is at {place(one.c_right.tolist())} m, the mirror image of that of {one.other} at "
+        f"{place(one.c.tolist())}, {one.shift:.3g} m away"
+    )
+    at = one.inertial.element.span if origin is None else value_span(origin, "xyz")
+    return Fault(at, what, _MIRROR_IMAGE_REMEDY, one.shift, one.most_shift, cause=cause)
+
+
+_LIMIT = 0.02
+"""How far limits may differ: in rad or m, or as a part of the range, whichever is more."""
+_MAGNITUDE = 0.02
+_TURNS = 4 * pi
+"""RD507 reports ranges of revolute joints that go farther [rad]."""
+_MIRROR_JOINT_REMEDY = "correct the one of the two that is wrong, or allow it where the joints differ"
+
+
+@rule(
+    "RD404",
+    Severity.WARNING,
+    Stage.MODEL,
+    good=two_arms(right_joint='<axis xyz="0 -1 0"/>' + ARM_LIMIT.replace("-0.5", "-2").replace('"2"', '"0.5"')),
+    bad=('"0 -1 0"', '"0 1 0"'),
+)
+def mirror_joint(context: Context) -> Faults:
+    """Kind, axis, limits, effort and velocity of a right joint are the mirror image of the left one's.
+
+    A reflection carries a rotation about an axis into one about the axis's image, the other way round. Where the
+    axis of a joint is that image, equal positions of twins are mirror images and so are equal limits; where it is
+    the image reversed, lower and upper change places and signs; on a part that is mounted on both sides either is
+    right. Copying limits from left to right where the axes ask for a change of sign is a common slip: a knee then
+    bends the wrong way. So is a joint that was fixed for a test, while its twin still moves; and an axis that is
+    reversed, which also shows where front and hind legs are not turned alike, or where all other joints of the limb
+    that have their axes in the mirror plane, or across it, are turned the other way. Twins are found as RD401 says.
+    Ranges that RD503, RD504 or RD507 report are not compared.
+    """
+    unlike, odd = context.once(unlike_the_other_legs), context.once(unlike_their_limb)
+    for pair in context.once(pairs):
+        left, right = pair.left_joint, pair.right_joint
+        view, twin = context.view.joint[right.name], f"{shown(left.name)} (line {left.line})"
+        if left.type != right.type:
+            yield _kind(pair, context.view)
+        elif left.type in ("revolute", "continuous", "prismatic"):
+            ranges, other = list(_range(pair, context, twin)), unlike.get(right.name)
+            yield from ranges
+            if not any(directions(pair, context)):
+                what = f"the axis is not parallel to the mirror image of that of its twin {twin}"
+                yield Fault(_axis(view), what, _MIRROR_JOINT_REMEDY)
+            elif other is not None and not ranges and not list(_range(other, context, "")):
+                yield _unlike(view, twin, other)
+            elif right.name in odd and not ranges:
+                yield _odd(view, twin, odd[right.name])
+            yield from _magnitudes(pair, view, twin)
+
+
+def _axis(view: JointView) -> Span:
+    return view.element.span if view.axis.element is None else view.axis.span
+
+
+def _unlike(view: JointView, twin: str, other: Pair) -> Fault:
+    others = f"{shown(other.left_joint.name)} and {shown(other.right_joint.name)} (line {other.right_joint.line})"
+    what = (
+        f"it and its mirror twin {twin} are turned to each other as {others} are not: one of the four axes is reversed"
+    )
+    return Fault(_axis(view), what, "correct the one of the four that is wrong, or allow it where the legs differ")
+
+
+def _odd(view: JointView, twin: str, others: Sequence[Pair]) -> Fault:
+    named = " and ".join(shown(pair.right_joint.name) for pair in others[:2])
+    what = (
+        f"it and its mirror twin {twin} are turned to each other as those of the limb whose axes lie like theirs, "
+        f"{named} among {len(others)}, are not: one of the two axes is reversed"
+    )
+    return Fault(_axis(view), what, _MIRROR_JOINT_REMEDY)
+
+
+def _kind(pair: Pair, view: View) -> Fault:
+    """Return that the joints are of two kinds, at the one that is fixed if only one is."""
+    one, other = pair.right_joint, pair.left_joint
+    if other.type == "fixed":
+        one, other = other, one
+    what = f"it is {one.type}, but its mirror twin {shown(other.name)} (line {other.line}) is {other.type}"
+    return Fault(value_span(view.joint[one.name].element, "type"), what, _MIRROR_JOINT_REMEDY)
+
+
+def _range(pair: Pair, context: Context, twin: str) -> Faults:
+    kind, left, right = pair.left_joint.type, pair.left_joint.limit, pair.right_joint.limit
+    limit, ways = context.view.joint[pair.right_joint.name].limit, set(directions(pair, context))
+    plain = kind in WITH_RANGE and _is_plain(left, kind) and _is_plain(right, kind)
+    if limit is None or not plain or len(ways) != 1:
+        return
+    direction = ways.pop()
+    (low, high), here = _ends(left), _ends(right)
+    image = (low, high) if direction > 0 else (0.0 - high, 0.0 - low)
+    slack = _LIMIT * max(1.0, abs(high - low))
+    off = [abs(value - wanted) for value, wanted in zip(here, image, strict=True)]
+    if max(off) <= slack:
+        return
+    k = off.index(max(off))
+    what = (
+        f"the range is {here[0]:g} to {here[1]:g}, the mirror image of that of its twin {twin} {image[0]:g} to "
+        f"{image[1]:g}"
+    )
+    copied = direction < 0 and max(abs(here[0] - low), abs(here[1] - high)) <= slack
+    cause = "the ranges are equal, but the axes ask for a change of sign" if copied else None
+    at = (limit.lower, limit.upper)[k]
+    yield Fault(at.span, what, _MIRROR_JOINT_REMEDY, here[k], image[k], cause=cause)
+
+
+def _ends(limit: Limit | None) -> tuple[float, float]:
+    return (0.0, 0.0) if limit is None else (limit.lower or 0.0, limit.upper or 0.0)
+
+
+def _is_plain(limit: Limit | None, kind: str) -> bool:
+    """Return whether there is a range that no other rule reports."""
+    low, high = _ends(limit)
+    return low < high and (kind == "prismatic" or max(-low, high) <= _TURNS)
+
+
+def _magnitudes(pair: Pair, view: JointView, twin: str) -> Faults:
+    left, right = pair.left_joint.limit, pair.right_joint.limit
+    if left is None or right is None or view.limit is None:
+        return
+    found = [
+        (name, one, other)
+        for name, one, other in (("effort", left.effort, right.effort), ("velocity", left.velocity, right.velocity))
+        if one is not None and other is not None and abs(one - other) > _MAGNITUDE * max(abs(one), abs(other))
+    ]
+    if found:
+        name, one, other = found[0]
+        here, there = (" and ".join(f"{each[0]} {each[k]:g}" for each in found) for k in (2, 1))
+        what = f"the limit of {here} is not that of its mirror twin {twin}, {there}"
+        yield Fault(getattr(view.limit, name).span, what, _MIRROR_JOINT_REMEDY, other, one)
+
+
+_MIRROR_ORIGIN_REMEDY = "correct the one of the two that is wrong, or allow it where the sides differ"
+
+
+@rule("RD405", Severity.WARNING, Stage.MODEL, good=two_elbows(), bad=two_elbows("0.1 0.05 0.3"))
+def mirror_origin(context: Context) -> Faults:
+    """Twin joints stand at each other's mirror image, where what carries them does.
+
+    A sign that was not turned, or turned twice, in the origin of one leg's joint moves the rest of the leg to the
+    wrong side of it, and nothing else tells: the leg is still a leg. Joints are twins if the names of the links
+    that they carry are each other's but for left and right; the mirror plane is the robot's own, as RD401 finds it.
+    Reported are joints that hang on one link in that plane or on two links that are twins. Passed over are fixed
+    ones that carry no mass, such as sensors; what is mounted alike on a part that is itself mounted on both sides,
+    as fingers on a gripper; and frames that lie askew where no sign in rpy explains it: they are chosen freely.
+    """
+    for one in misplaced(context):
+        yield _fault_of_mirror_origin(one, context.view.joint[one.right.name])
+
+
+def _fault_of_mirror_origin(one: Misplaced, view: JointView) -> Fault:
+    twin = f"{shown(one.left.name)} (line {one.left.line})"
+    signs = " and ".join(one.signs)
+    if one.expected is None:
+        what = f"its axes are not the mirror image of those of its twin {twin}, but for the sign of {signs}"
+        return Fault(_at(view, "rpy"), what, _MIRROR_ORIGIN_REMEDY)
+    what = (
+        f"the origin is at {place(one.right.origin.xyz)} m; that of its mirror twin {twin} asks for "
+        f"{place(one.expected.tolist())}, {one.off:.3g} m away"
+    )
+    cause = f"the sign of {signs} is not that of a mirror image" if signs else None
+    return Fault(_at(view, "xyz"), what, _MIRROR_ORIGIN_REMEDY, one.off, 0.0, cause=cause)
+
+
+def _at(view: JointView, name: str) -> Span:
+    origin = view.origin.element
+    return view.element.span if origin is None else value_span(origin, name)

@@ -1,0 +1,283 @@
+"""What <ros2_control> lists: joints, sensors and gpio with their interfaces, ranges and mimics."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from math import isclose, radians, tau
+from typing import NamedTuple
+
+from robodyn.checks.examples import LIMIT, a_joint, a_link, arm
+from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
+from robodyn.robot.urdf.elements import Element, Span
+from robodyn.robot.urdf.numbers import TEXT, Numbers, numbers, value_span
+from robodyn.robot.urdf.parts import WITH_RANGE
+from robodyn.robot.urdf.view import JointView, Subject, View
+from robodyn.robot.urdf.xml_reader import unexpanded
+from robodyn.support.wording import alternatives, figure, shown, slip_of
+
+_PARTS = ("joint", "sensor", "gpio")
+_INTERFACES = ("command_interface", "state_interface")
+
+
+class Controlled(NamedTuple):
+    """A joint, sensor or gpio (`element`) of a <ros2_control>."""
+
+    control: Element
+    element: Element
+
+    @property
+    def subject(self) -> Subject:
+        return Subject(self.element.tag, self.element.get("name") or "")
+
+    @property
+    def interfaces(self) -> list[Element]:
+        return [child for child in self.element.children if child.tag in _INTERFACES]
+
+    @property
+    def is_commanded(self) -> bool:
+        return self.element.find("command_interface") is not None
+
+
+def controlled(view: View) -> Iterator[Controlled]:
+    """Yield the parts of every <ros2_control>, in the order of the file."""
+    for control in view.root.findall("ros2_control"):
+        for element in control.children:
+            if element.tag in _PARTS:
+                yield Controlled(control, element)
+
+
+def parameter(owner: Element, name: str) -> Element | None:
+    """Return <param name="..."> in an element, the first of that name."""
+    return next((child for child in owner.findall("param") if child.get("name") == name), None)
+
+
+_STANDARD = ("position", "velocity", "effort", "acceleration")
+_CONTROLLED_JOINT_CONTROL = """
+  <ros2_control name="drives" type="system">
+    <hardware><plugin>mock_components/GenericSystem</plugin></hardware>
+    <joint name="shoulder">
+      <command_interface name="position"/>
+      <state_interface name="position"/>
+    </joint>
+  </ros2_control>"""
+_AGAIN = '</joint>\n    <joint name="shoulder"><state_interface name="position"/></joint>\n  </ros2_control>'
+
+
+@rule("RD702", Severity.ERROR, good=arm(more=_CONTROLLED_JOINT_CONTROL), bad=("</joint>\n  </ros2_control>", _AGAIN))
+def controlled_joint(context: Context) -> Faults:
+    """What ros2_control lists is named, is listed once, and moves; its hardware has a plugin.
+
+    controller_manager ends at start where one interface of a joint, sensor or gpio is offered twice, and where one
+    of them or an interface has no name. A fixed joint has nothing to command: simulators drop it, and the
+    controller that waits for it never starts; so it does where the name of an interface has a letter too many. A
+    sensor or gpio that offers nothing is not there for anybody.
+    """
+    listed: dict[tuple[int, str, str], Element] = {}
+    offered: dict[tuple[str, str, str], Element] = {}
+    yield from _without_plugin(context.view)
+    for part in controlled(context.view):
+        yield from _unnamed(part)
+        yield from _misspelt(part)
+        joint = context.view.joint.get(part.subject.name) if part.element.tag == "joint" else None
+        if joint is not None and joint.type == "fixed":
+            what = f"ros2_control lists this joint, which is fixed in line {joint.element.line}"
+            remedy = "let it move (type=...), or delete it from <ros2_control>"
+            yield Fault(value_span(part.element, "name"), what, remedy, subject=part.subject)
+        yield from _again_of_controlled_joint(part, listed, offered)
+
+
+def _without_plugin(view: View) -> Iterator[Fault]:
+    for control in view.root.findall("ros2_control"):
+        hardware = control.find("hardware")
+        if hardware is not None and hardware.find("plugin") is None:
+            what, remedy = "<hardware> names no plugin", "write <plugin>package/Class</plugin>"
+            yield Fault(hardware.span, what, remedy, subject=Subject("ros2_control", control.get("name") or ""))
+
+
+def _misspelt(part: Controlled) -> Iterator[Fault]:
+    """Yield the interfaces of a joint that controllers ask for by almost the same name, and parts that have none."""
+    if part.element.tag != "joint" and part.subject.name and not part.interfaces:
+        what, remedy = f"<{part.element.tag}> offers no interface", "give it a <state_interface>, or delete it"
+        yield Fault(part.element.span, what, remedy, subject=part.subject, severity=Severity.WARNING)
+    for interface in part.interfaces if part.element.tag == "joint" else ():
+        name = interface.get("name") or ""
+        if meant := slip_of(name, _STANDARD):
+            what, remedy = f"no controller asks for the interface {shown(name)}", f"did you mean {shown(meant)}?"
+            yield Fault(value_span(interface, "name"), what, remedy, subject=part.subject, severity=Severity.WARNING)
+
+
+def _unnamed(part: Controlled) -> Iterator[Fault]:
+    for element in (part.element, *part.interfaces):
+        if not element.get("name"):
+            what = f"<{element.tag}> in <ros2_control> has no name"
+            yield Fault(element.span, what, 'write name="..."', subject=part.subject if part.subject.name else None)
+
+
+def _again_of_controlled_joint(
+    part: Controlled, listed: dict[tuple[int, str, str], Element], offered: dict[tuple[str, str, str], Element]
+) -> Iterator[Fault]:
+    """Yield what is listed a second time in its <ros2_control>, or offers an interface that another one offers."""
+    name = part.subject.name
+    if not name:
+        return
+    first = listed.setdefault((id(part.control), part.element.tag, name), part.element)
+    if first is not part.element:
+        what = f"<ros2_control> lists this {part.element.tag} a second time; the first is in line {first.line}"
+        yield Fault(value_span(part.element, "name"), what, "keep one of them", subject=part.subject)
+        return
+    for interface in part.interfaces:
+        offer = interface.get("name") or ""
+        other = offered.setdefault((interface.tag, name, offer), interface)
+        if offer and other is not interface:
+            what = f"<{interface.tag}> '{offer}' is offered a second time; the first is in line {other.line}"
+            yield Fault(value_span(interface, "name"), what, "offer each interface once", subject=part.subject)
+            return
+
+
+_BEYOND = 0.05
+_CONTROL_RANGE_CONTROL = """
+  <ros2_control name="drives" type="system">
+    <joint name="shoulder">
+      <command_interface name="position">
+        <param name="min">-1.5</param>
+        <param name="max">1.5</param>
+      </command_interface>
+    </joint>
+  </ros2_control>"""
+
+
+@rule("RD704", Severity.ERROR, good=arm(more=_CONTROL_RANGE_CONTROL), bad=(">-1.5<", ">2.5<"))
+def control_range(context: Context) -> Faults:
+    """Ranges in ros2_control are numbers, min is not above max, and positions keep to the joint's own range.
+
+    The parameters min, max and initial_value of an interface are read as numbers when the hardware starts; with min
+    above max nothing can be commanded, and an initial value outside is a jump or a refusal. Positions beyond
+    <limit> of the joint are those of another joint, or in degrees; up to 5 % more of the range is passed over.
+    """
+    for part in controlled(context.view):
+        for interface in part.interfaces:
+            for at, what, remedy, measured, bound in _wrong(interface):
+                whole = f"{what} for <{interface.tag}> '{interface.get('name') or ''}'"
+                yield Fault(at, whole, remedy, measured, bound, subject=part.subject)
+            joint = context.view.joint.get(part.subject.name) if part.element.tag == "joint" else None
+            if joint is not None and interface.get("name") == "position":
+                yield from _beyond(joint, part, interface)
+
+
+def _beyond(joint: JointView, part: Controlled, interface: Element) -> Iterator[Fault]:
+    """Yield the end of a range of positions that is farthest beyond that of the joint itself."""
+    own = joint.limit.range if joint.limit is not None and joint.type in WITH_RANGE else None
+    ends = [_read(interface, name) for name in ("min", "max")]
+    if own is None or own[0] >= own[1]:
+        return
+    over = [
+        sign * (number.value - end) if number.value is not None else 0.0
+        for number, end, sign in zip(ends, own, (-1, 1), strict=True)
+    ]
+    k = over.index(max(over))
+    value, slack = ends[k].value, _BEYOND * (own[1] - own[0])
+    if value is None or over[k] <= slack or (ends[0].value or 0.0) > (ends[1].value or 0.0):
+        return
+    in_degrees = joint.type == "revolute" and abs(value) > tau and over[k] > 0
+    in_degrees = in_degrees and all(
+        number.value is None or own[0] - slack <= radians(number.value) <= own[1] + slack for number in ends
+    )
+    what = f"{('min', 'max')[k]} {figure(value)} is beyond the joint's own range, {figure(own[0])} to {figure(own[1])}"
+    cause = "the range is in degrees" if in_degrees else None
+    remedy = "write radians" if in_degrees else "keep to the range in <limit>, or correct that"
+    yield Fault(ends[k].span, what, remedy, value, own[k], part.subject, Severity.WARNING, cause)
+
+
+def _wrong(interface: Element) -> Iterator[tuple[Span, str, str, float | None, float | None]]:
+    found = {name: _read(interface, name) for name in ("min", "max", "initial_value")}
+    for name, number in found.items():
+        if number.problem is not None and number.element is not None and not unexpanded(number.element.text):
+            yield number.element.span, f"{name} {number.problem}", number.problem.remedy, None, None
+    least, most, first = (number.value for number in found.values())
+    if least is not None and most is not None and least > most:
+        yield found["min"].span, f"min {figure(least)} is above max {figure(most)}", "exchange them", least, most
+    elif first is not None and least is not None and first < least:
+        what = f"initial_value {figure(first)} is below min {figure(least)}"
+        yield found["initial_value"].span, what, "begin within the range", first, least
+    elif first is not None and most is not None and first > most:
+        what = f"initial_value {figure(first)} is above max {figure(most)}"
+        yield found["initial_value"].span, what, "begin within the range", first, most
+
+
+def _read(interface: Element, name: str) -> Numbers:
+    return numbers(parameter(interface, name), TEXT, 1)
+
+
+_FINGER = a_link("finger") + a_joint(
+    "follower", "upper", "finger", f'<axis xyz="0 1 0"/>{LIMIT}<mimic joint="shoulder"/>'
+)
+_CONTROLLED_MIMIC_CONTROL = """
+  <ros2_control name="drives" type="system">
+    <joint name="shoulder"><command_interface name="position"/></joint>
+    <joint name="follower"><state_interface name="position"/></joint>
+  </ros2_control>"""
+
+
+@rule(
+    "RD705",
+    Severity.ERROR,
+    good=arm(more=_FINGER + _CONTROLLED_MIMIC_CONTROL),
+    bad=('follower"><state_interface', 'follower"><command_interface'),
+)
+def controlled_mimic(context: Context) -> Faults:
+    """ros2_control follows the joints that the URDF says are followed.
+
+    A joint with <mimic> has no command interface of its own, unless it says mimic="false"; mimic="true" needs a
+    <mimic> in the URDF; and the joint that is followed is in the same <ros2_control>: otherwise controller_manager
+    ends at start (ROS 2 Jazzy). The parameters mimic and multiplier, of Humble and before, name a joint of the same
+    <ros2_control> and agree with the URDF.
+    """
+    parts = [part for part in controlled(context.view) if part.element.tag == "joint"]
+    for part in parts:
+        joint = context.view.joint.get(part.subject.name)
+        beside = [other.subject.name for other in parts if other.control is part.control]
+        if joint is not None:
+            yield from _by_tag(part, joint, beside)
+        yield from _by_parameter(part, joint, beside)
+
+
+def _by_tag(part: Controlled, joint: JointView, beside: Collection[str]) -> Iterator[Fault]:
+    said = (part.element.get("mimic") or "").lower()
+    at = value_span(part.element, "mimic" if said else "name")
+    if joint.mimic is None:
+        if said == "true":
+            what, remedy = (
+                "mimic is true, and the joint has no <mimic> in the URDF",
+                "write <mimic> in the URDF's joint",
+            )
+            yield Fault(at, what, remedy, subject=part.subject)
+    elif said != "false":
+        if part.is_commanded:
+            what = f"the joint follows {shown(joint.mimic.joint)} and has a command interface"
+            yield Fault(at, what, 'delete <command_interface>, or write mimic="false"', subject=part.subject)
+        elif joint.mimic.joint not in beside:
+            what = f"the joint follows {shown(joint.mimic.joint)}, which is not in the same <ros2_control>"
+            yield Fault(at, what, 'list that joint there, or write mimic="false"', subject=part.subject)
+
+
+def _by_parameter(part: Controlled, joint: JointView | None, beside: Collection[str]) -> Iterator[Fault]:
+    mimic, multiplier = parameter(part.element, "mimic"), parameter(part.element, "multiplier")
+    name = "" if mimic is None else mimic.text.strip()
+    if mimic is not None and not unexpanded(name):
+        if name not in beside:
+            what = f"the parameter mimic names {shown(name)}, which is not in the same <ros2_control>"
+            yield Fault(mimic.span, what, alternatives(name, beside, "joints there"), subject=part.subject)
+        elif joint is not None and joint.mimic is not None and joint.mimic.joint != name:
+            what = f"the parameter mimic names {shown(name)}, <mimic> of the URDF {shown(joint.mimic.joint)}"
+            yield Fault(mimic.span, what, "name one joint in both", subject=part.subject)
+    if multiplier is None or unexpanded(multiplier.text):
+        return
+    given = numbers(multiplier, TEXT, 1)
+    factor = None if joint is None or joint.mimic is None else joint.mimic.multiplier.or_default(1.0)
+    if given.problem is not None:
+        yield Fault(
+            multiplier.span, f"the parameter multiplier {given.problem}", given.problem.remedy, subject=part.subject
+        )
+    elif given.value is not None and factor is not None and not isclose(given.value, factor[0], rel_tol=1e-6):
+        what = f"the parameter multiplier is {figure(given.value)}, that of <mimic> in the URDF {figure(factor[0])}"
+        yield Fault(multiplier.span, what, "write one number in both", given.value, factor[0], subject=part.subject)

@@ -1,0 +1,228 @@
+"""The SRDF that goes with a description."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+
+import numpy as np
+
+from robodyn.checks import examples
+from robodyn.checks.bodies.masses import pose
+from robodyn.checks.bodies.shapes import box_of, solids
+from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
+from robodyn.checks.srdf import Srdf, srdf
+from robodyn.robot.kinematics import Pose
+from robodyn.robot.urdf.elements import Element
+from robodyn.robot.urdf.numbers import NumbersError, parse_numbers, value_span
+from robodyn.robot.urdf.view import GeometryView, JointView, LinkView, Subject
+from robodyn.support.wording import alternatives, count, figure, shown
+
+
+@rule("RD706", Severity.WARNING, good=examples.srdf(), bad=('robot name="arm"', 'robot name="leg"'))
+def srdf_of_another_robot(context: Context) -> Faults:
+    """The SRDF beside a description is for this robot.
+
+    MoveIt says "Semantic description is not specified for the same robot as the URDF" where the names in the two
+    <robot> differ. Most often the SRDF was copied from another robot. With names that are merely spelled otherwise
+    this is a remark; where most of the links and joints that it names are not in the robot, an error. Looked at is
+    the SRDF of the description's name beside it or in a folder config or srdf; the examples are SRDFs of an arm.
+    """
+    found = context.once(srdf)
+    if found is None:
+        return
+    at, given, own = value_span(found.root, "name"), found.root.get("name") or "", context.view.root.get("name") or ""
+    if found.is_of_another:
+        names = len({(used.kind, used.name) for used in found.used})
+        what = f"{len(found.missing)} of the {names} links and joints that it names are not in the robot {shown(own)}"
+        remedy = "write the SRDF of this robot, or rename the file if it is another one's"
+        yield Fault(at, what, remedy, len(found.missing), 0.0, None, severity=Severity.ERROR, document=found.document)
+    elif own and given != own:
+        what = f"the SRDF is for the robot {shown(given)}, the description is of {shown(own)}"
+        severity = Severity.NOTE if _alike(given, own) else None
+        yield Fault(at, what, f"write name={shown(own)}", subject=None, severity=severity, document=found.document)
+
+
+def _alike(one: str, other: str) -> bool:
+    """Return whether one name is the other but for its case, what stands between its words, and an ending."""
+    first, second = ("".join(filter(str.isalnum, name.casefold())) for name in (one, other))
+    return bool(first) and bool(second) and (first.startswith(second) or second.startswith(first))
+
+
+@rule("RD707", Severity.WARNING, good=examples.srdf(), bad=('group="all"', 'group="arm"'))
+def unknown_group(context: Context) -> Faults:
+    """Groups of the SRDF that are named are there, once, and their chains run from the base to the tip.
+
+    MoveIt passes over a state, an end effector or a group of groups whose group it does not know: the pose cannot
+    be called up, the gripper cannot be planned for. A state that names no group at all is one that only Pinocchio
+    reads, and a remark. Of two groups of one name one is passed over, and a chain whose base hangs on its tip is
+    planned for the wrong end. The examples are SRDFs of an arm.
+    """
+    found = context.once(srdf)
+    if found is None or found.is_of_another:
+        return
+    groups = [group.get("name") or "" for group in found.root.findall("group")]
+    yield from _twice_or_reversed(context, found)
+    unnamed, unknown = [], dict[str, tuple[Element, Element, str]]()
+    uses = 0
+    for use in _uses(found.root):
+        user, element, attribute = use
+        name = element.get(attribute)
+        if not name and user.tag == "group_state":
+            unnamed.append(element)
+        elif name and name not in groups:
+            unknown.setdefault(name, use)
+            uses += 1
+    if unknown:
+        user, element, attribute = next(iter(unknown.values()))
+        more = f" (named in {uses} places)" if uses > 1 else ""
+        what = f"the SRDF has no group {' or '.join(map(shown, unknown))}{more}"
+        at, remedy = value_span(element, attribute), alternatives(next(iter(unknown)), groups, "groups")
+        yield Fault(at, what, remedy, subject=_subject(user), document=found.document)
+    if unnamed:
+        more = f" (and {len(unnamed) - 1} more)" if unnamed[1:] else ""
+        subject, what = _subject(unnamed[0]), f"the state names no group{more}: MoveIt passes over it"
+        yield Fault(
+            unnamed[0].span, what, 'write group="..."', None, None, subject, Severity.NOTE, document=found.document
+        )
+
+
+def _twice_or_reversed(context: Context, found: Srdf) -> Iterator[Fault]:
+    first: dict[str, Element] = {}
+    above = {joint.child: joint.parent for joint in context.view.joints}
+    for group in found.root.findall("group"):
+        name = group.get("name") or ""
+        if first.setdefault(name, group) is not group:
+            what = f"a second group of this name; the first is in line {first[name].line}"
+            at = value_span(group, "name")
+            yield Fault(at, what, "rename or delete one of them", subject=_subject(group), document=found.document)
+        for chain in group.findall("chain"):
+            base, tip = chain.get("base_link") or "", chain.get("tip_link") or ""
+            if base != tip and tip in _upward(base, above):
+                what = f"the chain's base {shown(base)} hangs on its tip {shown(tip)}"
+                remedy, at = "exchange base_link and tip_link", value_span(chain, "base_link")
+                yield Fault(at, what, remedy, subject=_subject(group), document=found.document)
+
+
+def _upward(link: str, above: Mapping[str, str]) -> Collection[str]:
+    """Return the link and what it hangs on, as far as the parents lead."""
+    passed = {link: None}
+    while (link := above.get(link, "")) and link not in passed:
+        passed[link] = None
+    return passed
+
+
+def _subject(user: Element) -> Subject:
+    return Subject(user.tag, user.get("name") or "")
+
+
+def _uses(root: Element) -> Iterator[tuple[Element, Element, str]]:
+    """Yield who uses the name of a group, and the element and attribute that have it."""
+    for group in root.findall("group"):
+        yield from ((group, inner, "name") for inner in group.findall("group"))
+    for state in root.findall("group_state"):
+        yield state, state, "group"
+    for effector in root.findall("end_effector"):
+        yield from ((effector, effector, name) for name in ("group", "parent_group") if effector.get(name))
+
+
+_ROUNDED = 1e-3 + 1e-9
+"""How far a state may be beyond a limit [rad or m]: the nearest number of three digits."""
+_KIND = "a state that no pose has"
+_ONE = ("revolute", "prismatic")
+
+
+@rule("RD708", Severity.WARNING, good=examples.srdf(), bad=('value="0"', 'value="2.5"'))
+def group_state(context: Context) -> Faults:
+    """States of the SRDF are poses that the robot can take.
+
+    A planner refuses to start from, or to go to, a state beyond the limits of a joint. Each joint has one number; a
+    continuous one may have two, cosine and sine, as Pinocchio writes it. Held against the limits of revolute and
+    prismatic joints, within a thousandth, since states are often rounded to three digits. The examples are SRDFs of
+    an arm.
+    """
+    found = context.once(srdf)
+    if found is None or found.is_of_another:
+        return
+    for state in found.root.findall("group_state"):
+        subject = Subject("group_state", state.get("name") or "")
+        for element in state.findall("joint"):
+            joint = context.view.joint.get(element.get("name") or "")
+            for what, remedy, measured, bound in () if joint is None else _wrong(element, joint):
+                at, severity = value_span(element, "value"), Severity.ERROR if bound is None else None
+                yield Fault(
+                    at, what, remedy, measured, bound, subject, severity=severity, kind=_KIND, document=found.document
+                )
+
+
+def _wrong(element: Element, joint: JointView) -> Iterator[tuple[str, str, float | None, float | None]]:
+    """Yield what is wrong with the value of a joint, what to do, the value, and the limit that it breaks."""
+    text = element.get("value")
+    if text is None:
+        yield f"joint '{joint.name}' has no value", 'write value="..."', None, None
+        return
+    try:
+        values = parse_numbers(text, max(len(text.split()), 1))
+    except NumbersError as error:
+        yield f"the value of joint '{joint.name}' {error}", error.remedy, None, None
+        return
+    if joint.type in _ONE and len(values) != 1:
+        what = f"joint '{joint.name}' has {len(values)} values; a {joint.type} joint has one"
+        yield what, "write one number", None, None
+    limit = None if joint.limit is None else joint.limit.range
+    if joint.type not in _ONE or len(values) != 1 or limit is None or limit[0] >= limit[1]:
+        return
+    for bound, name, excess in ((limit[0], "lower", limit[0] - values[0]), (limit[1], "upper", values[0] - limit[1])):
+        if excess > _ROUNDED:
+            what = f"joint '{joint.name}' is at {figure(values[0], 6)}, beyond its {name} limit {figure(bound, 6)}"
+            yield what, "move it within the limits, or correct these", values[0], bound
+
+
+_MOST = 4
+"""Pairs that are named."""
+
+
+@rule("RD709", Severity.WARNING, good=examples.srdf(), bad=('link1="base" link2="upper"', 'link1="base" link2="tool"'))
+def neighbours_collide(context: Context) -> Faults:
+    """The SRDF lets neighbours touch.
+
+    A joint's two links touch where they are joined. A planner that has not been told so by <disable_collisions>
+    finds a collision in every pose, and no path. Reported, in one finding, are the neighbours with collision shapes
+    whose boxes overlap at rest, where the SRDF lists pairs at all. Two links that it lists with a link that is not
+    there, between them perhaps, are RD701's alone. The examples are SRDFs of an arm.
+    """
+    found = context.once(srdf)
+    pairs = [] if found is None or found.is_of_another else found.root.findall("disable_collisions")
+    if found is None or not pairs or not found.is_namesake:
+        return
+    allowed = {frozenset((pair.get("link1"), pair.get("link2"))) for pair in pairs}
+    told = {name for pair in allowed if any(name not in context.view.link for name in pair) for name in pair}
+    free = {element.get("link") for element in found.root.findall("disable_default_collisions")}
+    open_pairs = [
+        joint
+        for joint in context.view.joints
+        if frozenset((joint.parent, joint.child)) not in allowed
+        and not free & {joint.parent, joint.child}
+        and not told >= {joint.parent, joint.child}
+        and _touch(context, joint)
+    ]
+    if open_pairs:
+        named = ", ".join(f"{shown(joint.parent)} and {shown(joint.child)}" for joint in open_pairs[:_MOST])
+        more = f" and {len(open_pairs) - _MOST} more" if open_pairs[_MOST:] else ""
+        what = f"{count(len(open_pairs), 'pair')} of neighbours touch and may not: {named}{more}"
+        remedy = '<disable_collisions link1="..." link2="..." reason="Adjacent"/> for each'
+        yield Fault(pairs[0].span, what, remedy, len(open_pairs), 0.0, None, document=found.document)
+
+
+def _touch(context: Context, joint: JointView) -> bool:
+    """Return whether the boxes around the collision shapes of a joint's links overlap at rest."""
+    parent, child, placed = context.view.link.get(joint.parent), context.view.link.get(joint.child), pose(joint.origin)
+    if parent is None or child is None or placed is None or joint.parent == joint.child:
+        return False
+    known = context.once(solids)
+    one = box_of(_collisions(parent), known, Pose(np.eye(3), np.zeros(3)))
+    other = box_of(_collisions(child), known, placed)
+    return one is not None and other is not None and bool((one.lo <= other.hi).all() and (other.lo <= one.hi).all())
+
+
+def _collisions(link: LinkView) -> list[GeometryView]:
+    return [geometry for geometry in link.geometries if geometry.kind == "collision" and geometry.shape is not None]

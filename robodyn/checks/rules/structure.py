@@ -1,0 +1,216 @@
+"""The tree: names, parents and children, one root."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+
+from robodyn.checks.examples import a_joint, a_link, arm, longer_arm, one_link
+from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
+from robodyn.checks.tree import first_above
+from robodyn.robot.urdf.numbers import value_span
+from robodyn.robot.urdf.parts import JOINT_TYPES
+from robodyn.robot.urdf.structure import cycles
+from robodyn.robot.urdf.view import JointView, LinkView, View
+from robodyn.robot.urdf.xml_reader import unexpanded
+from robodyn.support.wording import alternatives, listed, shown
+
+
+@rule("RD101", Severity.ERROR, good=arm(), bad=('link="upper"', 'link="uper"'))
+def dangling_reference(context: Context) -> Faults:
+    """The parent and the child of every joint are links of the robot.
+
+    Readers refuse the file, or leave out the joint and everything that hangs on it.
+    """
+    links = context.view.link
+    if _explained(context.view):
+        return
+    for joint in context.view.joints:
+        for role, name in (("parent", joint.parent), ("child", joint.child)):
+            if name in links or unexpanded(name):
+                continue
+            element = joint.element.find(role)
+            at = joint.element.span if element is None else value_span(element, "link")
+            what = f"its {role} is link {shown(name)}, which does not exist" if name else f"it names no {role} link"
+            remedy = alternatives(name, links, "links") if name else f'write <{role} link="..."/>'
+            yield Fault(at, what, remedy)
+
+
+def _explained(view: View) -> bool:
+    """Whether no name is missing but those of links that other rules report: unnamed, duplicate, not expanded."""
+    named = [link.name for link in view.links if not unexpanded(link.name)]
+    missing = {name for joint in view.joints for name in (joint.parent, joint.child) if name} - view.link.keys()
+    nameless = any(not joint.parent or not joint.child for joint in view.joints)
+    return not view.links or (not nameless and len(missing) <= len(view.links) - len({*named} - {""}))
+
+
+@rule(
+    "RD102",
+    Severity.ERROR,
+    good=longer_arm(),
+    bad=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore") + a_joint("strut", "base", "fore")),
+)
+def several_parents(context: Context) -> Faults:
+    """No link is the child of two joints.
+
+    A URDF is a tree. Of a closed chain one joint is left out, and made of what the simulator has for it.
+    """
+    above = first_above(context.view)
+    for joint in context.view.joints:
+        first = above.get(joint.child, joint)
+        if first is joint or (joint.name and joint.name == first.name):
+            continue
+        element = joint.element.find("child")
+        assert element is not None, "the joint names a child"
+        what = (
+            f"its child, link {shown(joint.child)}, hangs on joint {shown(first.name)} (line {first.element.line}) too"
+        )
+        yield Fault(value_span(element, "link"), what, "a link has one parent: remove one joint, or correct its child")
+
+
+@rule(
+    "RD103",
+    Severity.ERROR,
+    good=arm(more=a_link("a") + a_link("b") + a_joint("to_b", "a", "b") + a_joint("to_a", "upper", "a")),
+    bad=('<parent link="upper"/>', '<parent link="b"/>'),
+)
+def cycle(context: Context) -> Faults:
+    """Going from child to parent leads to the root.
+
+    Links in a cycle hang on nothing. Some readers do not notice and recurse until memory ends.
+    """
+    above = first_above(context.view)
+    for cycle in cycles({child: joint.parent for child, joint in above.items()}):
+        first = min((above[link] for link in cycle), key=lambda joint: joint.element.start)
+        element = first.element.find("parent")
+        assert element is not None, "the joint names a parent"
+        if len(cycle) == 1:
+            what = f"link {shown(cycle[0])} is its parent and its child"
+        else:
+            what = f"it is in a cycle of {len(cycle)} links, each the parent of the one before: {listed(cycle)}"
+        yield Fault(value_span(element, "link"), what, "a URDF is a tree: correct a parent")
+
+
+@rule("RD104", Severity.ERROR, good=longer_arm(), bad=arm(more=a_link("fore")))
+def several_roots(context: Context) -> Faults:
+    """Exactly one link has no parent.
+
+    All other links hang on it. Readers refuse a second root, or leave out all that hangs on it. Where another rule
+    of the structure (RD101 to RD107) is broken, its repair comes first and this one is silent.
+    """
+    view = context.view
+    above = first_above(view)
+    orderly = len(view.link) == len(view.links) and len(above) == len(view.joints)
+    led = all(joint.parent in view.link and joint.child in view.link for joint in view.joints)
+    roots = [link for link in view.links if link.name not in above]
+    if orderly and led and len(roots) > 1:
+        what = f"{len(roots)} links have no parent: {listed([link.name for link in roots])}"
+        yield Fault(roots[1].name_span, what, "join them to one tree", len(roots), 1)
+
+
+@rule("RD105", Severity.ERROR, good=longer_arm(), bad=arm(more=a_link("upper")))
+def duplicate_link(context: Context) -> Faults:
+    """No two links have the same name.
+
+    Readers refuse the file, or keep one of the two and lose the other without a word.
+    """
+    return namesakes("link", context.view.links, context.view.link)
+
+
+def namesakes(kind: str, parts: Sequence[LinkView | JointView], first: Mapping[str, LinkView | JointView]) -> Faults:
+    """Yield the parts whose name another one before them has."""
+    for part in parts:
+        before = first.get(part.name, part)
+        if before is not part:
+            what = f"a second {kind} of this name; the first is in line {before.element.line}"
+            yield Fault(part.name_span, what, "rename or remove one of them")
+
+
+@rule("RD106", Severity.ERROR, good=longer_arm(), bad=("elbow", "shoulder"))
+def duplicate_joint(context: Context) -> Faults:
+    """No two joints have the same name.
+
+    Readers refuse the file, or keep one of the two and lose the other without a word.
+    """
+    return namesakes("joint", context.view.joints, context.view.joint)
+
+
+@rule("RD107", Severity.ERROR, good=arm(), bad=('name="shoulder" ', ""))
+def unnamed(context: Context) -> Faults:
+    """The robot and every link and joint have a name.
+
+    Joints refer to links by name, and programs to joints. urdfdom refuses a robot or a joint without one.
+    """
+    view = context.view
+    links, joints = (part.element for part in view.links), (part.element for part in view.joints)
+    for element in (view.root, *links, *joints):
+        if not element.get("name"):
+            state = "no name" if element.get("name") is None else "an empty name"
+            child = element.find("child")
+            to = f" to link {shown(child.values['link'])}" if child is not None and child.get("link") else ""
+            what = f"<{element.tag}>{to} has {state}"
+            yield Fault(value_span(element, "name"), what, 'write name="..."', subject=None)
+
+
+@rule("RD108", Severity.ERROR, good=arm(), bad=arm(kind="hinge"))
+def unknown_joint_type(context: Context) -> Faults:
+    """The type of a joint is revolute, continuous, prismatic, fixed, floating or planar.
+
+    Readers refuse other types; some take them for fixed. Types are written in small letters.
+    """
+    for joint in context.view.joints:
+        if joint.type in JOINT_TYPES or unexpanded(joint.type):
+            continue
+        what = f"URDF has no joint type {shown(joint.type)}" if joint.type else "it has no type"
+        remedy = alternatives(joint.type.lower(), JOINT_TYPES, "types")
+        yield Fault(value_span(joint.element, "type"), what, remedy)
+
+
+@rule("RD109", Severity.ERROR, good=one_link(), bad='<robot name="part">\n</robot>\n')
+def no_links(context: Context) -> Faults:
+    """A robot has one link at least.
+
+    Often a sign of a file that was written by a failed conversion, or of xacro macros that were never called.
+    """
+    if not context.view.links:
+        what = "the robot has no links"
+        yield Fault(context.view.root.span, what, "add a <link>", 0, 1, subject=None)
+
+
+_PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+
+
+@rule(
+    "RD110",
+    Severity.NOTE,
+    good=arm().replace("shoulder", "shoulder_pitch"),
+    bad=('"shoulder_pitch"', '"shoulder/pitch"'),
+)
+def name_portability(context: Context) -> Faults:
+    """Names of letters, digits and _ survive a conversion to other formats.
+
+    USD (Isaac Sim) takes no other character and renames what has one, after which programs look for the old name in
+    vain; SDF keeps some names for itself and wants each but once among links and joints.
+    """
+    view = context.view
+    parts: tuple[LinkView | JointView, ...] = (*view.links, *view.joints)
+    for part in parts:
+        refusal = _refusal(part.name)
+        if part.subject.kind == "joint" and part.name in view.link:
+            refusal = refusal or "SDF wants different names for a link and a joint"
+        if refusal:
+            remedy = "use letters, digits and _ only, and each name once"
+            yield Fault(part.name_span, refusal, remedy)
+
+
+def _refusal(name: str) -> str | None:
+    """Return which format does not take the name."""
+    if not name or (_PLAIN.fullmatch(name) and not name.startswith("__")):
+        return None
+    if "::" in name or (name.startswith("__") and name.endswith("__")):
+        return "SDF keeps :: and names between __ for itself"
+    if "/" in name:
+        return "USD and MuJoCo's includes take / for a path, tf for a namespace"
+    if name[0].isdigit():
+        return "a name in USD, Modelica or Python does not begin with a digit"
+    return "USD takes letters, digits and _ only, and renames it" if not name.startswith("__") else None

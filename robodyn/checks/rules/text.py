@@ -1,0 +1,269 @@
+"""The text: well-formed XML, elements and attributes that URDF knows, numbers, the version, waivers."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterator
+
+from robodyn.checks.examples import INERTIA, arm, inertia, one_link
+from robodyn.checks.grammar import KINDS, Kind, own_elements
+from robodyn.checks.rule import Context, Edit, Fault, Faults, Fix, Severity, Stage, rule, text_faults
+from robodyn.checks.waivers import Waiver, waivers
+from robodyn.robot.urdf.elements import Element
+from robodyn.robot.urdf.numbers import numbers, value_span
+from robodyn.robot.urdf.view import Subject
+from robodyn.robot.urdf.xml_reader import unexpanded
+from robodyn.support.wording import alternatives, shown
+
+
+@rule("RD001", Severity.ERROR, Stage.TEXT, good=one_link(), bad=("</link>", ""))
+def malformed_xml(context: Context) -> Faults:
+    """The file must be well-formed XML with the root element <robot>.
+
+    Readers that recover from broken XML guess at what was meant, and drop links without a word. Nothing after the
+    first such place is checked.
+    """
+    return text_faults(context, "RD001")
+
+
+@rule(
+    "RD002",
+    Severity.ERROR,
+    Stage.TEXT,
+    good=one_link(),
+    bad='<!DOCTYPE robot [<!ENTITY m "2">]>\n' + one_link().replace('"2"', '"&m;"'),
+)
+def document_type(context: Context) -> Faults:
+    """A description has no document type and no entities.
+
+    An entity can name a file of the machine or of another one, or expand to gigabytes. URDF needs neither, readers
+    differ in what they do, and robodyn neither expands nor fetches any.
+    """
+    return text_faults(context, "RD002")
+
+
+_EXTENSION = '\n  <drake:joint name="shoulder"/>'
+
+
+@rule(
+    "RD003",
+    Severity.ERROR,
+    Stage.TEXT,
+    good=arm(more=_EXTENSION).replace("<robot ", '<robot xmlns:drake="http://drake.mit.edu" '),
+    bad=arm(more=_EXTENSION),
+)
+def undeclared_prefix(context: Context) -> Faults:
+    """A namespace prefix is declared before it is used.
+
+    To a namespace-aware parser (lxml, Qt, browsers) an undeclared prefix is an error, and the whole file is
+    refused. tinyxml, and with it urdfdom, does not mind, so that the mistake stays unseen.
+    """
+    return text_faults(context, "RD003")
+
+
+@rule("RD004", Severity.ERROR, Stage.TEXT, good=one_link(), bad=('"2"', '"${arm_mass}"'))
+def unexpanded_xacro(context: Context) -> Faults:
+    """Nothing is left of xacro: no xacro: element, no ${...}, no $(...).
+
+    A reader takes ${mass} for a text, not for a number, and drops the element that it stands in. Where an element
+    of xacro is left, links may be missing, and nothing else is checked.
+    """
+    return text_faults(context, "RD004")
+
+
+_OF_DRAKE = {
+    "controller_gains": "the <actuator> of a <transmission>",
+    "rotor_inertia": "the <actuator> of a <transmission>",
+    "gear_ratio": "the <actuator> of a <transmission>",
+    "proximity_properties": "a <collision>",
+}
+"""Elements that Drake knows by its prefix, and where."""
+_ELSEWHERE = {"min": "lower", "max": "upper"}
+"""What other formats call an attribute."""
+_NUMBERS = frozenset(name for kind in KINDS.values() for name, count in kind.attributes.items() if count)
+"""Attributes that hold numbers, somewhere in URDF."""
+
+
+@rule(
+    "RD005",
+    Severity.WARNING,
+    good=one_link(f'<mass value="2"/>{INERTIA}<origin xyz="0 0 0.1"/>'),
+    bad=("<origin", "<orgin"),
+)
+def unknown_element(context: Context) -> Faults:
+    """Elements and attributes are those of URDF, and each stands where URDF has it and as often.
+
+    urdfdom and most other readers ignore what they do not know: a misspelt <inertal> makes a link without mass, a
+    misspelt attribute takes its default. What is like a name that is missing, what URDF has elsewhere (an <origin>
+    in a <link>, an rpy of an <axis>), and an element none of whose attributes is read are warnings. Other names are
+    most often the additions of one tool, and remarks. Elements with a namespace prefix, and those at the top that
+    belong to other tools (gazebo, ros2_control, ...), are left alone.
+    """
+    for element, kind, subject in context.once(own_elements):
+        yield from _children(element, kind, subject)
+        nothing_read = kind.attributes and not (kind.children or element.values.keys() & kind.attributes.keys())
+        for name in element.values:
+            if name not in kind.attributes and ":" not in name and name != "xmlns":
+                what = f"<{element.tag}> has no attribute {shown(name)} in URDF; readers ignore it"
+                remedy = alternatives(name, kind.attributes, "attributes") if kind.attributes else "delete it"
+                absent, other = kind.attributes.keys() - element.values, _ELSEWHERE.get(name)
+                if other is not None and other in absent:
+                    remedy = f"did you mean {shown(other)}?"
+                meant = nothing_read or name in _NUMBERS or other in absent or _is_near(name, absent)
+                at, severity = element.attributes[name].span, None if meant else Severity.NOTE
+                yield Fault(at, what, remedy, subject=subject, severity=severity)
+
+
+def _children(element: Element, kind: Kind, subject: Subject | None) -> Iterator[Fault]:
+    seen: dict[str, Element] = {}
+    for child in element.children:
+        known = child.tag in kind.children
+        if not known and ":" not in child.tag and (element.tag != "robot" or _is_near(child.tag, kind.children)):
+            what = f"<{element.tag}> has no element {shown(child.tag)} in URDF; readers ignore it"
+            remedy = alternatives(child.tag, kind.children, "elements") if kind.children else "delete it"
+            if child.tag in _OF_DRAKE:
+                remedy = f"Drake reads it as <drake:{child.tag}> in {_OF_DRAKE[child.tag]}; otherwise delete it"
+            meant = child.tag in KINDS or child.tag in _OF_DRAKE or _is_near(child.tag, [*KINDS, *kind.children])
+            yield Fault(child.span, what, remedy, subject=subject, severity=None if meant else Severity.NOTE)
+        elif known and child.tag not in kind.repeated and child.tag in seen:
+            first = f"the first is in line {seen[child.tag].line}"
+            what = f"a second <{child.tag}> in <{element.tag}>, {first}; readers differ in which they take"
+            yield Fault(child.span, what, "keep one of them", subject=subject)
+        seen.setdefault(child.tag, child)
+
+
+def _is_near(tag: str, known: Collection[str]) -> bool:
+    """Return whether it is a slip of the pen: at the top other tools may keep elements of any name."""
+    from difflib import get_close_matches
+
+    shuffled = any(sorted(tag) == sorted(name) for name in known)
+    return len(tag) < 30 and (shuffled or bool(get_close_matches(tag.lower(), known, n=1, cutoff=0.75)))
+
+
+_PAIRS = (("iyx", "ixy"), ("izx", "ixz"), ("izy", "iyz"))
+
+
+@rule("RD006", Severity.WARNING, good=one_link(), bad=('iyz="', 'iyx="0.001" iyz="'))
+def transposed_product(context: Context) -> Faults:
+    """Products of inertia are called ixy, ixz and iyz.
+
+    The inertia matrix is symmetric and URDF has its upper triangle. Readers ignore iyx, izx and izy; where one of
+    them stands in place of its twin, the product is taken for 0 or the whole inertial is dropped.
+    """
+    for link in context.view.links:
+        inertia = None if link.inertial is None else link.inertial.inertia_element
+        for lower, upper in _PAIRS:
+            if inertia is None or inertia.get(lower) is None:
+                continue
+            below, above = numbers(inertia, lower, 1).value, numbers(inertia, upper, 1).value
+            state = f"{lower} is ignored" if below is None else f"{lower} = {below:g} is ignored"
+            if below is not None and above is not None and below != above:
+                state += f", and differs from {upper} = {above:g}"
+            what = f"{state}: URDF has the upper triangle of the matrix only"
+            remedy = f"delete {lower}, and see that {upper} is right"
+            fix = None if below is None else _fix(inertia, lower, upper, above == below)
+            yield Fault(inertia.attributes[lower].span, what, remedy, below, above, fix=fix)
+
+
+def _fix(inertia: Element, lower: str, upper: str, same: bool) -> Fix | None:
+    """Return the fix: of two that are the same the lower one goes; a lower one alone takes its twin's name."""
+    span = inertia.attributes[lower].span
+    if inertia.get(upper) is None:
+        return Fix(f"call it {upper}", (Edit(span.start, span.start + len(lower), upper),), safe=False)
+    if not same:
+        return None
+    start = len(inertia.positions.data[: span.start].rstrip(b" \t\r\n"))
+    return Fix(f"delete {lower}", (Edit(start, span.end, ""),), safe=True)
+
+
+_LONGEST = 2000
+"""Characters of an attribute of numbers."""
+
+
+@rule("RD007", Severity.ERROR, good=one_link(f'<origin xyz="0 0.1 0"/><mass value="2"/>{INERTIA}'), bad=("0.1", "0,1"))
+def bad_number(context: Context) -> Faults:
+    """Numbers are finite, decimal, no larger than 1e30, and as many as the attribute holds.
+
+    NaN and infinity, decimal commas, units, and too few or too many numbers. urdfdom then drops the whole element,
+    an <inertial> for example, and reports success; other readers take a part of the text. A <safety_controller>
+    without k_velocity and a <dynamics> without damping and friction make it refuse the file.
+    """
+    for element, kind, subject in context.once(own_elements):
+        if kind.some and not any(name in element.values for name in kind.some):
+            what = f"<{element.tag}> has neither {' nor '.join(kind.some)}, and urdfdom refuses the file"
+            yield Fault(element.span, what, f"write one of them, or delete <{element.tag}>", subject=subject)
+        for name, count in kind.attributes.items():
+            if not count:
+                continue
+            found, text = numbers(element, name, count), element.get(name) or ""
+            if len(text) > _LONGEST:
+                what = f"{name} of <{element.tag}> has {len(text)} characters"
+                yield Fault(found.span, what, f"write {count} numbers", subject=subject)
+            elif found.problem is not None and not unexpanded(text):
+                what = f"{name} of <{element.tag}> {found.problem}"
+                yield Fault(found.span, what, found.problem.remedy, subject=subject)
+            elif not found.given and name in kind.needed:
+                what = f"<{element.tag}> has no attribute '{name}'"
+                yield Fault(found.span, what, f'write {name}="..."', subject=subject)
+
+
+_IDENTITY = '<mass value="2"/>' + inertia("1 0 0 1 0 1")
+
+
+@rule(
+    "RD008",
+    Severity.WARNING,
+    good=one_link(f"{_IDENTITY} <!-- robodyn: allow RD208 a test weight, its tensor does not matter -->"),
+    bad=one_link(f"<!-- robodyn: allow RD208 -->{_IDENTITY}"),
+)
+def waiver_not_in_force(context: Context) -> Faults:
+    """A waiver names rules that exist, and says why.
+
+    A comment `<!-- robodyn: allow RD208 no tensor is published, see issue 52 -->` above an element, or behind it on
+    its line, allows the finding there. Without a reason nobody can tell later whether it still holds, so a waiver
+    without one is not in force; nor is one with a code that no rule has, or a comment that begins with `robodyn:`
+    and goes on in another way.
+    """
+    for waiver in context.once(waivers):
+        if not waiver.in_force(context.codes):
+            what, remedy = waiver.problem(context.codes)
+            yield Fault(waiver.at, what, remedy, subject=None)
+
+
+@rule(
+    "RD009",
+    Severity.WARNING,
+    good=one_link(),
+    bad=("<mass", "<!-- robodyn: allow RD208 no tensor is published --><mass"),
+)
+def unused_waiver(context: Context) -> Faults:
+    """A waiver allows a finding that is there.
+
+    A waiver that outlives its finding would hide the next one. It is reported if its rule has run and has found
+    nothing in the element that the waiver is about.
+    """
+    return ()
+
+
+def without_use(waiver: Waiver, code: str) -> Fault:
+    what = f"the waiver of {code} has nothing to waive"
+    remedy = "delete it, or put it above the element that the finding is in"
+    fix = Fix("delete the waiver", (Edit(*waiver.erased, ""),), safe=True) if len(waiver.codes) == 1 else None
+    return Fault(waiver.at, what, remedy, fix=fix, subject=None)
+
+
+_KNOWN = re.compile(r"1\.[0-2]")
+
+
+@rule("RD010", Severity.ERROR, good=one_link().replace("<robot ", '<robot version="1.0" '), bad=('"1.0"', '"2.0"'))
+def version(context: Context) -> Faults:
+    """The version of a description is one that readers know.
+
+    urdfdom reads version="1.0" to "1.2", and refuses the file with any other: also "1" and "2.0". Without one it is
+    1.0.
+    """
+    root = context.view.root
+    version = root.get("version")
+    if version is not None and not _KNOWN.fullmatch(version):
+        what = f"the version is {shown(version)}; urdfdom reads 1.0 to 1.2 and refuses others"
+        yield Fault(value_span(root, "version"), what, 'write version="1.0", or leave it out', subject=None)
