@@ -40,7 +40,7 @@ def robot_in_scene(
         scene_file: in place of --scene.
         loops, contacts: whether the scene may have some.
     """
-    from robodyn.robot.assemble import load
+    from robodyn.robot.load import load
     from robodyn.scene.described_loops import scene_of
     from robodyn.scene.fit import check_scene, known, refuse_constraints
     from robodyn.scene.scene import DEFAULT

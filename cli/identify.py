@@ -145,7 +145,7 @@ def _write(found: Identified, model: Model, outputs: dict[str, str | None]) -> s
         files.append((out, friction_toml(model, found.scene, comment).encode()))
     if out := outputs["covariance"]:
         from robodyn.identification.outcome import covariance
-        from robodyn.scene.covariance import covariance_json
+        from robodyn.scene.uncertainty import covariance_json
 
         files.append((out, covariance_json(covariance(found))))
     with ExitStack() as stack:

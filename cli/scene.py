@@ -11,7 +11,7 @@ from robodyn.cli.options import DESCRIPTION, PATH, SCENE_OUT, lookup
 from robodyn.cli.screen import show, show_file
 from robodyn.errors import InputError
 from robodyn.report.scene_toml import scene_toml
-from robodyn.robot.assemble import load
+from robodyn.robot.load import load
 from robodyn.support.files import write_whole
 
 

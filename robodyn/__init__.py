@@ -40,24 +40,24 @@ if TYPE_CHECKING:
     from robodyn.identification.identify import identify as identify
     from robodyn.identification.log import read_log as read_log
     from robodyn.loads.torques import torques as torques
-    from robodyn.robot.assemble import load as load
+    from robodyn.robot.load import load as load
     from robodyn.robot.model import Model as Model
-    from robodyn.scene.constraints import Contact as Contact
-    from robodyn.scene.constraints import ContactCost as ContactCost
-    from robodyn.scene.constraints import Loop as Loop
-    from robodyn.scene.covariance import Covariance as Covariance
     from robodyn.scene.described_loops import scene_of as scene_of
-    from robodyn.scene.motor import Motor as Motor
+    from robodyn.scene.parts import Contact as Contact
+    from robodyn.scene.parts import ContactCost as ContactCost
     from robodyn.scene.parts import CoupledMotor as CoupledMotor
     from robodyn.scene.parts import Drive as Drive
     from robodyn.scene.parts import ExternalWrench as ExternalWrench
     from robodyn.scene.parts import Friction as Friction
     from robodyn.scene.parts import Immersed as Immersed
+    from robodyn.scene.parts import Loop as Loop
+    from robodyn.scene.parts import Motor as Motor
     from robodyn.scene.parts import Payload as Payload
     from robodyn.scene.parts import Rotor as Rotor
     from robodyn.scene.parts import Spring as Spring
     from robodyn.scene.read import load_scene as load_scene
     from robodyn.scene.scene import Scene as Scene
+    from robodyn.scene.uncertainty import Covariance as Covariance
     from robodyn.scene.uncertainty import Deviation as Deviation
     from robodyn.scene.uncertainty import LinkUncertainty as LinkUncertainty
     from robodyn.scene.uncertainty import Uncertainty as Uncertainty
@@ -92,16 +92,16 @@ _HOMES = {
     "identification.identify": ("identify",),
     "identification.log": ("read_log",),
     "loads.torques": ("torques",),
-    "robot.assemble": ("load",),
+    "robot.load": ("load",),
     "robot.model": ("Model",),
     "scene.described_loops": ("scene_of",),
-    "scene.motor": ("Motor",),
     "scene.read": ("load_scene",),
-    "scene.constraints": ("Contact", "ContactCost", "Loop"),
-    "scene.parts": ("CoupledMotor", "Drive", "ExternalWrench", "Friction", "Immersed", "Payload", "Rotor", "Spring"),
+    "scene.parts": (
+        *("Contact", "ContactCost", "CoupledMotor", "Drive", "ExternalWrench", "Friction", "Immersed", "Loop", "Motor"),
+        *("Payload", "Rotor", "Spring"),
+    ),
     "scene.scene": ("Scene",),
-    "scene.covariance": ("Covariance",),
-    "scene.uncertainty": ("Deviation", "LinkUncertainty", "Uncertainty"),
+    "scene.uncertainty": ("Covariance", "Deviation", "LinkUncertainty", "Uncertainty"),
     "simulation.rollouts": ("rollouts",),
     "simulation.run": ("simulate",),
     "solids.mesh_mass": ("mass_properties",),

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import robodyn
 from robodyn.errors import InputError
-from robodyn.robot.assemble import load
+from robodyn.robot.load import load
 from robodyn.robot.model import Model
 from robodyn.scene.parts import Payload
 from robodyn.scene.read import parse_scenes

@@ -184,7 +184,7 @@ class Context:
 
     @cached_property
     def model_or_none(self) -> Model | None:
-        from robodyn.robot.assemble import assemble
+        from robodyn.robot.load import assemble
 
         if self.description_or_none is None:
             return None

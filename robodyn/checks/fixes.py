@@ -158,7 +158,7 @@ def change_of_dynamics(before: bytes, after: bytes) -> float:
     import numpy as np
 
     from robodyn.dynamics.inverse import inverse_dynamics
-    from robodyn.robot.assemble import load
+    from robodyn.robot.load import load
 
     old, new = load(before, moving_base=True), load(after, moving_base=True)
     if (old.rates, old.nq) != (new.rates, new.nq):

@@ -11,7 +11,7 @@ import numpy as np
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.errors import DescriptionError, InputError
 from robodyn.programs.vectors import length
-from robodyn.robot.assemble import load
+from robodyn.robot.load import load
 from robodyn.robot.model import Joint, Model
 from robodyn.support.floats import Floats, first_largest
 

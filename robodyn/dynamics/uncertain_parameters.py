@@ -14,10 +14,9 @@ from robodyn.dynamics.variations import OF_LINKS, UncertainLink, Variation, Vari
 from robodyn.errors import SceneError
 from robodyn.robot.model import Model
 from robodyn.robot.urdf.parts import Link
-from robodyn.scene.covariance import Covariance
 from robodyn.scene.parts import Friction
 from robodyn.scene.scene import Scene
-from robodyn.scene.uncertainty import LinkUncertainty, Uncertainty
+from robodyn.scene.uncertainty import Covariance, LinkUncertainty, Uncertainty
 from robodyn.support.wording import alternatives, shown
 
 OF_JOINTS = ("viscous", "forward", "backward", "stribeck", "load", "rotor")

@@ -10,7 +10,7 @@ import numpy as np
 
 from robodyn.dynamics.regressor import INERTIAL
 from robodyn.programs.vectors import product
-from robodyn.robot.joints import placement
+from robodyn.robot.load import placement
 from robodyn.robot.model import Frame
 from robodyn.robot.urdf.parts import Inertial
 from robodyn.scene.parts import Friction

@@ -15,9 +15,9 @@ from robodyn.identification.calibrated_scene import calibrated
 from robodyn.identification.identified import Identified, MotorFit
 from robodyn.identification.structure import Structure
 from robodyn.robot.model import Model
-from robodyn.scene.covariance import Covariance
 from robodyn.scene.parts import CoupledMotor, Friction
 from robodyn.scene.scene import Scene
+from robodyn.scene.uncertainty import Covariance
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
 

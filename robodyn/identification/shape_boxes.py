@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from robodyn.errors import MeshError
-from robodyn.robot.joints import placement
+from robodyn.robot.load import placement
 from robodyn.robot.masses.shapes import mesh_file
 from robodyn.robot.model import Model
 from robodyn.robot.urdf.geometry import Shape, link_shapes, missing_mesh

@@ -13,8 +13,7 @@ from robodyn.dynamics.contacts.pressure import centre_of_pressure, friction_used
 from robodyn.dynamics.contacts.problem import Forces, Problem
 from robodyn.loads.constraint_result import ContactLoad, Missing, Peak
 from robodyn.programs.vectors import length, product
-from robodyn.scene.constraints import Contact
-from robodyn.scene.parts import Vector
+from robodyn.scene.parts import Contact, Vector
 from robodyn.support.floats import Floats, first_of_ties, steady
 
 MOST_SPANS = 20

@@ -12,7 +12,7 @@ from robodyn.errors import SceneError
 from robodyn.loads.sizing_result import MotorLoad, Nearest
 from robodyn.loads.statistics import Greatest, Integrals
 from robodyn.robot.model import Joint
-from robodyn.scene.motor import Curve, Motor
+from robodyn.scene.parts import Curve, Motor
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import BEYOND, Floats
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from robodyn.scene.motor import Curve
+from robodyn.scene.parts import Curve
 
 Vector = tuple[float, float, float]
 Level = Literal["OK", "over continuous", "over peak", "no limits"]

@@ -41,8 +41,8 @@ from robodyn.report.json.bodies import (
     robot_json,
 )
 from robodyn.report.table import printable
-from robodyn.robot.assemble import assemble
 from robodyn.robot.configuration import configuration
+from robodyn.robot.load import assemble
 from robodyn.robot.masses.compare import Comparison
 from robodyn.robot.masses.declared import LinkInertia, RobotInertia
 from robodyn.robot.masses.shapes import LinkShapes

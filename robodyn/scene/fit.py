@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from robodyn.errors import InputError, SceneError
 from robodyn.robot.model import Model
-from robodyn.scene.constraints import GROUND, Contact, Loop
+from robodyn.scene.parts import GROUND, Contact, Loop
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.wording import alternatives, shown
 

@@ -6,8 +6,7 @@ from collections import Counter
 from itertools import combinations
 from typing import Any
 
-from robodyn.scene.constraints import ALWAYS, AUTO, EFFORT, Contact, ContactCost, Loop
-from robodyn.scene.parts import Vector
+from robodyn.scene.parts import ALWAYS, AUTO, EFFORT, Contact, ContactCost, Loop, Vector
 from robodyn.scene.scene import Scene
 from robodyn.scene.toml_table import SceneTable
 

@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from robodyn.scene.motor import Curve, Motor
-from robodyn.scene.parts import Rotor
+from robodyn.scene.parts import Curve, Motor, Rotor
 from robodyn.scene.toml_table import SceneTable
 
 SPEEDS = {"rad/s": 1.0, "rpm": pi / 30.0}

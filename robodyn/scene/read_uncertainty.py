@@ -7,9 +7,8 @@ import os
 import re
 from collections.abc import Iterator
 
-from robodyn.scene.covariance import read_covariance
 from robodyn.scene.toml_table import SceneTable
-from robodyn.scene.uncertainty import Deviation, LinkUncertainty, Uncertainty
+from robodyn.scene.uncertainty import Deviation, LinkUncertainty, Uncertainty, read_covariance
 
 UNITS = {
     "mass": {"kg": 1.0, "g": 1e-3},

@@ -6,8 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from robodyn.scene.constraints import LEAST_FORCES, Contact, ContactCost, Loop
 from robodyn.scene.parts import (
+    LEAST_FORCES,
+    Contact,
+    ContactCost,
     CoupledMotor,
     Drive,
     Entry,
@@ -15,6 +17,8 @@ from robodyn.scene.parts import (
     Friction,
     Immersed,
     LimitSpring,
+    Loop,
+    Motor,
     Payload,
     Rotor,
     Spring,
@@ -24,7 +28,6 @@ from robodyn.support.frozen import FrozenValue
 from robodyn.support.wording import call_of
 
 if TYPE_CHECKING:
-    from robodyn.scene.motor import Motor
     from robodyn.scene.uncertainty import Uncertainty
 
 

@@ -1,12 +1,52 @@
-"""How well a robot's parameters are known: standard deviations, or a covariance that an identification found."""
+"""How well a robot's parameters are known: standard deviations, or a covariance that an identification found.
+
+The covariance stands in a JSON file, as `robodyn identify` writes it and `[uncertainty]` reads it.
+"""
 
 from __future__ import annotations
 
+import json
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
 
-from robodyn.scene.covariance import Covariance
-from robodyn.support.frozen import FrozenValue
+import numpy as np
+
+from robodyn.errors import SceneError, unreadable
+from robodyn.support.floats import Floats
+from robodyn.support.frozen import Frozen, FrozenValue
+from robodyn.support.input_file import parse_json, read_input
+
+_KEYS = ("parameters", "values", "covariance")
+_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Covariance(Frozen):
+    """Parameters of a robot that are known with errors.
+
+    Attributes:
+        parameters: (p,) names, as `robodyn.regressor` has them.
+        values: (p,) in SI units.
+        covariance: (p, p) of their errors.
+    """
+
+    parameters: tuple[str, ...]
+    values: Floats
+    covariance: Floats
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Covariance) and self._content == other._content
+
+    def __hash__(self) -> int:
+        return hash(self._content)
+
+    @cached_property
+    def _content(self) -> tuple[tuple[str, ...], bytes, bytes]:
+        """The same for covariances of the same content."""
+        return self.parameters, self.values.tobytes(), self.covariance.tobytes()
 
 
 @dataclass(frozen=True)
@@ -71,3 +111,62 @@ class Uncertainty(FrozenValue):
     def of_joint(self, name: str) -> Deviation | None:
         """Return what holds of the friction of a joint or a coupled motor."""
         return self.joint.get(name, self.friction)
+
+
+def covariance_json(known: Covariance) -> bytes:
+    """Return the file's content: numbers that read back as the same floats."""
+    content = known.parameters, known.values.tolist(), known.covariance.tolist()
+    return json.dumps(dict(zip(_KEYS, content, strict=True)), allow_nan=False).encode() + b"\n"
+
+
+def read_covariance(path: str | os.PathLike[str]) -> Covariance:
+    """Return what a covariance file holds.
+
+    Raises:
+        SceneError: it cannot be read, is not such a file, or holds what is no covariance.
+    """
+    file = os.fspath(path)
+    try:
+        content = parse_json(read_input(path), file)
+    except OSError as error:
+        raise unreadable(error, file) from None
+    except (ValueError, RecursionError) as error:
+        raise SceneError(f"is not JSON: {error}", remedy=_REMEDY, file=file) from None
+    names, values, covariance = _parts(content, file)
+    wrong = _fault(names, values, covariance)
+    if wrong:
+        raise SceneError(wrong, remedy=_REMEDY, file=file)
+    return Covariance(names, values, covariance)
+
+
+_REMEDY = "give a file that robodyn identify has written"
+
+
+def _parts(content: Any, file: str) -> tuple[tuple[str, ...], Floats, Floats]:
+    if not isinstance(content, Mapping) or set(content) != set(_KEYS):
+        raise SceneError(f"has not just the keys {', '.join(_KEYS)}", remedy=_REMEDY, file=file)
+    names, values, covariance = (content[key] for key in _KEYS)
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        raise SceneError('"parameters" is no list of names', remedy=_REMEDY, file=file)
+    try:
+        return tuple(names), np.array(values, dtype=float), np.array(covariance, dtype=float)
+    except (ValueError, TypeError):
+        raise SceneError('"values" or "covariance" are no numbers', remedy=_REMEDY, file=file) from None
+
+
+def _fault(names: tuple[str, ...], values: Floats, C: Floats) -> str:
+    """Return why these are no values with their covariance; empty if they are."""
+    p = len(names)
+    if values.shape != (p,) or C.shape != (p, p):
+        return f"has {p} parameters, values of shape {values.shape} and a covariance of shape {C.shape}"
+    if len(set(names)) < p:
+        return f"names {p - len(set(names))} parameters twice"
+    if not (np.isfinite(values).all() and np.isfinite(C).all()):
+        return "has numbers that are not finite"
+    errors = np.sqrt(np.maximum(np.diagonal(C), 0.0))
+    scaled = C / np.where(errors > 0.0, errors, 1.0) / np.where(errors > 0.0, errors, 1.0)[:, None]
+    if (np.diagonal(C) < 0.0).any() or np.abs(scaled - scaled.T).max(initial=0.0) > _ROUNDING:
+        return "has a covariance that is not symmetric, or negative on its diagonal"
+    if p and float(np.linalg.eigvalsh((scaled + scaled.T) / 2).min()) < -_ROUNDING * p:
+        return "has a covariance that is not positive semidefinite"
+    return ""

@@ -18,7 +18,7 @@ from robodyn.programs.program import trace
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Array, Scalar, cross
 from robodyn.robot.model import Model
-from robodyn.scene.constraints import GROUND
+from robodyn.scene.parts import GROUND
 from robodyn.scene.scene import Scene
 from robodyn.simulation.equations import STATE, Equations
 

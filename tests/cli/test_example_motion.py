@@ -15,7 +15,7 @@ from scipy.interpolate import make_interp_spline
 
 from robodyn.loads.example_motion import example_motion, overloaded
 from robodyn.loads.torques import torques
-from robodyn.robot.assemble import load
+from robodyn.robot.load import load
 from robodyn.scene.parts import Friction, Payload, Spring
 from robodyn.scene.read import load_scene
 from robodyn.scene.scene import Scene

@@ -14,7 +14,7 @@ from helpers.command_line import ARM, ROBOTS, motion, run
 
 from robodyn.loads.torques import torques
 from robodyn.report.json.loads import torques_json
-from robodyn.robot.assemble import load
+from robodyn.robot.load import load
 from robodyn.scene.read import load_scene
 
 CASES = [

@@ -15,7 +15,7 @@ from robodyn.dynamics.forward import forward_dynamics
 from robodyn.dynamics.inverse import bias_forces, inverse_dynamics
 from robodyn.dynamics.mass import mass_matrix
 from robodyn.errors import InputError
-from robodyn.robot.assemble import load
+from robodyn.robot.load import load
 
 SAMPLES = 4
 TOLERANCE = 1e-10

@@ -17,9 +17,8 @@ from robodyn.dynamics.derivatives import forward_dynamics_derivatives, inverse_d
 from robodyn.dynamics.forward import acceleration_program
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError, SceneError
-from robodyn.robot.assemble import load
-from robodyn.scene.constraints import Loop
-from robodyn.scene.parts import Friction
+from robodyn.robot.load import load
+from robodyn.scene.parts import Friction, Loop
 from robodyn.scene.read import load_scene
 from robodyn.scene.scene import Scene
 

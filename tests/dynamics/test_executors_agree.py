@@ -17,7 +17,7 @@ from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.programs.run.compiled_blocks import CompiledBlocks
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
-from robodyn.robot.assemble import load
+from robodyn.robot.load import load
 from robodyn.scene.scene import Scene
 
 pytestmark = needs_compiler

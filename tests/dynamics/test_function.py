@@ -21,8 +21,7 @@ from robodyn.dynamics.derivatives import forward_dynamics_derivatives, inverse_d
 from robodyn.dynamics.function import KINDS, function
 from robodyn.errors import InputError, SceneError
 from robodyn.programs.run.llvm import python_call
-from robodyn.scene.constraints import Loop
-from robodyn.scene.parts import Friction
+from robodyn.scene.parts import Friction, Loop
 from robodyn.scene.scene import Scene
 
 GENERAL = {

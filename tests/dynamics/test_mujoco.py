@@ -14,7 +14,7 @@ from helpers.small_robots import built, joint, link, random_tree_parts, urdf
 
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.mass import mass_matrix
-from robodyn.robot.assemble import load
+from robodyn.robot.load import load
 from robodyn.scene.parts import Friction, Rotor
 from robodyn.scene.scene import Scene
 

@@ -12,7 +12,7 @@ from helpers.sampled import sampled
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
-from robodyn.robot.assemble import load
+from robodyn.robot.load import load
 
 SAMPLES = 6
 TOLERANCE = 1e-12

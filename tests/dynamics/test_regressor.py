@@ -16,9 +16,8 @@ from helpers.sampled import sampled
 import robodyn
 from robodyn.dynamics.regressor import INERTIAL, regressor
 from robodyn.errors import SceneError
-from robodyn.robot.assemble import load
-from robodyn.scene.constraints import Loop
-from robodyn.scene.parts import Friction, Payload, Rotor
+from robodyn.robot.load import load
+from robodyn.scene.parts import Friction, Loop, Payload, Rotor
 from robodyn.scene.scene import Scene
 
 SAMPLES = 3

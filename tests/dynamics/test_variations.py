@@ -14,10 +14,9 @@ import robodyn
 from robodyn.dynamics.plan import plan
 from robodyn.dynamics.uncertain_parameters import variations
 from robodyn.dynamics.varied_loads import derivative_runner, varied_runner
-from robodyn.scene.covariance import Covariance
 from robodyn.scene.parts import Friction
 from robodyn.scene.scene import Scene
-from robodyn.scene.uncertainty import Deviation, LinkUncertainty, Uncertainty
+from robodyn.scene.uncertainty import Covariance, Deviation, LinkUncertainty, Uncertainty
 
 SAMPLES = 4
 

@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 
 from helpers.small_robots import body_numbers, joint, link, urdf
-from robodyn.robot.assemble import load
+from robodyn.robot.load import load
 from robodyn.scene.parts import ExternalWrench, Friction, Immersed, LimitSpring, Payload, Rotor, Spring
 from robodyn.scene.scene import Scene
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from robodyn.robot.assemble import load
+from robodyn.robot.load import load
 
 LARGE = ("tiago", "talos", "icub", "g1_29dof", "centauro", "alex", "romeo", "pr2")
 """Beginnings of the names of robots with 30 joints and more, which take seconds each; one of them stands for them."""

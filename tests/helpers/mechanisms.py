@@ -9,8 +9,8 @@ import numpy as np
 import scipy.linalg
 
 from helpers.dense_mechanics import Piece, ground, loop_rows, places, text_of, torques_of_masses
-from robodyn.robot.assemble import load
-from robodyn.scene.constraints import GROUND
+from robodyn.robot.load import load
+from robodyn.scene.parts import GROUND
 from robodyn.scene.scene import Scene
 
 

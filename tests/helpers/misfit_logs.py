@@ -18,9 +18,9 @@ from robodyn.dynamics.regressor import INERTIAL, regressor
 from robodyn.identification.identify import identify
 from robodyn.identification.log import read_log
 from robodyn.identification.outcome import covariance
-from robodyn.scene.covariance import Covariance
 from robodyn.scene.parts import Friction, Rotor
 from robodyn.scene.scene import Scene
+from robodyn.scene.uncertainty import Covariance
 
 Array = NDArray[np.float64]
 States = tuple[Array, Array, Array]

@@ -147,9 +147,9 @@ MUTATIONS = {
     ],
     "dynamics/effects/test_mimic_and_base.py": [
         ("dynamics/recursions/newton_euler.py", "joint.R.T @ (motions[i].R @ reaction.f)", "motions[i].R @ reaction.f"),
-        ("robot/assemble.py", "product(R_link, p)", "p"),
-        ("robot/assemble.py", "product(turn, symmetric(inertial.inertia), turn.T)", "symmetric(inertial.inertia)"),
-        ("robot/joints.py", "multiplier * joints[i].offset", "joints[i].offset"),
+        ("robot/load.py", "product(R_link, p)", "p"),
+        ("robot/load.py", "product(turn, symmetric(inertial.inertia), turn.T)", "symmetric(inertial.inertia)"),
+        ("robot/load.py", "multiplier * joints[i].offset", "joints[i].offset"),
         ("dynamics/effects/rigid_bodies.py", "sample.qdd[:6]", "terms.qdd[:6]"),
     ],
     "dynamics/effects/test_shares.py": [

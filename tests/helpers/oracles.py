@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from robodyn.dynamics.runners import runner_of
-from robodyn.robot.assemble import load
+from robodyn.robot.load import load
 from robodyn.scene.parts import Friction
 from robodyn.scene.scene import Scene
 

@@ -10,7 +10,7 @@ from robodyn.equations.dae.dae import dae_at
 from robodyn.equations.dae.state import STILL, Place, Speed, State
 from robodyn.programs.dual import Dual
 from robodyn.programs.vectors import rotation_about, skew
-from robodyn.scene.constraints import Loop
+from robodyn.scene.parts import Loop
 from robodyn.scene.scene import DEFAULT, Scene
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robodyn.robot.assemble import load
+from robodyn.robot.load import load
 
 
 def numbers(values):

@@ -13,11 +13,9 @@ from robodyn.identification.outcome import carriers
 from robodyn.loads import uncertain_figures
 from robodyn.loads.uncertain_figures import Figures
 from robodyn.loads.uncertainty import Pass, UncertaintyPass
-from robodyn.scene.covariance import Covariance
-from robodyn.scene.motor import Motor
-from robodyn.scene.parts import Friction, Rotor
+from robodyn.scene.parts import Friction, Motor, Rotor
 from robodyn.scene.scene import Scene
-from robodyn.scene.uncertainty import Uncertainty
+from robodyn.scene.uncertainty import Covariance, Uncertainty
 from robodyn.solids.inertia.laws import Inertia, symmetric
 
 

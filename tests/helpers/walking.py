@@ -16,7 +16,7 @@ from robodyn.dynamics.constraints.constraint_jacobian import contact_jacobian
 from robodyn.dynamics.plan import plan
 from robodyn.robot.configuration import body_poses, configuration
 from robodyn.robot.model import Model
-from robodyn.scene.constraints import Contact
+from robodyn.scene.parts import Contact
 from robodyn.scene.scene import Scene
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.robot_motion import motion

@@ -17,7 +17,7 @@ from robodyn.dynamics.regressor import INERTIAL, regressor
 from robodyn.identification.base import base_of
 from robodyn.identification.householder import back_substituted, triangular
 from robodyn.identification.structural import random_rows, structural_base
-from robodyn.robot.assemble import load
+from robodyn.robot.load import load
 from robodyn.scene.parts import Friction
 from robodyn.scene.scene import Scene
 

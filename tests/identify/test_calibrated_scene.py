@@ -12,7 +12,7 @@ from helpers.small_robots import joint, link, urdf
 
 import robodyn
 from robodyn.identification.calibrated_scene import calibrated, friction_toml
-from robodyn.robot.assemble import load
+from robodyn.robot.load import load
 from robodyn.scene.parts import Friction, Rotor
 from robodyn.scene.scene import DEFAULT, Scene
 

@@ -16,7 +16,7 @@ from robodyn.checks.rule import Severity
 from robodyn.errors import InputError
 from robodyn.identification.calibrated_urdf import calibrated_urdf, lost_meshes
 from robodyn.identification.pseudo_inertia import parameters_of, pseudo_inertia
-from robodyn.robot.assemble import assemble, load
+from robodyn.robot.load import assemble, load
 from robodyn.robot.masses.declared import declared
 from robodyn.robot.urdf.description import load_description
 from robodyn.scene.parts import Payload

@@ -21,7 +21,7 @@ from robodyn.identification.excitation.fourier import Fourier
 from robodyn.identification.excitation.landscape import Landscape
 from robodyn.identification.excitation.programs import programs_of
 from robodyn.identification.structural import structural_base
-from robodyn.robot.assemble import load
+from robodyn.robot.load import load
 from robodyn.scene.parts import ExternalWrench, Friction
 from robodyn.scene.scene import DEFAULT, Scene
 

@@ -16,10 +16,9 @@ from robodyn.identification.choose import joint_motors
 from robodyn.identification.gather import Gathered, Guess, gather
 from robodyn.identification.identify import identify
 from robodyn.identification.log import read_log
-from robodyn.scene.covariance import read_covariance
 from robodyn.scene.parts import CoupledMotor, Friction, Rotor, Spring
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.scene.uncertainty import Uncertainty
+from robodyn.scene.uncertainty import Uncertainty, read_covariance
 
 SPATIAL = ROBOTS / "two_link_spatial.urdf"
 TIME = 0.005 * np.arange(4000)

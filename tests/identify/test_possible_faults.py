@@ -11,7 +11,7 @@ import pytest
 from helpers.command_line import ROBOTS, run
 
 from robodyn.dynamics.inverse import inverse_dynamics
-from robodyn.robot.assemble import load
+from robodyn.robot.load import load
 from robodyn.scene.parts import Friction
 from robodyn.scene.scene import Scene
 

@@ -7,7 +7,7 @@ import pytest
 from helpers.command_line import ROBOTS
 
 from robodyn.loads.torques import torques
-from robodyn.robot.assemble import load
+from robodyn.robot.load import load
 from robodyn.scene.read import parse_scene
 from robodyn.trajectory.robot_motion import motion
 

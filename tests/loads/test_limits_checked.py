@@ -10,8 +10,8 @@ from helpers.batch_runs import write_motion
 from helpers.command_line import ARM, motion, run
 
 from robodyn.report.limits import unchecked_words, verdict_on_limits
-from robodyn.robot.assemble import load
 from robodyn.robot.limits import Excess, coverage
+from robodyn.robot.load import load
 from robodyn.support.caveats import Caveat
 
 LIMIT = '<limit effort="50" velocity="5" lower="-3" upper="3"/>'

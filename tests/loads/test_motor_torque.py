@@ -15,8 +15,7 @@ import robodyn
 from robodyn.errors import SceneError
 from robodyn.loads.motors import allowed
 from robodyn.loads.torques import torques
-from robodyn.scene.motor import Motor
-from robodyn.scene.parts import Rotor
+from robodyn.scene.parts import Motor, Rotor
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import first_largest
 from robodyn.trajectory.robot_motion import motion

@@ -10,7 +10,7 @@ import pytest
 from helpers.command_line import ROBOTS, run
 
 from robodyn.dynamics.inverse import inverse_dynamics
-from robodyn.robot.assemble import load
+from robodyn.robot.load import load
 
 
 @pytest.mark.parametrize("name", ["puma560", "scara", "cylindrical", "two_link_spatial"])

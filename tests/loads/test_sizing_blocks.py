@@ -12,9 +12,8 @@ from helpers.command_line import write_arm
 
 from robodyn.loads.statistics import Greatest
 from robodyn.loads.torques import torques
-from robodyn.robot.assemble import load
-from robodyn.scene.motor import Motor
-from robodyn.scene.parts import Rotor
+from robodyn.robot.load import load
+from robodyn.scene.parts import Motor, Rotor
 from robodyn.scene.scene import Scene
 from robodyn.trajectory.read import open_trajectory
 from robodyn.trajectory.reading import Reading

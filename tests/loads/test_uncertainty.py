@@ -17,11 +17,9 @@ from robodyn.dynamics.uncertain_parameters import variations
 from robodyn.errors import InputError, SceneError
 from robodyn.loads.drawn import normal
 from robodyn.robot.model import Model
-from robodyn.scene.covariance import Covariance
-from robodyn.scene.motor import Motor
-from robodyn.scene.parts import CoupledMotor, Friction, Rotor
+from robodyn.scene.parts import CoupledMotor, Friction, Motor, Rotor
 from robodyn.scene.scene import Scene
-from robodyn.scene.uncertainty import Deviation, Uncertainty
+from robodyn.scene.uncertainty import Covariance, Deviation, Uncertainty
 
 KNOWN = Uncertainty(Deviation(0.05), Deviation(0.003, relative=False), Deviation(0.1), Deviation(0.2))
 G = 9.81

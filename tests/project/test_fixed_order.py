@@ -58,7 +58,7 @@ NO_DIGITS = {
     "identification.installation": "delays and angles, told to three digits where they are clear",
     "identification.misfit": "standard errors, told to two digits",
     "identification.link_inertias": "a sign, and a share of three digits",
-    "scene.covariance": "a sign",
+    "scene.uncertainty": "a sign",
 }
 """Parts that may use them, and what for."""
 LINEAR_ALGEBRA = {"solve", "inv", "pinv", "lstsq", "svd", "qr", "eig", "eigh", "eigvals", "eigvalsh", "cholesky", "det"}

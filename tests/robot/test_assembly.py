@@ -14,8 +14,8 @@ from helpers.small_robots import body_numbers, built, chain_parts, joint, link, 
 
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.errors import DescriptionError
-from robodyn.robot.assemble import load
 from robodyn.robot.kinematics import motions, poses
+from robodyn.robot.load import load
 
 
 @pytest.mark.parametrize("axis", [(0, 0, 1), (1, 0, 0), (0, 1, 0), (0.48, 0.6, -0.64), (0, 0, -1)])

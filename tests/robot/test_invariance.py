@@ -13,7 +13,7 @@ from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.programs.vectors import rotation_from_rpy
-from robodyn.robot.assemble import load
+from robodyn.robot.load import load
 from robodyn.scene.scene import Scene
 
 

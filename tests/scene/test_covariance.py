@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from robodyn.errors import SceneError
-from robodyn.scene.covariance import Covariance, covariance_json, read_covariance
+from robodyn.scene.uncertainty import Covariance, covariance_json, read_covariance
 
 
 def test_it_reads_back_to_the_bit(tmp_path):

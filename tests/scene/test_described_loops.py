@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 import robodyn
 from robodyn.errors import DescriptionError
-from robodyn.scene.constraints import Loop
+from robodyn.scene.parts import Loop
 from robodyn.scene.scene import Scene
 
 

@@ -17,9 +17,19 @@ from robodyn.dynamics.mass import mass_runner
 from robodyn.dynamics.plan import plan
 from robodyn.dynamics.runners import torque_runner
 from robodyn.programs.run.llvm.build import code_key
-from robodyn.scene.constraints import Contact, ContactCost, Loop
-from robodyn.scene.motor import Motor
-from robodyn.scene.parts import CoupledMotor, Drive, ExternalWrench, Friction, Payload, Rotor, Spring
+from robodyn.scene.parts import (
+    Contact,
+    ContactCost,
+    CoupledMotor,
+    Drive,
+    ExternalWrench,
+    Friction,
+    Loop,
+    Motor,
+    Payload,
+    Rotor,
+    Spring,
+)
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.scene.uncertainty import Deviation, LinkUncertainty, Uncertainty
 from robodyn.simulation.run import simulate

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from robodyn.errors import SceneError
-from robodyn.scene.constraints import Contact, ContactCost
+from robodyn.scene.parts import Contact, ContactCost
 from robodyn.scene.read import parse_scene
 
 WHOLE = b"""

@@ -8,8 +8,8 @@ import pytest
 from helpers.oracles import robot
 
 from robodyn.errors import SceneError
-from robodyn.scene.constraints import Loop
 from robodyn.scene.fit import check_scene
+from robodyn.scene.parts import Loop
 from robodyn.scene.read import parse_scene
 from robodyn.scene.scene import Scene
 

@@ -10,8 +10,7 @@ from helpers.oracles import robot
 
 from robodyn.errors import SceneError
 from robodyn.scene.fit import check_scene
-from robodyn.scene.motor import Motor
-from robodyn.scene.parts import Rotor
+from robodyn.scene.parts import Motor, Rotor
 from robodyn.scene.read import parse_scene
 from robodyn.scene.scene import Scene
 

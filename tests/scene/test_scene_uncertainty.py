@@ -11,10 +11,9 @@ from helpers.oracles import robot
 
 from robodyn.dynamics.uncertain_parameters import variations
 from robodyn.errors import SceneError
-from robodyn.scene.covariance import Covariance
 from robodyn.scene.fit import check_scene
 from robodyn.scene.read import load_scene, parse_scene
-from robodyn.scene.uncertainty import Deviation, LinkUncertainty, Uncertainty
+from robodyn.scene.uncertainty import Covariance, Deviation, LinkUncertainty, Uncertainty
 
 
 def uncertainty(text):

@@ -15,8 +15,8 @@ from helpers.small_robots import built, joint, link
 import robodyn
 from robodyn.dynamics.initial_state import begun_at, default_pose, initial_state
 from robodyn.errors import InputError
-from robodyn.robot.assemble import load
 from robodyn.robot.limits import coordinate_ranges
+from robodyn.robot.load import load
 from robodyn.scene.scene import Scene
 from robodyn.simulation.events import Limits
 

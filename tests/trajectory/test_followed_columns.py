@@ -14,7 +14,7 @@ import robodyn
 from robodyn.dynamics.plan import plan
 from robodyn.errors import TrajectoryError
 from robodyn.loads.dependent_joints import Follower
-from robodyn.scene.constraints import Contact
+from robodyn.scene.parts import Contact
 from robodyn.trajectory.assemble import join
 
 SIX = ("fx", "fy", "fz", "mx", "my", "mz")

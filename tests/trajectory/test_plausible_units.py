@@ -17,7 +17,7 @@ from helpers.example_robots import PATHS
 from helpers.robot_catalogue import FOLDER, belonging, names
 
 from robodyn.loads.example_motion import example_motion
-from robodyn.robot.assemble import load
+from robodyn.robot.load import load
 from robodyn.robot.model import Model
 from robodyn.scene.read import load_scene
 from robodyn.scene.scene import Scene

@@ -13,7 +13,7 @@ from robodyn.checks.mirror.names import named_pairs
 from robodyn.checks.mirror.parts import Carried, carried
 from robodyn.checks.mirror.plane import Plane, link_poses, near_of, planes
 from robodyn.programs.vectors import length, product
-from robodyn.robot.joints import placement
+from robodyn.robot.load import placement
 from robodyn.robot.urdf.parts import Inertial, Joint, Link
 from robodyn.solids.inertia.laws import symmetric
 from robodyn.support.floats import Floats

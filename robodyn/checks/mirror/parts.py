@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robodyn.programs.vectors import length, product
-from robodyn.robot.joints import placement
+from robodyn.robot.load import placement
 from robodyn.robot.urdf.parts import Geometry, Link
 from robodyn.support.floats import Floats
 

@@ -9,7 +9,7 @@ from statistics import median
 import numpy as np
 
 from robodyn.programs.vectors import product
-from robodyn.robot.joints import placement
+from robodyn.robot.load import placement
 from robodyn.robot.urdf.parts import Description, Joint
 from robodyn.support.floats import Floats, first_largest
 

@@ -11,7 +11,7 @@ from robodyn.dynamics.constraints.structure import Mask
 from robodyn.errors import SceneError
 from robodyn.robot.limits import binding
 from robodyn.robot.model import Joint, Model
-from robodyn.scene.constraints import EFFORT, GROUND
+from robodyn.scene.parts import EFFORT, GROUND
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
 from robodyn.support.wording import shown

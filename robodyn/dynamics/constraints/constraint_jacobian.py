@@ -24,7 +24,7 @@ from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import IDENTITY, ZERO, Scalar, cross, product, vector
 from robodyn.robot.kinematics import Motion, Pose, Wrench, motions, poses, velocities
 from robodyn.robot.model import Frame
-from robodyn.scene.constraints import Contact
+from robodyn.scene.parts import Contact
 from robodyn.solids.inertia.laws import Inertia
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum

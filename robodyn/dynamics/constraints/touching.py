@@ -12,7 +12,7 @@ from robodyn.dynamics.constraints.tree import normal_of
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.programs.vectors import product
-from robodyn.scene.constraints import ALWAYS, AUTO, Contact
+from robodyn.scene.parts import ALWAYS, AUTO, Contact
 from robodyn.support.floats import Floats
 from robodyn.support.wording import shown
 

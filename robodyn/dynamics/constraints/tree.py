@@ -9,8 +9,7 @@ from functools import lru_cache
 import numpy as np
 
 from robodyn.robot.model import Model
-from robodyn.scene.constraints import GROUND, Contact, ContactCost, Loop
-from robodyn.scene.parts import Entry, ExternalWrench, Vector
+from robodyn.scene.parts import GROUND, Contact, ContactCost, Entry, ExternalWrench, Loop, Vector
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
 

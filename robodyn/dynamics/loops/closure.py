@@ -12,7 +12,7 @@ from robodyn.dynamics.loops.equation import Equation
 from robodyn.programs.vectors import IDENTITY, ZERO, Array, Scalar, cross, product, skew
 from robodyn.robot.kinematics import Motion, acceleration_of_point
 from robodyn.robot.model import Frame, Model
-from robodyn.scene.constraints import Loop
+from robodyn.scene.parts import Loop
 
 GROUND_FRAME = Frame(-1, np.eye(3), np.zeros(3))
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.programs.vectors import IDENTITY, Array, Scalar, cross, product, rotation_from_rpy, skew, snapped
-from robodyn.scene.constraints import Loop
+from robodyn.scene.parts import Loop
 from robodyn.support.floats import Floats
 
 

@@ -16,7 +16,7 @@ from robodyn.dynamics.recursions.elimination import aligned
 from robodyn.programs.vectors import product
 from robodyn.robot.configuration import unit_rows
 from robodyn.robot.model import Model
-from robodyn.scene.constraints import GROUND, Loop
+from robodyn.scene.parts import GROUND, Loop
 from robodyn.support.floats import Floats
 
 TRIALS = 6

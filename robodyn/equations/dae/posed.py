@@ -18,7 +18,7 @@ from robodyn.equations.ode import bias_plan
 from robodyn.errors import SceneError
 from robodyn.programs.vectors import IDENTITY, ZERO, Array, Scalar, length, product, rotation_from_rpy
 from robodyn.robot.model import Joint, Model
-from robodyn.scene.constraints import Loop
+from robodyn.scene.parts import Loop
 from robodyn.scene.scene import Scene
 
 

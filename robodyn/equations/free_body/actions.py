@@ -17,7 +17,7 @@ from robodyn.equations.free_body.types import Action, JointRow
 from robodyn.programs.vectors import ZERO, narrowed, product
 from robodyn.robot.kinematics import Acceleration, Motion, Pose, Velocity, Wrench, acceleration_of_point
 from robodyn.robot.model import Model
-from robodyn.scene.constraints import GROUND
+from robodyn.scene.parts import GROUND
 from robodyn.scene.scene import Scene
 from robodyn.solids.inertia.laws import Inertia, about_centre
 from robodyn.support.floats import Floats

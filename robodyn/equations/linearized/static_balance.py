@@ -24,7 +24,7 @@ from robodyn.programs.dual import Dual, rate_of
 from robodyn.programs.linear import min_norm_solution, null_space
 from robodyn.programs.vectors import product
 from robodyn.robot.model import Model
-from robodyn.scene.constraints import Loop
+from robodyn.scene.parts import Loop
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
 

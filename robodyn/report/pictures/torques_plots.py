@@ -22,7 +22,7 @@ from robodyn.report.pictures.torques import base_figures, energy_figure, joint_f
 from robodyn.report.sizes import Sizes, result_sizes, speed_unit
 from robodyn.report.table import NOISE, is_noise, number, printable
 from robodyn.robot.model import Model
-from robodyn.scene.motor import Curve
+from robodyn.scene.parts import Curve
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats, ranked
 

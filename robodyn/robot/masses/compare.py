@@ -10,7 +10,7 @@ import numpy as np
 
 from robodyn.errors import InputError, MeshError, RobodynError
 from robodyn.programs.vectors import length, product
-from robodyn.robot.joints import placement
+from robodyn.robot.load import placement
 from robodyn.robot.masses.declared import LinkInertia, declared
 from robodyn.robot.masses.likeness import Uniform
 from robodyn.robot.masses.measured import MeshFile, Outcome, Reading

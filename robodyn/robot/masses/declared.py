@@ -7,10 +7,9 @@ from dataclasses import dataclass
 
 from robodyn.errors import InputError
 from robodyn.programs.vectors import IDENTITY, ZERO
-from robodyn.robot.assemble import assemble
 from robodyn.robot.configuration import Values, beyond_limits, configuration, coordinates, link_poses
-from robodyn.robot.joints import placement
 from robodyn.robot.kinematics import Pose
+from robodyn.robot.load import assemble, placement
 from robodyn.robot.urdf.geometry import link_named
 from robodyn.robot.urdf.parts import Description, Link
 from robodyn.solids.inertia.conversions import from_inertia

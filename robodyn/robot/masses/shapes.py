@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from robodyn.errors import DescriptionError, InputError, RobodynError
-from robodyn.robot.joints import placement
+from robodyn.robot.load import placement
 from robodyn.robot.masses.measured import MeshFile, Outcome, Reading
 from robodyn.robot.urdf.geometry import Shape, link_named, link_shapes, missing_mesh
 from robodyn.robot.urdf.parts import Description, Kind

@@ -18,7 +18,7 @@ from robodyn.dynamics.constraints.structure import structure
 from robodyn.dynamics.constraints.torque_distribution import torque_distribution
 from robodyn.dynamics.loops.find import closed_chain
 from robodyn.dynamics.plan import plan
-from robodyn.scene.constraints import GROUND
+from robodyn.scene.parts import GROUND
 from robodyn.scene.scene import Scene
 
 QUICK = 40

@@ -26,13 +26,10 @@ from robodyn.equations.dae.dae import dae_at
 from robodyn.errors import SceneError
 from robodyn.identification.calibrated_scene import calibrated, friction_toml
 from robodyn.loads.torques import torques
-from robodyn.scene.constraints import Loop
-from robodyn.scene.covariance import Covariance
-from robodyn.scene.motor import Motor
-from robodyn.scene.parts import CoupledMotor, Friction, Rotor
+from robodyn.scene.parts import CoupledMotor, Friction, Loop, Motor, Rotor
 from robodyn.scene.read import parse_scene
 from robodyn.scene.scene import Scene
-from robodyn.scene.uncertainty import Uncertainty
+from robodyn.scene.uncertainty import Covariance, Uncertainty
 from robodyn.trajectory.robot_motion import motion
 
 SAMPLES = 20

@@ -16,8 +16,8 @@ from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.programs.vectors import cross
-from robodyn.robot.assemble import load
 from robodyn.robot.kinematics import motions, poses
+from robodyn.robot.load import load
 from robodyn.scene.scene import Scene
 
 MIMIC = '<mimic joint="finger" multiplier="-2.5" offset="0.3"/>'

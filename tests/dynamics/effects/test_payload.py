@@ -12,7 +12,7 @@ from robodyn.dynamics.effects import rigid_bodies
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
-from robodyn.robot.assemble import load
+from robodyn.robot.load import load
 from robodyn.scene.parts import Payload
 from robodyn.scene.scene import Scene
 

@@ -15,7 +15,7 @@ from robodyn.dynamics.plan import applied, plan
 from robodyn.dynamics.recursions.composite_body import Root, composite_body, rates_inward
 from robodyn.dynamics.recursions.elimination import aligned
 from robodyn.errors import InputError
-from robodyn.scene.constraints import Loop
+from robodyn.scene.parts import Loop
 from robodyn.scene.scene import Scene
 
 

@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 
 import robodyn
 from robodyn.errors import InputError
-from robodyn.scene.constraints import Loop
+from robodyn.scene.parts import Loop
 from robodyn.scene.scene import Scene
 
 REFERENCE = Path(__file__).parents[2] / "data" / "reference" / "a02_reference.json"

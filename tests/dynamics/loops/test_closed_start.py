@@ -14,7 +14,7 @@ from robodyn.dynamics.loops.closed_start import closed_start
 from robodyn.dynamics.loops.independent_equations import independent_equations
 from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError
-from robodyn.scene.constraints import Loop
+from robodyn.scene.parts import Loop
 
 
 def started(model, scene):

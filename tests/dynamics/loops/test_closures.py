@@ -13,7 +13,7 @@ from robodyn.dynamics.loops.equation import equations_of
 from robodyn.dynamics.loops.find import closed_chain, closure_of, independent
 from robodyn.dynamics.plan import plan
 from robodyn.dynamics.recursions.momentum import dual_state
-from robodyn.scene.constraints import Loop
+from robodyn.scene.parts import Loop
 from robodyn.scene.scene import Scene
 
 KINDS = ("point", "hinge", "weld")

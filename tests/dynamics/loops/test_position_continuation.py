@@ -13,7 +13,7 @@ from helpers.small_robots import built, joint, link
 import robodyn
 from robodyn.dynamics.loops.position_continuation import Follow
 from robodyn.dynamics.plan import plan
-from robodyn.scene.constraints import Loop
+from robodyn.scene.parts import Loop
 from robodyn.scene.scene import Scene
 
 CRANK, ROD = 0.3, 0.8

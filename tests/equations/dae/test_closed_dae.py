@@ -16,7 +16,7 @@ from robodyn.equations.dae.closed import by_the_tree
 from robodyn.equations.dae.dae import dae
 from robodyn.equations.dae.system import loop_wrenches
 from robodyn.errors import InputError
-from robodyn.scene.constraints import Loop
+from robodyn.scene.parts import Loop
 from robodyn.scene.scene import Scene
 
 SPATIAL = [("point", True), ("hinge", False), ("weld", False), ("point", False), ("hinge", True), ("weld", True)]

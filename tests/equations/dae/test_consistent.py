@@ -14,7 +14,7 @@ from robodyn.equations.dae.consistent import flat_speeds, projected, residuals
 from robodyn.equations.dae.posed import posed
 from robodyn.errors import InputError
 from robodyn.programs.vectors import rotation_about, rotation_from_quaternion
-from robodyn.scene.constraints import Loop
+from robodyn.scene.parts import Loop
 from robodyn.scene.scene import DEFAULT, Scene
 
 

@@ -10,7 +10,7 @@ from helpers.small_robots import built, chain, joint, link, random_tree
 
 from robodyn.equations.dae.dae import dae, dae_at
 from robodyn.equations.dae.solve import ranked
-from robodyn.scene.constraints import Loop
+from robodyn.scene.parts import Loop
 from robodyn.scene.scene import Scene
 
 

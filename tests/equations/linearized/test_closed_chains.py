@@ -14,8 +14,7 @@ from mpmath import mp, mpf
 import robodyn
 from robodyn.equations.linearized.linearize import linearize
 from robodyn.errors import InputError
-from robodyn.scene.constraints import Loop
-from robodyn.scene.parts import Drive, Friction, Spring
+from robodyn.scene.parts import Drive, Friction, Loop, Spring
 from robodyn.scene.scene import Scene
 
 R, L, G = mpf("0.1"), mpf("0.3"), mpf("9.81")

@@ -19,8 +19,7 @@ from robodyn.dynamics.plan import Plan
 from robodyn.equations.linearized.linearize import linearize
 from robodyn.equations.linearized.linearized import in_steps
 from robodyn.errors import InputError
-from robodyn.scene.constraints import Loop
-from robodyn.scene.parts import Drive, Friction, Spring
+from robodyn.scene.parts import Drive, Friction, Loop, Spring
 from robodyn.scene.scene import Scene
 
 

@@ -15,7 +15,7 @@ from mpmath import mp
 
 import robodyn
 from robodyn.equations.linearized.linearize import linearize
-from robodyn.robot.assemble import load
+from robodyn.robot.load import load
 from robodyn.scene.parts import Drive, Friction, LimitSpring, Rotor, Spring
 from robodyn.scene.scene import Scene
 

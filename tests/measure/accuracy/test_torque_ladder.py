@@ -13,7 +13,7 @@ from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.errors import InputError
 from robodyn.measure.accuracy.derivative_ladder import like, noisy
 from robodyn.measure.accuracy.torque_ladder import file_accuracy, torque_accuracy
-from robodyn.robot.assemble import load
+from robodyn.robot.load import load
 from robodyn.scene.scene import DEFAULT
 from robodyn.trajectory.motion import Derivation, JointDerivation
 from robodyn.trajectory.robot_motion import motion, read_motion

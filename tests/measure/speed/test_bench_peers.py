@@ -16,7 +16,7 @@ from robodyn.dynamics.plan import plan
 from robodyn.measure.speed.executors import random_sources
 from robodyn.measure.speed.libraries import LIBRARIES, Task
 from robodyn.measure.speed.peers import bare_description, bare_scene, compared, following
-from robodyn.robot.assemble import load
+from robodyn.robot.load import load
 
 SAMPLES = 20
 GRAVITY = (1.0, -2.0, 3.0)

@@ -11,7 +11,7 @@ from robodyn.dynamics.plan import plan
 from robodyn.programs.run import double_double as dd
 from robodyn.programs.run.double_double import DoubleDouble, Pair
 from robodyn.programs.run.multiprecision import Multiprecision
-from robodyn.robot.assemble import load
+from robodyn.robot.load import load
 from robodyn.scene.scene import DEFAULT
 
 DIGITS = 60

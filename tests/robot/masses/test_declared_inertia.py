@@ -14,7 +14,7 @@ from helpers.sampled import sampled
 
 from robodyn.errors import InputError
 from robodyn.programs.vectors import rotation_from_rpy
-from robodyn.robot.assemble import assemble
+from robodyn.robot.load import assemble
 from robodyn.robot.masses.declared import link_inertia, robot_inertia
 from robodyn.robot.urdf.description import load_description
 from robodyn.solids.inertia.solids import box

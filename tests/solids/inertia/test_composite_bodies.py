@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from robodyn.errors import InputError
 from robodyn.programs.vectors import IDENTITY, ZERO, rotation_from_rpy
-from robodyn.robot.joints import placement
+from robodyn.robot.load import placement
 from robodyn.robot.urdf.description import load_description
 from robodyn.solids.inertia.conversions import from_inertia
 from robodyn.solids.inertia.properties import composite
