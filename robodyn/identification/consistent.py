@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.dynamics.regressor import INERTIAL
 from robodyn.errors import InputError
-from robodyn.identification.cones import BASIS, ONE, Problem, coordinates
-from robodyn.identification.interior_point import Minimum, minimised
 from robodyn.identification.prior import Prior
 from robodyn.identification.pseudo_inertia import divergence, parameters_of, pseudo_inertia
 from robodyn.support.floats import Floats
@@ -19,8 +17,32 @@ from robodyn.support.sums import einsum
 MARGIN = 1e-6
 """P - MARGIN P0 is positive definite, so that rounding in print makes no body impossible."""
 _FLOOR = 1e-12
-"""The least strength, in parts of ||z||^2."""
+"""The least strength, in parts of ||z||^2, and the weight of the barriers of bounds where the path ends."""
 _SIGNS = {"viscous": 1.0, "coulomb": 1.0, "forward": 1.0, "backward": -1.0, "stribeck": 1.0, "load": 1.0, "rotor": 1.0}
+_NEXT, _CENTRED, _SETTLED = 0.05, 1.0, 1e-8
+"""By which the barrier weakens; squares of Newton's decrement, in units of the barrier, up to which it does, and up to
+which the last point is the minimum."""
+_STEPS, _LAST = 400, 12
+"""Newton's steps at most, and those at the end of the path after which what is left is rounding."""
+
+
+def _basis() -> Floats:
+    E = np.zeros((10, 4, 4))
+    for k, (i, j) in enumerate(zip(*np.triu_indices(4), strict=True)):
+        E[k, i, j] = E[k, j, i] = 1.0 if i == j else 0.5**0.5
+    return E
+
+
+BASIS = _basis()
+"""An orthonormal basis (10, 4, 4) of the symmetric matrices."""
+_ONE = einsum("kii->k", BASIS)
+"""The coordinates of the identity."""
+
+
+def coordinates(V: Floats) -> Floats:
+    """Return the coordinates (..., 10) of symmetric matrices (..., 4, 4) in `BASIS`."""
+    v: Floats = einsum("kij,...ij->...k", BASIS, V)
+    return v
 
 
 class ConsistentFit(NamedTuple):
@@ -55,7 +77,9 @@ def consistent_parameters(R: Floats, z: Floats, prior: Prior, strength: float = 
     good as any this is the one nearest to the prior. Parameters that the rows do not show keep the description's
     values.
 
-    Method: `robodyn.identification.cones`, in variables V with P = L V L^T, P0 = L L^T, and x / s.
+    Method: Newton's along the path of a weakening barrier (see `_Path`), in variables V with P = L V L^T, P0 = L L^T,
+    and x / s. The objective is its own barrier of the bodies: it is self-concordant, and Newton's decrement bounds how
+    far its minimum is (Boyd and Vandenberghe 2004, 9.6).
 
     Args:
         R, z: (rows, p), (rows,), as triangular factors of a weighted regressor and torques.
@@ -68,19 +92,18 @@ def consistent_parameters(R: Floats, z: Floats, prior: Prior, strength: float = 
     Accuracy: the objective is within 2e-12 (k + 1) ||z||^2 of its minimum, with k bounds; `gap` says it.
     """
     _check(R, z, prior, strength)
-    scaled = _Scaled(R, z, prior)
-    if not scaled.seen.any():
+    path = _Path(R, z, prior, strength)
+    if not path.seen.any():
         return ConsistentFit(prior.described.copy(), float(einsum("i,i->", z, z)) / 2.0, {}, 0.0, 0)
-    found = minimised(scaled.problem(strength), scaled.y0)
-    theta = scaled.theta(found)
+    gap, steps = path.follow()
+    theta = path.theta()
     residual = einsum("ij,j->i", R, theta) - z
     error = float(einsum("i,i->", residual, residual)) / 2.0
-    far = {body.name: _divergence(theta[body.columns], prior.theta[body.columns]) for body in scaled.bodies}
-    return ConsistentFit(theta, error, far, found.gap * scaled.size**2, found.steps)
-
-
-def _divergence(parameters: Floats, prior: Floats) -> float:
-    return float(divergence(pseudo_inertia(parameters), pseudo_inertia(prior)))
+    far = {
+        body.name: float(divergence(*(pseudo_inertia(each[body.columns]) for each in (theta, prior.theta))))
+        for body in path.bodies
+    }
+    return ConsistentFit(theta, error, far, gap * path.size**2, steps)
 
 
 def _check(R: Floats, z: Floats, prior: Prior, strength: float) -> None:
@@ -93,60 +116,135 @@ def _check(R: Floats, z: Floats, prior: Prior, strength: float) -> None:
         raise InputError(f"the strength {strength:g} is not positive or zero")
 
 
-class _Scaled:
+class _Path:
     """theta = offset + T y of the parameters that the rows show, so that prior and rows are of the order of 1.
 
-    P = MARGIN P0 + (1 - MARGIN) L V L^T of each body, then the others by their units.
+    P = MARGIN P0 + (1 - MARGIN) L V L^T of each body, V by its coordinates, then the other parameters in units of
+    their own. At mu y minimises
+
+        ||A y - b||^2 / 2 + lam ||x - x0||^2 / 2 + lam tr V - (lam + mu - floor) log det V - mu sum log(G y + h)
+
+    where mu falls to the floor.
     """
 
-    def __init__(self, R: Floats, z: Floats, prior: Prior) -> None:
+    def __init__(self, R: Floats, z: Floats, prior: Prior, strength: float) -> None:
         self.prior, self.offset = prior, prior.described.copy()
         self.seen = (R != 0.0).any(axis=0)
         self.bodies = [body for body in prior.bodies if self.seen[body.columns].any()]
-        self.count = 10 * len(self.bodies)
         columns = np.linalg.norm(R, axis=0)
         self.size = float(np.linalg.norm(z, axis=0)) or float(columns.max(initial=0.0)) or 1.0
-        links, others = self._links(), self._others(columns)
-        self.offset[others] = 0.0
-        self.T = np.zeros((len(self.seen), self.count + len(others)))
-        for k, body in enumerate(self.bodies):
-            self.T[body.columns, 10 * k : 10 * k + 10] = links[k]
-            self.offset[body.columns] = MARGIN * prior.theta[body.columns]
-        self.T[others, np.arange(self.count, self.T.shape[1])] = self.units
-        self.y0 = np.concatenate((np.tile(ONE, len(self.bodies)), prior.theta[others] / self.units))
-        self.y0[self.signed] = np.maximum(self.y0[self.signed], 0.0)
-        self.A, self.b = R @ self.T / self.size, (z - R @ self.offset) / self.size
-
-    def _links(self) -> list[Floats]:
-        """Return (10, 10) for each body: its parameters of the coordinates of V."""
-        self.roots = [np.linalg.cholesky(pseudo_inertia(self.prior.theta[body.columns])) for body in self.bodies]
-        return [(1.0 - MARGIN) * parameters_of(L @ BASIS @ L.T).T for L in self.roots]
-
-    def _others(self, columns: Floats) -> NDArray[np.intp]:
-        """Return where the other parameters are; set their units, and which of them have a sign."""
-        kinds = [name.rpartition(".")[2] for name in self.prior.names]
+        self.lam = max(strength / self.size**2, _FLOOR)
+        kinds = [name.rpartition(".")[2] for name in prior.names]
         others = np.array([k for k, kind in enumerate(kinds) if self.seen[k] and kind not in INERTIAL], dtype=int)
         signs = np.array([_SIGNS.get(kinds[k], 0.0) for k in others])
-        self.units = np.maximum(np.abs(self.prior.theta[others]), self.size / columns[others])
-        self.units[signs < 0.0] *= -1.0
-        self.signed = np.flatnonzero(signs) + self.count
-        return others
-
-    def problem(self, strength: float) -> Problem:
-        lam = max(strength / self.size**2, _FLOOR)
-        ridge = np.where(np.arange(len(self.y0)) < self.count, 0.0, lam)
-        G, h = [np.eye(len(self.y0))[self.signed]], [0.0] * len(self.signed)
-        for k, (body, L) in enumerate(zip(self.bodies, self.roots, strict=True)):
+        units = np.maximum(np.abs(prior.theta[others]), self.size / columns[others])
+        units[signs < 0.0] *= -1.0
+        self.offset[others] = 0.0
+        self.inner = 10 * len(self.bodies)
+        self.signed = np.flatnonzero(signs) + self.inner
+        self.T = np.zeros((len(R.T), self.inner + len(others)))
+        self.T[others, np.arange(self.inner, len(self.T.T))] = units
+        G, h = [np.eye(len(self.T.T))[self.signed]], [0.0] * len(self.signed)
+        for k, body in enumerate(self.bodies):
+            L = np.linalg.cholesky(pseudo_inertia(prior.theta[body.columns]))
+            own = slice(10 * k, 10 * k + 10)
+            self.T[body.columns, own] = (1.0 - MARGIN) * parameters_of(L @ BASIS @ L.T).T
+            self.offset[body.columns] = MARGIN * prior.theta[body.columns]
             if body.ellipsoid is not None:
-                row, Q = np.zeros((1, len(self.y0))), L.T @ body.ellipsoid @ L
-                row[0, 10 * k : 10 * k + 10] = (1.0 - MARGIN) * coordinates(Q)
+                row, Q = np.zeros((1, len(self.T.T))), L.T @ body.ellipsoid @ L
+                row[0, own] = (1.0 - MARGIN) * coordinates(Q)
                 G.append(row)
                 h.append(MARGIN * float(np.trace(Q)))
-        return Problem(self.A, self.b, len(self.bodies), lam, ridge, self.y0, np.concatenate(G), np.array(h), _FLOOR)
+        self.A, self.b = R @ self.T / self.size, (z - R @ self.offset) / self.size
+        self.G, self.ones = np.concatenate(G), np.tile(_ONE, len(self.bodies))
+        self.y = np.concatenate((self.ones, prior.theta[others] / units))
+        self.y[self.signed] = np.maximum(self.y[self.signed], 0.0)
+        self.centre = self.y[self.inner :].copy()
+        self.y[self.signed] = np.maximum(self.y[self.signed], 1e-3)
+        self.slack = self.G @ self.y + h
 
-    def theta(self, found: Minimum) -> Floats:
+    def theta(self) -> Floats:
         """Return the parameters; those at their bound are 0."""
-        y, k = found.y.copy(), len(self.signed)
-        y[self.signed] = np.where(found.s[:k] < found.w[:k], 0.0, found.s[:k])
+        y, slack = self.y.copy(), self.slack[: len(self.signed)]
+        y[self.signed] = np.where(slack * slack < _FLOOR, 0.0, slack)
         theta: Floats = self.offset + self.T @ y
         return theta
+
+    def follow(self) -> tuple[float, int]:
+        """Go to the end of the path; return by how much the objective exceeds its minimum at most, and the steps."""
+        error = self.A @ self.y - self.b
+        mu, at_end = max(1e-2, float(error @ error)), 0
+        for steps in range(1, _STEPS + 1):
+            squared = self._step(mu)
+            if mu > _FLOOR:
+                mu = max(_FLOOR, _NEXT * mu) if squared < _CENTRED * mu else mu
+                continue
+            at_end += 1
+            if squared < min(_SETTLED * self.lam, _FLOOR) or at_end > _LAST:
+                return squared + len(self.slack) * _FLOOR, steps
+        return inf, _STEPS
+
+    def _step(self, mu: float) -> float:
+        """Go by Newton's direction to where the objective is least along it; return the square of the decrement.
+
+        In variables u with V + dV = F (1 + dU) F^T, V = F F^T, and signed ones in parts of themselves, the second
+        derivatives of barriers are multiples of the identity, and those of everything are rows^T rows.
+        """
+        n, curve = self.inner, self.lam + mu - _FLOOR
+        F = np.linalg.cholesky(einsum("lk,kij->lij", self.y[:n].reshape(-1, 10), BASIS))
+        S = np.swapaxes(coordinates(F[:, None] @ BASIS @ np.swapaxes(F, -1, -2)[:, None]), -1, -2)
+        unit = np.ones(len(self.y) - n)
+        unit[self.signed - n] = self.slack[: len(self.signed)]
+
+        def scaled(rows: Floats) -> Floats:
+            blocks = rows[:, :n].reshape(len(rows), len(self.bodies), 1, 10) @ S
+            return np.concatenate((blocks.reshape(len(rows), n), rows[:, n:] * unit), axis=1)
+
+        nearing, root = scaled(self.G) / self.slack[:, None], np.sqrt(self.lam)
+        own = np.concatenate((np.full(n, np.sqrt(curve)), root * unit))
+        rows = np.concatenate((scaled(self.A), np.diag(own), np.sqrt(mu) * nearing))
+        trace = (self.ones.reshape(-1, 1, 10) @ S).ravel()
+        off = np.concatenate(
+            (
+                self.A @ self.y - self.b,
+                (self.lam * trace - curve * self.ones) / np.sqrt(curve),
+                root * (self.y[n:] - self.centre),
+                np.full(len(self.slack), -np.sqrt(mu)),
+            )
+        )
+        Q, triangle = np.linalg.qr(rows)
+        along = Q.T @ off
+        u = -_solved(triangle, along)
+        bends = np.linalg.eigvalsh(einsum("lk,kij->lij", u[:n].reshape(-1, 10), BASIS)).ravel()
+        approach = nearing @ u
+        smooth = np.concatenate((rows[: len(self.A)] @ u, root * unit * u[n:]))
+        slope = (
+            smooth @ np.concatenate((off[: len(self.A)], root * (self.y[n:] - self.centre))) + self.lam * trace @ u[:n]
+        )
+        barriers = np.concatenate((np.full(len(bends), curve), np.full(len(approach), mu)))
+        part = _least(float(slope), float(smooth @ smooth), barriers, np.concatenate((bends, approach)))
+        self.y = self.y + part * np.concatenate(((S @ u[:n].reshape(-1, 10, 1)).ravel(), unit * u[n:]))
+        self.slack = self.slack * (1.0 + part * approach)
+        return float(along @ along)
+
+
+def _solved(triangle: Floats, right: Floats) -> Floats:
+    from scipy.linalg import solve_triangular
+
+    return np.asarray(solve_triangular(triangle, right))
+
+
+def _least(slope: float, bend: float, weights: Floats, rates: Floats) -> float:
+    """Minimiser t > 0 of slope t + bend t^2 / 2 - sum weights log(1 + t rates), by Newton steps in a bracket."""
+    low, high = 0.0, -1.0 / float(rates.min()) if rates.min(initial=0.0) < 0.0 else 1e3
+    t = min(1.0, 0.9 * high)
+    for _ in range(30):
+        parts = rates / (1.0 + t * rates)
+        first = slope + bend * t - float(weights @ parts)
+        low, high = (low, t) if first > 0.0 else (t, high)
+        new = t - first / (bend + float(weights @ (parts * parts)))
+        new = new if low < new < high else 0.5 * (low + high)
+        if abs(new - t) < 1e-3 * t:
+            return new
+        t = new
+    return t

@@ -13,8 +13,7 @@ from helpers.small_robots import built, joint, link, random_tree
 
 import robodyn
 from robodyn.errors import InputError
-from robodyn.identification.cones import BASIS, coordinates
-from robodyn.identification.consistent import MARGIN, consistent_parameters
+from robodyn.identification.consistent import BASIS, MARGIN, consistent_parameters, coordinates
 from robodyn.identification.prior import Prior, PriorBody, ellipsoid, prior_of
 from robodyn.identification.pseudo_inertia import divergence, parameters_of, pseudo_inertia
 from robodyn.solids.inertia.validity import Box
