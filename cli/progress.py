@@ -121,7 +121,7 @@ class Meter:
     def __init__(self, sizes: Sequence[int]) -> None:
         """Args: sizes: bytes of each file."""
         from robodyn.solids.mesh.closed.one_shell import readings
-        from robodyn.solids.mesh.read.stl_binary import RECORD
+        from robodyn.solids.mesh.read.stl import RECORD
 
         self._record = RECORD
         self._shares = [float(size * (1 + readings(size // RECORD))) for size in sizes]

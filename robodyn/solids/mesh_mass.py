@@ -17,7 +17,7 @@ from robodyn.solids.inertia.solids import WATER
 from robodyn.solids.mesh.integrate.integrals import Integrals
 from robodyn.solids.mesh.measured import Measured, measured, sheet, solid
 from robodyn.solids.mesh.read.load import from_array, load_triangles
-from robodyn.solids.mesh.read.stl_binary import OnProgress
+from robodyn.solids.mesh.read.stl import OnProgress
 from robodyn.solids.mesh.shape import Shape, shape
 from robodyn.solids.mesh.triangles import Triangles, scaled
 from robodyn.support.floats import Floats

@@ -14,6 +14,7 @@ from robodyn.errors import MeshError
 from robodyn.support.floats import Floats
 
 Corners = NDArray[np.floating[Any]]
+Indices = NDArray[np.signedinteger[Any]]
 
 BLOCK = 4096
 """Triangles of a block: its corners stay in the cache."""
@@ -91,7 +92,7 @@ class IndexedTriangles(Triangles):
     """Triangles of vertices (v, 3) and faces (m, 3) of indices, every used vertex finite."""
 
     vertices: Corners
-    faces: NDArray[np.signedinteger[Any]]
+    faces: Indices
 
     @property
     def count(self) -> int:
@@ -179,3 +180,69 @@ def scaled(triangles: Triangles, factors: Sequence[float]) -> Triangles:
     common = float(abs(given[0]))
     labels = {**triangles.labels, "scale": triangles.scale * common}
     return ScaledTriangles(given=triangles, factors=given / common, **labels)
+
+
+def polygon_triangles(
+    name: str,
+    vertices: Corners,
+    corners: Indices,
+    sizes: Indices,
+    *,
+    significand: int,
+    scale: float,
+    notes: tuple[str, ...],
+) -> IndexedTriangles:
+    """Return the triangles of polygons, those of more than three corners fanned from their first one.
+
+    A fan has the boundary of its polygon and, where that is plane, the same integrals, even if it is not convex.
+
+    Args:
+        vertices: (v, 3). corners: (sum of sizes,) indices into them, one polygon after the other.
+        sizes: (k,) corners of each polygon.
+
+    Raises:
+        MeshError: there are none, one has fewer than three corners, or a corner does not exist or is not finite.
+    """
+    if not len(sizes):
+        what = f"holds {len(vertices)} vertices and no faces" if len(vertices) else "holds no vertices and no faces"
+        raise MeshError(what, remedy="export a mesh of triangles", file=name)
+    small = sizes < 3
+    if small.any():
+        face = int(small.argmax())
+        what = f"face {face + 1} has {sizes[face]} corners"
+        raise MeshError(what, remedy="a face needs three; leave it out", file=name)
+    _check_corners(name, vertices, corners, sizes)
+    if len(vertices) < 1 << 31:
+        corners = corners.astype(np.int32, copy=False)
+    larger = int((sizes > 3).sum())
+    faces = _fans(corners, sizes) if larger else corners.reshape(-1, 3)
+    if larger:
+        notes = (*notes, f"{larger} of {len(sizes)} faces have more than three corners: cut into triangles")
+    return IndexedTriangles(name, vertices, faces, significand=significand, scale=scale, notes=notes)
+
+
+def _check_corners(name: str, vertices: Corners, corners: Indices, sizes: Indices) -> None:
+    outside = (corners < 0) | (corners >= len(vertices))
+    if outside.any():
+        at = int(outside.argmax())
+        what = f"face {_face_of(at, sizes) + 1} names vertex {corners[at]}, counted from 0, of {len(vertices)}"
+        raise MeshError(what, remedy="the file is cut short or damaged: export it again", file=name)
+    finite = np.logical_and.reduce(np.isfinite(vertices), axis=1)
+    if not finite.all():
+        used = np.logical_not(finite[corners])
+        if used.any():
+            at = int(used.argmax())
+            raise not_finite(_face_of(at, sizes), vertices[corners[at]], name)
+
+
+def _face_of(corner: int, sizes: Indices) -> int:
+    return int(np.searchsorted(np.cumsum(sizes), corner, side="right"))
+
+
+def _fans(corners: Indices, sizes: Indices) -> Indices:
+    """(m, 3) of the corners first, k, k + 1 of each polygon, k from 1 to its size - 2."""
+    firsts = np.cumsum(sizes) - sizes
+    counts = sizes - 2
+    first = np.repeat(firsts, counts)
+    second = first + 1 + np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+    return np.stack([corners[first], corners[second], corners[second + 1]], axis=1)

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from robodyn.errors import MeshError
 from robodyn.solids.mesh.read.source import Source, open_source, scale_of
-from robodyn.solids.mesh.read.stl_binary import OnProgress, is_complete, open_binary
+from robodyn.solids.mesh.read.stl import OnProgress, is_complete, open_binary, read_stl_text
 from robodyn.solids.mesh.triangles import MemoryTriangles, Triangles, check_finite
 from robodyn.support.input_file import LFS_POINTER
 
@@ -64,7 +64,7 @@ def load_triangles(
         return read_ply(found, scale, (note,))
     if b"\0" in found.data(_HEAD):
         raise found.error(f"is binary data, no {kind.upper()}", remedy="is its type another?")
-    from robodyn.solids.mesh.read.obj_off import read_obj, read_off
+    from robodyn.solids.mesh.read.text import read_obj, read_off
 
     return (read_obj if kind == "obj" else read_off)(found, scale, (note,))
 
@@ -98,9 +98,7 @@ def _read_stl(source: Source, scale: float, notes: tuple[str, ...], on_progress:
         return open_binary(source, head, scale, notes, on_progress)
     if b"solid" not in head.lower() and b"facet" not in head.lower():
         raise source.error("is text without 'solid' or 'facet', no STL", remedy="is its type another?")
-    from robodyn.solids.mesh.read.stl_ascii import read_ascii
-
-    return read_ascii(source, scale, notes)
+    return read_stl_text(source, scale, notes)
 
 
 def kind_of(source: Source, file_type: str | None) -> str:

@@ -1,94 +1,113 @@
-"""PLY, ASCII and binary: the elements `vertex` and `face`; others are passed over."""
+"""PLY, text and binary: the elements `vertex` and `face`; others are passed over."""
 
 from __future__ import annotations
 
+from array import array
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Literal
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from robodyn.solids.mesh.read.lines import Integers, Tokens, chunks, runs
-from robodyn.solids.mesh.read.ply_binary import Columns, read_binary
-from robodyn.solids.mesh.read.ply_header import Element, Header, read_header
-from robodyn.solids.mesh.read.polygons import triangles_of
+from robodyn.errors import MeshError
 from robodyn.solids.mesh.read.source import Source
-from robodyn.solids.mesh.triangles import Corners, IndexedTriangles
+from robodyn.solids.mesh.read.text import TRUNCATED, indices, lines, number
+from robodyn.solids.mesh.triangles import Corners, IndexedTriangles, Indices, polygon_triangles
+
+Encoding = Literal["ascii", "<", ">"]
+
+_TYPES = {
+    **dict.fromkeys(("char", "int8"), "i1"),
+    **dict.fromkeys(("uchar", "uint8"), "u1"),
+    **dict.fromkeys(("short", "int16"), "i2"),
+    **dict.fromkeys(("ushort", "uint16"), "u2"),
+    **dict.fromkeys(("int", "int32"), "i4"),
+    **dict.fromkeys(("uint", "uint32"), "u4"),
+    **dict.fromkeys(("int64", "longlong"), "i8"),
+    **dict.fromkeys(("uint64", "ulonglong"), "u8"),
+    **dict.fromkeys(("float", "float32"), "f4"),
+    **dict.fromkeys(("double", "float64"), "f8"),
+}
+_ENCODINGS: dict[str, Encoding] = {"ascii": "ascii", "binary_little_endian": "<", "binary_big_endian": ">"}
+_LONGEST = 1 << 20
 
 
-def read_text(source: Source, header: Header, wanted: Mapping[str, Sequence[str]]) -> Columns:
-    """Return the wanted properties; see `read_binary`.
+@dataclass(frozen=True)
+class Property:
+    """A number, or a list whose length is a number of type `length`; types as NumPy codes without byte order."""
+
+    name: str
+    type: str
+    length: str | None
+
+
+@dataclass(frozen=True)
+class Element:
+    name: str
+    count: int
+    properties: tuple[Property, ...]
+
+
+@dataclass(frozen=True)
+class Header:
+    encoding: Encoding
+    elements: tuple[Element, ...]
+    size: int
+    """Bytes of the header: the data begin there."""
+
+
+def read_header(source: Source) -> Header:
+    """Return the header of a PLY.
 
     Raises:
-        MeshError: a line has not as many words as its properties need, a word is no number, or lines are missing.
+        MeshError: it is malformed, or does not end within 1 MB.
     """
-    parts: dict[tuple[str, str], list[tuple[Integers, NDArray[Any]]]] = {}
-    for element in header.elements:
-        parts.update({(element.name, name): [] for name in wanted.get(element.name, ())})
-    waiting = [element for element in header.elements if element.count and element.properties]
-    read = 0
-    for words in chunks(source, header.size):
-        line = 0
-        while waiting and line < len(words.first) - 1:
-            element = waiting[0]
-            rows = slice(line, min(line + element.count - read, len(words.first) - 1))
-            for name, column in _rows(words, element, rows, wanted.get(element.name, ())).items():
-                parts[element.name, name].append(column)
-            read += rows.stop - rows.start
-            line = rows.stop
-            if read == element.count:
-                waiting, read = waiting[1:], 0
-    if waiting:
-        what = f"the header promises {waiting[0].count} of the element {waiting[0].name!r}, {read} are there"
-        raise source.error(what, remedy="the file is cut short: get it again")
-    return {key: _joined(columns) for key, columns in parts.items()}
+    text = source.data(_LONGEST)
+    if not text.startswith(b"ply"):
+        raise source.error("does not begin with 'ply'", remedy="this is no PLY; is its type another?")
+    feed = b"\r\n" if text[3:5] == b"\r\n" else text[3:4]
+    end = text.find(feed + b"end_header")
+    stop = text.find(feed, end + len(feed)) if end >= 0 else -1
+    if feed not in (b"\n", b"\r", b"\r\n") or stop < 0:
+        raise source.error("the header does not end with 'end_header'", remedy="the file is cut short or damaged")
+    encoding: Encoding | None = None
+    elements: list[tuple[str, int, list[Property]]] = []
+    for at, line in enumerate(text[:end].split(feed), 1):
+        words = line.decode("latin-1").split()
+        try:
+            if words[:1] == ["format"]:
+                encoding = _ENCODINGS[words[1]]
+            elif words[:1] == ["element"]:
+                _, name, count = words
+                elements.append((name, _count(count), []))
+            elif words[:1] == ["property"]:
+                elements[-1][2].append(_property(words))
+        except (KeyError, ValueError, IndexError):
+            shown = " ".join(words)[:60]
+            raise source.error(f"{shown!r} is not understood", "repair the header", at) from None
+    if encoding is None:
+        raise source.error("the header names no format", remedy="ascii, binary_little_endian or binary_big_endian")
+    found = tuple(Element(name, count, tuple(properties)) for name, count, properties in elements)
+    return Header(encoding, found, stop + len(feed))
 
 
-def _joined(columns: list[tuple[Integers, NDArray[Any]]]) -> tuple[Integers, NDArray[Any]]:
-    if not columns:
-        return np.empty(0, np.int64), np.empty(0, np.int64)
-    return np.concatenate([sizes for sizes, _ in columns]), np.concatenate([values for _, values in columns])
+def _count(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and len(text) <= 18):
+        raise ValueError(text)
+    return int(text)
 
 
-def _rows(
-    words: Tokens, element: Element, rows: slice, wanted: Sequence[str]
-) -> dict[str, tuple[Integers, NDArray[Any]]]:
-    """Return the wanted properties of some lines."""
-    if not wanted:
-        return {}
-    at, end = words.first[rows], words.first[rows.start + 1 : rows.stop + 1]
-    found = {}
-    for known in element.properties:
-        sizes = np.ones(len(at), np.int64)
-        _check_within(words, element, at, end)
-        if known.length:
-            sizes = words.integers(at)
-            _check_within(words, element, at + np.maximum(sizes, 0), end, sizes < 0)
-            at = at + 1
-        if known.name in wanted:
-            index = at
-            if known.length:
-                index = runs(at, sizes)
-            found[known.name] = sizes, _values(words, index, known.type)
-        at = at + sizes
-    _check_within(words, element, at - 1, end, at != end)
-    return found
-
-
-def _values(words: Tokens, index: Integers, kind: str) -> NDArray[Any]:
-    if not kind.startswith("f"):
-        return words.integers(index)
-    with np.errstate(over="ignore"):
-        return words.floats(index).astype(kind)
-
-
-def _check_within(
-    words: Tokens, element: Element, at: Integers, end: Integers, wrong: NDArray[Any] | bool = False
-) -> None:
-    """That the words `at` stand before the words `end`, the first ones of the next lines."""
-    what = f"the line has not the number of words that an element {element.name!r} needs"
-    words.refuse((at >= end) | wrong, end - 1, what, "one line holds all properties of one element")
+def _property(words: list[str]) -> Property:
+    if words[1] == "list":
+        _, _, length, kind, name = words
+        if _TYPES[length].startswith("f"):
+            raise ValueError(length)
+        return Property(name, _TYPES[kind], _TYPES[length])
+    _, kind, name = words
+    return Property(name, _TYPES[kind], None)
 
 
 _AXES = ("x", "y", "z")
@@ -103,11 +122,10 @@ def read_ply(source: Source, scale: float, notes: tuple[str, ...]) -> IndexedTri
     """
     header = read_header(source)
     wanted = {"vertex": _AXES, "face": (_list_of_faces(source, header),)}
-    read = read_text if header.encoding == "ascii" else read_binary
-    found = read(source, header, wanted)
+    found = (_read_text if header.encoding == "ascii" else _read_binary)(source, header, wanted)
     vertices = _vertices(found)
     sizes, corners = found["face", wanted["face"][0]]
-    return triangles_of(
+    return polygon_triangles(
         source.name,
         vertices,
         corners,
@@ -118,7 +136,7 @@ def read_ply(source: Source, scale: float, notes: tuple[str, ...]) -> IndexedTri
     )
 
 
-def _vertices(found: dict[tuple[str, str], tuple[Integers, Corners]]) -> Corners:
+def _vertices(found: dict[tuple[str, str], tuple[Indices, Corners]]) -> Corners:
     columns = [found["vertex", axis][1] for axis in _AXES]
     kind = np.float32 if all(column.dtype.newbyteorder("=") == np.float32 for column in columns) else np.float64
     return np.stack(columns, axis=1).astype(kind, copy=False)
@@ -151,3 +169,200 @@ def _only(source: Source, header: Header, name: str) -> Element:
     if twice is not None:
         raise source.error(f"the element {name!r} has the property {twice!r} twice", remedy="repair the header")
     return found[0]
+
+
+Columns = dict[tuple[str, str], tuple[Indices, NDArray[Any]]]
+"""By element and property: (rows,) lengths, 1 where it is no list, and all values, one row after the other."""
+
+
+def _read_text(source: Source, header: Header, wanted: Mapping[str, Sequence[str]]) -> Columns:
+    """Return the wanted properties, one line for each row of an element.
+
+    Raises:
+        MeshError: a line has not as many words as its properties need, a word is no number, or lines are missing.
+    """
+    waiting = [element for element in header.elements if element.count and element.properties]
+    lengths = {(element, name): array("q") for element, names in wanted.items() for name in names}
+    types = {(element.name, known.name): known.type for element in header.elements for known in element.properties}
+    values = {key: array("d" if types[key].startswith("f") else "q") for key in lengths}
+    read = 0
+    for line, text in lines(source, header.size):
+        words = text.split()
+        if not words:
+            continue
+        if not waiting:
+            break
+        element = waiting[0]
+        if element.name in wanted:
+            _read_row(source, line, words, element, lengths, values)
+        read += 1
+        if read == element.count:
+            waiting, read = waiting[1:], 0
+    if waiting:
+        what = f"the header promises {waiting[0].count} of the element {waiting[0].name!r}, {read} are there"
+        raise source.error(what, remedy=TRUNCATED)
+    found = {}
+    for key, column in values.items():
+        numbers = np.array(column)
+        with np.errstate(over="ignore"):
+            found[key] = np.array(lengths[key]), numbers.astype(types[key]) if types[key].startswith("f") else numbers
+    return found
+
+
+def _read_row(
+    source: Source,
+    line: int,
+    words: list[bytes],
+    element: Element,
+    lengths: Mapping[tuple[str, str], array[int]],
+    values: Mapping[tuple[str, str], array[Any]],
+) -> None:
+    """Take the properties of one row."""
+    at = 0
+    for known in element.properties:
+        length = 1
+        if known.length and at < len(words):
+            length = indices(source, line, words[at : at + 1])[0]
+            at += 1
+        if length < 0 or at + length > len(words):
+            break
+        key = element.name, known.name
+        if key in lengths:
+            lengths[key].append(length)
+            taken = words[at : at + length]
+            is_float = known.type.startswith("f")
+            values[key].extend(
+                [number(source, line, word) for word in taken] if is_float else indices(source, line, taken)
+            )
+        at += length
+    else:
+        if at == len(words):
+            return
+    what = f"the line has not the number of words that an element {element.name!r} needs"
+    raise source.error(what, "one line holds all properties of one element", line)
+
+
+def _read_binary(source: Source, header: Header, wanted: Mapping[str, Sequence[str]]) -> Columns:
+    """Return the wanted properties of each element.
+
+    Raises:
+        MeshError: fewer bytes follow than the header promises.
+    """
+    data = source.data()
+    found: Columns = {}
+    at, missing = header.size, set(wanted)
+    for element in header.elements:
+        if not missing:
+            break
+        names = wanted.get(element.name, ())
+        at, columns = _element(source, data, at, element, header.encoding, names)
+        found.update({(element.name, name): column for name, column in columns.items()})
+        missing -= {element.name}
+    return found
+
+
+def _element(
+    source: Source, data: bytes, at: int, element: Element, order: str, wanted: Sequence[str]
+) -> tuple[int, dict[str, tuple[Indices, NDArray[Any]]]]:
+    """Return where the next element begins, and the wanted properties."""
+    if not element.properties:
+        return at, {}
+    least = sum(np.dtype(known.length or known.type).itemsize for known in element.properties)
+    if element.count * least > len(data) - at:
+        raise _too_short(source, element, (len(data) - at) // least)
+    lengths = _first_lengths(data, at, element, order) if element.count else None
+    if lengths is not None:
+        row = _row(element, order, lengths)
+        if element.count * row.itemsize <= len(data) - at:
+            rows = np.frombuffer(data, row, element.count, at)
+            if all((rows[f"length {i}"] == length).all() for i, length in enumerate(lengths) if length is not None):
+                return at + element.count * row.itemsize, _uniform(element, rows, lengths, wanted)
+    return _walked(source, data, at, element, order, wanted)
+
+
+def _too_short(source: Source, element: Element, there: int) -> MeshError:
+    what = f"the header promises {element.count} of the element {element.name!r}, the bytes are enough for {there}"
+    return source.error(what, remedy=TRUNCATED)
+
+
+def _first_lengths(data: bytes, at: int, element: Element, order: str) -> list[int | None] | None:
+    """Return the lengths of the lists in the first row, None for numbers; None altogether if the row does not fit."""
+    lengths: list[int | None] = []
+    for known in element.properties:
+        length = None
+        if known.length:
+            length = _integer(data, at, known.length, order)
+            at += np.dtype(known.length).itemsize
+            if length < 0:
+                return None
+        lengths.append(length)
+        at += (1 if length is None else length) * np.dtype(known.type).itemsize
+        if at > len(data):
+            return None
+    return lengths
+
+
+def _integer(data: bytes, at: int, kind: str, order: str) -> int:
+    size = np.dtype(kind).itemsize
+    return int.from_bytes(data[at : at + size], "big" if order == ">" else "little", signed=kind.startswith("i"))
+
+
+def _row(element: Element, order: str, lengths: list[int | None]) -> np.dtype[np.void]:
+    fields: list[tuple[str, str, int]] = []
+    for i, (known, length) in enumerate(zip(element.properties, lengths, strict=True)):
+        if known.length:
+            fields.append((f"length {i}", order + known.length, 1))
+        fields.append((f"value {i}", order + known.type, 1 if length is None else length))
+    return np.dtype([(name, kind, (count,)) for name, kind, count in fields])
+
+
+def _uniform(
+    element: Element, rows: NDArray[np.void], lengths: list[int | None], wanted: Sequence[str]
+) -> dict[str, tuple[Indices, NDArray[Any]]]:
+    found = {}
+    for i, (known, length) in enumerate(zip(element.properties, lengths, strict=True)):
+        if known.name in wanted:
+            sizes = np.full(len(rows), 1 if length is None else length)
+            found[known.name] = sizes, _native(rows[f"value {i}"].reshape(-1))
+    return found
+
+
+def _walked(
+    source: Source, data: bytes, at: int, element: Element, order: str, wanted: Sequence[str]
+) -> tuple[int, dict[str, tuple[Indices, NDArray[Any]]]]:
+    """Row by row, because a row says by its lists where the next one begins."""
+    places = {name: (array("q"), array("q")) for name in wanted}
+    steps = [
+        (places.get(known.name), known.length, np.dtype(known.length or "u1").itemsize, np.dtype(known.type).itemsize)
+        for known in element.properties
+    ]
+    for row in range(element.count):
+        for place, kind, width, item in steps:
+            length = 1
+            if kind:
+                length = data[at] if kind == "u1" and at < len(data) else _integer(data, at, kind, order)
+                at += width
+            if place:
+                place[0].append(at)
+                place[1].append(length)
+            at += length * item
+            if at > len(data) or length < 0:
+                raise _too_short(source, element, row)
+    found = {}
+    for known in element.properties:
+        if known.name in wanted:
+            found[known.name] = _gathered(data, *places[known.name], order + known.type)
+    return at, found
+
+
+def _gathered(data: bytes, starts: array[int], lengths: array[int], kind: str) -> tuple[Indices, NDArray[Any]]:
+    item = np.dtype(kind).itemsize
+    sizes = np.frombuffer(lengths, np.int64)
+    within = np.arange(sizes.sum()) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+    places = np.repeat(np.frombuffer(starts, np.int64), sizes) + item * within
+    values = sliding_window_view(np.frombuffer(data, np.uint8), item)[places].view(kind)[:, 0]
+    return sizes, _native(values)
+
+
+def _native(values: NDArray[Any]) -> NDArray[Any]:
+    return values.astype(values.dtype.newbyteorder("="))

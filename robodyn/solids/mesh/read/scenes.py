@@ -10,14 +10,12 @@ from typing import Any
 from urllib.parse import unquote
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.errors import InputError, MeshError
 from robodyn.programs.vectors import product
 from robodyn.solids.mesh.read.assets import asset_of
-from robodyn.solids.mesh.read.polygons import triangles_of
 from robodyn.solids.mesh.read.source import Source, reading, scale_of
-from robodyn.solids.mesh.triangles import Corners, IndexedTriangles
+from robodyn.solids.mesh.triangles import Corners, IndexedTriangles, Indices, polygon_triangles
 from robodyn.support.floats import Floats
 from robodyn.support.input_file import read_input
 from robodyn.support.input_limits import beyond, limits
@@ -26,7 +24,7 @@ from robodyn.support.libraries import library_messages, treated_warnings
 _FLOAT32 = ("dae", "zae", "glb", "gltf")
 """Kinds whose coordinates are float32, in the file or in their reader."""
 
-_Part = tuple[Corners, NDArray[np.signedinteger[Any]]]
+_Part = tuple[Corners, Indices]
 
 
 def read_scene(source: Source, kind: str, unit: str | None) -> IndexedTriangles:
@@ -54,7 +52,7 @@ def read_scene(source: Source, kind: str, unit: str | None) -> IndexedTriangles:
     firsts = np.cumsum([0, *(len(vertices) for vertices, _ in parts)])
     shifted = [indices + first for (_, indices), first in zip(parts, firsts[:-1], strict=True)]
     corners = np.concatenate([np.empty((0, 3), np.int64), *shifted])
-    return triangles_of(
+    return polygon_triangles(
         source.name,
         np.concatenate([vertices for vertices, _ in parts]) if parts else np.empty((0, 3)),
         corners.reshape(-1),

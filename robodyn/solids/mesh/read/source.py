@@ -53,14 +53,9 @@ class Source:
         with self.opened() as stream:
             return stream.read(self.size if most < 0 else most)
 
-    def error(self, what: str, remedy: str | None = None, offset: int | None = None) -> MeshError:
-        """Return an error about this mesh, with the number of the line that holds the byte at `offset`."""
-        return MeshError(what, remedy=remedy, file=self.name, line=None if offset is None else self._line(offset))
-
-    def _line(self, offset: int) -> int:
-        before = self.data(offset)
-        feeds = before.count(b"\n")
-        return 1 + (feeds or before.count(b"\r"))
+    def error(self, what: str, remedy: str | None = None, line: int | None = None) -> MeshError:
+        """Return an error about this mesh."""
+        return MeshError(what, remedy=remedy, file=self.name, line=line)
 
 
 def open_source(source: str | os.PathLike[str] | bytes, typed: bool = False) -> Source:
