@@ -50,9 +50,11 @@ class Outcome:
     err: str
 
 
-def run(*args: str, stdin: bytes = b"") -> Outcome:
-    """`robodyn args` in this process, with standard streams that are not terminals."""
+def run(*args: str, stdin: bytes = b"", one_stream: bool = False) -> Outcome:
+    """`robodyn args` in this process, with standard streams that are not terminals; `one_stream` is `2>&1`."""
     out, err = (io.TextIOWrapper(io.BytesIO(), encoding="utf-8") for _ in range(2))
+    if one_stream:
+        err = out
     source = io.TextIOWrapper(io.BytesIO(stdin))
     with ExitStack() as stack:
         for patch in (mock.patch("sys.argv", ["robodyn", *args]), mock.patch("sys.stdin", source)):

@@ -69,14 +69,13 @@ def ran(command: str, folder: Path) -> str:
     """Return what a shell command prints where nothing is a terminal, its errors among it.
 
     What begins with `robodyn` and has nothing more for the shell than filters behind it runs in this process, which
-    saves Python's start; but where it has errors to print, among which order counts, in one of its own like all others.
+    saves Python's start.
     """
     command = command.replace("\n> ", "\n").replace("\\\n", "")
     if plain := PLAIN.fullmatch(command):
         with working_in(folder), mock.patch.dict(os.environ, COLUMNS="80"):
-            done = run(*shlex.split(plain[1]))
-        if not done.err:
-            return _shell(plain[2], folder, done.out) if plain[2] else done.out
+            done = run(*shlex.split(plain[1]), one_stream=not plain[2])
+        return done.err + _shell(plain[2], folder, done.out) if plain[2] else done.out
     return _shell(command, folder)
 
 
