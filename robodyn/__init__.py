@@ -15,22 +15,22 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from robodyn.checks.check import check as check
     from robodyn.dynamics.constraints.inverse import constraint_forces as constraint_forces
-    from robodyn.dynamics.coriolis import coriolis_matrix as coriolis_matrix
-    from robodyn.dynamics.derivative_entries import (
+    from robodyn.dynamics.derivatives import forward_dynamics_derivatives as forward_dynamics_derivatives
+    from robodyn.dynamics.derivatives import (
         inverse_dynamics_derivative_entries as inverse_dynamics_derivative_entries,
     )
-    from robodyn.dynamics.derivatives import forward_dynamics_derivatives as forward_dynamics_derivatives
     from robodyn.dynamics.derivatives import inverse_dynamics_derivatives as inverse_dynamics_derivatives
+    from robodyn.dynamics.derivatives import (
+        inverse_dynamics_second_derivatives as inverse_dynamics_second_derivatives,
+    )
     from robodyn.dynamics.forward import forward_dynamics as forward_dynamics
     from robodyn.dynamics.function import function as function
     from robodyn.dynamics.inverse import bias_forces as bias_forces
     from robodyn.dynamics.inverse import inverse_dynamics as inverse_dynamics
+    from robodyn.dynamics.mass import coriolis_matrix as coriolis_matrix
     from robodyn.dynamics.mass import mass_matrix as mass_matrix
     from robodyn.dynamics.momenta import momenta as momenta
     from robodyn.dynamics.regressor import regressor as regressor
-    from robodyn.dynamics.second_derivatives import (
-        inverse_dynamics_second_derivatives as inverse_dynamics_second_derivatives,
-    )
     from robodyn.equations.dae.dae import dae as dae
     from robodyn.equations.export.export import export as export
     from robodyn.equations.free_body.bodies import free_bodies as free_bodies
@@ -73,16 +73,18 @@ if not os.path.isdir(os.path.join(os.path.dirname(__file__), "cli")):
 _HOMES = {
     "checks.check": ("check",),
     "dynamics.constraints.inverse": ("constraint_forces",),
-    "dynamics.coriolis": ("coriolis_matrix",),
-    "dynamics.derivative_entries": ("inverse_dynamics_derivative_entries",),
-    "dynamics.derivatives": ("forward_dynamics_derivatives", "inverse_dynamics_derivatives"),
+    "dynamics.derivatives": (
+        "forward_dynamics_derivatives",
+        "inverse_dynamics_derivative_entries",
+        "inverse_dynamics_derivatives",
+        "inverse_dynamics_second_derivatives",
+    ),
     "dynamics.forward": ("forward_dynamics",),
     "dynamics.function": ("function",),
     "dynamics.inverse": ("bias_forces", "inverse_dynamics"),
-    "dynamics.mass": ("mass_matrix",),
+    "dynamics.mass": ("coriolis_matrix", "mass_matrix"),
     "dynamics.momenta": ("momenta",),
     "dynamics.regressor": ("regressor",),
-    "dynamics.second_derivatives": ("inverse_dynamics_second_derivatives",),
     "equations.dae.dae": ("dae",),
     "equations.export.export": ("export",),
     "equations.free_body.bodies": ("free_bodies",),

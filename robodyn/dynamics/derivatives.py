@@ -1,4 +1,4 @@
-"""Derivatives of inverse and forward dynamics for arrays of samples."""
+"""Derivatives of inverse and forward dynamics for arrays of samples: dense, by entries, and second ones."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, DTypeLike
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from robodyn.dynamics.arrays import arrays_of, results
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.forward import acceleration_program
 from robodyn.dynamics.mass import mass_runner
-from robodyn.dynamics.plan import Plan, loads, plan
-from robodyn.dynamics.runners import runner_of
+from robodyn.dynamics.plan import Plan, loads, plan, runner_of
+from robodyn.errors import InputError
 from robodyn.programs.derivative import Direction, Row, again, jacobian
 from robodyn.programs.program import Program, trace, traced
 from robodyn.programs.run.runner import Runner
-from robodyn.programs.scalar import Tape
+from robodyn.programs.scalar import CONSTANT, Tape
 from robodyn.programs.vectors import Scalar, total
 from robodyn.robot.model import Model
 from robodyn.scene.fit import refuse_constraints, refuse_load
@@ -172,7 +172,8 @@ def forward_derivatives(plan: Plan) -> Program:
         qdd = again(acceleration_program(plan), tape)
         lower = jacobian(qdd, [{tape.input("tau", i): 1.0} for i in range(n)])
         inverse = [[lower[max(i, j)][min(i, j)] for j in range(n)] for i in range(n)]
-        rows = _at(_program_of_rates(plan), tape, qdd, n)
+        rates = again(_program_of_rates(plan), tape, {("qdd", i): each for i, each in enumerate(qdd)})
+        rows = [rates[2 * n * i : 2 * n * (i + 1)] for i in range(n)]
         solved = [[-total(inverse[i][k] * rows[k][j] for k in range(n)) for j in range(2 * n)] for i in range(n)]
         return [*_joined(solved, n), *(x for row in inverse for x in row)]
 
@@ -183,12 +184,6 @@ def forward_derivatives(plan: Plan) -> Program:
 def _program_of_rates(plan: Plan, tape: Tape) -> Iterable[Scalar]:
     """The program of (d tau / dq, d tau / d qd), n rows of 2 n."""
     return [x for row in _rates_of_torques(plan, tape) for x in row]
-
-
-def _at(program: Program, tape: Tape, qdd: list[Scalar], n: int) -> list[Row]:
-    given = {("qdd", i): each for i, each in enumerate(qdd)}
-    entries = again(program, tape, given)
-    return [entries[2 * n * i : 2 * n * (i + 1)] for i in range(n)]
 
 
 def _joined(rows: list[Row], n: int) -> list[Scalar]:
@@ -219,3 +214,160 @@ def moves(sample: Sample) -> list[Direction]:
         out += [dict(zip((x, y, z, w), (0.5 * part for part in turn), strict=True)) for turn in turns]
         out += [{coordinate: 1.0} for coordinate in position]
     return out
+
+
+class Entries(NamedTuple):
+    """Entries of d tau / dq, d tau / d qd and M; all others are 0 in any state, but for the lower triangle of M.
+
+    Attributes:
+        values: (..., k).
+        matrix: (k,) 0 for d tau / dq, 1 for d tau / d qd, 2 for M, of which the upper triangle is given.
+        row, column: (k,) as in `InverseDerivatives`.
+        n: rows and columns of the matrices.
+    """
+
+    values: Floats
+    matrix: NDArray[np.intp]
+    row: NDArray[np.intp]
+    column: NDArray[np.intp]
+    n: int
+
+    def dense(self) -> InverseDerivatives:
+        """Return the three matrices."""
+        whole = np.zeros((*self.values.shape[:-1], 3, self.n, self.n), self.values.dtype)
+        whole[..., self.matrix, self.row, self.column] = self.values
+        mass = self.matrix == 2
+        whole[..., 2, self.column[mass], self.row[mass]] = self.values[..., mass]
+        return InverseDerivatives(*(whole[..., k, :, :] for k in range(3)))
+
+
+def inverse_dynamics_derivative_entries(
+    model: Model,
+    q: ArrayLike,
+    qd: ArrayLike,
+    qdd: ArrayLike,
+    *,
+    scene: Scene = DEFAULT,
+    columns: Mapping[str, ArrayLike] | None = None,
+    out: Floats | None = None,
+    executor: str = "auto",
+    threads: int | None = None,
+    dtype: DTypeLike = np.float64,
+) -> Entries:
+    """`inverse_dynamics_derivatives` without what the tree of joints makes zero: of a robot with legs, most of it.
+
+    The pattern depends on the model and the scene alone.
+
+    Args:
+        model, q, qd, qdd, scene, columns, executor, threads, dtype: as for `inverse_dynamics`.
+        out: (..., k) of `dtype`, written to if given.
+
+    Raises:
+        InputError: as `inverse_dynamics`.
+
+    Accuracy: each entry is that of `inverse_dynamics_derivatives` to the last bit.
+    """
+    sources, shape = arrays_of(model, {"q": q, "qd": qd, "qdd": qdd}, scene, columns or {}, dtype)
+    runner, places = _entries_runner(plan(model, scene))
+    values = results(runner, sources, shape, (len(places[0]),), out, executor, threads, dtype)
+    return Entries(values, places[0], places[1], places[2], model.n)
+
+
+@lru_cache(maxsize=16)
+def _entries_runner(a_plan: Plan) -> tuple[Runner, NDArray[np.intp]]:
+    """Return what computes the entries, and their matrices, rows and columns."""
+    refuse_load(a_plan.scene)
+    n, whole = a_plan.model.n, inverse_derivatives(a_plan)
+    zeros = {k for k, (op, a, _) in enumerate(whole.operations) if op is CONSTANT and a == 0.0}
+    places = [
+        (m, i, j)
+        for m, i, j in np.ndindex(3, n, n)
+        if whole.outputs[(m * n + i) * n + j] not in zeros and (m < 2 or i <= j)
+    ]
+    program = Program(whole.operations, tuple(whole.outputs[(m * n + i) * n + j] for m, i, j in places))
+    return runner_of(program, a_plan), np.array(places, np.intp).reshape(-1, 3).T
+
+
+MOST_OPERATIONS = 100_000
+"""Longer programs are refused: they take a minute to derive and minutes to compile."""
+MOST_BEFORE = 30_000
+"""First derivatives of more operations are not derived again: the second would have several times as many."""
+
+
+class SecondDerivatives(NamedTuple):
+    """How the derivatives of torques change: results (..., n, n, n).
+
+    Entry [i, j, k] of `a_b` is tau_i differentiated by a_j and then by b_k. Derivatives by q are rates as in
+    `InverseDerivatives`; turns of a floating base do not commute, so that there `q_q` is not symmetric in j and k.
+
+    Attributes:
+        q_q, qd_q, qd_qd, qdd_q: the last is dM/dq. All others are 0, or these with j and k exchanged.
+    """
+
+    q_q: Floats
+    qd_q: Floats
+    qd_qd: Floats
+    qdd_q: Floats
+
+
+def inverse_dynamics_second_derivatives(
+    model: Model,
+    q: ArrayLike,
+    qd: ArrayLike,
+    qdd: ArrayLike,
+    *,
+    scene: Scene = DEFAULT,
+    columns: Mapping[str, ArrayLike] | None = None,
+    out: Floats | None = None,
+    executor: str = "auto",
+    threads: int | None = None,
+    dtype: DTypeLike = np.float64,
+) -> SecondDerivatives:
+    """Second derivatives of tau = `inverse_dynamics(model, q, qd, qdd)`, all effects of the scene included.
+
+    The program of `inverse_dynamics_derivatives` differentiated again; of sign(qd) the same holds.
+
+    Args:
+        model, q, qd, qdd, scene, columns, executor, threads, dtype: as for `inverse_dynamics`.
+        out: (..., 4, n, n, n) of `dtype`, written to if given; the results are views of it.
+
+    Raises:
+        InputError: as `inverse_dynamics`; or the robot has so many joints that more than 100 000 operations are needed
+            (an arm of 7 joints needs some 50 000).
+
+    Accuracy: 1e-13 of the largest entry of each tensor. In float32, 1e-5; on a free base 1e-4, as weights cancel.
+    """
+    sources, shape = arrays_of(model, {"q": q, "qd": qd, "qdd": qdd}, scene, columns or {}, dtype)
+    n, runner = model.n, _second_runner(plan(model, scene))
+    whole = results(runner, sources, shape, (4, n, n, n), out, executor, threads, dtype)
+    return SecondDerivatives(*(whole[..., k, :, :, :] for k in range(4)))
+
+
+@lru_cache(maxsize=8)
+def _second_runner(a_plan: Plan) -> Runner:
+    return runner_of(second_derivatives(a_plan), a_plan)
+
+
+def second_derivatives(a_plan: Plan) -> Program:
+    """Return the program of d^2 tau / (dq dq, dqd dq, dqd dqd) and dM / dq, row by row.
+
+    Raises:
+        InputError: it is too long.
+    """
+    refuse_load(a_plan.scene)
+    first = inverse_derivatives(a_plan)
+    program = _differentiated(a_plan) if first.size <= MOST_BEFORE else None
+    if program is None or program.size > MOST_OPERATIONS:
+        needed = f"those of its first need {first.size}" if program is None else f"they need {program.size}"
+        what = f"second derivatives of {a_plan.model.name} need more than {MOST_OPERATIONS} operations ({needed})"
+        raise InputError(what, remedy="fix joints that stay at rest, or take differences of the first derivatives")
+    return program
+
+
+@traced
+def _differentiated(plan: Plan, tape: Tape) -> Iterable[Scalar]:
+    first, n = again(inverse_derivatives(plan), tape), plan.model.n
+    sample, _ = plan.terms(tape)
+    by_q = jacobian(first, moves(sample))
+    by_qd = jacobian(first[n * n : 2 * n * n], [{rate: 1.0} for rate in sample.qd])
+    return [x for row in (*by_q[: 2 * n * n], *by_qd, *by_q[2 * n * n :]) for x in row]

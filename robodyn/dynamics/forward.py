@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
+from math import ceil, log
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
@@ -12,23 +14,95 @@ from numpy.typing import ArrayLike, DTypeLike
 from robodyn.dynamics.arrays import arrays_of, results, zero_sources
 from robodyn.dynamics.effects.effect import Sample, Terms, ZeroColumns
 from robodyn.dynamics.effects.motors import reflected
-from robodyn.dynamics.loaded_joints import Loaded, Rotors, loaded_accelerations, repetitions
 from robodyn.dynamics.mass import mass_matrix
-from robodyn.dynamics.plan import Plan, applied, plan
+from robodyn.dynamics.plan import Plan, applied, plan, runner_of
 from robodyn.dynamics.recursions.articulated_body import articulated_body
 from robodyn.dynamics.recursions.elimination import RESIST, aligned
 from robodyn.dynamics.recursions.newton_euler import inertial_wrenches
-from robodyn.dynamics.runners import runner_of
 from robodyn.errors import InputError
 from robodyn.programs.program import traced
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
-from robodyn.programs.vectors import Array, Scalar, vector
+from robodyn.programs.vectors import Array, Scalar, sign, vector
 from robodyn.robot.kinematics import Motion, Wrench, motions
 from robodyn.robot.model import Model
 from robodyn.scene.fit import refuse_constraints
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats, first_largest
+from robodyn.support.wording import shown
+
+STEEPEST = 0.5
+"""The largest load at a joint with a rotor: 44 repetitions."""
+CLOSE = 1e-13
+"""What is left of |y|'s error."""
+Rotors = Mapping[tuple[int, int], Scalar]
+Solve = Callable[[Sequence[Scalar], Rotors], list[Scalar]]
+
+
+class Loaded(NamedTuple):
+    """A joint's coordinate, its load with the sign of qd, and the torque that passes its gear to springs."""
+
+    rate: int
+    load: Scalar
+    springs: Scalar
+
+
+def repetitions(scene: Scene, names: Sequence[str]) -> int:
+    """Return how often accelerations are found again for joints of these names, which have rotors.
+
+    Raises:
+        InputError: the load of one is so large that there would be too many.
+    """
+    largest = max((scene.friction[name].load for name in names), default=0.0)
+    if largest > STEEPEST:
+        name = max(names, key=lambda each: scene.friction[each].load)
+        what = f"[friction] {shown(name)}: load {largest:g} at a joint with a rotor is too large for forward dynamics"
+        raise InputError(what, remedy=f"give {STEEPEST:g} or less, or no rotor")
+    return ceil(log(CLOSE) / log(largest)) if largest else 0
+
+
+def loaded_accelerations(
+    solve: Solve, forces: Sequence[Scalar], rotors: Rotors, joints: Sequence[Loaded], passes: int
+) -> list[Scalar]:
+    """Return qdd.
+
+    Args:
+        solve: qdd of an open tree from forces and rotors.
+        forces: n scalars, less all friction but that of the load, and less the torque of springs [N m or N].
+        rotors: reflected rotor inertias, by coordinates i <= j.
+        joints: those with such friction; rotors do not couple them.
+        passes: of `repetitions`.
+    """
+    before = [forces[rate] + springs for rate, _, springs in joints]
+    own = [rotors.get((rate, rate), 0.0) for rate, _, _ in joints]
+    left = list(before)
+    for _ in range(passes):
+        torques, scales = [], []
+        for (_, m, _), c, y in zip(joints, before, left, strict=True):
+            scales.append(1.0 / (1.0 - m * m))
+            torques.append((c - m * (y * sign(y))) * scales[-1])
+        qdd = _solved(solve, forces, rotors, joints, torques, scales)
+        left = [c - A * qdd[rate] for (rate, _, _), c, A in zip(joints, before, own, strict=True)]
+    scales = [1.0 / (1.0 + m * sign(y)) for (_, m, _), y in zip(joints, left, strict=True)]
+    torques = [c * scale for c, scale in zip(before, scales, strict=True)]
+    return _solved(solve, forces, rotors, joints, torques, scales)
+
+
+def _solved(
+    solve: Solve,
+    forces: Sequence[Scalar],
+    rotors: Rotors,
+    joints: Sequence[Loaded],
+    torques: Sequence[Scalar],
+    scales: Sequence[Scalar],
+) -> list[Scalar]:
+    """Return qdd with other torques through the gears, and rotors times a scale."""
+    through, scaled = list(forces), dict(rotors)
+    for (rate, _, springs), torque, scale in zip(joints, torques, scales, strict=True):
+        through[rate] = torque - springs
+        if (rate, rate) in rotors:
+            scaled[rate, rate] = rotors[rate, rate] * scale
+    return solve(through, scaled)
 
 
 @traced

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
 from robodyn.dynamics.arrays import arrays_of, check_out, results, zero_sources
-from robodyn.dynamics.runners import torque_runner
+from robodyn.dynamics.plan import torque_runner
 from robodyn.robot.model import Model
 from robodyn.scene.fit import refuse_constraints, refuse_load, refuse_others
 from robodyn.scene.scene import DEFAULT, Scene

@@ -11,9 +11,8 @@ from numpy.typing import ArrayLike
 
 from robodyn.dynamics.arrays import arrays_of, results, zero_sources
 from robodyn.dynamics.effects import motors
-from robodyn.dynamics.plan import Plan, plan
+from robodyn.dynamics.plan import Plan, plan, runner_of
 from robodyn.dynamics.recursions.momentum import momenta as momenta_of
-from robodyn.dynamics.runners import runner_of
 from robodyn.errors import InputError
 from robodyn.programs.program import Program, trace
 from robodyn.programs.run.runner import Runner

@@ -1,16 +1,31 @@
-"""The plan: which effects a scene calls for, why, and the programs that compute them."""
+"""The plan: which effects a scene calls for, why, and the programs that compute them. The door of this room.
+
+From a model and a scene to numbers:
+
+1. `plan` asks each effect of `effects/catalogue.py` whether it is on; `applied` lets those that are add their terms.
+2. `loads` gives the terms of a sample to the recursion, `recursions/newton_euler.py` (and `forward.py` to
+   `recursions/articulated_body.py`), over scalars that are traced: a program without all that is zero.
+3. `runner_of` makes the program ready to run on arrays of samples, which `arrays.py` takes and gives.
+4. Functions of arrays: `inverse.py`, `forward.py`, `mass.py`, `derivatives.py`, `momenta.py`, `regressor.py`,
+   `kinematics.py`; of one sample: `function.py`. Self-checks of all: `balance.py`.
+5. What holds a robot: `loops/` closes chains, `contacts/` finds forces inside cones of friction, `constraints/` the
+   torques of the drives from both.
+6. What is not known well: `uncertain_parameters.py`, `variations.py`, `varied_loads.py`.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from types import MappingProxyType
 from typing import NamedTuple
 
 from robodyn.dynamics.effects.catalogue import EFFECTS
 from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
 from robodyn.dynamics.recursions.newton_euler import along_joint, joint_torques, newton_euler
 from robodyn.programs.program import Program, trace
+from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar, sign
 from robodyn.robot.kinematics import Motion, Wrench, motions
@@ -29,7 +44,7 @@ class Loads(NamedTuple):
 
 @dataclass(frozen=True)
 class Plan:
-    """What is computed for one model and scene, for motions that are zero where `still` says so.
+    """What is computed for one model and scene, for motions that are zero where `zero_columns` says so.
 
     Attributes:
         zero_columns: the (source, column) pairs of q, qd and qdd that are zero throughout; they are folded away.
@@ -157,3 +172,17 @@ def plan(model: Model, scene: Scene, zero_columns: ZeroColumns = frozenset()) ->
     """
     check_scene(scene, model)
     return Plan(model, scene, zero_columns)
+
+
+@lru_cache(maxsize=16)
+def torque_runner(model: Model, scene: Scene, zero_columns: ZeroColumns = frozenset()) -> Runner:
+    """Return tau of their plan, ready to run."""
+    a_plan = plan(model, scene, zero_columns)
+    return runner_of(a_plan.torques(), a_plan)
+
+
+def runner_of(program: Program, a_plan: Plan, more: Mapping[str, int] = MappingProxyType({})) -> Runner:
+    """Return a program of this plan, ready to run; `more` are widths of sources that are its own."""
+    model = a_plan.model
+    widths = {"q": model.nq, "qd": model.n, "qdd": model.n, "tau": model.n, "columns": len(a_plan.scene.columns)}
+    return Runner(program, {**widths, **more})

@@ -27,8 +27,7 @@ from robodyn.dynamics.effects.motors import (
     with_spins,
 )
 from robodyn.dynamics.effects.rigid_bodies import CORIOLIS, GRAVITY, INERTIA, MOVING_BASE, PAYLOAD
-from robodyn.dynamics.plan import Plan, applied, at_rest, loads, plan
-from robodyn.dynamics.runners import runner_of
+from robodyn.dynamics.plan import Plan, applied, at_rest, loads, plan, runner_of
 from robodyn.programs.derivative import jacobian
 from robodyn.programs.program import traced
 from robodyn.programs.run.runner import Runner

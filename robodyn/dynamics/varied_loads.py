@@ -9,9 +9,8 @@ from typing import Any
 from robodyn.dynamics.effects.effect import Sample, Terms
 from robodyn.dynamics.effects.friction import coulomb_torque, direction
 from robodyn.dynamics.effects.motors import acceleration_of, at_joints, coupled_motors, speed_of, spins, with_spins
-from robodyn.dynamics.plan import Plan, loads
+from robodyn.dynamics.plan import Plan, loads, runner_of
 from robodyn.dynamics.regressor import INERTIAL
-from robodyn.dynamics.runners import runner_of
 from robodyn.dynamics.variations import Variation, Variations
 from robodyn.programs.derivative import jacobian
 from robodyn.programs.program import trace

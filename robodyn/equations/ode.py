@@ -11,8 +11,7 @@ import numpy as np
 from robodyn.dynamics.arrays import zero_columns
 from robodyn.dynamics.inverse import bias_forces
 from robodyn.dynamics.mass import mass_matrix
-from robodyn.dynamics.plan import Plan, plan
-from robodyn.dynamics.runners import runner_of
+from robodyn.dynamics.plan import Plan, plan, runner_of
 from robodyn.errors import InputError
 from robodyn.programs.linear import eigen
 from robodyn.robot.configuration import Values, beyond_limits, configuration, rates

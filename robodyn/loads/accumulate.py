@@ -10,8 +10,7 @@ import numpy as np
 
 from robodyn.dynamics.arrays import zero_columns, zero_sources
 from robodyn.dynamics.effects.effect import ZeroColumns
-from robodyn.dynamics.plan import Plan, plan
-from robodyn.dynamics.runners import runner_of, torque_runner
+from robodyn.dynamics.plan import Plan, plan, runner_of, torque_runner
 from robodyn.loads.columns import output_names
 from robodyn.loads.error_bars import ErrorBars
 from robodyn.loads.figures import check_loads, joint_of_rates, position_of_rates

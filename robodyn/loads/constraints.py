@@ -15,8 +15,7 @@ from robodyn.dynamics.constraints.touching import touching
 from robodyn.dynamics.constraints.tree import constraint_columns, normal_of, open_scene, tree_scene
 from robodyn.dynamics.loops.find import NOTHING
 from robodyn.dynamics.mass import mass_matrix
-from robodyn.dynamics.plan import plan
-from robodyn.dynamics.runners import torque_runner
+from robodyn.dynamics.plan import plan, torque_runner
 from robodyn.loads.constraint_figures import ConstraintFigures
 from robodyn.loads.constraint_result import Constraints
 from robodyn.loads.dependent_joints import Follower

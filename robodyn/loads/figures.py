@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robodyn.dynamics.effects.friction import friction_of
-from robodyn.dynamics.plan import Plan
-from robodyn.dynamics.runners import runner_of
+from robodyn.dynamics.plan import Plan, runner_of
 from robodyn.errors import InputError
 from robodyn.loads.result import ComponentLoad, EffectReport, JointLoad
 from robodyn.loads.statistics import FOUNDATION, Statistics

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from robodyn.dynamics.runners import torque_runner
+from robodyn.dynamics.plan import torque_runner
 from robodyn.loads.bearings import BearingPass
 from robodyn.loads.motors import MotorPass, train_of
 from robodyn.loads.result import JointLoad

@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from robodyn.dynamics.plan import Plan
-from robodyn.dynamics.runners import runner_of
+from robodyn.dynamics.plan import Plan, runner_of
 from robodyn.errors import InputError
 from robodyn.programs.run.stepper import COLUMNS
 from robodyn.robot.configuration import unit_rows

@@ -14,10 +14,9 @@ from robodyn.dynamics.forward import accelerations
 from robodyn.dynamics.loops.closed_chain import ClosedChain
 from robodyn.dynamics.loops.independent_equations import independent_equations
 from robodyn.dynamics.loops.local_coordinates import local_rates, moved, unit
-from robodyn.dynamics.plan import Plan, applied
+from robodyn.dynamics.plan import Plan, applied, runner_of
 from robodyn.dynamics.recursions.elimination import aligned
 from robodyn.dynamics.recursions.momentum import momenta, position_rates
-from robodyn.dynamics.runners import runner_of
 from robodyn.programs.program import Program, traced
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.run.stepper import COLUMNS

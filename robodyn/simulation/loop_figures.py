@@ -11,8 +11,7 @@ from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.loops.closed_chain import ClosedChain
 from robodyn.dynamics.loops.find import NOTHING
 from robodyn.dynamics.loops.independent_equations import independent_equations
-from robodyn.dynamics.plan import Plan, applied
-from robodyn.dynamics.runners import runner_of
+from robodyn.dynamics.plan import Plan, applied, runner_of
 from robodyn.errors import InputError
 from robodyn.programs.program import trace, traced
 from robodyn.programs.run.stepper import COLUMNS

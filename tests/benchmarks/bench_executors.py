@@ -19,8 +19,7 @@ from helpers.oracles import ROBOTS as FOLDER
 from helpers.oracles import worst
 
 import robodyn
-from robodyn.dynamics.plan import Plan
-from robodyn.dynamics.runners import torque_runner
+from robodyn.dynamics.plan import Plan, torque_runner
 from robodyn.measure.speed.executors import available, build_times, laid_out, random_sources
 from robodyn.measure.speed.peers import bare_scene, following, library_tasks
 from robodyn.measure.speed.result import Timing

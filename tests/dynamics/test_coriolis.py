@@ -14,8 +14,7 @@ from helpers.pinocchio_robots import PinocchioRobot
 from helpers.robot_catalogue import FOLDER
 
 import robodyn
-from robodyn.dynamics.coriolis import coriolis_matrix
-from robodyn.dynamics.mass import mass_runner
+from robodyn.dynamics.mass import coriolis_matrix, mass_runner
 from robodyn.scene.scene import Scene
 
 SAMPLES = 4

@@ -18,7 +18,7 @@ from helpers.oracles import EPS, random_state, robot, worst
 import robodyn
 from robodyn.dynamics import function as functions
 from robodyn.dynamics.derivatives import forward_dynamics_derivatives, inverse_dynamics_derivatives
-from robodyn.dynamics.function import KINDS, function
+from robodyn.dynamics.function import OF_ONE_SAMPLE, function
 from robodyn.errors import InputError, SceneError
 from robodyn.programs.run.llvm import python_call
 from robodyn.scene.parts import Friction, Loop
@@ -32,7 +32,7 @@ GENERAL = {
     "inverse_dynamics_derivatives": inverse_dynamics_derivatives,
     "forward_dynamics_derivatives": forward_dynamics_derivatives,
 }
-each_kind = pytest.mark.parametrize("kind", KINDS)
+each_kind = pytest.mark.parametrize("kind", OF_ONE_SAMPLE)
 
 
 def called(kind, moving_base=False, scene=BUSY_SCENE):
@@ -53,7 +53,7 @@ def called(kind, moving_base=False, scene=BUSY_SCENE):
     ("kind", "moving_base"),
     [
         pytest.param(kind, free, marks=[pytest.mark.slow] * (free and "derivatives" in kind))
-        for kind in KINDS
+        for kind in OF_ONE_SAMPLE
         for free in (False, True)
     ],
 )

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from robodyn.dynamics.runners import runner_of
+from robodyn.dynamics.plan import runner_of
 from robodyn.robot.load import load
 from robodyn.scene.parts import Friction
 from robodyn.scene.scene import Scene

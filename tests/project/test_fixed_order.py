@@ -7,7 +7,7 @@ import ast
 from project.test_layers import MODULES
 
 ANY_SCALAR = (
-    *("dynamics.recursions", "dynamics.effects", "dynamics.momenta", "dynamics.balance", "dynamics.coriolis"),
+    *("dynamics.recursions", "dynamics.effects", "dynamics.momenta", "dynamics.balance", "dynamics.mass"),
     *("dynamics.contacts.cones", "dynamics.contacts.program"),
     *("programs.vectors", "programs.dual", "robot.kinematics", "robot.configuration"),
     *(

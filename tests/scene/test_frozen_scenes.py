@@ -14,8 +14,7 @@ from helpers.oracles import robot
 import robodyn
 from robodyn.dynamics.forward import acceleration_runner
 from robodyn.dynamics.mass import mass_runner
-from robodyn.dynamics.plan import plan
-from robodyn.dynamics.runners import torque_runner
+from robodyn.dynamics.plan import plan, torque_runner
 from robodyn.programs.run.llvm.build import code_key
 from robodyn.scene.parts import (
     Contact,

@@ -15,9 +15,8 @@ from robodyn.dynamics.loops.closure import Closure, Equations, held
 from robodyn.dynamics.loops.equation import Equation
 from robodyn.dynamics.loops.find import closure_of
 from robodyn.dynamics.loops.independent_equations import independent_equations
-from robodyn.dynamics.plan import Plan
+from robodyn.dynamics.plan import Plan, runner_of
 from robodyn.dynamics.recursions.newton_euler import joint_torques, newton_euler
-from robodyn.dynamics.runners import runner_of
 from robodyn.programs.program import traced
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape

@@ -16,8 +16,7 @@ from robodyn.dynamics.constraints.solve import ConstraintSolver
 from robodyn.dynamics.constraints.touching import touching
 from robodyn.dynamics.constraints.tree import constraint_columns, open_scene, tree_scene
 from robodyn.dynamics.loops.closure import loops_size
-from robodyn.dynamics.plan import Plan, plan
-from robodyn.dynamics.runners import torque_runner
+from robodyn.dynamics.plan import Plan, plan, torque_runner
 from robodyn.errors import InputError
 from robodyn.robot.model import Model
 from robodyn.scene.fit import refuse_others

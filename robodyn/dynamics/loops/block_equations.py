@@ -11,8 +11,7 @@ from robodyn.dynamics.initial_state import default_pose
 from robodyn.dynamics.loops.closure import loops_size
 from robodyn.dynamics.loops.find import tied_chain
 from robodyn.dynamics.loops.local_coordinates import moved, unit
-from robodyn.dynamics.plan import Plan
-from robodyn.dynamics.runners import runner_of
+from robodyn.dynamics.plan import Plan, runner_of
 from robodyn.programs.program import traced
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape

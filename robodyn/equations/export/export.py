@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from robodyn.dynamics.kinds import KINDS
+from robodyn.dynamics.function import KINDS
 from robodyn.dynamics.plan import Plan, plan
 from robodyn.equations.export.c_file import c_file
 from robodyn.equations.export.job import Job

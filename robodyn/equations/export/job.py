@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import prod
 
-from robodyn.dynamics.kinds import Kind
+from robodyn.dynamics.function import Kind
 from robodyn.dynamics.plan import Plan
 from robodyn.programs.program import Program
 

@@ -7,9 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.dynamics.plan import Plan, loads
+from robodyn.dynamics.plan import Plan, loads, runner_of
 from robodyn.dynamics.regressor import regressor_program
-from robodyn.dynamics.runners import runner_of
 from robodyn.programs.derivative import again, jacobian
 from robodyn.programs.program import trace
 from robodyn.programs.run.runner import Runner

@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from robodyn.dynamics.plan import Plan
-from robodyn.dynamics.runners import runner_of
+from robodyn.dynamics.plan import Plan, runner_of
 from robodyn.errors import InputError
 from robodyn.measure.accuracy.ladder import Ladder, Rung
 from robodyn.measure.timing import timed

@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from robodyn.dynamics.plan import Plan, plan
-from robodyn.dynamics.runners import runner_of
+from robodyn.dynamics.plan import Plan, plan, runner_of
 from robodyn.errors import InputError
 from robodyn.loads.figures import REMEDY
 from robodyn.measure.accuracy.derivative_ladder import FEWEST, derivative_ladder, rate_ladder

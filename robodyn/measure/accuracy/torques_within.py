@@ -6,8 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from robodyn.dynamics.plan import plan
-from robodyn.dynamics.runners import runner_of
+from robodyn.dynamics.plan import plan, runner_of
 from robodyn.errors import InputError
 from robodyn.loads.result import Promise, Result
 from robodyn.programs.run.multiprecision import Multiprecision

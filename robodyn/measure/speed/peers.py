@@ -11,7 +11,7 @@ from functools import partial
 
 import numpy as np
 
-from robodyn.dynamics.runners import torque_runner
+from robodyn.dynamics.plan import torque_runner
 from robodyn.errors import InputError
 from robodyn.measure.speed.libraries import LIBRARIES, Gravity, States, Task
 from robodyn.measure.speed.result import PeerBench, PeersBench, Timing

@@ -11,8 +11,7 @@ import numpy as np
 
 from robodyn.dynamics.balance import energy, laws
 from robodyn.dynamics.mass import mass_runner
-from robodyn.dynamics.plan import Plan, plan
-from robodyn.dynamics.runners import runner_of
+from robodyn.dynamics.plan import Plan, plan, runner_of
 from robodyn.loads.figures import effect_reports
 from robodyn.measure.speed.executors import Work, compile_anew, executor_benches, random_sources
 from robodyn.measure.speed.peers import compared

@@ -19,8 +19,7 @@ from helpers.small_robots import built, chain, joint, link
 
 import robodyn
 from robodyn.dynamics.effects import motors
-from robodyn.dynamics.plan import Plan
-from robodyn.dynamics.runners import runner_of
+from robodyn.dynamics.plan import Plan, runner_of
 from robodyn.equations.dae.dae import dae_at
 from robodyn.errors import SceneError
 from robodyn.scene.parts import CoupledMotor, Friction

@@ -18,8 +18,7 @@ from helpers.small_robots import built, chain, joint, link
 
 import robodyn
 from robodyn.dynamics.effects import motors
-from robodyn.dynamics.plan import Plan, plan
-from robodyn.dynamics.runners import runner_of
+from robodyn.dynamics.plan import Plan, plan, runner_of
 from robodyn.dynamics.uncertain_parameters import variations
 from robodyn.dynamics.varied_loads import derivative_runner
 from robodyn.equations.dae.dae import dae_at

@@ -13,8 +13,7 @@ from helpers.small_robots import built, chain, joint, link, random_tree
 import robodyn
 from robodyn.dynamics.balance import energy, laws, losses
 from robodyn.dynamics.derivatives import forward_dynamics_derivatives
-from robodyn.dynamics.plan import plan
-from robodyn.dynamics.runners import runner_of
+from robodyn.dynamics.plan import plan, runner_of
 from robodyn.equations.free_body.bodies import free_bodies
 from robodyn.errors import InputError, SceneError
 from robodyn.report.scene_toml import scene_toml
