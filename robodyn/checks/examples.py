@@ -81,6 +81,23 @@ def a_shaped_link(
     )
 
 
+def a_tower(kind: str = "visual", last: str = "revolute") -> str:
+    """Return such an arm with three boxes on top, each 0.1 m above the last, the third on a joint of some kind."""
+    shape = f'<{kind}><geometry><box size="0.1 0.1 0.1"/></geometry></{kind}>'
+    inertial = f'<mass value="1"/>{inertia("0.0017 0 0 0.0018 0 0.0019")}'
+    rows = (
+        ("fore", "elbow", "upper", "revolute"),
+        ("hand", "wrist", "fore", "revolute"),
+        ("tool", "mount", "hand", last),
+    )
+    more = "".join(
+        a_link(link, inertial, shape)
+        + a_joint(joint, parent, link, f'<origin xyz="0 0 0.1"/><axis xyz="0 1 0"/>{LIMIT}', moves)
+        for link, joint, parent, moves in rows
+    )
+    return a_shaped_link().replace("\n</robot>", f"{more}\n</robot>")
+
+
 def a_mesh(name: str, kind: str = "collision") -> str:
     """Return a robot of one link with one mesh."""
     return f"""<robot name="part">

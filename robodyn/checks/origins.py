@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 from typing import TYPE_CHECKING
@@ -24,7 +23,7 @@ class Origins:
     def __init__(self, reading: Document, expansion: Expansion) -> None:
         self._reading = reading
         self._expansion = expansion
-        elements = [] if reading.robot is None else list(_downward(reading.root))
+        elements = [] if reading.robot is None else list(reading.root.walk())
         self._elements = elements if len(elements) == len(expansion.places) else []
         self._starts = [element.start for element in self._elements]
         self._read = cache(_source)
@@ -79,12 +78,3 @@ def _in_source(element: Element, finding: Finding, source: Document, start: int)
 
 def _source(file: str) -> Document:
     return Document(file, read_input(file), "utf-8", (), None)
-
-
-def _downward(root: Element) -> Iterator[Element]:
-    """Yield the elements in the order of the text."""
-    waiting = [root]
-    while waiting:
-        element = waiting.pop()
-        yield element
-        waiting += reversed(element.children)

@@ -17,7 +17,7 @@ Whatever is costly and serves several rules is a function of the context, called
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from enum import Enum, IntEnum
 from inspect import cleandoc
@@ -25,7 +25,7 @@ from inspect import cleandoc
 from robodyn.checks.context import Context
 from robodyn.robot.urdf.document import Document
 from robodyn.robot.urdf.edits import Edit
-from robodyn.robot.urdf.elements import BOM, Span
+from robodyn.robot.urdf.elements import BOM, Element, Span
 from robodyn.robot.urdf.view import Subject
 
 
@@ -135,22 +135,7 @@ def _after_newline(data: bytes, first: int, last: int) -> int:
     return max(data.rfind(b"\n", first, last), data.rfind(b"\r", first, last), first - 1) + 1
 
 
-__all__ = [
-    "HERE",
-    "Context",
-    "Edit",
-    "Excerpt",
-    "Fault",
-    "Faults",
-    "Finding",
-    "Fix",
-    "Rule",
-    "Severity",
-    "Stage",
-    "excerpt",
-    "rule",
-    "text_faults",
-]
+__all__ = ["Context", "Edit"]
 
 
 class Stage(IntEnum):
@@ -198,6 +183,15 @@ class Fault:
 
 
 Faults = Iterable[Fault]
+
+
+def namesakes(elements: Iterable[Element]) -> Iterator[tuple[Element, Element]]:
+    """Yield the elements whose name another one before them has, each with the first of that name."""
+    first: dict[str, Element] = {}
+    for element in elements:
+        name = element.get("name")
+        if name and first.setdefault(name, element) is not element:
+            yield element, first[name]
 
 
 def text_faults(context: Context, code: str) -> Faults:

@@ -101,16 +101,19 @@ def srdf(context: Context) -> Srdf | None:
     return Srdf(document, path.stem == Path(file).stem, used, tuple(missing.values()))
 
 
+def own_srdf(context: Context) -> Srdf | None:
+    """Return the SRDF, unless it is another robot's, of which RD706 tells."""
+    found = context.once(srdf)
+    return None if found is None or found.is_of_another else found
+
+
 def _used(root: Element) -> Iterator[Named]:
     virtual = {_FREE_BASE, *(child.get("name") for child in root.findall("virtual_joint"))}
     return (named for named in _walk(root) if named.kind == "link" or named.name not in virtual)
 
 
 def _walk(root: Element) -> Iterator[Named]:
-    waiting = list(reversed(root.children))
-    while waiting:
-        element = waiting.pop()
-        waiting += reversed(element.children)
+    for element in root.walk():
         for attribute in _LINKS.get(element.tag, ()):
             yield from _named("link", element, attribute)
         if element.tag in _JOINTS:

@@ -120,13 +120,13 @@ def negative_friction(context: Context) -> Faults:
                 yield Fault(found.span, what, "write it without the sign", found.value, 0.0)
 
 
-_MIMIC_UNKNOWN_JOINT_FOLLOWER = f'<axis xyz="0 1 0"/>{LIMIT}<mimic joint="shoulder" multiplier="0.5"/>'
+_FOLLOWER = f'<axis xyz="0 1 0"/>{LIMIT}<mimic joint="shoulder" multiplier="0.5"/>'
 
 
 @rule(
     "RD510",
     Severity.ERROR,
-    good=longer_arm(inside=_MIMIC_UNKNOWN_JOINT_FOLLOWER),
+    good=longer_arm(inside=_FOLLOWER),
     bad=('joint="shoulder"', 'joint="sholder"'),
     explains=("RD901",),
 )
@@ -145,13 +145,10 @@ def mimic_unknown_joint(context: Context) -> Faults:
         yield Fault(value_span(joint.mimic.element, "joint"), what, remedy)
 
 
-_MIMIC_CYCLE_FOLLOWER = f'<axis xyz="0 1 0"/>{LIMIT}<mimic joint="shoulder"/>'
-
-
 @rule(
     "RD511",
     Severity.ERROR,
-    good=longer_arm(inside=_MIMIC_CYCLE_FOLLOWER),
+    good=longer_arm(inside=_FOLLOWER),
     bad=('joint="shoulder"', 'joint="elbow"'),
     explains=("RD901",),
 )
@@ -169,10 +166,7 @@ def mimic_cycle(context: Context) -> Faults:
         yield Fault(value_span(first.mimic.element, "joint"), what, "let one of them be free")
 
 
-_FOLLOWER_RANGE_FOLLOWER = f'<axis xyz="0 1 0"/>{LIMIT}<mimic joint="shoulder" multiplier="0.5"/>'
-
-
-@rule("RD512", Severity.WARNING, good=longer_arm(inside=_FOLLOWER_RANGE_FOLLOWER), bad=('"0.5"', '"1.5"'))
+@rule("RD512", Severity.WARNING, good=longer_arm(inside=_FOLLOWER), bad=('"0.5"', '"1.5"'))
 def follower_range(context: Context) -> Faults:
     """A mimic joint stays within its limits wherever the joint that it follows goes.
 

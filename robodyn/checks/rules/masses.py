@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from math import fsum
 
 from robodyn.checks.bodies.bodies import bodies
@@ -16,7 +17,7 @@ from robodyn.checks.examples import (
     TENSOR,
     a_joint,
     a_link,
-    a_shaped_link,
+    a_tower,
     arm,
     inertia,
     longer_arm,
@@ -189,7 +190,7 @@ def root_with_inertia(context: Context) -> Faults:
         yield Fault(root.inertial.element.span, what, remedy, measured=root.mass)
 
 
-_ROOT_MASS_INVENTED_SHAPE = '<collision><geometry><sphere radius="0.1"/></geometry></collision>'
+_SPHERE = '<collision><geometry><sphere radius="0.1"/></geometry></collision>'
 _WHEELS = "".join(
     a_link(f"{side}_wheel", f'<mass value="1"/>{INERTIA}')
     + a_joint(f"{side}_axle", "cart", f"{side}_wheel", f'<axis xyz="0 1 0"/>{LIMIT}', "continuous")
@@ -198,7 +199,7 @@ _WHEELS = "".join(
 _CART = f"""<robot name="cart">
   <link name="cart">
     <inertial><mass value="4"/>{INERTIA}</inertial>
-    {_ROOT_MASS_INVENTED_SHAPE}
+    {_SPHERE}
   </link>
   {_WHEELS}
 </robot>
@@ -227,18 +228,18 @@ def root_mass_invented(context: Context) -> Faults:
         yield Fault(root.name_span, what, "write its <inertial>")
 
 
-_MASS_REPEATED_BODY = f'{ORIGIN}<mass value="1.25"/>{TENSOR}'
+_BODY = f'{ORIGIN}<mass value="1.25"/>{TENSOR}'
 
 
 @rule(
     "RD213",
     Severity.WARNING,
     Stage.TREE,
-    good=arm(more=a_link("fore", _MASS_REPEATED_BODY) + a_joint("elbow", "upper", "fore")).replace("\n</robot>\n", "")
+    good=arm(more=a_link("fore", _BODY) + a_joint("elbow", "upper", "fore")).replace("\n</robot>\n", "")
     + a_link("tool", "")
     + a_joint("mount", "fore", "tool", "", "fixed")
     + "\n</robot>\n",
-    bad=('<link name="tool">', f'<link name="tool"><inertial>{_MASS_REPEATED_BODY}</inertial>'),
+    bad=('<link name="tool">', f'<link name="tool"><inertial>{_BODY}</inertial>'),
 )
 def mass_repeated(context: Context) -> Faults:
     """The mass of a body is not written twice, on links that are fixed to each other.
@@ -257,17 +258,6 @@ def mass_repeated(context: Context) -> Faults:
         yield Fault(again.inertial.mass.span, what, remedy, again.mass, 0.0)
 
 
-_UNWEIGHED_PART_SHAPE = '<visual><geometry><box size="0.1 0.1 0.1"/></geometry></visual>'
-_UNWEIGHED_PART_BODY = f'<mass value="1"/>{inertia("0.0017 0 0 0.0018 0 0.0019")}'
-_UP = f'<origin xyz="0 0 0.25"/><axis xyz="0 1 0"/>{LIMIT}'
-_MORE = (
-    a_link("fore", _UNWEIGHED_PART_BODY, _UNWEIGHED_PART_SHAPE)
-    + a_joint("elbow", "upper", "fore", _UP)
-    + a_link("hand", _UNWEIGHED_PART_BODY, _UNWEIGHED_PART_SHAPE)
-    + a_joint("wrist", "fore", "hand", _UP)
-    + a_link("camera", _UNWEIGHED_PART_BODY.replace("1", "0.2", 1), _UNWEIGHED_PART_SHAPE)
-    + a_joint("mount", "hand", "camera", '<origin xyz="0 0 0.1"/>', "fixed")
-)
 _OTHERS, _MOST = 3, 0.9
 """Least number of other links with shapes, and the share of those with an <inertial>. Of 86 published robots one has
 moving links with shapes and no <inertial> beside others that have one, and of its links with shapes half have one."""
@@ -280,8 +270,8 @@ _LONG = 0.5
     "RD214",
     Severity.WARNING,
     Stage.TREE,
-    good=a_shaped_link().replace("\n</robot>", f"{_MORE}\n</robot>"),
-    bad=(a_link("hand", _UNWEIGHED_PART_BODY, _UNWEIGHED_PART_SHAPE), a_link("hand", "", _UNWEIGHED_PART_SHAPE)),
+    good=a_tower(last="fixed"),
+    bad=re.sub(r'(<link name="hand">)<inertial>.*?</inertial>', r"\1", a_tower(last="fixed")),
 )
 def unweighed_part(context: Context) -> Faults:
     """A part that is seen has mass, as the other parts have.

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from robodyn.checks.examples import arm
 from robodyn.checks.grammar import own_elements
 from robodyn.checks.meshes.files import Look, State
-from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
+from robodyn.checks.rule import Context, Fault, Faults, Severity, namesakes, rule
 from robodyn.robot.urdf.elements import Element
 from robodyn.robot.urdf.numbers import numbers, value_span
 from robodyn.robot.urdf.view import Subject
@@ -46,25 +46,25 @@ def undefined_material(context: Context) -> Faults:
         for geometry in link.geometries
         for material in geometry.element.findall("material")
     ]
-    yield from _twice(shared)
+    for again, first in namesakes(shared):
+        twice = again.get("name") or ""
+        what = f"a second <material> {shown(twice)} in <robot> after line {first.line}: urdfdom refuses the file"
+        at, subject = value_span(again, "name"), Subject("material", twice)
+        yield Fault(at, what, "keep one of them", subject=subject, severity=Severity.ERROR)
     yield from _two_colours(shared, local)
     defined = dict.fromkeys(material.get("name") for material in (*shared, *local) if _looks(material))
     undefined: dict[str, list[Element]] = {}
     for material in local:
         name = material.get("name")
         if name is None and material.children:
-            yield Fault(
-                material.span,
-                "the <material> has no name: urdfdom drops the shape",
-                'write name="..."',
-                severity=Severity.ERROR,
-            )
+            what = "the <material> has no name: urdfdom drops the shape"
+            yield Fault(material.span, what, 'write name="..."', severity=Severity.ERROR)
         if name and name not in defined and not _looks(material):
             undefined.setdefault(name, []).append(material)
-    for name, uses in undefined.items():
+    for missing, uses in undefined.items():
         more = f" (used by {count(len(uses), 'shape')})" if uses[1:] else ""
-        what = f"no <material> {shown(name)} has a color or a texture{more}"
-        remedy = alternatives(name, [each for each in defined if each], "materials")
+        what = f"no <material> {shown(missing)} has a color or a texture{more}"
+        remedy = alternatives(missing, [each for each in defined if each], "materials")
         yield Fault(value_span(uses[0], "name"), what, remedy)
 
 
@@ -89,23 +89,6 @@ def _two_colours(shared: Iterable[Element], local: Iterable[Element]) -> Iterato
 
 def _words(rgba: tuple[float, ...]) -> str:
     return " ".join(map(figure, rgba))
-
-
-def _twice(shared: list[Element]) -> Iterator[Fault]:
-    """Yield the materials of <robot> that are there a second time, which urdfdom refuses."""
-    first: dict[str, Element] = {}
-    for material in shared:
-        name = material.get("name")
-        if name and first.setdefault(name, material) is not material:
-            line = first[name].line
-            what = f"a second <material> {shown(name)} in <robot> after line {line}: urdfdom refuses the file"
-            yield Fault(
-                value_span(material, "name"),
-                what,
-                "keep one of them",
-                subject=Subject("material", name),
-                severity=Severity.ERROR,
-            )
 
 
 _RED = '\n  <material name="red"><color rgba="0.8 0.1 0.1 1"/></material>'
@@ -149,8 +132,6 @@ def texture_missing(context: Context) -> Faults:
         seen.add(uri)
         state = look.up(uri, ()).state
         if state in (State.MISSING, State.OTHER_CASE):
-            what = f"the texture {shown_path(uri)} is " + (
-                "not there" if state is State.MISSING else "there in another case"
-            )
-            remedy = "correct its name, or delete <texture>"
+            how = "not there" if state is State.MISSING else "there in another case"
+            what, remedy = f"the texture {shown_path(uri)} is {how}", "correct its name, or delete <texture>"
             yield Fault(value_span(element, "filename"), what, remedy, subject=subject)

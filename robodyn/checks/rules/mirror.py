@@ -52,10 +52,10 @@ def mirror_mass(context: Context) -> Faults:
     """A left link weighs what the right one does."""
     for one in context.once(twins):
         if one.mass_differs:
-            yield _fault_of_mirror_mass(context, one)
+            yield _mass_fault(context, one)
 
 
-def _fault_of_mirror_mass(context: Context, one: Twins) -> Fault:
+def _mass_fault(context: Context, one: Twins) -> Fault:
     left, right = one.masses
     unit, others = _named(one, _UNITS), _others(context, one)
     is_left = left > right if unit else others is not None and others[0]
@@ -126,7 +126,7 @@ def _listed(moments: list[float]) -> str:
     return ", ".join(f"{moment:.4g}" for moment in moments)
 
 
-_MIRROR_IMAGE_REMEDY = "reflect the one of the two that is wrong, or allow it where one part is mounted on both sides"
+_REFLECT = "reflect the one of the two that is wrong, or allow it where one part is mounted on both sides"
 
 
 @rule("RD403", Severity.WARNING, Stage.MODEL, good=two_arms(), bad=("-0.05", "0.05"))
@@ -152,7 +152,7 @@ def mirror_image(context: Context) -> Faults:
                 f"the inertia tensor is {figure(100 * one.tensors_apart, 2)} % from the mirror image of that of "
                 f"{one.other}, although their principal moments agree"
             )
-            yield Fault(one.inertial.entries[0].span, what, _MIRROR_IMAGE_REMEDY, one.tensors_apart, MOMENTS)
+            yield Fault(one.inertial.entries[0].span, what, _REFLECT, one.tensors_apart, MOMENTS)
 
 
 def _centre(one: Twins) -> Fault:
@@ -163,7 +163,7 @@ def _centre(one: Twins) -> Fault:
         f"{place(one.c.tolist())}, {one.shift:.3g} m away"
     )
     at = one.inertial.element.span if origin is None else value_span(origin, "xyz")
-    return Fault(at, what, _MIRROR_IMAGE_REMEDY, one.shift, one.most_shift, cause=cause)
+    return Fault(at, what, _REFLECT, one.shift, one.most_shift, cause=cause)
 
 
 _LIMIT = 0.02
@@ -171,7 +171,7 @@ _LIMIT = 0.02
 _MAGNITUDE = 0.02
 _TURNS = 4 * pi
 """RD507 reports ranges of revolute joints that go farther [rad]."""
-_MIRROR_JOINT_REMEDY = "correct the one of the two that is wrong, or allow it where the joints differ"
+_CORRECT_JOINT = "correct the one of the two that is wrong, or allow it where the joints differ"
 
 
 @rule(
@@ -204,7 +204,7 @@ def mirror_joint(context: Context) -> Faults:
             yield from ranges
             if not any(directions(pair, context)):
                 what = f"the axis is not parallel to the mirror image of that of its twin {twin}"
-                yield Fault(_axis(view), what, _MIRROR_JOINT_REMEDY)
+                yield Fault(_axis(view), what, _CORRECT_JOINT)
             elif other is not None and not ranges and not list(_range(other, context, "")):
                 yield _unlike(view, twin, other)
             elif right.name in odd and not ranges:
@@ -230,7 +230,7 @@ def _odd(view: JointView, twin: str, others: Sequence[Pair]) -> Fault:
         f"it and its mirror twin {twin} are turned to each other as those of the limb whose axes lie like theirs, "
         f"{named} among {len(others)}, are not: one of the two axes is reversed"
     )
-    return Fault(_axis(view), what, _MIRROR_JOINT_REMEDY)
+    return Fault(_axis(view), what, _CORRECT_JOINT)
 
 
 def _kind(pair: Pair, view: View) -> Fault:
@@ -239,7 +239,7 @@ def _kind(pair: Pair, view: View) -> Fault:
     if other.type == "fixed":
         one, other = other, one
     what = f"it is {one.type}, but its mirror twin {shown(other.name)} (line {other.line}) is {other.type}"
-    return Fault(value_span(view.joint[one.name].element, "type"), what, _MIRROR_JOINT_REMEDY)
+    return Fault(value_span(view.joint[one.name].element, "type"), what, _CORRECT_JOINT)
 
 
 def _range(pair: Pair, context: Context, twin: str) -> Faults:
@@ -263,7 +263,7 @@ def _range(pair: Pair, context: Context, twin: str) -> Faults:
     copied = direction < 0 and max(abs(here[0] - low), abs(here[1] - high)) <= slack
     cause = "the ranges are equal, but the axes ask for a change of sign" if copied else None
     at = (limit.lower, limit.upper)[k]
-    yield Fault(at.span, what, _MIRROR_JOINT_REMEDY, here[k], image[k], cause=cause)
+    yield Fault(at.span, what, _CORRECT_JOINT, here[k], image[k], cause=cause)
 
 
 def _ends(limit: Limit | None) -> tuple[float, float]:
@@ -289,10 +289,10 @@ def _magnitudes(pair: Pair, view: JointView, twin: str) -> Faults:
         name, one, other = found[0]
         here, there = (" and ".join(f"{each[0]} {each[k]:g}" for each in found) for k in (2, 1))
         what = f"the limit of {here} is not that of its mirror twin {twin}, {there}"
-        yield Fault(getattr(view.limit, name).span, what, _MIRROR_JOINT_REMEDY, other, one)
+        yield Fault(getattr(view.limit, name).span, what, _CORRECT_JOINT, other, one)
 
 
-_MIRROR_ORIGIN_REMEDY = "correct the one of the two that is wrong, or allow it where the sides differ"
+_CORRECT_SIDE = "correct the one of the two that is wrong, or allow it where the sides differ"
 
 
 @rule("RD405", Severity.WARNING, Stage.MODEL, good=two_elbows(), bad=two_elbows("0.1 0.05 0.3"))
@@ -307,21 +307,21 @@ def mirror_origin(context: Context) -> Faults:
     as fingers on a gripper; and frames that lie askew where no sign in rpy explains it: they are chosen freely.
     """
     for one in misplaced(context):
-        yield _fault_of_mirror_origin(one, context.view.joint[one.right.name])
+        yield _origin_fault(one, context.view.joint[one.right.name])
 
 
-def _fault_of_mirror_origin(one: Misplaced, view: JointView) -> Fault:
+def _origin_fault(one: Misplaced, view: JointView) -> Fault:
     twin = f"{shown(one.left.name)} (line {one.left.line})"
     signs = " and ".join(one.signs)
     if one.expected is None:
         what = f"its axes are not the mirror image of those of its twin {twin}, but for the sign of {signs}"
-        return Fault(_at(view, "rpy"), what, _MIRROR_ORIGIN_REMEDY)
+        return Fault(_at(view, "rpy"), what, _CORRECT_SIDE)
     what = (
         f"the origin is at {place(one.right.origin.xyz)} m; that of its mirror twin {twin} asks for "
         f"{place(one.expected.tolist())}, {one.off:.3g} m away"
     )
     cause = f"the sign of {signs} is not that of a mirror image" if signs else None
-    return Fault(_at(view, "xyz"), what, _MIRROR_ORIGIN_REMEDY, one.off, 0.0, cause=cause)
+    return Fault(_at(view, "xyz"), what, _CORRECT_SIDE, one.off, 0.0, cause=cause)
 
 
 def _at(view: JointView, name: str) -> Span:

@@ -4,32 +4,19 @@ from __future__ import annotations
 
 from robodyn.checks.bodies.contacts import detached, too_large
 from robodyn.checks.bodies.shapes import other_unit
-from robodyn.checks.examples import LIMIT, a_joint, a_link, a_shaped_link, arm, inertia
-from robodyn.checks.mirror.namesakes import Odd, odd_parents
+from robodyn.checks.examples import a_joint, a_link, a_tower, arm
+from robodyn.checks.mirror.namesakes import odd_parents
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.robot.urdf.elements import Span
 from robodyn.robot.urdf.numbers import value_span
-from robodyn.robot.urdf.view import JointView
 from robodyn.support.wording import shown
-
-_DETACHED_PART_SHAPE = '<visual><geometry><box size="0.1 0.1 0.1"/></geometry></visual>'
-_DETACHED_PART_BODY = f'<mass value="1"/>{inertia("0.0017 0 0 0.0018 0 0.0019")}'
-_DETACHED_PART_UP = f'<origin xyz="0 0 0.25"/><axis xyz="0 1 0"/>{LIMIT}'
-_LINKS = "".join(a_link(name, _DETACHED_PART_BODY, _DETACHED_PART_SHAPE) for name in ("fore", "hand"))
-_DETACHED_PART_MORE = (
-    _LINKS
-    + a_joint("elbow", "upper", "fore", _DETACHED_PART_UP)
-    + a_joint("wrist", "fore", "hand", _DETACHED_PART_UP.replace("25", "1"))
-)
-_DETACHED_PART_ARM = a_shaped_link().replace('<link name="base"/>', f'<link name="base">{_DETACHED_PART_SHAPE}</link>')
 
 
 @rule(
     "RD111",
     Severity.WARNING,
     Stage.TREE,
-    good=_DETACHED_PART_ARM.replace("\n</robot>", f"{_DETACHED_PART_MORE}\n</robot>"),
-    bad=('"0 0 0.25"', '"0 0 2.5"'),
+    good=a_tower(),
+    bad=('<child link="hand"/><origin xyz="0 0 0.1"/>', '<child link="hand"/><origin xyz="0 0 1.0"/>'),
 )
 def detached_part(context: Context) -> Faults:
     """The parts on both sides of a joint are next to each other.
@@ -51,14 +38,14 @@ def detached_part(context: Context) -> Faults:
 
 _SEGMENTS = [f"segment_{k}" for k in range(1, 7)]
 _CHAIN = zip(("upper", *_SEGMENTS), _SEGMENTS, strict=False)
-_ODD_PARENT_ARM = arm(more="".join(a_link(child) + a_joint(f"on_{parent}", parent, child) for parent, child in _CHAIN))
+_LONG_ARM = arm(more="".join(a_link(child) + a_joint(f"on_{parent}", parent, child) for parent, child in _CHAIN))
 
 
 @rule(
     "RD112",
     Severity.WARNING,
     Stage.TREE,
-    good=_ODD_PARENT_ARM,
+    good=_LONG_ARM,
     bad=('<parent link="segment_4"/>', '<parent link="segment_2"/>'),
     explains=("RD111",),
 )
@@ -75,37 +62,17 @@ def odd_parent(context: Context) -> Faults:
     for odd in context.once(odd_parents):
         joint = context.tree.above[odd.link]
         what = f"it hangs {shown(odd.link)} on {shown(joint.parent)}, but {odd.why}"
-        yield Fault(_at(joint), what, _remedy(odd))
-
-
-def _remedy(odd: Odd) -> str:
-    told = f"hang it on {shown(odd.expected)}"
-    either = "" if odd.other is None else f", or the other pairs show that {shown(odd.other)} is the wrong one"
-    return f"{told}{either}"
-
-
-def _at(joint: JointView) -> Span:
-    parent = next(child for child in joint.element.children if child.tag == "parent")
-    return value_span(parent, "link")
-
-
-_BOX = '<box size="0.1 0.1 0.25"/>'
-_DRAWN_IN_MILLIMETRES_SHAPE = f'<visual><origin xyz="0 0 0.125"/><geometry>{_BOX}</geometry></visual>'
-_DRAWN_IN_MILLIMETRES_BODY = f'<origin xyz="0 0 0.12"/><mass value="2"/>{inertia("0.0126 0 0 0.0124 0 0.0032")}'
-_DRAWN_IN_MILLIMETRES_UP = f'<origin xyz="0 0 0.25"/><axis xyz="0 1 0"/>{LIMIT}'
-_DRAWN_IN_MILLIMETRES_MORE = "".join(
-    a_link(link, _DRAWN_IN_MILLIMETRES_BODY, _DRAWN_IN_MILLIMETRES_SHAPE)
-    + a_joint(joint, above, link, _DRAWN_IN_MILLIMETRES_UP)
-    for link, joint, above in (("fore", "elbow", "upper"), ("hand", "wrist", "fore"))
-)
+        either = "" if odd.other is None else f", or the other pairs show that {shown(odd.other)} is the wrong one"
+        parent = next(child for child in joint.element.children if child.tag == "parent")
+        yield Fault(value_span(parent, "link"), what, f"hang it on {shown(odd.expected)}{either}")
 
 
 @rule(
     "RD113",
     Severity.ERROR,
     Stage.TREE,
-    good=a_shaped_link().replace("\n</robot>", f"{_DRAWN_IN_MILLIMETRES_MORE}\n</robot>"),
-    bad=(_BOX, '<box size="100 100 250"/>'),
+    good=a_tower(),
+    bad=a_tower().replace("0.1 0.1 0.1", "100 100 100").replace("0.1 0.1 0.25", "100 100 250"),
 )
 def drawn_in_millimetres(context: Context) -> Faults:
     """A robot is drawn in metres.

@@ -71,7 +71,7 @@ def _endless(kind: str, limit: LimitView, bound: float) -> tuple[Numbers, str, s
     return None
 
 
-_DEGREES_TURN = 2 * pi * (1 + 1e-3)
+_ONE_TURN = 2 * pi * (1 + 1e-3)
 _TURNS = 4 * pi
 """Between its limits a joint may well turn twice to each side; no rpy needs to."""
 _DEGREES = 720.0
@@ -106,7 +106,7 @@ def degrees(context: Context) -> Faults:
 
 def _rpy(angles: Numbers) -> Faults:
     largest = max(angles.values or (0.0,), key=abs)
-    if abs(largest) > _DEGREES_TURN:
+    if abs(largest) > _ONE_TURN:
         cause, fix = ("written in degrees", _fix([angles])) if _round([angles]) else (None, None)
         yield Fault(angles.span, _what(angles, largest), "write radians", abs(largest), 2 * pi, cause=cause, fix=fix)
 
@@ -116,7 +116,7 @@ def _range(joint: JointView, limit: LimitView, endless: float) -> Faults:
     hard = [end for end in (limit.lower, limit.upper) if end.value is not None]
     farther = max(hard, key=lambda end: abs(end.value or 0.0), default=None)
     largest = 0.0 if farther is None or farther.value is None else farther.value
-    if farther is None or not _DEGREES_TURN < abs(largest) < endless:
+    if farther is None or not _ONE_TURN < abs(largest) < endless:
         return
     what, cause, fix = _what(farther, largest), None, None
     if abs(largest) <= _TURNS:
@@ -187,7 +187,7 @@ def soft_limits(context: Context) -> Faults:
             yield Fault(soft["lower"].span, what, "exchange the two", lower, upper)
 
 
-_CONTINUOUS_WITH_RANGE_TURN = 2 * pi * (1 - 1e-2)
+_ALMOST_A_TURN = 2 * pi * (1 - 1e-2)
 """A little less, for limits such as 3.14."""
 
 
@@ -204,7 +204,7 @@ def continuous_with_range(context: Context) -> Faults:
         if joint.type != "continuous" or limit is None or limit.range is None:
             continue
         lower, upper = limit.range
-        if 0 < upper - lower < _CONTINUOUS_WITH_RANGE_TURN:
+        if 0 < upper - lower < _ALMOST_A_TURN:
             what = (
                 f"it is continuous, and so turns freely, but has a range from {lower:g} to {upper:g} rad, "
                 "which is less than a turn and ignored"

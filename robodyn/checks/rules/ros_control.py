@@ -52,7 +52,7 @@ def parameter(owner: Element, name: str) -> Element | None:
 
 
 _STANDARD = ("position", "velocity", "effort", "acceleration")
-_CONTROLLED_JOINT_CONTROL = """
+_SHOULDER = """
   <ros2_control name="drives" type="system">
     <hardware><plugin>mock_components/GenericSystem</plugin></hardware>
     <joint name="shoulder">
@@ -60,10 +60,10 @@ _CONTROLLED_JOINT_CONTROL = """
       <state_interface name="position"/>
     </joint>
   </ros2_control>"""
-_AGAIN = '</joint>\n    <joint name="shoulder"><state_interface name="position"/></joint>\n  </ros2_control>'
+_LISTED_AGAIN = '</joint>\n    <joint name="shoulder"><state_interface name="position"/></joint>\n  </ros2_control>'
 
 
-@rule("RD702", Severity.ERROR, good=arm(more=_CONTROLLED_JOINT_CONTROL), bad=("</joint>\n  </ros2_control>", _AGAIN))
+@rule("RD702", Severity.ERROR, good=arm(more=_SHOULDER), bad=("</joint>\n  </ros2_control>", _LISTED_AGAIN))
 def controlled_joint(context: Context) -> Faults:
     """What ros2_control lists is named, is listed once, and moves; its hardware has a plugin.
 
@@ -83,7 +83,7 @@ def controlled_joint(context: Context) -> Faults:
             what = f"ros2_control lists this joint, which is fixed in line {joint.element.line}"
             remedy = "let it move (type=...), or delete it from <ros2_control>"
             yield Fault(value_span(part.element, "name"), what, remedy, subject=part.subject)
-        yield from _again_of_controlled_joint(part, listed, offered)
+        yield from _again(part, listed, offered)
 
 
 def _without_plugin(view: View) -> Iterator[Fault]:
@@ -113,7 +113,7 @@ def _unnamed(part: Controlled) -> Iterator[Fault]:
             yield Fault(element.span, what, 'write name="..."', subject=part.subject if part.subject.name else None)
 
 
-def _again_of_controlled_joint(
+def _again(
     part: Controlled, listed: dict[tuple[int, str, str], Element], offered: dict[tuple[str, str, str], Element]
 ) -> Iterator[Fault]:
     """Yield what is listed a second time in its <ros2_control>, or offers an interface that another one offers."""
@@ -135,7 +135,7 @@ def _again_of_controlled_joint(
 
 
 _BEYOND = 0.05
-_CONTROL_RANGE_CONTROL = """
+_WITH_RANGE = """
   <ros2_control name="drives" type="system">
     <joint name="shoulder">
       <command_interface name="position">
@@ -146,7 +146,7 @@ _CONTROL_RANGE_CONTROL = """
   </ros2_control>"""
 
 
-@rule("RD704", Severity.ERROR, good=arm(more=_CONTROL_RANGE_CONTROL), bad=(">-1.5<", ">2.5<"))
+@rule("RD704", Severity.ERROR, good=arm(more=_WITH_RANGE), bad=(">-1.5<", ">2.5<"))
 def control_range(context: Context) -> Faults:
     """Ranges in ros2_control are numbers, min is not above max, and positions keep to the joint's own range.
 
@@ -211,7 +211,7 @@ def _read(interface: Element, name: str) -> Numbers:
 _FINGER = a_link("finger") + a_joint(
     "follower", "upper", "finger", f'<axis xyz="0 1 0"/>{LIMIT}<mimic joint="shoulder"/>'
 )
-_CONTROLLED_MIMIC_CONTROL = """
+_FOLLOWED = """
   <ros2_control name="drives" type="system">
     <joint name="shoulder"><command_interface name="position"/></joint>
     <joint name="follower"><state_interface name="position"/></joint>
@@ -221,7 +221,7 @@ _CONTROLLED_MIMIC_CONTROL = """
 @rule(
     "RD705",
     Severity.ERROR,
-    good=arm(more=_FINGER + _CONTROLLED_MIMIC_CONTROL),
+    good=arm(more=_FINGER + _FOLLOWED),
     bad=('follower"><state_interface', 'follower"><command_interface'),
 )
 def controlled_mimic(context: Context) -> Faults:

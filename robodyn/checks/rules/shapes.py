@@ -10,7 +10,7 @@ from robodyn.checks.bodies.collision_fit import misfits
 from robodyn.checks.bodies.contacts import detached
 from robodyn.checks.bodies.overlaps import overlaps
 from robodyn.checks.bodies.shapes import real_shapes, solids
-from robodyn.checks.examples import LIMIT, a_joint, a_link, a_shaped_link, arm, inertia
+from robodyn.checks.examples import a_shaped_link, a_tower
 from robodyn.checks.meshes.files import MeshUse, mesh_uses
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.robot.urdf.parts import SHAPES
@@ -127,9 +127,6 @@ def collision_misfit(context: Context) -> Faults:
         yield Fault(at.span, what, remedy, measured, bound, cause=cause)
 
 
-_SHAPE = '<collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision>'
-_BODY = f'<mass value="1"/>{inertia("0.0017 0 0 0.0018 0 0.0019")}'
-_UP = f'<origin xyz="0 0 0.1"/><axis xyz="0 1 0"/>{LIMIT}'
 _SHOWN = 3
 
 
@@ -137,14 +134,7 @@ _SHOWN = 3
     "RD610",
     Severity.NOTE,
     Stage.TREE,
-    good=arm(
-        more=a_link("fore", _BODY, _SHAPE)
-        + a_joint("elbow", "upper", "fore", _UP)
-        + a_link("hand", _BODY, _SHAPE)
-        + a_joint("wrist", "fore", "hand", _UP)
-        + a_link("tool", _BODY, _SHAPE)
-        + a_joint("mount", "hand", "tool", _UP)
-    ),
+    good=a_tower("collision"),
     bad=('child link="tool"/><origin xyz="0 0 0.1"/>', 'child link="tool"/><origin xyz="0 0 -0.08"/>'),
 )
 def self_overlap(context: Context) -> Faults:

@@ -9,8 +9,8 @@ import numpy as np
 from robodyn.checks import examples
 from robodyn.checks.bodies.masses import pose
 from robodyn.checks.bodies.shapes import box_of, solids
-from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
-from robodyn.checks.srdf import Srdf, srdf
+from robodyn.checks.rule import Context, Fault, Faults, Severity, namesakes, rule
+from robodyn.checks.srdf import Srdf, own_srdf, srdf
 from robodyn.robot.kinematics import Pose
 from robodyn.robot.urdf.elements import Element
 from robodyn.robot.urdf.numbers import NumbersError, parse_numbers, value_span
@@ -57,8 +57,8 @@ def unknown_group(context: Context) -> Faults:
     reads, and a remark. Of two groups of one name one is passed over, and a chain whose base hangs on its tip is
     planned for the wrong end. The examples are SRDFs of an arm.
     """
-    found = context.once(srdf)
-    if found is None or found.is_of_another:
+    found = own_srdf(context)
+    if found is None:
         return
     groups = [group.get("name") or "" for group in found.root.findall("group")]
     yield from _twice_or_reversed(context, found)
@@ -87,14 +87,13 @@ def unknown_group(context: Context) -> Faults:
 
 
 def _twice_or_reversed(context: Context, found: Srdf) -> Iterator[Fault]:
-    first: dict[str, Element] = {}
     above = {joint.child: joint.parent for joint in context.view.joints}
-    for group in found.root.findall("group"):
-        name = group.get("name") or ""
-        if first.setdefault(name, group) is not group:
-            what = f"a second group of this name; the first is in line {first[name].line}"
-            at = value_span(group, "name")
-            yield Fault(at, what, "rename or delete one of them", subject=_subject(group), document=found.document)
+    groups = found.root.findall("group")
+    for group, first in namesakes(groups):
+        what = f"a second group of this name; the first is in line {first.line}"
+        at = value_span(group, "name")
+        yield Fault(at, what, "rename or delete one of them", subject=_subject(group), document=found.document)
+    for group in groups:
         for chain in group.findall("chain"):
             base, tip = chain.get("base_link") or "", chain.get("tip_link") or ""
             if base != tip and tip in _upward(base, above):
@@ -140,8 +139,8 @@ def group_state(context: Context) -> Faults:
     prismatic joints, within a thousandth, since states are often rounded to three digits. The examples are SRDFs of
     an arm.
     """
-    found = context.once(srdf)
-    if found is None or found.is_of_another:
+    found = own_srdf(context)
+    if found is None:
         return
     for state in found.root.findall("group_state"):
         subject = Subject("group_state", state.get("name") or "")
@@ -190,8 +189,8 @@ def neighbours_collide(context: Context) -> Faults:
     whose boxes overlap at rest, where the SRDF lists pairs at all. Two links that it lists with a link that is not
     there, between them perhaps, are RD701's alone. The examples are SRDFs of an arm.
     """
-    found = context.once(srdf)
-    pairs = [] if found is None or found.is_of_another else found.root.findall("disable_collisions")
+    found = own_srdf(context)
+    pairs = [] if found is None else found.root.findall("disable_collisions")
     if found is None or not pairs or not found.is_namesake:
         return
     allowed = {frozenset((pair.get("link1"), pair.get("link2"))) for pair in pairs}

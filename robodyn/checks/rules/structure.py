@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from robodyn.checks.examples import a_joint, a_link, arm, longer_arm, one_link
-from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
+from robodyn.checks.rule import Context, Fault, Faults, Severity, namesakes, rule
 from robodyn.checks.tree import first_above
 from robodyn.robot.urdf.numbers import value_span
 from robodyn.robot.urdf.parts import JOINT_TYPES
@@ -114,16 +114,13 @@ def duplicate_link(context: Context) -> Faults:
 
     Readers refuse the file, or keep one of the two and lose the other without a word.
     """
-    return namesakes("link", context.view.links, context.view.link)
+    return _second("link", context.view.links)
 
 
-def namesakes(kind: str, parts: Sequence[LinkView | JointView], first: Mapping[str, LinkView | JointView]) -> Faults:
-    """Yield the parts whose name another one before them has."""
-    for part in parts:
-        before = first.get(part.name, part)
-        if before is not part:
-            what = f"a second {kind} of this name; the first is in line {before.element.line}"
-            yield Fault(part.name_span, what, "rename or remove one of them")
+def _second(kind: str, parts: Sequence[LinkView | JointView]) -> Faults:
+    for again, first in namesakes(part.element for part in parts):
+        what = f"a second {kind} of this name; the first is in line {first.line}"
+        yield Fault(value_span(again, "name"), what, "rename or remove one of them")
 
 
 @rule("RD106", Severity.ERROR, good=longer_arm(), bad=("elbow", "shoulder"))
@@ -132,7 +129,7 @@ def duplicate_joint(context: Context) -> Faults:
 
     Readers refuse the file, or keep one of the two and lose the other without a word.
     """
-    return namesakes("joint", context.view.joints, context.view.joint)
+    return _second("joint", context.view.joints)
 
 
 @rule("RD107", Severity.ERROR, good=arm(), bad=('name="shoulder" ', ""))

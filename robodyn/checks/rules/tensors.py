@@ -43,12 +43,10 @@ def zero_tensor(context: Context) -> Faults:
             continue
         what = f"a mass of {link.mass:g} kg has no moments of inertia: it would be a point"
         remedy = "write the inertia of the part; robodyn inertia computes it from its mesh"
-        yield Fault(
-            link.inertial.entries[0].span, what, remedy, measured=0.0, severity=_severity_of_zero_tensor(context, link)
-        )
+        yield Fault(link.inertial.entries[0].span, what, remedy, measured=0.0, severity=_of_zero(context, link))
 
 
-def _severity_of_zero_tensor(context: Context, link: LinkView) -> Severity:
+def _of_zero(context: Context, link: LinkView) -> Severity:
     """Return a remark where heavier links are fixed to it and the body has an inertia by them, or there is no tree that
     tells; a warning for a base."""
     if context.tree_or_none is None:
@@ -178,7 +176,7 @@ def placeholder_tensor(context: Context) -> Faults:
                 what,
                 remedy,
                 measured=tensor[0],
-                severity=_severity_of_placeholder_tensor(context, link),
+                severity=_of_placeholder(context, link),
             )
 
 
@@ -200,7 +198,7 @@ def _pattern(tensor: tuple[float, ...]) -> str | None:
     return f"{xx:g} times the identity" if isclose(power, round(power), abs_tol=1e-12) else None
 
 
-def _severity_of_placeholder_tensor(context: Context, link: LinkView) -> Severity:
+def _of_placeholder(context: Context, link: LinkView) -> Severity:
     """Return a warning where the link is more than a small part of its body; which that is only a tree tells."""
     tree = context.tree_or_none
     if tree is None:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator
 
 from robodyn.checks.examples import arm
-from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
-from robodyn.checks.srdf import Named, srdf
+from robodyn.checks.rule import Context, Fault, Faults, Severity, namesakes, rule
+from robodyn.checks.srdf import Named, own_srdf
 from robodyn.robot.urdf.elements import Element
 from robodyn.robot.urdf.numbers import TEXT, numbers, value_span
 from robodyn.robot.urdf.view import Subject, View
@@ -50,10 +50,12 @@ def names_nothing(context: Context) -> Faults:
                 continue
             if used.name not in remedies:
                 remedies[used.name] = alternatives(used.name, names, "joints" if used.kind == "joint" else "links")
-            what = f"there is no {used.kind} {shown(used.name)} in the robot"
-            remedy = remedies[used.name]
-            at = value_span(used.element, used.attribute)
-            yield Fault(at, what, remedy, subject=Subject(owner.tag, owner.get("name") or owner.get("reference") or ""))
+            what, at = (
+                f"there is no {used.kind} {shown(used.name)} in the robot",
+                value_span(used.element, used.attribute),
+            )
+            subject = Subject(owner.tag, owner.get("name") or owner.get("reference") or "")
+            yield Fault(at, what, remedies[used.name], subject=subject)
     yield from _in_srdf(context)
 
 
@@ -74,8 +76,8 @@ def _uses(owner: Element) -> Iterator[Named]:
 def _in_srdf(context: Context) -> Iterator[Fault]:
     """Yield one fault for each name; of an SRDF of another name, which may be of a variant of the robot, one warning;
     none where all of it is another robot's, which RD706 says."""
-    found, view = context.once(srdf), context.view
-    if found is None or found.is_of_another:
+    found, view = own_srdf(context), context.view
+    if found is None:
         return
     missing, more = found.missing, ""
     if not found.is_namesake and missing[1:]:
@@ -107,27 +109,15 @@ _WORLD = "world"
 
 def named_by_plugins(gazebo: Element) -> Iterator[Named]:
     """Yield the joints and links that the plugins in an element <gazebo> name, without those that it makes itself."""
-    made = {element.get("name") for element in _downward(gazebo) if element.tag.partition(":")[0] in ("joint", "link")}
-    for plugin in (element for element in _downward(gazebo) if element.tag == "plugin"):
-        for element in _downward(plugin):
-            kind = _kind(element)
+    made = {element.get("name") for element in gazebo.walk() if element.tag.partition(":")[0] in ("joint", "link")}
+    for plugin in (element for element in gazebo.walk() if element.tag == "plugin"):
+        for element in plugin.walk():
+            kind = _NAMES.get(element.tag.lower().replace("_", ""), "")
             for name in element.text.replace(",", " ").split() if kind and not element.children else ():
                 if name.rpartition("::")[2] not in {_WORLD, *made}:
                     yield Named(kind, name.rpartition("::")[2], element, "")
             if element.tag == "virtualJoint" and (inner := element.find("name")) is not None and inner.text.strip():
                 yield Named("joint", inner.text.strip(), inner, "")
-
-
-def _kind(element: Element) -> str:
-    return _NAMES.get(element.tag.lower().replace("_", ""), "")
-
-
-def _downward(root: Element) -> Iterator[Element]:
-    waiting = list(reversed(root.children))
-    while waiting:
-        element = waiting.pop()
-        yield element
-        waiting += reversed(element.children)
 
 
 _TYPES = ("SimpleTransmission", "DifferentialTransmission", "FourBarLinkageTransmission")
@@ -151,31 +141,19 @@ def transmission(context: Context) -> Faults:
     root = context.view.root
     inside = [each for control in root.findall("ros2_control") for each in control.findall("transmission")]
     for transmissions in (root.findall("transmission"), inside):
-        driven: dict[str, Element] = {}
-        for transmission in transmissions:
-            yield from _again_of_transmission(transmission, driven)
-            yield from _reductions(transmission)
-    yield from _named_again(root.findall("transmission"))
-    for transmission in root.findall("transmission"):
-        yield from _drives_nothing(transmission, context.view)
-
-
-def _again_of_transmission(transmission: Element, driven: dict[str, Element]) -> Iterator[Fault]:
-    for joint in transmission.findall("joint"):
-        name = joint.get("name")
-        if name and (first := driven.setdefault(name, joint)) is not joint:
-            what = f"joint '{name}' is driven a second time; the first is in line {first.line}"
-            yield Fault(value_span(joint, "name"), what, "keep one of the two", subject=_subject(transmission))
-
-
-def _named_again(transmissions: Sequence[Element]) -> Iterator[Fault]:
-    first: dict[str, Element] = {}
-    for transmission in transmissions:
-        name = transmission.get("name")
-        if name and (other := first.setdefault(name, transmission)) is not transmission:
-            what = f"a second transmission of this name; the first is in line {other.line}"
-            at = value_span(transmission, "name")
-            yield Fault(at, what, "rename one of them", subject=_subject(transmission), severity=Severity.WARNING)
+        driven = [(joint, _subject(each)) for each in transmissions for joint in each.findall("joint")]
+        subjects = {id(joint): subject for joint, subject in driven}
+        for joint, first in namesakes(joint for joint, _ in driven):
+            what = f"joint '{joint.get('name')}' is driven a second time; the first is in line {first.line}"
+            yield Fault(value_span(joint, "name"), what, "keep one of the two", subject=subjects[id(joint)])
+        for each in transmissions:
+            yield from _reductions(each)
+    for again, first in namesakes(root.findall("transmission")):
+        what = f"a second transmission of this name; the first is in line {first.line}"
+        at = value_span(again, "name")
+        yield Fault(at, what, "rename one of them", subject=_subject(again), severity=Severity.WARNING)
+    for each in root.findall("transmission"):
+        yield from _drives_nothing(each, context.view)
 
 
 def _drives_nothing(transmission: Element, view: View) -> Iterator[Fault]:
@@ -183,10 +161,8 @@ def _drives_nothing(transmission: Element, view: View) -> Iterator[Fault]:
     subject, kind = _subject(transmission), transmission.find("type")
     said = transmission.get("type") if kind is None else kind.text.strip()
     if not said:
-        what, remedy = (
-            "the transmission has no type: readers pass over it",
-            f"write <type>transmission_interface/{_TYPES[0]}</type>",
-        )
+        what = "the transmission has no type: readers pass over it"
+        remedy = f"write <type>transmission_interface/{_TYPES[0]}</type>"
         yield Fault(transmission.span, what, remedy, subject=subject, severity=Severity.WARNING)
     elif meant := slip_of(said.rpartition("/")[2], _TYPES):
         what, remedy = f"nobody offers the type {shown(said)}", f"did you mean {shown(meant)}?"
