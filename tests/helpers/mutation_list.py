@@ -17,15 +17,14 @@ MUTATIONS = {
         ),
         ("checks/groups.py", "surmised(finding.cause)", "False"),
     ],
-    "checks/consumers/test_refusals.py": [
-        ("checks/consumers/water.py", "WATER / 6", "WATER / 3"),
-        ("checks/consumers/mujoco.py", "small < _LEAST_MOMENT", "small <= 0.0"),
-        ("checks/consumers/mujoco.py", "weight.mass >= LEAST", "True"),
-        ("checks/consumers/drake.py", "lower > upper", "lower < upper"),
-        ("checks/consumers/drake.py", "colour != known[name]", "False"),
-        ("checks/consumers/gazebo.py", "abs(mass[link.name] or 0.0) > _LEAST", "True"),
-        ("checks/consumers/gazebo.py", "whole == 0.0 or other.name in nowhere", "other.name in nowhere"),
-        ("checks/consumers/gazebo.py", "small + middle >= (1.0 - _ROUNDING) * large", "True"),
+    "checks/importers/test_importers.py": [
+        ("checks/importers/inferred_mass.py", "WATER / 6", "WATER / 3"),
+        ("checks/importers/facts.py", "small < _LEAST_MOMENT", "small <= 0.0"),
+        ("checks/importers/facts.py", "lower > upper", "lower < upper"),
+        ("checks/importers/facts.py", "abs(mass[link.name] or 0.0) > _LEAST_GAZEBO", "True"),
+        ("checks/importers/facts.py", "small + middle < (1.0 - 2.0 * _ROUNDING) * large", "False"),
+        ("checks/importers/facts.py", "whole == 0.0 or other.name in nowhere", "other.name in nowhere"),
+        ("checks/importers/facts.py", "leader is None", "False"),
     ],
     "checks/test_selection.py": [
         ("checks/catalogue.py", "not select or DEFAULT in select", "not select"),

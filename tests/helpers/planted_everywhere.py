@@ -18,8 +18,8 @@ from checks.bodies.test_other_unit import UNITS, drawn
 from checks.mirror.test_planted_twins import KINDS, ROBOTS, planted
 from checks.rules.test_planted_in_real import PLANTS
 
-from helpers.consumers import packages
 from helpers.example_robots import path_of
+from helpers.importers import packages
 from helpers.planted_defects import DEFECTS, HEALTHY
 from helpers.planted_ros import texts_of, write
 from helpers.planted_ros_kinds import NEIGHBOURS, PLANTED

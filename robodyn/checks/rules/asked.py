@@ -5,10 +5,10 @@ from __future__ import annotations
 from math import isfinite
 from typing import TYPE_CHECKING
 
-from robodyn.checks.consumers.found import named
-from robodyn.checks.consumers.verdicts import FACTS, Opinion, Verdict, opinion
 from robodyn.checks.context import TARGETS
 from robodyn.checks.examples import a_joint, a_link, arm
+from robodyn.checks.importers.facts import FACTS, Opinion, Verdict, named, opinion, refusals
+from robodyn.checks.importers.run import INSTALLABLE
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.robot.urdf.elements import Span
 from robodyn.robot.urdf.view import Subject
@@ -56,8 +56,7 @@ def limits_along_motion(context: Context) -> Faults:
 
 
 _MOST = 3
-_UNASKED = ("mujoco", "drake")
-"""Programs that the tests run."""
+_LONGEST = 300
 _SAYS = {Verdict.LOADS: "loads it as it is", Verdict.ALTERS: "loads it with changes", Verdict.REJECTS: "rejects it"}
 
 _TOOL = a_link("tool") + a_joint("yaw", "cross", "tool")
@@ -70,9 +69,10 @@ _KNOWN = "\n".join(f"{fact.target} {fact.verdict.name.lower()}: it {fact.does} [
     Severity.NOTE,
     Stage.TREE,
     explanation=f"""For each program asked for ({", ".join(TARGETS)}) its verdict: loads, alters, or rejects and why. A
-rejection by a program that is asked for is an error, all else a remark. Without being asked, only rejections by
-{" and ".join(_UNASKED)} are reported, where no other rule tells of the same link or joint why. What is known, and from
-where (KG is a mass):
+rejection by a program that is asked for is an error, all else a remark. {" and ".join(INSTALLABLE)} are run where they
+are installed, in a process of their own, and what they say is given; what they alter, and what others do, is looked up
+in a table. Without being asked nothing is run, and only what the table knows {" and ".join(INSTALLABLE)} to reject, but
+for meshes, is reported where no other rule tells of the same link or joint why. The table (KG is a mass):
 {_KNOWN}""",
     good=arm(more=a_link("cross") + a_joint("pitch", "upper", "cross") + _TOOL),
     bad=arm(more=a_link("cross", "") + a_joint("pitch", "upper", "cross") + _TOOL),
@@ -82,8 +82,8 @@ def consumer_verdict(context: Context) -> Faults:
     for target in context.asked.targets:
         yield _verdict(context, opinion(context, target))
     alone = {*map(named, context.view.links), *map(named, context.view.joints)}
-    for target in () if context.asked.targets else _UNASKED:
-        for fact, found in opinion(context, target, Verdict.REJECTS).found:
+    for target in () if context.asked.targets else INSTALLABLE:
+        for fact, found in refusals(context, target):
             does = f"{target} rejects it: it {fact.does}"
             for one in found:
                 what = does if one.what in alone else f"{does} ({one.what})"
@@ -92,12 +92,17 @@ def consumer_verdict(context: Context) -> Faults:
 
 def _verdict(context: Context, one: Opinion) -> Fault:
     shown = [entry for entry in one.found if entry[0].verdict is one.verdict]
-    reasons = [f"{fact.says(found)} ({_listed([each.what for each in found])})" for fact, found in shown]
-    sources = dict.fromkeys(fact.source for fact, _ in shown)
-    what = f"{one.target} {_SAYS[one.verdict]}" + (f": it {'; it '.join(reasons)}" if reasons else "")
-    remedy = f"known from {'; '.join(sources)}" if sources else "nothing to do"
+    reasons = [f"it {fact.says(found)} ({_listed([each.what for each in found])})" for fact, found in shown]
+    sources, answer = dict.fromkeys(fact.source for fact, _ in shown), one.answer
+    if answer is not None and answer.refusal is not None:
+        reasons.insert(0, f'it says "{answer.refusal[:_LONGEST]}"')
+    what = f"{one.target} {_SAYS[one.verdict]}" + (f": {'; '.join(reasons)}" if reasons else "")
+    known = [f"known from {'; '.join(sources)}"] if sources else []
+    if answer is not None:
+        known.insert(0, f"run in version {answer.version}" if answer.version else "not run, since it is not installed")
     at = shown[0][1][0].at if shown else context.view.root.span
     refused = one.verdict is Verdict.REJECTS
+    remedy = "; ".join(known) or "nothing to do"
     return Fault(at, what, remedy, subject=None, severity=Severity.ERROR if refused else None)
 
 

@@ -9,7 +9,6 @@ from robodyn.checks.bodies.bodies import bodies
 from robodyn.checks.bodies.masses import POINT, carried_masses, gyration, severity_of_zero
 from robodyn.checks.bodies.repeated import repeated
 from robodyn.checks.bodies.shapes import link_boxes, real_shapes, size_of
-from robodyn.checks.consumers.water import inventions
 from robodyn.checks.examples import (
     INERTIA,
     LIMIT,
@@ -23,6 +22,7 @@ from robodyn.checks.examples import (
     longer_arm,
     one_link,
 )
+from robodyn.checks.importers.inferred_mass import inferred_masses
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.checks.tree import Group
 from robodyn.robot.base_guess import untouched
@@ -83,7 +83,7 @@ def massless_group(context: Context) -> Faults:
 
 
 def _in_mujoco(context: Context, group: Group) -> str:
-    masses = inventions(context, group.links).values()
+    masses = inferred_masses(context, group.links).values()
     known = [mass for mass in masses if mass is not None]
     if not masses:
         return "refuses it"

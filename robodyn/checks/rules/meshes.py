@@ -7,9 +7,9 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from robodyn.checks.consumers.meshes import READS, unread
 from robodyn.checks.context import STDIN
 from robodyn.checks.examples import a_mesh, a_shaped_link
+from robodyn.checks.importers.facts import READS, unread
 from robodyn.checks.meshes.facts import MeshFacts
 from robodyn.checks.meshes.files import MeshName, State, all_facts, mesh_names, mesh_uses
 from robodyn.checks.meshes.units import mesh_slips

@@ -13,12 +13,8 @@ from tempfile import TemporaryDirectory
 
 import pytest
 
-from helpers.mesh_files import obj
 from helpers.peers import peer
-from robodyn.checks.consumers.meshes import READS
-from robodyn.errors import RobodynError
 from robodyn.robot.urdf.packages import Search
-from robodyn.solids.mesh.read.load import load_triangles
 
 _READERS = {
     "mujoco": """
@@ -66,7 +62,6 @@ for file, packages in json.load(sys.stdin):
         text = json.dumps({"refused": f"the process ended with {status}"}).encode()
     os.write(answers, text + b"\\n")
 """
-_MESH = re.compile(r'<!--.*?-->|<(visual|collision)\b|(<mesh\b[^>]*?filename\s*=\s*)(["\'])(.*?)\3', re.DOTALL)
 _PACKAGE = re.compile(r"(?:package|model)://([^/\"']+)/")
 
 
@@ -103,37 +98,3 @@ def packages(file: Path) -> dict[str, str]:
     search = Search(str(file), ())
     found = {name: next((root for root in search.packages(name) if root.is_dir()), None) for name in names}
     return {name: str(root) for name, root in found.items() if root is not None}
-
-
-def resolved(file: Path, target: str, folder: Path) -> Path:
-    """Return a copy of a description that names its meshes by their paths, those to collide with as `target` reads
-    them: others become .obj files in `folder`. What is not found, or cannot be read, stays."""
-    search, inside = Search(str(file), ()), ""
-
-    def renamed(match: re.Match[str]) -> str:
-        nonlocal inside
-        kind, start, quote, name = match.groups()
-        if start is None:
-            inside = kind or inside
-            return match[0] if kind else ""
-        path = search.find(name)
-        if path is None:
-            return match[0]
-        if inside == "collision" and path.suffix.lower() not in READS[target].suffixes:
-            path = _converted(path, folder) or path
-        return f"{start}{quote}{path.resolve()}{quote}"
-
-    copy = folder / f"{target}-{abs(hash(file))}.urdf"
-    copy.write_text(_MESH.sub(renamed, file.read_text(encoding="utf-8")), encoding="utf-8")
-    return copy
-
-
-def _converted(path: Path, folder: Path) -> Path | None:
-    copy = folder / f"{path.stem}-{abs(hash(path))}.obj"
-    if not copy.exists():
-        try:
-            triangles = load_triangles(path)
-        except RobodynError:
-            return None
-        copy.write_bytes(obj(triangles.array() * triangles.scale))
-    return copy
