@@ -27,8 +27,8 @@ def output_names(model: Model, reactions: bool, momentum: bool = False, scene: S
 
 def _constrained(model: Model, scene: Scene, names: Sequence[str]) -> list[str]:
     """Return the names under constraints; names: those of the tree."""
-    from robodyn.dynamics.constraints.actuation import actuation
-    from robodyn.dynamics.constraints.tree import columns_of
+    from robodyn.dynamics.constraints.constraint_jacobian import columns_of
+    from robodyn.dynamics.constraints.solve import actuation
 
     passive = actuation(model, scene).passive.tolist()
     driven = [name for name, free in zip(names, passive, strict=False) if not free]

@@ -9,7 +9,7 @@ import numpy as np
 from robodyn.dynamics.constraints.constraint_jacobian import closures
 from robodyn.dynamics.constraints.solve import ConstraintSolver, Found
 from robodyn.dynamics.loops.closed_chain import Dropped
-from robodyn.dynamics.loops.independent_equations import independent_equations
+from robodyn.dynamics.loops.closed_start import independent_equations
 from robodyn.loads.constraint_result import Constraints, LoopLoad, Peak, Unbalanced
 from robodyn.loads.contact_figures import ContactFigures
 from robodyn.loads.statistics import Greatest, Integrals

@@ -8,12 +8,16 @@ from dataclasses import replace
 import numpy as np
 
 from robodyn.dynamics.arrays import zero_sources
-from robodyn.dynamics.constraints.constraint_jacobian import loop_jacobian
-from robodyn.dynamics.constraints.solve import ConstraintSolver, Found
-from robodyn.dynamics.constraints.structure import Mask
-from robodyn.dynamics.constraints.touching import touching
-from robodyn.dynamics.constraints.tree import constraint_columns, normal_of, open_scene, tree_scene
-from robodyn.dynamics.loops.find import NOTHING
+from robodyn.dynamics.constraints.constraint_jacobian import (
+    constraint_columns,
+    loop_jacobian,
+    normal_of,
+    open_scene,
+    tree_scene,
+)
+from robodyn.dynamics.constraints.solve import ConstraintSolver, Found, touching
+from robodyn.dynamics.constraints.torque_distribution import Mask
+from robodyn.dynamics.loops.closed_chain import NOTHING
 from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import plan, torque_runner
 from robodyn.loads.constraint_figures import ConstraintFigures

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from robodyn.dynamics.constraints.constraint_jacobian import normal_of
 from robodyn.dynamics.constraints.solve import ConstraintSolver, Found
-from robodyn.dynamics.constraints.structure import Mask
-from robodyn.dynamics.constraints.tree import normal_of
-from robodyn.dynamics.contacts.diagnosis import kinds, least_friction
-from robodyn.dynamics.contacts.pressure import centre_of_pressure, friction_used
+from robodyn.dynamics.constraints.torque_distribution import Mask
+from robodyn.dynamics.contacts.diagnosis import centre_of_pressure, friction_used, kinds, least_friction
 from robodyn.dynamics.contacts.problem import Forces, Problem
 from robodyn.loads.constraint_result import ContactLoad, Missing, Peak
 from robodyn.programs.vectors import length, product

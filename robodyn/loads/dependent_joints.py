@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from robodyn.dynamics.loops.misfit import Misfit
-from robodyn.dynamics.loops.position_continuation import Follow, Whole
+from robodyn.dynamics.loops.position_continuation import Follow, Misfit, Whole
 from robodyn.dynamics.plan import Plan
 from robodyn.support.caveats import Caveat
 from robodyn.trajectory.motion import Sampling, Trajectory

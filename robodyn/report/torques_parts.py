@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from robodyn.dynamics.constraints.tree import tree_scene
+from robodyn.dynamics.constraints.constraint_jacobian import tree_scene
 from robodyn.equations.free_body.types import FreeBodies, FreeBody
 from robodyn.errors import RobodynError
 from robodyn.loads.caveats import energy_caveat

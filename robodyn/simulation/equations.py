@@ -12,8 +12,8 @@ from robodyn.dynamics.effects.effect import Effect, Sample
 from robodyn.dynamics.effects.motors import angular_momentum
 from robodyn.dynamics.forward import accelerations
 from robodyn.dynamics.loops.closed_chain import ClosedChain
-from robodyn.dynamics.loops.independent_equations import independent_equations
-from robodyn.dynamics.loops.local_coordinates import local_rates, moved, unit
+from robodyn.dynamics.loops.closed_start import independent_equations
+from robodyn.dynamics.loops.closure import local_rates, moved, unit
 from robodyn.dynamics.plan import Plan, applied, runner_of
 from robodyn.dynamics.recursions.elimination import aligned
 from robodyn.dynamics.recursions.momentum import momenta, position_rates

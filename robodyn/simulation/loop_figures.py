@@ -8,9 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from robodyn.dynamics.effects.effect import Sample
-from robodyn.dynamics.loops.closed_chain import ClosedChain
-from robodyn.dynamics.loops.find import NOTHING
-from robodyn.dynamics.loops.independent_equations import independent_equations
+from robodyn.dynamics.loops.closed_chain import NOTHING, ClosedChain
+from robodyn.dynamics.loops.closed_start import independent_equations
 from robodyn.dynamics.plan import Plan, applied, runner_of
 from robodyn.errors import InputError
 from robodyn.programs.program import trace, traced

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.dynamics.loops.closed_chain import ClosedChain
-from robodyn.dynamics.loops.independent_equations import FEW, independent_equations
+from robodyn.dynamics.loops.closed_start import FEW, independent_equations
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.programs.program import traced

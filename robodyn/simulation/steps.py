@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from robodyn.dynamics.loops.local_coordinates import moved, unit
+from robodyn.dynamics.loops.closure import moved, unit
 from robodyn.programs.program import Program, trace
 from robodyn.programs.run.stepper import COLUMNS
 from robodyn.programs.scalar import Tape

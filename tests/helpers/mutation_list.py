@@ -103,11 +103,11 @@ MUTATIONS = {
         ),
     ],
     "dynamics/contacts/test_contact_forces.py": [
-        ("dynamics/contacts/cones.py", "edge * along * sine / t", "edge * along / t"),
-        ("dynamics/contacts/cones.py", "press * sine - t * cosine", "press * cosine - t * sine"),
+        ("dynamics/contacts/dual.py", "edge * along * sine / t", "edge * along / t"),
+        ("dynamics/contacts/dual.py", "press * sine - t * cosine", "press * cosine - t * sine"),
     ],
     "loads/test_singular_passages.py": [
-        ("dynamics/constraints/rank_changes.py", "1.0 / (1.0 - least[lost])", "-1.0 / least[lost]"),
+        ("dynamics/constraints/torque_distribution.py", "1.0 / (1.0 - least[lost])", "-1.0 / least[lost]"),
         ("loads/constraints.py", "loads[self._lost, :n] = self._tau[self._lost]", "pass"),
     ],
     "dynamics/effects/test_external_wrench.py": [
@@ -244,8 +244,8 @@ MUTATIONS = {
         ("loads/figures.py", "1 / 3", "1 / 2"),
     ],
     "dynamics/loops/test_closed_chain.py": [
-        ("dynamics/loops/givens_projection.py", "c * lower - s * upper", "c * lower + s * upper"),
-        ("dynamics/loops/givens_projection.py", "c * change[i]", "change[i]"),
+        ("dynamics/loops/closed_chain.py", "c * lower - s * upper", "c * lower + s * upper"),
+        ("dynamics/loops/closed_chain.py", "c * change[i]", "change[i]"),
         ("dynamics/loops/closed_chain.py", "0.0 - bias", "bias"),
         ("dynamics/forward.py", "turn.T if back else turn", "turn if back else turn"),
         ("dynamics/recursions/composite_body.py", "share * 2.0 if other == rate else share", "share"),
@@ -274,11 +274,15 @@ MUTATIONS = {
             "[Twist(ZERO, axis) for axis in here.R]",
         ),
         (
-            "dynamics/loops/equation.py",
+            "dynamics/loops/closure.py",
             "np.outer(IDENTITY[k], R[j]) - np.outer(IDENTITY[j], R[k])",
             "np.outer(IDENTITY[k], R[j]) + np.outer(IDENTITY[j], R[k])",
         ),
-        ("dynamics/loops/find.py", "np.outer(product(left, one), one)", "0.0 * np.outer(product(left, one), one)"),
+        (
+            "dynamics/loops/closed_chain.py",
+            "np.outer(product(left, one), one)",
+            "0.0 * np.outer(product(left, one), one)",
+        ),
     ],
     "equations/dae/test_closed_dae.py": [
         ("equations/dae/closed.py", "sign * (place.R.T @ n) + cross(arm, force)", "sign * (place.R.T @ n)"),

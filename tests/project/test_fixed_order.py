@@ -8,7 +8,7 @@ from project.test_layers import MODULES
 
 ANY_SCALAR = (
     *("dynamics.recursions", "dynamics.effects", "dynamics.momenta", "dynamics.balance", "dynamics.mass"),
-    *("dynamics.contacts.cones", "dynamics.contacts.program"),
+    "dynamics.contacts.dual",
     *("programs.vectors", "programs.dual", "robot.kinematics", "robot.configuration"),
     *(
         "dynamics.loops.closure",
@@ -23,9 +23,7 @@ ANY_SCALAR = (
 NO_DIGITS = {
     "measure.accuracy.operations": "counts",
     "measure.speed": "times",
-    "dynamics.constraints.structure": "ranks, and which rows vanish",
-    "dynamics.constraints.rank_changes": "ranks, and times to four digits",
-    "dynamics.constraints.torque_distribution": "singular values, which tell where the rank drops",
+    "dynamics.constraints.torque_distribution": "ranks, and which rows vanish",
     "identification.filters": "sums of filters, from which parameters are told to four digits",
     "dynamics.forward": "the name of a joint; and products of objects",
     "equations.dae.counts": "ranks; the comparison has no matrix product of its own",
@@ -42,7 +40,7 @@ NO_DIGITS = {
     "identification.correlated": "standard errors, told to two digits",
     "identification.moments": "the same",
     "simulation.loop_figures": "a rank",
-    "dynamics.loops.independent_equations": "a rank",
+    "dynamics.loops.closed_start": "a rank",
     "simulation.singular": "ranks, and times to four digits",
     "simulation.stiffness": "steps of 1, 2 and 5",
     "report.pictures.visuals": "pictures",

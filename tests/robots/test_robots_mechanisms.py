@@ -11,7 +11,7 @@ from helpers.jets import Jet, cos, sin, sqrt
 from helpers.virtual_work import energy
 
 import robodyn
-from robodyn.dynamics.loops.find import closed_chain
+from robodyn.dynamics.loops.closed_chain import closed_chain
 from robodyn.dynamics.plan import plan
 
 EPS = np.finfo(float).eps

@@ -10,11 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robodyn.dynamics.arrays import arrays_of, numbers, zero_sources
-from robodyn.dynamics.constraints.actuation import actuation
-from robodyn.dynamics.constraints.constraint_jacobian import closures
-from robodyn.dynamics.constraints.solve import ConstraintSolver
-from robodyn.dynamics.constraints.touching import touching
-from robodyn.dynamics.constraints.tree import constraint_columns, open_scene, tree_scene
+from robodyn.dynamics.constraints.constraint_jacobian import closures, constraint_columns, open_scene, tree_scene
+from robodyn.dynamics.constraints.solve import ConstraintSolver, actuation, touching
 from robodyn.dynamics.loops.closure import loops_size
 from robodyn.dynamics.plan import Plan, plan, torque_runner
 from robodyn.errors import InputError

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.dynamics.constraints.actuation import actuation
 from robodyn.dynamics.constraints.constraint_jacobian import (
     ContactJacobian,
     LoopJacobian,
@@ -17,18 +18,155 @@ from robodyn.dynamics.constraints.constraint_jacobian import (
     loop_wrenches,
     no_contacts,
     no_loops,
+    normal_of,
     reactions,
 )
-from robodyn.dynamics.constraints.rank_changes import RankChanges
-from robodyn.dynamics.constraints.structure import GOOD, Mask, Structure, structure
-from robodyn.dynamics.constraints.torque_distribution import torque_distribution
-from robodyn.dynamics.constraints.tree import normal_of
+from robodyn.dynamics.constraints.torque_distribution import (
+    GOOD,
+    Mask,
+    RankChanges,
+    Structure,
+    structure,
+    torque_distribution,
+)
 from robodyn.dynamics.contacts.problem import Forces, FreeTerms, Problem, TorqueTerms
 from robodyn.dynamics.contacts.solve import contact_forces
 from robodyn.dynamics.plan import Plan
-from robodyn.programs.vectors import cross, length
+from robodyn.errors import InputError, SceneError
+from robodyn.programs.vectors import cross, length, product
+from robodyn.robot.limits import binding
+from robodyn.robot.model import Joint, Model
+from robodyn.scene.parts import ALWAYS, AUTO, EFFORT, GROUND, Contact
+from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
+from robodyn.support.wording import shown
+
+
+class Actuation(NamedTuple):
+    """Of a robot's rates.
+
+    Attributes:
+        passive: (n,) which nothing drives: those of passive joints and of floating ones, and the base's where contacts
+            or loops to the ground hold it.
+        driven: (n,) joints that drive; a base that is neither passive nor driven is held.
+        weights: (driven,) of the squares of their torques.
+        limits: (driven,) effort limits [N m or N], infinite where there is none.
+    """
+
+    passive: Mask
+    driven: Mask
+    weights: Floats
+    limits: Floats
+
+    @property
+    def counted(self) -> Mask:
+        """(n,) rates that constraints act on: all but those of a base that is held."""
+        return np.asarray(self.passive | self.driven)
+
+
+@lru_cache(maxsize=16)
+def actuation(model: Model, scene: Scene) -> Actuation:
+    """Return what drives in a scene: joints of `actuated`, or all but those of `passive`; where neither is said, those
+    of `drive` in a closed chain that has some, else all.
+
+    Raises:
+        SceneError: a weight or a cost asks for the effort limit of a joint that has none.
+    """
+    passive, driven = np.zeros(model.n, dtype=bool), np.zeros(model.n, dtype=bool)
+    weights, limits = [], []
+    actuated = scene.actuated
+    if actuated is None and not scene.passive and scene.loops and scene.drive:
+        actuated = tuple(scene.drive)
+    base = 6 if model.floating else 0
+    for joint in model.independent:
+        if joint.kind == "floating":
+            passive[joint.rate : joint.rate + 6] = joint.rate >= base or _grounded(model, scene)
+            continue
+        drives = joint.name in actuated if actuated is not None else joint.name not in scene.passive
+        passive[joint.rate], driven[joint.rate] = not drives, drives
+        if not drives and joint.name in scene.weights:
+            what = f"[weights]: nothing drives {shown(joint.name)}"
+            raise SceneError(what, remedy="give weights of joints that drive")
+        if drives:
+            weights.append(_weight(joint, scene))
+            limits.append(binding(joint.effort) or np.inf)
+    cost = scene.contact_cost
+    if scene.contacts and (cost.torques or cost.within_limits) and not np.isfinite(limits).any():
+        what = "[contact_cost] counts torques by their effort limits, and no joint that drives has one"
+        raise SceneError(what, remedy="give limits in the description, or leave torques and within_limits out")
+    return Actuation(passive, driven, np.array(weights), np.array(limits))
+
+
+def _grounded(model: Model, scene: Scene) -> bool:
+    """Return whether contacts, or loops to the ground, hold a base that moves, and nothing else does."""
+    to_ground = GROUND not in model.links and any(loop.to == GROUND for loop in scene.loops)
+    return (bool(scene.contacts) or to_ground) and not scene.held
+
+
+def _weight(joint: Joint, scene: Scene) -> float:
+    weight = scene.weights.get(joint.name, scene.weight) if scene.share == "weighted" else 1.0
+    if weight != EFFORT:
+        return float(weight)
+    limit = binding(joint.effort)
+    if not limit:
+        what = f'[weights]: {shown(joint.name)} has no effort limit, by which "{EFFORT}" weighs'
+        raise SceneError(what, remedy="give its weight as a number, or the limit in the description")
+    return 1.0 / limit**2
+
+
+def touching(
+    plan: Plan, q: Floats, qd: Floats, time: Floats | None, columns: Mapping[str, Floats], executor: str = "auto"
+) -> Mask:
+    """Return (N, K) which points touch, contact after contact.
+
+    With AUTO each point by itself touches where it is at most `height` above the plane `normal . p = level` and slower
+    than `speed`; otherwise a contact touches with all of its points.
+
+    Args:
+        q, qd: (N, nq), (N, n).
+        time: (N,) s; None where there is none.
+        columns: (N,) by name.
+
+    Raises:
+        InputError: intervals of time and no time, or a column that is missing.
+    """
+    contacts, at = plan.scene.contacts, 0
+    found = np.zeros((len(q), sum(len(contact.points) for contact in contacts)), dtype=bool)
+    near = _near(plan, q, qd, executor) if any(contact.on == AUTO for contact in contacts) else found
+    for contact in contacts:
+        k = slice(at, at + len(contact.points))
+        found[:, k] = near[:, k] if contact.on == AUTO else _switched(contact, time, columns, len(q))[:, None]
+        at = k.stop
+    return found
+
+
+def _switched(contact: Contact, time: Floats | None, columns: Mapping[str, Floats], count: int) -> Mask:
+    """Return (N,) whether a contact is on by itself, by a column or by intervals."""
+    if contact.on == ALWAYS:
+        return np.ones(count, dtype=bool)
+    if isinstance(contact.on, str):
+        if contact.on not in columns:
+            what = f"[[contact]] {shown(contact.name)} is on by the column {shown(contact.on)}"
+            raise InputError(what, remedy="pass it as columns={name: values}")
+        return np.asarray(columns[contact.on] != 0.0)
+    if time is None:
+        what = f"[[contact]] {shown(contact.name)} is on in intervals of time, and states have none"
+        raise InputError(what, remedy="use robodyn.torques of a motion, or a column")
+    return np.asarray(np.any([(time >= start) & (time <= end) for start, end in contact.on], axis=0))
+
+
+def _near(plan: Plan, q: Floats, qd: Floats, executor: str) -> Mask:
+    """Return (N, K) which points are low and slow."""
+    here, parts, at = contact_jacobian(plan, q, qd, executor), [], 0
+    for contact in plan.scene.contacts:
+        k, normal = slice(at, at + len(contact.points)), normal_of(contact, plan.scene)
+        high = product(normal, here.places[:, k].transpose(0, 2, 1)) - contact.level
+        fast = np.sqrt((here.speeds[:, k] ** 2).sum(axis=2))
+        parts.append((high <= contact.height) & (fast <= contact.speed))
+        at = k.stop
+    return np.hstack(parts)
+
 
 PIECE = 2048
 """Samples worked on at a time, so that memory does not grow with the motion."""

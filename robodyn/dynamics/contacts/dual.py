@@ -3,15 +3,201 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from robodyn.dynamics.contacts.problem import FEASIBLE
-from robodyn.dynamics.contacts.program import runner
-from robodyn.dynamics.contacts.search import Search, begun, ended, narrowed
+from robodyn.programs.program import trace
+from robodyn.programs.run.runner import Runner
+from robodyn.programs.scalar import Tape
+from robodyn.programs.vectors import Array, Scalar, cross, sign, sqrt, total
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
+
+TINY = 1e-300
+
+
+class Projected(NamedTuple):
+    """The nearest point of the cone, and the derivative D = inside 1 + edge u u^T + turn v v^T of that by the point."""
+
+    f: Array
+    inside: Scalar
+    edge: Scalar
+    turn: Scalar
+    u: Array
+    v: Array
+
+
+def projected(z: Array, normal: Array, cosine: Scalar, sine: Scalar) -> Projected:
+    """Return the projection of z onto the cone |f_t| cos <= f_n sin of half angle atan(mu), mu = sine / cosine.
+
+    The same steps lead to every case: inside, 0, or onto the ray (z . u) u with u = sin e + cos n, e being the
+    direction of the tangential part of z. A half space (mu infinite) and a ray (mu = 0) are cones too. Where the
+    derivative is not unique it is one of those nearby.
+    """
+    press = z @ normal
+    tangential = z - normal * press
+    t = sqrt(tangential @ tangential + TINY)
+    inside = _positive(press * sine - t * cosine)
+    along = press * cosine + t * sine
+    edge = _positive(along) * (1.0 - inside)
+    e = tangential / t
+    u = e * sine + normal * cosine
+    return Projected(z * inside + u * (edge * along), inside, edge, edge * along * sine / t, u, cross(normal, e))
+
+
+def _positive(x: Scalar) -> Scalar:
+    """1 where x > 0, else 0."""
+    s = sign(x)
+    return 0.5 * (s * (s + 1.0))
+
+
+def _inputs(tape: Tape, name: str, *shape: int) -> Array:
+    return np.array([tape.input(name, k) for k in range(int(np.prod(shape)))], dtype=object).reshape(shape)
+
+
+def _projections(tape: Tape, rows: int, points: int) -> tuple[Array, Array, list[Projected]]:
+    """Return G by points, each times its scale, nu, and the projections P(G^T nu)."""
+    G, nu = _inputs(tape, "G", rows, points, 3), _inputs(tape, "nu", rows)
+    G = G * _inputs(tape, "scale", points)[:, None]
+    normals = _inputs(tape, "normals", points, 3)
+    cosine, sine = _inputs(tape, "cosine", points), _inputs(tape, "sine", points)
+    return G, nu, [projected(G[:, k].T @ nu, normals[k], cosine[k], sine[k]) for k in range(points)]
+
+
+def _forces(tape: Tape, rows: int, points: int) -> Iterable[Scalar]:
+    """What is left of b, b - G f, and f = P(G^T nu)."""
+    G, _, found = _projections(tape, rows, points)
+    return [*_left(tape, G, found), *(x for each in found for x in each.f)]
+
+
+def _left(tape: Tape, G: Array, found: list[Projected]) -> Array:
+    rest: Array = _inputs(tape, "b", len(G)) - total(G[:, k] @ each.f for k, each in enumerate(found))
+    return rest
+
+
+def _step(tape: Tape, rows: int, points: int) -> Iterable[Scalar]:
+    """psi = 1/2 sum |P(G^T nu)|^2 - b . nu + rho/2 |nu - c|^2, minus its gradient g, and (G D G^T + rho 1)^-1 of -g."""
+    G, nu, found = _projections(tape, rows, points)
+    rho = tape.input("rho", 0)
+    away = nu - _inputs(tape, "centre", rows)
+    value = 0.5 * total(x * x for each in found for x in each.f) - _inputs(tape, "b", rows) @ nu
+    value = value + 0.5 * rho * (away @ away)
+    down = _left(tape, G, found) - away * rho
+    H = total(_curvature(G[:, k], each) for k, each in enumerate(found))
+    return [value, *down, *_solved(H, rho, down)]
+
+
+def _curvature(G: Array, point: Projected) -> Array:
+    """G D G^T of one point, of which only the lower half is used."""
+    a, c = G @ point.u, G @ point.v
+    found: Array = (G @ G.T) * point.inside + np.outer(a * point.edge, a) + np.outer(c * point.turn, c)
+    return found
+
+
+def _start(tape: Tape, rows: int, points: int) -> Iterable[Scalar]:
+    """The nu of the least forces without cones: (G G^T + rho 1)^-1 b, and once more what that leaves of b."""
+    G, scale = _inputs(tape, "G", rows, points, 3), _inputs(tape, "scale", points)
+    b, rho = _inputs(tape, "b", rows), tape.input("rho", 0)
+    G = (G * scale[:, None]).reshape(rows, 3 * points)
+    H = G @ G.T
+    nu = np.array(_solved(H, rho, b))
+    return list(nu + np.array(_solved(H, rho, b - H @ nu)))
+
+
+def _solved(H: Array, rho: Scalar, b: Array) -> list[Scalar]:
+    """(H + rho 1)^-1 b by the factorisation L D L^T, of the lower half of H."""
+    n = len(b)
+    L: list[list[Scalar]] = [[0.0] * n for _ in range(n)]
+    D: list[Scalar] = []
+    for i in range(n):
+        for j in range(i):
+            L[i][j] = (H[i, j] - total(L[i][k] * D[k] * L[j][k] for k in range(j))) / D[j]
+        D.append(H[i, i] + rho - total(L[i][k] * L[i][k] * D[k] for k in range(i)))
+    y: list[Scalar] = []
+    for i in range(n):
+        y.append(b[i] - total(L[i][k] * y[k] for k in range(i)))
+    x = [y[i] / D[i] for i in range(n)]
+    for i in reversed(range(n)):
+        x[i] = x[i] - total(L[k][i] * x[k] for k in range(i + 1, n))
+    return x
+
+
+PROGRAMS = {"start": _start, "step": _step, "forces": _forces}
+
+
+@lru_cache(maxsize=64)
+def runner(kind: str, rows: int, points: int) -> Runner:
+    """Return the program of a kind ("start", "step" or "forces"), ready to run on arrays of samples."""
+    program = trace(lambda tape: PROGRAMS[kind](tape, rows, points))
+    by_point = {"G": 3 * rows, "normals": 3, "cosine": 1, "sine": 1, "scale": 1}
+    widths = {name: width * points for name, width in by_point.items()}
+    return Runner(program, {**widths, "nu": rows, "centre": rows, "b": rows, "rho": 1})
+
+
+ENOUGH = 1e-4
+"""The part of what a step promises that the function must fall by (Armijo)."""
+FLATTER = 0.5
+"""The slope where a search ends is at most this part of that where it began (Wolfe)."""
+NARROW = 0.1
+"""A search also ends where this part of the length is left, as at kinks of the slope."""
+MARGIN = 0.1
+"""The part of what is left that each look at least takes away."""
+
+TOWARDS = 0.2
+"""Where to look between the ends once the same one has moved twice."""
+
+
+class Search(NamedTuple):
+    """Of each sample (N,): the length to look at, the ends between which the slope is 0, and the slopes there.
+
+    Attributes:
+        slope: where the step begins.
+        side: the end that moved last, 1 or -1; 0: none has.
+    """
+
+    slope: Floats
+    length: Floats
+    low: Floats
+    high: Floats
+    slope_low: Floats
+    slope_high: Floats
+    side: Any
+
+
+def begun(slope: Floats) -> Search:
+    """Return the search along steps of length 1 that begin with these slopes."""
+    zero, one = np.zeros_like(slope), np.ones_like(slope)
+    return Search(slope, one, zero, one, slope, zero, zero)
+
+
+def ended(search: Search, slope: Floats, fall: Floats) -> Any:
+    """Return whether to go no further than to where the function is less by `fall` and has this slope."""
+    flat = np.abs(slope) <= FLATTER * np.abs(search.slope)
+    narrow = search.high - search.low <= NARROW * search.length
+    return lower(search, fall) & (flat | narrow | (search.length == 1.0))
+
+
+def lower(search: Search, fall: Floats) -> Any:
+    """Return whether the function fell by enough."""
+    return fall >= ENOUGH * search.length * np.abs(search.slope)
+
+
+def narrowed(search: Search, slope: Floats, fall: Floats) -> Search:
+    """Return the search after such a look: where a line between the slopes is 0, or nearer to an end that stays."""
+    right = (slope >= 0.0) | ~lower(search, fall)
+    side = np.where(right, 1.0, -1.0)
+    low, high = np.where(right, search.low, search.length), np.where(right, search.length, search.high)
+    slope_low, slope_high = np.where(right, search.slope_low, slope), np.where(right, slope, search.slope_high)
+    left = high - low
+    with np.errstate(all="ignore"):
+        zero = np.nan_to_num(low + left * slope_low / (slope_low - slope_high), nan=0.0)
+    length = np.clip(zero, low + MARGIN * left, high - MARGIN * left)
+    length = np.where(side == search.side, low + TOWARDS * left, length)
+    return Search(search.slope, length, low, high, slope_low, slope_high, side)
+
 
 HARDEST = 1e-12
 """The least rho; that of the first look, where cones do not matter."""

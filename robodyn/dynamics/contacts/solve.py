@@ -2,8 +2,208 @@
 
 from __future__ import annotations
 
-from robodyn.dynamics.contacts.plain import plain_forces
-from robodyn.dynamics.contacts.problem import Forces, Problem
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from robodyn.dynamics.contacts.dual import SOFTNESS, Cones, least_forces
+from robodyn.dynamics.contacts.problem import FEASIBLE, Forces, Problem, axes_of
+from robodyn.errors import InputError
+from robodyn.programs.linear import min_norm_solution
+from robodyn.programs.vectors import length, product
+from robodyn.support.extras import need
+from robodyn.support.floats import BEYOND, Floats
+from robodyn.support.sums import einsum
+
+
+def plain_forces(problem: Problem, executor: str = "auto", expected: int = 0) -> Forces:
+    """Return what `contact_forces` returns, of a problem whose torques and free unknowns do not count."""
+    cones, sizes = scaled(problem)
+    N, _, K = problem.shape
+    f, _ = least_forces(cones, executor, expected)
+    found = (f.reshape(K, 3, N) * (sizes * cones.scale)[:, None]).transpose(2, 0, 1)
+    residual = problem.b - einsum("nij,nj->ni", problem.G, found.reshape(N, 3 * K))
+    missing = np.sqrt(einsum("ni,ni->n", residual, residual))
+    return Forces(found, np.zeros((N, 0)), residual, missing <= FEASIBLE * sizes, np.ones(N, dtype=bool))
+
+
+def scaled(problem: Problem) -> tuple[Cones, Floats]:
+    """Return the problem with |b| = 1, weights 1 and forces of inactive points that count for nothing; and |b| (N,)."""
+    N, _, K = problem.shape
+    sizes = np.sqrt(einsum("ni,ni->n", problem.b, problem.b))
+    scale = np.ones(K) if problem.weights is None else np.sqrt(problem.weights.max() / problem.weights)
+    by_sample = scale if problem.active is None else scale * problem.active
+    angle = np.arctan(problem.friction)
+    cosine = np.where(np.isinf(problem.friction), 0.0, np.cos(angle))
+    parts = (problem.normals.reshape(*problem.normals.shape[:-2], -1), cosine, np.sin(angle), by_sample)
+    normals, cosine, sine, by_sample = (np.broadcast_to(part, (N, part.shape[-1])).T for part in parts)
+    b = problem.b.T / np.where(sizes > 0.0, sizes, 1.0)
+    return Cones(problem.G.reshape(N, -1).T, b, normals, cosine, sine, by_sample), sizes
+
+
+TOLERANCES = (1e-12, 1e-10, 1e-8, 1e-6)
+"""Tried in turn, for Clarabel gets stuck with small ones at times."""
+SCALES = "look for masses, inertias or efforts of unlikely sizes"
+MISSING = 1.0 / SOFTNESS[-1]
+"""Where there is no solution, 1/2 this |b - G f|^2 is a part of the cost, relative to its largest curvature."""
+
+
+@dataclass(frozen=True)
+class _Sample:
+    """One sample in units of |b|: min 1/2 x' P x + q' x, A x = b, x in cones, |tau0 - M x| <= limits.
+
+    x are three components of the force at each active point, in axes of the contact, and the free unknowns.
+    """
+
+    P: Floats
+    q: Floats
+    A: Floats
+    b: Floats
+    friction: Floats
+    tau0: Floats
+    M: Floats
+    limits: Floats
+
+
+def conic_forces(problem: Problem) -> Forces:
+    """Return what `contact_forces` returns, of any problem.
+
+    Limits of torques give way before the equations do; where these have no solution in the cones, the squares of what
+    is missing weigh 1e6 times as much as forces.
+    """
+    need("contact forces that cost torques or are bounded by them", "clarabel")
+    N, R, K = problem.shape
+    L = 0 if problem.free is None else problem.free.H.shape[2]
+    f, free, residual = np.zeros((N, K, 3)), np.zeros((N, L)), np.zeros((N, R))
+    within, feasible = np.ones(N, dtype=bool), np.ones(N, dtype=bool)
+    axes = np.broadcast_to(axes_of(problem.normals), (N, K, 3, 3))
+    stuck: list[int] = []
+    for n in range(N):
+        active = np.ones(K, dtype=bool) if problem.active is None else problem.active[n]
+        size = length(problem.b[n]) or 1.0
+        sample = _sample(problem, n, active, axes[n], size)
+        x, within[n] = _solved(sample)
+        if x is None:
+            stuck.append(n)
+            continue
+        points = int(active.sum())
+        f[n, active] = size * einsum("kij,kj->ki", axes[n][active], x[: 3 * points].reshape(points, 3))
+        free[n] = size * x[3 * points :]
+        residual[n] = problem.b[n] - product(problem.G[n], f[n].ravel())
+        if problem.free is not None:
+            residual[n] -= product(problem.free.H[n], free[n])
+        feasible[n] = length(residual[n]) <= FEASIBLE * size
+    if stuck:
+        part = _by_forces_alone(problem.chosen(stuck))
+        f[stuck], residual[stuck], feasible[stuck], within[stuck] = (
+            part.f,
+            part.residual,
+            part.feasible,
+            part.within_limits,
+        )
+    return Forces(f, free, residual, feasible, within)
+
+
+def _by_forces_alone(problem: Problem) -> Forces:
+    """Return the forces of samples that Clarabel gets stuck in, the least whatever torques cost."""
+    if problem.free is not None:
+        raise InputError("no contact forces are found, not even such as leave the least unbalanced", remedy=SCALES)
+    found, terms = plain_forces(problem), problem.torques
+    if terms is None or terms.limits is None:
+        return found
+    torques = terms.tau0 - einsum("nij,nj->ni", terms.T, found.f.reshape(len(found.f), -1))
+    return replace(found, within_limits=(np.abs(torques) <= terms.limits * BEYOND).all(axis=1))
+
+
+def _sample(problem: Problem, n: int, active: Any, axes: Floats, size: float) -> _Sample:
+    used = np.repeat(active, 3)
+    turn = np.zeros((len(used), len(used)))
+    for k in range(len(active)):
+        turn[3 * k : 3 * k + 3, 3 * k : 3 * k + 3] = axes[k]
+    turn = turn[:, used]
+    A, b = product(problem.G[n], turn), problem.b[n] / size
+    weights = np.ones(len(active)) if problem.weights is None else problem.weights
+    diagonal = np.repeat(weights[active], 3)
+    M, tau0, limits = np.zeros((0, A.shape[1])), np.zeros(0), np.zeros(0)
+    terms, free = problem.torques, problem.free
+    if terms is not None:
+        M, tau0 = product(terms.T[n], turn), terms.tau0[n] / size
+        limits = np.full(len(tau0), np.inf) if terms.limits is None else terms.limits / size
+    if free is not None:
+        L = free.H.shape[2]
+        A = np.hstack((A, free.H[n]))
+        M = np.hstack((M, free.S[n] if terms is not None and free.S is not None else np.zeros((len(M), L))))
+        diagonal = np.append(diagonal, np.full(L, free.weight))
+    w = np.zeros(0) if terms is None else terms.weights
+    P = np.diag(diagonal) + product(M.T * w, M)
+    friction = np.broadcast_to(problem.friction, (problem.shape[0], len(active)))[n][active]
+    return _Sample(P, -product(M.T * w, tau0), A, b, friction, tau0, M, limits)
+
+
+def _solved(sample: _Sample) -> tuple[Floats | None, bool]:
+    """Return x, None where it is not found, and whether the torques stay within their limits."""
+    bounded = bool(np.isfinite(sample.limits).any())
+    for limited in (True, False) if bounded else (False,):
+        x = _by_clarabel(sample, limited)
+        if x is not None:
+            return x + min_norm_solution(sample.A, sample.b - product(sample.A, x), 1e-10), limited or not bounded
+    n = len(sample.q)
+    x = _by_clarabel(_softened(sample), limited=False)
+    if x is None:
+        return None, False
+    within = np.abs(sample.tau0 - product(sample.M, x[:n])) <= sample.limits * BEYOND
+    return x[:n], bool(within.all())
+
+
+def _softened(sample: _Sample) -> _Sample:
+    """Return the sample with r added to its equations, A x + r / sqrt(MISSING) = b, that costs as forces do."""
+    R, n = sample.A.shape
+    P = np.zeros((n + R, n + R))
+    P[:n, :n], P[n:, n:] = sample.P, np.eye(R) * (float(np.abs(sample.P).max(initial=0.0)) or 1.0)
+    A, M = np.hstack((sample.A, np.eye(R) / np.sqrt(MISSING))), np.hstack((sample.M, np.zeros((len(sample.M), R))))
+    return replace(sample, P=P, q=np.append(sample.q, np.zeros(R)), A=A, M=M)
+
+
+def _by_clarabel(sample: _Sample, limited: bool) -> Floats | None:
+    """Return x; None where there is none."""
+    import clarabel
+    from scipy import sparse
+
+    parts = [(clarabel.ZeroConeT(len(sample.b)), sample.A, sample.b)]
+    if limited:
+        finite = np.isfinite(sample.limits)
+        M, tau0, limits = sample.M[finite], sample.tau0[finite], sample.limits[finite]
+        bounds = np.append(limits - tau0, limits + tau0)
+        parts.append((clarabel.NonnegativeConeT(len(bounds)), np.vstack((-M, M)), bounds))
+    for k, mu in enumerate(sample.friction.tolist()):
+        block = np.zeros((4, len(sample.q)))
+        block[[0, 2, 3], [3 * k + 2, 3 * k, 3 * k + 1]] = -1.0
+        parts.append((clarabel.NonnegativeConeT(1), block[:1], np.zeros(1)))
+        if np.isfinite(mu):
+            block[1, 3 * k + 2] = -mu
+            first, cone = (1, clarabel.SecondOrderConeT(3)) if mu > 0.0 else (2, clarabel.ZeroConeT(2))
+            parts.append((cone, block[first:], np.zeros(4 - first)))
+    scale = float(np.abs(sample.P).max(initial=0.0)) or 1.0
+    cones, rows, bounds_of_all = zip(*parts, strict=True)
+    P, A = sparse.csc_matrix(np.triu(sample.P) / scale), sparse.csc_matrix(np.vstack(rows))
+    b = np.concatenate(bounds_of_all)
+    for tolerance in TOLERANCES:
+        solution = clarabel.DefaultSolver(P, sample.q / scale, A, b, list(cones), _settings(tolerance)).solve()
+        if solution.status == clarabel.SolverStatus.Solved:
+            return np.array(solution.x)
+        if solution.status in (clarabel.SolverStatus.PrimalInfeasible, clarabel.SolverStatus.AlmostPrimalInfeasible):
+            return None
+    return None
+
+
+def _settings(tolerance: float) -> Any:
+    import clarabel
+
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tolerance
+    return settings
 
 
 def contact_forces(problem: Problem, executor: str = "auto", expected: int = 0) -> Forces:
@@ -25,7 +225,5 @@ def contact_forces(problem: Problem, executor: str = "auto", expected: int = 0) 
         exist, and their cost is the least to 1e-8 |b|^2; else what Clarabel reaches, 1e-9 |b|.
     """
     if not problem.plain:
-        from robodyn.dynamics.contacts.conic import conic_forces
-
         return conic_forces(problem)
     return plain_forces(problem, executor, expected)

@@ -2,15 +2,136 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.dynamics.loops.block_equations import BlockEquations
+from robodyn.dynamics.initial_state import default_pose, initial_state
+from robodyn.dynamics.loops.closed_chain import ClosedChain, independent, tied_chain
+from robodyn.dynamics.loops.closed_start import closed_by, closed_start, nearby
+from robodyn.dynamics.loops.closure import loops_size, moved, unit
+from robodyn.dynamics.plan import Plan, plan, runner_of
+from robodyn.errors import InputError, TrajectoryError
+from robodyn.programs.linear import null_space, range_basis
+from robodyn.programs.program import traced
+from robodyn.programs.run.runner import Runner
+from robodyn.programs.scalar import Tape
 from robodyn.programs.stacked import least_squares
+from robodyn.programs.vectors import Scalar, product, rotation_from_rpy
+from robodyn.robot.configuration import unit_rows
+from robodyn.robot.limits import coordinate_ranges
+from robodyn.robot.model import Model
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
+from robodyn.support.wording import count
+
+
+class BlockEquations:
+    """phi, J and J' qd of the loops of a plan, for arrays of samples.
+
+    Attributes:
+        chain: its equations, but for those that never change on their own.
+        rates: those that move a loop; the columns of J.
+        size: the longest offset between joints or points of the loops [m]; 1 where there is none.
+        units: of each equation, "m" or "rad"; names: of its loop.
+        rate_units: "rad" or "m" of each rate of the model, times a second.
+        weights: (n,) by which rates are multiplied to compare them: 1 for rad, 1 / size for m.
+    """
+
+    def __init__(self, plan: Plan) -> None:
+        self.plan, self.model, self.chain = plan, plan.model, tied_chain(plan)
+        rows = self.chain.equations(self.chain.sample(default_pose(self.model).tolist())).J
+        self.rates = tuple(sorted({rate for row in rows for rate in row}))
+        self.units = tuple(e.unit for closure in self.chain.closures for e in closure.equations)
+        self.names = tuple(closure.loop.name for closure in self.chain.closures for _ in closure.equations)
+        self.size = loops_size(self.model, self.chain.closures)
+        self.scale = np.array([self.size if unit == "m" else 1.0 for unit in self.units])
+        self.rate_units = _units(self.model)
+        self.weights = np.array([1.0 / self.size if unit == "m" else 1.0 for unit in self.rate_units])
+
+    @property
+    def count(self) -> int:
+        """Equations."""
+        return self.chain.count
+
+    def places(self, q: Floats) -> tuple[Floats, Floats]:
+        """Return phi (N, equations) and J (N, equations, rates).
+
+        Args:
+            q: (N, nq); J is by the rates as `model.rates` has them, those of floating joints' positions along the axes
+                of their parents.
+        """
+        columns = self._places({"q": q}, len(q))
+        m = self.count
+        return columns[:, :m], columns[:, m:].reshape(len(q), m, len(self.rates))
+
+    def bias(self, q: Floats, qd: Floats) -> Floats:
+        """Return (N, equations) J' qd."""
+        return self._bias({"q": q, "qd": qd}, len(q))
+
+    def moved(self, q: Floats, u: Floats) -> Floats:
+        """Return q (N, nq) after displacements u (N, n), which turn floating joints about their bodies' axes."""
+        if self.model.quaternions:
+            return self._moved({"q": q, "u": u}, len(q))
+        return q + u
+
+    @cached_property
+    def _places(self) -> Runner:
+        return runner_of(_places_program(self), self.plan)
+
+    @cached_property
+    def _bias(self) -> Runner:
+        return runner_of(_bias_program(self), self.plan)
+
+    @cached_property
+    def _moved(self) -> Runner:
+        return runner_of(_moved_program(self), self.plan, {"u": self.model.n})
+
+
+@lru_cache(maxsize=16)
+def block_equations(plan: Plan) -> BlockEquations:
+    """Return the equations of a plan, with what has been traced of them so far."""
+    return BlockEquations(plan)
+
+
+def _units(model: Model) -> tuple[str, ...]:
+    """Return the unit of each rate, times a second."""
+    found: list[str] = []
+    for joint in model.independent:
+        lengths = {"floating": ["rad"] * 3 + ["m"] * 3, "prismatic": ["m"]}
+        found += lengths.get(joint.kind, ["rad"])
+    return tuple(found)
+
+
+@traced
+def _places_program(equations: BlockEquations, tape: Tape) -> Iterable[Scalar]:
+    chain = equations.chain
+    sample = chain.sample(_inputs(tape, "q", equations.model.nq))
+    here = chain.equations(sample)
+    rows = [chain.along_parents(sample, [row.get(k, 0.0) for k in range(equations.model.n)]) for row in here.J]
+    return [*here.error, *(row[rate] for row in rows for rate in equations.rates)]
+
+
+@traced
+def _bias_program(equations: BlockEquations, tape: Tape) -> Iterable[Scalar]:
+    chain = equations.chain
+    return chain.equations(
+        chain.sample(_inputs(tape, "q", equations.model.nq), _inputs(tape, "qd", equations.model.n))
+    ).bias
+
+
+@traced
+def _moved_program(equations: BlockEquations, tape: Tape) -> Iterable[Scalar]:
+    model = equations.model
+    return unit(model, moved(model, _inputs(tape, "q", model.nq), _inputs(tape, "u", model.n)))
+
+
+def _inputs(tape: Tape, source: str, count: int) -> list[Scalar]:
+    return [tape.input(source, k) for k in range(count)]
+
 
 LONGEST = 0.5
 """rad, or of the loops' size: what the given coordinates move in one step, all together."""
@@ -199,3 +320,219 @@ def _turn(a: Floats, b: Floats) -> Floats:
     sine = np.sqrt((v * v).sum(axis=1, keepdims=True))
     angle = 2.0 * np.arctan2(sine, np.abs(w))
     return np.where(w < 0.0, -1.0, 1.0) * v * np.where(sine > 0.0, angle / np.where(sine > 0.0, sine, 1.0), 2.0)
+
+
+STARTS = 32
+"""From which Newton's method looks for closed configurations, drawn at random but for the first."""
+SEARCH_TRIES = 40
+APART = 1e-4
+"""rad, or of the loops' size: configurations that are farther apart are two."""
+SLACK = 1e-6
+"""rad or m, that a joint may be beyond its limits."""
+
+
+class Start(NamedTuple):
+    """Closed configurations for one row.
+
+    Attributes:
+        places: (k, nq), the first is the one that is taken; none if the loops do not close.
+        missed: the least that they miss by, in words.
+    """
+
+    places: Floats
+    missed: str
+
+
+def search(branch: Branch, q: Floats, near: Floats, tolerance: float) -> Start:
+    """Return closed configurations with given coordinates, those within the limits and nearest first.
+
+    Args:
+        q: (nq,), of which only given coordinates count. near: (nq,) from where those that follow are sought.
+        tolerance: rad, or of the loops' size.
+    """
+    equations = branch.equations
+    guesses = np.repeat(q[None], STARTS, axis=0)
+    around = equations.moved(np.repeat(near[None], STARTS, axis=0), _drawn(branch))
+    guesses[:, branch.coordinates] = around[:, branch.coordinates]
+    found = branch.corrected(guesses, SEARCH_TRIES)
+    phi = np.abs(equations.places(found.q)[0]) / equations.scale
+    left = phi.max(axis=1, initial=0.0)
+    best = int(np.argmin(left))
+    worst = int(np.argmax(phi[best]))
+    missed = f"{phi[best, worst] * equations.scale[worst]:.3g} {equations.units[worst]}"
+    places = _unwound(branch, found.q[found.closed & (left <= tolerance)], near)
+    if any(closure.loop.kind == "weld" for closure in equations.chain.closures):
+        places = places[[_unturned(equations.chain, place) for place in places]]
+    return Start(_distinct(branch, places, near), f'loop "{equations.names[worst]}" misses by {missed}')
+
+
+def _unturned(chain: ClosedChain, q: Floats) -> bool:
+    """Return whether no weld is half a turn from where it should be, where its equations hold too."""
+    turns = [
+        float(np.trace(product(place.B, rotation_from_rpy(*closure.loop.rpy).T)))
+        for closure, place in zip(chain.closures, chain.equations(chain.sample(q.tolist())).places, strict=True)
+        if closure.loop.kind == "weld"
+    ]
+    return all(turn > 1.0 for turn in turns)
+
+
+def _drawn(branch: Branch) -> Floats:
+    """Return (STARTS, n) displacements, the first of nothing: up to half a turn, or twice the loops' size."""
+    equations = branch.equations
+    reach = np.array([np.pi if unit == "rad" else 2.0 * equations.size for unit in equations.rate_units])
+    moves: Floats = np.random.default_rng(0).uniform(-1.0, 1.0, (STARTS, equations.model.n)) * reach
+    moves[0] = 0.0
+    return moves
+
+
+def _unwound(branch: Branch, places: Floats, near: Floats) -> Floats:
+    """Return the places with angles that follow less than half a turn away from those near."""
+    for joint in branch.equations.model.independent:
+        k = joint.coordinate
+        if joint.kind == "revolute" and k in branch.coordinates:
+            places[:, k] -= 2.0 * np.pi * np.rint((places[:, k] - near[k]) / (2.0 * np.pi))
+    return places
+
+
+def _distinct(branch: Branch, places: Floats, near: Floats) -> Floats:
+    """Return places that are apart, those within the limits and nearest first; equally near ones as they were found."""
+    own = branch.coordinates
+    least, largest = coordinate_ranges(branch.equations.model)
+    beyond = np.maximum(least[own] - places[:, own], places[:, own] - largest[own]).max(axis=1, initial=0.0) > SLACK
+    away = np.abs(places[:, own] - near[own]).max(axis=1, initial=0.0)
+    kept: list[int] = []
+    for k in np.lexsort((np.arange(len(places)), np.round(away, 6), beyond)).tolist():
+        if all(np.abs(places[k, own] - places[other, own]).max(initial=0.0) > APART for other in kept):
+            kept.append(k)
+    found: Floats = places[kept]
+    return found
+
+
+TRIALS = 6
+"""Configurations at which the rank of J is looked at before one that is closed is known."""
+OFF = 1e-2
+"""rad, or of the loops' size: what given coordinates may miss of closing the loops.
+
+Encoders of 12 bits, rounded degrees and links that were measured to 1e-3 of their lengths miss by a few 1e-3; an offset
+of a degree, a wrong sign or unit misses by more than this. Torques are off by about the same share.
+"""
+CLOSED = 1e-9
+"""The same where coordinates follow that are free to close them."""
+SHOWN = 3
+
+
+def first_pose(equations: BlockEquations) -> tuple[Floats, bool]:
+    """Return (nq,) where a simulation of the scene begins, and whether its loops close there.
+
+    Initial positions that are columns count as nothing said.
+    """
+    model, scene = equations.model, equations.plan.scene
+    numbers = {name: entry for name, entry in scene.initial_q.items() if not isinstance(entry, str)}
+    begun = replace(scene, initial_q=numbers, initial_qd={})
+    state = initial_state(model, begun)
+    try:
+        return closed_start(plan(model, begun), state)[: model.nq], True
+    except InputError:
+        return state[: model.nq], False
+
+
+def begin(branch: Branch, q: Floats, where: str) -> tuple[Floats, list[str]]:
+    """Return the closed configuration (nq,) of the first row, and notes.
+
+    It is that to which the given coordinates lead from where a simulation of the scene begins, in a straight line; else
+    the one nearest to this. Those within the joints' limits come first.
+
+    Args:
+        q: (nq,), of which given coordinates count. where: row and time, as messages have them.
+
+    Raises:
+        TrajectoryError: too little is given, the loops do not close, or what follows depends on each other there.
+    """
+    equations = branch.equations
+    _refuse_few(branch, _generic(branch))
+    near, closed = first_pose(equations)
+    tolerance = CLOSED if len(branch.followed) == equations.count else OFF
+    led = q[None].copy()
+    if closed and branch.along(near, led) is None:
+        near = led[0]
+    found = search(branch, q, near, tolerance)
+    if not len(found.places):
+        guess = q.copy()
+        guess[branch.coordinates] = near[branch.coordinates]
+        place = closed_by(equations.chain, guess, branch.followed.tolist())
+        if place is None:
+            raise TrajectoryError(f"{where}: {found.missed} at least with {given(branch, q)}", remedy=UNREACHED)
+        found = found._replace(places=place[None])
+    place = found.places[0]
+    J = equations.places(place[None])[1][0][:, branch.own]
+    if len(range_basis(J, FEW)) < len(branch.own):
+        rows = [equations.places(each[None])[1][0] for each in nearby(equations.chain, place)]
+        _refuse_few(branch, [J, *(row[:, branch.own] for row in rows)])
+        raise singular(branch, where)
+    return place, _choice(branch, found.places)
+
+
+UNREACHED = "correct these columns, the loop's points or the links' lengths"
+
+
+def singular(branch: Branch, where: str) -> TrajectoryError:
+    """Return the error about a row at which what follows is not determined."""
+    names = [f"q_{name}" for name in _names(branch)]
+    what = f"{where}: the loops are singular, so that {', '.join(names)} do not follow from the other columns there"
+    return TrajectoryError(what, remedy=f"give {' or '.join(names[:SHOWN])} as well, or leave the rows there out")
+
+
+def given(branch: Branch, q: Floats) -> str:
+    """Return the values of given coordinates of the loops, of the first few."""
+    model = branch.equations.model
+    joints = [joint for joint in model.independent if joint.rate in branch.given and joint.kind != "floating"]
+    shown = [f"q_{joint.name} = {q[joint.coordinate]:.6g}" for joint in joints[:SHOWN]]
+    return ", ".join(shown) + (" ..." if len(joints) > SHOWN else "") if shown else "the columns given"
+
+
+def _generic(branch: Branch) -> list[Floats]:
+    """Return J_d at some configurations drawn at random."""
+    model = branch.equations.model
+    drawn = np.random.default_rng(0).uniform(-1.0, 1.0, (TRIALS, model.nq))
+    return list(branch.equations.places(unit_rows(model, drawn))[1][:, :, branch.own])
+
+
+def _refuse_few(branch: Branch, matrices: Sequence[Floats]) -> None:
+    """Raise if no J_d (equations, followed) determines all that is to follow."""
+    best = max(matrices, key=lambda J: len(range_basis(J, FEW)))
+    rank, k = len(range_basis(best, FEW)), len(branch.followed)
+    if rank == k:
+        return
+    free = null_space(best, FEW) if rank else np.eye(k)
+    names = _names(branch)
+    actuated = branch.equations.plan.scene.actuated or ()
+    order = sorted(range(k), key=lambda i: names[i] not in actuated)
+    chosen = [order[i] for i in independent(np.ascontiguousarray(free.T[order]), FEW)]
+    if k - rank == 1:
+        chosen = [i for i in order if np.abs(free[:, i]).max() > FEW]
+    others = chosen[1:] if k - rank == 1 else []
+    what = f"{count(k - rank, 'freedom')} of the loops follow{'s' if k - rank == 1 else ''} from no column"
+    columns = ", ".join(f"q_{names[i]}" for i in sorted(chosen) if i not in others)
+    instead = f", or one of {', '.join(f'q_{names[i]}' for i in others[:SHOWN])}" if others else ""
+    followed = ", ".join(f"q_{name}" for name in names)
+    raise TrajectoryError(f"{what}: {followed} have none", remedy=f"give {columns}{instead}")
+
+
+def _names(branch: Branch) -> list[str]:
+    return [branch.equations.model.rates[rate] for rate in branch.followed]
+
+
+def _choice(branch: Branch, places: Floats) -> list[str]:
+    """Return a note on the branch that was taken, where there are others and the scene does not choose."""
+    model = branch.equations.model
+    names = [model.coordinates[k] for k in branch.coordinates]
+    if len(places) < 2 or any(name in branch.equations.plan.scene.initial_q for name in names):
+        return []
+    shown = [
+        ", ".join(f"{name} = {place[k]:.4g}" for name, k in zip(names[:SHOWN], branch.coordinates, strict=False))
+        for place in places[:2]
+    ]
+    return [
+        f"the loops close in {len(places)} ways or more at the first row: taken is {shown[0]}, not {shown[1]} "
+        "([initial] q in the scene chooses)"
+    ]

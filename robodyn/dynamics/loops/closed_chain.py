@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,17 +13,103 @@ from robodyn.dynamics.effects import rigid_bodies
 from robodyn.dynamics.effects.effect import Sample, Terms
 from robodyn.dynamics.effects.motors import mass_entries
 from robodyn.dynamics.forward import floating_turns, turned
-from robodyn.dynamics.loops.closure import Closure, Equations, held
-from robodyn.dynamics.loops.equation import Equation
-from robodyn.dynamics.loops.givens_projection import GivensProjection
-from robodyn.dynamics.loops.local_coordinates import moved, unit
-from robodyn.dynamics.plan import applied, loads
-from robodyn.dynamics.recursions.composite_body import Root, composite_body, rates_inward
-from robodyn.programs.vectors import Array, Scalar, total, vector
+from robodyn.dynamics.loops.closure import GROUND_FRAME, Closure, Equation, Equations, equations_of, held, moved, unit
+from robodyn.dynamics.plan import Plan, applied, loads
+from robodyn.dynamics.recursions.composite_body import Root, composite_body, known_zero, rates_inward
+from robodyn.dynamics.recursions.elimination import aligned
+from robodyn.programs.vectors import Array, Scalar, product, sqrt, total, vector
+from robodyn.robot.configuration import unit_rows
 from robodyn.robot.kinematics import Wrench
 from robodyn.robot.model import Model
+from robodyn.scene.parts import GROUND, Loop
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
+
+Rows = list[dict[int, Scalar]]
+"""A by its rows: entries by column; those left out are zero."""
+NUDGE = 1e-150
+"""Keeps a rotation of nothing against nothing the one by no angle; its square is still a number."""
+
+
+class Rotation(NamedTuple):
+    """Of row `row` of A with row `column` of R: ((c, s), (-s, c))."""
+
+    row: int
+    column: int
+    c: Scalar
+    s: Scalar
+
+
+class GivensProjection:
+    """A = Q R, so far as its entries are not zero."""
+
+    def __init__(self, A: Rows, softness: Sequence[float]) -> None:
+        """Args: softness: by column."""
+        self.A = [{k: value for k, value in row.items() if not known_zero(value)} for row in A]
+        self.order = _order([set(row) for row in self.A], len(softness))
+        place = {k: at for at, k in enumerate(self.order)}
+        self.R: dict[int, dict[int, Scalar]] = {}
+        self.rotations: list[Rotation] = []
+        filled = [i for i, row in enumerate(self.A) if row]
+        for i in sorted(filled, key=lambda i: min(place[k] for k in self.A[i])):
+            self._take_in(i, dict(self.A[i]), place)
+        self.inverse = {k: R[k] / (R[k] * R[k] + softness[k] ** 2) for k, R in self.R.items()}
+
+    def _take_in(self, i: int, row: dict[int, Scalar], place: dict[int, int]) -> None:
+        """Rotates a row of A into R until it fills a row of R that is empty, or nothing of it is left."""
+        while row:
+            k = min(row, key=lambda k: place[k])
+            if k not in self.R:
+                self.R[k] = row
+                self.rotations.append(Rotation(i, k, 0.0, 1.0))
+                return
+            R, a = self.R[k], row.pop(k)
+            top = R[k] + NUDGE
+            r = sqrt(top * top + a * a)
+            inverse = 1.0 / r
+            c, s = top * inverse, a * inverse
+            R[k] = r
+            for j in sorted((R.keys() | row.keys()) - {k}):
+                upper, lower = R.get(j, 0.0), row.get(j, 0.0)
+                R[j], row[j] = c * upper + s * lower, c * lower - s * upper
+            self.rotations.append(Rotation(i, k, c, s))
+
+    def solve(self, x: Sequence[Scalar], b: Sequence[Scalar]) -> tuple[list[Scalar], list[Scalar]]:
+        """y, and lambda of `y = x + A lambda`."""
+        z = list(b)
+        for i, row in enumerate(self.A):
+            for k, value in row.items():
+                z[k] = z[k] - value * x[i]
+        for k in self.order:
+            z[k] = z[k] * self.inverse.get(k, 0.0)
+            for j, value in self.R.get(k, {}).items():
+                if j != k:
+                    z[j] = z[j] - value * z[k]
+        change: list[Scalar] = [0.0] * len(x)
+        turned = list(z)
+        for i, k, c, s in reversed(self.rotations):
+            turned[k], change[i] = c * turned[k] - s * change[i], s * turned[k] + c * change[i]
+        for k in reversed(self.order):
+            rest = total(value * z[j] for j, value in self.R.get(k, {}).items() if j != k)
+            z[k] = (z[k] - rest) * self.inverse.get(k, 0.0)
+        return [old + more for old, more in zip(x, change, strict=True)], z
+
+
+def _order(rows: Sequence[set[int]], count: int) -> list[int]:
+    """Return columns in an order that leaves few entries in R: each time the one that meets the fewest others."""
+    meets: dict[int, set[int]] = {k: set() for k in range(count)}
+    for row in rows:
+        for k in row:
+            meets[k] |= row - {k}
+    order = []
+    while meets:
+        k = min(meets, key=lambda k: (len(meets[k]), k))
+        others = meets.pop(k)
+        for j in others:
+            meets[j] = (meets[j] | others) - {j, k}
+        order.append(k)
+    return order
+
 
 EXACT = 2.0**-34
 """Softness of accelerations: above what rounding leaves of equations that depend on each other, and no more, because
@@ -181,3 +268,94 @@ class ClosedChain:
     def _floating(self, sample: Sample) -> list[tuple[slice, Array]]:
         free = any(body.joint.kind == "floating" for body in self.model.bodies)
         return floating_turns(self.model, sample.motions()) if free else []
+
+
+TRIALS = 6
+"""Configurations at which equations are looked at."""
+RANGE = 1.0
+"""rad or m, by which these lie around q = 0."""
+NOTHING = 1e-8
+"""A smaller part of the largest is what rounding leaves of nothing, or a hinge that is meant to be parallel."""
+
+
+@lru_cache(maxsize=16)
+def closed_chain(plan: Plan) -> ClosedChain:
+    """Return the closed chain of a model in a scene.
+
+    Raises:
+        InputError: nothing resists a joint.
+    """
+    chain = tied_chain(plan)
+    largest = np.max([_sizes(chain, chain.sample(q)) for q in _trials(chain.model)], axis=0)
+    return replace(chain, sizes=tuple(largest.tolist()))
+
+
+@lru_cache(maxsize=16)
+def tied_chain(plan: Plan) -> ClosedChain:
+    """Return the closed chain of a model in a scene as it moves, whatever its masses; its `sizes` tell nothing.
+
+    Equations that never change on their own, such as the one across the plane of a planar linkage, are found at
+    configurations drawn at random: of the rows of J, side by side for all of them, the largest are kept one after
+    another, each without what it has in common with those before it, until nothing is left.
+    """
+    model, scene = aligned(plan.model), plan.scene
+    every = [closure_of(model, loop) for loop in scene.loops]
+    sizes = [len(closure.equations) for closure in every]
+    whole = ClosedChain(model, scene, tuple(every), (1.0,) * sum(sizes))
+    rows = np.array([whole.jacobian(whole.sample(q)) for q in _trials(model)])
+    kept: set[int] = set()
+    for at, size in zip(np.cumsum([0, *sizes]).tolist(), sizes, strict=False):
+        own = rows[:, at : at + size].transpose(1, 0, 2).reshape(size, -1)
+        kept |= {at + k for k in independent(own)}
+    return whole.keeping(kept)
+
+
+def closure_of(model: Model, loop: Loop) -> Closure:
+    """Return the loop with all its equations, its chains from the nearest body that carries both links."""
+    ends = (
+        model.links[loop.link],
+        GROUND_FRAME if loop.to == GROUND and GROUND not in model.links else model.links[loop.to],
+    )
+    a, b = (_outward(model, end.body) for end in ends)
+    common = sum(1 for i, j in zip(a, b, strict=False) if i == j)
+    return Closure(loop, ends, (a[common:], b[common:]), equations_of(loop))
+
+
+def _outward(model: Model, i: int) -> tuple[int, ...]:
+    """Bodies from the base to body i; none for the ground."""
+    path = []
+    while i >= 0:
+        path.append(i)
+        i = model.parents[i]
+    return tuple(reversed(path))
+
+
+def independent(rows: Floats, nothing: float = NOTHING) -> list[int]:
+    """The places of rows that span all but a part `nothing` of them, by elimination with the largest row first."""
+    left, found = rows.copy(), []
+    smallest = nothing * np.sqrt((rows * rows).sum(axis=1).max(initial=0.0))
+    for _ in rows:
+        sizes = np.sqrt((left * left).sum(axis=1))
+        k = int(np.argmax(sizes * (1.0 - NOTHING * np.arange(len(rows)))))
+        if sizes[k] <= smallest:
+            break
+        found.append(k)
+        one = left[k] / sizes[k]
+        left -= np.outer(product(left, one), one)
+        left[k] = 0.0
+    return sorted(found)
+
+
+def _sizes(chain: ClosedChain, sample: Sample) -> Floats:
+    """(equations,) lengths of the columns of C^-1 J^T, M being C C^T."""
+    rows = chain.solver(sample, chain.inertial(sample), chain.equations(sample).J, EXACT).least.A
+    squares = np.zeros(len(chain.sizes))
+    for row in rows:
+        for k, value in row.items():
+            squares[k] += value * value
+    return np.sqrt(squares)
+
+
+def _trials(model: Model) -> list[tuple[float, ...]]:
+    drawn = np.random.default_rng(0).uniform(-RANGE, RANGE, (TRIALS, model.nq))
+    return [tuple(row.tolist()) for row in unit_rows(model, drawn)]

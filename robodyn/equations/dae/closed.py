@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from robodyn.dynamics.loops.closed_chain import closed_chain
 from robodyn.dynamics.loops.closed_start import closed_start
 from robodyn.dynamics.loops.closure import GROUND_FRAME, Closure
-from robodyn.dynamics.loops.find import closed_chain
 from robodyn.dynamics.plan import applied, plan
 from robodyn.equations.dae.consistent import flat_speeds, projected
 from robodyn.equations.dae.equations import stacked, values

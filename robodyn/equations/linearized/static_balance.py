@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 from robodyn.dynamics.derivatives import inverse_dynamics_derivatives
 from robodyn.dynamics.inverse import bias_forces
 from robodyn.dynamics.loops.closed_chain import ClosedChain
-from robodyn.dynamics.loops.closed_start import closed_near
-from robodyn.dynamics.loops.independent_equations import FEW, independent_equations
-from robodyn.dynamics.loops.local_coordinates import moved, unit
+from robodyn.dynamics.loops.closed_start import FEW, closed_near, independent_equations
+from robodyn.dynamics.loops.closure import moved, unit
 from robodyn.dynamics.plan import plan
 from robodyn.equations.linearized.drives import Drives, drives_of, positions
 from robodyn.equations.ode import units_of

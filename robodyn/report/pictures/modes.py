@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robodyn.dynamics.loops.local_coordinates import moved
+from robodyn.dynamics.loops.closure import moved
 from robodyn.programs.vectors import product
 from robodyn.report.document import Figure
 from robodyn.report.pictures.figures import INK, SERIES, SOFT, plot

@@ -10,7 +10,7 @@ from helpers.command_line import ROBOTS
 
 import robodyn
 from robodyn import Contact, ContactCost, Drive, Loop, Scene
-from robodyn.dynamics.constraints.actuation import actuation
+from robodyn.dynamics.constraints.solve import actuation
 from robodyn.errors import SceneError
 
 LOOP = Loop("wrist_pin", "rod", (0.3, 0.0, 0.0), "slider")

@@ -14,9 +14,8 @@ from scipy.spatial.transform import Rotation
 
 import robodyn
 from robodyn.dynamics.constraints.inverse import constraint_forces
-from robodyn.dynamics.constraints.structure import structure
-from robodyn.dynamics.constraints.torque_distribution import torque_distribution
-from robodyn.dynamics.loops.find import closed_chain
+from robodyn.dynamics.constraints.torque_distribution import structure, torque_distribution
+from robodyn.dynamics.loops.closed_chain import closed_chain
 from robodyn.dynamics.plan import plan
 from robodyn.scene.parts import GROUND
 from robodyn.scene.scene import Scene

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from robodyn.dynamics.constraints.structure import structure
-from robodyn.dynamics.constraints.torque_distribution import torque_distribution
+from robodyn.dynamics.constraints.torque_distribution import structure, torque_distribution
 
 EPS = np.finfo(float).eps
 KINDS = {

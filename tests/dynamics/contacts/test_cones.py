@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robodyn.dynamics.contacts.cones import projected
+from robodyn.dynamics.contacts.dual import projected
 
 UP = np.array((0.0, 0.0, 1.0))
 ANGLES = [0.0, 0.3, 1.0, 1.5, np.pi / 2]

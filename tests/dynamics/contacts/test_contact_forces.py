@@ -8,12 +8,10 @@ import numpy as np
 import pytest
 from helpers.stances import LENGTH, all_around, feet, near_the_edge, on_ice, stance
 
-from robodyn.dynamics.contacts.conic import conic_forces
 from robodyn.dynamics.contacts.diagnosis import base_columns
 from robodyn.dynamics.contacts.dual import least_forces
-from robodyn.dynamics.contacts.plain import scaled
 from robodyn.dynamics.contacts.problem import Problem
-from robodyn.dynamics.contacts.solve import contact_forces
+from robodyn.dynamics.contacts.solve import conic_forces, contact_forces, scaled
 
 FAMILIES = {
     "normals all around": lambda n: all_around(20, n, 7),

@@ -132,7 +132,7 @@ def test_without_clarabel_one_line_says_so(monkeypatch):
 
 def test_where_clarabel_gets_stuck_forces_alone_are_least(monkeypatch):
     problem, expected = legs(push=10.0, limits=np.array((0.5, 0.5))), contact_forces(replace(legs(10.0), torques=None))
-    monkeypatch.setattr("robodyn.dynamics.contacts.conic._by_clarabel", lambda sample, limited: None)
+    monkeypatch.setattr("robodyn.dynamics.contacts.solve._by_clarabel", lambda sample, limited: None)
     found = contact_forces(problem)
     assert (found.f == expected.f).all()
     assert found.feasible.all()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robodyn.dynamics.contacts.pressure import centre_of_pressure, friction_used
+from robodyn.dynamics.contacts.diagnosis import centre_of_pressure, friction_used
 
 FOOT = np.array([(0.1, 0.05, 0.0), (-0.1, 0.05, 0.0), (-0.1, -0.05, 0.0), (0.1, -0.05, 0.0), (0.02, 0.01, 0.0)])
 UP = np.array((0.0, 0.0, 1.0))

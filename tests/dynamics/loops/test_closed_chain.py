@@ -9,8 +9,7 @@ from helpers.small_robots import built, joint, link, random_tree
 
 import robodyn
 from robodyn.dynamics.effects.effect import Sample
-from robodyn.dynamics.loops.find import closed_chain
-from robodyn.dynamics.loops.givens_projection import GivensProjection
+from robodyn.dynamics.loops.closed_chain import GivensProjection, closed_chain
 from robodyn.dynamics.plan import applied, plan
 from robodyn.dynamics.recursions.composite_body import Root, composite_body, rates_inward
 from robodyn.dynamics.recursions.elimination import aligned

@@ -10,8 +10,7 @@ from helpers.closed_chains import crank_slider, four_bars, spatial_loop
 
 import robodyn
 from robodyn.dynamics.initial_state import initial_state
-from robodyn.dynamics.loops.closed_start import closed_start
-from robodyn.dynamics.loops.independent_equations import independent_equations
+from robodyn.dynamics.loops.closed_start import closed_start, independent_equations
 from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError
 from robodyn.scene.parts import Loop

@@ -8,9 +8,8 @@ from helpers.closed_chains import four_bars, spatial_loop
 from helpers.small_robots import built, joint, link
 
 from robodyn.dynamics.effects.effect import Sample
-from robodyn.dynamics.loops.closure import Closure
-from robodyn.dynamics.loops.equation import equations_of
-from robodyn.dynamics.loops.find import closed_chain, closure_of, independent
+from robodyn.dynamics.loops.closed_chain import closed_chain, closure_of, independent
+from robodyn.dynamics.loops.closure import Closure, equations_of
 from robodyn.dynamics.plan import plan
 from robodyn.dynamics.recursions.momentum import dual_state
 from robodyn.scene.parts import Loop
