@@ -23,8 +23,7 @@ from robodyn.cli.options import (
 from robodyn.cli.reading_options import READING, given, reading
 from robodyn.cli.reports import REPORT, answer
 from robodyn.measure.accuracy.ladder import Accuracy
-from robodyn.report.accuracy import accuracy_page, accuracy_sections
-from robodyn.report.json.runs import accuracy_json
+from robodyn.report.accuracy import accuracy_json, accuracy_page, accuracy_sections
 from robodyn.report.pictures.accuracy import form_of, rendered
 from robodyn.support.extras import need
 from robodyn.support.files import write_whole

@@ -10,8 +10,7 @@ from robodyn.cli.files import STANDARD_INPUT, check_names, robot_in_scene
 from robodyn.cli.options import FORMAT, PATH, SCENE
 from robodyn.cli.reports import answer
 from robodyn.measure.speed.run import bench
-from robodyn.report.json.runs import bench_json
-from robodyn.report.measure import bench_sections
+from robodyn.report.accuracy import bench_json, bench_sections
 
 
 @click.command("bench", short_help="Measure how fast each executor is on a robot.")

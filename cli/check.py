@@ -22,11 +22,16 @@ from robodyn.cli.reading_options import READING, reading
 from robodyn.cli.reports import REPORT, answer, report_name, write_report
 from robodyn.cli.screen import complain, show
 from robodyn.errors import InputError
-from robodyn.report.check import check_diff, check_page, check_sections, fix_lines, statistics_sections
-from robodyn.report.check_places import short_sections
-from robodyn.report.json.descriptions import check_json
-from robodyn.report.renderers.ci import check_github, check_junit
-from robodyn.report.renderers.sarif import check_sarif
+from robodyn.report.check import (
+    check_diff,
+    check_json,
+    check_page,
+    check_sections,
+    fix_lines,
+    short_sections,
+    statistics_sections,
+)
+from robodyn.report.renderers.findings import check_github, check_junit, check_sarif
 from robodyn.robot.urdf.document import read
 from robodyn.robot.urdf.sources import is_xacro
 from robodyn.support.files import write_whole

@@ -7,8 +7,7 @@ import click
 from robodyn.cli.options import FORMAT
 from robodyn.cli.reports import answer
 from robodyn.measure.doctor import doctor, healthy
-from robodyn.report.json.descriptions import doctor_json
-from robodyn.report.measure import doctor_sections
+from robodyn.report.accuracy import doctor_json, doctor_sections
 
 
 @click.command("doctor", short_help="Tell what this machine and installation can do.")

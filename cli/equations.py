@@ -12,11 +12,9 @@ from robodyn.cli.reports import answer
 from robodyn.equations.closed import closed
 from robodyn.equations.dae.dae import dae
 from robodyn.equations.ode import ode
-from robodyn.report.dae import dae_sections
-from robodyn.report.equations import closed_sections, ode_sections
-from robodyn.report.json.equations import closed_json, dae_json, ode_json
-from robodyn.report.renderers.latex_closed import closed_latex
-from robodyn.report.renderers.latex_dae import dae_latex
+from robodyn.report.dae import dae_json, dae_sections
+from robodyn.report.equations import closed_json, closed_sections, ode_json, ode_sections
+from robodyn.report.renderers.latex import closed_latex, dae_latex
 
 FORMATS = ("text", "latex", "json")
 ONLY = {"latex": ("closed", "dae")}

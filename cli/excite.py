@@ -11,8 +11,7 @@ from robodyn.cli.files import check_names, robot_in_scene
 from robodyn.cli.options import FORMAT, PATH, POSITIVE, SCENE, TABLE_OUT, VALUES, Parsed
 from robodyn.cli.reports import REPORT, answer, get_ready
 from robodyn.identification.excitation.excite import HARMONICS, PERIOD, RATE, excite
-from robodyn.report.excitation import excitation_page, excitation_sections
-from robodyn.report.json.excitation import excitation_json
+from robodyn.report.identification import excitation_json, excitation_page, excitation_sections
 from robodyn.trajectory.write import format_of, open_writer
 
 

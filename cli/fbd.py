@@ -16,8 +16,7 @@ from robodyn.cli.reading_options import READING, given, reading
 from robodyn.cli.reports import answer
 from robodyn.equations.free_body.bodies import free_bodies
 from robodyn.errors import InputError
-from robodyn.report.free_body import free_body_sections
-from robodyn.report.json.equations import free_bodies_json
+from robodyn.report.equations import free_bodies_json, free_body_sections
 from robodyn.robot.configuration import configuration, rates
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene

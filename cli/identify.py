@@ -59,8 +59,7 @@ def command(urdf: str, logs: tuple[str, ...], **options: Any) -> int:
     from robodyn.identification.identify import identify
     from robodyn.identification.log import Log, read_log
     from robodyn.identification.refusals import check_size
-    from robodyn.report.identified import identified_page, identified_sections
-    from robodyn.report.json.identified import identified_json
+    from robodyn.report.identification import identified_json, identified_page, identified_sections
 
     outputs = {name: options.pop(name) for name in ("out", "scene_out", "covariance")}
     force, shapes, validate = options.pop("force"), not options.pop("no_shapes"), options.pop("validate")

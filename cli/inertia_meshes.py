@@ -17,9 +17,9 @@ from robodyn.cli.reports import answer
 from robodyn.cli.screen import complain
 from robodyn.errors import InputError, MeshError
 from robodyn.measure.accuracy.inertia_within import needs_rationals, with_promise
-from robodyn.report.bodies import inertia_sections
 from robodyn.report.document import Document
-from robodyn.report.json.bodies import inertia_json
+from robodyn.report.inertia import inertia_sections
+from robodyn.report.inertia_pages import inertia_json
 from robodyn.solids.inertia.conversions import View
 from robodyn.solids.inertia.properties import Pose
 from robodyn.solids.mesh_mass import Part, mass_properties
@@ -132,8 +132,8 @@ def _combined(
     view: View,
     shapes: Callable[[bool], list[Floats | None]],
 ) -> None:
-    from robodyn.report.composite import combination_sections
-    from robodyn.report.json.bodies import combination_json
+    from robodyn.report.inertia import combination_sections
+    from robodyn.report.inertia_pages import combination_json
     from robodyn.solids.composite_mass import combined
 
     found = combined(parts, places, mass)

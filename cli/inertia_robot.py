@@ -17,8 +17,8 @@ from robodyn.cli.reports import answer
 from robodyn.cli.screen import complain
 from robodyn.errors import InputError
 from robodyn.report import inertia_pages as pages
-from robodyn.report.composite import comparison_sections, link_sections, link_shapes_sections, robot_sections
-from robodyn.report.json.bodies import comparison_json, link_json, link_shapes_json, robot_json
+from robodyn.report.inertia import comparison_sections, link_sections, link_shapes_sections, robot_sections
+from robodyn.report.inertia_pages import comparison_json, link_json, link_shapes_json, robot_json
 from robodyn.robot.masses.compare import compare
 from robodyn.robot.masses.declared import link_inertia, robot_inertia
 from robodyn.robot.masses.measured import How, Reading

@@ -8,8 +8,7 @@ from robodyn.checks.overview import overview
 from robodyn.cli.files import check_names, robot_source
 from robodyn.cli.options import DESCRIPTION, FORMAT, PATH, lookup
 from robodyn.cli.reports import answer
-from robodyn.report.json.descriptions import overview_json
-from robodyn.report.overview import overview_sections
+from robodyn.report.overview import overview_json, overview_sections
 
 
 @click.command("info", short_help="Show a robot at a glance: tree, joints, masses, meshes.")

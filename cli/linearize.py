@@ -15,8 +15,7 @@ from robodyn.cli.reports import REPORT, answer, get_ready
 from robodyn.equations.linearized.linearize import linearize
 from robodyn.equations.linearized.linearized import Linearized
 from robodyn.errors import InputError
-from robodyn.report.json.linearized import linearized_json
-from robodyn.report.linearized import linearized_page, linearized_sections
+from robodyn.report.linearized import linearized_json, linearized_page, linearized_sections
 from robodyn.support.files import write_whole
 
 

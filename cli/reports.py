@@ -12,8 +12,7 @@ from threading import Thread
 from robodyn.cli.options import Output, kept, kept_value
 from robodyn.cli.screen import page, show
 from robodyn.errors import InputError
-from robodyn.report.document import Document, Section
-from robodyn.report.text import text
+from robodyn.report.document import Document, Section, text
 from robodyn.support.extras import need
 
 FORMS = {".html": "html", ".htm": "html", ".md": "markdown"}

@@ -9,7 +9,7 @@ from robodyn.checks.rule import Rule
 from robodyn.cli.screen import page, show
 from robodyn.errors import InputError
 from robodyn.report.check import rules_sections
-from robodyn.report.text import text
+from robodyn.report.document import text
 from robodyn.support.wording import shown
 
 

@@ -13,9 +13,7 @@ from robodyn.cli.reading_options import TABLE, given, reading
 from robodyn.cli.reports import REPORT, answer, get_ready
 from robodyn.dynamics.initial_state import begun_at
 from robodyn.programs.run.choice import EXECUTORS
-from robodyn.report.json.runs import simulation_json
-from robodyn.report.simulation import simulation_sections
-from robodyn.report.simulation_page import simulation_page
+from robodyn.report.simulation import simulation_json, simulation_page, simulation_sections
 from robodyn.simulation.methods import METHODS
 from robodyn.simulation.run import simulate
 from robodyn.simulation.table import read_table

@@ -24,9 +24,9 @@ from robodyn.errors import InputError
 from robodyn.loads.many import Batch, Outcome
 from robodyn.loads.torques import check_uncertain
 from robodyn.programs.run.llvm.machine import compiler
-from robodyn.report.json.loads import batch_json
 from robodyn.report.table import printable
 from robodyn.report.torques import batch_sections, outcome_line
+from robodyn.report.torques_json import batch_json
 from robodyn.support.extras import need
 from robodyn.support.input_file import read_input
 from robodyn.support.threads import processes

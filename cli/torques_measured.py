@@ -8,8 +8,7 @@ from robodyn.cli.files import ROBOT, TABLE, check_names, expect, robot_in_scene
 from robodyn.cli.reading_options import reading
 from robodyn.cli.reports import answer, get_ready
 from robodyn.identification.compare import compare
-from robodyn.report.json.measured import measured_json
-from robodyn.report.measured import measured_page, measured_sections
+from robodyn.report.measured import measured_json, measured_page, measured_sections
 
 
 def run_measured(urdf: str, log: str, cutoff: float | None) -> None:

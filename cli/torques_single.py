@@ -18,9 +18,8 @@ from robodyn.loads.columns import output_names
 from robodyn.loads.result import Result
 from robodyn.loads.torques import Sink, torques
 from robodyn.report.document import Document
-from robodyn.report.limits import speed_use
+from robodyn.report.limits import speed_use, verdict_section
 from robodyn.report.torques import torques_sections
-from robodyn.report.torques_verdict import verdict_section
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.threads import write_behind
@@ -71,7 +70,7 @@ def run_single(
         return torques_page(result, model, scene, pictures)
 
     def json() -> str:
-        from robodyn.report.json.loads import torques_json
+        from robodyn.report.torques_json import torques_json
 
         return torques_json(result)
 

@@ -13,7 +13,7 @@ from robodyn.errors import InputError, RobodynError
 from robodyn.loads.columns import output_names
 from robodyn.loads.many import JointPeak, Outcome, Status
 from robodyn.loads.torques import torques
-from robodyn.report.json.loads import torques_json
+from robodyn.report.torques_json import torques_json
 from robodyn.robot.limits import Coverage, Quantity, Unchecked
 from robodyn.support.caveats import Caveat
 from robodyn.support.files import write_whole

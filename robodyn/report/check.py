@@ -1,19 +1,18 @@
-"""The findings of `check` with the lines of the source, what fixing did, and the documentation of rules."""
+"""`check`: findings with the lines of the source, in words, as a page and as JSON; fixes; documentation of rules."""
 
 from __future__ import annotations
 
+import os
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from itertools import groupby
 from pathlib import PurePath
 from textwrap import indent, wrap
+from typing import TYPE_CHECKING, Any
 
-from robodyn.checks.check import Checked
-from robodyn.checks.fixes import Fixed, Made
-from robodyn.checks.rule import Excerpt, Finding, Fix, Rule, Severity
-from robodyn.report.check_places import further
-from robodyn.report.check_words import LEVELS, check_verdict, checked_lines, hidden_line
+from robodyn.checks.rule import Severity
 from robodyn.report.document import (
     Block,
     Document,
@@ -26,11 +25,132 @@ from robodyn.report.document import (
     Table,
     Verdict,
     data_blocks,
+    finite,
     paragraphs,
+    select,
+    written,
 )
-from robodyn.report.json.descriptions import check_json
 from robodyn.report.table import printable
 from robodyn.support.wording import count
+
+if TYPE_CHECKING:
+    from robodyn.checks.check import Checked
+    from robodyn.checks.fixes import Fixed, Made
+    from robodyn.checks.rule import Excerpt, Finding, Fix, Rule
+
+
+LEVELS: dict[Severity, Level] = {Severity.ERROR: "bad", Severity.WARNING: "doubtful", Severity.NOTE: "neutral"}
+UNFIT = "not fit for use as it is"
+_NAMED = 8
+
+
+def check_line(checked: Checked) -> str:
+    """Return how many findings there are of each kind, at how many places, and whether the description is unfit."""
+    counts = ", ".join(count(checked.count(severity), severity.value) for severity in LEVELS)
+    places = sum(len(finding.places) for finding in checked.findings)
+    at = f" at {places} places" if places > len(checked.findings) else ""
+    said = f"{counts}{at}{'' if checked.fit else f': {UNFIT}'}" if checked.findings else "nothing found"
+    return f"{said}; {count(len(checked.unread), 'file')} could not be read" if checked.unread else said
+
+
+def checked_lines(checked: Checked) -> list[str]:
+    """Return what is not shown, if anything, and at the end how many files were checked and what was found."""
+    line = f"{count(len(checked.files), 'file')} checked: {check_line(checked)}"
+    return [f"not shown: {hidden_line(checked)}", line] if checked.hidden else [line]
+
+
+def hidden_line(checked: Checked) -> str:
+    """Return how many findings are not shown, and what shows them."""
+    rules = len({finding.code for finding in checked.hidden})
+    return f"{count(len(checked.hidden), 'minor finding')} of {count(rules, 'rule')} (--select ALL)"
+
+
+def check_data(checked: Checked) -> dict[str, Any]:
+    """Return the same for JSON."""
+    return {**{f"{severity.value}s": checked.count(severity) for severity in LEVELS}, "fit": checked.fit}
+
+
+def check_verdict(checked: Checked) -> Verdict:
+    """Return whether the descriptions can be used, and the first errors."""
+    errors, warnings, notes = (checked.count(severity) for severity in LEVELS)
+    if errors:
+        level, headline = LEVELS[Severity.ERROR], f"{count(errors, 'error')}: {UNFIT}"
+    elif checked.unread:
+        level, headline = "bad", f"{count(len(checked.unread), 'file')} could not be read"
+    elif warnings:
+        level, headline = LEVELS[Severity.WARNING], f"No errors, {count(warnings, 'warning')}"
+    else:
+        more = f", {count(notes, 'note')}" if notes else ""
+        level, headline = "good", f"No errors and no warnings{more}"
+    return Verdict(level, headline, (*error_lines(checked), *(f"{each.file}: {each.why}." for each in checked.unread)))
+
+
+def error_lines(checked: Checked) -> list[str]:
+    """Return a sentence for each of the first errors, with its place."""
+    worst = [finding for finding in checked.findings if finding.severity is Severity.ERROR]
+    lines = [f"{finding.file}, line {finding.line}: {finding.message}." for finding in worst[:_NAMED]]
+    more = len(worst) - len(lines)
+    return [*lines, f"{count(more, 'more error')}: robodyn check lists all."] if more else lines
+
+
+_PLACES, _PLACES_SAID = 40, 10
+"""Further places that are listed: by name alone, and with a sentence each."""
+_WIDTH = 100
+
+
+def further(finding: Finding) -> list[str]:
+    """Return lines with the further places of a finding: in a row where they are alike, else each with its sentence,
+    and with what its cause may be where that is another."""
+    alike = all((other.what, other.cause) == (finding.what, finding.cause) for other in finding.others)
+    most = _PLACES if alike else _PLACES_SAID
+    shown, more = finding.others[:most], len(finding.others) - most
+    rest = [f"{count(more, 'more place')}"] if more > 0 else []
+    if alike:
+        row = ", ".join([*map(place_words, shown), *rest])
+        return wrap(row, _WIDTH, break_long_words=False, break_on_hyphens=False)
+    return [*(f"{place_words(other)}: {other.what}{_other_cause(other, finding)}" for other in shown), *rest]
+
+
+def _other_cause(other: Finding, finding: Finding) -> str:
+    return "" if other.cause in (None, finding.cause) else f"; {other.cause}"
+
+
+def place_words(finding: Finding) -> str:
+    """`31:12 link 'arm'`"""
+    at = f"{finding.line}:{finding.column}"
+    return at if finding.subject is None else f"{at} {finding.subject.words}"
+
+
+def short_sections(checked: Checked) -> Iterator[Section]:
+    """Yield for each file its rules, the most severe first, and the places of each; at the end how many there are."""
+    order = list(LEVELS)
+    files: dict[str, list[Finding]] = {}
+    for finding in checked.findings:
+        files.setdefault(finding.file, []).append(finding)
+    for file, found in files.items():
+        ranked = sorted(found, key=lambda one: (order.index(one.severity), one.code))
+        lines = [relative(file)]
+        for head, same in groupby(ranked, key=lambda one: f"{one.severity.value} {one.code} {one.name}"):
+            lines += [f"  {head}", *(line for one in same for line in _short(one))]
+        yield paragraphs(lines)
+    yield paragraphs(checked_lines(checked))
+
+
+def _short(finding: Finding) -> list[str]:
+    shown, more = finding.others[:_PLACES_SAID], len(finding.others) - _PLACES_SAID
+    also = ", ".join([*map(place_words, shown), *([count(more, "more place")] if more > 0 else [])])
+    first = f"    {finding.line}:{finding.column}: {finding.message}"
+    return [first, *(f"      also {line}" for line in [also] if line)]
+
+
+def relative(file: str) -> str:
+    """Return the path from the current folder, where that is shorter."""
+    if file.startswith("<"):
+        return file
+    try:
+        return min(os.path.relpath(file), file, key=len)
+    except ValueError:  # on another drive
+        return file
 
 
 def check_sections(checked: Checked) -> Iterator[Section]:
@@ -117,7 +237,7 @@ def check_diff(fixed: Fixed) -> str:
     """Return the unified diff of one file, empty if nothing changes. Lines end with LF; a CR is part of its line."""
     from difflib import unified_diff
 
-    before, after = _lines(fixed.before), _lines(fixed.after)
+    before, after = _source_lines(fixed.before), _source_lines(fixed.after)
     name = printable(fixed.file)
     lines = unified_diff(before, after, name, name)
     return "".join(line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in lines)
@@ -127,21 +247,21 @@ def fix_lines(files: Iterable[Fixed], did: str) -> list[str]:
     """Return a line for each fix that was made, `did` it being said how, and for each that was not, with the reason."""
     lines = []
     for fixed in files:
-        lines += [f"{did}: {_place(one.finding)}: {one.fix.what} ({_kind(one)})" for one in fixed.made]
-        lines += [f"not fixed: {_place(one.finding)}: {one.fix.what} ({one.why})" for one in fixed.refused]
+        lines += [f"{did}: {_place_of_fix(one.finding)}: {one.fix.what} ({_kind_of_fix(one)})" for one in fixed.made]
+        lines += [f"not fixed: {_place_of_fix(one.finding)}: {one.fix.what} ({one.why})" for one in fixed.refused]
     return [printable(line) for line in lines]
 
 
-def _lines(data: bytes) -> list[str]:
+def _source_lines(data: bytes) -> list[str]:
     return re.findall(r"[^\n]*\n|[^\n]+", data.decode("utf-8", "surrogateescape"))
 
 
-def _place(finding: Finding) -> str:
+def _place_of_fix(finding: Finding) -> str:
     subject = f", {finding.subject.kind} {finding.subject.name}" if finding.subject else ""
     return f"{finding.file}:{finding.line}: {finding.code}{subject}"
 
 
-def _kind(made: Made) -> str:
+def _kind_of_fix(made: Made) -> str:
     if made.fix.safe:
         return "safe: the dynamics stay as they are"
     if made.change is None:
@@ -149,7 +269,6 @@ def _kind(made: Made) -> str:
     return f"unsafe: torques change by up to {100 * made.change:.3g} % of the largest"
 
 
-_WIDTH = 100
 _WEIGHT = {
     Severity.ERROR: "error: the check fails",
     Severity.WARNING: "warning: the check fails with --strict",
@@ -191,3 +310,38 @@ def _counted(caption: str, findings: Sequence[Finding]) -> Table:
     order = sorted(counts, key=lambda code: (-counts[code], code))
     rows = [[names[code], *(str(figure or "-") for figure in figures[code])] for code in order]
     return Table(caption, ("rule", "findings", "places", "files", "safe fixes", "unsafe fixes"), rows)
+
+
+def check_json(checked: Checked) -> str:
+    """Return {"findings": [...], "unread": [...], "summary": {...}}.
+
+    Places count from 1; edits are byte offsets of the file.
+    """
+    return written(
+        {
+            "findings": list(map(_finding_json, checked.findings)),
+            "unread": [select(each, "file error:why") for each in checked.unread],
+            "summary": {"files": len(checked.files), **check_data(checked), "hidden": len(checked.hidden)},
+        }
+    )
+
+
+def _finding_json(finding: Finding) -> dict[str, Any]:
+    return select(
+        finding,
+        "file line column code name severity subject message remedy measured bound cause fix places",
+        **_place_json(finding),
+        places=[
+            select(place, "line column subject message measured bound fix", **_place_json(place))
+            for place in finding.places
+        ],
+    )
+
+
+def _place_json(finding: Finding) -> dict[str, Any]:
+    return {
+        "subject": finding.subject and select(finding.subject, "kind name"),
+        "measured": finite(finding.measured),
+        "bound": finite(finding.bound),
+        "fix": finding.fix and select(finding.fix, "what safe edits"),
+    }

@@ -1,12 +1,15 @@
-"""The document model of all reports: blocks of verdicts, paragraphs, tables, figures and downloads."""
+"""The document of a report: blocks of verdicts, words, tables, figures and downloads; as text; results as JSON."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
-from typing import Literal
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields, is_dataclass, replace
+from enum import Enum
+from operator import attrgetter
+from pathlib import PurePath
+from typing import Any, Literal
 
-from robodyn.report.table import printable
+from robodyn.report.table import PLAIN, Page, printable
 
 Level = Literal["good", "doubtful", "bad", "neutral"]
 
@@ -220,3 +223,72 @@ def csv_text(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
     writer.writerow(head)
     writer.writerows(rows)
     return stream.getvalue()
+
+
+def text(sections: Iterable[Section], page: Page = PLAIN) -> str:
+    """Return sections with an empty line between; those without a word are left out."""
+    parts = ("".join(_block(block, page) for block in section) for section in sections)
+    return "\n".join(part for part in parts if part)
+
+
+def _block(block: Block, page: Page) -> str:
+    if isinstance(block, (Heading, Paragraph)):
+        return _line(block.text)
+    if isinstance(block, Table):
+        return "".join([_line(block.caption), page.table((block.head, block.rows)), _line(block.note)])
+    if isinstance(block, Facts):
+        names = [printable(what) for what, _, _ in block.items]
+        wide = max(map(len, names), default=0)
+        return "".join(_line(f"{name:{wide}}  {item[1]}") for name, item in zip(names, block.items, strict=True))
+    assert isinstance(block, Findings), "the others are for pages"
+    return "".join(_line(title) for _, title, _ in block.items)
+
+
+def _line(words: str) -> str:
+    return f"{printable(words)}\n" if words else ""
+
+
+def written(document: Mapping[str, Any]) -> str:
+    """Return a document as text.
+
+    Raises:
+        ValueError: a number is not finite; where that may be so, `finite` says null instead.
+    """
+    import json
+
+    return json.dumps(encode(document), indent=2, allow_nan=False) + "\n"
+
+
+def encode(value: Any) -> Any:
+    """Return a value as JSON has it: dataclasses and mappings as objects, other collections and arrays as lists."""
+    if value is None or isinstance(value, (str, bool, int)):
+        return value
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    if is_dataclass(value):
+        return {each.metadata.get("json", each.name): encode(getattr(value, each.name)) for each in fields(value)}
+    if isinstance(value, Mapping):
+        return {key: encode(each) for key, each in value.items()}
+    if isinstance(value, (tuple, list)):
+        return [encode(each) for each in value]
+    return value.value if isinstance(value, Enum) else str(value) if isinstance(value, PurePath) else value
+
+
+def select(source: Any, keys: str, **given: Any) -> dict[str, Any]:
+    """Return an object with these keys in this order.
+
+    Args:
+        source: whose attributes of these names are the values; `key:path` takes another, such as `origin:pose.p`.
+        given: values that are not attributes.
+    """
+    found = {}
+    for each in keys.split():
+        key, _, path = each.partition(":")
+        found[key] = encode(given.pop(key) if key in given else attrgetter(path or key)(source))
+    assert not given, f"without a place: {', '.join(given)}"
+    return found
+
+
+def finite(value: float | None) -> float | None:
+    """Return the value, or None where JSON has no number for it."""
+    return value if value is not None and abs(value) < float("inf") else None

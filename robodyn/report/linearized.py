@@ -1,4 +1,4 @@
-"""The result of `linearize`: the state, the modes in words, and whether it is stable."""
+"""`linearize`: the state, the modes in words, and whether it is stable."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from cmath import phase
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import inf, pi
+from typing import Any
 
 from robodyn.equations.linearized.linearized import Linearized
 from robodyn.equations.linearized.modes import Mode, Modes
@@ -20,11 +21,13 @@ from robodyn.report.document import (
     Table,
     Verdict,
     data_blocks,
+    finite,
     on_page,
     paragraphs,
     remarks,
+    select,
+    written,
 )
-from robodyn.report.json.linearized import linearized_json
 from robodyn.report.limits import exceeded_words
 from robodyn.report.table import number
 from robodyn.support.wording import count
@@ -77,7 +80,7 @@ def linearized_page(found: Linearized, pictures: bool = True) -> Document:
 
 
 def _pictures(found: Linearized) -> list[Block]:
-    from robodyn.report.pictures.modes import mode_figure
+    from robodyn.report.pictures.robot import mode_figure
 
     modes, names = found.modes.modes, found.model.rates
     shown = [
@@ -206,3 +209,29 @@ def _phase(entry: complex) -> str:
 def _note(modes: Modes) -> str:
     error = max((mode.error for mode in modes.modes), default=0.0)
     return f"Eigenvalues are within {error:.1g} /s. What moves: rad or m of each joint per 1 of the first."
+
+
+def linearized_json(found: Linearized) -> str:
+    """Return A and B by rows, the state, and the modes; `stable` is null where it is not decided, see `verdict`."""
+    state = select(
+        found,
+        "is_one:balanced coordinates:model.coordinates q rates:model.rates qd drive added:held",
+    )
+    return written(
+        select(
+            found,
+            "robot states inputs A B step equilibrium modes stable verdict "
+            "margin:modes.margin limits_exceeded:exceeded warnings",
+            equilibrium=state,
+            modes=list(map(_mode_json, found.modes.modes)),
+        )
+    )
+
+
+def _mode_json(mode: Mode) -> dict[str, Any]:
+    return select(
+        mode,
+        "frequency damping_ratio time_constant real imag error free alike shape shares",
+        time_constant=finite(mode.time_constant),
+        shape={"real": [x.real for x in mode.shape], "imag": [x.imag for x in mode.shape]},
+    )

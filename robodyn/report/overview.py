@@ -1,19 +1,24 @@
-"""A description at a glance: counts and mass, the tree, meshes, findings, and what to run next."""
+"""`info`: a description at a glance: counts and mass, the tree, meshes, findings, and what to run next."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from robodyn.checks.overview import Branch, Meshes, Overview
 from robodyn.programs.vectors import product
-from robodyn.report.bodies import point_text
-from robodyn.report.check_words import check_line
-from robodyn.report.document import Section, Table, paragraphs
+from robodyn.report.check import check_data, check_line
+from robodyn.report.document import Section, Table, finite, paragraphs, select, written
+from robodyn.report.inertia import point_text
 from robodyn.report.table import Content, axis_text, number
 from robodyn.robot.urdf.parts import Joint, Limit
 from robodyn.support.wording import count, shown
+
+if TYPE_CHECKING:
+    from robodyn.checks.overview import Overview
+
 
 _UNITS = {"prismatic": ("m", "N", "m/s")}
 _ANGULAR = ("rad", "N m", "rad/s")
@@ -129,3 +134,45 @@ def _meshes(meshes: Meshes) -> list[str]:
     rest = len(meshes.missing) - len(lines)
     lines += [f"  and {rest} more"] if rest else []
     return [f"{found}, {len(meshes.missing)} not found:", *lines]
+
+
+def overview_json(found: Overview) -> str:
+    """Return a description at a glance; links and joints stand depth first."""
+    counts = select(
+        found,
+        "links links_with_mass:massive joints joints_by_type:types mimic_joints:mimics loops merged_fixed_joints "
+        "degrees_of_freedom:freedoms base_degrees_of_freedom:base_freedoms",
+        links=len(found.branches),
+        joints=sum(found.types.values()),
+        merged_fixed_joints=found.types.get("fixed", 0),
+    )
+    links = [
+        select(branch, "name line depth mass joint", joint=branch.joint and branch.joint.name)
+        for branch in found.branches
+    ]
+    missing = [{"link": link, **select(each, "kind filename line")} for link, each in found.meshes.missing]
+    return written(
+        select(
+            found,
+            "robot:name file counts mass com com_frame:base at at_zero links joints meshes check notes next",
+            counts=counts,
+            mass=finite(found.mass),
+            at_zero=not found.moved,
+            links=links,
+            joints=[_joint_json(branch.joint) for branch in found.branches if branch.joint],
+            meshes=select(found.meshes, "references files:names missing", missing=missing),
+            check=check_data(found.checked),
+        )
+    )
+
+
+def _joint_json(joint: Joint) -> dict[str, Any]:
+    return {
+        **select(joint, "name line type parent child axis", **_without_axis(joint)),
+        **select(joint.limit or Limit(), "lower upper effort velocity"),
+        "mimic": joint.mimic and select(joint.mimic, "joint multiplier offset"),
+    }
+
+
+def _without_axis(joint: Joint) -> dict[str, None]:
+    return {"axis": None} if joint.type in ("fixed", "floating") else {}

@@ -1,18 +1,43 @@
-"""The result of `simulate`: what was integrated and how, what the motion reaches, and what drifted."""
+"""`simulate`: what was integrated and how, what the motion reaches, and what drifted; as a page and as JSON."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from robodyn.report.document import Paragraph, Section, Table, paragraphs, remarks
-from robodyn.report.limits import limits_section, use
+from robodyn.report.document import (
+    Block,
+    Document,
+    Gallery,
+    Heading,
+    Level,
+    Paragraph,
+    Section,
+    Table,
+    Verdict,
+    csv_text,
+    data_blocks,
+    on_page,
+    paragraphs,
+    remarks,
+    select,
+    written,
+)
+from robodyn.report.limits import limits_section, limits_verdict, use
 from robodyn.report.sizes import MotionSizes, linear, simulation_sizes, sizes, speed_unit
 from robodyn.report.table import drift_text, gravity_text, moment, number, relative_text
+from robodyn.report.torques_json import limits_data
 from robodyn.simulation.loop_figures import LoopFigures
 from robodyn.simulation.result import Simulation
+from robodyn.support.floats import ranked
 from robodyn.support.wording import count
+
+if TYPE_CHECKING:
+    from robodyn.simulation.loop_figures import LoopFigures
+    from robodyn.simulation.result import Simulation
+
 
 FREE = "ODE, qdd = M^-1 (tau - bias) by articulated bodies"
 LOOPED = "index-1 DAE, M qdd + bias = tau + J^T lambda, J qdd = -J' qd by M = C C^T and C^-1 J^T = Q R"
@@ -158,3 +183,142 @@ def _counted(loops: LoopFigures) -> list[str]:
     if loops.rank < kept:
         lines.append(f"{kept - loops.rank} depend on the others there: how they share their reactions is arbitrary")
     return lines
+
+
+PLOTTED = 12
+"""Joints that have plots; those that move most where there are more."""
+_WORST_FIRST: tuple[Level, ...] = ("bad", "doubtful", "neutral", "good")
+_DRIFT = 1e-3
+"""Relative to the largest kinetic energy; above it steps are too long."""
+
+
+def simulation_page(result: Simulation, pictures: bool = True) -> Document:
+    """Return how the motion ends and how far it can be trusted, then the motion itself."""
+    what = f"Simulated motion: {result.model.n} degrees of freedom, {result.time[-1]:.6g} s, {result.steps} steps"
+    verdicts = [_energy_verdict(result), *([limits_verdict(result)] if result.joints or result.caveats else [])]
+    blocks: list[Block] = [*sorted(verdicts, key=lambda verdict: _WORST_FIRST.index(verdict.level))]
+    if pictures:
+        blocks += [*_poses(result), *_plots(result)]
+    blocks += [Heading("In numbers"), *on_page(simulation_sections(result, explain=True), "Motion")]
+    table = csv_text(("time", *result.names), np.column_stack((result.time, result.columns)).tolist())
+    files = [("result.json", simulation_json(result)), ("motion.csv", table)]
+    blocks += data_blocks(files, "robodyn simulate --format json and --out write it to a file")
+    return Document(result.model.name, what, tuple(blocks))
+
+
+def _energy_verdict(result: Simulation) -> Verdict:
+    kinetic, size = float(result.figures.kinetic.max()), simulation_sizes(result).energy
+    relative = result.energy_drift / kinetic if kinetic else 0.0
+    energy = (
+        f"The energy drifts by {drift_text(result.energy_drift, size)} J, {relative_text(relative)} of the largest "
+        f"kinetic energy of {number(kinetic, size)} J."
+    )
+    if result.ended:
+        return Verdict("bad", f"The motion ended early, at {result.time[-1]:.6g} s", (result.ended, energy))
+    if relative > _DRIFT:
+        return Verdict("doubtful", "The energy drifts: take shorter steps or a smaller tolerance", (energy,))
+    return Verdict("good", f"The motion ran for its {result.time[-1]:.6g} s, and its energy balances", (energy,))
+
+
+def _poses(result: Simulation) -> list[Block]:
+    from robodyn.report.pictures.robot import robot_figure, shapes_of
+
+    shapes, why = shapes_of(result.model)
+    figures = [
+        robot_figure(result.model, result.q[row], "", f"{name}, {result.time[row]:.6g} s", shapes, f"picture {row}")
+        for row, name in ((0, "the start"), (-1, "the end"))
+    ]
+    return [Heading("Start and end"), Gallery(tuple(figures)), *([Paragraph(why)] if why else [])]
+
+
+def _plots(result: Simulation) -> list[Block]:
+    from robodyn.report.pictures.simulation import energy_figures, joint_figure, quiet
+
+    model = result.model
+    joints = [joint for joint in model.independent if joint.kind != "floating"]
+    travel = {joint.name: float(np.ptp(result.q[:, joint.coordinate])) for joint in joints}
+    shown = sorted(ranked(joints, key=lambda joint: travel[joint.name])[:PLOTTED], key=joints.index)
+    size, figures = simulation_sizes(result), []
+    for joint in shown:
+        at, rate = joint.coordinate, joint.rate
+        given = (
+            (result.q[:, at], size.q[at]),
+            (result.qd[:, rate], size.qd[rate]),
+            (result.tau[:, rate], size.tau[rate]),
+        )
+        values = tuple(quiet(*each) for each in given)
+        if any(each.any() for each in values):
+            figures.append(joint_figure(joint.name, joint.kind == "prismatic", result.time, values))
+    blocks: list[Block] = [Heading("Along the motion")] if figures else []
+    if len(figures) < len(joints):
+        count = f"{len(figures)} of {len(joints)} joints"
+        blocks.append(Paragraph(f"The joints that move most, {count}, without plots of zeros; the tables have all."))
+    if figures:
+        blocks.append(Gallery(tuple(figures)))
+    if energies := energy_figures(result):
+        blocks += [Heading("Energy"), Gallery(tuple(energies))]
+    return blocks
+
+
+def simulation_json(result: Simulation) -> str:
+    """Return the document of `simulate`; docs/reference/schemas has its keys."""
+    from robodyn.simulation.joint_use import held
+
+    energy, accuracy = result.figures.energy, select(result, "target expected:expected_error")
+    stopped = held(result.model, result.scene, result.time, result.qd)
+    drift = dict(zip(("linear", "angular"), result.momentum_drift, strict=True)) if result.free else None
+    return written(
+        {
+            "robot": result.model.name,
+            "duration": float(result.time[-1]),
+            "gravity": result.scene.gravity,
+            "method": {**select(result.method, "name order"), **select(result, "step rtol")},
+            **select(result, "steps evaluations executor ended", ended=result.ended or None),
+            **({"accuracy": accuracy} if result.target else {}),
+            "start": _state(result, 0),
+            "final": _state(result, -1),
+            "energy": {"start": energy[0], "end": energy[-1], "work": result.work[-1], "drift": result.energy_drift},
+            "momentum_drift": drift,
+            "loops": _loops_json(result.loops) if result.loops else None,
+            "held": [select(each, "joint:joint.name time creep speed") for each in stopped],
+            "limit_spring": _limit_json(result) if result.scene.limit_spring else None,
+            "effects": [{"name": effect.name, **select(why, "active reason")} for effect, why in result.effects],
+            **select(
+                result,
+                "joints limits_exceeded:exceeded limits within_limits verdict doubts:caveats warnings notes",
+                limits=limits_data(result.limits),
+                verdict=limits_verdict(result),
+                warnings=[caveat.text for caveat in result.caveats],
+            ),
+        }
+    )
+
+
+def _state(result: Simulation, row: int) -> dict[str, dict[str, float]]:
+    """Return the positions and speeds of a row, by name."""
+    return {
+        "q": dict(zip(result.model.coordinates, result.q[row].tolist(), strict=True)),
+        "qd": dict(zip(result.model.rates, result.qd[row].tolist(), strict=True)),
+    }
+
+
+def _limit_json(result: Simulation) -> dict[str, Any] | None:
+    from robodyn.simulation.joint_use import deepest
+
+    found = deepest(result.model, result.time, result.q, result.qd)
+    return found and select(found, "joint:stop.joint.name side:stop.word value:stop.value depth time limits")
+
+
+def _loops_json(loops: LoopFigures) -> dict[str, Any]:
+    from robodyn.simulation.loop_figures import PARTS
+
+    rows = zip(loops.names, loops.wrenches[-1].tolist(), loops.gap.tolist(), loops.slip.tolist(), strict=True)
+    return select(
+        loops,
+        "equations dropped rank freedoms usual_freedoms:usual singular stabilised closures",
+        singular=[each._asdict() for each in loops.singular],
+        closures=[
+            {"name": name, "final": dict(zip(PARTS, wrench, strict=True)), "gap": gap, "slip": slip}
+            for name, wrench, gap, slip in rows
+        ],
+    )

@@ -15,7 +15,7 @@ from robodyn.checks.examples import a_shaped_link
 from robodyn.checks.examples import inertia as entries
 from robodyn.checks.groups import deduplicate, grouped, kind_of, places
 from robodyn.checks.rule import Severity
-from robodyn.report.check_places import further
+from robodyn.report.check import further
 
 ONE = arm(shoulder="0 2 0")
 TWO = arm(shoulder="0 2 0", elbow="0 3 0")

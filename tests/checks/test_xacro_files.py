@@ -16,7 +16,7 @@ import robodyn
 from robodyn.checks.check import Options, check_tasks, fix_task, tasks_for
 from robodyn.checks.rule import Finding
 from robodyn.errors import InputError, RobodynWarning
-from robodyn.report.renderers.ci import check_github, check_junit
+from robodyn.report.renderers.findings import check_github, check_junit
 from robodyn.robot.urdf.xacro import expanded
 from robodyn.support import children
 

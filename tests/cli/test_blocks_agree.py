@@ -13,7 +13,7 @@ from helpers.command_line import ROBOTS, write_arm
 from helpers.sampled import sampled
 
 from robodyn.loads.torques import torques
-from robodyn.report.json.loads import torques_json
+from robodyn.report.torques_json import torques_json
 from robodyn.robot.load import load
 from robodyn.scene.read import load_scene
 from robodyn.scene.scene import DEFAULT

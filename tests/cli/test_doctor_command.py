@@ -12,8 +12,8 @@ from helpers.command_line import Outcome, run
 from robodyn.measure import doctor
 from robodyn.measure.doctor import Line, healthy
 from robodyn.programs.run.self_test import TOLERANCE, SelfTest, self_test
-from robodyn.report.measure import doctor_sections
-from robodyn.report.text import text
+from robodyn.report.accuracy import doctor_sections
+from robodyn.report.document import text
 from robodyn.robot.urdf.packages import VARIABLES
 from robodyn.support.extras import COMPILER, CORE, OPTIONAL, SCENES, Library
 from robodyn.support.libraries import Installed, installed, loading

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from robodyn.loads.result import Result
+from robodyn.report.document import text
+from robodyn.report.limits import verdict_section
 from robodyn.report.simulation import simulation_sections
 from robodyn.report.table import PLAIN, Page
-from robodyn.report.text import text
 from robodyn.report.torques import torques_sections
-from robodyn.report.torques_verdict import verdict_section
 from robodyn.simulation.result import Simulation
 
 

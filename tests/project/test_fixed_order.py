@@ -43,7 +43,7 @@ NO_DIGITS = {
     "dynamics.loops.closed_start": "a rank",
     "simulation.singular": "ranks, and times to four digits",
     "simulation.stiffness": "steps of 1, 2 and 5",
-    "report.pictures.visuals": "pictures",
+    "report.pictures.robot": "pictures",
     "identification.pseudo_inertia": "a divergence, to four digits",
     "identification.interior_point": "steps to a minimum that is well conditioned, far beyond the digits of a log",
     "identification.newton": "the same",

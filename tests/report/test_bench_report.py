@@ -20,10 +20,9 @@ from robodyn.measure.speed.result import (
     ProgramBench,
     Timing,
 )
-from robodyn.report.json.runs import bench_json
-from robodyn.report.measure import bench_sections
+from robodyn.report.accuracy import bench_json, bench_sections
+from robodyn.report.document import text
 from robodyn.report.table import PLAIN, Page
-from robodyn.report.text import text
 
 
 def time(seconds: float, excess: float = 1.1) -> Timing:

@@ -11,8 +11,8 @@ from helpers.command_line import run
 
 from robodyn.checks.check import Options, Task, check_one, check_tasks
 from robodyn.checks.rule import Finding
-from robodyn.report.check_places import further, relative, short_sections
-from robodyn.report.text import text
+from robodyn.report.check import further, relative, short_sections
+from robodyn.report.document import text
 
 BOTH = arm(upper=IDENTITY, fore=IDENTITY, shoulder="0 2 0", elbow="0 0 0")
 SHORT = """\

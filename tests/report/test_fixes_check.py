@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from robodyn.checks.check import Checked, check_one
 from robodyn.checks.fixes import Fixed, fixed
 from robodyn.report.check import check_diff, fix_lines, statistics_sections
-from robodyn.report.text import text
+from robodyn.report.document import text
 
 PLANTED = arm(upper=IDENTITY, shoulder="0 2 0", elbow="0 2 0")
 

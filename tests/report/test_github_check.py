@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from robodyn.checks.check import Options, check_one
 from robodyn.checks.rule import Excerpt, Finding, Severity
-from robodyn.report.renderers.ci import check_github
+from robodyn.report.renderers.findings import check_github
 from robodyn.robot.urdf.view import Subject
 
 

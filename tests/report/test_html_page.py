@@ -28,7 +28,7 @@ from robodyn.report.document import (
     data_blocks,
 )
 from robodyn.report.pictures.figures import SERIES, of_page, plot
-from robodyn.report.pictures.svg import COLOURS
+from robodyn.report.pictures.free_body import COLOURS
 from robodyn.report.renderers import html as html_page
 from robodyn.report.renderers.html import html
 from robodyn.report.renderers.markdown import escaped, markdown

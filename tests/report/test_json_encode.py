@@ -12,7 +12,7 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
-from robodyn.report.json.encode import encode, finite, select, written
+from robodyn.report.document import encode, finite, select, written
 
 
 class Kind(Enum):

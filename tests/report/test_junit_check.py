@@ -9,7 +9,7 @@ from lxml import etree
 
 from robodyn.checks.catalogue import RULES
 from robodyn.checks.check import Checked, Options, check_one, found_in
-from robodyn.report.renderers.ci import check_junit
+from robodyn.report.renderers.findings import check_junit
 
 SCHEMA = etree.XMLSchema(etree.fromstring(JUNIT))
 

@@ -16,14 +16,14 @@ from helpers.report_text import simulation_text, torques_text
 import robodyn
 from robodyn.loads.many import Worst
 from robodyn.loads.result import JointLoad, Result
-from robodyn.report.free_body import free_body_sections
-from robodyn.report.json.loads import torques_json
+from robodyn.report.document import text
+from robodyn.report.equations import free_body_sections
 from robodyn.report.pictures.free_body import drawings
 from robodyn.report.renderers.markdown import markdown
 from robodyn.report.sizes import free_body_sizes, result_sizes
 from robodyn.report.table import NOISE, number, relative_text
-from robodyn.report.text import text
 from robodyn.report.torques import worst_table
+from robodyn.report.torques_json import torques_json
 from robodyn.report.torques_page import torques_page
 from robodyn.scene.read import load_scene
 from robodyn.simulation.run import simulate

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from helpers.command_line import run
 
-from robodyn.report.measured_words import bar
+from robodyn.report.measured import bar
 
 LINK = """<link name="{0}"><inertial><origin xyz="0.3 0 0"/><mass value="{1}"/>
 <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>"""

@@ -14,7 +14,7 @@ import robodyn.report
 from robodyn.report.document import Document, Table
 from robodyn.report.renderers import html as html_page
 from robodyn.report.renderers.html import MEANINGS, html
-from robodyn.report.simulation_page import simulation_page
+from robodyn.report.simulation import simulation_page
 from robodyn.report.torques_page import torques_page
 from robodyn.scene.read import load_scene
 from robodyn.simulation.run import simulate

@@ -14,7 +14,7 @@ from jsonschema import Draft7Validator
 from robodyn.checks.catalogue import RULES
 from robodyn.checks.check import Options, check_one, found_in
 from robodyn.checks.rule import Edit, Fix, Severity
-from robodyn.report.renderers.sarif import check_sarif
+from robodyn.report.renderers.findings import check_sarif
 from robodyn.robot.urdf.document import read
 
 BOTH = arm(upper=IDENTITY, fore=INERTIA.replace("iyz", 'iyx="0" iyz'), shoulder="0 2 0")

@@ -13,8 +13,17 @@ from helpers.oracles import random_state, robot
 import robodyn
 from robodyn.dynamics.effects.catalogue import EFFECTS
 from robodyn.report.pictures.arrows import LONGEST, SHORTEST, Box, arrows, place, text_width
-from robodyn.report.pictures.free_body import PAGE, PAPERS, SHEET, STYLE, _apart, drawing, drawings, page_drawing
-from robodyn.report.pictures.svg import COLOURS
+from robodyn.report.pictures.free_body import (
+    COLOURS,
+    PAGE,
+    PAPERS,
+    SHEET,
+    STYLE,
+    _apart,
+    drawing,
+    drawings,
+    page_drawing,
+)
 from robodyn.report.sizes import free_body_sizes
 
 NAMES = ("puma560", "scara", "cylindrical", "satellite", "two_link_spatial")

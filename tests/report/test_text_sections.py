@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from robodyn.report.document import Facts, Findings, Paragraph, Table, on_page, paragraphs, remarks
-from robodyn.report.text import text
+from robodyn.report.document import Facts, Findings, Paragraph, Table, on_page, paragraphs, remarks, text
 
 ROWS = (("name", "value"), [("a  b", "1"), ("warning: c", "2")])
 SECTIONS = [

@@ -11,7 +11,7 @@ from helpers.simulated_robots import pendulum, turntable
 
 import robodyn
 from robodyn.errors import InputError
-from robodyn.report.json.runs import simulation_json
+from robodyn.report.simulation import simulation_json
 from robodyn.scene.parts import Drive, Friction
 from robodyn.simulation import stiff_steps
 from robodyn.simulation.methods import TooMuchError

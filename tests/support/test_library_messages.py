@@ -11,7 +11,7 @@ import pytest
 from helpers.command_line import ROBOTS
 from helpers.mesh_files import dae
 
-from robodyn.report.pictures.visuals import _of_meshes
+from robodyn.report.pictures.robot import _of_meshes
 from robodyn.robot.urdf.description import load_description
 from robodyn.solids.mesh.read.load import load_triangles
 from robodyn.support.libraries import library_messages, treated_warnings

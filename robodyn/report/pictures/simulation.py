@@ -1,4 +1,4 @@
-"""The course of a simulated motion as plots: joints, and energies."""
+"""Joints and energies of a simulated motion, and measured against computed torques, as plots."""
 
 from __future__ import annotations
 
@@ -6,10 +6,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from robodyn.identification.compare import Comparison
 from robodyn.loads.history import Curves, Thinned
 from robodyn.report.document import Figure
-from robodyn.report.pictures.figures import SERIES, few_ticks, plot
-from robodyn.report.pictures.panels import LOW, WIDE, against_time, panel
+from robodyn.report.pictures.figures import (
+    BAD,
+    LOW,
+    SERIES,
+    WIDE,
+    against_time,
+    dots,
+    few_ticks,
+    panel,
+    plot,
+    zero_lines,
+)
 from robodyn.report.sizes import simulation_sizes
 from robodyn.report.table import NOISE, drift_text, is_noise, number, printable
 from robodyn.simulation.result import Simulation
@@ -73,3 +84,59 @@ def _lines(time: Floats, parts: dict[str, Floats], name: str, first: int) -> str
     curves = _curves(time, tuple(parts), tuple(parts.values()))
     lines = {label: curves.line("value", k) for k, label in enumerate(parts)}
     return plot(WIDE, LOW, lambda canvas: against_time(canvas, lines, "J", left=0.2, width=0.76, first=first), name)
+
+
+_POINTS = 1500
+"""Points of a line."""
+_TALL = 420
+
+
+def torque_figure(found: Comparison, j: int) -> Figure:
+    """Return measured and computed torque of a joint over time, and below what is left, before and after effects."""
+    joint, curves = found.joints[j], found.curves
+    every = slice(None, None, max(1, len(curves.time) // _POINTS))
+    time, measured = curves.time[every], curves.measured[every, j]
+    computed, explained = curves.computed[every, j], curves.explained[every, j]
+
+    def draw(canvas: Canvas) -> None:
+        above, below = panel(canvas, 205, 170, _TALL), panel(canvas, 40, 115, _TALL)
+        lines = (("computed", computed, 1), ("with effects", explained, 2), ("measured", measured, 0))
+        for label, line, colour in lines:
+            above.plot(time, line, label=label, color=SERIES[colour], linewidth=1.0)
+        above.legend(loc="lower right", bbox_to_anchor=(1.0, 1.02), ncols=3, columnspacing=1.0)
+        above.set_title(f"[{joint.unit}]")
+        below.plot(time, measured - computed, color=SERIES[1], linewidth=1.0)
+        below.plot(time, measured - explained, color=SERIES[2], linewidth=1.0)
+        below.set_title(f"residuals [{joint.unit}]")
+        below.set_xlabel("time [s]")
+        for axes in (above, below):
+            few_ticks(axes)
+
+    alt = (
+        f"{printable(joint.name)}: measured {number(joint.measured)} {joint.unit} RMS, "
+        f"computed {number(joint.computed)}, residual {number(joint.residual)}, {number(joint.left)} with effects"
+    )
+    return Figure(printable(joint.name), alt, plot(WIDE, _TALL, draw, f"measured {j}"))
+
+
+def friction_figure(found: Comparison, j: int) -> Figure:
+    """Return over speed the friction that was told, and what of the measured torque nothing else explains."""
+    joint, curves = found.joints[j], found.curves
+    every = slice(None, None, max(1, len(curves.time) // _POINTS))
+    speed, told = curves.speed[every, j], curves.friction[every, j]
+    rest = (curves.measured - curves.explained + curves.friction)[every, j]
+
+    def draw(canvas: Canvas) -> None:
+        axes = canvas.add_axes((0.16, 0.16, 0.8, 0.7))
+        dots(axes, speed, rest, SERIES[0], 2.0)
+        if told.any():
+            order = np.argsort(speed)
+            dots(axes, speed[order], told[order], BAD, 2.0)
+        axes.margins(0.06)
+        zero_lines(axes)
+        axes.set_title(f"[{joint.unit}] over speed [{'rad/s' if joint.unit == 'N m' else 'm/s'}]")
+        few_ticks(axes)
+
+    size = number(float(np.abs(told).max()))
+    alt = f"Torque over speed of {printable(joint.name)}; friction that was told reaches {size} {joint.unit}"
+    return Figure(printable(joint.name), alt, plot(WIDE, 280, draw, f"friction {j}"))

@@ -1,4 +1,4 @@
-"""What a motion asks of each joint, of the base and of energy, as plots."""
+"""What a motion asks of each joint, of contacts, of the base and of energy, as plots."""
 
 from __future__ import annotations
 
@@ -9,11 +9,28 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robodyn.loads.checks_result import EnergyBalance
+from robodyn.loads.constraint_result import ContactLoad
 from robodyn.loads.history import Curves, History
 from robodyn.loads.result import ComponentLoad, JointLoad
 from robodyn.report.document import Figure
-from robodyn.report.pictures.figures import BAD, GRID, INK, SERIES, SOFT, Sheet, dots, few_ticks, plot
-from robodyn.report.pictures.panels import LOW, WIDE, Lines, against_time, limit_lines, panel, zero_lines
+from robodyn.report.pictures.figures import (
+    BAD,
+    GRID,
+    INK,
+    LOW,
+    SERIES,
+    SOFT,
+    WIDE,
+    Lines,
+    Sheet,
+    against_time,
+    dots,
+    few_ticks,
+    limit_lines,
+    panel,
+    plot,
+    zero_lines,
+)
 from robodyn.report.sizes import Sizes, speed_unit
 from robodyn.report.table import moment, number, printable
 from robodyn.support.floats import Floats, ranked
@@ -225,3 +242,36 @@ def _share_words(joints: Sequence[JointLoad]) -> str:
         name, share = ranked([*joint.shares.items()] or [("nothing", 0.0)], partial(_part, joint))[0]
         said.append(f"{printable(joint.name)} {name} {100 * share / joint.peak:.0f} %")
     return f"Bars of what each effect adds to the peak of each joint; the largest: {', '.join(said)}"
+
+
+_CONTACT_LOW = 190
+"""Height of a figure [px]."""
+
+
+def contact_figures(contacts: Sequence[ContactLoad], curves: Curves, size: Sizes) -> list[Figure]:
+    """Return of each contact that is ever on its force along the normal against time, all to one scale.
+
+    Args:
+        curves: of `normal` and `on`, contact by contact.
+    """
+    top = 1.05 * max((contact.normal.value for contact in contacts), default=0.0)
+    return [_contact_figure(contact, curves, k, top, size) for k, contact in enumerate(contacts) if contact.on]
+
+
+def _contact_figure(contact: ContactLoad, curves: Curves, column: int, top: float, size: Sizes) -> Figure:
+    samples = curves.samples(column)
+
+    def draw(canvas: Canvas) -> None:
+        axes = canvas.add_axes((0.16, 0.24, 0.805, 0.6))
+        time, on = samples["time"], samples["on"] > 0.0
+        across = axes.get_xaxis_transform()
+        axes.fill_between(time, 0.0, 1.0, where=on.tolist(), transform=across, color=GRID, linewidth=0.0, zorder=0)
+        axes.plot(time, samples["normal"], color=SERIES[0], marker="o" if len(time) == 1 else None)
+        axes.set_ylim(0.0, top or None)
+        axes.set_title("[N]")
+        axes.set_xlabel("time [s]")
+        few_ticks(axes)
+
+    name, most = printable(contact.name), number(contact.normal.value, size["N"])
+    words = f"Contact {name}: force along the normal against time, up to {most} N, on {100 * contact.on:.0f} % of it"
+    return Figure(f"{name}: force along the normal; shaded where it is on", words, plot(WIDE, _CONTACT_LOW, draw, name))

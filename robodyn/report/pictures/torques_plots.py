@@ -15,10 +15,8 @@ from robodyn.loads.result import JointLoad, Result
 from robodyn.loads.sizing_result import MotorLoad, Sizing
 from robodyn.report.document import Figure
 from robodyn.report.limits import effort_use, offenders, worst_joint
-from robodyn.report.pictures.contacts import contact_figures
-from robodyn.report.pictures.figures import BAD, SERIES, dots, few_ticks, plot
-from robodyn.report.pictures.panels import WIDE, zero_lines
-from robodyn.report.pictures.torques import base_figures, energy_figure, joint_figures, share_figures
+from robodyn.report.pictures.figures import BAD, SERIES, WIDE, dots, few_ticks, plot, zero_lines
+from robodyn.report.pictures.torques import base_figures, contact_figures, energy_figure, joint_figures, share_figures
 from robodyn.report.sizes import Sizes, result_sizes, speed_unit
 from robodyn.report.table import NOISE, is_noise, number, printable
 from robodyn.robot.model import Model

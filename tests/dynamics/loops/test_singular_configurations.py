@@ -13,8 +13,7 @@ from helpers.report_text import simulation_text
 import robodyn
 from robodyn.errors import InputError
 from robodyn.measure.accuracy.simulate_within import simulate_within
-from robodyn.report.json.runs import simulation_json
-from robodyn.report.simulation_page import simulation_page
+from robodyn.report.simulation import simulation_json, simulation_page
 from robodyn.simulation import singular
 
 LEAVE = "the loops leave 2 degrees of freedom where the motion begins, and 1 nearby: "

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from robodyn.programs.vectors import rotation_from_rpy
-from robodyn.report.composite import comparison_sections
-from robodyn.report.text import text
+from robodyn.report.document import text
+from robodyn.report.inertia import comparison_sections
 from robodyn.robot.masses.compare import compare, relative, slip
 from robodyn.robot.masses.measured import Reading
 from robodyn.robot.urdf.description import load_description

@@ -10,7 +10,7 @@ import pytest
 import trimesh
 from helpers.command_line import ROBOTS
 
-from robodyn.report.pictures.visuals import _of_meshes, primitive, visuals
+from robodyn.report.pictures.robot import _of_meshes, primitive, visuals
 from robodyn.robot.urdf.description import load_description
 from robodyn.robot.urdf.parts import Geometry, Origin
 

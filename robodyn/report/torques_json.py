@@ -1,4 +1,4 @@
-"""What joints, motors, bearings and the base carry, as JSON: one motion, its sizing, and many motions."""
+"""`torques` as JSON: one motion, its sizing, and many motions."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
 from robodyn.loads.constraint_result import Peak
-from robodyn.report.json.encode import encode, select, written
-from robodyn.report.torques_verdict import torques_verdict
+from robodyn.report.document import encode, select, written
+from robodyn.report.limits import torques_verdict
 from robodyn.robot.limits import Coverage
 
 if TYPE_CHECKING:

@@ -1,0 +1,309 @@
+"""`identify` and `excite`: parameters that explain a log, and a motion that shows them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from math import floor, inf, log10
+from typing import Any
+
+from robodyn.identification.excitation.bounds import MARGIN
+from robodyn.identification.excitation.result import Excitation, Information, JointSwing
+from robodyn.identification.identified import Errors, Identified, MotorFit
+from robodyn.report.document import (
+    Block,
+    Document,
+    Gallery,
+    Heading,
+    Paragraph,
+    Section,
+    Table,
+    Verdict,
+    csv_text,
+    data_blocks,
+    encode,
+    finite,
+    on_page,
+    paragraphs,
+    remarks,
+    select,
+    written,
+)
+from robodyn.report.limits import use
+from robodyn.support.floats import HALF_UP
+from robodyn.support.wording import count, figure, listed
+
+_DECIMALS = 8
+"""From so many on, numbers are written with an exponent."""
+
+
+def identified_sections(found: Identified) -> Iterator[Section]:
+    """Yield errors by joint, friction and rotors, base parameters with their standard errors, and what was assumed."""
+    yield paragraphs(_identified_head(found))
+    yield [_errors_table(found)]
+    yield [_motor_table(found)]
+    yield [_base_table(found)]
+    if found.unseen:
+        yield paragraphs([f"no torque of the log shows anything of {listed(found.unseen)}: as described"])
+    yield remarks("note", found.warnings)
+
+
+def identified_page(found: Identified) -> Document:
+    """Return the same as a page, with JSON as data."""
+    blocks: list[Block] = [Verdict("good" if found.better else "bad", verdict(found), tuple(_identified_head(found)))]
+    blocks += on_page(identified_sections(found), "In numbers")
+    blocks += data_blocks([("identify.json", identified_json(found))], "robodyn identify --format json writes it")
+    return Document(found.model.name, "Parameters that explain logs", tuple(blocks))
+
+
+def verdict(found: Identified) -> str:
+    """Return the errors of the description and of what was found, held out if something is."""
+    new, old = found.held_out or found.train, found.original_held_out or found.original_train
+    which = "held-out torques" if found.held_out else "torques (none are held out)"
+    return (
+        f"{found.model.name}: {which} within {_percent(new.relative_error)}; "
+        f"by the description {_percent(old.relative_error)}"
+    )
+
+
+def _identified_head(found: Identified) -> list[str]:
+    base = found.base.base
+    lines = [
+        verdict(found),
+        f"fitted within {_percent(found.train.relative_error)}; least squares without physical bounds reach "
+        f"{_percent(found.bound_train.relative_error)}"
+        + (f", held out {_percent(found.bound_held_out.relative_error)}" if found.bound_held_out else ""),
+        f"{count(found.samples, 'sample')} in {found.duration:.6g} s; computed and measured torques through a "
+        f"zero-phase filter of {found.cutoff:g} Hz, in which errors are told; {found.rows} rows left",
+        f"{base.rank} base parameters, condition {figure(base.condition)}; strength of the prior {found.strength:g}",
+    ]
+    lines.append("every body can exist" if found.consistent else "a body cannot exist as found")
+    return lines
+
+
+def _percent(part: float) -> str:
+    return f"{100.0 * part:.2f}%"
+
+
+def _errors_table(found: Identified) -> Table:
+    head = ("relative error", "fitted", "held out", "description, fitted", "description, held out")
+    parts = (found.train, found.held_out, found.original_train, found.original_held_out)
+    rows = [("all joints", *(_of(each, None) for each in parts))]
+    rows += [(name, *(_of(each, name) for each in parts)) for name in found.train.joints]
+    return Table("", head, rows, "||computed - measured|| / ||measured||, in N m")
+
+
+def _of(errors: Errors | None, joint: str | None) -> str:
+    if errors is None:
+        return "-"
+    return _percent(errors.relative_error if joint is None else errors.joints[joint])
+
+
+def _motor_table(found: Identified) -> Table:
+    head = ("motor", "viscous", "Coulomb", "offset", "breakaway", "decays with", "load", "rotor")
+    units = "N m s/rad, N m, N m, N m, rad/s, part of the torque through the gear, kg m^2; of slides likewise in m."
+    offset = "Offset: half of what friction differs by direction, or the sensor's."
+    return Table("", head, [_motor(*pair) for pair in found.motors.items()], f"{units} {offset}")
+
+
+def _motor(name: str, fit: MotorFit) -> tuple[str, ...]:
+    values = (fit.viscous, fit.coulomb, fit.offset, fit.stribeck, fit.stribeck_velocity, fit.load, fit.rotor)
+    return (name, *("-" if value is None else figure(value) for value in values))
+
+
+def _base_table(found: Identified) -> Table:
+    fit = found.base
+    columns = (fit.values.tolist(), fit.standard_errors.tolist(), fit.consistent.tolist())
+    rows = [
+        (group, *(_known(each, error) for each in (value, error, after)))
+        for group, value, error, after in zip(fit.base.short_groups, *columns, strict=True)
+    ]
+    note = "Values by least squares without bounds; errors count that residuals of neighbouring rows are alike."
+    return Table("", ("base parameter", "value", "standard error", "calibrated"), rows, note)
+
+
+def _known(value: float, error: float) -> str:
+    """Return a value to a tenth of the first digit of its standard error: further digits tell nothing."""
+    if not error > 0.0:
+        return figure(value, 4)
+    digits = 1 - floor(log10(error))
+    text = f"{value * HALF_UP:.{max(digits, 0)}f}" if digits < _DECIMALS else f"{value * HALF_UP:.2g}"
+    return text if text.strip("-0.") else text.lstrip("-")
+
+
+def identified_json(found: Identified) -> str:
+    """Return errors, base parameters with standard errors, motors, and every parameter before and after."""
+    held = found.original_held_out or found.original_train
+    return written(
+        select(
+            found,
+            "robot:model.name train held_out original bound consistent better base_parameters rank:base.base.rank "
+            "condition:base.base.condition friction coupled discrepancy delays "
+            "strength cutoff slip_speed unseen parameters rows samples "
+            "duration logs warnings",
+            original={**_errors_json(held), **_both_json(found.original_train, found.original_held_out)},
+            bound=_both_json(found.bound_train, found.bound_held_out),
+            base_parameters=_base_json(found),
+            friction=[{"name": name, **encode(fit)} for name, fit in found.motors.items()],
+            coupled=[{"name": name, "unexplained": part} for name, part in found.coupled.items()],
+            parameters=_parameters_json(found),
+            discrepancy=dict(found.discrepancy),
+            delays=dict(found.delays),
+            logs=[{"path": path, "sha256": sha256} for path, sha256 in found.hashes.items()],
+        )
+    )
+
+
+def _errors_json(errors: Errors) -> dict[str, Any]:
+    return {"relative_error": finite(errors.relative_error), "joints": dict(errors.joints)}
+
+
+def _both_json(train: Errors, held_out: Errors | None) -> dict[str, Any]:
+    return {"train": _errors_json(train), "held_out": held_out and _errors_json(held_out)}
+
+
+def _base_json(found: Identified) -> list[dict[str, Any]]:
+    fit = found.base
+    columns = (fit.values.tolist(), fit.standard_errors.tolist(), fit.consistent.tolist())
+    return [
+        {"name": group, "parameter": fit.base.names[k], "value": value, "standard_error": error, "calibrated": after}
+        for group, k, value, error, after in zip(fit.base.groups, fit.base.independent, *columns, strict=True)
+    ]
+
+
+def _parameters_json(found: Identified) -> list[dict[str, Any]]:
+    pairs = zip(found.names, found.described.tolist(), found.theta.tolist(), strict=True)
+    return [{"name": name, "described": before, "calibrated": after} for name, before, after in pairs]
+
+
+_PICTURED = 12
+
+
+def excitation_sections(found: Excitation) -> Iterator[Section]:
+    """Yield how telling the motion is, what each joint does, and each base parameter's predicted standard error."""
+    yield paragraphs(_excited_head(found))
+    head = ("joint", "from", "to", "unit", "speed", "acceleration", "effort", "noise")
+    note = f"Largest magnitudes are of limits; positions keep {100 * MARGIN:.0f}% of the range from theirs."
+    yield [Table("", head, [_joint(joint) for joint in found.joints], note)]
+    rows = zip(found.base.short_groups, found.values.tolist(), found.information.standard_errors.tolist(), strict=True)
+    title = ("base parameter", "value", "standard error", "relative")
+    note = "Values are the description's; errors are those of least squares over all rows of one period, with noise"
+    yield [Table("", title, [_parameter(*row) for row in rows], f"{note} independent from row to row.")]
+    yield paragraphs([_invisible(found)])
+    yield remarks("note", found.notes)
+
+
+def excitation_page(found: Excitation, pictures: bool = True) -> Document:
+    """Return the same as a page, with plots of the joints, and the motion as data."""
+    blocks: list[Block] = [Verdict("good", _shown(found), (_compared(found),))]
+    if pictures:
+        blocks += _plots(found)
+    blocks += [Heading("In numbers"), *on_page(excitation_sections(found), "Motion")]
+    motion = csv_text(("time", *found.names), [[t, *row] for t, row in zip(found.time, found.columns, strict=True)])
+    files = [("excite.json", excitation_json(found)), ("motion.csv", motion)]
+    blocks += data_blocks(files, "robodyn excite --format json and --out write it to a file")
+    return Document(found.model.name, "A motion that shows parameters", tuple(blocks))
+
+
+def _plots(found: Excitation) -> list[Block]:
+    from robodyn.report.pictures.simulation import joint_figure
+
+    joints = [(k, joint) for k, joint in enumerate(found.joints) if joint.moves]
+    shown = [
+        joint_figure(joint.name, joint.unit == "N", found.time, (*found.motion[:2, :, k], found.torques[:, k]))
+        for k, joint in joints[:_PICTURED]
+    ]
+    some = [Paragraph(f"The first {_PICTURED} of {len(joints)} joints.")] if len(joints) > _PICTURED else []
+    return [Heading("Along the motion"), *some, Gallery(tuple(shown))]
+
+
+def _excited_head(found: Excitation) -> list[str]:
+    series, rows = found.series, found.motion.shape[1]
+    return [
+        _shown(found),
+        f"period {series.period:g} s, {series.harmonics} harmonics, {rows} rows at {found.rate:.6g} /s; "
+        "it begins and ends at rest, at its first and last row",
+        _compared(found),
+        "self-collision is not looked at beyond the joints' limits",
+    ]
+
+
+def _shown(found: Excitation) -> str:
+    moving = sum(joint.moves for joint in found.joints)
+    return f"{found.model.name}: a motion of {count(moving, 'joint')} that shows {found.base.rank} base parameters"
+
+
+def _compared(found: Excitation) -> str:
+    own, plain = _words(found.information), _words(found.plain)
+    if found.plain.rank < found.base.rank:
+        return f"{own}; plain waves of this period and these limits show {found.plain.rank} of them"
+    gain = f"standard errors are {figure(found.gain)} times smaller, in the geometric mean"
+    return f"{own}; plain waves of this period and these limits: {plain}; {gain}"
+
+
+def _words(information: Information) -> str:
+    return f"condition {information.condition:.3g}, log-determinant {information.log_determinant:.1f}"
+
+
+def _joint(joint: JointSwing) -> tuple[str, ...]:
+    unit = "m" if joint.unit == "N" else "rad"
+    used = (
+        use(joint.speed, joint.speed_limit),
+        use(joint.acceleration, joint.acceleration_limit),
+        use(joint.effort, joint.effort_limit),
+    )
+    noise = f"{joint.noise:.3g} {joint.unit}"
+    if not joint.moves:
+        return (joint.name, f"{joint.centre:.3f}", "held", unit, "-", "-", used[2], noise)
+    return (joint.name, f"{joint.least:.3f}", f"{joint.largest:.3f}", unit, *used, noise)
+
+
+def _parameter(group: str, value: float, error: float) -> tuple[str, ...]:
+    relative = 100.0 * error / abs(value) if value else inf
+    return (group, figure(value, 4), figure(error, 2), f"{figure(relative, 2)}%" if relative < 1e3 else "-")
+
+
+def _invisible(found: Excitation) -> str:
+    base = found.base
+    bodies = Counter(base.names[k].rpartition(".")[0] for k in base.invisible)
+    if not bodies:
+        return "every parameter shows in some torque"
+    some = ", ".join(f"{name} {amount}" for name, amount in bodies.items())
+    return f"{len(base.invisible)} of {len(base.names)} parameters show in no torque: {some}"
+
+
+def excitation_json(found: Excitation) -> str:
+    """Return joints with their series, base parameters with predicted standard errors, and what plain waves show."""
+    base = found.base
+    parameters = [
+        {"name": group, "parameter": base.names[k], "value": value, "standard_error": error}
+        for group, k, value, error in zip(
+            base.groups,
+            base.independent,
+            found.values.tolist(),
+            found.information.standard_errors.tolist(),
+            strict=True,
+        )
+    ]
+    return written(
+        select(
+            found,
+            "robot:model.name period:series.period harmonics:series.harmonics rate rows joints base_parameters rank "
+            "condition log_determinant plain gain invisible warnings:notes",
+            rows=found.motion.shape[1],
+            base_parameters=parameters,
+            **_told(found.information),
+            plain=_told(found.plain),
+            gain=finite(found.gain),
+            invisible=[base.names[k] for k in base.invisible],
+        )
+    )
+
+
+def _told(information: Information) -> dict[str, Any]:
+    """Return numbers, null where not all parameters are shown."""
+    return {
+        "rank": information.rank,
+        "condition": finite(information.condition),
+        "log_determinant": finite(information.log_determinant),
+    }

@@ -1,1 +1,0 @@
-"""JSON of every result: stable keys, SI units, full precision."""
