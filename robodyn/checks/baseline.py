@@ -33,11 +33,7 @@ def identity(finding: Finding, folder: str = "") -> Identity:
     """
     path = os.path.relpath(finding.file, folder) if folder and not finding.file.startswith("<") else finding.file
     subject = "" if finding.subject is None else f"{finding.subject.kind} {finding.subject.name}"
-    return Identity(_slashes(path), finding.code, subject, without_numbers(finding.message))
-
-
-def _slashes(path: str) -> str:
-    return path.replace(os.sep, "/")
+    return Identity(path.replace(os.sep, "/"), finding.code, subject, without_numbers(finding.message))
 
 
 def fingerprints(findings: Iterable[Finding]) -> Iterator[str]:
@@ -48,13 +44,8 @@ def fingerprints(findings: Iterable[Finding]) -> Iterator[str]:
     """
     seen: Counter[tuple[str, ...]] = Counter()
     for finding in findings:
-        same = (
-            _slashes(finding.file),
-            finding.code,
-            finding.severity.value,
-            finding.kind,
-            cause_of(finding),
-        )
+        file = finding.file.replace(os.sep, "/")
+        same = (file, finding.code, finding.severity.value, finding.kind, cause_of(finding))
         seen[same] += 1
         digest = hashlib.sha256("\0".join(same).encode("utf-8", "replace")).hexdigest()
         yield f"{digest}:{seen[same]}"
@@ -80,10 +71,8 @@ def compared(findings: Iterable[Finding], path: str) -> Compared:
     Raises:
         InputError: the file cannot be read or is no baseline.
     """
-    left = _read(path)
+    left, folder, new = _read(path), os.path.dirname(os.path.abspath(path)), list[Finding]()
     total = left.total()
-    new = []
-    folder = os.path.dirname(os.path.abspath(path))
     for finding in places(findings):
         same = identity(finding, folder)
         if left[same] > 0:
@@ -109,25 +98,19 @@ def write_baseline(findings: Iterable[Finding], path: str) -> int:
 
 
 def _read(path: str) -> Counter[Identity]:
+    wrong = InputError("this is no baseline", remedy="write it anew with --write-baseline", file=path)
     try:
         document = parse_json(read_input(path), path)
-    except FileNotFoundError:
-        raise InputError("there is no such baseline", remedy="write it with --write-baseline", file=path) from None
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", file=path) from None
-    except (ValueError, RecursionError):
-        raise _no_baseline(path) from None
-    if not isinstance(document, Mapping) or document.get("robodyn_baseline") != VERSION:
-        raise _no_baseline(path)
-    try:
+        if not isinstance(document, Mapping) or document.get("robodyn_baseline") != VERSION:
+            raise wrong
         known = Counter[Identity]()
         for entry in document["findings"]:
             same = Identity(*(str(entry[key]) for key in Identity._fields))
             known[same._replace(message=without_numbers(same.message))] += int(entry["count"])
         return known
-    except (KeyError, TypeError, ValueError, OverflowError):
-        raise _no_baseline(path) from None
-
-
-def _no_baseline(path: str) -> InputError:
-    return InputError("this is no baseline", remedy="write it anew with --write-baseline", file=path)
+    except FileNotFoundError:
+        raise InputError("there is no such baseline", remedy="write it with --write-baseline", file=path) from None
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", file=path) from None
+    except (KeyError, TypeError, ValueError, OverflowError, RecursionError):
+        raise wrong from None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
@@ -62,12 +62,8 @@ class Config:
     def _ignored_in(self, path: str) -> tuple[str, ...]:
         relative = os.path.relpath(path, self.folder).replace(os.sep, "/")
         names = (relative, f"./{relative}", os.path.basename(path))
-        return tuple(
-            code
-            for pattern, codes in self.per_file
-            if any(fnmatchcase(name, pattern) for name in names)
-            for code in codes
-        )
+        hit = [codes for pattern, codes in self.per_file if any(fnmatchcase(name, pattern) for name in names)]
+        return tuple(code for codes in hit for code in codes)
 
 
 def find_config(folder: str, known: dict[str, Config | None]) -> Config | None:
@@ -91,10 +87,9 @@ def read_config(path: str) -> Config:
         InputError: it cannot be read, is not TOML, has no such table, or a key in it is not understood.
     """
     try:
-        data = read_input(path)
+        config = parse_config(read_input(path), path)
     except (OSError, ValueError) as error:
         raise unreadable(error, path) from None
-    config = parse_config(data, path)
     if config is None:
         raise InputError("there is no table [tool.robodyn.check]", remedy="write one, or name another file", file=path)
     return config
@@ -105,8 +100,7 @@ def _in_file(path: str) -> Config | None:
         data = read_input(path)
     except OSError:
         return None
-    ours = os.path.basename(path) == NAMES[0] or b"robodyn" in data
-    return parse_config(data, path) if ours else None
+    return parse_config(data, path) if os.path.basename(path) == NAMES[0] or b"robodyn" in data else None
 
 
 def parse_config(data: bytes, file: str) -> Config | None:
@@ -152,9 +146,8 @@ def _config(table: SceneTable, file: str) -> Config:
 
 
 def _thresholds(table: SceneTable) -> Thresholds:
-    remedy = "thresholds are positive or zero"
-    names = {field.name: field.name.replace("_", "-") for field in fields(Thresholds)}
-    values = {name: table.nonnegative(key, getattr(Thresholds(), name), remedy) for name, key in names.items()}
+    usual, remedy = asdict(Thresholds()), "thresholds are positive or zero"
+    values = {name: table.nonnegative(name.replace("_", "-"), value, remedy) for name, value in usual.items()}
     table.finish()
     return Thresholds(**values)
 

@@ -31,10 +31,6 @@ def together(findings: Iterable[Finding], safe: bool) -> list[tuple[Finding, Fix
     return chosen
 
 
-def _edits(fixes: Iterable[Fix]) -> list[Edit]:
-    return [edit for fix in fixes for edit in fix.edits]
-
-
 def _touch(a: Edit, b: Edit) -> bool:
     """Return whether they overlap, or one inserts at a border of the other."""
     if a.start == a.end or b.start == b.end:
@@ -91,52 +87,57 @@ def fixed(data: bytes, file: str, check: Check, *, unsafe: bool = False) -> Fixe
         check: finds the faults in such bytes.
         unsafe: make fixes that change the dynamics, too.
     """
-    text, made = data, list[Made]()
     reading = read(data, file)
-    encoding = reading.encoding
     if reading.data != data:
-        why = "the file is UTF-16; save it as UTF-8 first"
         offered = ((finding, finding.fix) for finding in check(data) if finding.fix is not None)
-        return Fixed(file, data, data, (), tuple(Refused(finding, fix, why) for finding, fix in offered))
+        return _unchanged(file, data, offered, "the file is UTF-16; save it as UTF-8 first")
+    text, made = data, list[Made]()
     for _ in range(ROUNDS):
-        findings = check(text)
-        text_before = text
-        text, safe, refused = _safely(text, together(findings, True), encoding)
+        findings, before = check(text), text
+        text, safe, refused = _safely(text, together(findings, True), reading.encoding)
         made += safe
-        if unsafe and text == text_before:
-            text, more = apply_unsafe_fixes(text, together(findings, False), encoding)
+        if unsafe and text == before:
+            text, more = apply_unsafe_fixes(text, together(findings, False), reading.encoding)
             made += more
-        if text == text_before:
+        if text == before:
             return Fixed(file, data, text, tuple(made), tuple(refused))
-    why = f"the fixes do not settle in {ROUNDS} rounds"
-    return Fixed(file, data, data, (), tuple(Refused(one.finding, one.fix, why) for one in made))
+    return _unchanged(
+        file, data, ((one.finding, one.fix) for one in made), f"the fixes do not settle in {ROUNDS} rounds"
+    )
+
+
+def _unchanged(file: str, data: bytes, offered: Iterable[tuple[Finding, Fix]], why: str) -> Fixed:
+    return Fixed(file, data, data, (), tuple(Refused(finding, fix, why) for finding, fix in offered))
 
 
 def _safely(text: bytes, pairs: Pairs, encoding: str) -> tuple[bytes, list[Made], list[Refused]]:
     """Return the text with those fixes made that are proven to leave the dynamics alone."""
-    after = edited(text, _edits(fix for _, fix in pairs), encoding)
+    after = _edited(text, pairs, encoding)
     if not pairs or unproven(text, after) is None:
         return after, [Made(*pair) for pair in pairs], []
-    made, refused = list[Made](), list[Refused]()
-    after = text
-    for finding, fix in pairs:
-        candidate = edited(text, _edits([*(one.fix for one in made), fix]), encoding)
+    after, proven, refused = text, list[tuple[Finding, Fix]](), list[Refused]()
+    for pair in pairs:
+        candidate = _edited(text, [*proven, pair], encoding)
         why = unproven(text, candidate)
         if why is None:
             after = candidate
-            made.append(Made(finding, fix))
+            proven.append(pair)
         else:
-            refused.append(Refused(finding, fix, why))
-    return after, made, refused
+            refused.append(Refused(*pair, why))
+    return after, [Made(*pair) for pair in proven], refused
 
 
 def apply_unsafe_fixes(text: bytes, pairs: Pairs, encoding: str) -> tuple[bytes, list[Made]]:
-    after = edited(text, _edits(fix for _, fix in pairs), encoding)
+    after = _edited(text, pairs, encoding)
     try:
         change = change_of_dynamics(text, after) if pairs else None
     except InputError:
         change = None
     return after, [Made(finding, fix, change) for finding, fix in pairs]
+
+
+def _edited(text: bytes, pairs: Pairs, encoding: str) -> bytes:
+    return edited(text, [edit for _, fix in pairs for edit in fix.edits], encoding)
 
 
 STATES = 16

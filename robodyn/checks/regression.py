@@ -12,8 +12,8 @@ from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.errors import DescriptionError, InputError
 from robodyn.programs.vectors import length
 from robodyn.robot.load import load
-from robodyn.robot.model import Joint, Model
-from robodyn.support.floats import Floats, first_largest
+from robodyn.robot.model import Model
+from robodyn.support.floats import first_largest
 
 SAME = 1e-9
 """Relative differences that are no more are rounding."""
@@ -61,12 +61,10 @@ def _no_version(name: str, ref: str, said: str) -> InputError:
     if os.path.exists(ref):
         what = f"--against takes a revision of git, and {ref!r} is a file"
         return InputError(what, remedy=f"give one such as HEAD~1 or main, with which {name} itself is compared")
-    what, remedy = f"git has no revision {ref!r}", "give one such as HEAD~1 or main: git log lists them"
-    if "invalid object name" not in said and "bad revision" not in said:
-        what, remedy = (
-            f"there is no {name} at the revision {ref!r}",
-            "give one that has the file: git log FILE lists them",
-        )
+    if "invalid object name" in said or "bad revision" in said:
+        what, remedy = f"git has no revision {ref!r}", "give one such as HEAD~1 or main: git log lists them"
+    else:
+        what, remedy = f"there is no {name} at the revision {ref!r}", "give one that has it: git log FILE lists them"
     return InputError(what, remedy=remedy)
 
 
@@ -106,19 +104,17 @@ def _joints(before: Model, after: Model) -> Iterator[Change]:
         if name not in old:
             yield Change("joint", name, "the joint is new", np.inf)
             continue
-        for (what, was), now in zip(_fields(old[name]).items(), _fields(joint).values(), strict=True):
+        for what in ("kind", "axis", "lower", "upper", "effort", "velocity", "damping", "friction"):
+            was, now = (getattr(each, what) for each in (old[name], joint))
+            if what == "axis":
+                was, now = tuple(was.tolist()), tuple(now.tolist())
             if was != now:
-                yield Change("joint", name, f"{what} {_shown(was)} has become {_shown(now)}", np.inf)
+                word = "type" if what == "kind" else what
+                yield Change("joint", name, f"{word} {_shown(was)} has become {_shown(now)}", np.inf)
         moved = max(float(np.abs(old[name].R - joint.R).max()), float(np.abs(old[name].p - joint.p).max()))
         yield Change("joint", name, f"its place has moved by {moved:.3g} (m, or in the rotation)", moved)
     if [name for name in before.joint_names if name in new] != [name for name in after.joint_names if name in old]:
         yield Change("robot", after.name, "the joints are in another order", np.inf)
-
-
-def _fields(joint: Joint) -> dict[str, object]:
-    """Return what is compared of a joint, by the word for it."""
-    numbers = ("lower", "upper", "effort", "velocity", "damping", "friction")
-    return {"type": joint.kind, "axis": tuple(joint.axis.tolist())} | {name: getattr(joint, name) for name in numbers}
 
 
 def _shown(value: object) -> str:
@@ -147,16 +143,12 @@ def _torques_apart(before: Model, after: Model, common: list[str]) -> tuple[floa
     tau = []
     for model in (before, after):
         places = [model.rates.index(name) for name in common]
-        given = [_placed(state, places, model.n) for state in states]
+        given = [np.zeros((_STATES, model.n)) for _ in states]
+        for whole, state in zip(given, states, strict=True):
+            whole[:, places] = state
         tau.append(inverse_dynamics(model, *given, executor="numpy")[:, places])
     difference = np.abs(tau[1] - tau[0]).max(axis=1)
     largest = np.maximum(np.abs(tau[0]).max(axis=1), np.abs(tau[1]).max(axis=1))
     relative = difference / np.where(largest > 0.0, largest, 1.0)
     worst = first_largest(relative)
     return float(relative[worst]), float(difference[worst])
-
-
-def _placed(state: Floats, places: list[int], n: int) -> Floats:
-    whole = np.zeros((len(state), n))
-    whole[:, places] = state
-    return whole

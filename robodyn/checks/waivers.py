@@ -12,9 +12,8 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_left
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -32,6 +31,7 @@ _WAIVER = re.compile(rb"<!--\s*robodyn:(.*?)-->", re.DOTALL)
 _ALLOW = re.compile(r"allow\s+(\w+(?:\s*,\s*\w+)*)\b[\s:;,.-]*(.*)", re.DOTALL)
 _REST = re.compile(rb"[ \t]*(?:\r\n|\r|\n)")
 _LONGEST_TAG = 4096
+_NONE = np.array([], int)
 _END_TAG = re.compile(rb"</([^ \t\r\n>]+)[ \t\r\n]*>\s*")
 
 
@@ -73,7 +73,18 @@ class Waiver:
 
 def waivers(context: Context) -> tuple[Waiver, ...]:
     """Return the waivers of a file, in their order; none where the file could not be read to its end."""
-    return tuple(_waivers(context.reading))
+    reading, found = context.reading, list[Waiver]()
+    if reading.robot is None or b"robodyn:" not in reading.data:
+        return ()
+    places = _Places(reading)
+    for comment in _WAIVER.finditer(reading.data):
+        text = " ".join(comment.group(1).decode(reading.encoding).split())
+        allow = _ALLOW.fullmatch(text)
+        codes = tuple(code.strip() for code in allow.group(1).split(",")) if allow else ()
+        at = reading.root.positions.span(*comment.span())
+        reason = allow.group(2) if allow else ""
+        found.append(Waiver(at, text, codes, reason, _erased(reading.data, at), *places.about(at)))
+    return tuple(found)
 
 
 def waived(
@@ -83,60 +94,24 @@ def waived(
 
     A finding in another file is waived as if it were at the robot's start tag.
     """
-    of_code: dict[str, dict[int, Waiver]] = {}
+    starts, ends = (np.array([getattr(waiver, end) for waiver in given]) for end in ("start", "end"))
+    allowing: dict[str, list[int]] = {}
     for k, waiver in enumerate(given):
         for code in waiver.codes:
-            of_code.setdefault(code, {})[k] = waiver
-    allowed = {code: _Allowed(waivers) for code, waivers in of_code.items()}
+            allowing.setdefault(code, []).append(k)
+    numbers = {code: np.array(found) for code, found in allowing.items()}
+    used = {code: np.zeros(len(given), bool) for code in allowing}
     kept = []
     for finding in findings:
         start = finding.start if finding.file == reading.file else reading.root.start
-        if finding.code not in allowed or not allowed[finding.code].take(start):
+        of_code = numbers.get(finding.code, _NONE)
+        by = of_code[(starts[of_code] <= start) & (start < ends[of_code])]
+        if by.size:
+            used[finding.code][by] = True
+        else:
             kept.append(finding)
     codes = ((k, waiver, code) for k, waiver in enumerate(given) for code in waiver.codes)
-    return kept, [(waiver, code) for k, waiver, code in codes if k not in allowed[code].used]
-
-
-class _Allowed:
-    """Where findings of one code are allowed, by waivers and their numbers."""
-
-    def __init__(self, waivers: Mapping[int, Waiver]) -> None:
-        self._starts = np.array([waiver.start for waiver in waivers.values()])
-        self._ends = np.array([waiver.end for waiver in waivers.values()])
-        self._numbers, self._used = np.array([*waivers]), np.zeros(len(waivers), bool)
-
-    def take(self, start: int) -> bool:
-        """Return whether a finding at this byte is allowed."""
-        by = (self._starts <= start) & (start < self._ends)
-        self._used |= by
-        return bool(by.any())
-
-    @cached_property
-    def used(self) -> frozenset[int]:
-        """The numbers of the waivers that have allowed one, asked in the end."""
-        return frozenset(self._numbers[self._used].tolist())
-
-
-def _waivers(reading: Document) -> Iterator[Waiver]:
-    if reading.robot is None or b"robodyn:" not in reading.data:
-        return
-    places = _Places(reading)
-    for comment in _WAIVER.finditer(reading.data):
-        text = " ".join(comment.group(1).decode(reading.encoding).split())
-        allow = _ALLOW.fullmatch(text)
-        codes = tuple(code.strip() for code in allow.group(1).split(",")) if allow else ()
-        at = reading.root.positions.span(*comment.span())
-        reason = allow.group(2) if allow else ""
-        yield Waiver(at, text, codes, reason, _erased(reading.data, at), *places.about(at))
-
-
-def _downward(root: Element) -> Iterator[tuple[int, Element]]:
-    """Yield the depth and the element, in the order of the file."""
-    waiting = [(0, root)]
-    while waiting:
-        depth, element = waiting.pop()
-        yield depth, element
-        waiting += [(depth + 1, child) for child in reversed(element.children)]
+    return kept, [(waiver, code) for k, waiver, code in codes if not used[code][k]]
 
 
 def _erased(data: bytes, at: Span) -> tuple[int, int]:
@@ -153,12 +128,12 @@ class _Places:
 
     def __init__(self, reading: Document) -> None:
         self._data = reading.data
-        depths, elements = zip(*_downward(reading.root), strict=True)
+        elements = list(reading.root.walk())
         self._starts = [element.start for element in elements]
         self._with_tag: dict[str, list[int]] = {}
         for k, element in enumerate(elements):
             self._with_tag.setdefault(element.tag, []).append(k)
-        self._ends = _outside(depths, self._starts, len(self._data))
+        self._ends = _outside(elements, len(self._data))
         self._last, self._done = 0, 0
         self._written, self._tag = False, b""
 
@@ -187,11 +162,10 @@ class _Places:
         self._last, self._done = at.start, at.end
 
 
-def _outside(depths: Sequence[int], starts: Sequence[int], end: int) -> list[int]:
-    """Return where the next element begins that is not within this one, of each element."""
-    found, waiting = [end] * len(starts), list[int]()
-    for k, depth in enumerate(depths):
-        while waiting and depths[waiting[-1]] >= depth:
-            found[waiting.pop()] = starts[k]
-        waiting.append(k)
-    return found
+def _outside(elements: Sequence[Element], end: int) -> list[int]:
+    """Return where the next element begins that is not within this one, of each element in the order of the text."""
+    after = {id(elements[0]): end}
+    for element in elements:
+        following = [*(child.start for child in element.children[1:]), after[id(element)]]
+        after.update(zip(map(id, element.children), following, strict=False))
+    return [after[id(element)] for element in elements]

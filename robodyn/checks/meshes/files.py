@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
@@ -157,22 +158,18 @@ class Look:
         """Return the path in a folder as its folders spell it, if it is there in any case."""
         parts = []
         for part in rest.split("/"):
-            names = self._names(root)
-            if part in ("", ".", "..") or part in names:
-                found = part
-            else:
-                alike = sorted(name for name in names if name.casefold() == part.casefold())
-                if len(alike) != 1:
-                    return None
-                found = alike[0]
-            root = root / found
-            parts.append(found)
+            names, alike = self._names(root), [part]
+            if part not in ("", ".", "..") and part not in names:
+                alike = [name for name in names if name.casefold() == part.casefold()]
+            if len(alike) != 1:
+                return None
+            root = root / alike[0]
+            parts += alike
         return "/".join(parts)
 
     def _names(self, folder: Path) -> frozenset[str]:
         if folder not in self._listed:
-            try:
+            self._listed[folder] = frozenset()
+            with suppress(OSError, ValueError):
                 self._listed[folder] = frozenset(os.listdir(folder))
-            except (OSError, ValueError):
-                self._listed[folder] = frozenset()
         return self._listed[folder]

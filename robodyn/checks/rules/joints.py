@@ -82,22 +82,18 @@ def effort_velocity(context: Context) -> Faults:
         if joint.limit is None:
             continue
         for numbers, most in ((joint.limit.effort, limits.most_effort), (joint.limit.velocity, limits.most_velocity)):
-            value = numbers.value
+            value, remedy = numbers.value, "write what the drive can do"
             if not numbers.given:
                 what = f"<limit> has no {numbers.attribute}, and urdfdom refuses the file"
+                yield Fault(numbers.span, what, remedy, None, 0.0, severity=Severity.ERROR)
             elif not joint.moves or value is None or 0 < value < most or id(numbers) in of_another_unit:
                 continue
+            elif value > 0:
+                what = f"{numbers.attribute} is {value:g}, a stand-in that limits nothing"
+                yield Fault(numbers.span, what, remedy, value, most, severity=Severity.NOTE)
             else:
-                what = f"{numbers.attribute} is {value:g}, " + (
-                    "a stand-in that limits nothing" if value > 0 else "not positive"
-                )
-            endless = value is not None and value > 0
-            severity = Severity.NOTE if endless else Severity.WARNING
-            remedy = "write what the drive can do"
-            if not numbers.given:
-                severity = Severity.ERROR
-            kind = "a limit that is not positive" if numbers.given and not endless else None
-            yield Fault(numbers.span, what, remedy, value, most if endless else 0.0, severity=severity, kind=kind)
+                what, kind = f"{numbers.attribute} is {value:g}, not positive", "a limit that is not positive"
+                yield Fault(numbers.span, what, remedy, value, 0.0, kind=kind)
 
 
 @rule(

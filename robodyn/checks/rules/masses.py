@@ -73,9 +73,8 @@ def massless_group(context: Context) -> Faults:
         first = group.links[0]
         onward = carried[group] > 0
         with_it = f" with {listed([link.name for link in group.links[1:]])}" if len(group.links) > 1 else ""
-        what = f"joint '{group.joint.name}' moves it{with_it}, and it has no mass" + (
-            f"; what hangs on it has {carried[group]:g} kg" if onward else ""
-        )
+        what = f"joint '{group.joint.name}' moves it{with_it}, and it has no mass"
+        what += f"; what hangs on it has {carried[group]:g} kg" if onward else ""
         what += f"; MuJoCo {_in_mujoco(context, group)}, Gazebo drops it" + " and what hangs on it" * onward
         remedy = "add an <inertial>" if onward else "add an <inertial>, or make the joint fixed"
         severity = Severity.WARNING if onward else Severity.ERROR
@@ -145,9 +144,6 @@ def _fault(group: Group, quantity: str, value: float, bound: float, unit: str) -
     what = f"what moves with it has a {quantity} of {value:.3g} {unit}, less than {bound:g} {unit}"
     remedy = "check the unit (kg, m); write the inertia of the part, or fix the link to its neighbour"
     return Fault(numbers.span, what, remedy, value, bound)
-
-
-_HEAVY = f'<mass value="5000"/>{INERTIA}'
 
 
 @rule("RD210", Severity.WARNING, Stage.TREE, good=longer_arm(), bad=('"1"', '"5000"'))

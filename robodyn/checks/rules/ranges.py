@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import islice
 from math import pi, radians
 
 from robodyn.checks.bodies.limit_units import limit_slips
@@ -43,32 +44,22 @@ def no_range(context: Context) -> Faults:
         limit = joint.limit
         if limit is None or limit.range is None or joint.type not in WITH_RANGE:
             continue
-        found = _frozen(joint.type, limit) or _endless(joint.type, limit, context.thresholds.most_range)
-        if found is not None:
-            at, what, remedy, measured = found
-            yield Fault(at.span, what, remedy, measured=measured)
-
-
-def _frozen(kind: str, limit: LimitView) -> tuple[Numbers, str, str, float] | None:
-    assert limit.range is not None, "the limits can be read"
-    lower, upper = limit.range
-    if lower != upper:
-        return None
-    free = "; one that turns freely is continuous" if kind == "revolute" and not lower else ""
-    if not limit.lower.given and not limit.upper.given:
-        what = "it has neither lower nor upper, which are 0 then: it cannot move"
-        return limit.lower, what, f"write both{free}", 0.0
-    what = f"lower and upper are both {lower:g}: it cannot move"
-    return limit.lower, what, f"correct one, or make it fixed{free}", lower
-
-
-def _endless(kind: str, limit: LimitView, bound: float) -> tuple[Numbers, str, str, float] | None:
-    for end in (limit.lower, limit.upper):
-        if end.value is not None and abs(end.value) > bound:
-            what = f"{end.attribute} is {end.value:g}, which limits nothing"
-            remedy = "make a joint that turns freely continuous, or write the real limits"
-            return end, what, remedy if kind == "revolute" else "write the real limits", end.value
-    return None
+        lower, upper = limit.range
+        turns, free = joint.type == "revolute", ""
+        if lower == upper:
+            if turns and not lower:
+                free = "; one that turns freely is continuous"
+            what, remedy = f"lower and upper are both {lower:g}: it cannot move", f"correct one, or make it fixed{free}"
+            if not limit.lower.given and not limit.upper.given:
+                what, remedy = "it has neither lower nor upper, which are 0 then: it cannot move", f"write both{free}"
+            yield Fault(limit.lower.span, what, remedy, measured=lower)
+            continue
+        ends = (end for end in (limit.lower, limit.upper) if abs(end.value or 0.0) > context.thresholds.most_range)
+        for end in islice(ends, 1):
+            what, remedy = f"{end.attribute} is {end.value:g}, which limits nothing", "write the real limits"
+            if turns:
+                remedy = f"make a joint that turns freely continuous, or {remedy}"
+            yield Fault(end.span, what, remedy, measured=end.value)
 
 
 _ONE_TURN = 2 * pi * (1 + 1e-3)

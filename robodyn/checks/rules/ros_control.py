@@ -9,14 +9,11 @@ from typing import NamedTuple
 from robodyn.checks.examples import LIMIT, a_joint, a_link, arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.elements import Element, Span
-from robodyn.robot.urdf.numbers import TEXT, Numbers, numbers, value_span
+from robodyn.robot.urdf.numbers import TEXT, numbers, value_span
 from robodyn.robot.urdf.parts import WITH_RANGE
 from robodyn.robot.urdf.view import JointView, Subject, View
 from robodyn.robot.urdf.xml_reader import unexpanded
 from robodyn.support.wording import alternatives, figure, shown, slip_of
-
-_PARTS = ("joint", "sensor", "gpio")
-_INTERFACES = ("command_interface", "state_interface")
 
 
 class Controlled(NamedTuple):
@@ -31,22 +28,19 @@ class Controlled(NamedTuple):
 
     @property
     def interfaces(self) -> list[Element]:
-        return [child for child in self.element.children if child.tag in _INTERFACES]
-
-    @property
-    def is_commanded(self) -> bool:
-        return self.element.find("command_interface") is not None
+        return [child for child in self.element.children if child.tag in ("command_interface", "state_interface")]
 
 
 def controlled(view: View) -> Iterator[Controlled]:
     """Yield the parts of every <ros2_control>, in the order of the file."""
-    for control in view.root.findall("ros2_control"):
-        for element in control.children:
-            if element.tag in _PARTS:
-                yield Controlled(control, element)
+    controls = view.root.findall("ros2_control")
+    yield from (Controlled(each, one) for each in controls for one in each.children if one.tag in _PARTS)
 
 
-def parameter(owner: Element, name: str) -> Element | None:
+_PARTS = ("joint", "sensor", "gpio")
+
+
+def _parameter(owner: Element, name: str) -> Element | None:
     """Return <param name="..."> in an element, the first of that name."""
     return next((child for child in owner.findall("param") if child.get("name") == name), None)
 
@@ -167,7 +161,7 @@ def control_range(context: Context) -> Faults:
 def _beyond(joint: JointView, part: Controlled, interface: Element) -> Iterator[Fault]:
     """Yield the end of a range of positions that is farthest beyond that of the joint itself."""
     own = joint.limit.range if joint.limit is not None and joint.type in WITH_RANGE else None
-    ends = [_read(interface, name) for name in ("min", "max")]
+    ends = [numbers(_parameter(interface, name), TEXT, 1) for name in ("min", "max")]
     if own is None or own[0] >= own[1]:
         return
     over = [
@@ -178,10 +172,8 @@ def _beyond(joint: JointView, part: Controlled, interface: Element) -> Iterator[
     value, slack = ends[k].value, _BEYOND * (own[1] - own[0])
     if value is None or over[k] <= slack or (ends[0].value or 0.0) > (ends[1].value or 0.0):
         return
-    in_degrees = joint.type == "revolute" and abs(value) > tau and over[k] > 0
-    in_degrees = in_degrees and all(
-        number.value is None or own[0] - slack <= radians(number.value) <= own[1] + slack for number in ends
-    )
+    fits = all(number.value is None or own[0] - slack <= radians(number.value) <= own[1] + slack for number in ends)
+    in_degrees = joint.type == "revolute" and abs(value) > tau and fits
     what = f"{('min', 'max')[k]} {figure(value)} is beyond the joint's own range, {figure(own[0])} to {figure(own[1])}"
     cause = "the range is in degrees" if in_degrees else None
     remedy = "write radians" if in_degrees else "keep to the range in <limit>, or correct that"
@@ -189,23 +181,18 @@ def _beyond(joint: JointView, part: Controlled, interface: Element) -> Iterator[
 
 
 def _wrong(interface: Element) -> Iterator[tuple[Span, str, str, float | None, float | None]]:
-    found = {name: _read(interface, name) for name in ("min", "max", "initial_value")}
+    found = {name: numbers(_parameter(interface, name), TEXT, 1) for name in ("min", "max", "initial_value")}
     for name, number in found.items():
         if number.problem is not None and number.element is not None and not unexpanded(number.element.text):
             yield number.element.span, f"{name} {number.problem}", number.problem.remedy, None, None
     least, most, first = (number.value for number in found.values())
     if least is not None and most is not None and least > most:
         yield found["min"].span, f"min {figure(least)} is above max {figure(most)}", "exchange them", least, most
-    elif first is not None and least is not None and first < least:
-        what = f"initial_value {figure(first)} is below min {figure(least)}"
-        yield found["initial_value"].span, what, "begin within the range", first, least
-    elif first is not None and most is not None and first > most:
-        what = f"initial_value {figure(first)} is above max {figure(most)}"
-        yield found["initial_value"].span, what, "begin within the range", first, most
-
-
-def _read(interface: Element, name: str) -> Numbers:
-    return numbers(parameter(interface, name), TEXT, 1)
+    elif first is not None:
+        for beyond, end, bound in ((-1, "below min", least), (1, "above max", most)):
+            if bound is not None and beyond * (first - bound) > 0:
+                what = f"initial_value {figure(first)} is {end} {figure(bound)}"
+                yield found["initial_value"].span, what, "begin within the range", first, bound
 
 
 _FINGER = a_link("finger") + a_joint(
@@ -246,13 +233,10 @@ def _by_tag(part: Controlled, joint: JointView, beside: Collection[str]) -> Iter
     at = value_span(part.element, "mimic" if said else "name")
     if joint.mimic is None:
         if said == "true":
-            what, remedy = (
-                "mimic is true, and the joint has no <mimic> in the URDF",
-                "write <mimic> in the URDF's joint",
-            )
-            yield Fault(at, what, remedy, subject=part.subject)
+            what = "mimic is true, and the joint has no <mimic> in the URDF"
+            yield Fault(at, what, "write <mimic> in the URDF's joint", subject=part.subject)
     elif said != "false":
-        if part.is_commanded:
+        if part.element.find("command_interface") is not None:
             what = f"the joint follows {shown(joint.mimic.joint)} and has a command interface"
             yield Fault(at, what, 'delete <command_interface>, or write mimic="false"', subject=part.subject)
         elif joint.mimic.joint not in beside:
@@ -261,7 +245,7 @@ def _by_tag(part: Controlled, joint: JointView, beside: Collection[str]) -> Iter
 
 
 def _by_parameter(part: Controlled, joint: JointView | None, beside: Collection[str]) -> Iterator[Fault]:
-    mimic, multiplier = parameter(part.element, "mimic"), parameter(part.element, "multiplier")
+    mimic, multiplier = _parameter(part.element, "mimic"), _parameter(part.element, "multiplier")
     name = "" if mimic is None else mimic.text.strip()
     if mimic is not None and not unexpanded(name):
         if name not in beside:
@@ -275,9 +259,8 @@ def _by_parameter(part: Controlled, joint: JointView | None, beside: Collection[
     given = numbers(multiplier, TEXT, 1)
     factor = None if joint is None or joint.mimic is None else joint.mimic.multiplier.or_default(1.0)
     if given.problem is not None:
-        yield Fault(
-            multiplier.span, f"the parameter multiplier {given.problem}", given.problem.remedy, subject=part.subject
-        )
+        what = f"the parameter multiplier {given.problem}"
+        yield Fault(multiplier.span, what, given.problem.remedy, subject=part.subject)
     elif given.value is not None and factor is not None and not isclose(given.value, factor[0], rel_tol=1e-6):
         what = f"the parameter multiplier is {figure(given.value)}, that of <mimic> in the URDF {figure(factor[0])}"
         yield Fault(multiplier.span, what, "write one number in both", given.value, factor[0], subject=part.subject)

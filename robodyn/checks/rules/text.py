@@ -106,8 +106,8 @@ def unknown_element(context: Context) -> Faults:
             if name not in kind.attributes and ":" not in name and name != "xmlns":
                 what = f"<{element.tag}> has no attribute {shown(name)} in URDF; readers ignore it"
                 remedy = alternatives(name, kind.attributes, "attributes") if kind.attributes else "delete it"
-                absent, other = kind.attributes.keys() - element.values, _ELSEWHERE.get(name)
-                if other is not None and other in absent:
+                absent, other = kind.attributes.keys() - element.values, _ELSEWHERE.get(name, "")
+                if other in absent:
                     remedy = f"did you mean {shown(other)}?"
                 meant = nothing_read or name in _NUMBERS or other in absent or _is_near(name, absent)
                 at, severity = element.attributes[name].span, None if meant else Severity.NOTE
@@ -197,14 +197,14 @@ def bad_number(context: Context) -> Faults:
                 continue
             found, text = numbers(element, name, count), element.get(name) or ""
             if len(text) > _LONGEST:
-                what = f"{name} of <{element.tag}> has {len(text)} characters"
-                yield Fault(found.span, what, f"write {count} numbers", subject=subject)
+                what, remedy = f"{name} of <{element.tag}> has {len(text)} characters", f"write {count} numbers"
             elif found.problem is not None and not unexpanded(text):
-                what = f"{name} of <{element.tag}> {found.problem}"
-                yield Fault(found.span, what, found.problem.remedy, subject=subject)
+                what, remedy = f"{name} of <{element.tag}> {found.problem}", found.problem.remedy
             elif not found.given and name in kind.needed:
-                what = f"<{element.tag}> has no attribute '{name}'"
-                yield Fault(found.span, what, f'write {name}="..."', subject=subject)
+                what, remedy = f"<{element.tag}> has no attribute '{name}'", f'write {name}="..."'
+            else:
+                continue
+            yield Fault(found.span, what, remedy, subject=subject)
 
 
 _IDENTITY = '<mass value="2"/>' + inertia("1 0 0 1 0 1")
