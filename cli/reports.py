@@ -16,7 +16,7 @@ from robodyn.report.document import Document, Section, text
 from robodyn.support.extras import need
 
 FORMS = {".html": "html", ".htm": "html", ".md": "markdown"}
-_LIBRARIES = ("numpy", "scipy", "llvmlite", "matplotlib", "yourdfpy", "trimesh")
+_LIBRARIES = ("numpy", "scipy", "llvmlite", "matplotlib", "trimesh")
 
 
 def _checked(path: str) -> str:

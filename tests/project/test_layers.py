@@ -32,7 +32,6 @@ HEAVY = {
     "polars",
     "pyarrow",
     "rich",
-    "yourdfpy",
     "trimesh",
     "sympy",
     "mpmath",
