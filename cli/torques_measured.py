@@ -7,7 +7,7 @@ from functools import partial
 from robodyn.cli.files import ROBOT, TABLE, check_names, expect, robot_in_scene
 from robodyn.cli.reading_options import reading
 from robodyn.cli.reports import answer, get_ready
-from robodyn.identification.compare import compare
+from robodyn.identification.faults.compare import compare
 from robodyn.report.measured import measured_json, measured_page, measured_sections
 
 

@@ -13,9 +13,9 @@ from robodyn.dynamics.regressor import INERTIAL
 from robodyn.errors import InputError
 from robodyn.identification.atoms import Atoms
 from robodyn.identification.choose import coupled, coupled_motors, joint_motors, scene_motors, with_speeds
+from robodyn.identification.faults.channels import magnitudes, told
 from robodyn.identification.filters import kernel, rates
 from robodyn.identification.gather import Gathered, Guess, gather
-from robodyn.identification.gross_faults import magnitudes, told
 from robodyn.identification.installation import CLEAR, Raw
 from robodyn.identification.log import Log
 from robodyn.identification.misread_positions import misread

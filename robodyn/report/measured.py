@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 
 from robodyn.dynamics.regressor import INERTIAL
-from robodyn.identification.compare import Comparison, JointComparison
-from robodyn.identification.fault_columns import DELAY, GAIN, OWN
-from robodyn.identification.faults import Fault
+from robodyn.identification.faults.compare import Comparison, JointComparison
+from robodyn.identification.faults.faults import DELAY, GAIN, OWN, Fault
 from robodyn.report.document import (
     Block,
     Document,

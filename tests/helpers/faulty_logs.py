@@ -8,7 +8,7 @@ import numpy as np
 
 import robodyn
 from robodyn.dynamics.regressor import INERTIAL
-from robodyn.identification.fault_columns import OWN, Evidence
+from robodyn.identification.faults.faults import OWN, Evidence
 from robodyn.identification.filters import convolved, decimation, kernel
 
 LOAD = np.array([2.0, 0.1, 0.02, 0.2, 0.05, 0.0, 0.0, 0.05, 0.0, 0.02])

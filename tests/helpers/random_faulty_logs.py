@@ -16,9 +16,8 @@ from scipy.signal import lfilter
 import robodyn
 from helpers.example_robots import path_of
 from helpers.oracles import ROBOTS
-from robodyn.identification.evidence import evidence_of, load_body
-from robodyn.identification.fault_columns import OWN
-from robodyn.identification.faults import explain
+from robodyn.identification.faults.compare import evidence_of, load_body
+from robodyn.identification.faults.faults import OWN, explain
 from robodyn.identification.log import read_log
 from robodyn.scene.parts import Friction, Payload, Rotor
 from robodyn.scene.scene import Scene

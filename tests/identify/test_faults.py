@@ -9,10 +9,9 @@ import pytest
 from helpers.command_line import ROBOTS
 from helpers.faulty_logs import Bench
 
-from robodyn.identification.fault_columns import OWN, ROTOR
-from robodyn.identification.faults import explain
-from robodyn.identification.gross_faults import channels, rerouted
-from robodyn.identification.long_run import score_covariance, variance_of_sums, window_length
+from robodyn.identification.faults.channels import channels, rerouted
+from robodyn.identification.faults.faults import OWN, ROTOR, explain
+from robodyn.identification.faults.noise import score_covariance, variance_of_sums, window_length
 
 JOINTS = {"gain": 1, "offset": 0, "viscous": 2, "coulomb": 1, "rotor": 0, "delay": 2, "payload": None}
 SIGMAS = 4.5

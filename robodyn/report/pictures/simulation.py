@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robodyn.identification.compare import Comparison
+from robodyn.identification.faults.compare import Comparison
 from robodyn.loads.history import Curves, Thinned
 from robodyn.report.document import Figure
 from robodyn.report.pictures.figures import (

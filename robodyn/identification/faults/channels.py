@@ -1,22 +1,22 @@
-"""Gross faults of logs: torques of joints exchanged, with the wrong sign, or far too large or small."""
+"""Measured torques that are exchanged, have the wrong sign, or are far too large or small."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.identification.fault_columns import Evidence
+from robodyn.identification.faults.faults import Evidence
 from robodyn.support.floats import Floats
-from robodyn.support.sums import einsum
 
 _CLEAR = 0.25
 """Of the residual's sum of squares with channels as they are, what the right ones leave at most, as geometric mean."""
-_FAR = 10.0
-"""Measured torques that are so many times the computed ones, or so small a part of them, are doubtful."""
 _LESS = 0.7
 """What each of them leaves at most."""
+_FAR = 10.0
+"""Measured torques that are so many times the computed ones, or so small a part of them, are doubtful."""
 
 
 class Channels(NamedTuple):
@@ -31,7 +31,7 @@ class Channels(NamedTuple):
 
     @property
     def exchanged(self) -> list[tuple[int, ...]]:
-        """Return the joints that have each other's torques: in each group each of the next, the last of the first."""
+        """The joints that have each other's torques: in each group each of the next, the last of the first."""
         left, found = [j for j, source in enumerate(self.source) if source != j], []
         while left:
             group = [left[0]]
@@ -47,7 +47,7 @@ class Channels(NamedTuple):
 
     @property
     def faults(self) -> list[tuple[int, ...]]:
-        """Return the joints of each fault, as `words` has them."""
+        """The joints of each fault, as `words` has them."""
         return [*self.exchanged, *((j,) for j in self.reversed)]
 
     def words(self, names: Sequence[str]) -> list[str]:
@@ -66,13 +66,18 @@ def channels(evidence: Evidence) -> Channels:
     return told([np.column_stack((own, computed, evidence.measured)) for own, computed in parts])
 
 
+def rerouted(evidence: Evidence, right: Channels) -> Evidence:
+    """Return evidence whose measured torques are those of the right channels."""
+    return replace(evidence, measured=evidence.measured[:, list(right.source)] * np.array(right.sign, dtype=float))
+
+
 def told(rows: Sequence[Floats]) -> Channels:
     """Return which measured torque is that of which joint, and with which sign.
 
-    With friction and rotor inertia, which cannot be negative, each measured torque is fitted to each computed one with
-    either sign. Channels are those for which the product of what is left is least
-    (assignment problem). They differ from those of the log only where they leave less than `_CLEAR` of what the
-    joints' own channels leave with their better signs, and a sign only where it does so beside the other one.
+    Each measured torque is correlated with each computed one, with either sign, beside friction and rotor inertia,
+    which cannot be negative. Channels are those for which the product of what is left is least (assignment problem).
+    They differ from those of the log only where they leave less than `_CLEAR` of what the joints' own channels leave
+    with their better signs, and a sign only where it does so beside the other one.
 
     Args:
         rows: of each joint (k, 4 + n), or their triangular factor: torques per unit of its viscous friction, Coulomb
@@ -80,15 +85,22 @@ def told(rows: Sequence[Floats]) -> Channels:
     """
     from scipy.optimize import linear_sum_assignment
 
-    cost = _costs(rows)
-    best = cost.min(axis=2)
-    own = np.arange(len(rows))
+    n = len(rows)
+    cost = np.empty((n, n, 2))
+    for i, each in enumerate(rows):
+        factor = np.asarray(np.linalg.qr(each, mode="r"))
+        size = (factor * factor).sum(axis=0)
+        for j in range(n):
+            least = 1e-12 * (size[3] + size[4 + j]) + 1e-300
+            lefts = [_fitted(factor[:, :3], sign * factor[:, 4 + j] - factor[:, 3])[1] for sign in (1.0, -1.0)]
+            cost[i, j] = np.array(lefts) + least
+    best, own = cost.min(axis=2), np.arange(n)
     source = linear_sum_assignment(np.log(best))[1]
     found = own.copy()
-    for group in Channels(tuple(map(int, source)), ()).exchanged:
-        ratio = np.array([best[j, source[j]] / best[j, j] for j in group])
+    for group in map(list, Channels(tuple(map(int, source)), ()).exchanged):
+        ratio = best[group, source[group]] / best[group, group]
         if np.log(ratio).mean() < np.log(_CLEAR) and (ratio < _LESS).all():
-            found[list(group)] = source[list(group)]
+            found[group] = source[group]
     plus, minus = cost[own, found].T
     sign = np.where(minus < _CLEAR * plus, -1, 1)
     return Channels(tuple(map(int, found)), tuple(map(int, sign)))
@@ -105,48 +117,21 @@ def magnitudes(rows: Sequence[Floats], names: Sequence[str]) -> list[str]:
     """
     far = []
     for j, (each, name) in enumerate(zip(rows, names, strict=True)):
-        factor, scale = _factor(each, 4)
-        own, computed = factor[:, 4 + j], factor[:, 3] * scale[3]
+        factor = np.asarray(np.linalg.qr(each, mode="r"))
+        own, computed = factor[:, 4 + j], factor[:, 3]
         values, left = _fitted(factor[:, :4], own)
-        gain = float(values[3] / scale[3])
+        gain = float(values[3])
         if left < _CLEAR * _fitted(factor[:, :3], own - computed)[1] and gain > 0.0 and not 1 / _FAR < gain < _FAR:
             far.append(f"{gain:.2g} ({name})")
     what = f"measured torques are {', '.join(far)} times what the description makes beside friction"
     return [f"{what}: is their unit another, or a gear?"] if far else []
 
 
-def _factor(rows: Floats, columns: int) -> tuple[Floats, Floats]:
-    """Return the triangular factor of rows with the first columns at unit length, and these lengths."""
-    factor = np.asarray(np.linalg.qr(rows, mode="r"))
-    size = np.sqrt(einsum("ij,ij->j", factor, factor))[:columns]
-    scale = np.where(size > 0.0, size, 1.0)
-    factor[:, :columns] /= scale
-    return factor, scale
-
-
 def _fitted(columns: Floats, right: Floats) -> tuple[Floats, float]:
     """Return the values of columns, none of them negative, and what they leave of the squares."""
     from scipy.optimize import nnls
 
-    values, left = nnls(columns, right)
-    return values, float(left) ** 2
-
-
-def _costs(rows: Sequence[Floats]) -> Floats:
-    """Return (n, n, 2) what is left of joint i with channel j, with its sign and with the other one."""
-    n = len(rows)
-    found = np.empty((n, n, 2))
-    for i, each in enumerate(rows):
-        factor, _ = _factor(each, 3)
-        size = einsum("ij,ij->j", factor, factor)
-        for j in range(n):
-            least = 1e-12 * (size[3] + size[4 + j]) + 1e-300
-            for k, sign in enumerate((1.0, -1.0)):
-                found[i, j, k] = _fitted(factor[:, :3], sign * factor[:, 4 + j] - factor[:, 3])[1] + least
-    return found
-
-
-def rerouted(evidence: Evidence, right: Channels) -> Evidence:
-    """Return evidence whose measured torques are those of the right channels."""
-    measured = evidence.measured[:, list(right.source)] * np.array(right.sign, dtype=float)
-    return Evidence(evidence.step, measured, evidence.computed, evidence.own, evidence.load)
+    size = np.linalg.norm(columns, axis=0)
+    size[size == 0.0] = 1.0
+    values, left = nnls(columns / size, right)
+    return np.asarray(values / size), float(left) ** 2

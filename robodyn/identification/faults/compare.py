@@ -1,25 +1,39 @@
-"""Torques that a log measured against those computed of its motion, and what explains the difference."""
+"""Torques that a log measured against those computed of its motion, and what explains the difference.
+
+1. `identification/log/log.py` reads the log: motion and measured torques.
+2. `evidence_of` computes torques of the same motion, and puts both through one filter.
+3. `faults/channels.py` tells torques that are exchanged or have the wrong sign.
+4. `faults/faults.py` tells what explains the rest: gains, offsets, friction, rotors, delays, a payload.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from robodyn.dynamics.effects.friction import friction_of
 from robodyn.dynamics.effects.motors import rotor_of
-from robodyn.identification.evidence import evidence_of, load_body, moving
-from robodyn.identification.fault_columns import OWN, VISCOUS, Evidence, rms
-from robodyn.identification.faults import Explained, Fault, explain
-from robodyn.identification.gross_faults import Channels, channels, rerouted
-from robodyn.identification.log import read_log
+from robodyn.dynamics.regressor import INERTIAL, regressor
+from robodyn.errors import TrajectoryError
+from robodyn.identification.faults.channels import Channels, channels, rerouted
+from robodyn.identification.faults.faults import OWN, VISCOUS, Evidence, Explained, Fault, explain, rms
+from robodyn.identification.log import Log, read_log
+from robodyn.identification.log_scan import REMEDY
+from robodyn.identification.rows import filtered
+from robodyn.identification.samples import Samples
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
 from robodyn.trajectory.plausible import refuse_units
+
+_FEWEST = 100
+_STILL = 1e-9
+"""Of the largest torque, and rad/s: what is less does not vary, or move."""
 
 
 @dataclass(frozen=True)
@@ -115,12 +129,16 @@ def compare(
     right = channels(raw)
     routed = rerouted(raw, right)
     found = explain(routed, present_in(model, scene, places))
-    inside = raw.inside
-    names = [model.rates[place] for place in places]
-    computed, difference = raw.computed[inside], (raw.measured - raw.computed)[inside]
-    total = _total(raw.measured[inside])
-    explained = routed.measured[inside] - found.residual
-    friction, speed = _friction(routed, found.faults)[inside], raw.own[inside, :, 0]
+    inside, names = raw.inside, [model.rates[place] for place in places]
+    total, before = np.linalg.norm(raw.measured[inside]), rms(raw.difference)
+    curves = Curves(
+        time=time[inside] - log.start,
+        measured=routed.measured[inside],
+        computed=raw.computed[inside],
+        explained=routed.measured[inside] - found.residual,
+        speed=raw.own[inside, :, 0],
+        friction=_friction(routed, found.faults)[inside],
+    )
     return Comparison(
         robot=model.name,
         file=path,
@@ -128,15 +146,15 @@ def compare(
         duration=log.stop - log.start,
         cutoff=log.cutoff,
         compared=float(np.ptp(time[inside])),
-        relative_error=_total(difference) / total,
-        left=_total(found.residual) / total,
+        relative_error=float(np.linalg.norm(raw.difference) / total),
+        left=float(np.linalg.norm(found.residual) / total),
         joints=tuple(_joint(model, name, raw, found, j) for j, name in enumerate(names)),
         load_link=load_body(model),
         channels=right,
         faults=found.faults,
-        gross=_explained(difference, found.difference),
+        gross=np.asarray(1.0 - (rms(found.difference) / np.where(before > 0.0, before, 1.0)) ** 2),
         notes=(*log.notes, *notes),
-        curves=Curves(time[inside] - log.start, routed.measured[inside], computed, explained, speed, friction),
+        curves=curves,
     )
 
 
@@ -168,7 +186,7 @@ def _joint(model: Model, name: str, raw: Evidence, found: Explained, j: int) -> 
         left=left,
         relative_error=residual / size,
         correlation=_correlation(measured, computed),
-        moves=moving(raw)[j],
+        moves=bool(np.abs(raw.own[:, j, 0]).max() > _STILL),
         effects={kind: (float(found.theta[place]), float(errors[place])) for kind, place in places.items()},
     )
 
@@ -184,17 +202,66 @@ def _friction(evidence: Evidence, faults: tuple[Fault, ...]) -> Floats:
     return found
 
 
-def _total(values: Floats) -> float:
-    return float(np.sqrt(einsum("ki,ki", values, values)))
-
-
-def _explained(before: Floats, after: Floats) -> Floats:
-    """Return the share of each column's sum of squares that is gone."""
-    size = rms(before)
-    return np.asarray(1.0 - (rms(after) / np.where(size > 0.0, size, 1.0)) ** 2)
-
-
 def _correlation(a: Floats, b: Floats) -> float | None:
     a, b = a - a.mean(), b - b.mean()
-    size = float(np.sqrt(einsum("k,k", a, a) * einsum("k,k", b, b)))
-    return float(einsum("k,k", a, b)) / size if size > 0.0 else None
+    size = float(np.linalg.norm(a) * np.linalg.norm(b))
+    return float(a @ b) / size if size > 0.0 else None
+
+
+def load_body(model: Model) -> str:
+    """Return the body at the end of the longest chain, the last of equals: what carries a payload."""
+    depth: list[int] = []
+    for parent in model.parents:
+        depth.append(1 + (depth[parent] if parent >= 0 else 0))
+    return model.bodies[max(range(len(depth)), key=lambda i: (depth[i], i))].name
+
+
+def evidence_of(log: Log) -> tuple[Evidence, Floats, tuple[int, ...], list[str]]:
+    """Return the evidence of a log, its times (k,), the joints in it as places in `model.rates`, and notes.
+
+    It is of the longest stretch without gaps; joints whose torque is constant in it are left out.
+
+    Raises:
+        TrajectoryError: no torque varies, or the filter leaves too few samples.
+    """
+    parts = [*filtered(log, log.cutoff, lambda samples: _columns(log, samples))]
+    time = np.concatenate([np.empty(0), *(part.time for part in parts)])
+    steps = np.diff(time)
+    gaps = np.flatnonzero(steps > 1.5 * np.median(steps)) + 1 if len(steps) else steps
+    start, stop = max(pairwise([0, *map(int, gaps), len(time)]), key=lambda ends: ends[1] - ends[0])
+    if stop - start < _FEWEST:
+        what = f"{stop - start} samples are left by the filter of {log.cutoff:g} Hz, too few to compare"
+        raise TrajectoryError(what, remedy="give a longer log, or a higher --cutoff", file=log.path)
+    values, tau = (np.concatenate([part[k] for part in parts])[start:stop] for k in (1, 2))
+    time, names, notes, places = time[start:stop], log.model.rates, list[str](), list[int]()
+    if len(gaps):
+        notes.append(f"it has gaps: compared is the stretch from {time[0]:.6g} s to {time[-1]:.6g} s")
+    least = _STILL * float(np.abs(tau).max())
+    for k in log.measured:
+        if np.ptp(tau[:, k]) > least:
+            places.append(k)
+        else:
+            notes.append(f"{names[k]}: its measured torque is constant, {tau[:, k].mean():.4g}, and left out")
+    if not places:
+        raise TrajectoryError("no measured torque varies: nothing can be told", remedy=REMEDY, file=log.path)
+    values, step = values[:, places], float(np.median(np.diff(time)))
+    found = Evidence(step, tau[:, places], values[..., 0], values[..., 1:4], values[..., 4:])
+    return found, time, tuple(places), notes
+
+
+def _columns(log: Log, samples: Samples) -> Floats:
+    """Return (k, n, 4 + 10) computed torque, columns of friction and rotor, and those of a payload."""
+    model = log.model
+    Y, theta, names, rest = regressor(model, samples.q, samples.qd, samples.qdd, scene=log.scene)
+    place = {name: k for k, name in enumerate(names)}
+    found = np.zeros((*rest.shape, 4 + len(INERTIAL)))
+    found[..., 0] = einsum("kip,p->ki", Y, theta) + rest
+    for i, name in enumerate(model.rates):
+        if f"{name}.viscous" in place:
+            viscous, forward, backward, rotor = (
+                Y[:, i, place[f"{name}.{each}"]] for each in ("viscous", "forward", "backward", "rotor")
+            )
+            found[:, i, 1:4] = np.stack((viscous, forward - backward, rotor), axis=1)
+    body = load_body(model)
+    found[..., 4:] = Y[:, :, [place[f"{body}.{each}"] for each in INERTIAL]]
+    return np.where(np.isfinite(samples.tau)[..., None], found, 0.0)

@@ -1,0 +1,1 @@
+"""Faults of logs and of models that measured torques tell."""
