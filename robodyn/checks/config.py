@@ -7,13 +7,14 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 from robodyn.checks.catalogue import rules_for
 from robodyn.checks.context import Options, Thresholds
 from robodyn.errors import InputError, SceneError, unreadable
 from robodyn.robot.urdf.sources import is_xacro
-from robodyn.scene.toml_table import SceneTable, read_toml
+from robodyn.scene.parts import Rule
+from robodyn.scene.toml_table import TomlTable, read_toml
 from robodyn.support.input_file import read_input
 from robodyn.support.wording import shown
 
@@ -120,21 +121,21 @@ def parse_config(data: bytes, file: str) -> Config | None:
     if values is None:
         return None
     try:
-        ours = SceneTable(values, "[tool.robodyn]", file)
-        inside = ours.take("check", {})
+        ours = TomlTable(values, "[tool.robodyn]", [(data, file)], ("tool", "robodyn"))
+        inside = ours.table("check", {}, "[tool.robodyn.check]")
         ours.finish()
-        config = _config(SceneTable(inside, "[tool.robodyn.check]", file), file)
+        config = _config(inside, file)
     except SceneError as error:
-        raise InputError(error.what, remedy=error.remedy, file=file) from None
+        raise InputError(error.what, remedy=error.remedy, file=file, line=error.line) from None
     return config
 
 
-def _config(table: SceneTable, file: str) -> Config:
+def _config(table: TomlTable, file: str) -> Config:
     folder = os.path.dirname(os.path.abspath(file))
     select, ignore = _codes(table, "select"), _codes(table, "ignore")
-    patterns = SceneTable(table.take("per-file-ignores", {}), "[tool.robodyn.check.per-file-ignores]", file)
+    patterns = table.table("per-file-ignores", {}, "[tool.robodyn.check.per-file-ignores]")
     per_file = tuple((pattern, _codes(patterns, pattern)) for pattern in list(patterns.values))
-    thresholds = _thresholds(SceneTable(table.take("thresholds", {}), "[tool.robodyn.check.thresholds]", file))
+    thresholds = _thresholds(table.table("thresholds", {}, "[tool.robodyn.check.thresholds]"))
     roots = tuple(os.path.normpath(os.path.join(folder, path)) for path in _texts(table, "package-path"))
     table.finish()
     for chosen, left_out in ((select, ignore), *(((), codes) for _, codes in per_file)):
@@ -145,19 +146,18 @@ def _config(table: SceneTable, file: str) -> Config:
     return Config(folder, Options(select, ignore, thresholds, roots), per_file)
 
 
-def _thresholds(table: SceneTable) -> Thresholds:
-    usual, remedy = asdict(Thresholds()), "thresholds are positive or zero"
-    values = {name: table.nonnegative(name.replace("_", "-"), value, remedy) for name, value in usual.items()}
+def _thresholds(table: TomlTable) -> Thresholds:
+    kind = Annotated[float, Rule(lambda x: x >= 0.0, "thresholds are positive or zero")]
+    usual = asdict(Thresholds())
+    values = {name: table.value(name.replace("_", "-"), kind, value) for name, value in usual.items()}
     table.finish()
     return Thresholds(**values)
 
 
-def _codes(table: SceneTable, key: str) -> tuple[str, ...]:
+def _codes(table: TomlTable, key: str) -> tuple[str, ...]:
     return tuple(code.upper() for code in _texts(table, key))
 
 
-def _texts(table: SceneTable, key: str) -> tuple[str, ...]:
-    value = table.take(key, [])
-    if not isinstance(value, list) or not all(isinstance(entry, str) and entry for entry in value):
-        raise table.error(f'"{key}" is {value!r:.60}, not a list of texts', remedy=f'write {key} = ["...", "..."]')
-    return tuple(value)
+def _texts(table: TomlTable, key: str) -> tuple[str, ...]:
+    texts: tuple[str, ...] = table.value(key, tuple[str, ...], ())
+    return texts

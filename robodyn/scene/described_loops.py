@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Collection
+from dataclasses import replace
 from math import atan2
 from typing import Any
 
 import numpy as np
 
-from robodyn.errors import DescriptionError
 from robodyn.programs.vectors import product, rotation_from_rpy
 from robodyn.robot.model import Model
 from robodyn.robot.urdf.document import read_document
 from robodyn.robot.urdf.elements import Element
 from robodyn.robot.urdf.numbers import numbers
-from robodyn.robot.urdf.parts import ZERO, Description, Origin, Vector
+from robodyn.robot.urdf.parts import ZERO, Description, Vector
 from robodyn.robot.urdf.strict import Strict
-from robodyn.robot.urdf.structure import by_name
 from robodyn.scene.parts import Loop
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
@@ -27,34 +26,14 @@ AXIS: Vector = (1.0, 0.0, 0.0)
 """What is taken where there is none, as for a joint."""
 
 
-@dataclass(frozen=True, slots=True)
-class Constraint:
-    """A joint that closes a loop: it ties a frame of one link to a frame of another.
-
-    Attributes:
-        type: of a joint; the proposal does not list them.
-        parent, child: links.
-        parent_origin, child_origin: the frames, in those of the links.
-        parent_axis, child_axis: as written, in the axes of the frames.
-    """
-
-    name: str
-    type: str
-    parent: str
-    parent_origin: Origin
-    parent_axis: Vector
-    child: str
-    child_origin: Origin
-    child_axis: Vector
-    line: int
-
-
 KINDS = {"fixed": "weld", "revolute": "hinge", "continuous": "hinge", "spherical": "point", "ball": "point"}
 """Loops by the type of a constraint."""
 
 
 def scene_of(model: Model, scene: Scene = DEFAULT) -> Scene:
     """Return the scene with the loops that the <constraint> elements of the robot's description close.
+
+    Source: the proposal to urdfdom_headers, pull request 108: elements of <robot> beside its joints.
 
     Commands do so by themselves. A loop of the scene takes the place of the constraint that has its name.
 
@@ -65,38 +44,52 @@ def scene_of(model: Model, scene: Scene = DEFAULT) -> Scene:
     Raises:
         DescriptionError: a constraint is wrong, or of a type that is no loop here, and the scene does not replace it.
     """
-    if model.description is None:
-        return scene
-    own = {loop.name for loop in scene.loops}
-    others = [each for each in read_constraints(model.description) if each.name not in own]
-    if not others:
-        return scene
-    return replace(scene, loops=(*(_loop(each, model.file) for each in others), *scene.loops))
+    own, strict = {loop.name for loop in scene.loops}, Strict(model.file)
+    lines: dict[str, int] = {}
+    loops = []
+    for element in [] if model.description is None else _elements(model.description):
+        name = strict.text(element, "name", f"<{TAG}>")
+        if name in own:
+            continue
+        if name in lines:
+            what = f"a second {TAG} {shown(name)}, the first is in line {lines[name]}"
+            raise strict.error(element.line, what, "rename one of them")
+        lines[name] = element.line
+        loops.append(_loop(element, name, model.links, strict))
+    return replace(scene, loops=(*loops, *scene.loops)) if loops else scene
 
 
-def _loop(constraint: Constraint, file: str) -> Loop:
+def _loop(element: Element, name: str, links: Collection[str], strict: Strict) -> Loop:
     """Return the loop that holds the child's frame at the parent's."""
-    kind = KINDS.get(constraint.type.lower())
-    owner = f"constraint {shown(constraint.name)}"
+    owner = f"{TAG} {shown(name)}"
+    ends = []
+    for role in ("parent", "child"):
+        link = strict.text(strict.needed_child(element, role, owner), "link", owner)
+        if link not in links:
+            what = f"the {role} of {owner} is link {shown(link)}, which does not exist"
+            raise strict.error(element.line, what, alternatives(link, links, "links"))
+        ends.append(link)
+    parent, child = ends
+    if parent == child:
+        raise strict.error(element.line, f"{owner} ties link {shown(child)} to itself", "name two links")
+    kind = KINDS.get(written := strict.text(element, "type", owner).lower())
     if kind is None:
-        what = f"{owner} has the type {shown(constraint.type)}, which is no loop here"
+        what = f"{owner} has the type {shown(written)}, which is no loop here"
         remedy = f"types: {', '.join(KINDS)}; or give the scene a [[loop]] of this name"
-        raise DescriptionError(what, remedy=remedy, file=file, line=constraint.line)
-    if constraint.parent == constraint.child:
-        what = f"{owner} ties link {shown(constraint.child)} to itself"
-        raise DescriptionError(what, remedy="name two links", file=file, line=constraint.line)
-    B, B_to = (rotation_from_rpy(*each.rpy) for each in (constraint.child_origin, constraint.parent_origin))
-    axes: dict[str, Any] = {}
-    if kind == "hinge":
-        for role, written in (("child_axis", constraint.child_axis), ("parent_axis", constraint.parent_axis)):
-            if not any(written):
-                what = f"<{role}> of {owner} has the length 0, which gives no direction"
-                raise DescriptionError(what, remedy='write xyz="0 0 1"', file=file, line=constraint.line)
-        axes = {"axis": _turned(B, constraint.child_axis), "to_axis": _turned(B_to, constraint.parent_axis)}
+        raise strict.error(element.line, what, remedy)
+    points, turns, axes = [], [], []
+    for role in ("parent", "child"):
+        points.append(_vector(element, f"{role}_origin", "xyz", owner, strict, ZERO))
+        turns.append(rotation_from_rpy(*_vector(element, f"{role}_origin", "rpy", owner, strict, ZERO)))
+        axis = _vector(element, f"{role}_axis", "xyz", owner, strict, AXIS)
+        if kind == "hinge" and not any(axis):
+            what = f"<{role}_axis> of {owner} has the length 0, which gives no direction"
+            raise strict.error(element.line, what, 'write xyz="0 0 1"')
+        axes.append(_turned(turns[-1], axis))
+    more: dict[str, Any] = {"axis": axes[1], "to_axis": axes[0]} if kind == "hinge" else {}
     if kind == "weld":
-        axes = {"rpy": _rpy(product(B_to, B.T))}
-    ends = constraint.child, constraint.child_origin.xyz, constraint.parent, constraint.parent_origin.xyz
-    return Loop(constraint.name, *ends, kind, **axes)
+        more = {"rpy": _rpy(product(turns[0], turns[1].T))}
+    return Loop(name, child, points[1], parent, points[0], kind, **more)
 
 
 def _turned(R: Floats, axis: Vector) -> Vector:
@@ -117,56 +110,14 @@ def _rpy(R: Floats) -> Vector:
 
 
 def constraint_count(description: Description) -> int:
-    """Return how many there are, whatever they say."""
+    """Return how many <constraint> elements there are, whatever they say."""
     return len(_elements(description))
-
-
-def read_constraints(description: Description) -> tuple[Constraint, ...]:
-    """Return the constraints in the order of the file.
-
-    Source: the proposal to urdfdom_headers, pull request 108: elements of <robot> beside its joints.
-
-    Raises:
-        DescriptionError: a name is missing, twice there or refers to nothing; a number is none; with the line.
-    """
-    strict = Strict(description.file)
-    links = [link.name for link in description.links]
-    found = (_constraint(element, links, strict) for element in _elements(description))
-    return tuple(by_name(found, TAG, strict).values())
 
 
 def _elements(description: Description) -> list[Element]:
     if b"<" + TAG.encode() not in description.data:
         return []
     return read_document(description.data, description.file).root.findall(TAG)
-
-
-def _constraint(element: Element, links: list[str], strict: Strict) -> Constraint:
-    name = strict.text(element, "name", f"<{TAG}>")
-    owner = f"{TAG} {shown(name)}"
-    ends = {}
-    for role in ("parent", "child"):
-        link = strict.text(strict.needed_child(element, role, owner), "link", owner)
-        if link not in links:
-            what = f"the {role} of {owner} is link {shown(link)}, which does not exist"
-            raise strict.error(element.line, what, alternatives(link, links, "links"))
-        ends[role] = link
-    return Constraint(
-        name,
-        strict.text(element, "type", owner),
-        ends["parent"],
-        _origin(element, "parent_origin", owner, strict),
-        _vector(element, "parent_axis", "xyz", owner, strict, AXIS),
-        ends["child"],
-        _origin(element, "child_origin", owner, strict),
-        _vector(element, "child_axis", "xyz", owner, strict, AXIS),
-        element.line,
-    )
-
-
-def _origin(element: Element, tag: str, owner: str, strict: Strict) -> Origin:
-    xyz, rpy = (_vector(element, tag, name, owner, strict, ZERO) for name in ("xyz", "rpy"))
-    return Origin(xyz, rpy)
 
 
 def _vector(element: Element, tag: str, name: str, owner: str, strict: Strict, default: Vector) -> Vector:

@@ -1,10 +1,9 @@
-"""Whether a scene fits a robot."""
+"""Whether a scene fits a robot, and what it may not have where something cannot be computed with it."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from math import isfinite
-from typing import TYPE_CHECKING
 
 from robodyn.errors import InputError, SceneError
 from robodyn.robot.model import Model
@@ -12,12 +11,9 @@ from robodyn.scene.parts import GROUND, Contact, Loop
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.wording import alternatives, shown
 
-if TYPE_CHECKING:
-    from robodyn.scene.uncertainty import Uncertainty
-
 
 def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
-    """Raise if the scene names a joint or a link that the robot does not have.
+    """Raise if the scene names a joint or a link that the robot does not have, or contradicts the robot or itself.
 
     Args:
         file: the scene's file, for messages.
@@ -28,7 +24,8 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
     """
     refuse_others(model, scene)
     joints = [body.joint.name for body in model.bodies if body.joint.kind in ("revolute", "prismatic")]
-    own = [joint.name for joint in model.independent if joint.kind != "floating"]
+    independent = [joint.name for joint in model.independent if joint.kind != "floating"]
+    leaders = {body.joint.name: body.joint.mimics for body in model.bodies if body.joint.mimics is not None}
     for table, driven in (
         ("[drive]", scene.drive),
         ("[motor]", scene.motor),
@@ -37,8 +34,11 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
         ("[weights]", scene.weights),
     ):
         for name in driven:
-            _leads(table, name, model, file)
-            known(table, "joint", name, own, file)
+            if name in leaders:
+                remedy = f"its torque is part of that of {shown(leaders[name])}: write it there"
+                raise SceneError(f"{table}: the joint {shown(name)} mimics another", remedy=remedy, file=file)
+            known(table, "joint", name, independent, file)
+    uncertain_joints = scene.uncertainty.joint if scene.uncertainty else ()
     for where, kind, names, valid in (
         ("[friction]", "joint", scene.friction, joints),
         ("[rotor]", "joint", scene.rotor, joints),
@@ -46,7 +46,8 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
         ("[spring]", "joint", scene.spring, joints),
         ("[initial] q", "coordinate", scene.initial_q, model.coordinates),
         ("[initial] qd", "coordinate", scene.initial_qd, model.rates),
-        *(() if scene.uncertainty is None else _uncertain(scene, scene.uncertainty, joints, model)),
+        ("[uncertainty.joint]", "joint", uncertain_joints, [*joints, *(motor.name for motor in scene.coupled)]),
+        ("[uncertainty.link]", "link", scene.uncertainty.link if scene.uncertainty else (), model.links),
         ("[[payload]]", "link", [load.link for load in scene.payloads], model.links),
         ("[[wrench]]", "link", [wrench.link for wrench in scene.wrenches], model.links),
         ("[[fluid.link]]", "link", [immersed.link for immersed in scene.immersed], model.links),
@@ -54,9 +55,14 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
     ):
         for name in names:
             known(where, kind, name, valid, file)
-    _check_loaded(scene, model, file)
+    _check_load(scene, {*leaders, *leaders.values()}, file)
     _check_rotors(scene, model, file)
-    _check_motors(scene, [body.joint.name for body in model.bodies], file)
+    taken = {body.joint.name for body in model.bodies}
+    for motor in scene.coupled:
+        if motor.name in taken:
+            what = f"[[coupled]] {shown(motor.name)}: a joint or another coupled motor has this name"
+            raise SceneError(what, remedy="give each motor a name of its own", file=file)
+        taken.add(motor.name)
     for loop in scene.loops:
         _check_loop(loop, model, file)
     for contact in scene.contacts:
@@ -65,35 +71,31 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
         what = f"[contact_cost] forces is {scene.contact_cost.forces:g}"
         raise SceneError(what, remedy="it is positive: torques alone leave forces open", file=file)
     if scene.moving_base and not model.floating:
-        raise SceneError(
-            "the base moves in the scene and is fixed in the model", remedy="load it with moving_base=True", file=file
-        )
+        what = "the base moves in the scene and is fixed in the model"
+        raise SceneError(what, remedy="load it with moving_base=True", file=file)
 
 
-def _uncertain(
-    scene: Scene, given: Uncertainty, joints: Collection[str], model: Model
-) -> Iterator[tuple[str, str, Collection[str], Collection[str]]]:
-    """Yield where links, joints and coupled motors of an uncertainty are named, what they are, and which there are."""
-    yield "[uncertainty.joint]", "joint", given.joint, [*joints, *(motor.name for motor in scene.coupled)]
-    yield "[uncertainty.link]", "link", given.link, model.links
+def known(where: str, kind: str, name: str, names: Collection[str], file: str | None = None) -> None:
+    """Raise if the robot has no joint, link or coordinate of this name; `where` is what names it.
+
+    Raises:
+        SceneError: with the closest name that there is.
+    """
+    if name not in names:
+        what = f"{where}: the robot has no {kind} {shown(name)}" + (" that moves" if kind == "joint" else "")
+        raise SceneError(what, remedy=alternatives(name, names, f"{kind}s"), file=file)
 
 
-def _check_loaded(scene: Scene, model: Model, file: str | None) -> None:
+def _check_load(scene: Scene, mimicking: Collection[str | None], file: str | None) -> None:
     """Raise where friction that grows with load is no share, or stands with what it cannot be computed with."""
     turned = {name for motor in scene.coupled for name in motor.joints}
-    mimics = {body.joint.mimics for body in model.bodies} | {
-        body.joint.name for body in model.bodies if body.joint.mimics is not None
-    }
     for name in scene.loaded:
         load, wrong, remedy = scene.friction[name].load, "", "leave load out"
         if not 0.0 <= load < 1.0:
-            wrong, remedy = (
-                f"is {load:g}",
-                "it is a share of the torque that the joint passes on: 0 or more, less than 1",
-            )
+            wrong, remedy = f"is {load:g}", "it is a share of what the joint passes on: 0 or more, less than 1"
         elif name in turned:
             wrong = "is not known for a joint that a coupled motor turns"
-        elif name in mimics:
+        elif name in mimicking:
             wrong = "is not known for a joint that follows another, or is followed"
         elif name in scene.rotor and scene.rotor[name].spins:
             wrong = "is not known for a joint whose rotor has an axis"
@@ -101,6 +103,67 @@ def _check_loaded(scene: Scene, model: Model, file: str | None) -> None:
             wrong = "is not known with loops, contacts or joints that do not drive"
         if wrong:
             raise SceneError(f'[friction] {shown(name)}: "load" {wrong}', remedy=remedy, file=file)
+
+
+def _check_rotors(scene: Scene, model: Model, file: str | None) -> None:
+    """Raise unless it is clear which link carries each spinning rotor, and about which axis it spins."""
+    for i, body in enumerate(model.bodies):
+        joint, rotor = body.joint, scene.rotor.get(body.joint.name)
+        if rotor is None or not rotor.spins:
+            continue
+        where, on = f"[rotor] {joint.name}", rotor.on or joint.link
+        if not on:
+            raise SceneError(f'{where}: "on" is missing', remedy="name the link that carries the rotor", file=file)
+        known(where, "link", on, model.links, file)
+        if rotor.axis is None and model.links[on].body not in (i, body.parent):
+            what = f'{where}: "axis" is missing, and the joint is not on {shown(on)}'
+            raise SceneError(what, remedy="give it in the axes of that link", file=file)
+        if rotor.axis is not None and not (any(rotor.axis) and all(isfinite(x) for x in rotor.axis)):
+            what = f'{where}: "axis" is {list(rotor.axis)}'
+            raise SceneError(what, remedy="give a vector that is not zero", file=file)
+
+
+def _check_loop(loop: Loop, model: Model, file: str | None) -> None:
+    where = f"[[loop]] {shown(loop.name)}"
+    known(where, "link", loop.link, model.links, file)
+    known(where, "link", loop.to, (*model.links, GROUND), file)
+    bodies = {model.links[name].body if name in model.links else -1 for name in (loop.link, loop.to)}
+    if len(bodies) == 1 or (bodies == {-1, 0} and not model.floating):
+        what = f"{where}: no joint moves {shown(loop.link)} against {shown(loop.to)}"
+        raise SceneError(what, remedy="a loop connects links that move against each other", file=file)
+
+
+def _check_contact(contact: Contact, file: str | None) -> None:
+    """Raise if numbers of a contact, which may have been made in Python, are out of range."""
+    numbers = [*(x for point in contact.points for x in point), *(contact.normal or ())]
+    wrong = ""
+    if not contact.points:
+        wrong = "has no points"
+    elif not all(isfinite(x) for x in numbers):
+        wrong = "has numbers that are not finite"
+    elif not contact.friction >= 0.0:
+        wrong = f"has a friction of {contact.friction:g}"
+    elif contact.normal is not None and not any(contact.normal):
+        wrong = "has a normal without a direction"
+    if wrong:
+        what = f"[[contact]] {shown(contact.name)} {wrong}"
+        raise SceneError(what, remedy="give points, a normal that is not zero, friction of 0 or more", file=file)
+
+
+def refuse_others(model: object, scene: object = DEFAULT) -> None:
+    """Raise unless these are a robot and what surrounds it.
+
+    Raises:
+        InputError: one of them is something else.
+    """
+    for name, thing, kind, remedy in (
+        ("model", model, Model, "pass what robodyn.load returns"),
+        ("scene", scene, Scene, "pass what robodyn.load_scene returns, or a robodyn.Scene"),
+    ):
+        if not isinstance(thing, kind):
+            noun = "robot" if kind is Model else "scene"
+            given = "None" if thing is None else f"of type {type(thing).__name__}"
+            raise InputError(f"{name} is no {noun} but {given}", remedy=remedy)
 
 
 def refuse_load(scene: Scene) -> None:
@@ -113,24 +176,6 @@ def refuse_load(scene: Scene) -> None:
         what = f"friction of {shown(scene.loaded[0])} grows with load, and this knows only torques M qdd + b"
         remedy = "torques, simulate, inverse and forward dynamics know it; leave load out"
         raise SceneError(what, remedy=remedy)
-
-
-def refuse_others(model: object, scene: object = DEFAULT) -> None:
-    """Raise unless these are a robot and what surrounds it.
-
-    Raises:
-        InputError: one of them is something else.
-    """
-    if not isinstance(model, Model):
-        raise InputError(f"model is no robot but {_kind(model)}", remedy="pass what robodyn.load returns")
-    if not isinstance(scene, Scene):
-        raise InputError(
-            f"scene is no scene but {_kind(scene)}", remedy="pass what robodyn.load_scene returns, or a robodyn.Scene"
-        )
-
-
-def _kind(thing: object) -> str:
-    return "None" if thing is None else f"of type {type(thing).__name__}"
 
 
 def refuse_constraints(scene: Scene, file: str | None = None, *, loops: bool = False, contacts: bool = False) -> None:
@@ -161,79 +206,3 @@ def check_moves(model: Model) -> None:
         what = "nothing can move: the robot has no joint that moves, and its base is fixed"
         remedy = 'free its base: [base] motion = "moving" in a scene'
         raise InputError(what, remedy=remedy, file=model.file)
-
-
-def _check_motors(scene: Scene, joints: Collection[str], file: str | None) -> None:
-    """Raise if names of coupled motors, which are those of their parameters, are not their own."""
-    taken = set(joints)
-    for motor in scene.coupled:
-        if motor.name in taken:
-            what = f"[[coupled]] {shown(motor.name)}: a joint or another coupled motor has this name"
-            raise SceneError(what, remedy="give each motor a name of its own", file=file)
-        taken.add(motor.name)
-
-
-def _check_rotors(scene: Scene, model: Model, file: str | None) -> None:
-    """Raise unless it is clear which link carries each spinning rotor, and about which axis it spins."""
-    for i, body in enumerate(model.bodies):
-        joint, rotor = body.joint, scene.rotor.get(body.joint.name)
-        if rotor is None or not rotor.spins:
-            continue
-        where, on = f"[rotor] {joint.name}", rotor.on or joint.link
-        if not on:
-            raise SceneError(f'{where}: "on" is missing', remedy="name the link that carries the rotor", file=file)
-        known(where, "link", on, model.links, file)
-        if rotor.axis is None and model.links[on].body not in (i, body.parent):
-            what = f'{where}: "axis" is missing, and the joint is not on {shown(on)}'
-            raise SceneError(what, remedy="give it in the axes of that link", file=file)
-        if rotor.axis is not None and not (any(rotor.axis) and all(isfinite(x) for x in rotor.axis)):
-            what = f'{where}: "axis" is {list(rotor.axis)}'
-            raise SceneError(what, remedy="give a vector that is not zero", file=file)
-
-
-def _check_loop(loop: Loop, model: Model, file: str | None) -> None:
-    where = f"[[loop]] {shown(loop.name)}"
-    known(where, "link", loop.link, model.links, file)
-    if loop.to != GROUND:
-        known(where, "link", loop.to, (*model.links, GROUND), file)
-    bodies = {model.links[name].body if name in model.links else -1 for name in (loop.link, loop.to)}
-    if len(bodies) == 1 or (bodies == {-1, 0} and not model.floating):
-        what = f"{where}: no joint moves {shown(loop.link)} against {shown(loop.to)}"
-        raise SceneError(what, remedy="a loop connects links that move against each other", file=file)
-
-
-def _check_contact(contact: Contact, file: str | None) -> None:
-    """Raise if numbers of a contact, which may have been made in Python, are out of range."""
-    numbers = [*(x for point in contact.points for x in point), *(contact.normal or ())]
-    wrong = ""
-    if not contact.points:
-        wrong = "has no points"
-    elif not all(isfinite(x) for x in numbers):
-        wrong = "has numbers that are not finite"
-    elif not contact.friction >= 0.0:
-        wrong = f"has a friction of {contact.friction:g}"
-    elif contact.normal is not None and not any(contact.normal):
-        wrong = "has a normal without a direction"
-    if wrong:
-        what = f"[[contact]] {shown(contact.name)} {wrong}"
-        raise SceneError(
-            what, remedy="give points, a normal that is not zero, friction that is not negative", file=file
-        )
-
-
-def _leads(table: str, name: str, model: Model, file: str | None) -> None:
-    for body in model.bodies:
-        if body.joint.name == name and body.joint.mimics is not None:
-            remedy = f"its torque is part of that of {shown(body.joint.mimics)}: write it there"
-            raise SceneError(f"{table}: the joint {shown(name)} mimics another", remedy=remedy, file=file)
-
-
-def known(where: str, kind: str, name: str, names: Collection[str], file: str | None = None) -> None:
-    """Raise if the robot has no joint, link or coordinate of this name; `where` is what names it.
-
-    Raises:
-        SceneError: with the closest name that there is.
-    """
-    if name not in names:
-        what = f"{where}: the robot has no {kind} {shown(name)}" + (" that moves" if kind == "joint" else "")
-        raise SceneError(what, remedy=alternatives(name, names, f"{kind}s"), file=file)

@@ -5,14 +5,37 @@ Each field of these dataclasses is a key of scene.toml; its type says what may s
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Annotated, Any
 
 from robodyn.support.frozen import FrozenValue
+
+
+@dataclass(frozen=True)
+class Rule:
+    """What a value must be beside of its type, and what to write where it is not; part of the type of a field."""
+
+    holds: Callable[[Any], bool]
+    remedy: str
+
+
+def one_of(*words: str) -> Rule:
+    return Rule(lambda word: word in words, f"one of: {', '.join(words)}")
+
 
 Vector = tuple[float, float, float]
 Entry = float | str
 """A number, or the name of the trajectory column that holds one for every sample."""
+Positive = Annotated[float, Rule(lambda x: x > 0.0, "it is positive")]
+NonNegative = Annotated[float, Rule(lambda x: x >= 0.0, "it is positive or zero")]
+Direction = Annotated[Vector, Rule(any, "give a vector that has a direction")]
+DryTorque = Annotated[float, Rule(lambda x: x >= 0.0, "positive or zero: else it drives the joint")]
+_Load = Annotated[float, Rule(lambda x: 0.0 <= x < 1.0, "it is a share, 0 or more and less than 1")]
+_Efficiency = Annotated[float, Rule(lambda x: 0.0 < x <= 1.0, "a share above 0 and up to 1, such as 0.85 of 85 %")]
+_Areas = Annotated[Vector, Rule(lambda areas: min(areas) >= 0.0, "positive or zero: drag opposes motion by itself")]
+_ForcesWeight = Annotated[float, Rule(lambda x: x > 0.0, "it is positive: torques alone leave forces open")]
+IfKnown = Annotated[float, Rule(lambda x: x > 0.0, "it is positive; leave it out if it is not known")]
 
 
 @dataclass(frozen=True)
@@ -28,12 +51,12 @@ class Friction(FrozenValue):
         load: of the torque that the joint passes on to the links, from 0 to less than 1.
     """
 
-    viscous: float = 0.0
+    viscous: DryTorque = 0.0
     forward: float = 0.0
     backward: float = 0.0
-    stribeck: float | None = None
-    stribeck_velocity: float = 0.01
-    load: float = 0.0
+    stribeck: DryTorque | None = None
+    stribeck_velocity: Positive = 0.01
+    load: _Load = 0.0
 
     @property
     def dry(self) -> float:
@@ -52,7 +75,7 @@ class Rotor(FrozenValue):
         on: the link that carries it; "": the joint's parent.
     """
 
-    inertia: float | None
+    inertia: NonNegative | None
     gear: float | None = None
     axis: Vector | None = None
     on: str = ""
@@ -76,7 +99,7 @@ class CoupledMotor(FrozenValue):
 
     name: str
     joints: Mapping[str, float]
-    inertia: float = 0.0
+    inertia: NonNegative = 0.0
     gear: float = 1.0
     friction: Friction = field(default_factory=Friction)
 
@@ -133,7 +156,7 @@ class ExternalWrench(FrozenValue):
     force: tuple[Entry, Entry, Entry] = (0.0, 0.0, 0.0)
     moment: tuple[Entry, Entry, Entry] = (0.0, 0.0, 0.0)
     point: Vector = (0.0, 0.0, 0.0)
-    frame: str = "link"
+    frame: Annotated[str, one_of("link", "base", "world")] = "link"
     cause: str = "surroundings"
     axes: str = ""
 
@@ -153,9 +176,9 @@ class Immersed(FrozenValue):
     """
 
     link: str
-    volume: float = 0.0
+    volume: NonNegative = 0.0
     centre: Vector = (0.0, 0.0, 0.0)
-    drag_area: Vector = (0.0, 0.0, 0.0)
+    drag_area: _Areas = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -189,8 +212,8 @@ class LimitSpring(FrozenValue):
         stiffness, damping: N m/rad and N m s/rad (N/m and N s/m for a prismatic joint).
     """
 
-    stiffness: float
-    damping: float = 0.0
+    stiffness: Positive
+    damping: NonNegative = 0.0
 
 
 Curve = tuple[tuple[float, float], ...]
@@ -211,12 +234,12 @@ class Motor(FrozenValue):
         gear_average, gear_peak: what the gear bears at the joint as cubic mean and at the most [N m or N].
     """
 
-    efficiency: float = 1.0
+    efficiency: _Efficiency = 1.0
     continuous: float | Curve | None = None
     peak: float | Curve | None = None
-    max_speed: float | None = None
-    gear_average: float | None = None
-    gear_peak: float | None = None
+    max_speed: IfKnown | None = None
+    gear_average: IfKnown | None = None
+    gear_peak: IfKnown | None = None
 
 
 GROUND = "ground"
@@ -242,7 +265,7 @@ class Loop(FrozenValue):
     point: Vector = (0.0, 0.0, 0.0)
     to: str = GROUND
     to_point: Vector = (0.0, 0.0, 0.0)
-    kind: str = "point"
+    kind: Annotated[str, one_of("point", "hinge", "weld")] = "point"
     axis: Vector = (0.0, 0.0, 0.0)
     to_axis: Vector = (0.0, 0.0, 0.0)
     rpy: Vector = (0.0, 0.0, 0.0)
@@ -270,12 +293,12 @@ class Contact(FrozenValue):
     name: str
     link: str
     points: tuple[Vector, ...] = ((0.0, 0.0, 0.0),)
-    normal: Vector | None = None
-    friction: float = 0.7
+    normal: Direction | None = None
+    friction: NonNegative = 0.7
     on: str | tuple[tuple[float, float], ...] = ALWAYS
     level: float = 0.0
-    height: float = 0.01
-    speed: float = 0.1
+    height: NonNegative = 0.01
+    speed: NonNegative = 0.1
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -292,8 +315,8 @@ class ContactCost(FrozenValue):
         within_limits: whether torques may not exceed the effort limits.
     """
 
-    forces: float = 1.0
-    torques: float = 0.0
+    forces: _ForcesWeight = 1.0
+    torques: NonNegative = 0.0
     within_limits: bool = False
 
 

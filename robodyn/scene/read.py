@@ -1,27 +1,71 @@
-"""Reading scene.toml; an unknown key is an error that lists the valid ones."""
+"""The door of this room: scene.toml -> Scene; an unknown key is an error that lists the valid ones.
+
+1. `toml_table` makes tables of the files, several of which are one scene, and reads dataclasses out of tables.
+2. Those are in `parts`, `scene` and `uncertainty`: their fields are the keys, whose types say what may stand there.
+3. What stands otherwise in the file than in the dataclass is read here, and what keys say of each other is checked.
+4. `fit` sees whether joints and links exist; `described_loops` adds the loops that a description closes by itself.
+"""
 
 from __future__ import annotations
 
 import os
+import re
+from collections import Counter
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from itertools import pairwise
+from math import inf, isfinite, pi
+from typing import Annotated, Any
+
+import numpy as np
 
 from robodyn.errors import SceneError, unreadable
-from robodyn.scene.parts import CoupledMotor, ExternalWrench, Friction, Immersed, Payload, Rotor, Spring
-from robodyn.scene.read_constraints import constraints_of
-from robodyn.scene.read_motors import motors_of
-from robodyn.scene.read_simulation import simulated_of
+from robodyn.scene.parts import (
+    ALWAYS,
+    AUTO,
+    EFFORT,
+    Contact,
+    ContactCost,
+    CoupledMotor,
+    Curve,
+    Direction,
+    Drive,
+    DryTorque,
+    Entry,
+    ExternalWrench,
+    Friction,
+    IfKnown,
+    Immersed,
+    LimitSpring,
+    Loop,
+    Motor,
+    NonNegative,
+    Payload,
+    Rotor,
+    Rule,
+    Spring,
+    Vector,
+    one_of,
+)
 from robodyn.scene.scene import Scene
-from robodyn.scene.toml_table import WHOLE, SceneTable, read_toml
+from robodyn.scene.toml_table import WHOLE, Sources, TomlTable, merged, read_toml
+from robodyn.scene.uncertainty import Deviation, LinkUncertainty, Uncertainty, read_covariance
 from robodyn.support.input_file import read_input
 
-if TYPE_CHECKING:
-    from robodyn.scene.uncertainty import Uncertainty
-
-FRAMES = ("link", "base", "world")
-MOTIONS = ("fixed", "moving")
-_HELD = "true if something carries the base, else leave it out"
-NOT_COMPUTED = ("ground", "floor")
+_SPEEDS = {"rad/s": 1.0, "rpm": pi / 30.0}
+"""Units of speed that a data sheet may have, in rad/s."""
+_MOST_POINTS = 64
+"""Of a contact."""
+_FLAT = 1e-6
+"""Directions that span less are taken for parallel."""
+_UNITS = {
+    "mass": {"kg": 1.0, "g": 1e-3},
+    "com": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
+    "inertia": {"kg m^2": 1.0},
+    "friction": {"N m": 1.0, "N": 1.0},
+}
+"""The units of absolute standard deviations, in SI."""
+_AMOUNT = re.compile(r"\s*([0-9.]+(?:[eE][+-]?[0-9]+)?)\s*(.*?)\s*")
+_POINTS = "points are [speed, torque], such as [[0, 1.3], [300, 0.9]]"
 
 
 def load_scene(path: str | os.PathLike[str], *more: str | os.PathLike[str]) -> Scene:
@@ -38,147 +82,282 @@ def load_scene(path: str | os.PathLike[str], *more: str | os.PathLike[str]) -> S
             the wrong type or size, or two files give the same key. Whether joints and links exist is asked by
             `check_scene`.
     """
-    parts = []
+    sources = []
     for each in (path, *more):
         file = os.fspath(each)
         try:
-            parts.append((read_input(each, typed=True), file))
+            sources.append((read_input(each, typed=True), file))
         except (OSError, ValueError) as error:
             raise unreadable(error, file) from None
-    return parse_scenes(parts)
-
-
-def parse_scenes(parts: Sequence[tuple[bytes, str]]) -> Scene:
-    """Return the scene that several TOML texts describe together, each with the name of its file; see `load_scene`."""
-    if len(parts) == 1:
-        return parse_scene(*parts[0])
-    from robodyn.scene.merge import merged
-
-    try:
-        return _scene(merged(parts), " + ".join(file for _, file in parts))
-    except SceneError as error:
-        for data, file in parts:  # say which file it is, if one has the same error for itself
-            try:
-                parse_scene(data, file)
-            except SceneError as own:
-                if (own.what, own.remedy) == (error.what, error.remedy):
-                    raise own from None
-        raise
+    return parse_scenes(sources)
 
 
 def parse_scene(data: bytes, file: str = "<scene>") -> Scene:
     """Return the scene that TOML text describes; see `load_scene`."""
-    return _scene(read_toml(data, file), file)
+    return parse_scenes([(data, file)])
 
 
-def _scene(values: dict[str, Any], file: str) -> Scene:
-    table = SceneTable(values, WHOLE, file)
-    scene = Scene(
-        gravity=table.vector("gravity", Scene.gravity),
+def parse_scenes(sources: Sources) -> Scene:
+    """Return the scene that several TOML texts describe together, each with the name of its file; see `load_scene`."""
+    values = read_toml(*sources[0]) if len(sources) == 1 else merged(sources)
+    for key in ("ground", "floor"):
+        if key in values:
+            what = f'{WHOLE}: "{key}" is no key: the ground is where a [[contact]] of a link stands'
+            raise SceneError(what, remedy="give [[contact]] name, link and point or polygon", file=sources[0][1])
+    table = TomlTable(values, WHOLE, sources)
+    rotors = {name: entry.read(Rotor) for name, entry in table.tables("rotor")}
+    contacts = tuple(_contact(entry) for entry in table.list("contact"))
+    loops = tuple(_loop(entry) for entry in table.list("loop"))
+    for name, count in Counter([*(loop.name for loop in loops), *(contact.name for contact in contacts)]).items():
+        if count > 1:
+            what = f'{count} loops and contacts have the name "{name}"'
+            raise table.error(what, "give each a name of its own")
+    return table.read(
+        Scene,
         friction={name: _friction(entry) for name, entry in table.tables("friction")},
-        **motors_of(table, {name: _rotor(entry) for name, entry in table.tables("rotor")}),
+        motor={name: _motor(entry, name, rotors) for name, entry in table.tables("motor")},
+        rotor=rotors,
+        coupled=tuple(_coupled(entry) for entry in table.list("coupled")),
         spring={name: entry.read(Spring) for name, entry in table.tables("spring")},
         payloads=tuple(entry.read(Payload) for entry in table.list("payload")),
         wrenches=tuple(_wrench(entry) for entry in table.list("wrench")),
-        **_base(table),
-        slip_speed=table.nonnegative("slip_speed", 0.0, "it is positive, or 0 for sign(qd)"),
-        **constraints_of(table),
-        baumgarte=table.nonnegative("baumgarte", 0.0, "it is positive, or 0 for projection after each step"),
-        **simulated_of(table),
+        loops=loops,
+        contacts=contacts,
+        contact_cost=table.table("contact_cost", {}).read(ContactCost),
+        drive={name: entry.read(Drive) for name, entry in table.tables("drive")},
+        uncertainty=_uncertainty(table.table("uncertainty", None)),
         **_fluid(table),
-        uncertainty=_uncertainty(table),
-        coupled=tuple(_coupled(entry) for entry in table.list("coupled")),
+        **_base(table),
+        **_initial(table),
+        **_limits(table),
+        **_actuation(table),
     )
-    for key in NOT_COMPUTED:
-        if key in table.values:
-            what = f'"{key}" is no key: the ground is where a [[contact]] of a link stands'
-            raise table.error(what, remedy="give [[contact]] name, link and point or polygon")
-    table.finish()
-    return scene
 
 
-def _uncertainty(table: SceneTable) -> Uncertainty | None:
-    if "uncertainty" not in table.values:
-        table.known.append("uncertainty")
-        return None
-    from robodyn.scene.read_uncertainty import uncertainty_of
-
-    return uncertainty_of(table)
-
-
-def _wrench(table: SceneTable) -> ExternalWrench:
-    wrench = ExternalWrench(
-        table.text("link"),
-        table.entries("force"),
-        table.entries("moment"),
-        table.vector("point", ExternalWrench.point),
-        table.text("frame", ExternalWrench.frame, FRAMES),
-    )
-    table.finish()
-    return wrench
-
-
-def _friction(table: SceneTable, single: bool = True) -> Friction:
-    viscous = table.number("viscous", 0.0)
+def _friction(table: TomlTable, **given: Any) -> Friction:
     if isinstance(table.values.get("coulomb"), list):
-        forward, backward = table.numbers("coulomb", 2)
+        forward, backward = table.value("coulomb", tuple[float, float])
         if forward < 0 or backward > 0:
-            raise table.error(
-                f'"coulomb" is [{forward:g}, {backward:g}], which drives the joint',
-                remedy="the torque at qd > 0 is positive or zero, the one at qd < 0 negative or zero",
-            )
+            what = f'"coulomb" is [{forward:g}, {backward:g}], which drives the joint'
+            remedy = "the torque at qd > 0 is positive or zero, the one at qd < 0 negative or zero"
+            raise table.error(what, remedy, "coulomb")
     else:
-        forward = table.number("coulomb", 0.0)
+        forward = table.value("coulomb", DryTorque, 0.0)
         backward = -forward
-    stribeck, velocity = table.number("stribeck", None), table.number("stribeck_velocity", 0.01)
-    friction = Friction(viscous, forward, backward, stribeck, velocity, table.number("load", 0.0) if single else 0.0)
-    table.finish()
-    for key, value in (("viscous", viscous), ("coulomb", forward), ("stribeck", friction.stribeck or 0.0)):
-        if value < 0:
-            raise table.error(f'"{key}" is {value:g}, which drives the joint', remedy="friction is positive or zero")
-    if friction.stribeck_velocity <= 0:
-        raise table.error(f'"stribeck_velocity" is {friction.stribeck_velocity:g}', remedy="give a positive speed")
-    return friction
+    return table.read(Friction, forward=forward, backward=backward, **given)
 
 
-def _coupled(table: SceneTable) -> CoupledMotor:
-    name, joints = table.text("name"), SceneTable(table.take("joints", ...), f"{table.what} joints", table.file)
-    coefficients = {joint: joints.number(joint) for joint in list(joints.values)}
-    if not any(coefficients.values()):
-        raise table.error('"joints" has no coefficient that is not 0', remedy="such as { joint5 = 1.0, joint6 = 1.0 }")
-    inertia, gear = table.nonnegative("inertia", 0.0), table.number("gear", 1.0)
-    return CoupledMotor(name, coefficients, inertia, gear, _friction(table, single=False))
+def _motor(table: TomlTable, name: str, rotors: dict[str, Rotor]) -> Motor:
+    """Return what a data sheet says of a motor; its rotor, which may stand there too, is added to the rotors."""
+    inertia, gear = table.value("inertia", NonNegative, None), table.value("gear", float, None)
+    for key, value in (("inertia", inertia), ("gear", gear)):
+        if value is not None and name in rotors:
+            raise table.error(f'"{key}" and [rotor] {name} say the same', "leave [rotor] out", key)
+    if gear == 0:
+        raise table.error('"gear" is 0', "turns of the motor per turn of the joint", "gear")
+    if (inertia, gear) != (None, None):
+        rotors[name] = Rotor(inertia, gear)
+    unit = _SPEEDS[table.value("speed_unit", Annotated[str, one_of(*_SPEEDS)], "rad/s")]
+    continuous, peak = (_curve(table, key, unit) for key in ("continuous", "peak"))
+    fastest = table.field(Motor, "max_speed")
+    motor = table.read(Motor, continuous=continuous, peak=peak, max_speed=None if fastest is None else fastest * unit)
+    if continuous is not None and peak is not None:
+        (speeds, torques), (places, limits) = (
+            np.transpose(((0.0, of),) if isinstance(of, float) else of) for of in (continuous, peak)
+        )
+        for speed, torque, most in zip(speeds, torques, np.interp(speeds, places, limits), strict=True):
+            if torque > most:
+                what = f'"continuous" allows {torque:g} at {speed:g} rad/s and "peak" {most:g}'
+                raise table.error(what, f"are they swapped? {_POINTS}", "continuous")
+    return motor
 
 
-def _rotor(table: SceneTable) -> Rotor:
-    inertia, gear, axis = table.nonnegative("inertia"), table.number("gear", None), table.vector("axis", None)
-    rotor = Rotor(inertia, gear, axis, table.text("on") if "on" in table.values else "")
-    table.known.append("on")
-    table.finish()
-    return rotor
+def _curve(table: TomlTable, key: str, unit: float) -> float | Curve | None:
+    if not isinstance(table.values.get(key), list):
+        torque: float | None = table.value(key, IfKnown, None)
+        return torque
+    points = table.value(key, Annotated[Curve, Rule(bool, _POINTS)])
+    speeds, torques = zip(*points, strict=True)
+    if speeds[0] < 0 or any(b <= a for a, b in pairwise(speeds)):
+        raise table.error(f'the speeds of "{key}" do not increase from 0 on: {_listed(speeds)}', _POINTS, key)
+    if min(torques) < 0 or not max(torques):
+        raise table.error(f'the torques of "{key}" are not positive: {_listed(torques)}', _POINTS, key)
+    return tuple((speed * unit, torque) for speed, torque in points)
 
 
-def _fluid(table: SceneTable) -> dict[str, Any]:
-    if "fluid" not in table.values:
-        table.known.append("fluid")
-        return {}
-    fluid = SceneTable(table.take("fluid", ...), "[fluid]", table.file)
-    density = fluid.nonnegative("density")
-    velocity = fluid.vector("velocity", Scene.fluid_velocity)
-    immersed = tuple(_immersed(entry) for entry in fluid.list("link"))
+def _listed(values: Sequence[float]) -> str:
+    return ", ".join(f"{value:g}" for value in values)
+
+
+def _coupled(table: TomlTable) -> CoupledMotor:
+    name, joints = table.value("name", str), _numbers(table, "joints", float, f"{table.what} joints")
+    if not any(joints.values()):
+        remedy = "such as { joint5 = 1.0, joint6 = 1.0 }"
+        raise table.error('"joints" has no coefficient that is not 0', remedy, "joints")
+    inertia, gear = table.value("inertia", NonNegative, 0.0), table.value("gear", float, 1.0)
+    return CoupledMotor(name, joints, inertia, gear, _friction(table, load=0.0))
+
+
+def _numbers(table: TomlTable, key: str, kind: Any, what: str, default: Any = ...) -> dict[str, Any]:
+    """Return a table of any keys, with values of one type."""
+    values = table.table(key, default, what)
+    return {name: values.value(name, kind) for name in list(values.values)}
+
+
+def _wrench(table: TomlTable) -> ExternalWrench:
+    return table.read(ExternalWrench, cause="surroundings", axes="")
+
+
+def _loop(table: TomlTable) -> Loop:
+    given: dict[str, Any] = {"kind": table.field(Loop, "kind")}
+    given |= {name: getattr(Loop, name) for name in ("axis", "to_axis", "rpy", "directions")}
+    if given["kind"] == "hinge":
+        axis = table.value("axis", Direction)
+        given |= {"axis": axis, "to_axis": table.value("to_axis", Direction, axis)}
+    elif given["kind"] == "weld":
+        given["rpy"] = table.field(Loop, "rpy")
+    else:
+        given["directions"] = _directions(table)
+    loop = table.read(Loop, **given)
+    if loop.link == loop.to:
+        raise table.error(f'"link" and "to" are both "{loop.link}"', "a loop connects two links", "to")
+    return loop
+
+
+def _directions(table: TomlTable) -> tuple[Vector, ...]:
+    """Return directions, as many as they span."""
+    found: tuple[Vector, ...] = table.field(Loop, "directions")
+    lengths = np.linalg.norm(np.array(found).reshape(-1, 3), axis=1)
+    wrong = ""
+    if not all(lengths):
+        wrong = 'one of "directions" is zero'
+    elif len(found) > 3:
+        wrong = f'"directions" are {len(found)}, not at most 3 vectors of 3 numbers'
+    elif found and np.linalg.svd(np.array(found) / lengths[:, None], compute_uv=False).min() <= _FLAT:
+        wrong = 'two of "directions" are parallel, or three lie in a plane'
+    if wrong:
+        raise table.error(wrong, "give each direction once, in the axes of the other link", "directions")
+    return found
+
+
+def _contact(table: TomlTable) -> Contact:
+    polygon = table.value("polygon", tuple[Vector, ...], None)
+    if polygon is None:
+        points = (table.value("point", Vector, (0.0, 0.0, 0.0)),)
+    elif "point" in table.values:
+        raise table.error('"point" and "polygon" are both given', "give one of them", "polygon")
+    elif len(polygon) > _MOST_POINTS or len(set(polygon)) < max(len(polygon), 3):
+        what = f'"polygon" has {len(set(polygon))} different points'
+        raise table.error(what, f"give at least 3, each once, and at most {_MOST_POINTS}", "polygon")
+    else:
+        points = polygon
+    on = given = table.take("on", Contact.on)
+    if not isinstance(given, str) or not given:
+        try:
+            on = table.converted("on", given, tuple[tuple[float, float], ...])
+        except SceneError:
+            on = ()
+        if not on or any(start > end for start, end in on):
+            remedy = f'give "{ALWAYS}", "{AUTO}", the name of a column, or intervals: [[0, 0.5], [1, 1.5]]'
+            raise table.error(f'"on" is {given!r:.60}', remedy, "on")
+    return table.read(Contact, points=points, on=on)
+
+
+def _fluid(scene: TomlTable) -> dict[str, Any]:
+    fluid = scene.table("fluid", None)
+    if fluid is None:
+        return {"fluid_density": Scene.fluid_density, "fluid_velocity": Scene.fluid_velocity, "immersed": ()}
+    density = fluid.value("density", NonNegative)
+    velocity = fluid.value("velocity", Vector, Scene.fluid_velocity)
+    immersed = tuple(entry.read(Immersed) for entry in fluid.list("link"))
     fluid.finish()
     return {"fluid_density": density, "fluid_velocity": velocity, "immersed": immersed}
 
 
-def _immersed(table: SceneTable) -> Immersed:
-    immersed = table.read(Immersed)
-    if immersed.volume < 0 or min(immersed.drag_area) < 0:
-        raise table.error("volume and drag_area are positive or zero", remedy="drag opposes motion by itself")
-    return immersed
-
-
-def _base(table: SceneTable) -> dict[str, Any]:
-    base = SceneTable(table.take("base", {}), "[base]", table.file)
-    moving, held = base.text("motion", "fixed", MOTIONS) == "moving", base.flag("held", False, _HELD)
+def _base(scene: TomlTable) -> dict[str, Any]:
+    base = scene.table("base", {})
+    motion = base.value("motion", Annotated[str, one_of("fixed", "moving")], "fixed")
+    held = base.value("held", bool, False)
     base.finish()
-    return {"moving_base": moving, "held": held}
+    return {"moving_base": motion == "moving", "held": held}
+
+
+def _initial(scene: TomlTable) -> dict[str, Any]:
+    initial = scene.table("initial", {})
+    found = {f"initial_{key}": _numbers(initial, key, Entry, f"[initial] {key}", {}) for key in ("q", "qd")}
+    initial.finish()
+    return found
+
+
+def _limits(scene: TomlTable) -> dict[str, Any]:
+    given = scene.table("limit_spring", None)
+    kind = scene.field(Scene, "joint_limits", Scene.joint_limits if given is None else "spring")
+    if (given is not None) != (kind == "spring"):
+        what = f'"joint_limits" is "{kind}" ' + ("without" if given is None else "with") + " a [limit_spring]"
+        remedy = "give its stiffness, N m/rad" if given is None else 'write joint_limits = "spring"'
+        raise scene.error(what, remedy, "joint_limits")
+    return {"joint_limits": kind, "limit_spring": None if given is None else given.read(LimitSpring)}
+
+
+def _actuation(scene: TomlTable) -> dict[str, Any]:
+    if {"actuated", "passive"} <= scene.values.keys():
+        what = '"actuated" and "passive" are both given'
+        raise scene.error(what, "give one: the other joints are the other", "passive")
+    actuated, passive = scene.field(Scene, "actuated"), scene.field(Scene, "passive")
+    weights = scene.values.get("weights")
+    share = scene.field(Scene, "share", Scene.share if weights is None else "weighted")
+    if weights is not None and share != "weighted":
+        raise scene.error('"weights" are given, and "share" is "least"', 'write share = "weighted"', "share")
+    found = {"actuated": actuated, "passive": passive, "share": share, "weight": Scene.weight, "weights": {}}
+    if weights == EFFORT:
+        return {**found, "weight": scene.take("weights")}
+    each = scene.table("weights", {})
+    return {**found, "weights": {name: _weight(each, name) for name in list(each.values)}}
+
+
+def _weight(table: TomlTable, name: str) -> float | str:
+    if table.values[name] == EFFORT:
+        return EFFORT
+    kind = Annotated[float, Rule(lambda x: x > 0.0, f'give a positive weight, or "{EFFORT}" for its limit')]
+    weight: float = table.value(name, kind)
+    return weight
+
+
+def _uncertainty(table: TomlTable | None) -> Uncertainty | None:
+    """Return standard deviations, or the covariance that stands in a file beside the scene and alone in its table."""
+    if table is None:
+        return None
+    name = table.value("covariance", str, None)
+    if name is not None:
+        if table.values:
+            what = f'"covariance" is all that is uncertain, and there is {", ".join(table.values)} too'
+            raise table.error(what, "leave one of them out", "covariance")
+        return Uncertainty(covariance=read_covariance(os.path.join(table.folder, name)))
+    links, joints = {}, {}
+    for name, each in table.tables("link", "[uncertainty.link]"):
+        links[name] = each.read(LinkUncertainty, **{key: _deviation(each, key) for key in ("mass", "com", "inertia")})
+    for name, each in table.tables("joint", "[uncertainty.joint]"):
+        friction = _deviation(each, "friction")
+        each.finish()
+        if friction is not None:
+            joints[name] = friction
+    general = {key: _deviation(table, key) for key in _UNITS}
+    return table.read(Uncertainty, link=links, joint=joints, covariance=None, **general)
+
+
+def _deviation(table: TomlTable, key: str) -> Deviation | None:
+    given = table.take(key, None)
+    if given is None:
+        return None
+    units = {"%": 0.01, **_UNITS[key]}
+    found = _AMOUNT.fullmatch(given) if isinstance(given, str) else None
+    unit = " ".join(found[2].replace("*", " ").split()) if found else ""
+    try:
+        value = float(found[1]) * units[unit] if found else inf
+    except (ValueError, KeyError):
+        value = inf
+    if not isfinite(value):
+        examples = " or ".join(f'{key} = "5 {each}"' for each in units)
+        what = f'"{key}" is {given!r:.60}, not a standard deviation with its unit'
+        raise table.error(what, f"write {examples}", key)
+    return Deviation(value, relative=unit == "%")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import Annotated
 
 from robodyn.scene.parts import (
     LEAST_FORCES,
@@ -21,14 +21,18 @@ from robodyn.scene.parts import (
     Motor,
     Payload,
     Rotor,
+    Rule,
     Spring,
     Vector,
+    one_of,
 )
+from robodyn.scene.uncertainty import Uncertainty
 from robodyn.support.frozen import FrozenValue
 from robodyn.support.wording import call_of
 
-if TYPE_CHECKING:
-    from robodyn.scene.uncertainty import Uncertainty
+Names = Annotated[
+    tuple[str, ...], Rule(lambda names: len(set(names)) == len(names), 'names of joints, each once: ["a", "b"]')
+]
 
 
 @dataclass(frozen=True, repr=False)
@@ -76,18 +80,18 @@ class Scene(FrozenValue):
     fluid_velocity: Vector = (0.0, 0.0, 0.0)
     moving_base: bool = False
     held: bool = False
-    slip_speed: float = 0.0
+    slip_speed: Annotated[float, Rule(lambda x: x >= 0.0, "it is positive, or 0 for sign(qd)")] = 0.0
     initial_q: Mapping[str, Entry] = field(default_factory=dict)
     initial_qd: Mapping[str, Entry] = field(default_factory=dict)
     drive: Mapping[str, Drive] = field(default_factory=dict)
-    between_rows: str = "linear"
-    joint_limits: str = "stop"
+    between_rows: Annotated[str, one_of("linear", "hold")] = "linear"
+    joint_limits: Annotated[str, one_of("stop", "ignore", "spring")] = "stop"
     limit_spring: LimitSpring | None = None
     loops: tuple[Loop, ...] = ()
-    baumgarte: float = 0.0
-    actuated: tuple[str, ...] | None = None
-    passive: tuple[str, ...] = ()
-    share: str = "least"
+    baumgarte: Annotated[float, Rule(lambda x: x >= 0.0, "it is positive, or 0 for projection after each step")] = 0.0
+    actuated: Names | None = None
+    passive: Names = ()
+    share: Annotated[str, one_of("least", "weighted")] = "least"
     weights: Mapping[str, Entry] = field(default_factory=dict)
     weight: Entry = 1.0
     contacts: tuple[Contact, ...] = ()

@@ -1,19 +1,29 @@
-"""Taking typed values out of a table of scene.toml."""
+"""Typed values out of TOML: the dataclasses of `parts` are the schema of its tables.
+
+1. `read_toml` makes tables of the text of a file, and `merged` makes one of several files.
+2. `TomlTable.read` makes a dataclass of a table: each field is the key of its name, its type says what may stand there.
+3. Whatever is wrong is one line with the file and the line of the key, by `line_of`.
+"""
 
 from __future__ import annotations
 
+import os
 import re
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import MISSING, fields
-from typing import Any, TypeVar
+from functools import cache
+from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 
 from robodyn.errors import SceneError
-from robodyn.scene.parts import Entry, Vector
 from robodyn.support.input_limits import beyond, limits
 from robodyn.support.wording import nearest, shown
 
 T = TypeVar("T")
+Path = tuple[str | int, ...]
+"""Keys from the top of a file on; of a table in a list its number from 0."""
+Sources = Sequence[tuple[bytes, str]]
+"""Texts, each with the name of its file."""
 _LARGEST = sys.float_info.max
 WHOLE = "the scene"
 OF_THE_SCENE = (
@@ -29,6 +39,8 @@ _TEXTS = re.compile(
 """Strings and comments."""
 _BETWEEN_KEYS = re.compile(rb"[=,{}\[\]\n]")
 _PLACE = re.compile(r" \(at (?:line (\d+), column \d+|end of document)\)$")
+_PART = r"""(?:[A-Za-z0-9_-]+|"[^"]*"|'[^']*')"""
+_LINE = re.compile(rf"[ \t]*(\[{{0,2}})[ \t]*({_PART}(?:[ \t]*\.[ \t]*{_PART})*)[ \t]*[=\]]")
 
 
 def read_toml(data: bytes, file: str) -> dict[str, Any]:
@@ -67,151 +79,209 @@ def _check_size(data: bytes, file: str) -> None:
                 raise beyond("nesting", "a key of too many parts", SceneError, file=file, line=line)
 
 
-class SceneTable:
-    """A TOML table from which keys are taken one by one; `finish` complains of those left over."""
+def merged(sources: Sources) -> dict[str, Any]:
+    """Return the tables of several TOML texts as those of one: tables are put together, lists are joined.
 
-    def __init__(self, values: Any, what: str, file: str) -> None:
+    Raises:
+        SceneError: one is no TOML, or a key stands in two of them; with both places.
+    """
+    whole: dict[str, Any] = {}
+    for k, (data, file) in enumerate(sources):
+        for path in _put(whole, read_toml(data, file), ()):
+            first, line = place_of(sources[:k], path)
+            what = f"{'.'.join(map(str, path))} is given in {first}:{line or '?'} too"
+            again = place_of([(data, file)], path)[1]
+            raise SceneError(what, remedy="leave it out of one of them", file=file, line=again)
+    return whole
+
+
+def _put(whole: dict[str, Any], more: Mapping[str, Any], above: Path) -> Iterator[Path]:
+    """Put tables into others; yield the keys that both have."""
+    for key, value in more.items():
+        old, path = whole.get(key), (*above, key)
+        if key not in whole:
+            whole[key] = value
+        elif isinstance(old, dict) and isinstance(value, dict):
+            yield from _put(old, value, path)
+        elif _is_tables(old) and _is_tables(value):
+            whole[key] = [*whole[key], *value]
+        else:
+            yield path
+
+
+def _is_tables(value: Any) -> bool:
+    return isinstance(value, list) and bool(value) and all(isinstance(each, dict) for each in value)
+
+
+def place_of(sources: Sources, path: Path) -> tuple[str, int | None]:
+    """Return the file and the line of a key, or of the nearest table around it that has a line of its own."""
+    best = 0
+    found: tuple[str, int | None] = " + ".join(file for _, file in sources), None
+    tables: dict[Path, int] = {}
+    for data, file in sources:
+        above: Path = ()
+        for line, text in enumerate(data.decode("utf-8", errors="replace").splitlines(), start=1):
+            match = _LINE.match(text)
+            if match is None:
+                continue
+            whole: Path = () if match[1] else above
+            parts = re.findall(_PART, match[2])
+            for k, part in enumerate(parts, start=1):
+                whole = (*whole, part.strip("\"'"))
+                if k == len(parts) and match[1] == "[[":
+                    tables[whole] = tables.get(whole, -1) + 1
+                if whole in tables:
+                    whole = (*whole, tables[whole])
+            above = whole if match[1] else above
+            if len(whole) > best and path[: len(whole)] == whole:
+                best, found = len(whole), (file, line)
+    return found
+
+
+class TomlTable:
+    """A TOML table from which keys are taken one by one; `finish` complains of those left over.
+
+    Args:
+        values: the table; whatever else stands in its place is an error.
+        what: as messages call it.
+        sources: the text that it is from; path: where it is in there.
+    """
+
+    def __init__(self, values: Any, what: str, sources: Sources, path: Path = ()) -> None:
+        self.what, self._sources, self._path = what, sources, path
         if not isinstance(values, Mapping):
             head, _, name = what.partition(" ")
             above = f"write {head} above lines of key = value"
             remedy = above if not name or head[:2] == "[[" else f"write {name} = {{ key = value }}"
-            raise SceneError(f"{what} is {values!r:.60}, not a table", remedy=remedy, file=file)
-        self.values, self.what, self.file = dict(values), what, file
-        self.known: list[str] = []
+            raise self._error(f"{what} is {values!r:.60}, not a table", remedy)
+        self.values = dict(values)
+        self._known: list[str] = []
 
-    def error(self, what: str, remedy: str | None = None) -> SceneError:
-        return SceneError(f"{self.what}: {what}", remedy=remedy, file=self.file)
+    @property
+    def folder(self) -> str:
+        """Of the file."""
+        return os.path.dirname(place_of(self._sources, self._path)[0])
 
-    def take(self, key: str, default: Any) -> Any:
-        self.known.append(key)
+    def error(self, what: str, remedy: str | None = None, key: str = "") -> SceneError:
+        """Return the error of this table, or of a key in it."""
+        return self._error(f"{self.what}: {what}", remedy, key)
+
+    def _error(self, what: str, remedy: str | None, key: str = "") -> SceneError:
+        file, line = place_of(self._sources, (*self._path, key))
+        return SceneError(what, remedy=remedy, file=file, line=line)
+
+    def take(self, key: str, default: Any = ...) -> Any:
+        """Return what stands at a key, which is taken away."""
+        self._known.append(key)
         value = self.values.pop(key, default)
         if value is ...:
             raise self.error(f'"{key}" is missing')
         return value
 
-    def number(self, key: str, default: Any = ...) -> Any:
+    def value(self, key: str, kind: Any, default: Any = ...) -> Any:
+        """Return the value of a key, of this type; a default is not looked at.
+
+        Args:
+            kind: float, str, bool, tuples of these, unions with str (the name of a column) and None, with a `Rule`.
+        """
         value = self.take(key, default)
-        return value if value is default else self._number(key, value)
+        return value if value is default else self.converted(key, value, kind)
 
-    def _number(self, key: str, value: Any) -> float:
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not -_LARGEST <= value <= _LARGEST:
-            raise self.error(f'"{key}" is {value!r:.60}, not a finite number')
-        return float(value)
-
-    def nonnegative(self, key: str, default: Any = ..., remedy: str = "it is positive or zero") -> Any:
-        value = self.number(key, default)
-        if value is not None and value < 0:
-            raise self.error(f'"{key}" is {value:g}', remedy=remedy)
-        return value
-
-    def numbers(self, key: str, count: int, default: Any = ...) -> Any:
-        value = self.take(key, default)
-        if value is default:
+    def converted(self, key: str, value: Any, kind: Any, remedy: str | None = None) -> Any:
+        """Return a value of TOML as this type has it."""
+        if get_origin(kind) is Annotated:
+            kind, rule = get_args(kind)
+            value = self.converted(key, value, kind, rule.remedy)
+            if not rule.holds(value):
+                written = (
+                    f"{value:g}" if isinstance(value, float) else f'"{value}"' if isinstance(value, str) else value
+                )
+                raise self.error(f'"{key}" is {written}', rule.remedy, key)
             return value
-        if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != count:
-            raise self.error(f'"{key}" is {value!r}, not {count} numbers', _WRITTEN.get(count, "").format(key) or None)
-        return tuple(self._number(key, entry) for entry in value)
+        if get_origin(kind) is tuple:
+            return self._items(key, value, get_args(kind), remedy)
+        kinds = [each for each in get_args(kind) or [kind] if each is not type(None)]
+        if len(kinds) == 1 and kinds != [kind]:
+            return self.converted(key, value, kinds[0], remedy)
+        if str in kinds and isinstance(value, str) and value:
+            return value
+        if bool in kinds and isinstance(value, bool):
+            return value
+        number = float in kinds and isinstance(value, (int, float)) and not isinstance(value, bool)
+        if number and -_LARGEST <= value <= _LARGEST:
+            return float(value)
+        what = "a finite number" if float in kinds else "a name" if str in kinds else "true or false"
+        raise self.error(f'"{key}" is {value!r:.60}, not {what}', remedy, key)
 
-    def vector(self, key: str, default: Any = ...) -> Vector:
-        vector: Vector = self.numbers(key, 3, default)
-        return vector
+    def _items(self, key: str, value: Any, kinds: tuple[Any, ...], remedy: str | None) -> tuple[Any, ...]:
+        """Return a list of as many items as there are types, or of any number where the second is an ellipsis."""
+        many = kinds[-1] is ...
+        if not isinstance(value, list) or (not many and len(value) != len(kinds)):
+            nouns = "numbers" if float in kinds else "numbers or names of columns"
+            written = f'write {key} = ["a", "b"]' if kinds[0] is str else _WRITTEN.get(len(kinds), "").format(key)
+            what = "a list" if many else f"{len(kinds)} {nouns}"
+            raise self.error(f'"{key}" is {value!r:.60}, not {what}', remedy or written or None, key)
+        return tuple(self.converted(key, each, kinds[0], remedy) for each in value)
 
-    def vectors(self, key: str, most: int) -> tuple[Vector, ...]:
-        value = self.take(key, ())
-        if not isinstance(value, Sequence) or isinstance(value, str) or len(value) > most:
-            raise self.error(f'"{key}" is {value!r:.60}, not at most {most} vectors of 3 numbers')
-        return tuple(SceneTable({key: each}, self.what, self.file).vector(key) for each in value)
+    def field(self, kind: type, name: str, *default: Any) -> Any:
+        """Return the value of the key that a field of a dataclass is, read by its type; without it its default."""
+        own = next(each for each in fields(kind) if each.name == name)
+        otherwise: Any = ... if own.default is MISSING else own.default
+        return self.value(name, _hints(kind)[name], *(default or [otherwise]))
 
-    def names(self, key: str) -> tuple[str, ...] | None:
-        """Return a list of different names, None where there is none."""
-        value = self.take(key, None)
-        if value is None:
-            return None
-        if not isinstance(value, list) or any(not isinstance(name, str) or not name for name in value):
-            raise self.error(f'"{key}" is {value!r:.60}, not a list of names', remedy=f'write {key} = ["a", "b"]')
-        if len(set(value)) < len(value):
-            raise self.error(f'"{key}" names a joint twice', remedy="name each once")
-        return tuple(value)
+    def table(self, key: str, default: Any = ..., what: str = "") -> Any:
+        """Return the `TomlTable` at a key; None where that is the default."""
+        values = self.take(key, default)
+        return None if values is None else self._inner(key, values, what or f"[{key}]")
 
-    def flag(self, key: str, default: bool, remedy: str = "true or false") -> bool:
-        value = self.take(key, default)
-        if not isinstance(value, bool):
-            raise self.error(f'"{key}" is {value!r:.60}', remedy=remedy)
-        return value
-
-    def entries(self, key: str, default: Any = (0.0, 0.0, 0.0)) -> tuple[Entry, Entry, Entry]:
-        value = self.take(key, default)
-        if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != 3:
-            raise self.error(f'"{key}" is {value!r}, not three numbers or names of columns')
-        x, y, z = (entry if isinstance(entry, str) and entry else self._number(key, entry) for entry in value)
-        return x, y, z
-
-    def entry(self, key: str, default: Any = ...) -> Any:
-        """Return a number or the name of a column."""
-        value = self.take(key, default)
-        return value if value is default or (isinstance(value, str) and value) else self._number(key, value)
-
-    def text(self, key: str, default: Any = ..., choices: Sequence[str] = ()) -> str:
-        value = self.take(key, default)
-        if choices and value not in choices:
-            what = f'"{value}"' if isinstance(value, str) else repr(value)
-            raise self.error(f'"{key}" is {what}', remedy=f"one of: {', '.join(choices)}")
-        if not isinstance(value, str) or not value:
-            raise self.error(f'"{key}" is {value!r}, not a name')
-        return value
-
-    def tables(self, key: str) -> list[tuple[str, SceneTable]]:
-        values = SceneTable(self.take(key, {}), f"[{key}]", self.file)
-        for name, value in values.values.items():
+    def tables(self, key: str, what: str = "") -> list[tuple[str, TomlTable]]:
+        """Return the tables in the table of a key, by name."""
+        outer = self.table(key, {}, what)
+        for name, value in outer.values.items():
             if name in OF_THE_SCENE and not isinstance(value, Mapping):
-                raise values.misplaced(name)
-        return [(name, SceneTable(value, f"[{key}] {name}", self.file)) for name, value in values.values.items()]
+                raise outer.misplaced(name)
+        named = f"{what[:-1]}.{{}}]" if what else f"[{key}] {{}}"
+        return [(name, outer._inner(name, value, named.format(name))) for name, value in outer.values.items()]
 
-    def list(self, key: str) -> list[SceneTable]:
+    def list(self, key: str) -> list[TomlTable]:
+        """Return the tables in the list of a key."""
         values = self.take(key, [])
         if not isinstance(values, list):
-            raise self.error(f'"{key}" is not a list of tables', remedy=f"write [[{key}]] above each")
-        return [SceneTable(value, f"[[{key}]] number {k}", self.file) for k, value in enumerate(values, 1)]
+            raise self.error(f'"{key}" is not a list of tables', f"write [[{key}]] above each", key)
+        name = ".".join(map(str, (*self._path, key)))
+        return [self._inner(key, each, f"[[{name}]] number {k + 1}", k) for k, each in enumerate(values)]
 
-    def read(self, kind: type[T], **choices: Sequence[str]) -> T:
+    def _inner(self, key: str, values: Any, what: str, *number: int) -> TomlTable:
+        return TomlTable(values, what, self._sources, (*self._path, key, *number))
+
+    def read(self, kind: type[T], /, **given: Any) -> T:
         """Return a dataclass, each field of which is the key of its name, read by its type; no other key may be left.
 
         Args:
-            choices: of fields that are texts.
+            given: fields that have been read in another way.
         """
-        given: dict[str, Any] = {}
         for each in fields(kind):  # type: ignore[arg-type]
-            default: Any = ... if each.default is MISSING else each.default
-            if each.name in choices:
-                given[each.name] = self.text(each.name, default, choices[each.name])
-            else:
-                given[each.name] = _READERS[str(each.type)](self, each.name, default)
+            if each.name not in given:
+                given[each.name] = self.field(kind, each.name)
         self.finish()
         return kind(**given)
 
     def misplaced(self, key: str) -> SceneError:
         """Return the error of a key of the scene that stands below the header of a table."""
         what = f'"{key}" is a key of the whole scene, and below the header of a table it belongs to that table'
-        return self.error(what, remedy=f"write {key} = ... above the first [table]")
+        return self.error(what, f"write {key} = ... above the first [table]", key)
 
-    def finish(self) -> None:
+    def finish(self, *more: str) -> None:
+        """Raise if a key is left over; `more` are known as well, and not given."""
+        known = [*self._known, *more]
         for key in self.values:
-            if key in OF_THE_SCENE and key not in self.known and self.what != WHOLE:
+            if key in OF_THE_SCENE and key not in known and self.what != WHOLE:
                 raise self.misplaced(key)
-            near = nearest(key, self.known)
-            valid = ", ".join(map(shown, self.known))
+            near = nearest(key, known)
             meant = f"; did you mean {shown(near[0])}?" if len(near) == 1 else ""
-            raise self.error(f'unknown key "{key}"', remedy=f"valid keys: {valid}{meant}")
+            raise self.error(f'unknown key "{key}"', f"valid keys: {', '.join(map(shown, known))}{meant}", key)
 
 
-_READERS: Mapping[str, Callable[[SceneTable, str, Any], Any]] = {
-    "str": SceneTable.text,
-    "float": SceneTable.number,
-    "float | None": SceneTable.number,
-    "Vector": SceneTable.vector,
-    "Entry": SceneTable.entry,
-    "Entry | None": SceneTable.entry,
-    "tuple[Entry, Entry, Entry]": SceneTable.entries,
-    "tuple[float, float, float, float, float, float]": lambda table, key, default: table.numbers(key, 6, default),
-}
-"""How a field of a dataclass is read, by its type."""
+@cache
+def _hints(kind: type) -> dict[str, Any]:
+    return get_type_hints(kind, include_extras=True)

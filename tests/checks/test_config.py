@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -168,8 +169,8 @@ def test_package_roots_are_relative_to_the_file(robot: Path) -> None:
     [
         (f"{TABLE}slect = []", "[tool.robodyn.check]: unknown key \"slect\" (valid keys: 'select', 'ignore', "),
         ("[tool.robodyn.chek]", "[tool.robodyn]: unknown key \"chek\" (valid keys: 'check'; did you mean 'check'?)"),
-        (f'{TABLE}select = "RD2"', "[tool.robodyn.check]: \"select\" is 'RD2', not a list of texts (write select = ["),
-        (f"{TABLE}select = [2]", '[tool.robodyn.check]: "select" is [2], not a list of texts'),
+        (f'{TABLE}select = "RD2"', "[tool.robodyn.check]: \"select\" is 'RD2', not a list (write select = ["),
+        (f"{TABLE}select = [2]", '[tool.robodyn.check]: "select" is 2, not a name'),
         (f'{TABLE}ignore = ["RD999"]', "there is no rule 'RD999' (RD9 means RD901 to RD902)"),
         (f'{TABLE}per-file-ignores = {{"*" = ["X"]}}', "there is no rule 'X' (give codes such as RD207"),
         (f"{TABLE}per-file-ignores = 1", "[tool.robodyn.check.per-file-ignores] is 1, not a table"),
@@ -192,7 +193,8 @@ def test_package_roots_are_relative_to_the_file(robot: Path) -> None:
 def test_wrong_settings_are_one_line(text: str, line: str) -> None:
     with pytest.raises(InputError) as error:
         parse_config(text.encode(), "robodyn.toml")
-    assert str(error.value).startswith(f"robodyn.toml: {line}")
+    assert re.match(r"robodyn\.toml:(\d+:)? ", str(error.value))
+    assert line in str(error.value)
     assert "\n" not in str(error.value)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from pathlib import Path
 
@@ -87,12 +88,12 @@ SCENES: dict[str, str] = {
     "[motor]\nelbw = { gear = 9, inertia = 1 }": "[motor]: the robot has no joint 'elbw' that moves (did you mean",
     "[motor]\nupper = { gear = 9 }": "[motor]: the robot has no joint 'upper' that moves (joints: 'shoulder', 'elbow')",
     "[rotor]\nelbw = { inertia = 1 }": "[rotor]: the robot has no joint 'elbw' that moves (did you mean 'elbow'?)",
-    "frcition = {}": "the scene: unknown key \"frcition\" (valid keys: 'gravity', 'friction', ",
+    "frcition = {}": 'the scene: unknown key "frcition" (valid keys: ',
     "gravity = 9.81": 'the scene: "gravity" is 9.81, not 3 numbers (write gravity = [x, y, z])',
     'base = "moving"': "[base] is 'moving', not a table (write [base] above lines of key = value)",
     "[friction]\nelbow = 1": "[friction] elbow is 1, not a table (write elbow = { key = value })",
     "payload = [1]": "[[payload]] number 1 is 1, not a table (write [[payload]] above lines of key = value)",
-    "joint_limits = true": 'the scene: "joint_limits" is True (one of: stop, ignore, spring)',
+    "joint_limits = true": 'the scene: "joint_limits" is True, not a name (one of: stop, ignore, spring)',
 }
 
 
@@ -101,7 +102,8 @@ def test_a_wrong_scene(text: str) -> None:
     Path("scene.toml").write_text(text)
     outcome = run(*TORQUES, "--scene", "scene.toml")
     assert (outcome.status, outcome.out) == (2, "")
-    assert outcome.err.startswith(f"error: scene.toml: {SCENES[text]}"), outcome.err
+    assert re.match(r"error: scene\.toml:(\d+:)? ", outcome.err)
+    assert SCENES[text] in outcome.err
 
 
 TABLES = {

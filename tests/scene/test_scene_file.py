@@ -1,15 +1,32 @@
-"""scene.toml: every key is read, and whatever is wrong is one line that says what and what would be right."""
+"""scene.toml: every key is read, and whatever is wrong is one line that says where, what, and what would be right."""
 
 from __future__ import annotations
 
+import re
+
+import numpy as np
 import pytest
-from helpers.oracles import ROBOTS
+from helpers.oracles import ROBOTS, robot
 
 from robodyn.errors import SceneError
-from robodyn.scene.parts import Drive, ExternalWrench, Friction, Immersed, LimitSpring, Payload, Rotor, Spring
+from robodyn.scene.parts import (
+    Contact,
+    ContactCost,
+    Drive,
+    ExternalWrench,
+    Friction,
+    Immersed,
+    LimitSpring,
+    Loop,
+    Motor,
+    Payload,
+    Rotor,
+    Spring,
+)
 from robodyn.scene.read import load_scene, parse_scene
 from robodyn.scene.scene import Scene
 
+RPM = np.pi / 30
 EVERYTHING = b"""
 gravity = [0.5, -1, -9.81]
 
@@ -94,6 +111,164 @@ def test_frames(frame):
     assert parse_scene(text).wrenches[0].frame == frame
 
 
+def test_parts_of_a_simulation():
+    text = """
+        joint_limits = "spring"
+        limit_spring = { stiffness = 1e4, damping = 20 }
+        between_rows = "hold"
+        [initial]
+        q = { a = "q_a", b = 0.5 }
+        [drive]
+        a = { torque = "ff", kp = 3, kd = 2, reference = "q_a", speed = "qd_a" }
+        b = { kd = 1, speed = -0.5 }
+    """
+    scene = parse_scene(text.encode())
+    assert (scene.joint_limits, scene.limit_spring, scene.between_rows) == ("spring", LimitSpring(1e4, 20.0), "hold")
+    assert scene.drive == {"a": Drive("ff", 3.0, 2.0, "q_a", "qd_a"), "b": Drive(kd=1.0, speed=-0.5)}
+    assert (scene.table_columns, scene.columns) == (("ff", "q_a", "qd_a"), ())
+
+
+EVERY_KIND = b"""
+baumgarte = 20
+
+[[loop]]
+name = "ball"
+link = "rod"
+
+[[loop]]
+name = "slot"
+link = "rod"
+point = [1, 0, 0]
+to = "slider"
+to_point = [0, 0.5, 0]
+directions = [[1, 0, 0], [0, 0, 2]]
+
+[[loop]]
+name = "pin"
+link = "rod"
+kind = "hinge"
+axis = [0, 3, 4]
+
+[[loop]]
+name = "pins"
+link = "rod"
+kind = "hinge"
+axis = [0, 1, 0]
+to_axis = [0, 0, 1]
+
+[[loop]]
+name = "joined"
+link = "rod"
+to = "ground"
+kind = "weld"
+rpy = [0.1, 0.2, 0.3]
+"""
+
+
+def test_every_kind_of_loop():
+    scene = parse_scene(EVERY_KIND)
+    assert scene.baumgarte == 20.0
+    assert scene.loops == (
+        Loop("ball", "rod"),
+        Loop("slot", "rod", (1, 0, 0), "slider", (0, 0.5, 0), directions=((1, 0, 0), (0, 0, 2))),
+        Loop("pin", "rod", kind="hinge", axis=(0, 3, 4), to_axis=(0, 3, 4)),
+        Loop("pins", "rod", kind="hinge", axis=(0, 1, 0), to_axis=(0, 0, 1)),
+        Loop("joined", "rod", kind="weld", rpy=(0.1, 0.2, 0.3)),
+    )
+    assert Scene().loops == ()
+
+
+WHOLE = b"""
+actuated = ["a", "b"]
+share = "weighted"
+weights = { a = 2, b = "effort" }
+contact_cost = { forces = 2, torques = 0.5, within_limits = true }
+
+[[contact]]
+name = "heel"
+link = "foot"
+
+[[contact]]
+name = "sole"
+link = "foot"
+polygon = [[0.1, 0.05, 0], [0.1, -0.05, 0], [-0.1, 0, 0]]
+normal = [0, 1, 1]
+friction = 0.4
+on = [[0, 0.5], [1, 1.5]]
+
+[[contact]]
+name = "hand"
+link = "hand"
+point = [0, 0, 0.1]
+on = "hand_on"
+"""
+
+
+def test_actuation_and_contacts():
+    scene = parse_scene(WHOLE)
+    heel, sole, hand = scene.contacts
+    assert (scene.actuated, scene.passive, scene.share) == (("a", "b"), (), "weighted")
+    assert (dict(scene.weights), scene.weight) == ({"a": 2.0, "b": "effort"}, 1.0)
+    assert scene.contact_cost == ContactCost(2.0, 0.5, True)
+    assert heel == Contact("heel", "foot", ((0.0, 0.0, 0.0),), None, 0.7, "always")
+    assert sole.points == ((0.1, 0.05, 0.0), (0.1, -0.05, 0.0), (-0.1, 0.0, 0.0))
+    assert (sole.normal, sole.friction, sole.on) == ((0.0, 1.0, 1.0), 0.4, ((0.0, 0.5), (1.0, 1.5)))
+    assert (hand.points, hand.on) == (((0.0, 0.0, 0.1),), "hand_on")
+    assert scene.motion_columns == ("hand_on",)
+    assert scene.columns == ()
+
+
+@pytest.mark.parametrize(
+    "text", [b"passive = []", b'passive = ["a"]', b"actuated = []", b'[[loop]]\nname="l"\nlink="a"']
+)
+def test_constrained(text):
+    assert parse_scene(text).constrained == (text != b"passive = []")
+
+
+def test_weights_of_all():
+    scene = parse_scene(b'weights = "effort"')
+    assert scene.share == "weighted"
+    assert (dict(scene.weights), scene.weight) == ({}, "effort")
+
+
+def motor(text):
+    return parse_scene(f"[motor]\nj = {{ {text} }}".encode())
+
+
+def test_every_key_of_a_motor():
+    scene = motor(
+        'gear = -50, efficiency = 0.8, inertia = 2e-4, speed_unit = "rpm", continuous = [[0, 0.5], [3000, 0.4]], '
+        "peak = 1.5, max_speed = 5000, gear_average = 40, gear_peak = 60"
+    )
+    curve = ((0.0, 0.5), (3000 * RPM, 0.4))
+    assert scene.motor == {"j": Motor(0.8, curve, 1.5, 5000 * RPM, 40.0, 60.0)}
+    assert scene.rotor == {"j": Rotor(2e-4, -50.0)}
+
+
+def test_what_is_left_out():
+    scene = motor("")
+    assert (scene.motor, scene.rotor) == ({"j": Motor()}, {})
+    assert motor("gear = 3").rotor == {"j": Rotor(None, 3.0)}
+    assert motor("peak = [[300, 2]]").motor["j"].peak == ((300.0, 2.0),)
+
+
+def test_a_rotor_may_stand_in_its_own_table():
+    scene = parse_scene(b"[rotor]\nj = { inertia = 1, gear = 2 }\n[motor]\nj = { peak = 3 }")
+    assert (scene.motor, scene.rotor) == ({"j": Motor(peak=3.0)}, {"j": Rotor(1.0, 2.0)})
+
+
+def test_a_gear_alone_leaves_the_inertia_of_the_description():
+    from dataclasses import replace
+
+    from robodyn.dynamics.effects.motors import rotor_of
+
+    joint = replace(robot("puma560").independent[0], rotor_inertia=5e-4, reduction=30.0)
+    assert rotor_of(joint, motor("gear = 3")) == (5e-4, 30.0)
+    named = replace(joint, name="j")
+    assert rotor_of(named, motor("gear = 3")) == (5e-4, 3.0)
+    assert rotor_of(named, motor("inertia = 1e-3")) == (1e-3, 30.0)
+
+
 UNKNOWN = {
     "gravty = [0, 0, 0]": (
         *("gravity", "friction", "rotor", "spring", "payload", "wrench", "fluid", "base", "motor", "coupled"),
@@ -123,6 +298,8 @@ def test_unknown_keys_list_the_valid_ones(text):
     assert sorted(offered) == sorted(repr(key) for key in UNKNOWN[text])
 
 
+NAMED = '[[loop]]\nname = "a"\nlink = "b"\n'
+FOOT = '[[contact]]\nname = "f"\nlink = "l"\n'
 WRONG = {
     "gravity = 9.81": 'the scene: "gravity" is 9.81, not 3 numbers',
     "gravity = [0, 0]": '"gravity" is [0, 0], not 3 numbers',
@@ -137,9 +314,9 @@ WRONG = {
     "friction = []": "[friction] is [], not a table",
     "[friction]\na = 1": "[friction] a is 1, not a table",
     '[friction]\na = { viscous = "1" }': "[friction] a: \"viscous\" is '1', not a finite number",
-    "[friction]\na = { viscous = -1 }": '"viscous" is -1, which drives the joint',
-    "[friction]\na = { coulomb = -1 }": '"coulomb" is -1, which drives the joint',
-    "[friction]\na = { stribeck = -1 }": '"stribeck" is -1, which drives the joint',
+    "[friction]\na = { viscous = -1 }": '"viscous" is -1 (positive or zero: else it drives the joint)',
+    "[friction]\na = { coulomb = -1 }": '"coulomb" is -1 (positive or zero: else it drives the joint)',
+    "[friction]\na = { stribeck = -1 }": '"stribeck" is -1 (positive or zero: else it drives the joint)',
     "[friction]\na = { coulomb = [1, 1] }": '"coulomb" is [1, 1], which drives the joint',
     "[friction]\na = { coulomb = [-1, -1] }": '"coulomb" is [-1, -1], which drives the joint',
     "[friction]\na = { coulomb = [1] }": '"coulomb" is [1], not 2 numbers',
@@ -157,15 +334,15 @@ WRONG = {
     '[[payload]]\nlink = ""\nmass = 1': "\"link\" is '', not a name",
     '[[payload]]\nlink = "a"\nmass = 1\ninertia = [1, 1, 1]': '"inertia" is [1, 1, 1], not 6 numbers',
     "[[wrench]]\nforce = [0, 0, 1]": '[[wrench]] number 1: "link" is missing',
-    '[[wrench]]\nlink = "a"\nforce = "fx"': "\"force\" is 'fx', not three numbers or names of columns",
+    '[[wrench]]\nlink = "a"\nforce = "fx"': "\"force\" is 'fx', not 3 numbers or names of columns",
     '[[wrench]]\nlink = "a"\nforce = [0, "", 1]': "\"force\" is '', not a finite number",
-    '[[wrench]]\nlink = "a"\nmoment = [0, 1]': '"moment" is [0, 1], not three numbers or names of columns',
+    '[[wrench]]\nlink = "a"\nmoment = [0, 1]': '"moment" is [0, 1], not 3 numbers or names of columns',
     '[[wrench]]\nlink = "a"\npoint = ["x", 0, 0]': "\"point\" is 'x', not a finite number",
     '[[wrench]]\nlink = "a"\nframe = "tool"': '"frame" is "tool" (one of: link, base, world)',
     "[fluid]\nvelocity = [0, 0, 0]": '[fluid]: "density" is missing',
     "[fluid]\ndensity = -1": '"density" is -1',
     "fluid = 1": "[fluid] is 1, not a table",
-    '[fluid]\ndensity = 1\n[[fluid.link]]\nlink = "a"\nvolume = -1': "volume and drag_area are positive or zero",
+    '[fluid]\ndensity = 1\n[[fluid.link]]\nlink = "a"\nvolume = -1': '[[fluid.link]] number 1: "volume" is -1',
     '[base]\nmotion = "free"': '"motion" is "free" (one of: fixed, moving)',
     "base = 1": "[base] is 1, not a table",
     "slip_speed = -1": '"slip_speed" is -1',
@@ -173,7 +350,7 @@ WRONG = {
     'joint_limits = "spring"': '"joint_limits" is "spring" without a [limit_spring] (give its stiffness, N m/rad)',
     'joint_limits = "stop"\n[limit_spring]\nstiffness = 1': '"joint_limits" is "stop" with a [limit_spring] (write',
     'joint_limits = "spring"\nlimit_spring = {}': '[limit_spring]: "stiffness" is missing',
-    'joint_limits = "spring"\nlimit_spring = { stiffness = 0 }': "[limit_spring]: stiffness 0, damping 0 (stiffness is",
+    'joint_limits = "spring"\nlimit_spring = { stiffness = 0 }': '[limit_spring]: "stiffness" is 0 (it is positive)',
     'between_rows = "spline"': '"between_rows" is "spline" (one of: linear, hold)',
     "[initial]\nq = 3": "[initial] q is 3, not a table",
     '[initial]\nqd = { a = "" }': "[initial] qd: \"a\" is '', not a finite number",
@@ -183,6 +360,64 @@ WRONG = {
     "gravity = [": "is not TOML",
     "gravity = [0, 0, 0]\ngravity = [0, 0, 0]": "is not TOML",
     "\x00": "is not TOML",
+    '[loop]\nname = "a"': '"loop" is not a list of tables (write [[loop]] above each)',
+    '[[loop]]\nlink = "b"': '[[loop]] number 1: "name" is missing',
+    '[[loop]]\nname = "a"': '[[loop]] number 1: "link" is missing',
+    NAMED + 'kind = "ball"': '"kind" is "ball" (one of: point, hinge, weld)',
+    NAMED + 'kind = "hinge"': '"axis" is missing',
+    NAMED + 'kind = "hinge"\naxis = [0, 0, 0]': '"axis" is (0.0, 0.0, 0.0) (give a vector that has a direction)',
+    NAMED + 'kind = "hinge"\naxis = [0, 0, 1]\nto_axis = [0, 0, 0]': '"to_axis" is (0.0, 0.0, 0.0) (give',
+    NAMED
+    + "axis = [0, 0, 1]": "unknown key \"axis\" (valid keys: 'kind', 'directions', 'name', 'link', 'point', 'to', "
+    "'to_point')",
+    NAMED + 'kind = "weld"\ndirections = []': 'unknown key "directions"',
+    NAMED + "directions = [1, 0, 0]": '"directions" is 1, not 3 numbers',
+    NAMED + "directions = [[0, 0, 0]]": 'one of "directions" is zero',
+    NAMED + "directions = [[0, 0, 1], [0, 0, -2]]": 'two of "directions" are parallel, or three',
+    NAMED + "directions = [[1, 0, 0], [0, 1, 0], [1, 1, 0]]": 'two of "directions" are parallel, or three',
+    NAMED + f"directions = {[[1, 0, 0]] * 4}": "not at most 3 vectors of 3 numbers",
+    NAMED + 'to = "b"': '"link" and "to" are both "b" (a loop connects two links)',
+    NAMED + NAMED: '2 loops and contacts have the name "a" (give each a name of its own)',
+    "baumgarte = -1": '"baumgarte" is -1 (it is positive, or 0 for projection after each step)',
+    'actuated = "a"': '"actuated" is \'a\', not a list (names of joints, each once: ["a", "b"])',
+    'passive = ["a", "a"]': "\"passive\" is ('a', 'a') (names of joints, each once",
+    'actuated = ["a"]\npassive = ["b"]': '"actuated" and "passive" are both given (give one',
+    'share = "equal"': '"share" is "equal" (one of: least, weighted)',
+    'share = "least"\nweights = { a = 1 }': '"weights" are given, and "share" is "least" (write share = "weighted")',
+    'share = "weighted"\nweights = { a = 0 }': '[weights]: "a" is 0 (give a positive weight, or "effort"',
+    'share = "weighted"\nweights = { a = "x" }': "[weights]: \"a\" is 'x', not a finite number",
+    '[[contact]]\nname = "f"': '"link" is missing',
+    FOOT + "normal = [0, 0, 0]": '"normal" is (0.0, 0.0, 0.0) (give',
+    FOOT + "friction = -1": '"friction" is -1',
+    FOOT + "polygon = [[0, 0, 0], [1, 0, 0]]": '"polygon" has 2 different points (give at least 3',
+    FOOT + "polygon = [[0, 0, 0], [1, 0, 0], [0, 0, 0]]": '"polygon" has 2 different points',
+    FOOT + "polygon = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]\npoint = [0, 0, 0]": '"point" and "polygon" are both given',
+    FOOT + "on = [0, 1]": '"on" is [0, 1] (give "always", "auto", the name of a column, or intervals',
+    FOOT + "on = [[1, 0]]": '"on" is [[1, 0]]',
+    FOOT + "on = [[nan, 1]]": '"on" is [[nan, 1]]',
+    FOOT + "on = []": '"on" is []',
+    FOOT + FOOT: '2 loops and contacts have the name "f"',
+    FOOT + '[[loop]]\nname = "f"\nlink = "a"': '2 loops and contacts have the name "f"',
+    "contact_cost = { forces = 0 }": '"forces" is 0 (it is positive: torques alone leave forces open)',
+    "contact_cost = { torques = -1 }": '"torques" is -1',
+    "contact_cost = { within_limits = 1 }": '"within_limits" is 1, not true or false',
+    "[motor]\nj = { efficiency = 85 }": '"efficiency" is 85 (a share above 0 and up to 1, such as 0.85 of 85 %)',
+    "[motor]\nj = { efficiency = 0 }": '"efficiency" is 0 (a share above 0',
+    "[motor]\nj = { gear = 0 }": '"gear" is 0 (turns of the motor per turn of the joint)',
+    "[motor]\nj = { inertia = -1 }": '"inertia" is -1 (it is positive or zero)',
+    "[motor]\nj = { peak = 0 }": '"peak" is 0 (it is positive; leave it out if it is not known)',
+    "[motor]\nj = { max_speed = -1 }": '"max_speed" is -1 (it is positive',
+    "[motor]\nj = { peak = [1, 2] }": '"peak" is 1, not 2 numbers (points are [speed, torque]',
+    "[motor]\nj = { peak = [] }": '"peak" is () (points are',
+    "[motor]\nj = { peak = [[0, 1], [0, 2]] }": 'the speeds of "peak" do not increase from 0 on: 0, 0',
+    "[motor]\nj = { peak = [[1.5, 0], [1.2, 300]] }": 'the speeds of "peak" do not increase from 0 on: 1.5, 1.2',
+    "[motor]\nj = { peak = [[0, -1], [9, 2]] }": 'the torques of "peak" are not positive: -1, 2',
+    "[motor]\nj = { peak = [[0, nan]] }": '"peak" is nan, not a finite number',
+    "[motor]\nj = { continuous = [[0, 1], [9, 2]], peak = [[0, 3], [9, 1]] }": '"continuous" allows 2 at 9',
+    '[motor]\nj = { speed_unit = "rpms" }': '"speed_unit" is "rpms" (one of: rad/s, rpm)',
+    "[motor]\nj = { spead = 1 }": 'unknown key "spead" (valid keys: ',
+    "[rotor]\nj = { inertia = 1 }\n[motor]\nj = { gear = 3 }": '"gear" and [rotor] j say the same (leave [rotor] out)',
+    "[rotor]\nj = { inertia = 1 }\n[motor]\nj = { inertia = 3 }": '"inertia" and [rotor] j say the same (leave',
 }
 
 
@@ -190,9 +425,26 @@ WRONG = {
 def test_wrong_values(text):
     with pytest.raises(SceneError) as caught:
         parse_scene(text.encode(), "my.toml")
-    assert str(caught.value).startswith("my.toml:")
+    assert re.match(r"my\.toml:(\d+:)? ", str(caught.value))
     assert WRONG[text] in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+PLACES = {
+    "# one\nslip_speed = 0\n\ngravity = 9.81\n": 4,
+    "[friction]\na = { viscous = 1 }\nb.viscous = 1\nb.coulomb = -1\n": 4,
+    "[friction.'a b']\nviscous = 1\n[friction.\"c.d\"]\n  load = 1\n": 4,
+    '[[payload]]\nlink = "a"\nmass = 1\n\n[[payload]] # two\nlink = "a"\nmas = 1\n': 5,
+    '[[payload]]\nlink = "a"\nmass = 1\n\n[[payload]]\nmass = 1\ncom = [0,\n0]\nlink = "a"': 7,
+    '[fluid]\ndensity = 1\n[[fluid.link]]\nlink = "a"\n[[fluid.link]]\nlink = "b"\nvolume = -1': 7,
+}
+
+
+@pytest.mark.parametrize("text", PLACES)
+def test_the_line_of_what_is_wrong(text):
+    with pytest.raises(SceneError) as caught:
+        parse_scene(text.encode(), "my.toml")
+    assert caught.value.line == PLACES[text]
 
 
 @pytest.mark.parametrize("digits", [400, 5000], ids=["no float", "no integer"])
@@ -220,20 +472,3 @@ def test_files(tmp_path):
 @pytest.mark.parametrize("path", sorted(ROBOTS.glob("*.toml")), ids=lambda path: path.stem)
 def test_scenes_of_the_examples(path):
     assert isinstance(load_scene(path), Scene)
-
-
-def test_parts_of_a_simulation():
-    text = """
-        joint_limits = "spring"
-        limit_spring = { stiffness = 1e4, damping = 20 }
-        between_rows = "hold"
-        [initial]
-        q = { a = "q_a", b = 0.5 }
-        [drive]
-        a = { torque = "ff", kp = 3, kd = 2, reference = "q_a", speed = "qd_a" }
-        b = { kd = 1, speed = -0.5 }
-    """
-    scene = parse_scene(text.encode())
-    assert (scene.joint_limits, scene.limit_spring, scene.between_rows) == ("spring", LimitSpring(1e4, 20.0), "hold")
-    assert scene.drive == {"a": Drive("ff", 3.0, 2.0, "q_a", "qd_a"), "b": Drive(kd=1.0, speed=-0.5)}
-    assert (scene.table_columns, scene.columns) == (("ff", "q_a", "qd_a"), ())

@@ -12,7 +12,7 @@ from robodyn.dynamics.mass import mass_matrix
 from robodyn.errors import SceneError
 from robodyn.loads.torques import torques
 from robodyn.scene.fit import check_scene
-from robodyn.scene.parts import ExternalWrench, Friction, Immersed, Payload, Rotor, Spring
+from robodyn.scene.parts import ExternalWrench, Friction, Immersed, Loop, Motor, Payload, Rotor, Spring
 from robodyn.scene.scene import Scene
 from robodyn.trajectory.robot_motion import motion
 
@@ -70,3 +70,37 @@ def test_the_functions_of_arrays_ask_too(where):
     ):
         with pytest.raises(SceneError):
             call()
+
+
+LOOPS = {
+    "no such link": (Loop("a", "flang"), "[[loop]] 'a': the robot has no link 'flang' (did you mean 'flange'?)"),
+    "no such other link": (
+        Loop("a", "flange", to="groud"),
+        "[[loop]] 'a': the robot has no link 'groud' (did you mean 'ground'?)",
+    ),
+    "the base to the ground": (
+        Loop("a", "base"),
+        "[[loop]] 'a': no joint moves 'base' against 'ground' (a loop connects links that move against each other)",
+    ),
+}
+
+
+@pytest.mark.parametrize("where", LOOPS)
+def test_loops_that_do_not_fit_the_robot(where):
+    loop, what = LOOPS[where]
+    with pytest.raises(SceneError, match=f"^my.toml: {re.escape(what)}$"):
+        check_scene(Scene(loops=(loop,)), robot("puma560"), "my.toml")
+
+
+def test_a_loop_that_fits():
+    check_scene(Scene(loops=(Loop("a", "flange"), Loop("b", "flange", to="base"))), robot("puma560"))
+
+
+def test_motors_are_of_joints_of_their_own():
+    with pytest.raises(SceneError, match=re.escape("[motor]: the robot has no joint 'waste' that moves")):
+        check_scene(Scene(motor={"waste": Motor()}), robot("puma560"))
+    gripper = robot("gripper")
+    follower = next(body.joint for body in gripper.bodies if body.joint.mimics)
+    what = f"[motor]: the joint '{follower.name}' mimics another (its torque is part of that of '{follower.mimics}'"
+    with pytest.raises(SceneError, match=re.escape(what)):
+        check_scene(Scene(motor={follower.name: Motor()}), gripper)

@@ -158,7 +158,10 @@ def test_scene_file():
         ('name = "m"\njoints = { a = 0 }', '"joints" has no coefficient that is not 0'),
         ('name = "m"\njoints = { a = "x" }', "[[coupled]] number 1 joints: \"a\" is 'x', not a finite number"),
         ('name = "m"\njoints = { a = 1 }\ninertia = -1', '"inertia" is -1'),
-        ('name = "m"\njoints = { a = 1 }\nviscous = -1', '"viscous" is -1, which drives the joint'),
+        (
+            'name = "m"\njoints = { a = 1 }\nviscous = -1',
+            '"viscous" is -1 (positive or zero: else it drives the joint)',
+        ),
         ('name = "m"\njoints = { a = 1 }\ngears = 2', 'unknown key "gears"'),
     ],
 )
