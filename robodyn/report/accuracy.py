@@ -9,7 +9,7 @@ from pathlib import PurePath
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
-from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Price, Rung
+from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Rung
 from robodyn.measure.doctor import Line, healthy
 from robodyn.measure.speed.result import Bench, EffectBench, ExecutorBench, PeerBench, PeersBench, ProgramBench, Timing
 from robodyn.measure.timing import Spread
@@ -55,7 +55,13 @@ def accuracy_sections(accuracy: Accuracy, target: float | None = None) -> Iterat
         answer = [] if target is None else [Paragraph(_answer(ladder, target))]
         yield [_ladder(accuracy.name, ladder), *answer]
     if accuracy.prices:
-        yield [Table("Beside it", ("what", "time [ms]", "quartiles [ms]"), _prices(accuracy.prices))]
+        yield [
+            Table(
+                "Beside it",
+                ("what", "time [ms]", "quartiles [ms]"),
+                [(price.name, *_time(price.time, 1e3)) for price in accuracy.prices],
+            )
+        ]
     if accuracy.effects:
         head = ("without", "torque lost, at most", "at", "operations saved")
         rows = [
@@ -99,10 +105,6 @@ def _answer(ladder: Ladder, target: float) -> str:
 def _verdict(ladder: Ladder, rung: Rung) -> str:
     other = ladder.dominator(rung)
     return "front" if other is None else f"dominated by {other.name}"
-
-
-def _prices(prices: tuple[Price, ...]) -> list[tuple[str, ...]]:
-    return [(price.name, *_time(price.time, 1e3)) for price in prices]
 
 
 def _time(time: Spread, scale: float) -> tuple[str, str]:

@@ -117,7 +117,7 @@ def _contacts(contacts: tuple[ContactLoad, ...], size: Sizes) -> Content:
             lambda each: f"{number(each.least_normal.value, size['N'])} to {number(each.normal.value, size['N'])}",
         ),
         ("friction", lambda each: f"{each.friction:g}"),
-        ("of it used", lambda each: _share(each.friction_used)),
+        ("of it used", lambda each: "" if each.friction_used is None else f"{100 * each.friction_used.value:.0f}%"),
         ("at [s]", lambda each: _time(each.friction_used)),
         ("margin [mm]", lambda each: f"{1e3 * each.margin.value:.3g}" if each.margin else ""),
         ("at [s]", lambda each: _time(each.margin)),
@@ -132,10 +132,6 @@ def _centre(centre: Vector | None) -> str:
     if centre is None:
         return ""
     return f"({', '.join(number(1e3 * x, _FINE) for x in centre)})"
-
-
-def _share(peak: Peak | None) -> str:
-    return "" if peak is None else f"{100 * peak.value:.0f}%"
 
 
 def _time(peak: Peak | None) -> str:

@@ -167,15 +167,13 @@ def exceeded_table(exceeded: Sequence[Excess]) -> Content:
     """Return the limits that are exceeded, joint by joint."""
     found: dict[str, dict[str, list[str]]] = {}
     for excess in exceeded:
-        found.setdefault(excess.joint, {}).setdefault(excess.quantity, []).append(_over(excess))
+        found.setdefault(excess.joint, {}).setdefault(excess.quantity, []).append(
+            f"{excess.value:.6g} {excess.unit}, limit {excess.limit:.6g}"
+        )
     quantities = [name for name in ("effort", "velocity", "position") if any(name in row for row in found.values())]
     return ("joint", *quantities), [
         (joint, *("; ".join(row.get(name, ())) for name in quantities)) for joint, row in found.items()
     ]
-
-
-def _over(excess: Excess) -> str:
-    return f"{excess.value:.6g} {excess.unit}, limit {excess.limit:.6g}"
 
 
 def use(value: float, limit: float | None) -> str:

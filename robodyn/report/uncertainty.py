@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from robodyn.loads.result import Result
 from robodyn.loads.uncertainty_result import Bar, Uncertain, UncertainJoint, UncertainLoad
@@ -56,7 +56,10 @@ def _groups(found: Uncertain) -> Iterator[tuple[str, list[tuple[str, UncertainLo
         if load.name in ("radial", "tilting")
     ]
     for title, loads in (
-        (f"Joints: error bars of {count(len(found.parameters), 'uncertain parameter')}", [_own(found.joints)]),
+        (
+            f"Joints: error bars of {count(len(found.parameters), 'uncertain parameter')}",
+            [[(each.load.name, each.load) for each in found.joints]],
+        ),
         ("Motors: error bars", [[(load.name, load) for load in motors]]),
         ("Bearings: error bars", [resultants]),
         ("Base wrench: error bars", [[(load.name, load) for load in found.base]]),
@@ -64,10 +67,6 @@ def _groups(found: Uncertain) -> Iterator[tuple[str, list[tuple[str, UncertainLo
         (rows,) = loads
         if any(load.shares or load.rms_shares for _, load in rows):
             yield title, rows
-
-
-def _own(joints: Iterable[UncertainJoint]) -> list[tuple[str, UncertainLoad]]:
-    return [(each.load.name, each.load) for each in joints]
 
 
 def _bars(loads: Sequence[tuple[str, UncertainLoad]], size: Sizes) -> Content:

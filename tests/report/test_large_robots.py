@@ -13,7 +13,6 @@ from helpers.report_text import torques_text
 
 import robodyn
 from robodyn.loads.result import Result
-from robodyn.report.document import HEAT, heat_level
 from robodyn.report.limits import LINES
 from robodyn.report.pictures.torques import share_figures
 from robodyn.report.renderers.html import html
@@ -72,13 +71,6 @@ def test_offenders_lead_the_map_of_limits_and_none_is_dropped() -> None:
     assert f"| {SIDES[1]} | 200% of".replace("_", r"\_") in markdown(
         torques_page(many(), robot("puma560"), robodyn.Scene(), pictures=False)
     )
-
-
-@pytest.mark.parametrize(
-    ("share", "level"), [(None, "none"), (0.0, "h0"), (0.3, "h1"), (0.95, "h4"), (HEAT[-1], "h4"), (1.001, "over")]
-)
-def test_colours_follow_the_use_of_a_limit(share: float | None, level: str) -> None:
-    assert heat_level(share) == level
 
 
 def test_bars_have_every_joint_by_its_whole_name() -> None:

@@ -21,7 +21,6 @@ from robodyn.report.equations import free_body_sections
 from robodyn.report.pictures.free_body import drawings
 from robodyn.report.renderers.markdown import markdown
 from robodyn.report.sizes import free_body_sizes, result_sizes
-from robodyn.report.table import NOISE, number, relative_text
 from robodyn.report.torques import worst_table
 from robodyn.report.torques_json import torques_json
 from robodyn.report.torques_page import torques_page
@@ -59,12 +58,6 @@ def test_free_fall_carries_nothing_in_text_and_page() -> None:
 def _page(found: Result) -> str:
     model, scene = robot("puma560", moving_base=True), robodyn.Scene(moving_base=True)
     return markdown(torques_page(found, model, scene, pictures=False))
-
-
-def test_a_moment_that_is_noise_has_no_moment_of_its_own() -> None:
-    """Where nothing is carried, the time of the largest is anything."""
-    rows = [line.split() for line in torques_text(falling()).splitlines() if line.startswith(("waist", "elbow"))]
-    assert [row[1:5] for row in rows[:2]] == [["0", "N", "m", "-"]] * 2
 
 
 def test_noise_is_no_arrow_of_a_drawing() -> None:
@@ -125,28 +118,6 @@ def _moved(joint: JointLoad, size, rng) -> JointLoad:
 
 def _by_noise(x: float, scale: float, rng) -> float:
     return x + rng.uniform(-4.0, 4.0) * np.finfo(float).eps * scale
-
-
-@pytest.mark.parametrize(
-    ("x", "text"),
-    [
-        (0.9e-12, "0"),
-        (-1.19e-9, "0"),
-        (3.3454e-9, "3.345e-09"),
-        (-3.3456e-8, "-3.346e-08"),
-        (3.3456e-7, "3.346e-07"),
-        (3.345e-6, "3.345e-06"),
-        (0.5, "0.5000"),
-    ],
-)
-def test_what_is_negligible_is_zero(x: float, text: str) -> None:
-    assert number(x, 1.0) == text
-    assert number(1e6 * x, 1e6) == ("0" if text == "0" else number(1e6 * float(text), 1e6))
-
-
-def test_errors_of_rounding_are_only_said_to_be_small() -> None:
-    assert (relative_text(0.0), relative_text(3e-16), relative_text(NOISE)) == ("<1e-12",) * 3
-    assert relative_text(3.2e-9) == "3e-09"
 
 
 def test_a_batch_shows_no_noise() -> None:

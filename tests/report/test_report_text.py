@@ -7,7 +7,6 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
-import numpy as np
 import pytest
 from helpers.report_text import torques_text
 
@@ -15,7 +14,6 @@ import robodyn
 from robodyn.loads.result import Result
 from robodyn.report.table import Page
 from robodyn.scene.read import load_scene
-from robodyn.trajectory.robot_motion import motion
 
 ROBOTS = Path(__file__).parent.parent.parent / "robots"
 CASES = [
@@ -72,11 +70,6 @@ def test_shares_of_each_peak_add_up_as_shown() -> None:
         assert float(gravity) + float(inertia) + float(coriolis) == pytest.approx(float(peak), abs=0.06)
 
 
-def test_effects_that_add_nothing_take_no_column() -> None:
-    head = section(torques_text(result("scara", "scara_pick_and_place", None)), "What makes the peaks")[1]
-    assert re.split(r"  +", head) == ["joint", "gravity", "inertia", "coriolis", "sum"]
-
-
 def test_friction_that_holds_is_shown_where_there_is_some() -> None:
     lines = section(torques_text(result("gripper", "gripper_pick", "gripper")), "What makes the peaks")
     assert lines[1].endswith("friction holds")
@@ -95,22 +88,10 @@ def test_derived_motion_says_method_noise_and_what_it_does_to_the_peak() -> None
     assert "error (95 %)" in section(text, "What makes the peaks")[1]
 
 
-def test_clean_derived_motion_takes_one_line() -> None:
-    lines = section(torques_text(result("puma", "puma_waves", None)), "Derived")
-    assert lines == ["Derived: velocity and acceleration by quintic spline; the data are clean"]
-    assert "Derived" not in torques_text(result("scara", "scara_pick_and_place", None))
-
-
 def test_a_base_that_bears_nothing_takes_one_line() -> None:
     text = torques_text(result("satellite", "satellite_slew", "satellite"))
     assert "\nBase wrench: ground on robot, about the base's origin: zero throughout\n" in text
     assert "e-17" not in text
-
-
-def test_robot_without_joints() -> None:
-    text = torques_text(result("rigid_body", "rigid_body_flip", "rigid_body"))
-    assert text.startswith("rigid_body: 0 joints, 443 samples, 55.25 s, gravity (0, 0, 0) m/s^2\n\nBase wrench")
-    assert "limit" not in text
 
 
 def test_limits_in_one_line_a_joint() -> None:
@@ -151,15 +132,6 @@ def test_explain_names_every_effect_and_why() -> None:
 def test_what_vanishes_beside_the_energy_that_went_about_is_zero() -> None:
     energy = section(torques_text(result("puma560", "puma560_sweep", None)), "Self-checks")[1]
     assert energy == "energy: work 0 J, stored 0 J, residual 0 J (sampling explains 0 J)"
-
-
-def test_one_sample_and_one_joint() -> None:
-    model = robodyn.load(ROBOTS / "two_link_planar.urdf")
-    text = torques_text(
-        robodyn.torques(model, motion(model, [0.0], np.zeros((1, 2)), np.ones((1, 2)), np.ones((1, 2))))
-    )
-    assert text.startswith("two_link_planar: 2 joints, 1 sample, 0 s, gravity (0, 0, -9.81) m/s^2\n")
-    assert "laws at 1 sample, relative error" in text
 
 
 def test_warnings_come_before_the_verdict_each_on_a_line() -> None:

@@ -121,7 +121,7 @@ def robot_figure(
         name: no other picture of the page has.
     """
     poses = link_poses(model, q)
-    origins = _joints(model, poses)
+    origins = [np.asarray(poses[body.name][1], dtype=float) for body in model.bodies]
     solids = on_paper(_placed(model, poses, shapes)) if shapes else []
     bare = shapes is not None and bool(shapes.missing)
     drawn = " with its skeleton, because some meshes are not found" if bare else ""
@@ -160,11 +160,6 @@ def shapes_of(model: Model) -> tuple[Visuals | None, str]:
     return found, (
         f"{len(found.missing)} mesh files are not found and not drawn: {some}. --package-path says where packages are."
     )
-
-
-def _joints(model: Model, poses: Mapping[str, tuple[Array, Array]]) -> list[Floats]:
-    """Return the origin of each body in the base's frame."""
-    return [np.asarray(poses[body.name][1], dtype=float) for body in model.bodies]
 
 
 def _placed(model: Model, poses: Mapping[str, tuple[Array, Array]], shapes: Visuals) -> list[Solid]:

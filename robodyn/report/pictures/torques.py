@@ -70,7 +70,7 @@ def _joint_figure(joint: JointLoad, curves: Curves, column: int, size: Sizes) ->
     what = "force" if joint.unit == "N" else "torque"
 
     def draw(canvas: Canvas) -> None:
-        axes = _panels(canvas)
+        axes = canvas.axes or [_panel(canvas, k) for k in range(len(_PANELS))]
         limits = {"torque": joint.effort_limit, "speed": joint.velocity_limit, "power": None}
         titles = {"torque": f"{what} [{joint.unit}]", "speed": f"speed [{speed}]", "power": "power [W]"}
         for k, (quantity, limit) in enumerate(limits.items()):
@@ -80,11 +80,6 @@ def _joint_figure(joint: JointLoad, curves: Curves, column: int, size: Sizes) ->
 
     caption = printable(joint.name)
     return Figure(caption, _joint_words(joint, what, size), _sheet(_TALL).plot(draw, f"joint {column}"))
-
-
-def _panels(canvas: Canvas) -> list[Axes]:
-    """Return the axes of a joint's figure, which stay on its sheet."""
-    return canvas.axes or [_panel(canvas, k) for k in range(len(_PANELS))]
 
 
 def _panel(canvas: Canvas, k: int) -> Axes:

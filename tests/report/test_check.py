@@ -1,17 +1,22 @@
-"""The places of a finding in words, and the short form of a check."""
+"""Places of findings in words, the short form, diffs applied by patch, lines about fixes, statistics."""
 
 from __future__ import annotations
 
+import shutil
+import subprocess
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from helpers.clean_arm import IDENTITY, arm
 from helpers.command_line import run
+from hypothesis import example, given
+from hypothesis import strategies as st
 
-from robodyn.checks.check import Options, Task, check_one, check_tasks
+from robodyn.checks.check import Checked, Options, check_one
+from robodyn.checks.fixes import Fixed, fixed
 from robodyn.checks.rule import Finding
-from robodyn.report.check import further, relative, short_sections
+from robodyn.report.check import check_diff, fix_lines, further, statistics_sections
 from robodyn.report.document import text
 
 BOTH = arm(upper=IDENTITY, fore=IDENTITY, shoulder="0 2 0", elbow="0 0 0")
@@ -57,12 +62,6 @@ def test_the_short_form_says_how_much_is_not_shown(folder: Path) -> None:
     assert "\nnot shown: 1 minor finding of 1 rule (--select ALL)\n3 files checked: 1 error" in out
 
 
-def test_the_long_form_lists_further_places() -> None:
-    out = run("check", "robots/both.urdf").out
-    assert "\n  also: 15:21 link 'fore'\n  do: write the inertia" in out
-    assert out.index("RD208") < out.index("RD502") < out.index("RD501")
-
-
 def test_what_is_hidden_is_counted_and_named_by_the_statistics(folder: Path) -> None:
     (folder / "both.urdf").write_text(BOTH.replace('"shoulder"', '"shoulder/1"').replace('"elbow"', '"elbow/1"'))
     flags = ("check", "both.urdf", "--ignore", "RD9")
@@ -86,14 +85,58 @@ def test_few_places_are_listed_in_a_row_and_many_cut() -> None:
     assert all(len(line) <= 100 for line in further(places(60, True)))
 
 
-def test_the_short_form_cuts_too() -> None:
-    checked = check_tasks([Task("robots/both.urdf", Options(("RD208",)))])
-    out = text(short_sections(replace(checked, findings=(places(60, False),))))
-    assert "134" not in out
-    assert ", 49 more places\n" in out
+PLANTED = arm(upper=IDENTITY, shoulder="0 2 0", elbow="0 2 0")
 
 
-def test_relative_where_that_is_shorter(folder: Path) -> None:
-    assert relative(str(folder / "robots" / "both.urdf")) == "robots/both.urdf"
-    assert relative("/a.urdf") == "/a.urdf"
-    assert relative("<stdin>") == "<stdin>"
+def repaired(data: bytes) -> Fixed:
+    return fixed(data, "robots/arm.urdf", lambda changed: check_one(changed, name="robots/arm.urdf"))
+
+
+def applied(diff: str, before: bytes, folder: Path) -> bytes:
+    """What the program patch makes of a text."""
+    path = folder / "arm.urdf"
+    path.write_bytes(before)
+    data = diff.encode("utf-8", "surrogateescape")
+    subprocess.run(["patch", "--binary", "--silent", str(path)], input=data, check=True, capture_output=True)
+    return path.read_bytes()
+
+
+@pytest.mark.skipif(shutil.which("patch") is None, reason="there is no patch")
+@pytest.mark.parametrize("newline", ["\n", "\r\n"])
+@pytest.mark.parametrize("end", ["", "\n\n"])
+def test_patch_makes_the_same(newline: str, end: str, tmp_path: Path) -> None:
+    text = (PLANTED.rstrip("\n") + end).replace("<link", "<!-- ä\u2028\x85 -->\n<link", 1)
+    result = repaired(text.replace("\n", newline).encode())
+    assert result.after != result.before
+    assert applied(check_diff(result), result.before, tmp_path) == result.after
+
+
+@example(b"", b"\0")
+@given(st.binary(max_size=30), st.binary(max_size=30))
+def test_any_bytes(before: bytes, after: bytes) -> None:
+    diff = check_diff(Fixed("a", before, after))
+    assert (diff == "") == (before == after)
+    assert not diff or diff.endswith("\n")
+
+
+def test_a_line_for_each_fix() -> None:
+    assert fix_lines([repaired(PLANTED.encode())], "fixed") == [
+        "fixed: robots/arm.urdf:21: RD502, joint shoulder: divide the axis by its length "
+        "(safe: the dynamics stay as they are)",
+        "fixed: robots/arm.urdf:28: RD502, joint elbow: divide the axis by its length "
+        "(safe: the dynamics stay as they are)",
+    ]
+    broken = PLANTED.replace('<child link="fore"/>', "").encode()
+    assert [line.split(": ")[0] for line in fix_lines([repaired(broken)], "fixed")] == ["not fixed", "not fixed"]
+
+
+def test_statistics() -> None:
+    findings = [one for name in ("a", "b") for one in check_one(PLANTED.encode(), name=name)]
+    findings += check_one(arm(upper=IDENTITY).encode(), name="a")
+    head, *rows = text(statistics_sections(Checked(("a", "b"), tuple(findings)))).splitlines()
+    assert head.split("  ")[0] == "rule"
+    assert [row.split() for row in rows] == [
+        ["RD502", "axis-length", "4", "4", "2", "4", "-"],
+        ["RD208", "placeholder-tensor", "3", "3", "2", "-", "-"],
+    ]
+    assert text(statistics_sections(Checked((), ()))) == "no findings\n"

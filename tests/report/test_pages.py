@@ -1,4 +1,4 @@
-"""Documents as HTML and as Markdown: whole, escaped, readable in light and dark."""
+"""Pages: whole, escaped, readable in light and dark, on paper and on a phone; none dropped of many joints."""
 
 from __future__ import annotations
 
@@ -7,9 +7,13 @@ import re
 from itertools import product
 from pathlib import Path
 
+import numpy as np
 import pytest
 from helpers.html_pages import Page, checked
+from helpers.oracles import ROBOTS, robot
 
+import robodyn
+import robodyn.report
 from robodyn.report.document import (
     HEAT,
     LARGEST,
@@ -24,14 +28,15 @@ from robodyn.report.document import (
     Paragraph,
     Table,
     Verdict,
-    csv_text,
     data_blocks,
 )
 from robodyn.report.pictures.figures import SERIES, of_page, plot
 from robodyn.report.pictures.free_body import COLOURS
 from robodyn.report.renderers import html as html_page
-from robodyn.report.renderers.html import html
+from robodyn.report.renderers.html import MEANINGS, html
 from robodyn.report.renderers.markdown import escaped, markdown
+from robodyn.report.torques_page import torques_page
+from robodyn.scene.read import load_scene
 
 HOSTILE = '<script>alert(1)</script>"\' onload="x" & | `a` $\\frac{ *b* [c](http://d) --> ]]> @all \x1b[31m'
 
@@ -105,10 +110,6 @@ def test_markdown_leaves_out_pictures_and_lonely_headings() -> None:
     assert escaped("a\nb") == "a b"
 
 
-def test_csv() -> None:
-    assert csv_text(("a", "b"), [('x,"y"', 1.5)]) == 'a,b\n"x,""y""",1.5\n'
-
-
 def _schemes() -> list[dict[str, str]]:
     style = (Path(html_page.__file__).parent / "assets" / "page.css").read_text()
     found = [
@@ -160,3 +161,97 @@ def test_the_checker_sees_faults() -> None:
 def test_every_colour_of_a_free_body_is_the_pages() -> None:
     for colour in COLOURS.values():
         assert re.fullmatch(r"var\(--c\d\)", of_page(colour)), colour
+
+
+ASSETS = Path(html_page.__file__).parent / "assets"
+STYLE = (ASSETS / "page.css").read_text(encoding="utf-8")
+PRINT = STYLE.partition("@media print {")[2]
+
+
+def arm() -> Page:
+    model, scene = robot("puma560"), load_scene(ROBOTS / "puma560_sizing.toml")
+    found = robodyn.torques(model, ROBOTS / "puma560_sweep.csv", scene)
+    return checked(html(torques_page(found, model, scene, pictures=False)))
+
+
+def test_titles_of_columns_explain_themselves() -> None:
+    page = arm()
+    titles = {each.text.replace("\u00a0", " "): str(each.attributes["title"]) for each in page.all("abbr")}
+    for title in (
+        "RMS",
+        "cubic mean",
+        "hold share",
+        "mu [N m]",
+        "tilting m",
+        "inertia ratio",
+        "duty",
+        "of effort limit",
+    ):
+        assert titles[title] == MEANINGS[title]
+    heads = {each.text.replace("\u00a0", " ") for each in page.all("th") if each.attributes["scope"] == "col"}
+    assert heads & MEANINGS.keys() == titles.keys()
+    legends = [each for each in page.all("details") if each.attributes.get("class") == "legend"]
+    assert any(MEANINGS["hold share"] in each.text for each in legends), "where there is no pointer to hover"
+
+
+def test_every_meaning_is_of_a_column() -> None:
+    source = "".join(path.read_text(encoding="utf-8") for path in Path(robodyn.report.__file__).parent.glob("*.py"))
+    made = {"quartiles [ms]": "quartiles [{unit}]", "quartiles [ns]": "quartiles [{unit}]"}
+    assert [title for title in MEANINGS if f'"{made.get(title, title)}"' not in source] == []
+
+
+def test_heads_of_tables_repeat_on_paper() -> None:
+    assert re.search(r"thead \{[^}]*display: table-header-group;[^}]*break-inside: avoid;", PRINT)
+    assert "th button { display: contents; }" in PRINT, "Chromium repeats no head with a button in it"
+
+
+def test_the_first_column_stays() -> None:
+    rule = re.search(r'th\[scope="row"\], thead > tr > :first-child \{([^}]*)\}', STYLE)
+    assert rule
+    assert "position: sticky; left: 0; background: var(--paper)" in rule[1]
+    assert re.search(r'th\[scope="row"\], thead > tr > :first-child, caption span \{ position: static; \}', PRINT)
+
+
+def test_pictures_take_the_width_that_there_is() -> None:
+    """Nothing has a width of its own, which a phone would cut."""
+    model, scene = robot("two_link_planar"), robodyn.Scene()
+    found = robodyn.torques(model, ROBOTS / "two_link_planar_swing.csv", scene, history=True)
+    page = checked(html(torques_page(found, model, scene)))
+    for svg in page.all("svg"):
+        assert "viewBox" in svg.attributes or "viewbox" in svg.attributes
+        assert not {"width", "height"} & svg.attributes.keys()
+    figures = re.findall(r"figure[^{]*\{([^}]*)\}", STYLE)
+    assert not any("min-width: 6" in rule for rule in figures)
+    (drawn,) = (each for each in page.all("svg") if each.attributes.get("viewbox") == "0 0 520 448")
+    assert "body" in drawn.text
+    assert any(each.text.startswith("reaction, ") for each in page.all("td"))
+
+
+def test_sorting_is_by_size() -> None:
+    """The expression that the script reads numbers with, whose sign does not count."""
+    script = (ASSETS / "page.js").read_text(encoding="utf-8")
+    pattern = re.search(r"= /(.*)/i\.exec\(text\)", script)
+    assert pattern
+    read = re.compile(pattern[1], re.IGNORECASE)
+
+    def size(text: str) -> float:
+        found = read.match(text)
+        assert found, text
+        return float(found[2]) * (0.99 if found[1] else 1.0)
+
+    cells = ["-31.44 N m", "7.811 N m", "-2.765 N m", "+- 1.5", "<1% of 160", "1% of 2", "-1.2e-05", "0"]
+    order = ["-31.44 N m", "7.811 N m", "-2.765 N m", "+- 1.5", "1% of 2", "<1% of 160", "-1.2e-05", "0"]
+    assert sorted(cells, key=size, reverse=True) == order
+
+
+def test_joints_that_neither_move_nor_carry_have_no_plot() -> None:
+    model, scene = robot("puma560"), robodyn.Scene(gravity=(0.0, 0.0, 0.0))
+    q, qd, qdd = (np.zeros((30, 6)) for _ in range(3))
+    time = np.linspace(0.0, 1.0, 30)
+    q[:, 5], qd[:, 5], qdd[:, 5] = time**2, 2 * time, 2.0
+    found = robodyn.torques(model, robodyn.motion(model, time, q, qd, qdd), scene, history=True)
+    captions = [each.text for each in checked(html(torques_page(found, model, scene))).all("figcaption")]
+    assert "flange_roll" in captions
+    still = [joint.name for joint in found.joints if not abs(joint.peak) > 1e-12]
+    assert still
+    assert not set(still) & set(captions)

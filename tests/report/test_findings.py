@@ -1,21 +1,93 @@
-"""SARIF against the published schema, and what it says against the text that it speaks of."""
+"""Findings as JUnit and SARIF against their schemas, and as GitHub's commands read back."""
 
 from __future__ import annotations
 
 import json
+import os
+import re
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers.clean_arm import IDENTITY, INERTIA, arm
-from helpers.schemas import SARIF, json_schema
+from helpers.clean_arm import FAMILIES, IDENTITY, INERTIA, arm
+from helpers.command_line import run
+from helpers.schemas import JUNIT, SARIF, json_schema
+from hypothesis import given
+from hypothesis import strategies as st
 from jsonschema import Draft7Validator
+from lxml import etree
 
 from robodyn.checks.catalogue import RULES
-from robodyn.checks.check import Options, check_one, found_in
-from robodyn.checks.rule import Edit, Fix, Severity
-from robodyn.report.renderers.findings import check_sarif
+from robodyn.checks.check import Checked, Options, check_one, found_in
+from robodyn.checks.rule import Edit, Excerpt, Finding, Fix, Severity
+from robodyn.report.renderers.findings import check_github, check_junit, check_sarif
 from robodyn.robot.urdf.document import read
+from robodyn.robot.urdf.view import Subject
+
+SCHEMA = etree.XMLSchema(etree.fromstring(JUNIT))
+
+
+def junit(*files: tuple[str, bytes], strict: bool = False) -> etree._Element:
+    findings = [finding for name, data in files for finding in check_one(data, Options(FAMILIES), name)]
+    text = check_junit(Checked(tuple(name for name, _ in files), tuple(findings)), strict)
+    document = etree.fromstring(text.encode())
+    SCHEMA.assertValid(document)
+    for suite in document:
+        assert int(suite.get("tests")) == len(suite) > 0
+        assert int(suite.get("failures")) == len(suite.findall("testcase/failure"))
+    for count in ("tests", "failures", "errors"):
+        assert int(document.get(count)) == sum(int(suite.get(count)) for suite in document)
+    return document
+
+
+BAD = arm(upper=IDENTITY, shoulder="0 0 0").encode()
+
+
+def test_a_test_for_each_finding_and_one_for_a_clean_file() -> None:
+    document = junit(("a.urdf", BAD), ("b.urdf", arm().encode()), ("c.urdf", b"<robot"))
+    assert [suite.get("name") for suite in document] == ["a.urdf", "b.urdf", "c.urdf"]
+    assert [[case.get("name").split()[0] for case in suite] for suite in document] == [
+        ["RD208", "RD501"],
+        ["no"],
+        ["RD001"],
+    ]
+    assert len(document.findall("testsuite[@name='b.urdf']/testcase/failure")) == 0
+
+
+@pytest.mark.parametrize(("strict", "failed"), [(False, ["RD501"]), (True, ["RD208", "RD501"])])
+def test_what_fails_the_check_is_a_failure(strict: bool, failed: list[str]) -> None:
+    document = junit(("a.urdf", BAD), strict=strict)
+    assert [failure.get("type") for failure in document.iter("failure")] == failed
+    outputs = [output.text for output in document.iter("system-out")]
+    assert len(outputs) == 2 - len(failed)
+
+
+def test_the_text_has_the_place_and_the_remedy() -> None:
+    (failure,) = junit(("a.urdf", BAD)).iter("failure")
+    place = failure.text.split(" ")[0]
+    line, column = map(int, place.split(":")[1:3])
+    assert BAD.decode().splitlines()[line - 1][column - 1 :].startswith('0 0 0"')
+    assert "\nremedy: " in failure.text
+
+
+def test_every_rule() -> None:
+    junit(*((f"{rule.code}.urdf", rule.bad.encode()) for rule in RULES))
+
+
+@pytest.mark.parametrize("name", ["a\"<&>'.urdf", "a\x1b[31m\x00\x7f.urdf", "\udcff.urdf", "ä\n😀.urdf"])
+def test_names_that_xml_does_not_take(name: str) -> None:
+    junit((name, BAD))
+    junit((name, arm().encode()))
+
+
+def test_a_test_for_each_finding_lists_its_places() -> None:
+    found = found_in(arm(shoulder="0 0 0", elbow="0 0 0").encode(), Options(("RD501",)), "a.urdf")
+    document = etree.fromstring(check_junit(Checked(("a.urdf",), found.shown)).encode())
+    SCHEMA.assertValid(document)
+    (failure,) = document.iter("failure")
+    assert "\nalso: 28:16 joint 'elbow'\n" in failure.text
+
 
 BOTH = arm(upper=IDENTITY, fore=INERTIA.replace("iyz", 'iyx="0" iyz'), shoulder="0 2 0")
 
@@ -40,13 +112,6 @@ def region_text(data: bytes, region: dict[str, int]) -> str:
     return data.decode()[start:end]
 
 
-def test_the_schema_would_refuse_what_is_wrong() -> None:
-    validator = Draft7Validator(json_schema(SARIF))
-    document = sarif(BOTH.encode())
-    document["runs"][0]["results"][0]["locations"][0]["physicalLocation"]["region"]["startLine"] = 0
-    assert not validator.is_valid(document)
-
-
 def test_every_rule_gives_valid_sarif() -> None:
     bad = {f"{rule.code}.urdf": rule.bad.encode() for rule in RULES}
     findings = [finding for name, data in bad.items() for finding in check_one(data, name=name)]
@@ -57,10 +122,6 @@ def test_every_rule_gives_valid_sarif() -> None:
     for result in found:
         assert RULES[result["ruleIndex"]].code == result["ruleId"]
         assert result["level"] in ("error", "warning", "note")
-
-
-def test_nothing_found() -> None:
-    assert results(arm().encode()) == []
 
 
 def test_rules_are_described() -> None:
@@ -149,11 +210,6 @@ def test_what_is_not_utf_8() -> None:
     assert results(b"\xff\xfe\x00")[0]["ruleId"] == "RD001"
 
 
-def test_the_schema_is_named() -> None:
-    document = sarif(BOTH.encode())
-    assert document["$schema"].endswith("/sarif-schema-2.1.0.json")
-
-
 def test_places_of_a_finding_are_related_locations_that_its_message_links_to() -> None:
     data = arm(shoulder="0 2 0", elbow="0 3 0").encode()
     found = found_in(data, Options(("RD502",)), "arm.urdf").shown
@@ -178,3 +234,84 @@ def test_of_many_places_the_message_links_to_some() -> None:
     assert result["message"]["text"].count("](") == 20
     assert ", 10 more places. " in result["message"]["text"]
     assert len(result["relatedLocations"]) == 30
+
+
+def finding(file: str = "a.urdf", message: str = "m", remedy: str = "r", cause: str | None = None) -> Finding:
+    place = {"line": 3, "column": 7, "start": 0, "end": 1, "subject": None, "measured": None, "bound": None}
+    text = {"code": "RD208", "name": "some-rule", "severity": Severity.ERROR, "fix": None, "excerpt": Excerpt("", 0, 1)}
+    return Finding(file=file, message=message, remedy=remedy, cause=cause, **place, **text)  # type: ignore[arg-type]
+
+
+def parsed(line: str) -> tuple[str, dict[str, str], str]:
+    """Command, properties and message, as actions/runner takes them apart: at `::`, `,` and `=`, then unescaped."""
+    match = re.fullmatch(r"::(\w+) (.*?)::(.*)", line)
+    assert match is not None, line
+    properties = dict(part.split("=", 1) for part in match[2].split(","))
+    return match[1], {key: _plain(value) for key, value in properties.items()}, _plain(match[3])
+
+
+def _plain(text: str) -> str:
+    for code, character in (("%3A", ":"), ("%2C", ","), ("%0D", "\r"), ("%0A", "\n"), ("%25", "%")):
+        text = text.replace(code, character)
+    return text
+
+
+def test_a_line_for_each_finding() -> None:
+    data = arm(upper=IDENTITY, shoulder="0 0 0").encode()
+    text = check_github(check_one(data, Options(FAMILIES), "robots/arm.urdf"))
+    (first, second) = [parsed(line) for line in text.splitlines()]
+    assert (first[0], second[0]) == ("warning", "error")
+    assert second[1] == {"file": "robots/arm.urdf", "line": "21", "col": "16", "title": "RD501 zero-axis"}
+    assert second[2].startswith("joint 'shoulder': ")
+    assert "\nremedy: " in second[2]
+
+
+@pytest.mark.parametrize(
+    ("file", "shown"), [("./robots/a.urdf", "robots/a.urdf"), ("a/../b.urdf", "b.urdf"), ("<stdin>", "<stdin>")]
+)
+def test_paths_as_the_repository_has_them(file: str, shown: str) -> None:
+    assert parsed(check_github([finding(file)]).rstrip("\n"))[1]["file"] == shown
+
+
+def test_escape_sequences_in_names_of_files_are_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    name = "a\x1b[31m\x1b]8;;b.urdf"
+    Path(name).write_text(arm(upper=IDENTITY))
+    first = run("check", name, "--format", "github").out.splitlines()[0]
+    assert parsed(first)[1]["file"] == r"a\x1b[31m\x1b]8;;b.urdf"
+
+
+def test_escapes() -> None:
+    line = check_github([finding("a,b:c%0A.urdf", "50 % :: of\r\na, b", cause="100%")])
+    assert line == (
+        "::error file=a%2Cb%3Ac%250A.urdf,line=3,col=7,title=RD208 some-rule"
+        "::50 %25 :: of\\r\\na, b%0Acause: 100%25%0Aremedy: r\n"
+    )
+
+
+@given(st.text(min_size=1), st.text(), st.text())
+def test_any_text_stays_on_one_line_and_comes_back(file: str, message: str, remedy: str) -> None:
+    line = check_github([finding(file, message, remedy)])
+    assert line.endswith("\n")
+    assert (line.count("\n"), line.count("\r")) == (1, 0)
+    command, properties, _ = parsed(line[:-1])
+    assert (command, properties["line"], properties["col"]) == ("error", "3", "7")
+    if "%" not in file and file.isprintable():
+        assert properties["file"] == os.path.normpath(file)
+
+
+def test_one_annotation_for_a_finding_and_its_places() -> None:
+    others = tuple(replace(finding(), line=line, subject=Subject("link", f"l{line}")) for line in (5, 9))
+    line = check_github([replace(finding(), others=others)])
+    assert line.count("\n") == 1
+    assert "%0Aalso: 5:7 link 'l5', 9:7 link 'l9'%0Aremedy: " in line
+
+
+@pytest.mark.parametrize("letter", ["\x9b", "\x85", "\u202e", "\u2066", "\x1b", "\x7f", "\u2028", "\ufeff"])
+def test_nothing_turns_or_drives_what_shows_a_line(letter: str) -> None:
+    """C1 is what C0 is behind an escape; marks of direction show one name for another."""
+    text = check_github([finding(f"a{letter}b.urdf", f"m{letter}", f"r{letter}", f"c{letter}")])
+    assert letter not in text
+    assert len(text.splitlines()) == 1
+    _, properties, _ = parsed(text.rstrip("\n"))
+    assert properties["file"] == f"a{ascii(letter)[1:-1]}b.urdf"
