@@ -19,7 +19,7 @@ from robodyn.errors import InputError
 from robodyn.support.files import whole_file
 
 if TYPE_CHECKING:
-    from robodyn.identification.identified import Identified
+    from robodyn.identification.result import Identified
     from robodyn.robot.model import Model
 
 SPLIT = 0.7
@@ -57,8 +57,8 @@ def command(urdf: str, logs: tuple[str, ...], **options: Any) -> int:
       robodyn identify robot.urdf 1.mcap 2.mcap --validate 3.mcap --out calibrated.urdf --scene-out friction.toml
     """
     from robodyn.identification.identify import identify
-    from robodyn.identification.log import Log, read_log
-    from robodyn.identification.refusals import check_size
+    from robodyn.identification.log.log import Log, read_log
+    from robodyn.identification.passes import check_size
     from robodyn.report.identification import identified_json, identified_page, identified_sections
 
     outputs = {name: options.pop(name) for name in ("out", "scene_out", "covariance")}
@@ -124,8 +124,7 @@ def _progress(stage: str) -> None:
 
 def _write(found: Identified, model: Model, outputs: dict[str, str | None]) -> str:
     """Write what is asked for, after all of it is made; return lines that say so."""
-    from robodyn.identification.calibrated_scene import friction_toml
-    from robodyn.identification.calibrated_urdf import calibrated_urdf, lost_meshes
+    from robodyn.identification.calibrated import calibrated_urdf, friction_toml, lost_meshes
 
     comment = _comment(found)
     files: list[tuple[str, bytes]] = []
@@ -143,7 +142,7 @@ def _write(found: Identified, model: Model, outputs: dict[str, str | None]) -> s
     if out := outputs["scene_out"]:
         files.append((out, friction_toml(model, found.scene, comment).encode()))
     if out := outputs["covariance"]:
-        from robodyn.identification.outcome import covariance
+        from robodyn.identification.result import covariance
         from robodyn.scene.uncertainty import covariance_json
 
         files.append((out, covariance_json(covariance(found))))

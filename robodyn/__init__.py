@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from robodyn.errors import RobodynError as RobodynError
     from robodyn.identification.excitation.excite import excite as excite
     from robodyn.identification.identify import identify as identify
-    from robodyn.identification.log import read_log as read_log
+    from robodyn.identification.log.log import read_log as read_log
     from robodyn.loads.torques import torques as torques
     from robodyn.robot.load import load as load
     from robodyn.robot.model import Model as Model
@@ -92,7 +92,7 @@ _HOMES = {
     "errors": ("RobodynError",),
     "identification.excitation.excite": ("excite",),
     "identification.identify": ("identify",),
-    "identification.log": ("read_log",),
+    "identification.log.log": ("read_log",),
     "loads.torques": ("torques",),
     "robot.load": ("load",),
     "robot.model": ("Model",),

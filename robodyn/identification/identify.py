@@ -9,19 +9,17 @@ import numpy as np
 from robodyn.dynamics.effects.friction import joints_with_friction
 from robodyn.dynamics.effects.motors import rotor_of
 from robodyn.errors import InputError
-from robodyn.identification.base import base_of
-from robodyn.identification.choose import strength, with_load, with_possible_loads, with_stribeck
-from robodyn.identification.conclude import identified, like_weight
-from robodyn.identification.consistent import consistent_parameters
-from robodyn.identification.correlated import covariance
-from robodyn.identification.identified import BaseFit, Identified
-from robodyn.identification.log import Log
-from robodyn.identification.misfit import misfit
-from robodyn.identification.moments import Moments
-from robodyn.identification.motors import PARAMETERS, PLAIN
-from robodyn.identification.prior import Prior, prior_of
-from robodyn.identification.run import FOLDS, Run, begun, first_fit, repeated, weighted_rows
-from robodyn.identification.structure import Structure, fitted, system
+from robodyn.identification.log.log import Log
+from robodyn.identification.model_selection import strength, with_load, with_possible_loads, with_stribeck
+from robodyn.identification.parameters.base import base_of
+from robodyn.identification.parameters.consistent import consistent_parameters
+from robodyn.identification.parameters.prior import Prior, prior_of
+from robodyn.identification.parameters.qr_accumulation import Moments
+from robodyn.identification.parameters.regressor_columns import PARAMETERS, PLAIN
+from robodyn.identification.parameters.structure import Structure, covariance, fitted, system
+from robodyn.identification.passes import FOLDS, Run, begun, first_fit, repeated, weighted_rows
+from robodyn.identification.result import BaseFit, Identified
+from robodyn.identification.summary import identified, like_weight, misfit
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
@@ -63,8 +61,8 @@ def identify(
     run = first.run
     on_progress("fitting")
     plain, weighted, moments = weighted_rows(run, first)
-    atoms, folds = plain.atoms, range(FOLDS)
-    structure = with_stribeck(weighted, folds, Structure(atoms, dict.fromkeys(range(len(first.motors)), PLAIN)))
+    regressor, folds = plain.regressor, range(FOLDS)
+    structure = with_stribeck(weighted, folds, Structure(regressor, dict.fromkeys(range(len(first.motors)), PLAIN)))
     structure = with_load(weighted, folds, structure)
     loose, sigma = fitted(weighted, folds, structure)
     for _ in range(_REPEATED if structure.loaded else 0):
@@ -89,7 +87,7 @@ def identify(
 
 def _prior(run: Run, structure: Structure, shapes: bool) -> Prior:
     """Return the prior of the structure's parameters: what the description and the scene say."""
-    values = dict(zip(structure.atoms.bodies, structure.atoms.described.tolist(), strict=True))
+    values = dict(zip(structure.regressor.bodies, structure.regressor.described.tolist(), strict=True))
     motors = [(motor.name, motor.friction, motor.reflected) for motor in run.scene.coupled]
     for _, joint, friction in joints_with_friction(run.model, run.scene):
         rotor, gear = rotor_of(joint, run.scene)

@@ -9,7 +9,7 @@ from typing import Any
 
 from robodyn.identification.excitation.bounds import MARGIN
 from robodyn.identification.excitation.result import Excitation, Information, JointSwing
-from robodyn.identification.identified import Errors, Identified, MotorFit
+from robodyn.identification.result import Errors, Identified, MotorFit
 from robodyn.report.document import (
     Block,
     Document,

@@ -33,9 +33,8 @@ from scipy.optimize import minimize
 import robodyn
 from robodyn.dynamics.plan import plan
 from robodyn.dynamics.regressor import INERTIAL
-from robodyn.identification.base import base_of
 from robodyn.identification.excitation.programs import programs_of
-from robodyn.identification.structural import random_rows, structural_base
+from robodyn.identification.parameters.base import base_of, random_rows, structural_base
 
 FILE = Path(__file__).parents[1] / "data" / "lwr4.urdf"
 HARMONICS = (3, 3, 4, 4, 5, 6, 6)

@@ -9,7 +9,7 @@ import numpy as np
 import robodyn
 from robodyn.dynamics.regressor import INERTIAL
 from robodyn.identification.faults.faults import OWN, Evidence
-from robodyn.identification.filters import convolved, decimation, kernel
+from robodyn.identification.log.rows import convolved, decimation, kernel
 
 LOAD = np.array([2.0, 0.1, 0.02, 0.2, 0.05, 0.0, 0.0, 0.05, 0.0, 0.02])
 """A payload: mass, first moments and moments about the link's origin."""

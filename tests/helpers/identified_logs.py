@@ -7,15 +7,13 @@ from itertools import pairwise
 import numpy as np
 
 from helpers import motion_classes
-from robodyn.identification.atoms import Atoms
-from robodyn.identification.base import base_of
-from robodyn.identification.choose import joint_motors
-from robodyn.identification.correlated import covariance
-from robodyn.identification.filters import convolved, decimation, kernel
-from robodyn.identification.gather import Gathered, Guess
-from robodyn.identification.motors import PLAIN
-from robodyn.identification.samples import Samples
-from robodyn.identification.structure import Structure, fitted, system
+from robodyn.identification.log.log import Samples
+from robodyn.identification.log.rows import convolved, decimation, kernel
+from robodyn.identification.model_selection import joint_motors
+from robodyn.identification.parameters.base import base_of
+from robodyn.identification.parameters.qr_accumulation import Gathered, Guess
+from robodyn.identification.parameters.regressor_columns import PLAIN, RegressorColumns
+from robodyn.identification.parameters.structure import Structure, covariance, fitted, system
 from robodyn.scene.scene import DEFAULT
 
 
@@ -81,8 +79,8 @@ class Bench:
         self.rng = np.random.default_rng(seed)
         self.taps, self.every = kernel(self.CUTOFF, self.STEP), decimation(self.CUTOFF, self.STEP)
         self.model, joints = model, range(model.n)
-        self.atoms = Atoms(model, DEFAULT, joints, joint_motors(model, np.zeros(model.n)), 0.0)
-        self.structure = Structure(self.atoms, dict.fromkeys(joints, PLAIN))
+        self.regressor = RegressorColumns(model, DEFAULT, joints, joint_motors(model, np.zeros(model.n)), 0.0)
+        self.structure = Structure(self.regressor, dict.fromkeys(joints, PLAIN))
         self.theta = self._truth()
         self.columns = self.filtered(motion)
         self.base = base_of(np.concatenate(self.rows(self.columns)), self.structure.names)
@@ -93,18 +91,18 @@ class Bench:
     def filtered(self, motion):
         time = self.STEP * np.arange(self.SAMPLES)
         samples = Samples(time, *motion(self.rng, time, self.model.n), np.zeros((len(time), self.model.n)), True)
-        values = convolved(self.atoms.compute(samples), self.taps, self.every)
-        return [part[:, :-2] for part in np.split(values, np.cumsum(self.atoms.widths)[:-1], axis=1)]
+        values = convolved(self.regressor.compute(samples), self.taps, self.every)
+        return [part[:, :-2] for part in np.split(values, np.cumsum(self.regressor.widths)[:-1], axis=1)]
 
     def rows(self, columns):
-        pairs = zip(columns, self.atoms.used, strict=True)
+        pairs = zip(columns, self.regressor.used, strict=True)
         return [part @ self.structure.shape[used] for part, used in pairs]
 
     def _truth(self):
         """Bodies each denser by a part of its own, and friction."""
         density = {}
         theta = []
-        described = dict(zip(self.atoms.bodies, self.atoms.described, strict=True))
+        described = dict(zip(self.regressor.bodies, self.regressor.described, strict=True))
         for name in self.structure.names:
             owner, _, kind = name.rpartition(".")
             part = density.setdefault(owner, self.rng.uniform(0.8, 1.25))
@@ -113,13 +111,13 @@ class Bench:
 
     def fit(self, tau):
         """Return base parameters and their covariance of torques, as `identify` finds them."""
-        plain, weighted = Gathered(1, self.atoms), Gathered(1, self.atoms)
+        plain, weighted = Gathered(1, self.regressor), Gathered(1, self.regressor)
         plain.squares[0] = weighted.squares[0] = (tau**2).sum(axis=0)
         for joint, part in enumerate(self.columns):
             plain.add(0, joint, np.column_stack((part, tau[:, joint])))
         plain.finish()
         theta, sigma = fitted(plain, [0], self.structure)
-        guess = Guess(self.atoms, self.structure.shape @ theta, sigma)
+        guess = Guess(self.regressor, self.structure.shape @ theta, sigma)
         off = np.stack([rows @ theta for rows in self.rows(self.columns)], axis=1) - tau
         weights = guess.weights(self.columns, off, np.ones(len(tau), dtype=bool))
         for joint, part in enumerate(self.columns):

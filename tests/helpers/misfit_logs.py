@@ -16,8 +16,8 @@ from helpers.oracles import ROBOTS
 from helpers.verdicts import with_bodies
 from robodyn.dynamics.regressor import INERTIAL, regressor
 from robodyn.identification.identify import identify
-from robodyn.identification.log import read_log
-from robodyn.identification.outcome import covariance
+from robodyn.identification.log.log import read_log
+from robodyn.identification.result import covariance
 from robodyn.scene.parts import Friction, Rotor
 from robodyn.scene.scene import Scene
 from robodyn.scene.uncertainty import Covariance

@@ -18,7 +18,7 @@ from helpers.example_robots import path_of
 from helpers.oracles import ROBOTS
 from robodyn.identification.faults.compare import evidence_of, load_body
 from robodyn.identification.faults.faults import OWN, explain
-from robodyn.identification.log import read_log
+from robodyn.identification.log.log import read_log
 from robodyn.scene.parts import Friction, Payload, Rotor
 from robodyn.scene.scene import Scene
 

@@ -9,7 +9,7 @@ import numpy as np
 
 import robodyn
 from robodyn.dynamics.regressor import INERTIAL
-from robodyn.identification.outcome import carriers
+from robodyn.identification.result import carriers
 from robodyn.loads import uncertain_figures
 from robodyn.loads.uncertain_figures import Figures
 from robodyn.loads.uncertainty import Pass, UncertaintyPass

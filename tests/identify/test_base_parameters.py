@@ -14,9 +14,7 @@ from helpers.sampled import sampled
 
 import robodyn
 from robodyn.dynamics.regressor import INERTIAL, regressor
-from robodyn.identification.base import base_of
-from robodyn.identification.householder import back_substituted, triangular
-from robodyn.identification.structural import random_rows, structural_base
+from robodyn.identification.parameters.base import base_of, random_rows, structural_base
 from robodyn.robot.load import load
 from robodyn.scene.parts import Friction
 from robodyn.scene.scene import Scene
@@ -111,7 +109,7 @@ def test_noise_free_estimates_are_exact():
     base = structural_base(model)
     found, rows = estimated(base, model, 60, np.random.default_rng(5))
     truth = base.values(found.theta)
-    factor = triangular(np.column_stack((rows, rows @ found.theta)))
+    factor = np.linalg.qr(np.column_stack((rows, rows @ found.theta)), mode="r")
     estimate = base.estimate(factor[:, :-1], factor[:, -1])
     assert worst(estimate.values, truth) <= 1e-12
     assert worst(base.estimate(rows, rows @ found.theta).values, truth) <= 1e-12
@@ -170,14 +168,3 @@ def test_no_rows_and_no_torque():
     assert base_of(np.zeros((4, 2)), names).rank == 0
     assert base_of(np.zeros((4, 2)), names).invisible == (0, 1)
     assert base_of(np.zeros((0, 2)), names).invisible == (0, 1)
-
-
-def test_householder():
-    rng = np.random.default_rng(10)
-    A = rng.normal(size=(9, 5))
-    R = triangular(A)
-    assert not np.tril(R, -1).any()
-    assert worst(R.T @ R, A.T @ A) <= 1e-14
-    assert worst(R @ back_substituted(R, np.eye(5)), np.eye(5)) <= 1e-13
-    assert triangular(A.T).shape == (5, 9)
-    assert not triangular(np.zeros((3, 2))).any()

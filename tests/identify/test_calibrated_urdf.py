@@ -14,8 +14,8 @@ from helpers.small_robots import joint, link, urdf
 from robodyn.checks.check import check_one
 from robodyn.checks.rule import Severity
 from robodyn.errors import InputError
-from robodyn.identification.calibrated_urdf import calibrated_urdf, lost_meshes
-from robodyn.identification.pseudo_inertia import parameters_of, pseudo_inertia
+from robodyn.identification.calibrated import calibrated_urdf, lost_meshes
+from robodyn.identification.parameters.prior import parameters_of, pseudo_inertia
 from robodyn.robot.load import assemble, load
 from robodyn.robot.masses.declared import declared
 from robodyn.robot.urdf.description import load_description

@@ -13,9 +13,16 @@ from helpers.small_robots import built, joint, link, random_tree
 
 import robodyn
 from robodyn.errors import InputError
-from robodyn.identification.consistent import BASIS, MARGIN, consistent_parameters, coordinates
-from robodyn.identification.prior import Prior, PriorBody, ellipsoid, prior_of
-from robodyn.identification.pseudo_inertia import divergence, parameters_of, pseudo_inertia
+from robodyn.identification.parameters.consistent import BASIS, MARGIN, consistent_parameters, coordinates
+from robodyn.identification.parameters.prior import (
+    Prior,
+    PriorBody,
+    divergence,
+    ellipsoid,
+    parameters_of,
+    prior_of,
+    pseudo_inertia,
+)
 from robodyn.solids.inertia.validity import Box
 
 NAMES = tuple(f"b.{part}" for part in ("m", "mx", "my", "mz", "Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz"))

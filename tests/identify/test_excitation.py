@@ -20,7 +20,7 @@ from robodyn.identification.excitation.excite import excite
 from robodyn.identification.excitation.fourier import Fourier
 from robodyn.identification.excitation.landscape import Landscape
 from robodyn.identification.excitation.programs import programs_of
-from robodyn.identification.structural import structural_base
+from robodyn.identification.parameters.base import structural_base
 from robodyn.robot.load import load
 from robodyn.scene.parts import ExternalWrench, Friction
 from robodyn.scene.scene import DEFAULT, Scene

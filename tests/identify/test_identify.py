@@ -11,11 +11,11 @@ from helpers.identified_logs import quintics, waves, write_log
 
 import robodyn
 from robodyn.dynamics.regressor import INERTIAL, regressor
-from robodyn.identification.atoms import Atoms
-from robodyn.identification.choose import joint_motors
-from robodyn.identification.gather import Gathered, Guess, gather
 from robodyn.identification.identify import identify
-from robodyn.identification.log import read_log
+from robodyn.identification.log.log import read_log
+from robodyn.identification.model_selection import joint_motors
+from robodyn.identification.parameters.qr_accumulation import Gathered, Guess, gather
+from robodyn.identification.parameters.regressor_columns import RegressorColumns
 from robodyn.scene.parts import CoupledMotor, Friction, Rotor, Spring
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.scene.uncertainty import Uncertainty, read_covariance
@@ -171,10 +171,10 @@ def test_what_is_kept_does_not_grow(tmp_path):
         path = tmp_path / f"{count}.csv"
         time = 0.01 * np.arange(count)
         model, _, _ = logged(path, SPATIAL, waves, DEFAULT, np.random.default_rng(6), noise=0.01, time=time)
-        atoms = Atoms(model, DEFAULT, range(model.n), joint_motors(model, np.ones(model.n)), 0.0)
-        guess = Guess(atoms, np.zeros(len(atoms.names)), np.ones(model.n))
-        plain, weighted = Gathered(2, atoms), Gathered(2, atoms)
-        gather(read_log(str(path), model), 2.0, atoms, (count / 200,), plain, weighted, guess)
+        regressor = RegressorColumns(model, DEFAULT, range(model.n), joint_motors(model, np.ones(model.n)), 0.0)
+        guess = Guess(regressor, np.zeros(len(regressor.names)), np.ones(model.n))
+        plain, weighted = Gathered(2, regressor), Gathered(2, regressor)
+        gather(read_log(str(path), model), 2.0, regressor, (count / 200,), plain, weighted, guess)
         plain.finish()
         weighted.finish()
         triangles = [each.R.nbytes for found in (plain, weighted) for fold in found.parts for each in fold]

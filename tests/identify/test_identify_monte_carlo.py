@@ -17,8 +17,8 @@ from helpers.oracles import ROBOTS
 import robodyn
 from robodyn.dynamics.regressor import regressor
 from robodyn.identification.identify import identify
-from robodyn.identification.log import read_log
-from robodyn.identification.outcome import covariance
+from robodyn.identification.log.log import read_log
+from robodyn.identification.result import covariance
 from robodyn.scene.parts import Friction
 from robodyn.scene.scene import Scene
 

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robodyn.identification.pseudo_inertia import divergence, parameters_of, pseudo_inertia
+from robodyn.identification.parameters.prior import divergence, parameters_of, pseudo_inertia
 
 EPS = np.finfo(float).eps
 

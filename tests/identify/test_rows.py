@@ -8,10 +8,9 @@ from helpers.command_line import ROBOTS
 
 import robodyn
 from robodyn.errors import TrajectoryError
-from robodyn.identification.filters import convolved, decimation, kernel, rates
-from robodyn.identification.log import read_log
-from robodyn.identification.noise_cutoff import noise_cutoff
-from robodyn.identification.rows import filtered, states
+from robodyn.identification.log.log import read_log
+from robodyn.identification.log.rows import convolved, decimation, filtered, kernel, rates, states
+from robodyn.identification.log.torques import noise_cutoff
 
 ARM = ROBOTS / "two_link_planar.urdf"
 STEP = 0.004
@@ -68,7 +67,7 @@ def test_blocks_change_nothing(noise, tmp_path, monkeypatch):
     log = read_log(write(tmp_path / "log.csv", time, q, np.cos(swing(time))), robodyn.load(ARM), cutoff=12.0)
     assert log.noisy == bool(noise)
     whole = [np.concatenate(parts) for parts in zip(*filtered(log, 12.0, lambda s: s.qdd), strict=True)]
-    monkeypatch.setattr("robodyn.identification.rows._ROWS", 100)
+    monkeypatch.setattr("robodyn.identification.log.rows._ROWS", 100)
     parts = [np.concatenate(parts) for parts in zip(*filtered(log, 12.0, lambda s: s.qdd), strict=True)]
     for one, other in zip(whole, parts, strict=True):
         np.testing.assert_allclose(one, other, atol=1e-12 * np.abs(one).max())

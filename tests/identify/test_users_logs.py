@@ -14,7 +14,7 @@ from helpers.command_line import ROBOTS, run
 
 import robodyn
 from robodyn import Friction, Scene
-from robodyn.identification.identified import Errors, Identified
+from robodyn.identification.result import Errors, Identified
 
 DATA = Path(__file__).parents[1] / "data" / "tx40_log"
 TX40 = str(DATA / "tx40.urdf")

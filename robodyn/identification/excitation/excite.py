@@ -11,7 +11,6 @@ from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.plan import plan
 from robodyn.dynamics.regressor import regressor
 from robodyn.errors import InputError
-from robodyn.identification.base import Base
 from robodyn.identification.excitation.bounds import Bounds, bounds_of
 from robodyn.identification.excitation.fourier import Fourier
 from robodyn.identification.excitation.landscape import Landscape
@@ -19,8 +18,7 @@ from robodyn.identification.excitation.motion import PERIOD_SAMPLES, Motion, sin
 from robodyn.identification.excitation.programs import programs_of
 from robodyn.identification.excitation.result import Excitation, Information, JointSwing
 from robodyn.identification.excitation.search import on_grid, search
-from robodyn.identification.householder import triangular
-from robodyn.identification.structural import structural_base
+from robodyn.identification.parameters.base import Base, structural_base
 from robodyn.robot.model import Model
 from robodyn.scene.fit import refuse_constraints, refuse_load
 from robodyn.scene.scene import DEFAULT, Scene
@@ -142,7 +140,7 @@ def _random_rows(model: Model, scene: Scene, bounds: Bounds) -> tuple[Floats, Fl
     tau = einsum("tip,p->ti", found.Y, found.theta) + found.rest
     if not (np.isfinite(tau).all() and np.abs(found.Y).max(initial=0.0) < LARGEST):
         raise InputError("the torques of such motions are beyond all numbers", remedy="check gravity and limits")
-    return triangular(found.Y.reshape(-1, len(found.names))), np.sqrt((tau * tau).mean(axis=0))
+    return _triangle(found.Y.reshape(-1, len(found.names))), np.sqrt((tau * tau).mean(axis=0))
 
 
 def _theta(model: Model, scene: Scene) -> Floats:
@@ -175,11 +173,11 @@ def _information(model: Model, scene: Scene, base: Base, motion: Motion, deviati
     """Return what a motion tells, as if its rows were so many."""
     samples = min(rows, PERIOD_SAMPLES * motion.series.harmonics)
     Y = regressor(model, *motion.at(motion.series.even(samples)), scene=scene, executor="numpy").Y
-    R = triangular((Y / deviations[:, None]).reshape(-1, len(base.names)) * np.sqrt(rows / samples))
+    R = _triangle((Y / deviations[:, None]).reshape(-1, len(base.names)) * np.sqrt(rows / samples))
     shown = base.within(R, _APART)
     if shown.rank < base.rank:
         return Information(shown.rank, np.inf, -np.inf, np.full(base.rank, np.inf))
-    diagonal = einsum("ii->i", triangular(R[:, base.independent]))
+    diagonal = np.diagonal(_triangle(R[:, base.independent]))
     errors = base.estimate(R, np.zeros(len(R))).standard_errors
     return Information(base.rank, shown.condition, 2.0 * float(np.log(np.abs(diagonal)).sum()), errors)
 
@@ -215,3 +213,7 @@ def _swings(model: Model, bounds: Bounds, found: Motion, deviations: Floats) -> 
             )
         )
     return tuple(out)
+
+
+def _triangle(rows: Floats) -> Floats:
+    return np.asarray(np.linalg.qr(rows, mode="r"))

@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.identification.base import Base
 from robodyn.identification.excitation.fourier import Fourier
+from robodyn.identification.parameters.base import Base
 from robodyn.robot.model import Model
 from robodyn.support.floats import Floats
 

@@ -21,10 +21,8 @@ from robodyn.dynamics.regressor import INERTIAL, regressor
 from robodyn.errors import TrajectoryError
 from robodyn.identification.faults.channels import Channels, channels, rerouted
 from robodyn.identification.faults.faults import OWN, VISCOUS, Evidence, Explained, Fault, explain, rms
-from robodyn.identification.log import Log, read_log
-from robodyn.identification.log_scan import REMEDY
-from robodyn.identification.rows import filtered
-from robodyn.identification.samples import Samples
+from robodyn.identification.log.log import REMEDY, Log, Samples, read_log
+from robodyn.identification.log.rows import filtered
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats

@@ -23,7 +23,7 @@ from robodyn.dynamics.uncertain_parameters import variations
 from robodyn.dynamics.varied_loads import derivative_runner
 from robodyn.equations.dae.dae import dae_at
 from robodyn.errors import SceneError
-from robodyn.identification.calibrated_scene import calibrated, friction_toml
+from robodyn.identification.calibrated import calibrated, friction_toml
 from robodyn.loads.torques import torques
 from robodyn.scene.parts import CoupledMotor, Friction, Loop, Motor, Rotor
 from robodyn.scene.read import parse_scene

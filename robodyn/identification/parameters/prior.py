@@ -6,16 +6,23 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from robodyn.dynamics.regressor import INERTIAL
-from robodyn.identification.pseudo_inertia import pseudo_inertia
-from robodyn.identification.shape_boxes import body_boxes
+from robodyn.errors import MeshError
 from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import length, product
+from robodyn.robot.load import placement
+from robodyn.robot.masses.shapes import mesh_file
 from robodyn.robot.model import Model
+from robodyn.robot.urdf.geometry import Shape, link_shapes, missing_mesh
+from robodyn.robot.urdf.parts import Description
 from robodyn.solids.inertia.laws import Inertia, inertia_matrix, parallel_axis, second_moments, symmetric
-from robodyn.solids.inertia.validity import Box
+from robodyn.solids.inertia.validity import Box, around, half_size
+from robodyn.solids.mesh.read.load import load_triangles
+from robodyn.solids.mesh.triangles import scaled
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 from robodyn.support.wording import listed, shown
 
 _FLAT = 1e-6
@@ -149,3 +156,106 @@ def _sizes(model: Model, boxes: Mapping[str, Box]) -> dict[str, float]:
         k = model.links[name].body
         sizes[k] = max(sizes[k], float(np.abs(box).max()))
     return {body.name: size or length(body.joint.p) or 1.0 for body, size in zip(model.bodies, sizes, strict=True)}
+
+
+def _map() -> Floats:
+    """Return (10, 4, 4): the pseudo-inertia of each parameter alone, in the order of the regressor."""
+    P = np.zeros((10, 4, 4))
+    P[0, 3, 3] = 1.0
+    for i in range(3):
+        P[1 + i, i, 3] = P[1 + i, 3, i] = 1.0
+    for k, (i, j) in zip(range(4, 10), ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)), strict=True):
+        if i == j:
+            P[k, :3, :3] = 0.5 * np.eye(3)
+            P[k, i, i] = -0.5
+        else:
+            P[k, i, j] = P[k, j, i] = -1.0
+    return P
+
+
+_OF_PARAMETERS = _map()
+
+
+def pseudo_inertia(parameters: ArrayLike) -> Floats:
+    """P = [[S, m c], [m c^T, m]] with S = tr(I) / 2 1 - I, the integral of (x, 1) (x, 1)^T dm about the frame's origin.
+
+    P is positive definite if and only if some body of positive density has these parameters: mass positive, principal
+    moments about the centre of mass positive and within the triangle inequality (Wensing, Kim, Slotine 2018).
+
+    Args:
+        parameters: (..., 10) m, m c, and Ixx Ixy Ixz Iyy Iyz Izz about the origin [kg, kg m, kg m^2].
+
+    Returns:
+        (..., 4, 4).
+
+    Accuracy: each entry within 2 eps of the largest of its kind; `parameters_of` undoes it likewise.
+    """
+    P: Floats = einsum("...k,kij->...ij", np.asarray(parameters, dtype=float), _OF_PARAMETERS)
+    return P
+
+
+def parameters_of(P: ArrayLike) -> Floats:
+    """Return the ten parameters (..., 10) of pseudo-inertias (..., 4, 4), I = tr(S) 1 - S; undoes `pseudo_inertia`."""
+    P = np.asarray(P, dtype=float)
+    xx, yy, zz = P[..., 0, 0], P[..., 1, 1], P[..., 2, 2]
+    first = (P[..., 3, 3], P[..., 0, 3], P[..., 1, 3], P[..., 2, 3])
+    moments = (yy + zz, -P[..., 0, 1], -P[..., 0, 2], xx + zz, -P[..., 1, 2], xx + yy)
+    return np.stack((*first, *moments), axis=-1)
+
+
+def divergence(P: Floats, P0: Floats) -> Floats:
+    """D(P || P0) = tr(P0^-1 P) - log det(P0^-1 P) - 4, zero for P = P0 alone (Lee, Wensing, Park 2020).
+
+    It does not depend on units, axes or origin: D(T P T^T || T P0 T^T) = D(P || P0).
+
+    Args:
+        P, P0: (..., 4, 4) positive definite.
+    """
+    L = np.linalg.cholesky(P0)
+    half = np.linalg.solve(L, P)
+    values = np.linalg.eigvalsh(np.linalg.solve(L, np.swapaxes(half, -1, -2)))
+    found: Floats = np.sum(values - 1.0 - np.log(values), axis=-1)
+    return found
+
+
+def body_boxes(model: Model) -> tuple[dict[str, Box], tuple[str, ...]]:
+    """Return a box around all shapes of each body that has some, along the axes of its frame, and notes.
+
+    The shapes, visual and collision, of all links of a body count. Where one cannot be read the body has no box, since
+    the others do not bound it; which is noted.
+    """
+    description = model.description
+    assert description is not None, "models are made of descriptions"
+    found: dict[int, list[Box]] = {}
+    unread: dict[int, str] = {}
+    for link, frame in model.links.items():
+        shapes = link_shapes(description, link)
+        try:
+            boxes = [_box(description, shape).placed(frame.R, frame.p) for shape in shapes]
+        except MeshError as error:
+            unread[frame.body] = error.sentence
+            continue
+        found.setdefault(frame.body, []).extend(boxes)
+    named = {model.bodies[body].name: around(boxes) for body, boxes in found.items() if boxes and body not in unread}
+    notes = (f"shapes do not bound body {shown(model.bodies[body].name)}: {why}" for body, why in unread.items())
+    return {name: box for name, box in named.items() if (box.hi > box.lo).any()}, tuple(notes)
+
+
+def _box(description: Description, shape: Shape) -> Box:
+    """Return the box around a shape, along the axes of its link.
+
+    Raises:
+        MeshError: the mesh is not found, cannot be read, or may not be the whole.
+    """
+    geometry, file = shape.geometry, mesh_file(shape)
+    if shape.missing:
+        raise MeshError(missing_mesh(description, geometry).what)
+    if file is None:
+        half = half_size(geometry.shape, geometry.size)
+        return Box(-half, half).placed(*placement(geometry.origin))
+    triangles = scaled(load_triangles(file[0]), file[1])
+    if triangles.warnings:
+        raise MeshError(triangles.warnings[0])
+    ends = [end for block in triangles.blocks() for end in (block.min(axis=(0, 1)), block.max(axis=(0, 1)))]
+    corners = np.array(ends, dtype=float) * triangles.scale
+    return Box(corners.min(axis=0), corners.max(axis=0)).placed(*placement(geometry.origin))

@@ -8,11 +8,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.identification.consistent import consistent_parameters
-from robodyn.identification.gather import Gathered
-from robodyn.identification.motors import PLAIN, Motor, Shape
-from robodyn.identification.prior import Prior
-from robodyn.identification.structure import (
+from robodyn.identification.parameters.consistent import consistent_parameters
+from robodyn.identification.parameters.prior import Prior
+from robodyn.identification.parameters.qr_accumulation import Gathered
+from robodyn.identification.parameters.regressor_columns import PLAIN, Motor, Shape
+from robodyn.identification.parameters.structure import (
     Structure,
     counts,
     fitted,
@@ -87,8 +87,8 @@ def coupled(gathered: Gathered, folds: Sequence[int], plain: Structure) -> list[
     _, sigma = fitted(gathered, folds, plain)
     before = np.maximum(left_out(gathered, folds, plain, sigma), 1e-300)
     ranked = []
-    measured = plain.atoms.measured
-    for k, motor in enumerate(plain.atoms.motors):
+    measured = plain.regressor.measured
+    for k, motor in enumerate(plain.regressor.motors):
         if k not in plain.shapes:
             other = plain.reshaped({k: PLAIN})
             joints = [place for place, j in enumerate(measured) if motor.direction[j]]
@@ -96,7 +96,7 @@ def coupled(gathered: Gathered, folds: Sequence[int], plain: Structure) -> list[
             if part < _COUPLED and _resists(gathered, folds, other, motor, sigma):
                 ranked.append((part, motor))
     found: list[tuple[Motor, float]] = []
-    taken = np.zeros(plain.atoms.model.n)
+    taken = np.zeros(plain.regressor.model.n)
     for part, motor in sorted(ranked, key=lambda pair: pair[0]):
         if not (taken * motor.direction).any():
             found.append((motor, part))
@@ -114,7 +114,7 @@ def with_stribeck(gathered: Gathered, folds: Sequence[int], plain: Structure) ->
     """Return the structure with Stribeck's excess of those motors whose joint it explains, each at its best speed."""
     tried = []
     for step in range(1, len(SPEEDS) + 1):
-        motors = ((k, plain.atoms.motors[k].stribeck) for k in plain.shapes)
+        motors = ((k, plain.regressor.motors[k].stribeck) for k in plain.shapes)
         tried.append(
             {k: replace(plain.shapes[k], stribeck=speeds[-step]) for k, speeds in motors if step <= len(speeds)}
         )
@@ -123,7 +123,7 @@ def with_stribeck(gathered: Gathered, folds: Sequence[int], plain: Structure) ->
 
 def with_load(gathered: Gathered, folds: Sequence[int], plain: Structure) -> Structure:
     """Return the structure with friction that grows with load in those motors whose joint it explains."""
-    loaded = {k: replace(shape, load=True) for k, shape in plain.shapes.items() if plain.atoms.motors[k].loaded}
+    loaded = {k: replace(shape, load=True) for k, shape in plain.shapes.items() if plain.regressor.motors[k].loaded}
     return _best(gathered, folds, plain, [loaded])
 
 
@@ -136,7 +136,7 @@ def with_possible_loads(structure: Structure, theta: Floats) -> Structure:
     found = dict(zip(structure.names, theta.tolist(), strict=True))
     shapes = structure.shapes.items()
     wrong = [
-        k for k, shape in shapes if shape.load and not 0.0 < found[f"{structure.atoms.motors[k].name}.load"] < _MOST
+        k for k, shape in shapes if shape.load and not 0.0 < found[f"{structure.regressor.motors[k].name}.load"] < _MOST
     ]
     return structure.reshaped({k: replace(structure.shapes[k], load=False) for k in wrong})
 
@@ -146,12 +146,12 @@ def _best(gathered: Gathered, folds: Sequence[int], plain: Structure, tried: Seq
     _, sigma = fitted(gathered, folds, plain)
     best = {k: (1.0, shape) for k, shape in plain.shapes.items()}
     before = np.maximum(left_out(gathered, folds, plain, sigma), 1e-300)
-    places = {j: place for place, j in enumerate(plain.atoms.measured)}
+    places = {j: place for place, j in enumerate(plain.regressor.measured)}
     worth = np.minimum(_WORTH, 1.0 - _CHANCE / np.maximum(counts(gathered, folds), 1.0))
     for shapes in tried:
         ratio = left_out(gathered, folds, plain.reshaped(shapes), sigma) / before
         for k, shape in shapes.items():
-            own = [places[int(j)] for j in np.flatnonzero(plain.atoms.motors[k].direction) if int(j) in places]
+            own = [places[int(j)] for j in np.flatnonzero(plain.regressor.motors[k].direction) if int(j) in places]
             if own and ratio[own[-1]] < min(float(worth[own[-1]]), best[k][0]):
                 best[k] = float(ratio[own[-1]]), shape
     return plain.reshaped({k: shape for k, (_, shape) in best.items()})

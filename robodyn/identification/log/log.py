@@ -6,15 +6,12 @@ import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from robodyn.errors import TrajectoryError
-from robodyn.identification.log_scan import GAP, SIGHT, Scan, measured_torques
-from robodyn.identification.noise_cutoff import noise_cutoff
-from robodyn.identification.samples import Grid, Samples
-from robodyn.identification.spikes import clipping, limits, mended, noise_of, step_of
+from robodyn.identification.log.torques import clipping, limits, mended, noise_cutoff, noise_of, step_of
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.caveats import Caveat
@@ -201,3 +198,150 @@ def _noise(block: Trajectory) -> float:
     rows = slice(0, _NOISE)
     time, q = block.time[rows], block.q[rows]
     return max(estimate([(time, column, column)]).sigma for column in np.split(q, q.shape[1], axis=1))
+
+
+GAP = 4.5
+"""So many steps without a row part a log in stretches."""
+_EVEN = 1e-3
+"""Stamps that are off an even grid by less than this part of a step are taken for even."""
+_FEWEST = 64
+"""Rows up to which nothing is compared."""
+SIGHT = 1 << 17
+"""Samples from whose torques the noise is told."""
+REMEDY = "is it the right log, and are torques recorded?"
+
+
+class Scan:
+    """What a first pass over a log tells, in memory that does not grow with it.
+
+    Attributes:
+        seen: the first blocks; last: the last one; rows: of the table.
+    """
+
+    def __init__(self, model: Model) -> None:
+        self.model, self.rows = model, 0
+        self.seen: list[Trajectory] = []
+        self.last: Trajectory
+        self._low, self._high = np.full(model.n, np.inf), np.full(model.n, -np.inf)
+        self._typical, self._steps = 0.0, (0, 0.0, np.inf, 0.0)
+
+    def add(self, block: Trajectory) -> None:
+        """Take in the next block."""
+        steps = np.diff(block.time, prepend=self.last.time[-1]) if self.rows else np.diff(block.time)
+        if not self.rows and len(steps):
+            self._typical = float(np.median(steps))
+        near = steps[steps < GAP * self._typical]
+        count, total, least, most = self._steps
+        shortest, longest = float(near.min(initial=least)), float(near.max(initial=most))
+        self._steps = count + len(near), total + float(near.sum()), shortest, longest
+        tau = measured_torques(block, self.model)
+        self._low, self._high = np.minimum(self._low, tau.min(axis=0)), np.maximum(self._high, tau.max(axis=0))
+        self.rows, self.last = self.rows + len(block), block
+        if sum(map(len, self.seen)) < SIGHT:
+            self.seen.append(block)
+
+    def measured(self, path: str) -> tuple[tuple[int, ...], tuple[int, ...]]:
+        """Return which torques are measured, as places in the rates, and which of the columns never change."""
+        there = [i for i, name in enumerate(self.model.rates) if f"tau_{name}" in self.last.extra]
+        if not there:
+            what = "gives no torque of a joint: no column tau_<joint> and no effort"
+            raise TrajectoryError(what, remedy="name one by --map tau_JOINT=COLUMN", file=path)
+        varying = tuple(i for i in there if self._high[i] > self._low[i])
+        if not varying:
+            raise TrajectoryError("no measured torque ever changes: nothing was measured", remedy=REMEDY, file=path)
+        return varying, tuple(i for i in there if i not in varying)
+
+    def grid(self, path: str) -> tuple[float, bool]:
+        """Return the mean step where there is no gap [s], and whether all such steps are alike."""
+        if self.rows <= _FEWEST:
+            raise TrajectoryError(
+                f"has {self.rows} rows, too few to compare", remedy=f"give more than {_FEWEST}", file=path
+            )
+        count, total, least, most = self._steps
+        step = total / count
+        return step, max(step - least, most - step) < _EVEN * step
+
+
+def measured_torques(block: Trajectory, model: Model) -> Floats:
+    """Return (k, n) the measured torques of a block of a log, zero where nothing is measured [N m]."""
+    zero = np.zeros(len(block))
+    return np.stack([block.extra.get(f"tau_{name}", zero) for name in model.rates], axis=1)
+
+
+_HALO = 8
+"""Rows on either side that an interpolated value sees."""
+
+
+class Samples(NamedTuple):
+    """Consecutive samples on an even grid.
+
+    Attributes:
+        time: (k,) s; q: (k, nq); qd, qdd: (k, n).
+        tau: (k, n) N m, zero of joints that are not measured, NaN where a torque is left out.
+        begins: whether a stretch begins with them.
+    """
+
+    time: Floats
+    q: Floats
+    qd: Floats
+    qdd: Floats
+    tau: Floats
+    begins: bool
+
+    def cut(self, rows: slice, begins: bool) -> Samples:
+        """Return some of the samples."""
+        return Samples(self.time[rows], self.q[rows], self.qd[rows], self.qdd[rows], self.tau[rows], begins)
+
+
+def joined(first: Samples, second: Samples) -> Samples:
+    """Return consecutive samples as one."""
+    time, q, qd, qdd, tau = (
+        np.concatenate([getattr(part, name) for part in (first, second)]) for name in Samples._fields[:-1]
+    )
+    return Samples(time, q, qd, qdd, tau, first.begins)
+
+
+class Grid:
+    """Puts rows with uneven stamps onto an even grid: motion by cubic splines, torques by straight lines.
+
+    Torques that are logged `delays` (n,) late [s] are put where they belong.
+    """
+
+    def __init__(self, step: float, delays: Floats) -> None:
+        self._step, self._next, self._begins = step, 0.0, True
+        self._delays = delays
+        self._halo = _HALO + int(np.ceil(np.abs(delays).max(initial=0.0) / step))
+        self._rows: Samples | None = None
+
+    def feed(self, part: Samples) -> Iterator[Samples]:
+        """Yield the samples up to some rows before the end of a part."""
+        if part.begins:
+            yield from self.finish()
+            self._rows, self._next, self._begins = None, float(part.time[0]), True
+        rows = part if self._rows is None else joined(self._rows, part)
+        self._rows = rows
+        if len(rows.time) > self._halo:
+            yield from self._until(float(rows.time[-self._halo]))
+            first = max(0, int(np.searchsorted(rows.time, self._next)) - self._halo)
+            self._rows = rows.cut(slice(first, None), False)
+
+    def finish(self) -> Iterator[Samples]:
+        """Yield what is left of a stretch."""
+        if self._rows is not None:
+            yield from self._until(float(self._rows.time[-1]))
+
+    def _until(self, stop: float) -> Iterator[Samples]:
+        from scipy.interpolate import CubicSpline
+
+        rows = self._rows
+        count = int(np.floor((stop - self._next) / self._step * (1.0 + 1e-12))) + 1
+        if rows is None or count < 1 or len(rows.time) < 4:
+            return
+        time: Floats = np.asarray(self._next + self._step * np.arange(count))
+        motion = CubicSpline(rows.time, np.concatenate([rows.q, rows.qd, rows.qdd], axis=1))(time)
+        q, qd, qdd = np.split(motion, [rows.q.shape[1], rows.q.shape[1] + rows.qd.shape[1]], axis=1)
+        late = zip(self._delays.tolist(), rows.tau.T, strict=True)
+        outside = {True: np.nan, False: None}
+        tau = [np.interp(time + d, rows.time, of, outside[d != 0.0], outside[d != 0.0]) for d, of in late]
+        yield Samples(time, q, qd, qdd, np.stack(tau, axis=1), self._begins)
+        self._next, self._begins = float(time[-1]) + self._step, False

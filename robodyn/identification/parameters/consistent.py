@@ -9,8 +9,7 @@ import numpy as np
 
 from robodyn.dynamics.regressor import INERTIAL
 from robodyn.errors import InputError
-from robodyn.identification.prior import Prior
-from robodyn.identification.pseudo_inertia import divergence, parameters_of, pseudo_inertia
+from robodyn.identification.parameters.prior import Prior, divergence, parameters_of, pseudo_inertia
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
 

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from robodyn.identification.atoms import Atoms
-from robodyn.identification.base import shown
-from robodyn.identification.gather import Gathered
-from robodyn.identification.motors import Shape
-from robodyn.identification.triangle import stacked
+from robodyn.identification.parameters.base import Base, shown
+from robodyn.identification.parameters.qr_accumulation import LAGS, Gathered, Moments, stacked
+from robodyn.identification.parameters.regressor_columns import RegressorColumns, Shape
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 _RIDGE = 1e-4
 """Of a column's length: what is shown by less is left where it is in comparisons."""
@@ -23,31 +23,31 @@ _LEAST = 1e-13
 
 @dataclass(frozen=True, eq=False)
 class Structure:
-    """Parameters as sums of atoms.
+    """Parameters as sums of regressor.
 
     Attributes:
-        atoms: the columns; shapes: of each motor that counts, by its place, how it is modelled.
+        regressor: the columns; shapes: of each motor that counts, by its place, how it is modelled.
     """
 
-    atoms: Atoms
+    regressor: RegressorColumns
     shapes: dict[int, Shape]
 
     @property
     def names(self) -> tuple[str, ...]:
         """(p,) of the parameters: those of bodies, then of motors (`motors.PARAMETERS`)."""
-        motors = (shape.names(self.atoms.motors[k]) for k, shape in self.shapes.items())
-        return (*self.atoms.bodies, *(name for names in motors for name in names))
+        motors = (shape.names(self.regressor.motors[k]) for k, shape in self.shapes.items())
+        return (*self.regressor.bodies, *(name for names in motors for name in names))
 
     @property
     def shape(self) -> Floats:
-        """(a, p): which sums of atoms the parameters stand for."""
-        bodies = len(self.atoms.bodies)
-        found = np.zeros((len(self.atoms.names), len(self.names)))
+        """(a, p): which sums of regressor the parameters stand for."""
+        bodies = len(self.regressor.bodies)
+        found = np.zeros((len(self.regressor.names), len(self.names)))
         found[np.arange(bodies), np.arange(bodies)] = 1.0
-        starts = np.cumsum([bodies, *(len(motor.atoms) for motor in self.atoms.motors)])
+        starts = np.cumsum([bodies, *(len(motor.column_names) for motor in self.regressor.motors)])
         column = bodies
         for k, shape in self.shapes.items():
-            part = shape.matrix(self.atoms.motors[k])
+            part = shape.matrix(self.regressor.motors[k])
             found[starts[k] : starts[k + 1], column : column + part.shape[1]] = part
             column += part.shape[1]
         return found
@@ -92,7 +92,7 @@ def whole_system(parts: list[Floats], names: Sequence[str]) -> tuple[Floats, Flo
 def _of_fold(gathered: Gathered, fold: int, structure: Structure, sigma: Floats) -> Floats:
     """Return the triangular factor of [columns of the parameters, torques] of all joints of a fold, weighted."""
     shape, rows = structure.shape, []
-    for used, triangle, scale in zip(structure.atoms.used, gathered.parts[fold], sigma, strict=True):
+    for used, triangle, scale in zip(structure.regressor.used, gathered.parts[fold], sigma, strict=True):
         own = triangle.R[:, :-1] @ shape[used]
         rows.append(np.concatenate([own, triangle.R[:, -1:]], axis=1) / scale)
     return stacked(rows)
@@ -102,7 +102,7 @@ def squares(gathered: Gathered, fold: int, structure: Structure, theta: Floats) 
     """Return (joints,) the sums of squares of the residuals of a fold [N^2 m^2]."""
     values = structure.shape @ theta
     found = []
-    for used, triangle in zip(structure.atoms.used, gathered.parts[fold], strict=True):
+    for used, triangle in zip(structure.regressor.used, gathered.parts[fold], strict=True):
         off = triangle.R[:, :-1] @ values[used] - triangle.R[:, -1]
         found.append(float(off @ off))
     return np.array(found)
@@ -144,3 +144,80 @@ def left_out(gathered: Gathered, folds: Sequence[int], structure: Structure, sig
     rest = without_one(gathered, folds, structure, sigma)
     parts = [squares(gathered, fold, structure, least_squares(*each)) for fold, each in zip(folds, rest, strict=True)]
     return np.asarray(sum(parts))
+
+
+def covariance(moments: Moments, structure: Structure, base: Base, R: Floats, sigma: Floats) -> Floats:
+    """Return (r, r) the covariance of base parameters that were fitted to rows with weights 1 / sigma.
+
+    T W T^T with T^T R^T R T = 1 of the columns of the base and W = sum over joints and lags of rho_lag w_lag C_lag:
+    residuals of a joint are taken for stationary, so that their correlation rho at each lag, tapered by Parzen's w,
+    meets the sums C of products of columns at that lag (in coordinates in which the columns are orthonormal).
+    Residuals are smaller than the noise and of another colour, for a part of it was fitted: rho solves the linear
+    equations of what is expected of their products, to the first order (Newey and West 1987 do without).
+
+    Args:
+        R: (k, p) weighted rows of the structure's parameters. sigma: (joints,) of the residuals [N m].
+    """
+    A = R[:, base.independent]
+    lengths = np.sqrt(einsum("ij,ij->j", A, A))
+    _, size, axes = np.linalg.svd(A / lengths, full_matrices=False)
+    inverse = axes.T / size / lengths[:, None]
+    shape = structure.shape[:, base.independent] @ inverse
+    C = [
+        _symmetric(einsum("ar,lab,bs->lrs", own, sums, own, optimize=True))
+        for own, sums in zip(
+            (shape[used] / scale for used, scale in zip(structure.regressor.used, sigma, strict=True)),
+            moments.columns,
+            strict=True,
+        )
+    ]
+    rho, n = _correlations(moments), moments.count
+    W = _meat(C, rho)
+    for j, own in enumerate(C):
+        expected = np.diag(n - np.arange(LAGS + 1.0)) - 2.0 * _lost(einsum("lrr->l", own)) * _taper()
+        left = rho[:, j] * (n - np.arange(LAGS + 1.0)) - einsum("lrs,rs->l", own[: LAGS + 1], W)
+        rho[:, j] = np.linalg.solve(expected, left)
+    values, axes = np.linalg.eigh(_meat(C, rho))
+    low, high = _spectrum(rho)
+    half = inverse @ axes * np.sqrt(np.clip(values, low, high))
+    return np.asarray(half @ half.T)
+
+
+def _symmetric(C: Floats) -> Floats:
+    return np.asarray((C + C.swapaxes(1, 2)) / 2.0)
+
+
+def _correlations(moments: Moments) -> Floats:
+    """Return (LAGS + 1, joints) the mean products of residuals, as they are, in parts of those at lag 0."""
+    first = np.where(moments.residuals[0] > 0.0, moments.residuals[0], 1.0)
+    rows = moments.count - np.arange(LAGS + 1.0)[:, None]
+    return np.asarray(moments.residuals / first * moments.count / np.maximum(rows, 1.0))
+
+
+def _taper() -> NDArray[np.float64]:
+    x = np.arange(LAGS + 1) / (LAGS + 1.0)
+    return np.where(x < 0.5, 1.0 - 6.0 * x * x * (1.0 - x), 2.0 * (1.0 - x) ** 3)
+
+
+def _both() -> NDArray[np.float64]:
+    """Return how often each lag counts, forwards and backwards, times its taper."""
+    return np.where(np.arange(LAGS + 1) > 0, 2.0, 1.0) * _taper()
+
+
+def _meat(C: Sequence[Floats], rho: Floats) -> Floats:
+    parts = [einsum("l,lrs->rs", _both() * rho[:, j], own[: LAGS + 1]) for j, own in enumerate(C)]
+    return np.asarray(np.sum(parts, axis=0))
+
+
+def _lost(traces: Floats) -> Floats:
+    """Return (LAGS + 1, LAGS + 1) how much of the correlation at one lag was fitted from the products at another."""
+    lag = np.arange(LAGS + 1)
+    half = np.where(lag > 0, 1.0, 0.5)
+    return np.asarray((traces[lag[:, None] + lag] + traces[np.abs(lag[:, None] - lag)]) * half)
+
+
+def _spectrum(rho: Floats) -> tuple[float, float]:
+    """Return the least and the largest power of all joints' residuals, between which W lies but for rounding."""
+    angles = np.linspace(0.0, np.pi, 8 * LAGS)
+    power = np.cos(np.outer(angles, np.arange(LAGS + 1))) @ (_both()[:, None] * rho)
+    return max(float(power.min()), 0.0), max(float(power.max()), 0.0)

@@ -11,19 +11,15 @@ import numpy as np
 from robodyn.dynamics.effects.motors import spins
 from robodyn.dynamics.regressor import INERTIAL
 from robodyn.errors import InputError
-from robodyn.identification.atoms import Atoms
-from robodyn.identification.choose import coupled, coupled_motors, joint_motors, scene_motors, with_speeds
 from robodyn.identification.faults.channels import magnitudes, told
-from robodyn.identification.filters import kernel, rates
-from robodyn.identification.gather import Gathered, Guess, gather
-from robodyn.identification.installation import CLEAR, Raw
-from robodyn.identification.log import Log
-from robodyn.identification.misread_positions import misread
-from robodyn.identification.moments import Moments
-from robodyn.identification.motors import PLAIN, Motor
-from robodyn.identification.refusals import check_files, check_rows, check_size
-from robodyn.identification.rows import POSITIONS, states
-from robodyn.identification.structure import Structure, fitted
+from robodyn.identification.faults.installation import CLEAR, Raw, misread
+from robodyn.identification.log.log import Log
+from robodyn.identification.log.rows import PERIODS, POSITIONS, kernel, rates, states
+from robodyn.identification.model_selection import coupled, coupled_motors, joint_motors, scene_motors, with_speeds
+from robodyn.identification.parameters.base import base_of
+from robodyn.identification.parameters.qr_accumulation import Gathered, Guess, Moments, gather
+from robodyn.identification.parameters.regressor_columns import PLAIN, Motor, RegressorColumns
+from robodyn.identification.parameters.structure import Structure, counts, fitted, system
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.caveats import WrongUnits
@@ -65,11 +61,11 @@ class Run:
         """Return the run through logs whose torques are (n,) late [s]."""
         return replace(self, logs=tuple(replace(log, delays=delays) for log in self.logs))
 
-    def gathered(self, atoms: Atoms, guess: Guess | None = None) -> tuple[Gathered, Gathered]:
+    def gathered(self, regressor: RegressorColumns, guess: Guess | None = None) -> tuple[Gathered, Gathered]:
         """Return the factors of one pass over all logs, and the weighted ones."""
-        plain, weighted = Gathered(FOLDS + 1, atoms), Gathered(FOLDS + 1, atoms)
+        plain, weighted = Gathered(FOLDS + 1, regressor), Gathered(FOLDS + 1, regressor)
         for log, edges in zip(self.logs, self.edges, strict=True):
-            gather(log, self.cutoff, atoms, edges, plain, weighted, guess)
+            gather(log, self.cutoff, regressor, edges, plain, weighted, guess)
         plain.finish()
         weighted.finish()
         return plain, weighted
@@ -128,7 +124,7 @@ class First(NamedTuple):
 
     Attributes:
         motors: that count; coupled: what those of several joints leave of the squares.
-        values: by atom; sigma: (joints,) of residuals [N m].
+        values: by column; sigma: (joints,) of residuals [N m].
         faults: of the logs, for which nothing is written.
         caveats: of how gravity points, a line.
         run: through the logs, with torques where they belong.
@@ -154,22 +150,22 @@ def first_fit(run: Run) -> First:
         if (names.index(name) in run.measured if name in names else name in given or each.scale > slow)
     ]
     bare = [replace(motor, stribeck=()) for motor in motors]
-    atoms = Atoms(run.model, run.scene, run.measured, bare, run.slip_speed)
-    raw = Raw(run.fitted, run.cutoff, atoms, [edges[-1] for edges in run.edges if np.isfinite(edges[-1])])
-    plain, _ = run.gathered(atoms)
+    regressor = RegressorColumns(run.model, run.scene, run.measured, bare, run.slip_speed)
+    raw = Raw(run.fitted, run.cutoff, regressor, [edges[-1] for edges in run.edges if np.isfinite(edges[-1])])
+    plain, _ = run.gathered(regressor)
     joints = [k for k, motor in enumerate(motors) if motor.name in given]
-    first = Structure(atoms, dict.fromkeys(joints, PLAIN))
+    first = Structure(regressor, dict.fromkeys(joints, PLAIN))
     check_rows(plain, first, run.logs, run.cutoff, run.holds)
     run, plain = _in_time(run, plain, first, raw)
     channels, measured = [triangle.R for triangle in plain.channels], [names[j] for j in run.measured]
     faults = told(channels).words(measured)
     ratios = {motor.name: part for motor, part in coupled(plain, range(FOLDS), first)}
     chosen = [k for k, motor in enumerate(motors) if k in joints or motor.name in ratios]
-    second = Structure(atoms, dict.fromkeys(chosen, PLAIN))
+    second = Structure(regressor, dict.fromkeys(chosen, PLAIN))
     theta, sigma = fitted(plain, range(FOLDS), second)
     faults = faults or misread(run.fitted, run.cutoff, second, sigma)
     caveats = [] if faults else raw.leaning(second, theta, sigma, run.scene)
-    values = dict(zip(atoms.names, (second.shape @ theta).tolist(), strict=True))
+    values = dict(zip(regressor.names, (second.shape @ theta).tolist(), strict=True))
     units = [
         caveat.text if len(run.logs) == 1 else f"{log.path}: {caveat.text}"
         for log in run.logs
@@ -189,10 +185,10 @@ def _in_time(run: Run, plain: Gathered, structure: Structure, raw: Raw) -> tuple
     if not found.any():
         return run, plain
     _, before = fitted(plain, range(FOLDS), structure)
-    _, after = fitted(run.delayed(found).gathered(structure.atoms)[0], range(FOLDS), structure)
+    _, after = fitted(run.delayed(found).gathered(structure.regressor)[0], range(FOLDS), structure)
     found[list(run.measured)] *= after**2 < CLEAR * before**2
     run = run.delayed(found)
-    return run, run.gathered(structure.atoms)[0]
+    return run, run.gathered(structure.regressor)[0]
 
 
 def weighted_rows(run: Run, first: First) -> tuple[Gathered, Gathered, Moments]:
@@ -204,17 +200,66 @@ def weighted_rows(run: Run, first: First) -> tuple[Gathered, Gathered, Moments]:
     alone = [motor.name in run.model.rates and run.model.rates.index(motor.name) not in shared for motor in motors]
     motors = [replace(motor, loaded=own) for motor, own in zip(motors, alone, strict=True)]
     bodies = np.array([value for name, value in values.items() if name.rpartition(".")[2] in INERTIAL])
-    atoms = Atoms(run.model, run.scene, run.measured, motors, run.slip_speed, bodies)
-    guess = Guess(atoms, np.array([values.get(name, 0.0) for name in atoms.names]), first.sigma)
-    return *run.gathered(atoms, guess), guess.moments
+    regressor = RegressorColumns(run.model, run.scene, run.measured, motors, run.slip_speed, bodies)
+    guess = Guess(regressor, np.array([values.get(name, 0.0) for name in regressor.names]), first.sigma)
+    return *run.gathered(regressor, guess), guess.moments
 
 
 def repeated(
     run: Run, structure: Structure, theta: Floats, sigma: Floats
 ) -> tuple[Structure, Gathered, Gathered, Moments]:
-    """Return the structure and what `weighted_rows` returns, linear near theta (p,): see `Atoms.near`."""
+    """Return the structure and what `weighted_rows` returns, linear near theta (p,): see `RegressorColumns.near`."""
     found = dict(zip(structure.names, theta.tolist(), strict=True))
-    loads = {k: found[f"{structure.atoms.motors[k].name}.load"] for k, shape in structure.shapes.items() if shape.load}
-    atoms = structure.atoms.near(theta[: len(structure.atoms.bodies)], loads)
-    guess = Guess(atoms, structure.shape @ theta, sigma)
-    return replace(structure, atoms=atoms), *run.gathered(atoms, guess), guess.moments
+    loads = {
+        k: found[f"{structure.regressor.motors[k].name}.load"] for k, shape in structure.shapes.items() if shape.load
+    }
+    regressor = structure.regressor.near(theta[: len(structure.regressor.bodies)], loads)
+    guess = Guess(regressor, structure.shape @ theta, sigma)
+    return replace(structure, regressor=regressor), *run.gathered(regressor, guess), guess.moments
+
+
+_LEAST = 2
+"""Rows for each base parameter."""
+_JOINTS = 30
+_FOLDS = 2
+"""With rows in them, so that what one leaves out is told by another."""
+
+
+def check_size(model: Model) -> None:
+    """Raise if a robot has so many joints that fits would take longer than minutes."""
+    if model.n > _JOINTS:
+        what = (
+            f"{model.name} has {model.n} joints, and identify fits at most {_JOINTS} together: time grows as their cube"
+        )
+        raise InputError(what, remedy="describe and log its limbs one by one")
+
+
+def check_files(logs: Sequence[Log], cutoff: float) -> None:
+    """Raise if a log is given twice, of which standard errors would know nothing, or the filter passes everything."""
+    seen: dict[str, str] = {}
+    for log in logs:
+        if log.sha256 in seen:
+            what = f"has the same content as {seen[log.sha256]}"
+            raise InputError(what, remedy="give each log once, and validate by another", file=log.path)
+        seen[log.sha256] = log.path
+        if log.noisy and POSITIONS * cutoff * (log.stop - log.start) < 2.0 * PERIODS:
+            what = f"a filter of {cutoff:g} Hz leaves 0 rows of {log.stop - log.start:.4g} s"
+            raise InputError(what, remedy="choose a higher --cutoff", file=log.path)
+        if cutoff >= 0.5 / log.step:
+            what = f"a cutoff of {cutoff:g} Hz is above half the sampling rate, {0.5 / log.step:.4g} Hz"
+            raise InputError(what, remedy="choose a lower --cutoff", file=log.path)
+
+
+def check_rows(plain: Gathered, structure: Structure, logs: Sequence[Log], cutoff: float, holds: bool) -> None:
+    """Raise if the filter leaves too few rows for the parameters, or none to hold out."""
+    folds = len(plain.parts) - 1
+    rows = int(counts(plain, range(folds)).sum())
+    R, _ = system(plain, range(folds), structure, np.ones(len(plain.regressor.measured)))
+    rank = base_of(R, structure.names).rank if rows else len(structure.names)
+    told = sum(bool(counts(plain, [fold]).any()) for fold in range(folds))
+    if rows < _LEAST * rank or told < _FOLDS:
+        what = f"a filter of {cutoff:.3g} Hz leaves {rows} rows to fit {rank} parameters to"
+        raise InputError(what, remedy="give a longer log, a higher --cutoff or a larger --split", file=logs[0].path)
+    if holds and not counts(plain, [folds]).all():
+        what = f"a filter of {cutoff:.3g} Hz leaves nothing of what is held out"
+        raise InputError(what, remedy="give a longer log, a higher --cutoff, or --split 1", file=logs[-1].path)

@@ -1,16 +1,17 @@
-"""How a log was taken: by how much torques are logged late, and how gravity leans, told from raw samples."""
+"""How a log was taken: torques that are late, gravity that leans, positions that are misread, by raw samples."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import combinations
 
 import numpy as np
 
-from robodyn.identification.atoms import Atoms
-from robodyn.identification.log import Log
-from robodyn.identification.rows import states
-from robodyn.identification.samples import Samples, joined
-from robodyn.identification.structure import Structure, least_squares, whole_system
+from robodyn.identification.log.log import Log, Samples, joined
+from robodyn.identification.log.rows import filtered, states
+from robodyn.identification.parameters.regressor_columns import RegressorColumns
+from robodyn.identification.parameters.structure import Structure, least_squares, whole_system
+from robodyn.programs.vectors import product
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
@@ -35,14 +36,14 @@ class Raw:
         late: (n,) how late torques were found [s].
     """
 
-    def __init__(self, logs: Sequence[Log], cutoff: float, atoms: Atoms, stop: Sequence[float]) -> None:
+    def __init__(self, logs: Sequence[Log], cutoff: float, regressor: RegressorColumns, stop: Sequence[float]) -> None:
         """Read logs, each until a time `stop` [s]."""
-        self.atoms, self.logs = atoms, logs
+        self.regressor, self.logs = regressor, logs
         self.whole = [_until(log, cutoff, end) for log, end in zip(logs, stop, strict=True)]
-        count = min(_ROWS, _VALUES // sum(atoms.widths)) // len(logs)
+        count = min(_ROWS, _VALUES // sum(regressor.widths)) // len(logs)
         self.some = [slice(None, None, 1 + len(each.time) // max(count, 1)) for each in self.whole]
         self.few = [each.cut(own, True) for each, own in zip(self.whole, self.some, strict=True)]
-        self.late = np.zeros(atoms.model.n)
+        self.late = np.zeros(regressor.model.n)
 
     def delays(self) -> Floats:
         """Return (n,) the delay of each torque that leaves least of it [s]; 0 unless it is clear.
@@ -55,10 +56,10 @@ class Raw:
         reach = min(_MOST, 0.1 * min(log.stop - log.start for log in self.logs))
         step *= max(1, round(reach / (_SHIFTS * step)))
         shifts = np.asarray(step * np.arange(-int(reach / step), int(reach / step) + 1), dtype=float)
-        parts = [self._columns(self.atoms, few) for few in self.few]
+        parts = [self._columns(self.regressor, few) for few in self.few]
         pairs = zip(self.whole, self.some, self.logs, strict=True)
         slow = np.concatenate([_presliding(whole, log.step)[own] for whole, own, log in pairs])
-        for place, j in enumerate(self.atoms.measured):
+        for place, j in enumerate(self.regressor.measured):
             columns = np.concatenate([part[place] for part in parts])
             late = self._later(shifts, j)
             there = np.isfinite(late).all(axis=1)
@@ -101,20 +102,20 @@ class Raw:
 
     def _weighted(self, structure: Structure, sigma: Floats, gravity: Floats) -> tuple[Floats, Floats]:
         """Return columns of the parameters (k, p) and torques (k,) of all instants, joint by joint in each."""
-        atoms, shape = structure.atoms.under(tuple(gravity.tolist())), structure.shape
-        parts = [self._columns(atoms, few) for few in self.few]
+        regressor, shape = structure.regressor.under(tuple(gravity.tolist())), structure.shape
+        parts = [self._columns(regressor, few) for few in self.few]
         Y, z = [], []
-        for place, (j, used, scale) in enumerate(zip(atoms.measured, atoms.used, sigma, strict=True)):
+        for place, (j, used, scale) in enumerate(zip(regressor.measured, regressor.used, sigma, strict=True)):
             columns, late = np.concatenate([part[place] for part in parts]), self._later(self.late[j : j + 1], j)
             there = np.isfinite(late)
             Y.append(np.where(there, columns[:, :-2] @ shape[used], 0.0) / scale)
             z.append(np.where(there, late - columns[:, -2:-1], 0.0)[:, 0] / scale)
         return np.stack(Y, axis=1).reshape(-1, len(structure.names)), np.stack(z, axis=1).ravel()
 
-    def _columns(self, atoms: Atoms, few: Samples) -> list[Floats]:
-        """Return of each measured joint what `Atoms.compute` does, wherever its torque may be later."""
+    def _columns(self, regressor: RegressorColumns, few: Samples) -> list[Floats]:
+        """Return of each measured joint what `RegressorColumns.compute` does, wherever its torque may be later."""
         there = few._replace(tau=np.zeros_like(few.tau))
-        return np.split(atoms.compute(there), np.cumsum(atoms.widths)[:-1], axis=1)
+        return np.split(regressor.compute(there), np.cumsum(regressor.widths)[:-1], axis=1)
 
     def _later(self, shifts: Floats, j: int) -> Floats:
         """Return (k, shifts) the torque of a joint later than at the instants, NaN outside of the log."""
@@ -167,3 +168,95 @@ def _best(shifts: Floats, left: Floats) -> float:
     bend = before - 2.0 * least + after
     place = 0.5 * (before - after) / bend if bend > 0.0 else 0.0
     return float(f"{shifts[k] + place * (shifts[1] - shifts[0]):.3g}")
+
+
+_INSTANTS, _JOINTS = 400, 8
+_FEWEST, _WHOLE = 100, 1e-6
+_CLEAR = 1.0 / 16.0
+"""What the right reading leaves at most of the squares of the one at hand, as a product over the joints."""
+
+
+def misread(logs: Sequence[Log], cutoff: float, structure: Structure, sigma: Floats) -> list[str]:
+    """Return in words how positions are misread, if the torques tell.
+
+    Of the joints that are explained worst, every position with the other sign, with and without its torque's, and every
+    two exchanged, with and without their torques, are put in the place of those of the log, and base parameters and
+    motors are fitted anew. The best one counts if the squares that it leaves, multiplied over the joints, are less
+    than `_CLEAR` of those as they are. Robots with joints whose positions are quaternions are left out.
+
+    Args:
+        logs: that are fitted; sigma: (joints,) of residuals as they are [N m].
+    """
+    model = structure.regressor.model
+    if model.nq != model.n:
+        return []
+    rows = _instants(logs, cutoff)
+    if len(rows.time) < _FEWEST:
+        return []
+    before = _left_by_joint(rows, structure, sigma)
+    size = np.array([np.sum(rows.tau[:, j] ** 2) for j in structure.regressor.measured]) / sigma**2
+    worst = sorted(np.argsort(-before / np.maximum(size, 1e-300), kind="stable")[:_JOINTS].tolist())
+    best, words = np.log(_CLEAR), []
+    for order, sign, torques, said in _readings(model.rates, [structure.regressor.measured[place] for place in worst]):
+        tau = rows.tau[:, order] * sign if torques else rows.tau
+        q, qd, qdd = (each[:, order] * sign for each in (rows.q, rows.qd, rows.qdd))
+        after = _left_by_joint(Samples(rows.time, q, qd, qdd, tau, True), structure, sigma)
+        ratio = float(np.log(after / before).sum())
+        if ratio < best:
+            best, words = ratio, [said]
+    return words
+
+
+def _readings(names: Sequence[str], joints: Sequence[int]) -> Iterator[tuple[list[int], Floats, bool, str]]:
+    """Yield which rate's columns are read as each rate's, with which sign, whether torques go along, and the words."""
+    as_is = list(range(len(names)))
+    for torques, what, verb in ((False, "the measured position", "s"), (True, "position and torque", "")):
+        for j in joints:
+            sign = np.where(np.arange(len(names)) == j, -1.0, 1.0)
+            yield as_is, sign, torques, f"{what} of {names[j]} ha{verb or 've'} the wrong sign"
+        for i, j in combinations(joints, 2):
+            order = as_is.copy()
+            order[i], order[j] = j, i
+            said = f"{what}{verb} of {names[i]} and {names[j]} are exchanged"
+            yield order, np.ones(len(names)), torques, said
+
+
+def _instants(logs: Sequence[Log], cutoff: float) -> Samples:
+    """Return some hundred instants of the logs, around which no torque is left out: all through the same filter."""
+
+    def motion(samples: Samples) -> Floats:
+        lost = np.repeat(np.isnan(samples.tau).any(axis=1, keepdims=True), samples.q.shape[1], axis=1)
+        return np.stack((samples.q, samples.qd, samples.qdd, lost), axis=1)
+
+    parts = [rows for log in logs for rows in filtered(log, cutoff, motion)]
+    time, motions, tau = (np.concatenate([getattr(part, name) for part in parts]) for name in parts[0]._fields)
+    whole = np.flatnonzero(np.abs(motions[:, 3]).max(axis=1) < _WHOLE)
+    some = whole[:: 1 + len(whole) // _INSTANTS]
+    q, qd, qdd, _ = motions[some].swapaxes(0, 1)
+    return Samples(time[some], q, qd, qdd, tau[some], True)
+
+
+def _left_by_joint(rows: Samples, structure: Structure, sigma: Floats) -> Floats:
+    """Return (joints,) the squares that least squares leave, not less than rounding."""
+    regressor, shape = structure.regressor, structure.shape
+    parts, pairs = np.split(regressor.compute(rows), np.cumsum(regressor.widths)[:-1], axis=1), []
+    for j, used, columns, scale in zip(regressor.measured, regressor.used, parts, sigma, strict=True):
+        pairs.append((product(columns[:, :-2], shape[used]) / scale, (rows.tau[:, j] - columns[:, -2]) / scale))
+    theta = _possible_fit(*whole_system([np.column_stack(pair) for pair in pairs], structure.names), structure.names)
+    return np.array([np.sum((product(Y, theta) - z) ** 2) + 1e-20 * np.sum(z * z) + 1e-300 for Y, z in pairs])
+
+
+def _possible_fit(R: Floats, z: Floats, names: Sequence[str]) -> Floats:
+    """Return least squares in which viscous and Coulomb friction and rotors are not negative."""
+    from scipy.optimize import nnls
+
+    signed = np.array([name.rpartition(".")[2] in ("viscous", "coulomb", "rotor") for name in names])
+    free, bound = R[:, ~signed], R[:, signed]
+    right = np.column_stack((bound, z))
+    rest = right - product(free, least_squares(free, right))
+    lengths = np.linalg.norm(rest[:, :-1], axis=0)
+    lengths[lengths == 0.0] = 1.0
+    theta = np.zeros(len(names))
+    theta[signed] = nnls(rest[:, :-1] / lengths, rest[:, -1])[0] / lengths
+    theta[~signed] = least_squares(free, z - product(bound, theta[signed]))
+    return theta

@@ -1,28 +1,114 @@
-"""The columns that are filtered along a log: those of bodies, from the traced recursion, and those of motors."""
+"""Columns that are filtered along a log: those of bodies, by the traced recursion, and those of motors."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.regressor import INERTIAL, Regressor, regressor
-from robodyn.identification.motors import Motor
-from robodyn.identification.samples import Samples
+from robodyn.identification.log.log import Samples
+from robodyn.programs.vectors import product
 from robodyn.robot.model import Model
 from robodyn.scene.parts import Vector
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
 
+PARAMETERS = ("viscous", "coulomb", "offset", "stribeck", "rotor", "load")
+"""Of a motor. `coulomb` and `offset` are half the difference and half the sum of friction forwards and backwards, which
+no motion tells from a torque sensor's offset; `stribeck` is the torque of breakaway; `load` is the part of the torque
+through the gear that is friction."""
+
+
+@dataclass(frozen=True, eq=False)
+class Motor:
+    """A motor that turns with a sum of joints' rates, s = direction . qd, and drives them with torques alike.
+
+    Attributes:
+        name: of the joint, or of the motor of several joints.
+        direction: (n,).
+        scale: largest |s| of the motion [rad/s].
+        stribeck: speeds at which Stribeck's excess may decay, which are compared [rad/s].
+        loaded: whether friction that grows with load is compared; of a joint's own motor alone.
+    """
+
+    name: str
+    direction: Floats
+    scale: float
+    stribeck: tuple[float, ...] = ()
+    loaded: bool = False
+
+    @property
+    def column_names(self) -> tuple[str, ...]:
+        """The names of the columns that are filtered, of which those of the parameters are sums."""
+        decaying = (f"{kind}@{speed:.17g}" for speed in self.stribeck for kind in ("sign", "square"))
+        return ("viscous", "sign", "square", "rotor", *decaying, *(("load",) if self.loaded else ()))
+
+    def sign(self, qd: Floats, slip_speed: float) -> Floats:
+        """Return (k,) the sign of s, smoothed as friction is."""
+        speed = product(qd, self.direction)
+        return np.asarray(speed / np.hypot(speed, slip_speed) if slip_speed else np.sign(speed))
+
+    def columns(self, qd: Floats, qdd: Floats, slip_speed: float, transmitted: Floats) -> Iterator[Floats]:
+        """Yield (k,) the column of each: s, sign(s), sign(s)^2, its acceleration, signs times exp(-(s / v)^2).
+
+        The last, if it is loaded, is sign(s) |torque that passes the gear|.
+
+        Args:
+            transmitted: (k, n) torques that the joints transmit, as a first fit has them.
+        """
+        speed, sign = product(qd, self.direction), self.sign(qd, slip_speed)
+        yield from (speed, sign, sign * sign, product(qdd, self.direction))
+        for each in self.stribeck:
+            decay = np.exp(-((speed / each) ** 2))
+            yield from (sign * decay, sign * sign * decay)
+        if self.loaded:
+            yield sign * np.abs(product(transmitted, self.direction))
+
+
+@dataclass(frozen=True)
+class Shape:
+    """How a motor is modelled: the speed of Stribeck's excess, None without, and whether friction grows with load."""
+
+    stribeck: float | None = None
+    load: bool = False
+
+    def kinds(self) -> list[str]:
+        """Return which of `PARAMETERS` there are."""
+        absent = {"stribeck"} if self.stribeck is None else set[str]()
+        return [kind for kind in PARAMETERS if kind not in absent | (set() if self.load else {"load"})]
+
+    def matrix(self, motor: Motor) -> Floats:
+        """Return (columns, parameters) which sums of the columns of a motor are the columns of its parameters."""
+        there, kinds = motor.column_names, self.kinds()
+        found = np.zeros((len(there), len(kinds)))
+        of = {"viscous": "viscous", "coulomb": "sign", "offset": "square", "rotor": "rotor", "load": "load"}
+        for column, kind in enumerate(kinds):
+            if kind in of:
+                found[there.index(of[kind]), column] = 1.0
+        if self.stribeck is not None:
+            sign, square = (there.index(f"{kind}@{self.stribeck:.17g}") for kind in ("sign", "square"))
+            found[sign, kinds.index("coulomb")] = found[square, kinds.index("offset")] = -1.0
+            found[sign, kinds.index("stribeck")] = 1.0
+        return found
+
+    def names(self, motor: Motor) -> tuple[str, ...]:
+        """Return the names of the parameters."""
+        return tuple(f"{motor.name}.{kind}" for kind in self.kinds())
+
+
+PLAIN = Shape()
+
+
 _SEED, _STATES = 20, 8
 
 
-class Atoms:
+class RegressorColumns:
     """Columns by joint: of each joint those alone that its torque can show.
 
     Attributes:
@@ -59,13 +145,16 @@ class Atoms:
         self._loads: dict[int, float] = {}
         seen = np.asarray(found.Y[:, :, self._inertial].any(axis=0))
         self._of_bodies = [np.flatnonzero(seen[j]) for j in self.measured]
-        self.names = (*self.bodies, *(f"{motor.name}.{atom}" for motor in self.motors for atom in motor.atoms))
+        self.names = (
+            *self.bodies,
+            *(f"{motor.name}.{column}" for motor in self.motors for column in motor.column_names),
+        )
         self.used = [
             np.concatenate([of_bodies, *(each for _, _, each in self._of_motors(j))]).astype(int)
             for j, of_bodies in zip(self.measured, self._of_bodies, strict=True)
         ]
 
-    def near(self, bodies: Floats, loads: Mapping[int, float]) -> Atoms:
+    def near(self, bodies: Floats, loads: Mapping[int, float]) -> RegressorColumns:
         """Return the columns that are linear near a fit, where friction grows with load.
 
         With m = load sign(s) and t = Y theta + what is known: t + m |t| is, to first order, (1 + m0 sign(t0)) t
@@ -78,7 +167,7 @@ class Atoms:
         found._transmitting, found._loads = bodies, dict(loads)
         return found
 
-    def under(self, gravity: Vector) -> Atoms:
+    def under(self, gravity: Vector) -> RegressorColumns:
         """Return the columns under another gravity [m/s^2]."""
         found = copy(self)
         found._scene = replace(self._scene, gravity=gravity)
@@ -87,7 +176,7 @@ class Atoms:
     @property
     def own(self) -> list[list[int]]:
         """For each measured joint where in `used` its own motor's friction is, viscous and Coulomb's, and its rotor."""
-        wanted = [[f"{self.model.rates[j]}.{atom}" for atom in ("viscous", "sign", "rotor")] for j in self.measured]
+        wanted = [[f"{self.model.rates[j]}.{column}" for column in ("viscous", "sign", "rotor")] for j in self.measured]
         places = [{self.names[k]: place for place, k in enumerate(used)} for used in self.used]
         return [[place[name] for name in names] for place, names in zip(places, wanted, strict=True)]
 
@@ -95,7 +184,7 @@ class Atoms:
         """Yield place, share and columns of each motor that acts on a joint."""
         start = len(self.bodies)
         for k, motor in enumerate(self.motors):
-            stop = start + len(motor.atoms)
+            stop = start + len(motor.column_names)
             if motor.direction[j]:
                 yield k, float(motor.direction[j]), np.arange(start, stop)
             start = stop

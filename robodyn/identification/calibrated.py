@@ -1,0 +1,337 @@
+"""The calibrated robot: its description, in which nothing but inertials and friction is edited, and its scene."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import fields, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from robodyn.dynamics.effects.friction import friction_of, joints_with_friction
+from robodyn.dynamics.effects.motors import rotor_of
+from robodyn.errors import InputError
+from robodyn.identification.parameters.prior import parameters_of, pseudo_inertia
+from robodyn.programs.vectors import product
+from robodyn.robot.masses.declared import declared
+from robodyn.robot.model import Joint, Model
+from robodyn.robot.urdf.document import Document, read_document
+from robodyn.robot.urdf.edits import Edit, edited, with_attributes, with_comment, with_first_child
+from robodyn.robot.urdf.elements import Element
+from robodyn.robot.urdf.packages import EXPANDED, Search
+from robodyn.robot.urdf.parts import INERTIA, Description, Link
+from robodyn.robot.urdf.view import LinkView, View
+from robodyn.scene.parts import CoupledMotor, Friction, Rotor
+from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.solids.inertia.conversions import from_inertia, from_moments, inertial_element
+from robodyn.solids.inertia.laws import Inertia, symmetric
+from robodyn.solids.inertia.properties import MassProperties
+from robodyn.support.floats import Floats
+from robodyn.support.toml_text import toml_key, toml_string
+from robodyn.support.wording import count, figure, listed, shown, shown_path
+
+
+class Calibrated(NamedTuple):
+    """The text, and notes on what is not as one might expect, a line each."""
+
+    data: bytes
+    notes: tuple[str, ...]
+
+
+def calibrated_urdf(
+    model: Model,
+    names: Sequence[str],
+    described: Floats,
+    theta: Floats,
+    *,
+    comment: Sequence[str] = (),
+    friction: bool = False,
+) -> Calibrated:
+    """Return the description's text with the inertials of bodies that theta changes, every other byte as it was.
+
+    See `link_inertias` for links fixed to each other. Inertias stand in the axes of their links. Numbers are the
+    shortest that read back as the same floats. Of a xacro file it is the expanded text.
+
+    Args:
+        names, described, theta: of `robodyn.regressor`, before and after identification.
+        comment: lines of a comment at the top.
+        friction: edit `<dynamics>`, too: `damping` is viscous and `friction` is (forward - backward) / 2.
+
+    Raises:
+        InputError: the file is UTF-16, or as `link_inertias`.
+
+    Accuracy: bodies of the text have theta within 1e-12 of the largest parameter of a kind, joints exactly.
+    """
+    description, document = _source(model)
+    view, found = View(document.root), link_inertias(model, described, theta)
+    edits = [with_comment(document.data, comment)] if comment else []
+    for name, body in found.bodies.items():
+        edits += _inertial(view.link[name], body)
+    notes = list(found.notes)
+    if friction:
+        changes, lopsided = _dynamics(model, view, dict(zip(names, theta.tolist(), strict=True)))
+        edits += changes
+        if lopsided:
+            why = "which differs forwards and backwards: a scene can say it"
+            notes.append(f"<dynamics friction> is the mean of the friction of {listed(lopsided)}, {why}")
+    if description.file.endswith(EXPANDED):
+        notes.append("the description is xacro; this is its expansion, to which macros and arguments are lost")
+    return Calibrated(edited(document.data, edits, document.encoding), tuple(notes))
+
+
+def lost_meshes(description: Description, path: str) -> str | None:
+    """Return a line on meshes that a description loses when it is written to another folder; None if none is lost."""
+    names = list(dict.fromkeys(g.filename for link in description.links for g in link.geometries if g.filename))
+    there = Search(path, description.search.package_paths)
+    lost = [name for name in names if (old := description.search.find(name)) and not _same(old, there.find(name))]
+    if not lost:
+        return None
+    folder = os.path.dirname(description.file.removesuffix(EXPANDED)) or os.curdir
+    what = f"{count(len(lost), 'mesh', 'meshes')} of {len(names)} will not be found beside {shown_path(path)}"
+    return f"{what}, by the names that the description has: write it into {shown_path(folder)}"
+
+
+def _same(old: os.PathLike[str], new: os.PathLike[str] | None) -> bool:
+    return new is not None and os.path.samefile(old, new)
+
+
+def _source(model: Model) -> tuple[Description, Document]:
+    description = model.description
+    assert description is not None, "models are made of descriptions"
+    document = read_document(description.data, description.file)
+    if document.data != description.data:
+        raise InputError("the file is UTF-16 and cannot be edited", remedy="save it as UTF-8", file=description.file)
+    return description, document
+
+
+def _inertial(link: LinkView, body: MassProperties) -> Iterator[Edit]:
+    """Yield the edits that give a link these mass properties."""
+    lines = inertial_element(body, "").splitlines()
+    if link.inertial is None:
+        yield with_first_child(link.element, lines)
+        return
+    element, I, missing = link.inertial.element, body.inertia, list[str]()
+    products = (I[0, 0], I[0, 1], I[0, 2], I[1, 1], I[1, 2], I[2, 2])
+    origin = {"xyz": _numbers(*body.com)}
+    if any(link.inertial.origin.rpy.or_default(0.0) or ()):
+        origin["rpy"] = "0 0 0"
+    inertia = {name: _numbers(value) for name, value in zip(INERTIA, products, strict=True)}
+    children = {"origin": origin, "mass": {"value": _numbers(body.mass)}, "inertia": inertia}
+    for line, (tag, values) in zip(lines[1:-1], children.items(), strict=True):
+        child = element.find(tag)
+        if child is None:
+            missing.append(line.strip())
+        else:
+            yield from with_attributes(child, values)
+    if missing:
+        yield with_first_child(element, missing)
+
+
+def _dynamics(model: Model, view: View, theta: dict[str, float]) -> tuple[list[Edit], list[str]]:
+    """Return the edits of friction, and the joints of which that does not say all."""
+    edits, lopsided = list[Edit](), list[str]()
+    for body in model.bodies:
+        joint = body.joint
+        if f"{joint.name}.viscous" not in theta or joint.name not in view.joint:
+            continue
+        viscous, forward, backward = (theta[f"{joint.name}.{part}"] for part in ("viscous", "forward", "backward"))
+        dry = (forward - backward) / 2.0
+        edits += _dynamics_edits(view.joint[joint.name].element, joint, viscous, dry)
+        if forward != -backward:
+            lopsided.append(joint.name)
+    return edits, lopsided
+
+
+def _dynamics_edits(element: Element, joint: Joint, viscous: float, dry: float) -> Iterator[Edit]:
+    """Yield the edits that give a joint this damping and friction, if it has others."""
+    if (viscous, dry) == (joint.damping, joint.friction):
+        return
+    child, values = element.find("dynamics"), {"damping": _numbers(viscous), "friction": _numbers(dry)}
+    if child is None:
+        yield with_first_child(element, [f'<dynamics damping="{values["damping"]}" friction="{values["friction"]}"/>'])
+    else:
+        yield from with_attributes(child, values)
+
+
+def _numbers(*values: float) -> str:
+    return " ".join(repr(float(value)) for value in values)
+
+
+_LEFT = 1e-3
+"""The part of a body, in its every direction, that is left to its main link at least."""
+
+
+class LinkInertias(NamedTuple):
+    """What links have that change.
+
+    Attributes:
+        bodies: by link, in its frame.
+        notes: what could not stay as it was, a line each.
+    """
+
+    bodies: Mapping[str, MassProperties]
+    notes: tuple[str, ...]
+
+
+def link_inertias(model: Model, described: Floats, theta: Floats) -> LinkInertias:
+    """Return the inertials of links that give bodies the parameters theta.
+
+    Of several links fixed to each other the change goes to the one that the joint carries, or, if that has no mass, to
+    the heaviest. The others stay, unless they are more than the body: they are then scaled, masses and inertias alike,
+    so that about half of the body in its narrowest direction is left to the first. Payloads of the scene, which theta
+    and `described` hold both, belong to no link.
+
+    Args:
+        described, theta: of `robodyn.regressor`, before and after identification.
+
+    Raises:
+        InputError: what the log shows of a body is less than its payload.
+    """
+    bodies, notes = dict[str, MassProperties](), list[str]()
+    for k, body in enumerate(model.bodies):
+        own = slice(10 * k, 10 * k + 10)
+        if (theta[own] == described[own]).all():
+            continue
+        m, mc, I = body.inertia
+        P = pseudo_inertia(theta[own] - (described[own] - (m, *mc, *I[np.triu_indices(3)])))
+        if np.linalg.eigvalsh(P / np.sqrt(np.outer(*(np.abs(np.diagonal(P)),) * 2))).min() <= 0.0:
+            what = f"what the log shows of body {shown(body.name)} leaves nothing that can exist beside its payload"
+            raise InputError(what, remedy="leave the payload out, or correct its mass and place")
+        changed, why = _shared(model, k, P)
+        bodies |= changed
+        notes += why
+    return LinkInertias(bodies, tuple(notes))
+
+
+def _shared(model: Model, k: int, P: Floats) -> tuple[dict[str, MassProperties], list[str]]:
+    """Return the links of a body that change, in their frames."""
+    assert model.description is not None, "models are made of descriptions"
+    links = [link for link in model.description.links if link.name in model.links and model.links[link.name].body == k]
+    main = _main(links, model.bodies[k].name)
+    others = {each.name: each.body for link in links if link is not main and (each := declared(link)) is not None}
+    others = {name: body for name, body in others.items() if body.mass or body.S_c.any()}
+    total = np.zeros((4, 4))
+    for name, body in others.items():
+        total += _pseudo(body.placed(model.links[name].R, model.links[name].p).moments)
+    share, notes, changed = _share(P, total), list[str](), dict[str, MassProperties]()
+    if share < 1.0:
+        changed = {name: from_inertia(share * b.mass, b.com, share * b.inertia) for name, b in others.items()}
+        what = f"the links {listed(list(others))} are more than body {shown(model.bodies[k].name)} is found to be"
+        notes.append(f"{what}: their masses and inertias are scaled by {figure(share)}")
+    return {main.name: _to_link(model, main.name, P - share * total), **changed}, notes
+
+
+def _main(links: Sequence[Link], name: str) -> Link:
+    """Return the link that takes the change: the body's own, or without mass the heaviest."""
+    own = next(link for link in links if link.name == name)
+    masses = [0.0 if link.inertial is None else link.inertial.mass for link in links]
+    if (own.inertial is not None and own.inertial.mass > 0.0) or max(masses) <= 0.0:
+        return own
+    return links[int(np.argmax(masses))]
+
+
+def _share(P: Floats, others: Floats) -> float:
+    """Return how much of the others P leaves room for: all, if at least `_LEFT` of P remains."""
+    if not others.any():
+        return 1.0
+    L = np.linalg.cholesky(P)
+    half = np.linalg.solve(L, others)
+    largest = float(np.linalg.eigvalsh(np.linalg.solve(L, half.T)).max())
+    return 1.0 if largest <= 1.0 - _LEFT else float(f"{0.5 / largest:.3g}")
+
+
+def _to_link(model: Model, name: str, P: Floats) -> MassProperties:
+    """Return the body of a pseudo-inertia about its body's frame, in the frame of a link."""
+    m, mx, my, mz, *moments = parameters_of(P).tolist()
+    frame = model.links[name]
+    body = from_moments(Inertia(m, np.array((mx, my, mz)), symmetric(moments)))
+    return body.placed(frame.R.T, -product(frame.R.T, frame.p))
+
+
+def _pseudo(moments: Inertia) -> Floats:
+    return pseudo_inertia((moments.m, *moments.mc, *moments.I[np.triu_indices(3)]))
+
+
+def calibrated(model: Model, names: Sequence[str], theta: Floats, scene: Scene = DEFAULT) -> Scene:
+    """Return the scene with the friction and the rotors of theta, which replace what the description says of them.
+
+    What theta does not hold stays: the speed of Stribeck's excess, gears. Joints without friction or rotor, in theta as
+    before, are not named.
+
+    Args:
+        names, theta: of `robodyn.regressor` for this model and scene.
+
+    Accuracy: `robodyn.regressor` of it has theta, rotors within 2 eps.
+    """
+    found = dict(zip(names, theta.tolist(), strict=True))
+    friction, rotors = dict(scene.friction), dict(scene.rotor)
+    for _, joint, old in joints_with_friction(model, scene):
+        new = _friction_found(joint.name, old, found)
+        if new != Friction() or old != Friction():
+            friction[joint.name] = new
+        inertia, gear = rotor_of(joint, scene)
+        reflected = found.get(f"{joint.name}.rotor", 0.0)
+        if gear and (inertia or reflected):
+            before = rotors.get(joint.name, Rotor(None))
+            rotors[joint.name] = replace(before, inertia=reflected / gear / gear, gear=gear)
+    coupled = tuple(_coupled(motor, found) for motor in scene.coupled)
+    return replace(scene, friction=friction, rotor=rotors, coupled=coupled)
+
+
+def _coupled(motor: CoupledMotor, found: dict[str, float]) -> CoupledMotor:
+    inertia = found.get(f"{motor.name}.rotor", motor.reflected) / motor.gear / motor.gear
+    return replace(motor, inertia=inertia, friction=_friction_found(motor.name, motor.friction, found))
+
+
+def _friction_found(motor: str, old: Friction, found: dict[str, float]) -> Friction:
+    parts = ("viscous", "forward", "backward", "stribeck")
+    return replace(old, **{part: found[name] for part in parts if (name := f"{motor}.{part}") in found})
+
+
+def friction_toml(model: Model, scene: Scene, comment: Sequence[str] = ()) -> str:
+    """Return as TOML what a scene says of friction and rotors: what `robodyn.load_scene` reads back the same.
+
+    Args:
+        comment: lines at the top.
+    """
+    blocks = ["".join(f"# {line}".rstrip() + "\n" for line in comment)] if comment else []
+    if scene.slip_speed:
+        blocks.append(f"slip_speed = {scene.slip_speed!r}\n")
+    for _, joint, _ in joints_with_friction(model, scene):
+        key = toml_key(joint.name)
+        if joint.name in scene.friction:
+            blocks.append(_table(f"[friction.{key}]", _entries(friction_of(joint, scene))))
+        if joint.name in scene.rotor:
+            inertia, gear = rotor_of(joint, scene)
+            values = (("inertia", repr(inertia)), ("gear", repr(gear)))
+            blocks.append(_table(f"[rotor.{key}]", (*values, *_carried(scene.rotor[joint.name]))))
+    for motor in scene.coupled:
+        turned = ", ".join(f"{toml_key(name)} = {part!r}" for name, part in motor.joints.items())
+        rotor = ("inertia", repr(motor.inertia)), ("gear", repr(motor.gear))
+        entries = ("name", toml_string(motor.name)), ("joints", f"{{ {turned} }}"), *rotor, *_entries(motor.friction)
+        blocks.append(_table("[[coupled]]", entries))
+    return "\n".join(blocks)
+
+
+def _carried(rotor: Rotor) -> Iterator[tuple[str, str]]:
+    """Yield keys and values of how a rotor stands, as far as it is said."""
+    if rotor.axis is not None:
+        yield "axis", repr([float(x) for x in rotor.axis])
+    if rotor.on:
+        yield "on", toml_string(rotor.on)
+
+
+def _entries(friction: Friction) -> Iterator[tuple[str, str]]:
+    """Yield keys and values of a joint's friction, as far as they are not the default."""
+    yield "viscous", repr(friction.viscous)
+    forward, backward = friction.forward, friction.backward
+    yield "coulomb", repr(forward) if forward == -backward else f"[{forward!r}, {backward!r}]"
+    for field in fields(Friction)[3:]:
+        value = getattr(friction, field.name)
+        if value != field.default:
+            yield field.name, repr(value)
+
+
+def _table(header: str, entries: Iterator[tuple[str, str]] | Sequence[tuple[str, str]]) -> str:
+    return f"{header}\n" + "".join(f"{key} = {value}\n" for key, value in entries)

@@ -1,0 +1,1 @@
+"""Logs: samples on even grids, measured torques, and filters."""
