@@ -10,8 +10,8 @@ import click
 from robodyn.cli.options import Parsed, kept, kept_value, together
 from robodyn.errors import InputError
 from robodyn.support.input_file import read_input
-from robodyn.trajectory.columns.units import AngleUnit, TimeUnit
 from robodyn.trajectory.reading import MODES
+from robodyn.trajectory.units import AngleUnit, TimeUnit
 
 
 class _Pairs(list[tuple[str, str]]):

@@ -23,8 +23,8 @@ from robodyn.report.torques import torques_sections
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.threads import write_behind
-from robodyn.trajectory.read import read_motion
 from robodyn.trajectory.reader import TrajectoryReader
+from robodyn.trajectory.robot_motion import read_motion
 from robodyn.trajectory.write import format_of, open_writer
 
 if TYPE_CHECKING:

@@ -24,7 +24,7 @@ from robodyn.support.cache import code_digest
 from robodyn.support.extras import need
 from robodyn.support.input_file import open_input
 from robodyn.support.libraries import version_of
-from robodyn.trajectory.readers.table import FILE_TYPES, READABLE, log_kind
+from robodyn.trajectory.table import FILE_TYPES, READABLE, log_kind
 
 REMEDY = "give --out another folder"
 _SUFFIXES = {"csv": ".csv", "parquet": ".parquet", "npz": ".npz"}

@@ -19,7 +19,7 @@ from robodyn.support.caveats import Caveat
 from robodyn.support.files import write_whole
 from robodyn.support.input_file import read_input
 from robodyn.support.threads import write_behind
-from robodyn.trajectory.read import read_motion
+from robodyn.trajectory.robot_motion import read_motion
 from robodyn.trajectory.write import open_writer
 
 KEY = "inputs"

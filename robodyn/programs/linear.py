@@ -1,5 +1,4 @@
-"""Small linear equations and eigenvalues in the same order of operations everywhere: what LAPACK gives differs in the
-last digits from one processor to another."""
+"""Linear algebra of small matrices, and of many at once."""
 
 from __future__ import annotations
 
@@ -9,73 +8,49 @@ from math import copysign, hypot, sqrt
 
 import numpy as np
 
-from robodyn.programs.vectors import length, product
 from robodyn.support.floats import Floats
 
 _EPS = sys.float_info.epsilon
 _SWEEPS = 30
-
-
-def solve(A: Floats, B: Floats) -> Floats:
-    """Return X with A X = B, by elimination with the largest pivot of each column.
-
-    Args:
-        A: (n, n). B: (n,) or (n, k).
-
-    Raises:
-        numpy.linalg.LinAlgError: a pivot is zero.
-    """
-    n = len(A)
-    W = np.column_stack((A, B)).astype(float)
-    for k in range(n):
-        pivot = k + int(np.argmax(np.abs(W[k:, k])))
-        if W[pivot, k] == 0.0:
-            raise np.linalg.LinAlgError("singular matrix")
-        W[[k, pivot], k:] = W[[pivot, k], k:]
-        W[k + 1 :, k:] -= (W[k + 1 :, k] / W[k, k])[:, None] * W[k, k:]
-    X = W[:, n:]
-    for k in reversed(range(n)):
-        X[k] = (X[k] - product(W[k, k + 1 : n], X[k + 1 :])) / W[k, k]
-    return X.reshape(np.shape(B))
+_TINY = 1e-300
 
 
 def min_norm_solution(A: Floats, b: Floats, nothing: float) -> Floats:
-    """Return the shortest x with A x as near to b as it can be.
-
-    Args:
-        A: (m, n); what is no more than a part `nothing` of its largest row counts as dependent.
-    """
-    rows = range_basis(A, nothing)
-    B = product(A, rows.T)
-    columns = range_basis(B.T, 0.0)
-    return np.asarray(product(rows.T, solve(product(columns, B), product(columns, b))))
+    """Return the shortest x with A x as near to b as it can be; A (m, n), `nothing` as for `range_basis`."""
+    return np.asarray(np.linalg.lstsq(A, b, rcond=nothing)[0])
 
 
 def range_basis(rows: Floats, nothing: float) -> Floats:
-    """Return an orthonormal basis (r, n) of the span of rows (m, n), but for a part `nothing` of the largest row.
+    """Return an orthonormal basis (r, n) of the span of rows (m, n).
 
-    Method: Gram and Schmidt's, the largest that is left first, each vector twice.
+    Args:
+        nothing: singular values that are no more than this part of the largest count as zero.
     """
-    left, basis = np.array(rows, dtype=float), np.zeros((min(rows.shape), rows.shape[1]))
-    smallest = nothing * np.sqrt((left * left).sum(axis=1).max(initial=0.0))
-    for k in range(len(basis)):
-        sizes = np.sqrt((left * left).sum(axis=1))
-        largest = int(np.argmax(sizes))
-        if sizes[largest] <= smallest:
-            return basis[:k]
-        one = left[largest] / sizes[largest]
-        one = one - product(basis[:k], one, basis[:k])
-        basis[k] = one / length(one)
-        left -= product(left, basis[k])[:, None] * basis[k]
-        left[largest] = 0.0
-    return basis
+    _, sizes, right = np.linalg.svd(rows, full_matrices=False)
+    return np.asarray(right[sizes > nothing * sizes.max(initial=0.0)])
 
 
 def null_space(rows: Floats, nothing: float) -> Floats:
     """Return an orthonormal basis (n - r, n) across all rows (m, n); `nothing` as for `range_basis`."""
-    basis = range_basis(rows, nothing)
-    count, n = basis.shape
-    return range_basis(np.eye(n) - product(basis.T, basis), 0.0)[: n - count]
+    _, sizes, right = np.linalg.svd(rows)
+    return np.asarray(right[np.count_nonzero(sizes > nothing * sizes.max(initial=0.0)) :])
+
+
+def pseudo_inverse(A: Floats) -> tuple[Floats, Floats]:
+    """Return A^+ (N, k, m) of matrices (N, m, k) of rank k, and about the inverse of their conditions; 0 where less."""
+    _, m, k = A.shape
+    if m == k:
+        try:
+            inverse = np.linalg.inv(A)
+        except np.linalg.LinAlgError:
+            pass  # one of them is singular
+        else:
+            condition = np.linalg.norm(A, axis=(1, 2)) * np.linalg.norm(inverse, axis=(1, 2))
+            return np.asarray(inverse), np.asarray(1.0 / np.maximum(condition, 1.0))
+    left, sizes, right = np.linalg.svd(A, full_matrices=False)
+    ratio = sizes[:, -1] / np.maximum(sizes[:, 0], _TINY) if 0 < k <= m else np.full(len(A), float(not k))
+    inverse = np.swapaxes(right / np.maximum(sizes, _TINY)[:, :, None], 1, 2) @ np.swapaxes(left, 1, 2)
+    return inverse, ratio
 
 
 def eigen(S: Floats) -> tuple[Floats, Floats]:

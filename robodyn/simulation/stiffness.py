@@ -14,7 +14,6 @@ from robodyn.dynamics.effects.friction import joints_with_friction
 from robodyn.dynamics.effects.motors import along, coupled_motors
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.plan import Plan
-from robodyn.programs.linear import solve
 from robodyn.programs.vectors import product
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.parts import Friction
@@ -208,7 +207,7 @@ def reach(method: Method) -> float:
     one, low, high = np.ones(len(b)), 0.5, 10.0
     while high - low > 1e-9:
         x = 0.5 * (low + high)
-        stable = abs(1.0 - x * product(b, solve(np.eye(len(b)) + x * A, one))) <= 1.0
+        stable = abs(1.0 - x * product(b, np.linalg.solve(np.eye(len(b)) + x * A, one))) <= 1.0
         low, high = (x, high) if stable else (low, x)
     return low
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from robodyn.trajectory.read import motion
+from robodyn.trajectory.robot_motion import motion
 
 
 class Pieces:

@@ -26,6 +26,7 @@ from robodyn.dynamics.constraints.torque_distribution import (
     Mask,
     RankChanges,
     Structure,
+    TorqueDistribution,
     structure,
     torque_distribution,
 )
@@ -253,8 +254,9 @@ class ConstraintSolver:
             forces, multipliers = solved.f, solved.free
             singular, crossed = np.zeros(samples, dtype=bool), np.full(samples, np.nan)
         else:
-            multipliers, singular = self._shared(loops, tau)
-            crossed = self._crossed(loops.J)
+            shared = self._shared(loops, tau)
+            multipliers, singular = shared.multipliers, shared.singular | shared.higher
+            crossed = self._crossed(shared)
         left = tau - einsum("nki,nk->ni", loops.J, multipliers)
         left = left - einsum("nki,nk->ni", contacts.J, forces.reshape(samples, -1))
         wrenches = np.hstack((loop_wrenches(plan, loops, multipliers), _of_contacts(plan, contacts, forces)))
@@ -271,7 +273,7 @@ class ConstraintSolver:
         nothing = (np.abs(left) <= small) & self.actuation.passive
         return np.where(nothing, 0.0, left)
 
-    def _shared(self, loops: LoopJacobian, tau: Floats) -> tuple[Floats, Mask]:
+    def _shared(self, loops: LoopJacobian, tau: Floats) -> TorqueDistribution:
         """Return the loops' multipliers of least torque, and where the loops are singular.
 
         Samples that hold more than all before decide the ranks anew: those by which they were decided lay at a singular
@@ -286,16 +288,14 @@ class ConstraintSolver:
         if more.any():
             self._set_structure(loops, np.flatnonzero(more))
             found = torque_distribution(self.structure, J, tau[:, counted], part.weights)
-        return found.multipliers, found.singular | found.higher
+        return found
 
-    def _crossed(self, J: Floats) -> Floats:
+    def _crossed(self, shared: TorqueDistribution) -> Floats:
         """Return where the loops lose hold of passive joints from one sample to the next."""
         assert self.structure is not None
         if self._crossings is None or self._crossings.rank != self.structure.rank:
             self._crossings = RankChanges(self.structure.rank)
-        counted = self.actuation.counted
-        A = self.structure.scaled(J[:, :, counted])[:, :, self.actuation.passive[counted]]
-        return self._crossings.update(A.transpose(0, 2, 1))
+        return self._crossings.update(shared.A, shared.decomposition)
 
     def _decide(self, loops: LoopJacobian, contacts: Floats, touching: Mask) -> None:
         """Decide the ranks of loops once, and which torques are open for each set of points that touch."""

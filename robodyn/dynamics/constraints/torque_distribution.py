@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.programs.stacked import least_squares, orthogonal
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
 
@@ -170,14 +169,14 @@ def _values(A: Floats) -> Floats:
 
 
 class RankChanges:
-    """Watches matrices sample by sample, across pieces of a motion."""
+    """Where matrices that change along a motion lose rank between two samples; watched across pieces of the motion."""
 
     def __init__(self, rank: int) -> None:
         """Args: rank: the usual one."""
         self.rank = rank
-        self._last: Floats | None = None
+        self._last: tuple[Floats, ...] | None = None
 
-    def update(self, A: Floats) -> Floats:
+    def update(self, A: Floats, decomposition: tuple[Floats, Floats, Floats]) -> Floats:
         """Return (N,) for each sample what part of the way from the one before it the rank is lost at; else NaN.
 
         Along a smooth motion A = U S V^T has smooth singular values that may change their sign: from a sample to the
@@ -185,23 +184,23 @@ class RankChanges:
         change of A of at least the smallest of them, so that few pairs are looked at.
 
         Args:
-            A: (N, p, m), equilibrated.
+            A: (N, p, m), equilibrated. decomposition: U, S and V^T.
         """
-        found = np.full(len(A), np.nan)
-        before = A[:-1] if self._last is None else np.concatenate((self._last, A[:-1]))
-        after = A[len(A) - len(before) :]
-        self._last = A[-1:].copy()
-        if not self.rank or not len(before):
+        found, r = np.full(len(A), np.nan), self.rank
+        all_of: tuple[Floats, ...] = (A, *decomposition)
+        if self._last is not None:
+            all_of = tuple(np.concatenate(pair) for pair in zip(self._last, all_of, strict=True))
+        self._last = tuple(part[-1:].copy() for part in all_of)
+        if not r or len(all_of[0]) < 2:
             return found
-        left, sizes, right = svd(before)
-        smallest, largest = sizes[:, self.rank - 1], sizes[:, 0]
+        before, left, sizes, right = (part[:-1] for part in all_of)
+        after = all_of[0][1:]
+        smallest, largest = sizes[:, r - 1], sizes[:, 0]
         step = np.sqrt(((after - before) ** 2).sum(axis=(1, 2)))
         pairs = np.flatnonzero((smallest <= step) & (smallest > np.finfo(float).eps * largest))
         if len(pairs):
-            r = self.rank
-            turned = times(
-                times(left[pairs][:, :, :r].transpose(0, 2, 1), after[pairs]), right[pairs][:, :r].transpose(0, 2, 1)
-            )
+            turned = times(left[pairs][:, :, :r].transpose(0, 2, 1), after[pairs])
+            turned = times(turned, right[pairs][:, :r].transpose(0, 2, 1))
             least = np.linalg.eigvals(turned / sizes[pairs][:, :r, None]).real.min(axis=1)
             lost = least < 0.0
             found[pairs[lost] + len(A) - len(before)] = 1.0 / (1.0 - least[lost])
@@ -223,6 +222,7 @@ class TorqueDistribution(NamedTuple):
         singular: (N,) where the rank of A or of B drops. What is lost there carries nothing, and nothing is chosen:
             the multipliers are the least in equilibrated units, and not the limit of those beside.
         higher: (N,) where A has a higher rank than at all reference samples: the structure is another.
+        A: (N, p, m) equilibrated, and its singular value decomposition, for `RankChanges`.
     """
 
     multipliers: Floats
@@ -231,6 +231,8 @@ class TorqueDistribution(NamedTuple):
     smallest: Floats
     singular: Mask
     higher: Mask
+    A: Floats
+    decomposition: tuple[Floats, Floats, Floats]
 
 
 def torque_distribution(found: Structure, J: Floats, tau: Floats, weights: Floats) -> TorqueDistribution:
@@ -241,8 +243,8 @@ def torque_distribution(found: Structure, J: Floats, tau: Floats, weights: Float
     same torques the one with the least sum of multipliers^2, whatever their units (N and N m alike).
 
     Method: `multipliers = A^+ tau_P + N z` of the equilibrated A at its usual rank (Udwadia and Kalaba 1992;
-    Featherstone 2008, sections 8.3 and 8.12, without redundant actuation), by reflections in an order of operations
-    that no processor changes. Singular values, truncated, serve where the rank drops, and tell where.
+    Featherstone 2008, sections 8.3 and 8.12, without redundant actuation), by singular values, which are cut off where
+    the rank drops, and tell where.
 
     Args:
         found: of this motion.
@@ -256,16 +258,13 @@ def torque_distribution(found: Structure, J: Floats, tau: Floats, weights: Float
     passive, rank = found.passive, found.rank
     scaled, forces = found.scaled(J), tau * found.rate_scale
     A = scaled[:, :, passive].transpose(0, 2, 1)
-    left, sizes, right = svd(A)
+    parts = svd(A)
+    left, sizes, right = parts
     kept = sizes[:, :rank] > LOST * found.usual * found.largest
     singular: Mask = ~np.all(kept, axis=1)
-    Q = orthogonal(A.transpose(0, 2, 1))
-    x = _along(Q[:, :, :rank], solved(times(A, Q[:, :, :rank]), forces[:, passive]))
-    if singular.any():
-        given = einsum("nij,ni->nj", left[singular][:, :, :rank], forces[singular][:, passive])
-        found_there = _divided(given, sizes[singular][:, :rank], kept[singular])
-        x[singular] = einsum("nij,ni->nj", right[singular][:, :rank], found_there)
-    open_forces = np.where(singular[:, None, None], 0.0, Q[:, :, rank:])
+    given = einsum("nij,ni->nj", left[:, :, :rank], forces[:, passive])
+    x = einsum("nij,ni->nj", right[:, :rank], np.where(kept, given / np.where(kept, sizes[:, :rank], 1.0), 0.0))
+    open_forces = np.where(singular[:, None, None], 0.0, right[:, rank:].transpose(0, 2, 1))
     if found.redundancy:
         drive = scaled[:, :, ~passive].transpose(0, 2, 1)
         roots = np.sqrt(weights / weights.max()) / found.rate_scale[~passive]
@@ -274,40 +273,27 @@ def torque_distribution(found: Structure, J: Floats, tau: Floats, weights: Float
         x, singular = x + _along(open_forces, z), singular | lost
         open_forces = np.where(singular[:, None, None], 0.0, times(open_forces, free))
     left_over = (forces - einsum("nij,ni->nj", scaled, x)) / found.rate_scale
-    multipliers = _shortest(x * found.equation_scale, open_forces * found.equation_scale[:, None], singular)
+    multipliers = x * found.equation_scale
+    if open_forces.shape[2]:
+        basis = np.linalg.qr(open_forces * found.equation_scale[:, None])[0]
+        shortest = multipliers - _along(basis, einsum("nij,ni->nj", basis, multipliers))
+        multipliers = np.where(singular[:, None], multipliers, shortest)
     multipliers = np.where(J.any(axis=2), multipliers, 0.0)
     over = sizes[:, rank : rank + 1].max(axis=1, initial=0.0) > max(LOST, found.none) * found.largest
     smallest = sizes[:, rank - 1] / found.largest if rank else np.ones(len(tau))
-    return TorqueDistribution(multipliers, left_over[:, ~passive], left_over[:, passive], smallest, singular, over)
+    torques, unbalanced = left_over[:, ~passive], left_over[:, passive]
+    return TorqueDistribution(multipliers, torques, unbalanced, smallest, singular, over, A, parts)
 
 
 def _least_torque(B: Floats, wanted: Floats, roots: Floats, found: Structure) -> tuple[Floats, Floats, Mask]:
     """Return z (N, k) with the least weighted torques `wanted - B z`, a basis (N, k, k - b) of the z that do nothing
     to them, and where B has lost rank; z is 0 there."""
     b = found.redundancy
-    sizes = svd(B)[1]
-    lost: Mask = ~np.all(sizes[:, :b] > LOST * found.usual_redundancy * found.largest, axis=1)
-    weighted = B * roots[:, None]
-    Q = orthogonal(weighted.transpose(0, 2, 1))
-    z = _along(Q[:, :, :b], solved(times(weighted, Q[:, :, :b]), wanted * roots))
-    return np.where(lost[:, None], 0.0, z), Q[:, :, b:], lost
-
-
-def solved(A: Floats, b: Floats) -> Floats:
-    """Return (N, k) the least-squares solutions of A x = b, A (N, m, k) of full rank."""
-    return least_squares(A, b[:, :, None]).x[:, :, 0]
-
-
-def _shortest(multipliers: Floats, free: Floats, singular: Mask) -> Floats:
-    """Return the multipliers without what lies in the span of `free` (N, m, k); as they are where singular."""
-    if not free.shape[2]:
-        return multipliers
-    changed = multipliers - _along(free, solved(free, multipliers))
-    return np.where(singular[:, None], multipliers, changed)
-
-
-def _divided(values: Floats, sizes: Floats, kept: Mask) -> Floats:
-    return np.where(kept, values / np.where(kept, sizes, 1.0), 0.0)
+    lost: Mask = ~np.all(_values(B)[:, :b] > LOST * found.usual_redundancy * found.largest, axis=1)
+    left, sizes, right = svd(B * roots[:, None])
+    along = einsum("nij,ni->nj", left[:, :, :b], wanted * roots) / np.where(lost[:, None], 1.0, sizes[:, :b])
+    z = np.where(lost[:, None], 0.0, einsum("nij,ni->nj", right[:, :b], along))
+    return z, right[:, b:].transpose(0, 2, 1), lost
 
 
 def _along(A: Floats, x: Floats) -> Floats:

@@ -15,11 +15,10 @@ from robodyn.dynamics.loops.closed_start import closed_by, closed_start, nearby
 from robodyn.dynamics.loops.closure import loops_size, moved, unit
 from robodyn.dynamics.plan import Plan, plan, runner_of
 from robodyn.errors import InputError, TrajectoryError
-from robodyn.programs.linear import null_space, range_basis
+from robodyn.programs.linear import null_space, pseudo_inverse, range_basis
 from robodyn.programs.program import traced
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
-from robodyn.programs.stacked import least_squares
 from robodyn.programs.vectors import Scalar, product, rotation_from_rpy
 from robodyn.robot.configuration import unit_rows
 from robodyn.robot.limits import coordinate_ranges
@@ -147,7 +146,7 @@ DONE = 1e-9
 """rad, or of the loops' size: a correction after which the next one is nothing."""
 TRIES = 10
 FEW = 1e-6
-"""Ratio of `LeastSquares` below which coordinates follow from nothing."""
+"""Ratio of `pseudo_inverse` below which coordinates follow from nothing."""
 
 
 class Lost(NamedTuple):
@@ -206,7 +205,7 @@ class Branch:
         change, u = np.zeros(len(q)), np.zeros((len(q), self.equations.model.n))
         for _ in range(tries):
             phi, J = self.equations.places(q)
-            step = least_squares(J[:, :, self.own], -phi[:, :, None]).x[:, :, 0]
+            step = -einsum("nkm,nm->nk", pseudo_inverse(J[:, :, self.own])[0], phi)
             longest = np.abs(step * weights).max(axis=1, initial=0.0)
             u[:, self.followed] = step * np.minimum(1.0, LONGEST / np.maximum(longest, DONE))[:, None]
             q, change = self.equations.moved(q, u), change + np.minimum(longest, LONGEST)
@@ -273,13 +272,12 @@ class Branch:
         v = np.zeros_like(u)
         v[:, self.given] = moves[:, self.given]
         right = -einsum("mg,ng->mn", J[:, self.others], v[:, self.given])
-        straight = least_squares(J[None][:, :, self.own], right[None])
-        if straight.ratio[0] <= FEW:
+        inverse, ratio = pseudo_inverse(J[None][:, :, self.own])
+        if ratio[0] <= FEW:
             return None
-        v[:, self.followed] = straight.x[0].T
+        v[:, self.followed] = product(right.T, inverse[0].T)
         bias = self.equations.bias(np.repeat(place[None], len(u), axis=0), v)
-        bent = least_squares(J[None][:, :, self.own], -bias.T[None]).x[0].T
-        u[:, self.followed] = v[:, self.followed] + 0.5 * bent
+        u[:, self.followed] = v[:, self.followed] - 0.5 * product(bias, inverse[0].T)
         return u
 
     def _between(self, a: Floats, b: Floats) -> Floats:

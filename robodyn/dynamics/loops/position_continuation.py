@@ -23,7 +23,7 @@ from robodyn.dynamics.loops.branch import (
 from robodyn.dynamics.loops.closed_start import check_dropped, nearby
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import TrajectoryError
-from robodyn.programs.stacked import least_squares
+from robodyn.programs.linear import pseudo_inverse
 from robodyn.support.caveats import Caveat
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
@@ -139,7 +139,7 @@ ENTRIES = 2_000_000
 """Of J in one piece of a block: some 50 MB of work."""
 
 BACK = 1e-4
-"""Ratio of `LeastSquares` where a row that is not reached is one at which what follows turns back."""
+"""Ratio of `pseudo_inverse` where a row that is not reached is one at which what follows turns back."""
 
 
 class Whole(NamedTuple):
@@ -275,7 +275,7 @@ class Follow:
     def _turns(self, place: Floats) -> bool:
         """Return whether what follows turns back at a closed place (nq,), or nearly so."""
         J = self.equations.places(place[None])[1][:, :, self.branch.own]
-        return bool(least_squares(J, J[:, :, :0]).ratio[0] <= BACK)
+        return bool(pseudo_inverse(J)[1][0] <= BACK)
 
     def _rates(self, time: Floats, part: Whole, first_row: int) -> None:
         """Fill in velocities, accelerations and bars, and look at what is left."""
@@ -284,22 +284,24 @@ class Follow:
         self._misfits.refuse(phi, time, first_row, bool(len(branch.followed)))
         if len(branch.followed):
             own, others = J[:, :, branch.own], J[:, :, branch.others]
-            found = least_squares(own, -others)
-            self._watch(time, found.ratio, found.sign, first_row)
-            part.qd[:, branch.followed] = einsum("ndg,ng->nd", found.x, part.qd[:, branch.given])
+            inverse, ratio = pseudo_inverse(own)
+            self._watch(time, ratio, own, first_row)
+            change = -einsum("ndm,nmg->ndg", inverse, others)
+            part.qd[:, branch.followed] = einsum("ndg,ng->nd", change, part.qd[:, branch.given])
             right = equations.bias(part.q, part.qd) + einsum("nmg,ng->nm", others, part.qdd[:, branch.given])
-            part.qdd[:, branch.followed] = least_squares(own, -right[:, :, None]).x[:, :, 0]
+            part.qdd[:, branch.followed] = -einsum("ndm,nm->nd", inverse, right)
             for bar in part.bars:
-                squares = einsum("ndg,ng->nd", found.x**2, bar[:, branch.given] ** 2)
+                squares = einsum("ndg,ng->nd", change**2, bar[:, branch.given] ** 2)
                 bar[:, branch.followed] = np.sqrt(squares)
         self._misfits.update(time, phi, J, part.qd, part.qdd, equations.bias(part.q, part.qd))
 
-    def _watch(self, time: Floats, ratio: Floats, sign: Floats, first_row: int) -> None:
-        """Raise where the loops are singular; remember where they have been between rows."""
+    def _watch(self, time: Floats, ratio: Floats, own: Floats, first_row: int) -> None:
+        """Raise where the loops are singular; remember where they have been between rows: det J_d changes its sign."""
         if (ratio <= FEW).any():
             k = int(np.argmax(ratio <= FEW))
             raise singular(self.branch, _where(first_row + k, time[k]))
         if len(self.branch.followed) == self.equations.count:
+            sign = np.sign(np.linalg.det(own))
             signs = np.append(self._sign or sign[0], sign)
             times = np.append(self._time, time)
             self._crossed += [float(0.5 * (times[k] + times[k + 1])) for k in np.flatnonzero(signs[1:] != signs[:-1])]

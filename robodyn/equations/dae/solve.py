@@ -11,7 +11,7 @@ from robodyn.equations.dae.consistent import arcs_of, flat_speeds
 from robodyn.equations.dae.posed import Posed, own_rates
 from robodyn.equations.dae.state import accelerations_of, state_of
 from robodyn.equations.dae.system import Matrices
-from robodyn.programs.linear import min_norm_solution, null_space, solve
+from robodyn.programs.linear import min_norm_solution, null_space
 from robodyn.programs.vectors import narrowed, product
 from robodyn.support.floats import Floats
 
@@ -130,7 +130,7 @@ def solved(found: Matrices, rank: Rank) -> Solution | None:
     K, factors = equilibrated(saddle(found.M, G))
     right = factors * np.concatenate((found.f, found.gamma[rows]))
     try:
-        inverse = solve(K, np.eye(len(K)))
+        inverse = np.linalg.solve(K, np.eye(len(K)))
     except np.linalg.LinAlgError:
         return None
     if 1.0 / (np.abs(K).sum(axis=1).max() * np.abs(inverse).sum(axis=1).max()) < SINGULAR:
@@ -202,9 +202,9 @@ def independent_accelerations(left: Reduced) -> Floats:
     The columns of N span the motions that loops allow, G N = 0, and G q_p = gamma.
     """
     if not len(left.G):
-        return solve(left.M, left.free)
+        return np.asarray(np.linalg.solve(left.M, left.free))
     N, start = null_space(left.G, LOOSE).T, min_norm_solution(left.G, left.gamma, LOOSE)
-    z = solve(product(N.T, left.M, N), product(N.T, left.free - product(left.M, start)))
+    z = np.linalg.solve(product(N.T, left.M, N), product(N.T, left.free - product(left.M, start)))
     return np.asarray(start + product(N, z))
 
 

@@ -6,7 +6,6 @@ import numpy as np
 
 from robodyn.equations.linearized.equilibrium import newton_step
 from robodyn.equations.linearized.static_balance import Balance, Standing
-from robodyn.programs.linear import solve
 from robodyn.programs.vectors import product
 from robodyn.support.floats import Floats
 
@@ -19,7 +18,7 @@ _LONGEST = 0.1
 
 def along(stiffness: Floats, directions: Floats, own: list[int]) -> Floats:
     """Return the stiffness (k, k) of the coordinates `own` of motions in these directions (n, k)."""
-    N = solve(directions[own].T, directions.T).T
+    N = np.linalg.solve(directions[own].T, directions.T).T
     return np.asarray(product(N.T, stiffness, N))
 
 

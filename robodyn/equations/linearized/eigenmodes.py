@@ -13,7 +13,6 @@ from robodyn.equations.linearized.small_motion import SmallMotion
 from robodyn.equations.linearized.unheld import Split, split
 from robodyn.errors import InputError
 from robodyn.programs.eigenvalues import Complexes, general_eigen
-from robodyn.programs.linear import solve
 from robodyn.programs.vectors import length, product
 from robodyn.support.floats import Floats
 
@@ -70,7 +69,7 @@ def _softness(found: SmallMotion, parts: Split, inner: Complexes, right: Complex
     k = len(found.M)
     left = product(parts.rest.T, inner)[k:]
     n = left.shape[1]
-    pushed = solve((found.M * np.outer(parts.scale, parts.scale)).T, np.hstack((left.real, left.imag)))
+    pushed = np.linalg.solve((found.M * np.outer(parts.scale, parts.scale)).T, np.hstack((left.real, left.imag)))
     return _lengths(pushed[:, :n] + 1j * pushed[:, n:]) * _lengths(right[:k])
 
 
@@ -101,7 +100,7 @@ def _completed(A: Floats, parts: Split, values: Complexes, inner: Complexes) -> 
         one = np.eye(len(own))
         for k, value in enumerate(values.tolist()):
             a, b = value.real * one - own, value.imag * one
-            along = solve(np.block([[a, -b], [b, a]]), np.concatenate((given[:, k].real, given[:, k].imag)))
+            along = np.linalg.solve(np.block([[a, -b], [b, a]]), np.concatenate((given[:, k].real, given[:, k].imag)))
             out[:, k] += product(parts.basis.T, along[: len(own)] + 1j * along[len(own) :])
     return np.asarray(out)
 

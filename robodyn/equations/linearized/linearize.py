@@ -20,7 +20,7 @@ from robodyn.equations.linearized.small_motion import SmallMotion
 from robodyn.equations.linearized.static_balance import Standing, overflow, standing
 from robodyn.equations.ode import check_equations
 from robodyn.errors import InputError
-from robodyn.programs.linear import eigen, solve
+from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import product
 from robodyn.robot.configuration import Values, beyond_limits, configuration, rates
 from robodyn.robot.model import Model
@@ -167,7 +167,7 @@ def _coordinates(robot: Standing, N: Floats) -> tuple[list[int], Floats]:
         left -= np.outer(product(left, left[k] / sizes[k]), left[k] / sizes[k])
         left[k] = 0.0
     own.sort()
-    return own, np.asarray(solve(N[own].T, N.T).T)
+    return own, np.asarray(np.linalg.solve(N[own].T, N.T).T)
 
 
 def _weight(robot: Standing, M: Floats, own: list[int]) -> Floats:
@@ -197,7 +197,7 @@ def _condition(model: Model, M: Floats, names: list[str]) -> float:
 
 def _first_order(N: Floats, M: Floats, damping: Floats, stiffness: Floats) -> tuple[Floats, Floats]:
     k, n = len(M), len(N)
-    solved = solve(M, np.hstack((-stiffness, -damping, N.T)))
+    solved = np.linalg.solve(M, np.hstack((-stiffness, -damping, N.T)))
     A, B = np.zeros((2 * k, 2 * k)), np.zeros((2 * k, n))
     A[:k, k:] = np.eye(k)
     A[k:], B[k:] = solved[:, : 2 * k], solved[:, 2 * k :]

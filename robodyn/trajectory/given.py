@@ -1,0 +1,172 @@
+"""Velocities and accelerations that a table gives: held against its positions, and how far each can be trusted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.support.caveats import Caveat
+from robodyn.support.floats import Floats, median
+from robodyn.support.wording import figure, shown
+from robodyn.trajectory.assemble import cut
+from robodyn.trajectory.derive import Plan, derive, plan, straight
+from robodyn.trajectory.groups import Group
+from robodyn.trajectory.motion import NOISE, Sampling, Trajectory
+from robodyn.trajectory.noise import estimate
+
+PIECES, ROWS = 4, 1024
+"""Of a table, that are compared."""
+OFTEN, BEYOND = 0.1, 2.0
+"""Share of rows in which accelerations are off by more than so many bars: they are not those of the positions."""
+SPEED_OFF = 0.05
+"""Of the rms of velocities from the positions: given ones that are off by more are not these."""
+DOUBTED = 0.02
+"""Of the rms of accelerations: where they are off by less, the error bars say enough."""
+ROUNDING = 1e-6
+"""Of the rms of accelerations: what they may be off by in any case."""
+ALMOST = 1e-2  # of their distance from derivatives of the positions: so near velocities are to simple differences
+BETTER = 0.25
+"""Of what derivatives of positions leave unexplained of their steps: where what is given leaves less, it is right."""
+CLEAR = 0.2
+"""Of the rms of accelerations: where positions leave more open, they do not tell velocities either."""
+EXPLAINED = 0.5
+"""Of squares of what accelerations are off by: if a delay explains more, they lag."""
+
+CLAUSE = "by velocities and accelerations that are not those of the positions"
+
+
+@dataclass(frozen=True)
+class Given:
+    """What is given, against the positions.
+
+    Attributes:
+        own: how the same is derived from the positions.
+        wrong: columns of qdd that positions contradict; their bars are those of what positions tell.
+        open, noise: (n,) of the others: what positions leave open, and the standard deviation of their noise.
+        caveats: what is said of those that are wrong.
+    """
+
+    own: Plan
+    wrong: NDArray[np.intp]
+    open: Floats
+    noise: Floats
+    caveats: tuple[Caveat, ...]
+
+    @property
+    def halo(self) -> int:
+        """Neighbours that a block needs on either side."""
+        return self.own.halo if len(self.wrong) or self.caveats else 0
+
+    def trusted(self, samples: Trajectory, known: Sampling | None, rows: slice) -> Sampling:
+        """Return how far accelerations of some rows can be trusted, of which those are known that are derived.
+
+        Args:
+            samples: a block, derived, with its neighbours; known: of the rows.
+        """
+        count, qdd = rows.stop - rows.start, samples.qdd[rows]
+        nothing = np.zeros((count, qdd.shape[1]))
+        if known is None:
+            known = Sampling(nothing, nothing, np.zeros(qdd.shape[1]), (qdd**2).sum(axis=0))
+        off, noise = np.maximum(known.off, self.open), np.maximum(known.noise, self.noise)
+        if not self.halo:
+            return replace(known, off=off, noise=noise)
+        mine, _, bars = derive(samples, self.own)
+        off[:, self.wrong] = np.maximum(known.off, bars[rows])[:, self.wrong]
+        return replace(known, off=off, noise=noise, other=(mine.qd[rows], mine.qdd[rows]))
+
+
+def against_positions(
+    groups: Sequence[Group], pieces: Sequence[Trajectory], lacking: Plan | None, encoder_error: float
+) -> Given:
+    """Return how what is given agrees with derivatives of the positions.
+
+    Args:
+        groups: of `groups.given`; pieces: runs of consecutive samples that stand for the table.
+        lacking: how what is not given is derived.
+    """
+    picked = np.unique(np.linspace(0, len(pieces) - 1, PIECES).astype(int))
+    some = [cut(pieces[k], 0, min(ROWS, len(pieces[k]))) for k in picked]
+    theirs = [piece if lacking is None else derive(piece, lacking)[0] for piece in some]
+    own = plan(groups, pieces, "auto", encoder_error)
+    ours, bars = zip(*((each, off) for each, _, off in (derive(piece, own) for piece in some)), strict=True)
+    wrong: list[int] = []
+    said: list[tuple[str, str]] = []
+    open_, noise = np.zeros(some[0].qdd.shape[1]), np.zeros(some[0].qdd.shape[1])
+    for group in groups:
+        faults, clear, differences = [], False, _are_differences(group, theirs, ours)
+        if not differences and _unexplained(group, theirs) < BETTER * _unexplained(group, ours):
+            continue
+        for _, k in group.acceleration:
+            bar, apart = np.concatenate(bars)[:, k], _apart(theirs, ours, "qdd", k)
+            level = _rms(np.concatenate([each.qdd[:, k] for each in ours]))
+            noise[k] = estimate([(x.time, x.qdd[:, [k]], x.qdd[:, [k]]) for x in theirs]).sigma
+            open_[k] = median(bar) + NOISE * noise[k]
+            clear = open_[k] < CLEAR * level
+            if differences or np.mean(np.abs(apart) > BEYOND * bar + ROUNDING * level) > OFTEN:
+                wrong.append(k)
+                noise[k] = _rms(apart)
+                lag = _lag(apart, [(x.time, x.qdd[:, k]) for x in ours])
+                late = f", {figure(1e3 * lag, 2)} ms late" if lag else ""
+                fault = f"accelerations are off by {figure(noise[k], 2)} of {figure(level, 2)} (rms){late}"
+                faults += [fault] if noise[k] > DOUBTED * level else []
+        for _, k in group.velocity:
+            apart, level = _apart(theirs, ours, "qd", k), _rms(np.concatenate([each.qd[:, k] for each in ours]))
+            if clear and _rms(apart) > SPEED_OFF * level:
+                faults.append(f"velocities are off by {figure(_rms(apart), 2)} of {figure(level, 2)} (rms)")
+        said += [(group.name, fault) for fault in faults[:1]]
+    return Given(own, np.array(wrong, dtype=np.intp), open_, noise, _caveats(said))
+
+
+def _unexplained(group: Group, theirs: Sequence[Trajectory]) -> float:
+    """Return the rms of what positions are off by from those before, moved by velocities and accelerations.
+
+    With h of a step dq = h (qd0 + qd1) / 2 - h^2 (qdd1 - qdd0) / 12, but for h^5 / 720 times the fifth derivative: so
+    what is given of a fast vibration is not held against derivatives that take it for noise.
+    """
+    if group.kind == "quaternion" or not group.velocity:
+        return np.inf
+    off, k = [], group.velocity[0][1]
+    for each in theirs:
+        h, (qd, qdd) = np.diff(each.time), (each.qd[:, k], each.qdd[:, k])
+        moved = 0.5 * h * (qd[1:] + qd[:-1]) - h * h / 12.0 * (qdd[1:] - qdd[:-1])
+        off.append(np.diff(straight(group, each)[:, 0]) - moved)
+    return _rms(np.concatenate(off))
+
+
+def _are_differences(group: Group, theirs: Sequence[Trajectory], ours: Sequence[Trajectory]) -> bool:
+    """Return whether velocities are differences of neighbouring positions, and not what all positions say."""
+    if group.kind == "quaternion":
+        return False
+    for _, k in group.velocity:
+        rates = np.concatenate([np.gradient(straight(group, each)[:, 0], each.time) for each in theirs])
+        given = np.concatenate([each.qd[:, k] for each in theirs])
+        return _rms(given - rates) < ALMOST * _rms(_apart(theirs, ours, "qd", k))
+    return False
+
+
+def _apart(theirs: Sequence[Trajectory], ours: Sequence[Trajectory], name: str, k: int) -> Floats:
+    """Return what is given less what is derived, of a column."""
+    return np.concatenate([getattr(a, name)[:, k] - getattr(b, name)[:, k] for a, b in zip(theirs, ours, strict=True)])
+
+
+def _rms(values: Floats) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _lag(apart: Floats, ours: Sequence[tuple[Floats, Floats]]) -> float:
+    """Return the delay [s] that explains what accelerations are off by, -lag d/dt of them; 0 if none explains half."""
+    rate = np.concatenate([np.gradient(values, time) for time, values in ours])
+    square = float((rate * rate).sum())
+    lag = -float((rate * apart).sum()) / square if square else 0.0
+    return lag if lag > 0.0 and lag * lag * square > EXPLAINED * float((apart * apart).sum()) else 0.0
+
+
+def _caveats(said: Sequence[tuple[str, str]]) -> tuple[Caveat, ...]:
+    if not said:
+        return ()
+    (name, fault), others = said[0], f"; so are those of {len(said) - 1} more" if len(said) > 1 else ""
+    what = f"{shown(name)}: the {fault} from what its positions say{others}"
+    return (Caveat(CLAUSE, f"{what}; --derivatives anew derives them from the positions instead"),)

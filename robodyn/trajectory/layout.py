@@ -1,0 +1,190 @@
+"""Header of a table + signals of a robot -> which column holds what."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from robodyn.support.wording import alternatives
+from robodyn.trajectory.clock import Clock, clocks
+from robodyn.trajectory.columns import MEASURED, TIME_NAMES, Meaning, Place, Signals
+from robodyn.trajectory.header import Header, listing
+from robodyn.trajectory.reading import DEFAULT, Reading
+from robodyn.trajectory.units import ANGLES, RATES, AngleUnit, split_unit, unit_of
+from robodyn.trajectory.unknown_columns import is_of_message, placed, refuse_loops, unknown_error
+
+ABSENT = -1
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where each quantity stands in the table: the index of its column, ABSENT where there is none.
+
+    Attributes:
+        parts: column -> how many of its unit make one of SI, where that is not 1.
+        told: columns whose unit is told by a name or an option, and not only assumed.
+        extra: name of a column that the scene needs, or `tau_<joint>` of a measured torque -> its index.
+        held: index in q -> position of what has no column and is held.
+        followed: joints that have no column and follow from loops.
+    """
+
+    names: tuple[str, ...]
+    clock: Clock
+    q: tuple[int, ...]
+    qd: tuple[int, ...]
+    qdd: tuple[int, ...]
+    extra: Mapping[str, int]
+    parts: Mapping[int, float] = field(default_factory=dict)
+    told: frozenset[int] = frozenset()
+    held: Mapping[int, float] = field(default_factory=dict)
+    followed: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    @property
+    def needed(self) -> tuple[int, ...]:
+        """The columns to read, in the order of the table."""
+        return tuple(sorted({*self.clock.columns, *self.q, *self.qd, *self.qdd, *self.extra.values()} - {ABSENT}))
+
+
+def resolve(header: Header, signals: Signals, extra: Sequence[str] = (), reading: Reading = DEFAULT) -> Layout:
+    """Return the layout of a table.
+
+    Args:
+        header: the column names.
+        signals: what the robot wants; every scalar joint needs its position, a floating joint any one of its columns,
+            unless loops tell.
+        extra: columns that the scene names; they must exist.
+
+    Raises:
+        TrajectoryError: a name is empty or appears twice, a quantity is given twice or in a unit that it cannot have, a
+            column is unknown or missing, or columns are those of loops, whether unknown ones are left out or not.
+    """
+    header.check()
+    header = header.renamed(reading.columns, signals, extra)
+    called = header.called
+    clock, times = _clock(header, signals, reading)
+    meanings = {i: signals.find(name) for i, name in enumerate(called) if i not in clock.columns}
+    places = _places(header, meanings)
+    known = {*extra, *signals.wrenches}
+    strange = [i for i, meaning in meanings.items() if meaning is None and called[i] not in known and i not in times]
+    measured = _measured(header, signals, meanings) if reading.measured else {}
+    unused = times | {i for i, meaning in meanings.items() if meaning and _idle(meaning)} - {*measured.values()}
+    if strange:
+        refuse_loops(header, signals, strange)
+        unused |= {i for i in strange if reading.ignore_extra or is_of_message(header, i)}
+    held, followed = placed(header, signals, places, strange, reading)
+    if absent := [name for name in extra if name not in called and name not in header.names]:
+        remedy = alternatives(absent[0], header.names, "columns")
+        raise header.error(f"no column {listing(absent)}, which the scene names", remedy)
+    if unknown := [i for i in strange if i not in unused]:
+        raise unknown_error(header, signals, {meaning.place for meaning in meanings.values() if meaning}, unknown)
+    units = {i: _unit(header, i, signals, place, meanings[i], reading.angle_unit) for place, i in places.items()}
+    return Layout(
+        names=header.names,
+        clock=clock,
+        q=tuple(places.get(("q", i), ABSENT) for i in range(len(signals.positions))),
+        qd=tuple(places.get(("qd", i), ABSENT) for i in range(len(signals.velocities))),
+        qdd=tuple(places.get(("qdd", i), ABSENT) for i in range(len(signals.velocities))),
+        extra={**measured, **{name: (called if name in called else header.names).index(name) for name in extra}},
+        parts={i: parts for i, (parts, _) in units.items() if parts != 1.0},
+        told=frozenset(i for i, (_, told) in units.items() if told),
+        held=held,
+        followed=followed,
+        notes=(f"columns not used: {listing(header.names[i] for i in sorted(unused))}",) if unused else (),
+    )
+
+
+def _clock(header: Header, signals: Signals, reading: Reading) -> tuple[Clock, set[int]]:
+    """Return what tells the time, and the columns that could have."""
+    names = {i: name for i, name in enumerate(header.called) if name in TIME_NAMES or signals.find(name) is None}
+    found, others = clocks(names, header.aliases)
+    if not found:
+        remedy = f"name it 'time', or say which it is: --map time=NAME; columns: {listing(header.names)}"
+        raise header.error("no column of time", remedy)
+    if len(found) > 1:
+        both = listing(header.names[clock.column] for clock in found)
+        raise header.error(f"time is given {len(found)} times, by {both}", "keep one of them, or --map time=NAME")
+    return found[0].in_unit(reading.time_unit), others
+
+
+def _places(header: Header, meanings: Mapping[int, Meaning | None]) -> dict[Place, int]:
+    """Return (quantity, index) -> column."""
+    places: dict[Place, int] = {}
+    for i, meaning in meanings.items():
+        if meaning is None or meaning.place is None or _idle(meaning):
+            continue
+        if meaning.place in places:
+            both = f"{header.names[places[meaning.place]]!r} and {header.names[i]!r}"
+            raise header.error(f"columns {both} give the same quantity", "keep one of them")
+        places[meaning.place] = i
+    return places
+
+
+def _idle(meaning: Meaning) -> bool:
+    """Return whether no motion needs a column: it holds a torque, or is of a joint without a coordinate."""
+    return meaning.place is None or meaning.place[0] == "tau"
+
+
+def _measured(header: Header, signals: Signals, meanings: Mapping[int, Meaning | None]) -> dict[str, int]:
+    """Return `tau_<joint>` -> column, of the torques that a table gives.
+
+    Raises:
+        TrajectoryError: two columns give the same torque, or a unit is not N m (N for a slide).
+    """
+    found: dict[str, int] = {}
+    for i, meaning in meanings.items():
+        if meaning and meaning.place and meaning.place[0] == "tau":
+            name = f"tau_{signals.velocities[meaning.place[1]]}"
+            if name in found:
+                both = f"{header.names[found[name]]!r} and {header.names[i]!r}"
+                raise header.error(f"columns {both} give the same quantity", "keep one of them")
+            if meaning.unit is not None and _plain_unit(meaning.unit) not in _TORQUES:
+                what = f"column {header.names[i]!r}: {meaning.unit!r} is no unit that measured torques are read in"
+                raise header.error(what, "give N m, or N for a slide")
+            found[name] = i
+    return found
+
+
+_TORQUES = ("nm", "n")
+
+
+def _plain_unit(text: str) -> str:
+    return "".join(filter(str.isalpha, text)).lower()
+
+
+def _unit(
+    header: Header, i: int, signals: Signals, place: Place, meaning: Meaning | None, angle_unit: AngleUnit | None
+) -> tuple[float, bool]:
+    """Return how many of the unit of a column make one of SI, and whether that was told.
+
+    Args:
+        place, meaning: what the column holds; angle_unit: of scalar joints whose columns do not tell, None for rad.
+
+    Raises:
+        TrajectoryError: the unit in a name is none, or not one of this quantity.
+    """
+    quantity, index = place
+    stem = (signals.positions if quantity == "q" else signals.velocities)[index]
+    kind, order = signals.kinds[stem], ("q", "qd", "qdd").index(quantity)
+    text = meaning.unit if meaning else None
+    if text is None and i in header.aliases:
+        text = _own_unit(header.names[i], kind)
+    if text is None:
+        turns = kind == "angle" and stem in signals.spans
+        return (ANGLES[angle_unit or "rad"], angle_unit is not None) if turns else (1.0, False)
+    unit = unit_of(text)
+    if unit is None or (unit.dimension, unit.order) != (kind, order):
+        names = {"angle": [*ANGLES], "length": ["m", "mm"], "": []}[kind]
+        remedy = " or ".join(f"{name}{RATES[order]}" for name in names)
+        what = f"column {header.names[i]!r}: {text!r} is no unit of the {MEASURED[quantity]} of {stem!r}"
+        raise header.error(what, f"understood: {remedy}" if remedy else "it has none")
+    return unit.parts, True
+
+
+def _own_unit(name: str, kind: str) -> str | None:
+    """Return the unit in any name: what is in brackets; behind `_` only what can be one of such a kind."""
+    for _, text in split_unit(name):
+        unit = unit_of(text)
+        if name[-1] in "])" or (unit and unit.dimension == kind):
+            return text
+    return None

@@ -1,0 +1,197 @@
+"""Where joints stand still: where positions say nothing else within their own resolution. Speeds are 0 there.
+
+Friction, the losses of gears and the duty of a joint depend on whether it moves, and which way. What derivatives make
+of positions that stand still has either sign, row by row; so has the noise of speeds that are given.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.support.floats import Floats
+from robodyn.trajectory.assemble import cut
+from robodyn.trajectory.columns import Signals
+from robodyn.trajectory.layout import ABSENT, Layout
+from robodyn.trajectory.motion import Trajectory
+
+Flags = NDArray[np.bool_]
+
+SHORTEST, LONGEST = 4, 256
+"""Rows of the windows looked at."""
+SEEN = 1 << 12
+"""Rows of the first block that stand for a table whose velocities are all given."""
+REACH = 3 * LONGEST
+"""Neighbours on either side that tell whether a row stands still; without them a block is judged for itself."""
+SCATTER = 8.0
+"""Standard deviations of noise over which positions that stand still are spread."""
+GRID = 0.4
+"""Of a step of the grid: noise up to this is that of rounding to it."""
+LEAVES = 28.0
+"""How many times its resolution a joint moves, within twice the length of a short standstill before and after it; at a
+turning point of its motion it moves 24 times as far as in the time in which it seems to stand still."""
+SLIGHT = 0.01
+"""Of the largest speed in a table: what may be noise of speeds that are given."""
+NEAR = 32
+"""Rows within which noise changes its sign twice."""
+SURE = 4.0
+"""Standard errors of their mean, beyond which speeds that are given are no noise."""
+_ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
+
+
+def resolution(quantum: float, noise: float, largest: float) -> float:
+    """Return within what positions that stand still are: a step of their grid, their noise, or rounding.
+
+    Args:
+        quantum: step of the grid; noise: standard deviation; largest: magnitude.
+    """
+    scatter = SCATTER * noise if noise > GRID * quantum else 0.0
+    return max(quantum * (1.0 + 1e-6), scatter, _ROUNDING * largest)
+
+
+def slowest(band: float, spacing: float) -> float:
+    """Return the speed below which a motion cannot be told from standing still.
+
+    Args:
+        band: of `resolution`; spacing: of samples [s].
+    """
+    return band / (LONGEST * spacing) if spacing > 0.0 else 0.0
+
+
+def standing(positions: Floats, band: float, speeds: Floats | None = None, slight: float = 0.0) -> Flags:
+    """Return whether a joint stands still in each row.
+
+    It does in windows in which its positions stay within their resolution: of LONGEST rows, or of fewer where it
+    leaves the place fast before and after, as where it stops between two moves; a slow motion does not, nor does a
+    turning point. Speeds that are given must be slight, and 0 in the mean within their own scatter.
+
+    Args:
+        positions: (N,); band: of `resolution`.
+        speeds: (N,) if they are given; slight: their magnitude that may be noise.
+    """
+    count = len(positions)
+    found = np.zeros(count, dtype=bool)
+    near = np.concatenate(([False], np.abs(np.diff(positions)) <= band, [False]))
+    if not (near[1:-1] if speeds is None else near[1:-1] & (speeds[1:] != 0.0)).any():
+        return found
+    length, high, low = 1, positions, positions
+    if speeds is not None:
+        total, square, swift = speeds, speeds * speeds, np.abs(speeds)
+    while length < LONGEST and 2 * length <= count:
+        high, low = np.maximum(high[:-length], high[length:]), np.minimum(low[:-length], low[length:])
+        if speeds is not None:
+            total, square = total[:-length] + total[length:], square[:-length] + square[length:]
+            swift = np.maximum(swift[:-length], swift[length:])
+        length *= 2
+        if length < SHORTEST:
+            continue
+        within = high - low <= band
+        if not within.any():
+            break
+        if length < LONGEST:
+            within &= _left(high, low, length, band) & _left(high[::-1], low[::-1], length, band)[::-1]
+        if speeds is not None:
+            within &= (swift <= slight) & (total * total <= SURE * SURE * square)
+        marks = np.zeros(count + 1, dtype=np.int64)
+        starts = np.flatnonzero(within)
+        marks[starts] += 1
+        np.subtract.at(marks, starts + length, 1)
+        found |= np.cumsum(marks[:-1]) > 0
+    return found
+
+
+def _left(high: Floats, low: Floats, length: int, band: float) -> Flags:
+    """Return of each window whether the joint leaves it within twice its length after it, or stays to the table's end.
+
+    Args:
+        high, low: of each window, by its first row.
+    """
+    count = len(high)
+    top, bottom = (np.pad(x, (0, 2 * length), mode="edge") for x in (high, low))
+    top, bottom = np.maximum(top[length:], top[:-length]), np.minimum(bottom[length:], bottom[:-length])
+    far = np.maximum(top[length : length + count] - low, high - bottom[length : length + count])
+    whole = np.arange(count) < count - 2 * length
+    return np.asarray((far > LEAVES * band) | (~whole & (far <= band)))
+
+
+class Standstill:
+    """The joints of a table, and the resolutions of their positions."""
+
+    def __init__(
+        self,
+        signals: Signals,
+        layout: Layout,
+        pieces: Sequence[Trajectory] = (),
+        known: Mapping[int, tuple[float, float]] | None = None,
+    ) -> None:
+        """Args:
+        pieces: runs of consecutive samples that stand for the table; without any, the first block does.
+        known: step of the grid and standard deviation of the noise of columns of q, as far as they were looked for.
+        """
+        spans = zip(signals.joints, signals.spans.values(), strict=True)
+        self._joints = [
+            (joint.kind, q, rate)
+            for joint, ((q, *_), (rate, *_)) in spans
+            if joint.kind != "floating" and layout.q[q] != ABSENT
+        ]
+        self._given = {rate for _, _, rate in self._joints if layout.qd[rate] != ABSENT}
+        self._pieces, self._known, self._bands = pieces, dict(known or {}), dict[int, float]()
+        self._spacing = self._top = 0.0
+
+    @np.errstate(all="ignore")
+    def stopped(self, samples: Trajectory) -> Trajectory:
+        """Return samples whose speeds are 0 where joints stand still.
+
+        Args:
+            samples: a block with its neighbours, all velocities filled in.
+        """
+        if not self._spacing:
+            self._pieces = self._pieces or [cut(samples, 0, SEEN)]
+            steps = [np.diff(piece.time) for piece in self._pieces]
+            ordered = np.sort(np.concatenate(steps))
+            self._spacing = float(ordered[len(ordered) // 2]) if len(ordered) else 0.0
+            self._top = max(float(np.abs(piece.qd).max(initial=0.0)) for piece in self._pieces)
+        qd, slow = samples.qd, np.zeros(samples.qd.shape[1])
+        for kind, q, rate in self._joints:
+            if rate in self._given and q not in self._bands and not _flips(qd[:, rate], SLIGHT * self._top):
+                continue
+            places = _straight(samples.q[:, q]) if kind == "continuous" else samples.q[:, q]
+            band = self._band(kind, q)
+            slow[rate] = slowest(band, self._spacing)
+            speeds = qd[:, rate] if rate in self._given else None
+            still = standing(
+                places, band, speeds, max(band / self._spacing if self._spacing else 0.0, SLIGHT * self._top)
+            )
+            if still.any():
+                qd = samples.qd.copy(order="F") if qd is samples.qd else qd
+                qd[still, rate] = 0.0
+        return replace(samples, qd=qd, slowest=slow)
+
+    def _band(self, kind: str, q: int) -> float:
+        if q not in self._bands:
+            columns = [piece.q[:, q] for piece in self._pieces]
+            from robodyn.trajectory.noise import FINEST_ENCODER, estimate
+
+            if q not in self._known:
+                runs = [(x.time, raw[:, None]) for x, raw in zip(self._pieces, columns, strict=True) if len(raw) > 1]
+                whole = [(t, x, _straight(x[:, 0])[:, None] if kind == "continuous" else x) for t, x in runs]
+                noise = estimate(whole)
+                self._known[q] = noise.quantum, noise.sigma
+            step, sigma = self._known[q]
+            largest = max(float(np.abs(x).max(initial=0.0)) for x in columns)
+            self._bands[q] = resolution(step if step <= FINEST_ENCODER else 0.0, sigma, largest)
+        return self._bands[q]
+
+
+def _flips(speeds: Floats, slight: float) -> bool:
+    """Return whether slight speeds change their sign twice among a few rows, as noise does."""
+    rows = np.flatnonzero((speeds != 0.0) & (np.abs(speeds) <= slight))
+    turns = rows[1:][(speeds[rows[1:]] > 0.0) != (speeds[rows[:-1]] > 0.0)]
+    return bool((np.diff(turns) <= NEAR).any())
+
+
+def _straight(angles: Floats) -> Floats:
+    return angles - 2.0 * np.pi * np.concatenate(([0.0], np.cumsum(np.rint(np.diff(angles) / (2.0 * np.pi)))))

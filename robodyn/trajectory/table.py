@@ -1,0 +1,216 @@
+"""A table of numbers: what every format offers to the reader, and tables whose columns are arrays in memory."""
+
+from __future__ import annotations
+
+import os
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.errors import InputError, TrajectoryError
+from robodyn.support.floats import Floats
+
+if TYPE_CHECKING:
+    from decimal import Decimal
+
+FILE_TYPES = {
+    ".csv": "csv",
+    ".tsv": "csv",
+    ".txt": "csv",
+    ".dat": "csv",
+    ".parquet": "parquet",
+    ".pq": "parquet",
+    ".npz": "npz",
+}
+"""The kind of table by the suffix of its file."""
+BAGS, MESSAGES = (".db3", ".mcap", ".bag"), (".yaml", ".yml", ".json")
+"""Suffixes of bags of ROS, and of its messages as text."""
+READABLE = (*FILE_TYPES, *BAGS, *MESSAGES)
+METADATA = "metadata.yaml"
+"""What a folder has that is a bag of ROS 2."""
+
+ALL_FINITE = "every cell must be finite: leave out such rows, or the whole column"
+
+_EXPANDED, _RATIO = 1 << 28, 500
+"""Bytes of numbers that are always read, and how many for each byte that is stored."""
+
+
+class Table(ABC):
+    """Columns of numbers, read a block of rows at a time.
+
+    Attributes:
+        file: as messages name it, None if there is no file.
+        header_line: the line of the header, None where the format has no lines.
+        names: the columns.
+        size_bytes, position_bytes: length of the file and how much of it has been read.
+        origins: column -> number that is subtracted from it, exactly, before it becomes a double.
+        leaves_out: whether columns that the robot does not know are left out, as those of a log of more than it.
+        notes: on what was left out.
+    """
+
+    leaves_out = False
+    notes: tuple[str, ...] = ()
+
+    header_line: int | None = None
+    size_bytes = position_bytes = 0
+    names: tuple[str, ...]
+
+    def __init__(self, file: str | None) -> None:
+        self.file = file
+        self.origins: Mapping[int, Decimal] = {}
+
+    @abstractmethod
+    def blocks(self, columns: Sequence[int], rows: int) -> Iterator[Floats]:
+        """Blocks (k, len(columns)) with 1 <= k <= rows, in the order of the file, every cell finite.
+
+        Each column of a block is contiguous, except in blocks of text.
+        """
+
+    @abstractmethod
+    def pieces(self, columns: Sequence[int], count: int, rows: int) -> list[Floats]:
+        """Up to `count` runs of about `rows` consecutive rows, spread over the file; all of it where it is short."""
+
+    @abstractmethod
+    def first(self, columns: Sequence[int]) -> list[str | float]:
+        """Return the first row of columns as it is written, with all digits; nothing if there is none."""
+
+    def error_at(self, row: int, what: str, remedy: str | None = None) -> TrajectoryError:
+        """Return an error about a data row, counted from 1, that says where the row stands in the file."""
+        return TrajectoryError(f"row {row}: {what}", remedy=remedy, file=self.file)
+
+    def texts(self, columns: Sequence[int]) -> dict[int, str]:
+        """Return the text of columns that say the same in every row; nothing where there are numbers only.
+
+        Raises:
+            TrajectoryError: one says something else in a later row.
+        """
+        return {}
+
+    def choose(self, columns: Sequence[int]) -> None:  # noqa: B027
+        """Hear which columns will be read; rows that lack one of them may be left out."""
+
+    def close(self) -> None:  # noqa: B027
+        """Give the file back, if one is open."""
+
+
+class ArrayTable(Table):
+    """Named columns of equal length in memory.
+
+    Args:
+        columns: name -> (N,) array.
+
+    Raises:
+        TrajectoryError: the columns differ in length.
+    """
+
+    def __init__(self, file: str | None, columns: Mapping[str, Floats]) -> None:
+        self._rows = common_length({name: len(values) for name, values in columns.items()}, file)
+        super().__init__(file)
+        self.names = tuple(columns)
+        self._arrays = list(columns.values())
+
+    def blocks(self, columns: Sequence[int], rows: int) -> Iterator[Floats]:
+        for start in range(0, self._rows, rows):
+            values = self._slice(columns, slice(start, start + rows))
+            check_finite(values, [self.names[i] for i in columns], start + 1, self.error_at)
+            yield values
+
+    def pieces(self, columns: Sequence[int], count: int, rows: int) -> list[Floats]:
+        return [self._slice(columns, cut) for cut in spread(self._rows, count, rows)]
+
+    def _slice(self, columns: Sequence[int], cut: slice) -> Floats:
+        return np.array([less(self._arrays[i][cut], self.origins.get(i)) for i in columns]).T
+
+    def first(self, columns: Sequence[int]) -> list[str | float]:
+        return [self._arrays[i][0].item() for i in columns] if self._rows else []
+
+
+def log_kind(name: str) -> Literal["bag", "messages"] | None:
+    """Return whether a name is that of a bag of ROS, which any folder may be that is not named like a table, or of
+    messages as text; None if of neither."""
+    lower = name.lower()
+    if lower.endswith(BAGS) or os.path.isfile(os.path.join(name, METADATA)):
+        return "bag"
+    if os.path.isdir(name) and not lower.endswith((*FILE_TYPES,)):
+        return "bag"
+    return "messages" if lower.endswith(MESSAGES) else None
+
+
+def reason(error: OSError) -> str:
+    """What the system says, without the file name."""
+    return (error.strerror or str(error)).lower()
+
+
+@contextmanager
+def decoding(format_name: str, file: str | None) -> Iterator[None]:
+    """Tells what a library raises about a damaged file, of whatever class it is, as a TrajectoryError."""
+    try:
+        yield
+    except InputError:
+        raise
+    except Exception as error:
+        first = str(error).strip().partition("\n")[0] or type(error).__name__
+        what = f"cannot be read as {format_name}: {first}"
+        raise TrajectoryError(what, remedy="write it again", file=file) from None
+
+
+def check_expansion(held: int, stored: int, file: str) -> None:
+    """Raise for a file that holds far more bytes than are stored: time alone, which never repeats, needs more.
+
+    Raises:
+        TrajectoryError: it does.
+    """
+    if held > max(_EXPANDED, _RATIO * stored):
+        what = f"{stored} bytes that hold {held} bytes of numbers, as only columns of one value do"
+        raise TrajectoryError(what, remedy="is it a table of a motion?", file=file)
+
+
+def common_length(lengths: Mapping[str, int], file: str | None) -> int:
+    """The length of all columns, 0 if there are none.
+
+    Raises:
+        TrajectoryError: they differ.
+    """
+    if not lengths:
+        return 0
+    longest, shortest = max(lengths, key=lengths.__getitem__), min(lengths, key=lengths.__getitem__)
+    if lengths[longest] != lengths[shortest]:
+        what = f"{longest!r} has {lengths[longest]} rows, {shortest!r} has {lengths[shortest]}"
+        raise TrajectoryError(what, remedy="give every column the same length", file=file)
+    return lengths[longest]
+
+
+def less(values: NDArray[Any], origin: Decimal | None) -> NDArray[Any]:
+    """Return values less an origin, each rounded once."""
+    if origin is None:
+        return values
+    return values.astype(np.int64) - int(origin) if values.dtype.kind in "iu" else values - float(origin)
+
+
+def changed(name: str, text: str, before: str) -> tuple[str, str]:
+    """Return what is wrong with a column of names that change, and what to do."""
+    return f"column {name!r} is {text!r}, and {before!r} in the rows before", "give a column per joint"
+
+
+def spread(total: int, count: int, rows: int) -> list[slice]:
+    """Up to `count` slices of `rows` of `total` rows, evenly spread; one slice of everything where that is no more."""
+    if total <= count * rows:
+        return [slice(0, total)]
+    starts = np.linspace(0, total - rows, count).astype(np.int64)
+    return [slice(int(start), int(start) + rows) for start in starts]
+
+
+def check_finite(
+    values: Floats, names: Sequence[str], first_row: int, error_at: Callable[[int, str, str], TrajectoryError]
+) -> None:
+    """Raise the error of the first cell that is not finite, in the order of rows."""
+    if np.isfinite(values).all():
+        return
+    row, column = np.argwhere(~np.isfinite(values))[0]
+    value = values[row, column]
+    what = f"column {names[column]!r} is empty or NaN" if np.isnan(value) else f"column {names[column]!r} is {value}"
+    raise error_at(first_row + int(row), what, ALL_FINITE)
