@@ -19,10 +19,8 @@ from robodyn.errors import InputError
 from robodyn.report import inertia_pages as pages
 from robodyn.report.inertia import comparison_sections, link_sections, link_shapes_sections, robot_sections
 from robodyn.report.inertia_pages import comparison_json, link_json, link_shapes_json, robot_json
-from robodyn.robot.masses.compare import compare
 from robodyn.robot.masses.declared import link_inertia, robot_inertia
-from robodyn.robot.masses.measured import How, Reading
-from robodyn.robot.masses.shapes import link_from_shapes
+from robodyn.robot.masses.shapes import How, Reading, compare, link_from_shapes
 from robodyn.robot.urdf.parts import Description, Kind
 from robodyn.solids.inertia.conversions import View
 from robodyn.support.wording import count

@@ -21,9 +21,8 @@ from robodyn.support.wording import count
 
 if TYPE_CHECKING:
     from robodyn.checks.check import Checked
-    from robodyn.robot.masses.compare import Comparison, Difference, LinkComparison
     from robodyn.robot.masses.declared import LinkInertia, RobotInertia
-    from robodyn.robot.masses.shapes import LinkShapes
+    from robodyn.robot.masses.shapes import Comparison, Difference, LinkComparison, LinkShapes
     from robodyn.solids.composite_mass import Combination
     from robodyn.solids.mesh.symmetry.kinds import Axis, Plane
     from robodyn.solids.mesh.tessellation.bars import Bars
@@ -277,7 +276,7 @@ def _physical(found: Validity, which: str = "") -> str:
 
 
 def _compared_row(link: LinkComparison, found: Difference) -> tuple[str, ...]:
-    from robodyn.robot.masses.compare import UNCERTAIN
+    from robodyn.robot.masses.shapes import UNCERTAIN
 
     count = len(link.remarks)
     return (

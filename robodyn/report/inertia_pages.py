@@ -44,9 +44,8 @@ from robodyn.solids.mesh_mass import Part
 
 if TYPE_CHECKING:
     from robodyn.checks.check import Checked
-    from robodyn.robot.masses.compare import Comparison, Difference, LinkComparison
     from robodyn.robot.masses.declared import LinkInertia, RobotInertia
-    from robodyn.robot.masses.shapes import LinkShapes
+    from robodyn.robot.masses.shapes import Comparison, Difference, LinkComparison, LinkShapes
     from robodyn.robot.urdf.geometry import Shape
     from robodyn.robot.urdf.parts import Description
     from robodyn.solids.composite_mass import Combination

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from robodyn.checks.bodies import masses, weighed
+from robodyn.checks.bodies import bodies, masses
 from robodyn.checks.check import Options, check_one
 from robodyn.solids.inertia.validity import Box
 
@@ -50,12 +50,12 @@ def chain(links: int, mass: Callable[[int], float]) -> bytes:
 
 def test_links_alike_are_weighed_and_their_moments_found_once(count: Callable[[Any, str], Counter[str]]) -> None:
     """Of nine links of two kinds, which differ in the mass."""
-    weighed._verdict.cache_clear()
+    bodies._verdict.cache_clear()
     masses.principal_moments.cache_clear()
     count(masses, "eigen")
-    counts = count(weighed, "weigh")
+    counts = count(bodies, "mistake_posterior")
     check_one(chain(9, lambda k: 2.0 + k % 2), Options(select=("ALL",)))
-    assert counts["weigh"] == 2
+    assert counts["mistake_posterior"] == 2
     assert counts["eigen"] <= 2
 
 

@@ -1,23 +1,29 @@
-"""The inertials of links as bodies, and how they fit the shapes."""
+"""The inertials of links as bodies: how they fit the shapes, and masses that are written twice."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from math import isfinite
+from functools import lru_cache
+from math import isfinite, pi
+
+import numpy as np
 
 from robodyn.checks.bodies.masses import link_poses, pose, widest
-from robodyn.checks.bodies.shapes import group_boxes, link_boxes
+from robodyn.checks.bodies.shapes import group_boxes, link_boxes, shaped
 from robodyn.checks.context import Context
-from robodyn.programs.vectors import product
+from robodyn.programs.vectors import length, product
 from robodyn.robot.kinematics import Pose
+from robodyn.robot.masses.inertia_mistakes import PRODUCTS, Given, raised
+from robodyn.robot.masses.mistake_posterior import DOUBTED, Cause, Posterior, Uniform, mistake_posterior
 from robodyn.robot.urdf.elements import Span
-from robodyn.robot.urdf.view import InertialView, LinkView
+from robodyn.robot.urdf.view import InertialView, JointView, LinkView
 from robodyn.solids.inertia.laws import second_moments, symmetric
 from robodyn.solids.inertia.validity import Box
 from robodyn.support.floats import Floats
+from robodyn.support.wording import figure, one_of
 
-_LEAST = 0.01
+_LEAST_SHARE = 0.01
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,7 +97,7 @@ def share(context: Context, body: Body) -> float | None:
     """Return its share of its rigid group's mass; None where that is below 1 %, so that it does not matter."""
     whole = context.tree.group[body.link.name].mass
     part = body.mass / whole if whole else 1.0
-    return part if part >= _LEAST else None
+    return part if part >= _LEAST_SHARE else None
 
 
 def _second(link: LinkView, where: Pose) -> Floats | None:
@@ -100,3 +106,127 @@ def _second(link: LinkView, where: Pose) -> Floats | None:
         return None
     S: Floats = product(where.R, second_moments(symmetric(tensor)), where.R.T)
     return S
+
+
+_MASS = 1e-6
+"""Relative difference of masses that are the same."""
+_NEAR = 1e-3
+"""Metres between centres of mass that are the same."""
+
+
+def repeated(context: Context) -> Mapping[str, JointView]:
+    """Return by child the fixed joints whose child has the mass of its parent again."""
+    known = context.once(bodies)
+    found = {}
+    for joint in context.view.joints:
+        part, again = known.get(joint.parent), known.get(joint.child)
+        if joint.type != "fixed" or part is None or again is None or abs(part.mass - again.mass) > _MASS * part.mass:
+            continue
+        if share(context, again) is not None and (_one_centre(part, again) or _copied(part, again)):
+            found[joint.child] = joint
+    return found
+
+
+def _one_centre(part: Body, again: Body) -> bool:
+    """Return whether both have a spread, and their centres of mass are at one point."""
+    spread = not _stand_in(part) and not _stand_in(again)
+    return spread and length(part.in_group[0] - again.in_group[0]) <= _NEAR
+
+
+def _copied(part: Body, again: Body) -> bool:
+    """Return whether the numbers of one are those of the other, which has no shape, or products of inertia and another
+    shape."""
+    tensor = part.link.tensor
+    same = tensor == again.link.tensor and bool((part.c == again.c).all()) and not _stand_in(part)
+    if not same or tensor is None or not again.link.geometries:
+        return same
+    return all(tensor[k] for k in (1, 2, 4)) and _shapes(part.link) != _shapes(again.link)
+
+
+def _shapes(link: LinkView) -> set[tuple[tuple[str, str], ...]]:
+    return {tuple(sorted(shape.shape.values.items())) for shape in link.geometries if shape.shape is not None}
+
+
+def _stand_in(body: Body) -> bool:
+    tensor = body.link.tensor
+    return tensor is None or tensor[0] == tensor[3] == tensor[5]
+
+
+_EXACT = 0.02
+
+
+def given(link: LinkView) -> Given | None:
+    """Return what a link says; None where a number cannot be read, there is no mass or no inertia, or the rpy of the
+    inertial is in degrees."""
+    mass, tensor = link.mass, link.tensor
+    if link.inertial is None or tensor is None or mass is None or not 0 < mass < float("inf") or not any(tensor):
+        return None
+    placed, turns = pose(link.inertial.origin), link.inertial.origin.rpy.or_default(0.0, 0.0, 0.0) or ()
+    if placed is None or any(abs(turn) > 2.0 * pi for turn in turns) or not all(map(isfinite, (*tensor, *placed.p))):
+        return None
+    return Given(mass, product(placed.R.T, placed.p), placed.R, tensor)
+
+
+def weighed(context: Context) -> Mapping[str, Posterior]:
+    """Return by link the verdict of its shapes. From stage TREE on.
+
+    Of a link that is less than 1 % of its rigid group only where its numbers were made from the very shapes.
+    """
+    shapes, known = context.once(shaped), context.once(bodies)
+    found = {}
+    for name, body in known.items():
+        said = given(body.link)
+        if said is None or name not in shapes:
+            continue
+        verdict = _verdict(_numbers(said, shapes[name].solid.along(said.R)))
+        exact = verdict.named and not verdict.units and verdict.named[0].apart <= _EXACT
+        if exact or share(context, body) is not None:
+            found[name] = verdict
+    return found
+
+
+Numbers = tuple[float, bytes, bytes, tuple[float, ...], float, bytes, bytes]
+"""Mass, centre, axes and entries of what is given; volume, centre and second moments of the shapes."""
+
+
+def _numbers(given: Given, shapes: Uniform) -> Numbers:
+    own = given.mass, given.c.tobytes(), given.R.tobytes(), given.entries
+    return *own, shapes.volume, shapes.c.tobytes(), shapes.S.tobytes()
+
+
+@lru_cache(maxsize=1024)
+def _verdict(numbers: Numbers) -> Posterior:
+    """The posterior, once for the same numbers: a quarter of the links of a robot are like another one."""
+    mass, c, R, entries, volume, centre, S = numbers
+    given = Given(mass, np.frombuffer(c), np.frombuffer(R).reshape(3, 3), entries)
+    return mistake_posterior(given, Uniform(volume, np.frombuffer(centre), np.frombuffer(S).reshape(3, 3)))
+
+
+def judged(context: Context, tensors: bool = True) -> Iterator[Body]:
+    """Yield the bodies whose mass matters in their group, where no slip of units is suspected and no mass repeated.
+
+    Args:
+        tensors: leave out those of which a slip of the tensor is named, too.
+    """
+    verdicts, again = context.once(weighed), context.once(repeated)
+    for name, body in context.once(bodies).items():
+        verdict = verdicts.get(name)
+        explained = verdict is not None and (verdict.units or (tensors and verdict.named))
+        if not explained and name not in again and share(context, body) is not None:
+            yield body
+
+
+def suspected(context: Context, body: Body, centre: bool = False) -> str | None:
+    """Return what may explain that an inertia, or else a centre of mass, does not fit the shapes, in words; None if
+    nothing does."""
+    verdict = context.once(weighed).get(body.link.name)
+    if verdict is None or verdict.right > DOUBTED:
+        return None
+    said, fits = given(body.link), (one for one in verdict.causes if _of_centre(one) == centre)
+    if not centre and said is not None and raised(said) and any(said.entries[k] for k in PRODUCTS):
+        return one_of([f"its moments were raised to {figure(said.entries[0], 2)} kg m^2, as simulators are helped"])
+    return one_of(one.what for one in fits)
+
+
+def _of_centre(cause: Cause) -> bool:
+    return cause.units is not None and cause.units.factors[1] != 1

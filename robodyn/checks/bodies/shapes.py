@@ -1,4 +1,4 @@
-"""Boxes around what links and rigid groups are made of."""
+"""Boxes around what links and rigid groups are made of, and the uniform solids that links are by their shapes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,10 @@ from robodyn.checks.meshes.units import mesh_slips
 from robodyn.checks.tree import Group
 from robodyn.programs.vectors import length, product
 from robodyn.robot.kinematics import Pose
+from robodyn.robot.masses.mistake_posterior import Uniform
 from robodyn.robot.urdf.view import GeometryView, LinkView
+from robodyn.solids.inertia.laws import symmetric
+from robodyn.solids.inertia.solids import SHAPES
 from robodyn.solids.inertia.validity import Box, around, half_size
 from robodyn.support.floats import Floats
 
@@ -68,7 +71,7 @@ def _sized(context: Context) -> Solids:
     found = {}
     for link in context.view.links:
         for geometry in link.geometries:
-            where, box = pose(geometry.origin), _mesh(geometry, facts) or _primitive(geometry)
+            where, box = pose(geometry.origin), _mesh_box(geometry, facts) or _primitive_box(geometry)
             if where is not None and box is not None and geometry not in mistaken:
                 found[geometry] = Solid(box, where)
     return found
@@ -89,7 +92,7 @@ def other_unit(context: Context) -> OtherUnit | None:
     return next((OtherUnit(one, middle) for one in found), None)
 
 
-def _mesh(geometry: GeometryView, facts: Mapping[str, MeshFacts]) -> Box | None:
+def _mesh_box(geometry: GeometryView, facts: Mapping[str, MeshFacts]) -> Box | None:
     if geometry.shape is None or geometry.shape.tag != "mesh":
         return None
     known = facts.get(geometry.shape.get("filename") or "")
@@ -100,7 +103,7 @@ def _mesh(geometry: GeometryView, facts: Mapping[str, MeshFacts]) -> Box | None:
     return Box(ends.min(axis=0), ends.max(axis=0))
 
 
-def _primitive(geometry: GeometryView) -> Box | None:
+def _primitive_box(geometry: GeometryView) -> Box | None:
     half = _half_size(geometry)
     return Box(-half, half) if half is not None and (half > 0).all() else None
 
@@ -165,3 +168,95 @@ def _half_size(geometry: GeometryView) -> Floats | None:
     read = [size.values for size in geometry.sizes]
     size = [length for lengths in read if lengths is not None for length in lengths]
     return None if None in read or not read or geometry.shape is None else half_size(geometry.shape.tag, size)
+
+
+_FILLED = 0.35
+"""Volume of a part over that of the box around it: the median of meshes of published robots."""
+_LEAST_FILLED = 0.03
+"""Volume over the box's below which a surface that is not closed encloses nothing definite."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shaped:
+    """A link as its shapes have it.
+
+    Attributes:
+        solid: in the link's axes.
+        definite: whether every shape encloses a volume; a box stands for one that does not.
+    """
+
+    solid: Uniform
+    definite: bool
+
+
+def shaped(context: Context) -> Mapping[str, Shaped]:
+    """Return by name the links of which all visual shapes are known, or else all collision shapes, as uniform solids.
+
+    A mesh that is not closed counts as what its triangles enclose with their boundary's cone to a point inside, where
+    that is like a body: of the open meshes of published robots 98 in 100 are.
+    """
+    known, facts = context.once(solids), context.once(all_facts)
+    found = {}
+    for link in context.view.links:
+        one = _shaped(link, known, facts)
+        if one is not None:
+            found[link.name] = one
+    return found
+
+
+def _shaped(link: LinkView, known: Solids, facts: Mapping[str, MeshFacts]) -> Shaped | None:
+    shapes = real_shapes(link)
+    shapes = [shape for shape in shapes if shape.kind == "visual"] or shapes
+    if not shapes or not all(shape in known for shape in shapes):
+        return None
+    parts, definite = [], True
+    for shape in shapes:
+        own = _enclosed(shape, known[shape].box, facts) or _primitive_solid(shape)
+        definite = definite and own is not None
+        where = known[shape].pose
+        if own is None:
+            own = _boxed(known[shape].box)
+        parts.append(Uniform(own.volume, product(where.R, own.c) + where.p, product(where.R, own.S, where.R.T)))
+    whole = together(parts)
+    return None if whole is None else Shaped(whole, definite)
+
+
+def together(parts: Sequence[Uniform]) -> Uniform | None:
+    """Return several solids of one density as one; None without volume or extent."""
+    volume = sum(part.volume for part in parts)
+    if not 0.0 < volume < np.inf:
+        return None
+    c = sum((part.volume * part.c for part in parts), np.zeros(3)) / volume
+    S = sum((part.volume * (part.S + np.outer(part.c - c, part.c - c)) for part in parts), np.zeros((3, 3))) / volume
+    return Uniform(volume, c, S) if 0.0 < np.trace(S) < np.inf else None
+
+
+def _enclosed(shape: GeometryView, box: Box, facts: Mapping[str, MeshFacts]) -> Uniform | None:
+    """Return what a mesh encloses; None where that is nothing definite, or it is no mesh."""
+    if shape.shape is None or shape.shape.tag != "mesh":
+        return None
+    one, scale = facts[shape.shape.get("filename") or ""], np.array(shape.scale.or_default(1.0, 1.0, 1.0))
+    volume = abs(one.volume * float(scale.prod()))
+    c, S = np.array(one.centre) * scale, symmetric(one.second) * np.outer(scale, scale)
+    sides = box.hi - box.lo
+    if not (volume > 0.0 and (box.lo <= c).all() and (c <= box.hi).all() and (np.diagonal(S) > 0.0).all()):
+        return None
+    if not one.closed:
+        most = (box.hi - c) * (c - box.lo)
+        if volume < _LEAST_FILLED * float(sides.prod()) or (np.diagonal(S) > most).any():
+            return None
+    return Uniform(volume, c, S)
+
+
+def _primitive_solid(shape: GeometryView) -> Uniform | None:
+    form = None if shape.shape is None else SHAPES.get(shape.shape.tag)
+    if form is None:
+        return None
+    lengths = [length for size in shape.sizes for length in size.values or ()]
+    body = form(*lengths, mass=1.0)
+    return Uniform(body.volume or 0.0, body.com, body.S_c)
+
+
+def _boxed(box: Box) -> Uniform:
+    sides = box.hi - box.lo
+    return Uniform(_FILLED * float(sides.prod()), (box.lo + box.hi) / 2.0, np.diag(sides**2 / 12.0))

@@ -20,7 +20,7 @@ from robodyn.checks.importers.inferred_mass import inferred_masses
 from robodyn.checks.importers.run import Answer, answer
 from robodyn.checks.meshes.files import MeshUse, State, mesh_names, mesh_uses
 from robodyn.programs.vectors import ZERO, product
-from robodyn.robot.masses.slips import UPPER
+from robodyn.robot.masses.inertia_mistakes import UPPER
 from robodyn.robot.urdf.elements import Span
 from robodyn.robot.urdf.parts import WITH_AXIS, WITH_RANGE
 from robodyn.robot.urdf.view import JointView, LinkView

@@ -2,21 +2,223 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+import re
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from statistics import median
 
 import numpy as np
 
 from robodyn.checks.context import Context
-from robodyn.checks.mirror.names import named_pairs
-from robodyn.checks.mirror.parts import Carried, carried
-from robodyn.checks.mirror.plane import Plane, link_poses, near_of, planes
 from robodyn.programs.vectors import length, product
 from robodyn.robot.load import placement
-from robodyn.robot.urdf.parts import Inertial, Joint, Link
+from robodyn.robot.urdf.parts import Description, Geometry, Inertial, Joint, Link
 from robodyn.solids.inertia.laws import symmetric
-from robodyn.support.floats import Floats
+from robodyn.support.floats import Floats, first_largest
+
+_ALONE = r"(?<![A-Za-z]){}(?![A-Za-z])"
+_ENDS = "FBHMR"
+"""Front, back, hind, middle, rear."""
+_SWAPS = tuple(
+    (re.compile(pattern), replacement)
+    for pattern, replacement in (
+        ("left", "right"),
+        ("Left", "Right"),
+        ("LEFT", "RIGHT"),
+        (_ALONE.format("l"), "r"),
+        (_ALONE.format("L"), "R"),
+        (_ALONE.format(f"([{_ENDS}])L"), r"\1R"),
+        (_ALONE.format(f"([{_ENDS.lower()}])l"), r"\1r"),
+        (_ALONE.format(f"L([{_ENDS}])"), r"R\1"),
+        (_ALONE.format(f"l([{_ENDS.lower()}])"), r"r\1"),
+        (r"(?<![A-Za-z])L(?=[A-Z][a-z])", "R"),
+        (r"(?<![A-Za-z])l(?=[A-Z])", "r"),
+        (r"(?<=[a-z0-9])L(?![A-Za-z])", "R"),
+    )
+)
+
+
+_ROWS = tuple(
+    (re.compile(pattern), replacement)
+    for pattern, replacement in (
+        (r"(?i)front|hind|rear|middle|back", "*"),
+        (_ALONE.format(f"[{_ENDS}]L"), "*L"),
+        (_ALONE.format(f"[{_ENDS.lower()}]l"), "*l"),
+        (_ALONE.format(f"L[{_ENDS}]"), "L*"),
+        (_ALONE.format(f"l[{_ENDS.lower()}]"), "l*"),
+    )
+)
+
+
+def row_of(name: str) -> str:
+    """Return the name of something on the left with `*` for front, hind and so on: FL_hip is of the row *L_hip."""
+    for pattern, replacement in _ROWS:
+        name = pattern.sub(replacement, name, count=1)
+    return name
+
+
+def named_pairs(names: Collection[str]) -> Iterator[tuple[str, str]]:
+    """Yield (left, right) of the names that are each other's but for left and right.
+
+    Understood are left and right, l and r, two letters such as FL, LF, RL or LH, all in lower and upper case, and L as
+    the first letter of LHipYaw and the last of ElbowL.
+    """
+    known = frozenset(names)
+    for name in names:
+        other = _right_of(name, known)
+        if other is not None:
+            yield name, other
+
+
+def _right_of(name: str, known: frozenset[str]) -> str | None:
+    for pattern, replacement in _SWAPS:
+        for count in (0, 1):
+            other = pattern.sub(replacement, name, count=count)
+            if other != name and other in known:
+                return other
+    return None
+
+
+_NEAR = 2e-3
+"""How far a frame may be from its mirror image, relative to the robot's size."""
+
+
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """The plane n . x = offset in the root's axes."""
+
+    normal: Floats
+    offset: float
+
+    @property
+    def H(self) -> Floats:
+        """The reflection 1 - 2 n n^T."""
+        return np.eye(3) - 2.0 * np.outer(self.normal, self.normal)
+
+    def image(self, p: Floats) -> Floats:
+        """Return (..., 3) the mirror images of points."""
+        moved: Floats = product(p, self.H) + 2.0 * self.offset * self.normal
+        return moved
+
+
+def link_poses(description: Description) -> tuple[Mapping[str, Floats], Mapping[str, Floats]]:
+    """Return the rotation and origin of every link in the root's axes at q = 0 [m]."""
+    below: dict[str, list[Joint]] = {}
+    for joint in description.joints:
+        below.setdefault(joint.parent, []).append(joint)
+    R, p = {description.root: np.eye(3)}, {description.root: np.zeros(3)}
+    waiting = [description.root]
+    while waiting:
+        link = waiting.pop()
+        for joint in below.get(link, ()):
+            turn, shift = placement(joint.origin)
+            R[joint.child], p[joint.child] = product(R[link], turn), p[link] + product(R[link], shift)
+            waiting.append(joint.child)
+    return R, p
+
+
+def near_of(p: Mapping[str, Floats]) -> float:
+    """Return how far a frame may be from its mirror image [m]: 2e-3 of the robot's size."""
+    places = np.array(list(p.values()))
+    return _NEAR * float(np.ptp(places, axis=0).max())
+
+
+def planes(named: Sequence[tuple[str, str]], p: Mapping[str, Floats]) -> Iterator[tuple[Plane, list[tuple[str, str]]]]:
+    """Yield the planes that may be the mirror, each with those of the named pairs that it has at mirrored places.
+
+    They are across x, y or z of the root, or across the longest line between the two of a pair; amid the pairs, or
+    through the root.
+    """
+    left, right = (np.array([p[names[k]] for names in named]).reshape(-1, 3) for k in (0, 1))
+    near = near_of(p)
+    apart = left - right
+    lengths = np.linalg.norm(apart, axis=1)
+    if not (lengths > near).any():
+        return
+    longest = first_largest(lengths)
+    for normal in (*np.eye(3), apart[longest] / lengths[longest]):
+        for offset in (median(product(left + right, normal).tolist()) / 2.0, 0.0):
+            plane = Plane(normal, offset)
+            there = (np.linalg.norm(plane.image(left) - right, axis=1) <= near) & (lengths > near)
+            if there.any():
+                yield plane, [named[k] for k in np.flatnonzero(there).tolist()]
+
+
+_SAME_PART = 1e-4
+"""How far the meshes of one part may be carried differently: entries of G, and of p [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Carried:
+    """The isometry x -> G x + p from the axes of the left link to those of the right; det G = -1 if a scale is negative
+    on one side."""
+
+    G: Floats
+    p: Floats
+
+    def point(self, x: Floats) -> Floats:
+        moved: Floats = product(self.G, x) + self.p
+        return moved
+
+
+def carried(left: Link, right: Link, D: Floats, still: bool = False) -> Carried | None:
+    """Return what carries the meshes of one link onto those of the other; None unless they are the same files, placed
+    alike to each other.
+
+    The <visual> ones count, since collision meshes are simplified, to something symmetric even; or the <collision> ones
+    where there are no others. Links without meshes are one part if their primitives stand at the same places, and these
+    are not each other's images, or both links are fixed: then it is most often a sensor that was bought twice.
+
+    Args:
+        D: (3, 3) the reflection from the axes of the left link to those of the right.
+        still: whether both links are fixed to what carries them.
+    """
+    for kind in ("visual", "collision"):
+        one, other = ([shape for shape in link.geometries if shape.kind == kind] for link in (left, right))
+        meshes = [[shape for shape in shapes if shape.shape == "mesh"] for shapes in (one, other)]
+        if any(meshes):
+            return _common(*meshes)
+        if one or other:
+            return _in_place(one, other, D, still)
+    return None
+
+
+def _in_place(one: list[Geometry], other: list[Geometry], D: Floats, fixed: bool) -> Carried | None:
+    if [(shape.shape, shape.size, shape.origin) for shape in one] != [
+        (shape.shape, shape.size, shape.origin) for shape in other
+    ]:
+        return None
+    places = [np.array(shape.origin.xyz) for shape in one]
+    still = all(length(product(D, place) - place) <= _SAME_PART for place in places)
+    return None if still and not fixed else Carried(np.eye(3), np.zeros(3))
+
+
+def _common(one: list[Geometry], other: list[Geometry]) -> Carried | None:
+    if [mesh.filename for mesh in one] != [mesh.filename for mesh in other]:
+        return None
+    moves = [_move(*meshes) for meshes in zip(one, other, strict=True)]
+    first = moves[0]
+    return first if all(_alike(first, move) for move in moves) else None
+
+
+def _move(one: Geometry, other: Geometry) -> Carried | None:
+    """Return G = R' diag(s' / s) R^T and p = x' - G x; None where the scales differ in more than signs."""
+    scales = zip(one.scale, other.scale, strict=True)
+    if not all(s and abs(abs(s) - abs(s_other)) <= 1e-6 * abs(s) for s, s_other in scales):
+        return None
+    if (one.origin, one.scale) == (other.origin, other.scale):
+        return Carried(np.eye(3), np.zeros(3))
+    (R, x), (R_other, x_other) = placement(one.origin), placement(other.origin)
+    G = product(R_other, np.diag(np.sign(other.scale) * np.sign(one.scale)), R.T)
+    return Carried(G, x_other - product(G, x))
+
+
+def _alike(one: Carried | None, other: Carried | None) -> bool:
+    if one is None or other is None:
+        return False
+    return float(np.abs(one.G - other.G).max()) <= _SAME_PART and length(one.p - other.p) <= _SAME_PART
+
 
 Names = tuple[str, str]
 """Of a left and a right link."""

@@ -7,17 +7,15 @@ from math import pi
 
 import numpy as np
 
-from robodyn.checks.bodies.bodies import Body
+from robodyn.checks.bodies.bodies import Body, judged, suspected, weighed
 from robodyn.checks.bodies.masses import is_a_point, link_poses, principal_moments
-from robodyn.checks.bodies.shapes import around_known, box_of, outside, real_shapes, size_of, solids
-from robodyn.checks.bodies.uniform import shaped
-from robodyn.checks.bodies.weighed import judged, suspected, weighed
+from robodyn.checks.bodies.shapes import around_known, box_of, outside, real_shapes, shaped, size_of, solids
 from robodyn.checks.examples import SHAPED_INERTIA, a_shaped_link, inertia
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.checks.tree import Group
 from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import length, product
-from robodyn.robot.masses.likeness import Uniform
+from robodyn.robot.masses.mistake_posterior import Uniform
 from robodyn.solids.inertia.laws import inertia_matrix
 from robodyn.solids.inertia.validity import Box
 from robodyn.support.floats import Floats, first_largest

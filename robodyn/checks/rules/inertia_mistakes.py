@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from robodyn.checks.bodies.bodies import Body, bodies
-from robodyn.checks.bodies.uniform import shaped
-from robodyn.checks.bodies.weighed import weighed
-from robodyn.checks.causes.causes import causes, faults
+from robodyn.checks.bodies.bodies import Body, bodies, weighed
+from robodyn.checks.bodies.shapes import shaped
 from robodyn.checks.examples import IMAGE, SHAPED_INERTIA, TENSOR, a_shaped_link, inertia, two_arms
-from robodyn.checks.mirror.loads import MOMENTS, twins
+from robodyn.checks.mirror.causes import causes, faults
+from robodyn.checks.mirror.twins import MOMENTS, twins
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.robot.masses.units import QUANTITIES
-from robodyn.robot.masses.weighing import Cause, Weighed
+from robodyn.robot.masses.inertia_mistakes import QUANTITIES
+from robodyn.robot.masses.mistake_posterior import Cause, Posterior
 from robodyn.robot.urdf.elements import Span
 from robodyn.support.wording import figure, one_of
 
@@ -33,7 +32,7 @@ def unit_slip(context: Context) -> Faults:
             yield _fault(context, context.once(bodies)[name], verdict)
 
 
-def _fault(context: Context, body: Body, verdict: Weighed) -> Fault:
+def _fault(context: Context, body: Body, verdict: Posterior) -> Fault:
     first = (verdict.named or verdict.either)[0]
     assert first.units is not None, "it is one of units"
     which = first.units.wrong[0]

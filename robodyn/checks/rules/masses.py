@@ -5,9 +5,8 @@ from __future__ import annotations
 import re
 from math import fsum
 
-from robodyn.checks.bodies.bodies import bodies
+from robodyn.checks.bodies.bodies import bodies, repeated
 from robodyn.checks.bodies.masses import POINT, carried_masses, gyration, severity_of_zero
-from robodyn.checks.bodies.repeated import repeated
 from robodyn.checks.bodies.shapes import link_boxes, real_shapes, size_of
 from robodyn.checks.examples import (
     INERTIA,

@@ -6,13 +6,21 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from math import isclose, pi
 
-from robodyn.checks.causes.causes import causes
 from robodyn.checks.examples import ARM_LIMIT, IMAGE, two_arms, two_elbows
-from robodyn.checks.mirror.directions import directions, unlike_the_other_legs, unlike_their_limb
-from robodyn.checks.mirror.loads import MASS, MOMENTS, ONE_OF_TWO, Twins, twins
-from robodyn.checks.mirror.misplaced import Misplaced, misplaced
-from robodyn.checks.mirror.names import row_of
-from robodyn.checks.mirror.pairs import Pair, pairs
+from robodyn.checks.mirror.causes import causes
+from robodyn.checks.mirror.pairs import Pair, pairs, row_of
+from robodyn.checks.mirror.twins import (
+    MASS,
+    MOMENTS,
+    ONE_OF_TWO,
+    Misplaced,
+    Twins,
+    directions,
+    misplaced,
+    twins,
+    unlike_the_other_legs,
+    unlike_their_limb,
+)
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.robot.urdf.elements import Span
 from robodyn.robot.urdf.numbers import value_span

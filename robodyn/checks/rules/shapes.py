@@ -7,8 +7,7 @@ from math import prod
 import numpy as np
 
 from robodyn.checks.bodies.collision_fit import misfits
-from robodyn.checks.bodies.contacts import detached
-from robodyn.checks.bodies.overlaps import overlaps
+from robodyn.checks.bodies.contacts import detached, overlaps
 from robodyn.checks.bodies.shapes import real_shapes, solids
 from robodyn.checks.examples import a_shaped_link, a_tower
 from robodyn.checks.meshes.files import MeshUse, mesh_uses

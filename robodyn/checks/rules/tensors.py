@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import isclose, log10
 
+from robodyn.checks.bodies.bodies import given
 from robodyn.checks.bodies.masses import (
     POINT,
     gyration,
@@ -14,13 +15,12 @@ from robodyn.checks.bodies.masses import (
     trace,
     widest,
 )
-from robodyn.checks.bodies.uniform import shaped
-from robodyn.checks.bodies.weighed import given
-from robodyn.checks.causes.causes import explained
+from robodyn.checks.bodies.shapes import shaped
 from robodyn.checks.examples import INERTIA, inertia, longer_arm, one_link
+from robodyn.checks.mirror.causes import explained
 from robodyn.checks.mirror.pairs import pairs
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
-from robodyn.robot.masses.weighing import apart
+from robodyn.robot.masses.mistake_posterior import apart
 from robodyn.robot.urdf.view import LinkView
 from robodyn.support.wording import figure
 

@@ -9,9 +9,7 @@ import pytest
 from helpers.example_robots import path_of
 from helpers.sampled import sampled
 
-from robodyn.checks.bodies.hulls import Hull, depth
-from robodyn.checks.bodies.overlaps import overlaps
-from robodyn.checks.bodies.rest import rest
+from robodyn.checks.bodies.contacts import Hull, depth, overlaps, rest
 from robodyn.checks.catalogue import BY_CODE
 from robodyn.checks.context import Context
 from robodyn.programs.vectors import rotation_from_rpy

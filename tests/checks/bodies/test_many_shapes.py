@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from robodyn.checks.bodies import collision_fit, overlaps
+from robodyn.checks.bodies import collision_fit, contacts
 from robodyn.checks.context import Context
 from robodyn.robot.urdf.document import read
 from robodyn.solids.inertia.validity import Box
@@ -57,21 +57,21 @@ def test_a_shape_aside_is_found_among_many():
 def test_pairs_of_shapes_of_one_link_are_none(monkeypatch):
     boxes = [Box(np.full(3, 1e-4 * k), np.full(3, 1.0 + 1e-4 * k)) for k in range(1500)]
     tracemalloc.start()
-    assert list(overlaps._meeting(boxes, ["a"] * len(boxes))) == []
+    assert list(contacts._meeting(boxes, ["a"] * len(boxes))) == []
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert peak < 10e6
-    assert len(list(overlaps._meeting(boxes[:30], ["a", "b"] * 15))) == 225
+    assert len(list(contacts._meeting(boxes[:30], ["a", "b"] * 15))) == 225
 
 
 def test_pairs_of_links_are_compared_a_bounded_number_of_times(monkeypatch):
     calls = Counter()
 
-    def deep(*given, original=overlaps.depth):
+    def deep(*given, original=contacts.depth):
         calls["depth"] += 1
         return original(*given)
 
-    monkeypatch.setattr(overlaps, "depth", deep)
-    (found,) = overlaps.overlaps(context(shapes("collision"), shapes("visual"), shapes("collision")))
+    monkeypatch.setattr(contacts, "depth", deep)
+    (found,) = contacts.overlaps(context(shapes("collision"), shapes("visual"), shapes("collision")))
     assert (found.first.name, found.second.name) == ("a", "c")
-    assert calls["depth"] <= overlaps._MOST_PAIRS < MANY**2
+    assert calls["depth"] <= contacts._MOST_PAIRS < MANY**2

@@ -11,9 +11,7 @@ from hypothesis import strategies as st
 from robodyn.checks.check import check_one
 from robodyn.checks.context import Context
 from robodyn.checks.examples import ARM_LIMIT, IMAGE, ORIGIN, ORIGIN_IMAGE, TENSOR, two_arms, two_elbows
-from robodyn.checks.mirror.names import named_pairs, row_of
-from robodyn.checks.mirror.pairs import link_inertia, pairs, reflected
-from robodyn.checks.mirror.plane import Plane
+from robodyn.checks.mirror.pairs import Plane, link_inertia, named_pairs, pairs, reflected, row_of
 from robodyn.robot.urdf.document import read
 from robodyn.solids.inertia.conversions import from_inertia
 

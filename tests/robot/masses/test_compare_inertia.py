@@ -11,8 +11,7 @@ import pytest
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.report.document import text
 from robodyn.report.inertia import comparison_sections
-from robodyn.robot.masses.compare import compare, relative, slip
-from robodyn.robot.masses.measured import Reading
+from robodyn.robot.masses.shapes import Reading, compare, mistakes_in_words, relative
 from robodyn.robot.urdf.description import load_description
 from robodyn.robot.urdf.parts import Inertial, Origin
 from robodyn.solids.inertia.conversions import inertial_element
@@ -204,14 +203,14 @@ def inertial(I, mass=4.0, com=OFF.com):
     ],
 )
 def test_slips(given, words):
-    (found,) = slip(given, OFF)
+    (found,) = mistakes_in_words(given, OFF)
     assert words in found
     assert float(found.rpartition("agrees within ")[2].partition(" %")[0]) <= 2
 
 
 @pytest.mark.parametrize("factor", [0.0, 0.5, 0.97, 1.0, 1.5, 3.0, 30.0])
 def test_no_slip(factor):
-    assert slip(inertial(factor * OFF.inertia), OFF) == ()
+    assert mistakes_in_words(inertial(factor * OFF.inertia), OFF) == ()
 
 
 @pytest.mark.parametrize("part", [0.2, 1e-2, 1e-3])
@@ -219,9 +218,9 @@ def test_a_product_of_the_wrong_sign_counts_at_any_size(part):
     """Its magnitude is that of the shapes' to the last bit; beside the tensor it is small."""
     shapes = SOLID.rotated(rotation_from_rpy(0.0, 0.0, part))
     wrong = 2 * np.diag(np.diagonal(shapes.inertia)) - shapes.inertia
-    (found,) = slip(inertial(wrong, com=np.zeros(3)), shapes)
+    (found,) = mistakes_in_words(inertial(wrong, com=np.zeros(3)), shapes)
     assert "wrong sign" in found
-    assert slip(inertial(shapes.inertia, com=np.zeros(3)), shapes) == ()
+    assert mistakes_in_words(inertial(shapes.inertia, com=np.zeros(3)), shapes) == ()
 
 
 def test_relative():

@@ -1,6 +1,6 @@
 """Slips planted in links of real robots are named by the links' own shapes, and none by another name.
 
-The robots are none of those on which the distributions of `robodyn.robot.masses.likeness` were measured.
+The robots are none of those on which the distributions of `robodyn.robot.masses.mistake_posterior` were measured.
 """
 
 from __future__ import annotations
@@ -13,13 +13,11 @@ import numpy as np
 import pytest
 from helpers.example_robots import path_of
 
-from robodyn.checks.bodies.bodies import bodies
-from robodyn.checks.bodies.uniform import shaped
-from robodyn.checks.bodies.weighed import given
+from robodyn.checks.bodies.bodies import bodies, given
+from robodyn.checks.bodies.shapes import shaped
 from robodyn.checks.context import Context
-from robodyn.robot.masses.likeness import Uniform
-from robodyn.robot.masses.slips import UPPER, Given
-from robodyn.robot.masses.weighing import Weighed, weigh
+from robodyn.robot.masses.inertia_mistakes import UPPER, Given
+from robodyn.robot.masses.mistake_posterior import Posterior, Uniform, mistake_posterior
 from robodyn.robot.urdf.document import read
 
 ROBOTS = ("go2", "laikago", "kinova", "panda", "xarm7", "solo12", "z1", "bolt", "allegro_right_hand", "human")
@@ -100,13 +98,13 @@ def healthy() -> tuple[tuple[Given, Uniform], ...]:
             if said is None or name not in shapes or said.entries in kept or len(kept) == 8 or not said.c.any():
                 continue
             solid = shapes[name].solid.along(said.R)
-            if weigh(said, solid).right > 0.7:
+            if mistake_posterior(said, solid).right > 0.7:
                 kept.add(said.entries)
                 found.append((said, solid))
     return tuple(found)
 
 
-def is_it(verdict: Weighed, meant: str | tuple[float, float, float] | None) -> bool:
+def is_it(verdict: Posterior, meant: str | tuple[float, float, float] | None) -> bool:
     first = verdict.named[0]
     if isinstance(meant, str):
         return first.code == meant
@@ -116,7 +114,7 @@ def is_it(verdict: Weighed, meant: str | tuple[float, float, float] | None) -> b
 @cache
 def counted(kind: str) -> Counter[str]:
     plant, meant = PLANTED[kind]
-    verdicts = [weigh(plant(said), solid) for said, solid in healthy()]
+    verdicts = [mistake_posterior(plant(said), solid) for said, solid in healthy()]
     return Counter(
         ("right" if is_it(one, meant) else "wrong") if one.named else "either" if one.either else "none"
         for one in verdicts

@@ -9,13 +9,12 @@ import pytest
 from helpers.example_robots import path_of
 
 from robodyn.checks.bodies.masses import principal_moments
-from robodyn.checks.causes.causes import Cause, causes
-from robodyn.checks.causes.evidence import clearly_possible
 from robodyn.checks.check import Options, check_one, found_in
 from robodyn.checks.context import Context
 from robodyn.checks.examples import ORIGIN, two_arms
+from robodyn.checks.mirror.causes import Cause, causes, clearly_possible
 from robodyn.programs.vectors import rotation_from_rpy
-from robodyn.robot.masses.slips import UPPER, Given, corrections
+from robodyn.robot.masses.inertia_mistakes import UPPER, Given, corrections
 from robodyn.robot.urdf.document import read
 from robodyn.solids.inertia.laws import inertia_matrix, parallel_axis
 

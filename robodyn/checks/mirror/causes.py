@@ -1,35 +1,157 @@
-"""Why an inertia tensor is wrong, where exactly one cause explains it."""
+"""Why an inertia tensor is wrong: what speaks against it, what it was meant to be, and the one cause of it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from enum import Enum
+from functools import cached_property, partial
 
 import numpy as np
 
-from robodyn.checks.bodies.masses import Tensor, nearest
-from robodyn.checks.bodies.weighed import given, weighed
-from robodyn.checks.causes.evidence import SAME, Evidence, Symptom, apart, evidence_of, leads_away
+from robodyn.checks.bodies.bodies import given, weighed
+from robodyn.checks.bodies.masses import Tensor, nearest, principal_moments
+from robodyn.checks.bodies.shapes import own_box, shaped
 from robodyn.checks.context import Context
-from robodyn.checks.mirror.pairs import Pair, pairs
+from robodyn.checks.mirror.pairs import Pair, link_inertia, pairs, reflected
 from robodyn.checks.rule import Edit, Fault, Fix
-from robodyn.programs.vectors import length
-from robodyn.robot.masses.slips import (
+from robodyn.programs.vectors import length, product
+from robodyn.robot.masses.inertia_mistakes import (
     COPIED,
     NINE,
     UPPER,
     Given,
-    Slip,
+    Mistake,
     copied,
     corrections,
     nine_as_six,
     tensors,
 )
-from robodyn.robot.masses.weighing import Weighed
+from robodyn.robot.masses.mistake_posterior import Posterior
+from robodyn.robot.masses.mistake_posterior import apart as from_shapes
 from robodyn.robot.urdf.parts import INERTIA
 from robodyn.robot.urdf.view import LinkView
+from robodyn.solids.inertia.laws import second_moments, symmetric
 from robodyn.support.floats import Floats
 from robodyn.support.wording import figure, one_of
+
+DIFFERENT = 0.10
+"""How far a tensor may be from its twin's mirror image before something is wrong, relative to its largest entry."""
+SAME = 0.02
+"""How near a correction must come to the twin's mirror image."""
+_BEYOND = 1.05
+"""A second moment this many times the most that the link's shapes allow is beyond them."""
+_MARGIN = 1e-9
+
+
+class Symptom(Enum):
+    """How a wrong tensor shows, and what shows that a correction is right."""
+
+    IMPOSSIBLE = "no body can have this tensor, but one can have the corrected one"
+    NO_IMAGE = "corrected, it is the mirror image of its twin's"
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """What a tensor is measured against, in the axes of the inertial.
+
+    Attributes:
+        possible: whether a body can have a tensor, by the thresholds of RD206 and RD207.
+        image: the mirror image of the twin's tensor, scaled to this link's mass; None without a twin to believe.
+        bound: finds `most`.
+    """
+
+    possible: Callable[[Floats], bool]
+    image: Floats | None = None
+    bound: Callable[[], Floats | None] = lambda: None
+
+    @cached_property
+    def most(self) -> Floats | None:
+        """(3,) the most that the second moments can be in the box around the link's shapes; None where a shape of it is
+        not known."""
+        return self.bound()
+
+    def symptom(self, I: Floats) -> Symptom | None:
+        """Return what is wrong with the tensor; None if nothing is seen."""
+        if not self.possible(I):
+            return Symptom.IMPOSSIBLE
+        if self.image is not None and apart(I, self.image) > DIFFERENT:
+            return Symptom.NO_IMAGE
+        return None
+
+    def explains(self, I: Floats) -> bool:
+        """Return whether nothing is left to explain about a corrected tensor."""
+        if self.image is not None and apart(I, self.image) > SAME:
+            return False
+        return self.possible(I) and self.allows(I)
+
+    def allows(self, I: Floats, now: Floats | None = None) -> bool:
+        """Return whether mass inside the link's shapes may have a tensor; or one that goes no farther beyond them than
+        it does now."""
+        if self.most is None:
+            return True
+        most = _BEYOND * self.most if now is None else np.maximum(_BEYOND * self.most, _second(now))
+        return bool((_second(I) <= most).all())
+
+
+def evidence_of(context: Context, link: LinkView, given: Given, twin: Pair | None) -> tuple[Evidence, Given]:
+    """Return the evidence on a link's tensor, and what is given of the link with its twin's tensor, if it has one."""
+    limits = context.thresholds
+
+    def possible(I: Floats) -> bool:
+        if clearly_possible(*I[UPPER].tolist()):
+            return True
+        small, middle, large = principal_moments(tuple(I[UPPER].tolist()))
+        return small > limits.positive_definite * large and small + middle >= (1 - limits.triangle) * large
+
+    evidence = Evidence(possible, bound=partial(_most, context, link, given))
+    if twin is None or twin.left.inertial is None or not twin.left.inertial.mass > 0:
+        return evidence, given
+    _, I = reflected(twin, twin.left.inertial)
+    if not possible(I):
+        return evidence, given
+    scale = given.mass / twin.left.inertial.mass
+    image, copy = (product(given.R.T, tensor, given.R) for tensor in (I, link_inertia(twin.left.inertial)[1]))
+    return replace(evidence, image=scale * image), replace(given, copy=copy)
+
+
+def _most(context: Context, link: LinkView, given: Given) -> Floats | None:
+    """Return m (hi - c)(c - lo), the bound of Bhatia and Davis along each axis; 0 of a centre that is outside."""
+    box = own_box(context, link, given.R)
+    if box is None:
+        return None
+    most: Floats = given.mass * np.maximum(box.hi - given.c, 0.0) * np.maximum(given.c - box.lo, 0.0)
+    return most
+
+
+def leads_away(context: Context, link: LinkView, correction: Tensor | None) -> bool:
+    """Return whether the entries of a correction are farther from the inertia of the link's shapes than those that it
+    has."""
+    said, shapes = given(link), {} if context.tree_or_none is None else context.once(shaped)
+    if correction is None or said is None or link.name not in shapes:
+        return False
+    solid = shapes[link.name].solid.along(said.R)
+    now, then = (from_shapes(I, said.mass, solid) for I in (said.tensor, symmetric(correction)))
+    return now < then
+
+
+def clearly_possible(xx: float, xy: float, xz: float, yy: float, yz: float, zz: float) -> bool:
+    """Return whether the second moments are positive definite by a margin, by Sylvester's criterion; False may be
+    unclear."""
+    half = (xx + yy + zz) / 2.0
+    a, b, c = half - xx, half - yy, half - zz
+    minor = a * b - xy * xy
+    determinant = c * minor - a * yz * yz - b * xz * xz - 2.0 * xy * xz * yz
+    return bool(a > 0.0 and minor > _MARGIN * half**2 and determinant > _MARGIN * half**3)
+
+
+def _second(I: Floats) -> Floats:
+    return np.diagonal(second_moments(I))
+
+
+def apart(I: Floats, other: Floats) -> float:
+    return float(np.abs(I - other).max() / max(np.abs(I).max(), np.abs(other).max()))
+
 
 _DIGITS = 12
 
@@ -67,12 +189,12 @@ class Cause:
 def causes(context: Context) -> Mapping[str, Cause]:
     """Return by link the cause of its wrong tensor where there is exactly one. From stage DOCUMENT on.
 
-    The link's own shapes name it (see `robodyn.robot.masses.weighing`), or else its mirror twin: the tensor is more
-    than 10 % from the mirror image of the twin's, and one correction alone is possible, within the link's shapes, and
-    within 2 % of that image. The twin counts only where it is possible itself, and its shapes blame nothing on it; it
-    is the one that is wrong where the correction would carry the tensor away from the link's shapes. Two
-    corrections that explain it explain nothing, but that a copy of the twin also has wrong signs, and that several
-    orders of the entries are one cause without a correction.
+    The link's own shapes name it (see `mistake_posterior`), or else its mirror twin: the tensor is more than 10 % from
+    the mirror image of the twin's, and one correction alone is possible, within the link's shapes, and within 2 % of
+    that image. The twin counts only where it is possible itself, and its shapes blame nothing on it; it is the one that
+    is wrong where the correction would carry the tensor away from the link's shapes. Two corrections that explain it
+    explain nothing, but that a copy of the twin also has wrong signs, and that several orders of the entries are one
+    cause without a correction.
     """
     twins = {pair.right.name: pair for pair in context.once(pairs)}
     found = {}
@@ -114,8 +236,8 @@ def _may_be(context: Context, link: LinkView, said: Given, evidence: Evidence) -
     verdict = _weighed(context).get(link.name)
     if verdict is not None:
         return one_of([one.what for one in verdict.causes])
-    found = [slip for slip, _ in _explained(said, evidence) if slip.code not in _HIDDEN]
-    return one_of([slip.what for slip in found]) if len(found) <= _MOST_LISTED else None
+    found = [mistake for mistake, _ in _explained(said, evidence) if mistake.code not in _HIDDEN]
+    return one_of([mistake.what for mistake in found]) if len(found) <= _MOST_LISTED else None
 
 
 def faults(context: Context, code: str) -> Iterator[Fault]:
@@ -148,7 +270,7 @@ def _first_changed(link: LinkView, cause: Cause) -> int:
     return next((k for k in range(6) if cause.tensor[k] != link.tensor[k]), 0)
 
 
-def _weighed(context: Context) -> Mapping[str, Weighed]:
+def _weighed(context: Context) -> Mapping[str, Posterior]:
     return {} if context.tree_or_none is None else context.once(weighed)
 
 
@@ -173,7 +295,7 @@ def _cause(context: Context, link: LinkView, twin: Pair | None) -> Cause | None:
     return _by_twin(link, said, evidence, symptom)
 
 
-def _by_shapes(link: LinkView, said: Given, evidence: Evidence, verdict: Weighed) -> Cause:
+def _by_shapes(link: LinkView, said: Given, evidence: Evidence, verdict: Posterior) -> Cause:
     """Return the cause that the shapes name, with its correction if there is one only."""
     first = verdict.named[0]
     alike = [one for one in verdict.named if _same(one.I, first.I)]
@@ -201,25 +323,25 @@ def _by_twin(link: LinkView, said: Given, evidence: Evidence, symptom: Symptom) 
     if physical and copied(said):
         return Cause("RD313", COPIED, None, None, physical)
     explained = _explained(said, evidence)
-    if len(explained) > 1 and {slip.code for slip, _ in explained} == {"RD310"}:
-        return Cause("RD310", " or ".join(slip.what for slip, _ in explained), None, None, physical)
+    if len(explained) > 1 and {mistake.code for mistake, _ in explained} == {"RD310"}:
+        return Cause("RD310", " or ".join(mistake.what for mistake, _ in explained), None, None, physical)
     if len(explained) != 1:
         return None
-    ((slip, I),) = explained
+    ((mistake, I),) = explained
     tensor = _entries(I, said)
-    either = physical and slip.code not in ONE_SIDED
-    fix = None if either else _fix(link, tensor, slip.what)
-    return Cause(slip.code, f"{slip.what}: {symptom.value}", tensor, fix, physical, physical)
+    either = physical and mistake.code not in ONE_SIDED
+    fix = None if either else _fix(link, tensor, mistake.what)
+    return Cause(mistake.code, f"{mistake.what}: {symptom.value}", tensor, fix, physical, physical)
 
 
-def _explained(said: Given, evidence: Evidence) -> list[tuple[Slip, Floats]]:
-    """Return the slips that explain the tensor, each with its correction; of one kind and correction the first."""
-    kept: list[tuple[Slip, Floats]] = []
-    slips, entries = corrections(said)
-    for slip, I in zip(slips, tensors(entries), strict=True):
-        asked = slip.common or evidence.image is not None
-        if asked and evidence.explains(I) and not any(slip.code == other.code and _same(I, J) for other, J in kept):
-            kept.append((slip, I))
+def _explained(said: Given, evidence: Evidence) -> list[tuple[Mistake, Floats]]:
+    """Return the mistakes that explain the tensor, each with its correction; of one kind and correction the first."""
+    kept: list[tuple[Mistake, Floats]] = []
+    mistakes, entries = corrections(said)
+    for mistake, I in zip(mistakes, tensors(entries), strict=True):
+        asked = mistake.common or evidence.image is not None
+        if asked and evidence.explains(I) and not any(mistake.code == other.code and _same(I, J) for other, J in kept):
+            kept.append((mistake, I))
     return kept
 
 

@@ -10,11 +10,17 @@ from helpers.example_robots import path_of
 from helpers.sampled import sampled
 
 import robodyn
+from robodyn.checks.bodies.statics import (
+    gravity_bounds,
+    inverse_of_definite,
+    joint_space_inertia,
+    position_ranges,
+    starts,
+    static_torques,
+)
 from robodyn.checks.check import check_one
 from robodyn.checks.context import Context
 from robodyn.checks.rule import Severity
-from robodyn.checks.statics.reflected_inertia import inverse_of_definite, joint_space_inertia
-from robodyn.checks.statics.torque import gravity_bounds, position_ranges, starts, static_torques
 from robodyn.robot.urdf.document import read
 
 G = 9.81

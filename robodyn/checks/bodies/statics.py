@@ -1,0 +1,447 @@
+"""What gravity asks of each joint in any pose, and the inertia that each feels while the others are free."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from robodyn.checks.context import Context
+from robodyn.programs.vectors import arctan2, length, product, rotation_about, skew
+from robodyn.robot.model import Body, Joint, Model
+from robodyn.solids.inertia.laws import about_centre
+from robodyn.support.floats import Floats, first_largest
+from robodyn.support.sums import einsum
+
+
+@dataclass(frozen=True, eq=False)
+class _Hinge:
+    """The constant matrices of E(q) x = R Rot(a, q) x = (along + cos q across + sin q turned) x."""
+
+    forward: Floats
+    back: Floats
+    along: Floats
+    turned: Floats
+
+    @classmethod
+    def of(cls, body: Body) -> _Hinge:
+        R, axis = body.joint.R, body.joint.axis
+        along, turned = np.outer(axis, axis), skew(axis)
+        if body.joint.kind != "revolute":
+            along, turned = np.eye(3), np.zeros((3, 3))
+        across = np.eye(3) - along
+        return cls(
+            np.vstack((product(R, along), product(R, across), product(R, turned))),
+            np.vstack((along, across, -turned)),
+            along,
+            turned,
+        )
+
+
+_NOTHING = 1e-12
+"""First moments that are no more than this, by the robot's mass, are rounding [m]."""
+
+
+class Sweep:
+    """Poses in rows: for each target those that start at `starts`, once to raise its torque and once to lower it.
+
+    The torque of gravity about the joint of body t, divided by g, is y . Rot(a_j, q_j) x in the angle of each joint j
+    that matters, plus a constant, with x in the axes of body j and y in those of the joint. At t and above, x is
+    v = a_t x sum m (c - p_t) and y points up (u). Below t, x is the first moment h = sum m (c - p_j) of what joint j
+    carries and y is w = u x a_t. A row's v is zero beside and below its target, its w beside and above.
+
+    Args:
+        targets: bodies.
+        starts: (s, n) positions of the coordinates.
+        low, high: (n,) what they may be.
+        free: (n,) whether a coordinate may be changed.
+    """
+
+    def __init__(
+        self, model: Model, targets: Sequence[int], starts: Floats, low: Floats, high: Floats, free: Floats
+    ) -> None:
+        self._bodies, self._low, self._high, self._free = model.bodies, low, high, free
+        self._hinges = [_Hinge.of(body) for body in model.bodies]
+        self._carried = np.array([body.inertia.m for body in model.bodies])
+        for i in reversed(range(1, len(model.bodies))):
+            self._carried[model.parents[i]] += self._carried[i]
+        self._relevant = around(model.parents, frozenset(targets))
+        self._each = 2 * len(starts)
+        self._rows = {t: slice(k * self._each, (k + 1) * self._each) for k, t in enumerate(targets)}
+        self.q = np.tile(starts.T, (1, 2 * len(targets)))
+        self._sign = np.tile(np.repeat((1.0, -1.0), len(starts)), len(targets))
+        self._up: dict[int, Floats] = {}
+        self._scale = float(self._carried[0]) or 1.0
+
+    def poses(self) -> Floats:
+        """Return (targets, rows, n) the poses."""
+        found: Floats = self.q.T.reshape(len(self._rows), self._each, -1)
+        return found
+
+    def torques(self) -> Floats:
+        """Return (targets, rows) torque / g."""
+        return self._torques(self._inward()).reshape(len(self._rows), self._each)
+
+    def improve(self) -> Floats:
+        """Make one sweep from the base to the tips: the best position of each joint in turn, the others as they are.
+
+        Returns:
+            (rows of all targets,) torque / g before the sweep, times the sign that the row is to have; 0 before the
+            first.
+        """
+        x = self._inward()
+        before = self._sign * self._torques(x)
+        self._outward(x)
+        return before
+
+    def _torques(self, x: Mapping[int, Floats]) -> Floats:
+        torques = np.zeros(self.q.shape[1])
+        for t, rows in self._rows.items():
+            if t in self._up:
+                torques[rows] = (self._up[t] * x[t][:, 1, rows]).sum(axis=0)
+        return torques
+
+    def _positions(self, i: int) -> Floats:
+        joint = self._bodies[i].joint
+        if joint.kind == "fixed":
+            return np.zeros(self.q.shape[1])
+        position: Floats = joint.multiplier * self.q[joint.coordinate] + joint.offset
+        return position
+
+    def _inward(self) -> dict[int, Floats]:
+        """Return (3, 2, rows) h and v of the bodies that matter."""
+        x = {i: np.zeros((3, 2, self.q.shape[1])) for i in self._relevant}
+        for i in reversed(self._relevant):
+            body, own = self._bodies[i], x[i]
+            own[:, 0] += body.inertia.mc[:, None]
+            if i in self._rows:
+                rows, axis = self._rows[i], body.joint.axis
+                sliding = body.joint.kind == "prismatic"
+                own[:, 1, rows] = self._carried[i] * axis[:, None] if sliding else product(skew(axis), own[:, 0, rows])
+            if body.parent < 0:
+                continue
+            above, q = x[body.parent], self._positions(i)
+            above += _turned(self._hinges[i].forward, own, q)
+            above[:, 0] += self._carried[i] * body.joint.p[:, None]
+            if body.joint.kind == "prismatic":
+                above[:, 0] += self._carried[i] * np.outer(product(body.joint.R, body.joint.axis), q)
+        return x
+
+    def _outward(self, x: Mapping[int, Floats]) -> None:
+        """Change q, from the base to the tips, and keep where up is for each target."""
+        ground = np.zeros((3, 2, self.q.shape[1]))
+        ground[2, 0] = 1.0
+        y = {0: ground}
+        for i in self._relevant[1:]:
+            body = self._bodies[i]
+            here = product(body.joint.R.T, y[body.parent].reshape(3, -1)).reshape(ground.shape)
+            if self._free[body.joint.coordinate] and body.joint.mimics is None:
+                self._best(i, x[i], here)
+            own = _turned(self._hinges[i].back, here, self._positions(i))
+            if i in self._rows:
+                rows = self._rows[i]
+                self._up[i] = own[:, 0, rows]
+                if body.joint.kind == "revolute":
+                    own[:, 1, rows] = product(-skew(body.joint.axis), own[:, 0, rows])
+            y[i] = own
+
+    def _best(self, i: int, x: Floats, y: Floats) -> None:
+        """Give the joint of body i its best position in every row in which it matters."""
+        joint, hinge = self._bodies[i].joint, self._hinges[i]
+        low, high = self._low[joint.coordinate], self._high[joint.coordinate]
+        q = self.q[joint.coordinate]
+        if joint.kind == "prismatic":
+            gain = self._sign * product(joint.axis, y[:, 1])
+            q[:] = np.where(gain > 0.0, high, np.where(gain < 0.0, low, q))
+            return
+        turned = product(hinge.turned, x.reshape(3, -1)).reshape(x.shape)
+        along = product(hinge.along, x.reshape(3, -1)).reshape(x.shape)
+        # y has up with h and w with v the other way about: v goes with up, h with w
+        cosine = self._sign * (y * (x - along)[:, ::-1]).sum(axis=(0, 1))
+        sine = self._sign * (y * turned[:, ::-1]).sum(axis=(0, 1))
+        best = low + (arctan2(sine, cosine) - low) % (2.0 * np.pi)
+        at_low = cosine * np.cos(low) + sine * np.sin(low)
+        at_high = cosine * np.cos(high) + sine * np.sin(high)
+        best = np.where(best <= high, best, np.where(at_low > at_high, low, high))
+        matters = np.hypot(cosine, sine) > _NOTHING * self._scale
+        q[:] = np.where(matters, best, q)
+
+
+def around(parents: Sequence[int], targets: frozenset[int]) -> list[int]:
+    """Return the bodies above and below the targets, the targets and the base, parents first."""
+    below, above = set(targets), {0}
+    for i, parent in enumerate(parents):
+        if parent in below:
+            below.add(i)
+    for i in reversed(range(len(parents))):
+        if i in targets or i in above:
+            above.add(i)
+            above.add(max(parents[i], 0))
+    return sorted(above | below)
+
+
+def _turned(parts: Floats, x: Floats, q: Floats) -> Floats:
+    """Return (along + cos q across + sin q turned) x."""
+    along, across, turned = product(parts, x.reshape(3, -1)).reshape(3, *x.shape)
+    result: Floats = along + np.cos(q) * across + np.sin(q) * turned
+    return result
+
+
+STARTS = 4
+MOST_BODIES = 150
+"""Of larger robots the poses are not looked at: the work grows with the square of the number, or faster."""
+SWEEPS = 10
+GRAVITY = 9.81
+_CONVERGED = 1e-3
+_LEAST_LEVER = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class StaticTorque:
+    """What a joint must carry at rest.
+
+    Attributes:
+        joint: with a coordinate of its own.
+        torque: of largest magnitude that was found, with its sign; gravity is (0, 0, -9.81) along the root's axes
+            [N m or N].
+        q: (n,) the pose, with joints that do not matter at or nearest to 0 [rad or m].
+    """
+
+    joint: Joint
+    torque: float
+    q: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class GravityBound:
+    """What the weight of `own`, all that a joint carries, or of the `whole` robot, as of a leg that stands, can be
+    about the joint at the farthest reach of what the joint carries, of the whole at 5 cm at least [N m or N]."""
+
+    own: float
+    whole: float
+
+
+def static_torques(context: Context) -> tuple[StaticTorque, ...]:
+    """Return the most that gravity asks of joints whose effort limits it might exceed, by a bound. From stage MODEL on.
+
+    Method: the torque of gravity about a joint is M g u . (a x r), u pointing up, r from the joint to the centre of the
+    mass M that it carries. As a function of the angle of one joint it is a + b cos q + c sin q: of one above, which
+    turns u, of one below, which turns a part of r, and of the joint itself. So the best angle of one joint within its
+    limits is known in closed form, and going through the joints again and again only ever raises the torque. From
+    STARTS poses up and as many down, the same for every robot, until a sweep gains less than 0.1 %, SWEEPS at most.
+    What is found is reached, and may be short of the most where there are several local ones. Joints that others mimic
+    are left out, and stay where they start. Robots on a floating base have no such torque and give nothing,
+    nor do robots of more than MOST_BODIES bodies.
+
+    Accuracy: `torque` is that of `bias_forces` at `q` within 1e-12 of the weight at the farthest reach; of 4000 random
+        poses none asks for more than 1.02 times as much.
+    """
+    model = context.model
+    if len(model.bodies) > MOST_BODIES or any(body.joint.kind == "floating" for body in model.bodies):
+        return ()
+    places = {body.joint.name: i for i, body in enumerate(model.bodies)}
+    bounds = context.once(gravity_bounds)
+    single = [joint for joint in model.independent if joint.coordinate not in _followed(model)]
+    might = [joint for joint in single if joint.effort and 0.0 < joint.effort < bounds[joint.name].own]
+    return tuple(_worst(model, might, [places[joint.name] for joint in might])) if might else ()
+
+
+def _worst(model: Model, joints: Sequence[Joint], targets: Sequence[int]) -> Iterator[StaticTorque]:
+    low, high = position_ranges(model)
+    free = np.array([k not in _followed(model) for k in range(model.n)])
+    sweep = Sweep(model, targets, starts(low, high), low, high, free)
+    last = sweep.improve()
+    for _ in range(SWEEPS):
+        now = sweep.improve()
+        if (now - last <= _CONVERGED * np.abs(now)).all():
+            break
+        last = now
+    torques, poses = GRAVITY * sweep.torques(), sweep.poses()
+    for k, joint in enumerate(joints):
+        worst = first_largest(np.abs(torques[k]))
+        matter = [model.bodies[i].joint.coordinate for i in around(model.parents, frozenset({targets[k]}))[1:]]
+        q = np.clip(np.zeros(model.n), low, high)
+        q[matter] = poses[k, worst, matter]
+        yield StaticTorque(joint, float(torques[k, worst]), q)
+
+
+def _followed(model: Model) -> frozenset[int]:
+    """Return the coordinates that move several joints."""
+    return frozenset(body.joint.coordinate for body in model.bodies if body.joint.mimics is not None)
+
+
+def position_ranges(model: Model) -> tuple[Floats, Floats]:
+    """Return (n,) the least and the largest position of each coordinate [rad or m]: a turn where an angle has no
+    limits, or a wider range; 0 where a slide has none."""
+    low, high = np.zeros(model.n), np.zeros(model.n)
+    for joint in model.independent:
+        lower, upper = joint.lower, joint.upper
+        if joint.kind == "revolute" and (
+            joint.continuous or lower is None or upper is None or upper - lower > 2 * np.pi
+        ):
+            lower, upper = -np.pi, np.pi
+        if lower is not None and upper is not None and lower <= upper and abs(lower) < 1e3 and abs(upper) < 1e3:
+            low[joint.coordinate], high[joint.coordinate] = lower, upper
+    return low, high
+
+
+def starts(low: Floats, high: Floats) -> Floats:
+    """Return (STARTS, n) the middle, and points spread evenly by multiples of irrational numbers."""
+    n = len(low)
+    spread = np.outer(np.arange(STARTS), np.sqrt(np.arange(2, n + 2))) % 1.0
+    spread[0] = 0.5
+    inside: Floats = low + spread * (high - low)
+    return inside
+
+
+def gravity_bounds(context: Context) -> Mapping[str, GravityBound]:
+    """Return by joint what no pose exceeds, from the sum of the lengths on the way and what turns it. From stage MODEL
+    on."""
+    model = context.model
+    count = len(model.bodies)
+    carried, reach, tilt = np.zeros(count), np.zeros(count), _tilts(model)
+    bounds = {}
+    for i in reversed(range(count)):
+        body = model.bodies[i]
+        joint, mass = body.joint, body.inertia.m
+        carried[i] += mass
+        if mass > 0.0:
+            reach[i] = max(reach[i], length(body.inertia.mc) / mass)
+        lever = 1.0 if joint.kind == "prismatic" else float(reach[i])
+        whole = model.total_mass * GRAVITY * max(lever, _LEAST_LEVER)
+        bounds[joint.name] = GravityBound(float(carried[i]) * GRAVITY * lever * tilt[i], whole)
+        if body.parent >= 0:
+            carried[body.parent] += carried[i]
+            slide = max(abs(joint.lower or 0.0), abs(joint.upper or 0.0)) if joint.kind == "prismatic" else 0.0
+            reach[body.parent] = max(reach[body.parent], length(joint.p) + slide + reach[i])
+    return bounds
+
+
+def _tilts(model: Model) -> list[float]:
+    """The most that gravity has of its strength across each hinge's axis or along each slide: 1 above a hinge."""
+    tilts, standing = [], {-1: np.eye(3)}
+    for i, body in enumerate(model.bodies):
+        joint = body.joint
+        if body.parent not in standing:
+            tilts.append(1.0)
+            continue
+        up = product(standing[body.parent], joint.R)[2]
+        along = abs(float(product(up, joint.axis)))
+        tilts.append(along if joint.kind == "prismatic" else length(np.cross(up, joint.axis)))
+        if joint.kind != "revolute":
+            standing[i] = product(standing[body.parent], joint.R)
+    return tilts
+
+
+_WORTH = 1e-2
+"""s; damping that is slower than this on the body's own inertia is of no interest."""
+
+
+def reflected_inertias(context: Context) -> tuple[tuple[Joint, float], ...]:
+    """Return (joint, J) of the joints whose damping may be fast; J = 1 / (M^-1)_ii at the middle of the ranges.
+
+    From stage MODEL on. Empty for a robot whose mass matrix is singular, that has a floating joint or more than
+    MOST_BODIES bodies.
+
+    Accuracy: M within 1e-12 of its largest entry.
+    """
+    model = context.model
+    joints = list(_damped(model))
+    if not joints or model.nq != model.n or len(model.bodies) > MOST_BODIES:
+        return ()
+    low, high = position_ranges(model)
+    inverse = inverse_of_definite(joint_space_inertia(model, (low + high) / 2.0))
+    if inverse is None:
+        return ()
+    return tuple((joint, 1.0 / float(inverse[joint.rate, joint.rate])) for joint in joints)
+
+
+def inverse_of_definite(M: Floats) -> Floats | None:
+    """Return the inverse of a symmetric positive definite matrix; None where it is not.
+
+    Method: the sweep operator, Gauss-Jordan in place. LAPACK's threads wait for each other on a busy machine, where
+    they take a hundred times as long.
+
+    Accuracy: 1e-12 of the largest entry times the condition number.
+    """
+    A = M.copy()
+    for k in range(len(A)):
+        pivot = A[k, k]
+        if not pivot > 0.0:
+            return None
+        row = A[k] / pivot
+        A -= A[:, k, None] * row
+        A[k] = A[:, k] = row
+        A[k, k] = -1.0 / pivot
+    inverse: Floats = -A
+    return inverse
+
+
+def joint_space_inertia(model: Model, q: Floats) -> Floats:
+    """Return M(q) = sum of m J_v^T J_v + J_w^T I_c J_w over the bodies, with rotor inertias on the diagonal.
+
+    For one pose this is ready long before the recursion of `robodyn.mass_matrix` is traced.
+
+    Args:
+        q: (n,) rad or m, of a robot without floating joints.
+
+    Accuracy: 1e-12 of the largest entry.
+    """
+    count, n = len(model.bodies), model.n
+    R, p = np.zeros((count, 3, 3)), np.zeros((count, 3))
+    axes, spin, slide = np.zeros((count, 3)), np.zeros(count), np.zeros(count)
+    M = np.zeros((n, n))
+    for i, body in enumerate(model.bodies):
+        joint, above = body.joint, body.parent
+        R0, p0 = (R[above], p[above]) if above >= 0 else (np.eye(3), np.zeros(3))
+        R[i], p[i] = product(R0, joint.R), p0 + product(R0, joint.p)
+        axes[i] = product(R[i], joint.axis)
+        if joint.kind == "revolute":
+            R[i] = product(R[i], rotation_about(joint.axis, joint.multiplier * q[joint.coordinate] + joint.offset))
+            spin[i] = joint.multiplier
+        elif joint.kind == "prismatic":
+            p[i] += axes[i] * (joint.multiplier * q[joint.coordinate] + joint.offset)
+            slide[i] = joint.multiplier
+        if joint.kind != "fixed":
+            M[joint.rate, joint.rate] += joint.multiplier**2 * joint.reduction**2 * joint.rotor_inertia
+    return M + _kinetic(model, R, p, axes * spin[:, None], axes * slide[:, None])
+
+
+def _kinetic(model: Model, R: Floats, p: Floats, spins: Floats, slides: Floats) -> Floats:
+    """Return the sum over the bodies, from the bodies' places and each joint's angular and linear velocity per rate."""
+    on, rates = _carries(model), [max(body.joint.rate, 0) for body in model.bodies]
+    centres = np.array([body.inertia.centre_of_mass for body in model.bodies])
+    c = p + product(R, centres[:, :, None])[:, :, 0]
+    masses = np.array([body.inertia.m for body in model.bodies])
+    inertias = np.array(
+        [about_centre(b.inertia.I, b.inertia.m, centre) for b, centre in zip(model.bodies, centres, strict=True)]
+    )
+    turned = product(R, inertias, R.transpose(0, 2, 1))
+    J_w, J_v = np.zeros((2, model.n, len(p), 3))
+    np.add.at(J_w, rates, (on[:, :, None] * spins[None]).transpose(1, 0, 2))
+    arms = np.cross(spins[None], c[:, None] - p[None]) + slides[None]
+    np.add.at(J_v, rates, (on[:, :, None] * arms).transpose(1, 0, 2))
+    weighed = einsum("kab,jkb->jka", turned, J_w)
+    # einsum and not @, whose threads wait for each other on a busy machine
+    both: Floats = einsum("ika,jka->ij", J_v * masses[:, None], J_v) + einsum("ika,jka->ij", J_w, weighed)
+    return both
+
+
+def _carries(model: Model) -> Floats:
+    """Return (bodies, joints) 1 where a joint carries a body; the base's joint stands still."""
+    on = np.eye(len(model.bodies))
+    for i, body in enumerate(model.bodies):
+        if body.parent >= 0:
+            on[i] += on[body.parent]
+    return on
+
+
+def _damped(model: Model) -> Iterator[Joint]:
+    for body in model.bodies:
+        joint = body.joint
+        if joint.kind not in ("revolute", "prismatic") or joint.mimics is not None or not joint.damping > 0.0:
+            continue
+        own = body.inertia.m if joint.kind == "prismatic" else float(product(joint.axis, body.inertia.I, joint.axis))
+        if own < _WORTH * joint.damping:
+            yield joint

@@ -1,0 +1,328 @@
+"""Mirror twins side by side: masses and moments, places of their joints, and directions of their axes."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+
+import numpy as np
+
+from robodyn.checks.bodies.masses import POINT, principal_moments
+from robodyn.checks.context import Context, Thresholds
+from robodyn.checks.mirror.pairs import Pair, Symmetry, is_square, link_inertia, pairs, reflected, row_of, symmetry
+from robodyn.programs.linear import eigen
+from robodyn.programs.vectors import length, product, rotation_from_rpy
+from robodyn.robot.urdf.parts import Inertial, Joint
+from robodyn.robot.urdf.view import InertialView, LinkView
+from robodyn.support.floats import Floats
+from robodyn.support.wording import shown
+
+MASS = 0.02
+"""How far the masses of twins may differ."""
+MOMENTS = 0.10
+"""How far their moments may differ, each divided by its mass, relative to the largest."""
+ONE_OF_TWO = "correct the one of the two that is wrong, or allow it where the parts differ"
+_FLOOR = 1e-3
+"""A shift of the centre of mass that is no more is none [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Twins:
+    """A pair of which both links have mass.
+
+    Attributes:
+        link, inertial: the right link in the file.
+        masses: of the left and the right link [kg].
+        c, I: centre of mass [m] and inertia by mass [m^2] of the left link's mirror image, in the right link's axes;
+            see `reflected`.
+        c_right, I_right: those of the right link.
+        limits: thresholds of the check.
+    """
+
+    pair: Pair
+    link: LinkView
+    inertial: InertialView
+    masses: tuple[float, float]
+    c: Floats
+    I: Floats
+    c_right: Floats
+    I_right: Floats
+    limits: Thresholds
+
+    @property
+    def other(self) -> str:
+        """The left link, as messages name it."""
+        return f"{shown(self.pair.left.name)} (line {self.pair.left.line})"
+
+    @property
+    def mass_differs(self) -> bool:
+        return abs(self.masses[0] - self.masses[1]) > MASS * max(self.masses)
+
+    @property
+    def moments(self) -> tuple[Floats, Floats]:
+        """(3,) principal moments by mass of the left and the right link, ascending [m^2]."""
+        return _ascending(self.I), _ascending(self.I_right)
+
+    @property
+    def real(self) -> bool:
+        """Whether bodies can have both of the tensors; where they cannot, other rules say so."""
+        both = self.pair.left.inertial, self.pair.right.inertial
+        return all(one is not None and _is_real(one, self.limits) for one in both)
+
+    @cached_property
+    def moments_apart(self) -> float:
+        """By mass or as they stand, so that a wrong mass alone sets no moments apart; at most three times what the
+        tensors are, so that they are not computed where that is no more than they may be."""
+        bound = 3.0 * self.tensors_apart
+        return bound if bound <= MOMENTS else self._apart(*self.moments)
+
+    @cached_property
+    def tensors_apart(self) -> float:
+        return self._apart(self.I, self.I_right)
+
+    def _apart(self, left: Floats, right: Floats) -> float:
+        mass, mass_right = self.masses
+        return min(_apart(left, right), _apart(mass * left, mass_right * right))
+
+    @property
+    def shift(self) -> float:
+        """How far the centre of mass is from its mirror image [m]."""
+        return length(self.c_right - self.c)
+
+    @property
+    def centre_is_copied(self) -> bool:
+        """Whether the centre of mass is not where it ought to be, but where the left link's is in its own axes."""
+        left = self.pair.left.inertial
+        copy = np.zeros(3) if left is None else link_inertia(left)[0]
+        return self.shift > self.most_shift and length(self.c_right - copy) <= self.most_shift
+
+    @property
+    def most_shift(self) -> float:
+        """A tenth of the radius of gyration, and 1 mm at least [m]."""
+        return MOMENTS * float(np.sqrt(max(np.trace(self.I_right), np.trace(self.I), 0.0) / 2.0)) + _FLOOR
+
+
+def twins(context: Context) -> tuple[Twins, ...]:
+    """Return the pairs of which both links have mass. From stage MODEL on."""
+    return tuple(_twins(context))
+
+
+def _twins(context: Context) -> Iterator[Twins]:
+    for pair in context.once(pairs):
+        left, right = pair.left.inertial, pair.right.inertial
+        link = context.view.link[pair.right.name]
+        if left is None or right is None or link.inertial is None or not (left.mass > 0 and right.mass > 0):
+            continue
+        (c, I), (c_right, I_right) = reflected(pair, left), link_inertia(right)
+        masses = left.mass, right.mass
+        limits = context.thresholds
+        yield Twins(pair, link, link.inertial, masses, c, I / left.mass, c_right, I_right / right.mass, limits)
+
+
+def _is_real(inertial: Inertial, limits: Thresholds) -> bool:
+    """Return whether a body of more than a point's size can have the tensor, as RD204, RD206 and RD207 have it."""
+    small, middle, large = principal_moments(inertial.inertia)
+    real = small > limits.positive_definite * large and small + middle >= (1 - limits.triangle) * large
+    return real and large > POINT * POINT * inertial.mass
+
+
+def _ascending(I: Floats) -> Floats:
+    return eigen(I)[0][::-1]
+
+
+def _apart(one: Floats, other: Floats) -> float:
+    largest = max(np.abs(one).max(), np.abs(other).max())
+    return float(np.abs(one - other).max() / largest) if largest else 0.0
+
+
+_LIGHT = 1e-3
+"""Sensors and marks that weigh no more [kg] are put where there is room."""
+_AXES = "xyz"
+_ANGLES = ("roll", "pitch", "yaw")
+
+
+@dataclass(frozen=True, eq=False)
+class Misplaced:
+    """Two joints.
+
+    Attributes:
+        left, right: they.
+        expected: (3,) where the origin of the right one would mirror the left one's, in the axes of its parent [m];
+            None if it is there, but turned.
+        off: how far it is from there [m].
+        signs: coordinates or angles of the right one, of which the other sign makes it the mirror image; maybe none.
+    """
+
+    left: Joint
+    right: Joint
+    expected: Floats | None
+    off: float
+    signs: tuple[str, ...]
+
+
+def misplaced(context: Context) -> Iterator[Misplaced]:
+    """Yield the twin joints that hang on one link in the mirror plane or on a confirmed pair, and carry no pair.
+
+    Left out is what neither moves nor carries a mass; what is mounted alike on a part that is itself mounted on both
+    sides, as fingers on a gripper; and axes that lie askew, where no sign explains it: frames are chosen freely.
+    """
+    found = context.once(symmetry)
+    if found is None:
+        return
+    confirmed, heavy = found.by_right, heavy_links(found)
+    for left, right in found.named:
+        joints = found.above[left], found.above[right]
+        over = [joint.parent for joint in joints]
+        pair = confirmed.get(over[1])
+        if right in confirmed or not all(joint.type != "fixed" or joint.child in heavy for joint in joints):
+            continue
+        if over[0] == over[1] and _in_plane(found, over[0]):
+            pair = None
+        elif pair is None or pair.left.name != over[0]:
+            continue
+        one = _judged(found, *joints, pair)
+        if one is not None:
+            yield one
+
+
+def heavy_links(found: Symmetry) -> set[str]:
+    """Return the links that have a mass or carry one."""
+    heavy: set[str] = set()
+    for link in found.links.values():
+        name = link.name if link.inertial is not None and link.inertial.mass > _LIGHT else None
+        while name is not None and name not in heavy:
+            heavy.add(name)
+            name = found.above[name].parent if name in found.above else None
+    return heavy
+
+
+def _in_plane(found: Symmetry, link: str) -> bool:
+    return length(found.plane.image(found.p[link]) - found.p[link]) <= found.near
+
+
+def _judged(found: Symmetry, left: Joint, right: Joint, pair: Pair | None) -> Misplaced | None:
+    over = right.parent
+    p = product(found.R[over].T, found.plane.image(found.p[left.child]) - found.p[over])
+    here = np.array(right.origin.xyz)
+    off = length(p - here)
+    if pair is not None and pair.mounts_alike(left, right, found.near):
+        return None
+    if off > found.near:
+        flips = [signs for signs, flipped in _flips(right.origin.xyz) if length(flipped - p) <= found.near]
+        return Misplaced(left, right, p, off, _first(flips, _AXES))
+    turned = product(found.R[over].T, found.plane.H, found.R[left.child])
+    square = [signs for signs, rpy in _flips(right.origin.rpy) if is_square(product(rotation_from_rpy(*rpy).T, turned))]
+    return Misplaced(left, right, None, off, _first(square, _ANGLES)) if square else None
+
+
+def _flips(values: tuple[float, ...]) -> Iterator[tuple[tuple[int, ...], Floats]]:
+    """Yield places of values that are not 0, few first, and the values with the other sign there."""
+    places = [k for k in range(3) if values[k]]
+    for count in range(1, len(places) + 1):
+        for chosen in combinations(places, count):
+            flipped = np.array(values)
+            flipped[list(chosen)] *= -1.0
+            yield chosen, flipped
+
+
+def _first(found: list[tuple[int, ...]], names: str | tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(names[k] for k in found[0]) if found else ()
+
+
+_AXIS = 0.02
+"""How far an axis may be from the image of its twin's [rad]."""
+_OTHERS = 2
+"""Least number of joints of a limb whose axes lie alike, and that are all turned one way but for one.
+
+Of 86 published robots 31 have such limbs, and none of these a joint that is turned otherwise.
+"""
+_LIMBED = ("revolute", "prismatic")
+
+
+def directions(pair: Pair, context: Context) -> Iterator[int]:
+    """Yield 1 where equal positions of both joints are mirror images, -1 where opposite ones are; else nothing.
+
+    A reflection D carries a translation a to D a, and a rotation about a to one about -D a. On a part that is mounted
+    on both sides equal positions are alike.
+    """
+    left, right = (np.array(joint.axis) for joint in (pair.left_joint, pair.right_joint))
+    left, right = left / length(left), right / length(right)
+    images = [product(pair.D, left) * (1.0 if pair.left_joint.type == "prismatic" else -1.0)]
+    found = context.once(symmetry)
+    over = None if found is None else found.by_right.get(pair.right_joint.parent)
+    if found is not None and over is not None and over.mounts_alike(pair.left_joint, pair.right_joint, found.near):
+        images.append(left)
+    for image in images:
+        along = float(product(image, right))
+        if abs(along) >= 1.0 - _AXIS**2:
+            yield 1 if along > 0 else -1
+
+
+def unlike_the_other_legs(context: Context) -> Mapping[str, Pair]:
+    """Return by the name of the right joint the pair of another row of legs that is turned the other way.
+
+    On four legs and more the joints of all rows are turned alike: of 13 published robots none differs. Of rows that do,
+    the later ones are returned with the first.
+    """
+    first: dict[str, tuple[Pair, int]] = {}
+    unlike = {}
+    for pair in context.once(pairs):
+        row = row_of(pair.left.name)
+        kinds = {pair.left_joint.type, pair.right_joint.type}
+        if row == pair.left.name or not kinds <= {"revolute", "continuous", "prismatic"}:
+            continue
+        ways = set(directions(pair, context))
+        if len(ways) == 1:
+            way = ways.pop()
+            other, other_way = first.setdefault(row, (pair, way))
+            if way != other_way:
+                unlike[pair.right_joint.name] = other
+    return unlike
+
+
+def unlike_their_limb(context: Context) -> Mapping[str, tuple[Pair, ...]]:
+    """Return by the name of the right joint the other pairs of its limb, where all of them are turned the other way.
+
+    The axes of a limb that lie in the mirror plane are turned alike, and so are those across it: either equal positions
+    of all are mirror images, or opposite ones of all are.
+    """
+    found = context.once(symmetry)
+    unlike: dict[str, tuple[Pair, ...]] = {}
+    for alike in () if found is None else _lying_alike(found):
+        ways = [set(directions(pair, context)) for pair in alike]
+        count = Counter(way for each in ways for way in each)
+        for k, pair in enumerate(alike):
+            others = (*alike[:k], *alike[k + 1 :])
+            if len(others) >= _OTHERS and any(count[-way] == len(others) and ways[k] == {way} for way in ways[k]):
+                unlike[pair.right_joint.name] = others
+    return unlike
+
+
+def _lying_alike(found: Symmetry) -> list[list[Pair]]:
+    """Return the pairs of joints of each limb whose axes lie in the mirror plane, and those whose axes are across it.
+
+    A limb goes as far as each of its links carries one other that has mass: a hand or a gripper is not part of it.
+    """
+    heavy = heavy_links(found)
+    carried = Counter(joint.parent for name, joint in found.above.items() if name in heavy)
+    alike: dict[tuple[str, bool], list[Pair]] = defaultdict(list)
+    for pair in found.pairs:
+        joint = pair.right_joint
+        if joint.type not in _LIMBED:
+            continue
+        axis = product(found.R[joint.child], np.array(joint.axis))
+        across = abs(float(product(found.plane.normal, axis))) / length(axis)
+        if min(across, abs(1.0 - across)) <= _AXIS:
+            alike[_limb(pair, found, carried), across > 0.5].append(pair)
+    return list(alike.values())
+
+
+def _limb(pair: Pair, found: Symmetry, carried: Mapping[str, int]) -> str:
+    """Return the name of the right link that a pair's limb begins with."""
+    over = found.by_right.get(pair.right_joint.parent)
+    while over is not None and carried[over.right.name] == 1:
+        pair, over = over, found.by_right.get(over.right_joint.parent)
+    return pair.right.name

@@ -1,1 +1,0 @@
-"""What gravity asks of each joint, and the inertia that each joint feels."""
