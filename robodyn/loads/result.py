@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from robodyn.dynamics.effects.effect import Verdict
 from robodyn.loads.checks_result import Checks
@@ -71,6 +71,7 @@ class JointLoad:
     uncertainty: float
     error_bar: float | None
     shares: dict[str, float]
+    JSON_ALSO: ClassVar = ("effort_margin", "velocity_margin")
 
     @property
     def effort_margin(self) -> float | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 from robodyn.scene.parts import Curve
 
@@ -34,6 +34,7 @@ class Exceeded:
     row: int | None = None
     speed: float | None = None
     seconds: float | None = None
+    JSON_ALSO: ClassVar = ("excess", "level")
 
     @property
     def level(self) -> Level:
@@ -112,6 +113,7 @@ class MotorLoad:
     seconds_over_peak: float
     speed_limit: float | None
     seconds_over_speed: float
+    JSON_ALSO: ClassVar = ("continuous_margin", "peak_margin")
 
     @property
     def continuous_margin(self) -> float | None:

@@ -1,4 +1,10 @@
-"""The document of a report: blocks of verdicts, words, tables, figures and downloads; as text; results as JSON."""
+"""The document of a report, the door of this room: a result is said once, as blocks, and shown in every form.
+
+1. `torques.py`, `check.py` and so on, one for each subject: `*_sections` are its words and tables.
+2. `*_page` puts verdict, pictures (`pictures/`) and data beside them; `*_json` selects the result's fields.
+3. `limits.py` judges: the one verdict on a motion; `table.py` and `sizes.py` write numbers, noise as 0.
+4. `text` here, and `renderers/`, show any document: HTML, Markdown; findings as SARIF, JUnit, GitHub's lines; LaTeX.
+"""
 
 from __future__ import annotations
 
@@ -266,7 +272,11 @@ def encode(value: Any) -> Any:
     if hasattr(value, "tolist"):
         return value.tolist()
     if is_dataclass(value):
-        return {each.metadata.get("json", each.name): encode(getattr(value, each.name)) for each in fields(value)}
+        keys = {each.metadata.get("json", each.name): each.name for each in fields(value)}
+        keys |= {name: name for name in getattr(value, "JSON_ALSO", ())}
+        return {key: encode(getattr(value, name)) for key, name in keys.items()}
+    if hasattr(value, "_asdict"):
+        value = value._asdict()
     if isinstance(value, Mapping):
         return {key: encode(each) for key, each in value.items()}
     if isinstance(value, (tuple, list)):

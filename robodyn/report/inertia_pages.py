@@ -39,7 +39,7 @@ from robodyn.report.inertia import (
 from robodyn.report.table import printable
 from robodyn.solids.inertia.conversions import View
 from robodyn.solids.inertia.properties import MassProperties
-from robodyn.solids.inertia.validity import Validity, validity
+from robodyn.solids.inertia.validity import Box, Validity, validity
 from robodyn.solids.mesh_mass import Part
 
 if TYPE_CHECKING:
@@ -71,7 +71,7 @@ def combination_json(found: Combination, view: View) -> str:
     places = [_pose(pose) for pose in found.poses]
     combined = {
         **body_data(found.body, view),
-        **select(found, "box places warnings", box=_box(found.box), places=places),
+        **select(found, "box places warnings", places=places),
     }
     return written({"meshes": [part_data(part, view) for part in found.parts], "combined": combined})
 
@@ -117,7 +117,7 @@ def link_shapes_json(robot: str, found: LinkShapes, view: View) -> str:
             **select(found, "link:name line geometry:kind"),
             **body_data(found.body, view),
             "validity": validity_data(validity(found.body)),
-            "box": _box(found.shapes.box),
+            "box": encode(found.shapes.box),
             "meshes": [part.name for part in found.shapes.parts],
             "warnings": found.shapes.remarks,
         }
@@ -151,7 +151,7 @@ def part_data(part: Part, view: View = COM) -> dict[str, Any]:
             part,
             "symmetry box closed repairs error arithmetic:method notes warnings",
             symmetry=_symmetry_json(part),
-            box=_box((part.lo, part.hi)),
+            box=Box(part.lo, part.hi),
             error=error,
         ),
     }
@@ -222,7 +222,7 @@ def _shape(shape: Shape) -> dict[str, Any]:
 
 def _derived(found: Difference) -> dict[str, Any]:
     meshes = [part_data(part) for part in found.shapes.parts]
-    return {**body_data(found.body), "box": _box(found.shapes.box), "meshes": meshes}
+    return {**body_data(found.body), "box": encode(found.shapes.box), "meshes": meshes}
 
 
 def _difference(found: Difference) -> dict[str, Any]:
@@ -233,10 +233,6 @@ def _difference(found: Difference) -> dict[str, Any]:
         moment_ratios=[finite(ratio) for ratio in found.ratios],
         box_spread=finite(found.room),
     )
-
-
-def _box(ends: Sequence[Any]) -> dict[str, Any]:
-    return dict(zip(("lo", "hi"), encode(list(ends)), strict=True))
 
 
 def _pose(pose: Sequence[Any]) -> dict[str, Any]:

@@ -316,7 +316,6 @@ def _loops_json(loops: LoopFigures) -> dict[str, Any]:
     return select(
         loops,
         "equations dropped rank freedoms usual_freedoms:usual singular stabilised closures",
-        singular=[each._asdict() for each in loops.singular],
         closures=[
             {"name": name, "final": dict(zip(PARTS, wrench, strict=True)), "gap": gap, "slip": slip}
             for name, wrench, gap, slip in rows

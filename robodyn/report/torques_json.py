@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
-from robodyn.loads.constraint_result import Peak
 from robodyn.report.document import encode, select, written
 from robodyn.report.limits import torques_verdict
 from robodyn.robot.limits import Coverage
 
 if TYPE_CHECKING:
     from robodyn.loads.checks_result import Checks
-    from robodyn.loads.constraint_result import Constraints
     from robodyn.loads.many import Batch, Outcome
     from robodyn.loads.result import EffectReport, JointLoad, Result
-    from robodyn.loads.sizing_result import BearingLoad, JointSizing, Sizing
+    from robodyn.loads.sizing_result import BearingLoad, Sizing
 
 
 def torques_json(result: Result) -> str:
@@ -25,7 +22,6 @@ def torques_json(result: Result) -> str:
         result,
         "robot samples duration gravity joints base_wrench effects checks plan derivatives time_origin:origin held "
         "limits_exceeded:exceeded limits within_limits verdict doubts:caveats warnings",
-        joints=list(map(_joint, result.joints)),
         base_wrench={part.name: select(part, "peak peak_time rms") for part in result.base_wrench},
         effects=[_effect(effect, result.joints) for effect in result.effects],
         checks=_checks(result.checks),
@@ -35,33 +31,9 @@ def torques_json(result: Result) -> str:
         verdict=torques_verdict(result),
     )
     sizing = result.sizing and sizing_data(result.sizing)
-    constraints = result.constraints and constraint_data(result.constraints)
     parts: dict[str, Any] = {"momentum": result.momentum, "accuracy": result.accuracy, "sizing": sizing}
-    parts |= {"constraints": constraints, "uncertainty": result.uncertainty}
+    parts |= {"constraints": result.constraints, "uncertainty": result.uncertainty}
     return written({**document, **{key: part for key, part in parts.items() if part is not None}})
-
-
-def constraint_data(found: Constraints) -> dict[str, Any]:
-    """Return what loops and contacts bear, peaks as objects of value, time and row."""
-    return {
-        **encode(found),
-        "loops": [_peaks(loop) for loop in found.loops],
-        "contacts": [_peaks(contact) for contact in found.contacts],
-        "unbalanced": [_peaks(each) for each in found.unbalanced],
-        "missing": [_peaks(each) for each in found.missing],
-    }
-
-
-def _peaks(load: object) -> dict[str, Any]:
-    """Return the fields of a load, its peaks as objects."""
-    values = {field.name: getattr(load, field.name) for field in fields(load)}  # type: ignore[arg-type]
-    return {name: value._asdict() if isinstance(value, Peak) else encode(value) for name, value in values.items()}
-
-
-def _joint(joint: JointLoad) -> dict[str, Any]:
-    every = encode(joint)
-    shares = every.pop("shares")
-    return {**every, **select(joint, "effort_margin velocity_margin"), "shares": shares}
 
 
 def _effect(effect: EffectReport, joints: Sequence[JointLoad]) -> dict[str, Any]:
@@ -86,16 +58,10 @@ def limits_data(limits: Sequence[Coverage]) -> dict[str, Any]:
 def sizing_data(sizing: Sizing) -> dict[str, Any]:
     """Return `joints`, `bearings` and `foundation`, as docs/reference/schemas has them."""
     return {
-        "joints": list(map(_sized, sizing.joints)),
+        "joints": sizing.joints,
         "bearings": list(map(_bearing, sizing.bearings)),
         "foundation": {load.name: _unnamed(load) for load in sizing.foundation},
     }
-
-
-def _sized(joint: JointSizing) -> dict[str, Any]:
-    motor = joint.motor and {**encode(joint.motor), **select(joint.motor, "continuous_margin peak_margin")}
-    exceeded = [{**encode(each), **select(each, "excess level")} for each in joint.exceeded]
-    return {**encode(joint), "motor": motor, "exceeded": exceeded}
 
 
 def _bearing(bearing: BearingLoad) -> dict[str, Any]:
