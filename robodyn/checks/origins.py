@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections import defaultdict
 from dataclasses import replace
 from functools import cache
 from typing import TYPE_CHECKING
@@ -59,16 +60,9 @@ class Origins:
         )
 
 
-class _Unread(dict[str, str]):
-    """Values of attributes of which only the places are asked."""
-
-    def __missing__(self, name: str) -> str:
-        return ""
-
-
 def _in_source(element: Element, finding: Finding, source: Document, start: int) -> Span:
     """Return the place in the source of what a finding is at in an element of the expanded text."""
-    written = Element("", _Unread(), 0, start, SourcePositions(source.data, source.encoding))
+    written = Element("", defaultdict(str), 0, start, SourcePositions(source.data, source.encoding))
     for name, attribute in element.attributes.items():
         if attribute.span.start <= finding.start <= attribute.span.end and name in written.attributes:
             whole = finding.start < attribute.value_span.start

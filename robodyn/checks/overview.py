@@ -16,7 +16,6 @@ from robodyn.checks.check import Checked, Options, check_description, tasks_for
 from robodyn.programs.vectors import Array, narrowed, product
 from robodyn.robot.configuration import beyond_limits, body_poses, configuration
 from robodyn.robot.load import assemble
-from robodyn.robot.model import Joint as ModelJoint
 from robodyn.robot.model import Model
 from robodyn.robot.urdf.description import load_description
 from robodyn.robot.urdf.parts import Description, Geometry, Joint
@@ -118,15 +117,13 @@ def overview(
     description = load_description(
         path, package_paths=options.package_path, xacro_args=xacro_args, trust_xacro=trust_xacro
     )
-    file = description.file
     model = assemble(description)
-    at = _near_zero(model)
+    at, meshes = _near_zero(model), _meshes(description)
     mass, com, notes = _centre(description, model, at)
-    meshes = _meshes(description)
     checked = check_description(description, Options(package_path=folders))
     return Overview(
         name=description.name,
-        file=file,
+        file=description.file,
         base=model.bodies[0].name,
         branches=tuple(_branches(description)),
         massive=len(description.massive),
@@ -167,13 +164,11 @@ def _centre(
 
 def _near_zero(model: Model) -> dict[str, float]:
     """Return every coordinate of a joint at zero, or at the limit nearest to it where its range does not hold zero."""
-    return {joint.name: _clamped(joint) for joint in model.independent if joint.kind != "floating"}
-
-
-def _clamped(joint: ModelJoint) -> float:
-    lower = -inf if joint.lower is None else joint.lower
-    upper = inf if joint.upper is None else joint.upper
-    return min(max(0.0, lower), upper) if lower <= upper else 0.0
+    at = {}
+    for joint in (joint for joint in model.independent if joint.kind != "floating"):
+        lower, upper = -inf if joint.lower is None else joint.lower, inf if joint.upper is None else joint.upper
+        at[joint.name] = min(max(0.0, lower), upper) if lower <= upper else 0.0
+    return at
 
 
 def _branches(description: Description) -> Iterator[Branch]:
@@ -190,13 +185,11 @@ def _branches(description: Description) -> Iterator[Branch]:
 
 
 def _meshes(description: Description) -> Meshes:
-    named = [(link.name, each, each.filename) for link in description.links for each in link.geometries]
-    meshes = [(link, each, name) for link, each, name in named if name is not None]
-    first: dict[str, tuple[str, Geometry]] = {}
-    for link, each, name in meshes:
-        first.setdefault(name, (link, each))
-    missing = tuple(place for name, place in first.items() if description.search.find(name) is None)
-    return Meshes(len(meshes), len(first), missing)
+    uses = [(link.name, each) for link in description.links for each in link.geometries if each.filename is not None]
+    first = {use[1].filename or "": use for use in reversed(uses)}
+    missing = [use for use in uses if first.get(use[1].filename or "") is use]
+    missing = [use for use in missing if description.search.find(use[1].filename or "") is None]
+    return Meshes(len(uses), len(first), tuple(missing))
 
 
 def _next(source: str, model: Model, checked: Checked, meshes: Meshes, description: Description) -> tuple[str, ...]:

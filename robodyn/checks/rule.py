@@ -118,21 +118,15 @@ def excerpt(reading: Document, at: Span) -> Excerpt:
     """Return the line in which the span begins, without its indent, and cut where it is long."""
     data = reading.data
     last = min(at.start + _AFTER, len(data))
-    start = max(_after_newline(data, max(at.start - _BEFORE, 0), at.start), len(BOM) * data.startswith(BOM))
-    end = min(
-        (found for found in (data.find(b"\n", at.start, last), data.find(b"\r", at.start, last)) if found >= 0),
-        default=last,
-    )
+    first = max(at.start - _BEFORE, len(BOM) * data.startswith(BOM))
+    start = max(data.rfind(b"\n", first, at.start) + 1, data.rfind(b"\r", first, at.start) + 1, first)
+    ends = (data.find(newline, at.start, last) for newline in (b"\n", b"\r"))
+    end = min((found for found in ends if found >= 0), default=last)
     before = data[start : at.start].decode(reading.encoding, "ignore").lstrip()
     text = data[at.start : end].decode(reading.encoding, "ignore").rstrip()
     within = data[at.start : min(at.end, end)].decode(reading.encoding, "ignore")
     shown = (before + text).replace("\t", " ")
     return Excerpt(shown, len(before), max(min(len(within), len(text)), 1))
-
-
-def _after_newline(data: bytes, first: int, last: int) -> int:
-    """Return the place after the last line end in [first, last), or `first`."""
-    return max(data.rfind(b"\n", first, last), data.rfind(b"\r", first, last), first - 1) + 1
 
 
 __all__ = ["Context", "Edit"]

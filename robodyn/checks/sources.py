@@ -38,16 +38,13 @@ def related_descriptions(path: str) -> list[str]:
         if not found:
             raise no_robot(path)
     else:
-        belongs = _has_srdf if path.lower().endswith(".srdf") else _names
-        found = [str(urdf) for urdf in _descriptions(Path(path).absolute()) if belongs(urdf, Path(path))]
+        belongs, file = _has_srdf if path.lower().endswith(".srdf") else _names, Path(path).absolute()
+        home = Search(str(file)).home
+        descriptions = _in_packages([] if home is None else [home], file, ".urdf")
+        found = [str(urdf) for urdf in descriptions if belongs(urdf, file)]
     if not found:
         raise NoRobotError("no description in its package names it", remedy="name a description", file=path)
     return found if os.path.isabs(path) else [os.path.relpath(urdf) for urdf in found]
-
-
-def _descriptions(path: Path) -> list[Path]:
-    home = Search(str(path)).home
-    return _in_packages([] if home is None else [home], path, ".urdf")
 
 
 def _in_packages(packages: Iterable[Path], path: Path, suffix: str) -> list[Path]:
@@ -124,17 +121,15 @@ def _expanded(path: str) -> list[str]:
         if not names:
             raise InputError("no .urdf and no .xacro in the folder", remedy="check the name", file=path)
         return [os.path.join(path, name) for name in names]
-    if os.path.exists(path) or not glob.has_magic(path):
-        return related_descriptions(path) if os.path.isfile(path) and _belongs(path) else [path]
+    if not os.path.isfile(path) and (os.path.exists(path) or not glob.has_magic(path)):
+        return [path]
+    if os.path.isfile(path):
+        related = path.lower().endswith(RELATED) or (is_xacro(path) and only_defines(path))
+        return related_descriptions(path) if related else [path]
     names = sorted(glob.iglob(path, recursive=True))
     if not names:
         raise InputError("nothing matches the pattern", remedy="check the name", file=path)
     return names
-
-
-def _belongs(path: str) -> bool:
-    """Return whether a file is no description, but may belong to some."""
-    return path.lower().endswith(RELATED) or (is_xacro(path) and only_defines(path))
 
 
 def _below(folder: str, suffix: str) -> list[str]:
@@ -149,9 +144,7 @@ def _below(folder: str, suffix: str) -> list[str]:
 
 def worth_processes(files: Sequence[str | bytes]) -> bool:
     """Return whether there is more work, in XML and in the meshes that it names, than starting processes is."""
-    if len(files) < 2 or cores() < 2:
-        return False
-    return sum(map(_work, files)) > _LEAST_WORK
+    return len(files) > 1 and cores() > 1 and sum(map(_work, files)) > _LEAST_WORK
 
 
 def _work(file: str | bytes) -> int:

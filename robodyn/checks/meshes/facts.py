@@ -11,7 +11,7 @@ import json
 import time
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, replace
-from functools import cache, lru_cache
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -175,20 +175,15 @@ class Shelf:
     """
 
     def __init__(self, digest: str, what: str) -> None:
-        """
-        Args:
-            digest: of the content; what: it is that is kept.
-        """
+        """Open the shelf of what is kept of a content with this digest."""
         folder = cache_folder() if digest and maker() else None
         self._store = ObjectCache(None if folder is None else folder / "meshes" / digest[:2], _SHARD)
         self._key = Key(f"{digest} {what}", maker())
 
     def get(self) -> bytes | None:
-        """Return what is kept, or None."""
         return self._store.get(self._key)
 
     def put(self, data: bytes) -> None:
-        """Keep it."""
         self._store.put(self._key, data)
 
 
@@ -238,15 +233,8 @@ def _of_content(path: Path) -> MeshFacts:
 
 
 def _digest_of(path: Path) -> str:
-    """Return the digest of a file's content, computed once for a file that does not change; empty if it cannot be
-    read."""
+    """Return the digest of a file's content; empty if it cannot be read."""
     try:
-        status = path.stat()
-        return _digest(path, status.st_mtime_ns, status.st_size)
+        return hashlib.sha256(read_input(path)).hexdigest()
     except OSError:
         return ""
-
-
-@lru_cache(maxsize=4096)
-def _digest(path: Path, changed: int, size: int) -> str:
-    return hashlib.sha256(read_input(path)).hexdigest()

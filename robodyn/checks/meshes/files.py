@@ -67,11 +67,6 @@ class MeshName:
     found: str | None = None
 
     @property
-    def is_seen_only(self) -> bool:
-        """Whether no <collision> uses it."""
-        return all(use.geometry.kind == "visual" for use in self.uses)
-
-    @property
     def gives_mass(self) -> bool:
         """Whether it is a <collision> of a link without <inertial>, which simulators weigh by it."""
         return any(use.geometry.kind == "collision" and use.link.inertial is None for use in self.uses)

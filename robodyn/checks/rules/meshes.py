@@ -45,9 +45,8 @@ def mesh_missing(context: Context) -> Faults:
         if name.state is State.MISSING:
             yield _missing(context, name)
         elif name.state is State.REMOTE:
-            yield name.fault(
-                "is not on this machine", "save it in the package: few programs fetch meshes", Severity.WARNING
-            )
+            remedy = "save it in the package: few programs fetch meshes"
+            yield name.fault("is not on this machine", remedy, Severity.WARNING)
     yield from _unknown([name for name in names if name.state is State.UNKNOWN])
     for uri, facts in context.once(all_facts).items():
         name = context.once(mesh_names)[uri]
@@ -170,10 +169,8 @@ def mesh_surface(context: Context) -> Faults:
     for uri, facts in context.once(all_facts).items():
         name = context.once(mesh_names)[uri]
         found = _wrong(facts, name)
-        if found is None or name.state is State.OTHER_CASE:
-            continue
-        what, severity = found
-        yield name.fault(what, _REMEDY, severity)
+        if found is not None and name.state is not State.OTHER_CASE:
+            yield name.fault(found[0], _REMEDY, found[1])
 
 
 def _wrong(facts: MeshFacts, name: MeshName) -> tuple[str, Severity] | None:
@@ -239,13 +236,10 @@ def mesh_unit(context: Context) -> Faults:
         reported.add((slip.name.uri, scale))
         what = f"the mesh {shown_path(slip.name.uri)} has the wrong unit: {slip.how}"
         at = value_span(geometry.shape, "filename" if scale is None else "scale")
-        yield Fault(at, what, _remedy(slip.factor), slip.longest, slip.longest / slip.factor)
-
-
-def _remedy(factor: float) -> str:
-    if factor > 1:
-        return 'if the file is in millimetres, write scale="0.001 0.001 0.001"'
-    return "if the file is in metres, leave the scale out; otherwise multiply it by 1000"
+        remedy = "if the file is in metres, leave the scale out; otherwise multiply it by 1000"
+        if slip.factor > 1:
+            remedy = 'if the file is in millimetres, write scale="0.001 0.001 0.001"'
+        yield Fault(at, what, remedy, slip.longest, slip.longest / slip.factor)
 
 
 _KNOWN = "; ".join(
@@ -287,11 +281,11 @@ def axis_up(context: Context) -> Faults:
     Y_UP by 90 degrees. So a link that stands upright in the editor lies down in the simulator. The examples stand
     beside the meshes that they name.
     """
-    turned = [name for name in context.once(mesh_names).values() if _up(name) is not None]
+    turned = [(name, up) for name in context.once(mesh_names).values() if (up := _up(name)) is not None]
     if turned:
-        first = turned[0]
+        first, up = turned[0]
         more = f" (and {count(len(turned) - 1, 'more mesh', 'more meshes')})" if turned[1:] else ""
-        what = f"the mesh {shown_path(first.uri)} says that its {_up(first)} points up{more}: editors turn it"
+        what = f"the mesh {shown_path(first.uri)} says that its {up} points up{more}: editors turn it"
         remedy = "programs for robots do not: export it with Z up"
         yield Fault(first.uses[0].at, what, remedy, subject=None)
 
