@@ -7,21 +7,21 @@ from functools import partial
 
 import click
 
-from robodyn.cli.files import check_names, check_table, robot_in_scene
-from robodyn.cli.options import (
+from robodyn.cli.call import (
     FORMAT,
     PATH,
     POSITIVE,
+    READING,
+    REPORT,
     ROBOT_SUFFIXES,
     SCENE,
+    Call,
     Output,
-    gravity,
-    lookup,
-    payloads,
-    scene_name,
+    refuse,
+    takes,
 )
-from robodyn.cli.reading_options import READING, given, reading
-from robodyn.cli.reports import REPORT, answer
+from robodyn.cli.files import check_names, check_table, robot_in_scene
+from robodyn.cli.reports import answer
 from robodyn.measure.accuracy.ladder import Accuracy
 from robodyn.report.accuracy import accuracy_json, accuracy_page, accuracy_sections
 from robodyn.report.pictures.accuracy import form_of, rendered
@@ -31,16 +31,27 @@ from robodyn.support.files import write_whole
 
 @click.command("accuracy", short_help="Measure what each further digit costs in time.")
 @click.argument("files", nargs=-1, type=PATH, required=True, metavar="MESH|URDF TRAJECTORY|URDF SCENE.toml")
-@click.option("--target", type=POSITIVE, metavar="ERROR", help="Name the quickest method within this relative error.")
-@click.option("--duration", type=POSITIVE, metavar="S", help="s, of a simulated motion; default 2, or the table's.")
-@click.option("--traj", "table", type=PATH, metavar="FILE", help="The table whose columns the scene names.")
-@click.option("--plot", type=Output("a picture"), metavar="FILE", help="Draw error against time: .svg, .png or .pdf.")
-@READING
-@SCENE
-@REPORT
-@FORMAT
+@takes(
+    click.option(
+        "--target", type=POSITIVE, metavar="ERROR", help="Name the quickest method within this relative error."
+    ),
+    click.option("--duration", type=POSITIVE, metavar="S", help="s, of a simulated motion; default 2, or the table's."),
+    click.option("--traj", "table", type=PATH, metavar="FILE", help="The table whose columns the scene names."),
+    click.option(
+        "--plot", type=Output("a picture"), metavar="FILE", help="Draw error against time: .svg, .png or .pdf."
+    ),
+    READING,
+    SCENE,
+    REPORT,
+    FORMAT,
+)
 def command(
-    files: tuple[str, ...], target: float | None, duration: float | None, table: str | None, plot: str | None
+    call: Call,
+    files: tuple[str, ...],
+    target: float | None,
+    duration: float | None,
+    table: str | None,
+    plot: str | None,
 ) -> int:
     """Measure true errors and times of every method: for a mesh, for the torques of a robot along a motion, or for the
     motion that a scene makes. A file named - is standard input. Exit status 1: no method meets the target.
@@ -55,7 +66,7 @@ def command(
     picture = form_of(plot) if plot else ""
     if plot:
         need("plots", "matplotlib", file=plot)
-    found = accuracy_of(files, duration, table)
+    found = accuracy_of(call, files, duration, table)
     written = ""
     if plot:
         from robodyn.report.pictures.accuracy import accuracy_figure
@@ -63,28 +74,28 @@ def command(
         write_whole(plot, rendered(accuracy_figure(found, target), picture), remedy="name another file")
         written = f"\nwritten: {plot}\n"
     sections, document = accuracy_sections(found, target), partial(accuracy_page, found, target)
-    answer(sections, document, written, json=lambda: accuracy_json(found, target))
+    answer(call, sections, document, written, json=lambda: accuracy_json(found, target))
     return int(target is not None and any(ladder.cheapest(target) is None for ladder in found.ladders))
 
 
-def accuracy_of(files: Sequence[str], duration: float | None, table: str | None) -> Accuracy:
+def accuracy_of(call: Call, files: Sequence[str], duration: float | None, table: str | None) -> Accuracy:
     """Return what accuracy costs: of one mesh; or of a URDF along a trajectory, or in a scene whose name ends in .toml
     or that is given alone."""
-    ctx, scene_file = click.get_current_context(), scene_name()
+    scene_file = call.scene_name
     robot = len(files) == 2 or files[0].lower().endswith(ROBOT_SUFFIXES)
     alone = scene_file if len(files) == 1 else None
     if robot and alone:
         files, scene_file = (files[0], alone), None
     if len(files) != 1 + robot:
-        raise click.UsageError("give one mesh, a URDF and a trajectory, or a URDF and a scene", ctx)
-    if not robot and (scene_file or gravity() or payloads() or any(lookup().values())):
+        refuse("give one mesh, a URDF and a trajectory, or a URDF and a scene")
+    if not robot and (scene_file or call.gravity or call.payloads or any(call.lookup.values())):
         what = "--scene, --payload, --gravity, --package-path, --xacro-arg and --trust-xacro are for robots"
-        raise click.UsageError(what, ctx)
+        refuse(what)
     moved = robot and (alone is not None or files[1].lower().endswith(".toml"))
     if (duration is not None or table is not None) and not moved:
-        raise click.UsageError("--duration and --traj are for a URDF and a scene, which make a motion", ctx)
-    if given() and (moved or not robot):
-        raise click.UsageError(f"{given()} is for the trajectory of a robot", ctx)
+        refuse("--duration and --traj are for a URDF and a scene, which make a motion")
+    if call.reading_given and (moved or not robot):
+        refuse(f"{call.reading_given} is for the trajectory of a robot")
     if not robot:
         from robodyn.measure.accuracy.mesh_ladder import mesh_accuracy
         from robodyn.solids.mesh.read.load import load_triangles
@@ -93,11 +104,11 @@ def accuracy_of(files: Sequence[str], duration: float | None, table: str | None)
     if not moved:
         from robodyn.measure.accuracy.torque_ladder import file_accuracy
 
-        return file_accuracy(*robot_in_scene(files[0]), files[1], **reading())
+        return file_accuracy(*robot_in_scene(call, files[0]), files[1], **call.reading)
     if scene_file:
-        raise click.UsageError(f"the scene is given twice: {files[1]} and --scene {scene_file}", ctx)
+        refuse(f"the scene is given twice: {files[1]} and --scene {scene_file}")
     from robodyn.measure.accuracy.simulation_ladder import simulation_accuracy
 
-    model, scene = robot_in_scene(files[0], files[1], loops=True)
-    check_table(table, scene, files[1])
+    model, scene = robot_in_scene(call, files[0], files[1], loops=True)
+    check_table(call, table, scene, files[1])
     return simulation_accuracy(model, scene, duration, table)

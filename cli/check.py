@@ -6,20 +6,18 @@ import os
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
-from typing import Any
 
 import click
 
-from robodyn.checks.baseline import compared, write_baseline
+from robodyn.checks import baseline as baselines
 from robodyn.checks.catalogue import RULES, WORDS
 from robodyn.checks.check import Checked, Options, Task, check_tasks, fix_task, tasks_for
 from robodyn.checks.context import Asked
 from robodyn.checks.rule import Severity
+from robodyn.cli.call import DESCRIPTION, PATH, READING, REPORT, Call, Parsed, refuse, takes
 from robodyn.cli.files import STANDARD_INPUT, check_names, source_of
-from robodyn.cli.options import DESCRIPTION, PATH, Parsed, lookup, together
 from robodyn.cli.progress import robots_done
-from robodyn.cli.reading_options import READING, reading
-from robodyn.cli.reports import REPORT, answer, report_name, write_report
+from robodyn.cli.reports import answer, write_report
 from robodyn.cli.screen import complain, show
 from robodyn.errors import InputError
 from robodyn.report.check import (
@@ -50,7 +48,51 @@ def _programs(text: str) -> tuple[str, ...]:
 
 CODES = Parsed("codes", _codes)
 FORMATS = ("text", "short", "json", "sarif", "junit", "github")
-OPTIONS = together(
+
+
+def fix_files(tasks: Sequence[Task], unsafe: bool, diff: bool) -> bool:
+    """Edit the files, or show how they would be; the return value is whether there is such a difference to show."""
+    files = []
+    with robots_done(len(tasks), "fixing") as done:
+        for task in tasks:
+            with suppress(InputError):  # the check says why
+                files.append(fix_task(task, unsafe))
+            done()
+    changed = [one for one in files if one.after != one.before]
+    for one in changed:
+        if diff:
+            show(check_diff(one))
+        else:
+            write_whole(one.file, one.after)
+    for line in fix_lines(files, "would fix" if diff else "fixed"):
+        click.echo(line, err=True)
+    return diff and bool(changed)
+
+
+def show_findings(call: Call, checked: Checked, tasks: Sequence[Task], strict: bool, statistics: bool) -> None:
+    """Show the findings in the form that is asked for."""
+    form = call.form
+    findings, unread = checked.findings, checked.unread
+    given = {task.name: task.source for task in tasks}
+    listed = short_sections if form == "short" else check_sections
+    answer(
+        call,
+        (statistics_sections if statistics else listed)(checked),
+        form="text" if form == "short" else form,
+        json=lambda: check_json(checked),
+        sarif=lambda: check_sarif(findings, RULES, lambda name: read(given.get(name, name), name), unread),
+        junit=lambda: check_junit(checked, strict),
+        github=lambda: check_github(findings, unread),
+    )
+
+
+_LISTING_UNREAD = ("sarif", "junit", "github")
+"""Formats for servers, which show a file that could not be read, too."""
+
+
+@click.command("check", short_help="Find what is wrong with descriptions, for people and CI.")
+@click.argument("urdfs", nargs=-1, type=PATH, required=True, metavar="URDF...")
+@takes(
     click.option("--select", type=CODES, metavar="CODES", help="Rules to run: RD207,RD5; ALL; default DEFAULT."),
     click.option("--ignore", type=CODES, metavar="CODES", help="Rules not to run."),
     click.option("--strict", is_flag=True, help="Exit with 1 on warnings, too."),
@@ -74,69 +116,26 @@ OPTIONS = together(
     click.option("--fix", is_flag=True, help="Edit the files where an edit is right and leaves the dynamics alone."),
     click.option("--unsafe-fixes", is_flag=True, help="With --fix or --diff: edits that change the dynamics, too."),
     click.option("--diff", is_flag=True, help="Print what --fix would change, and change nothing."),
+    READING,
+    REPORT,
 )
-
-
-def check_flags(flags: dict[str, Any], urdfs: Sequence[str]) -> None:
-    """Raise if options do not go together."""
-    stdin, plain = STANDARD_INPUT in urdfs, not any(map(is_xacro, urdfs))
-    wrong = [
-        (plain and lookup()["xacro_args"], "--xacro-arg goes with a file that is xacro (xacro files end in .xacro)"),
-        (lookup()["trust_xacro"] and not all(map(os.path.isfile, urdfs)), "--trust-xacro goes with the names of files"),
-        (flags["write_baseline"] and not flags["baseline"], "--write-baseline needs --baseline FILE"),
-        (flags["unsafe_fixes"] and not (flags["fix"] or flags["diff"]), "--unsafe-fixes needs --fix or --diff"),
-        (flags["fix"] and stdin and not flags["diff"], "--fix cannot edit standard input; --diff shows the edit"),
-        (flags["statistics"] and flags["form"] not in ("text", "short"), "--statistics is text; leave --format out"),
-    ]
-    for is_wrong, what in wrong:
-        if is_wrong:
-            raise click.UsageError(what, click.get_current_context())
-
-
-def fix_files(tasks: Sequence[Task], unsafe: bool, diff: bool) -> bool:
-    """Edit the files, or show how they would be; the return value is whether there is such a difference to show."""
-    files = []
-    with robots_done(len(tasks), "fixing") as done:
-        for task in tasks:
-            with suppress(InputError):  # the check says why
-                files.append(fix_task(task, unsafe))
-            done()
-    changed = [one for one in files if one.after != one.before]
-    for one in changed:
-        if diff:
-            show(check_diff(one))
-        else:
-            write_whole(one.file, one.after)
-    for line in fix_lines(files, "would fix" if diff else "fixed"):
-        click.echo(line, err=True)
-    return diff and bool(changed)
-
-
-def show_findings(checked: Checked, tasks: Sequence[Task], form: str, strict: bool, statistics: bool) -> None:
-    """Show the findings in a form."""
-    findings, unread = checked.findings, checked.unread
-    given = {task.name: task.source for task in tasks}
-    listed = short_sections if form == "short" else check_sections
-    answer(
-        (statistics_sections if statistics else listed)(checked),
-        form="text" if form == "short" else form,
-        json=lambda: check_json(checked),
-        sarif=lambda: check_sarif(findings, RULES, lambda name: read(given.get(name, name), name), unread),
-        junit=lambda: check_junit(checked, strict),
-        github=lambda: check_github(findings, unread),
-    )
-
-
-_LISTING_UNREAD = ("sarif", "junit", "github")
-"""Formats for servers, which show a file that could not be read, too."""
-
-
-@click.command("check", short_help="Find what is wrong with descriptions, for people and CI.")
-@click.argument("urdfs", nargs=-1, type=PATH, required=True, metavar="URDF...")
-@OPTIONS
-@READING
-@REPORT
-def command(urdfs: tuple[str, ...], **flags: Any) -> int:
+def command(
+    call: Call,
+    urdfs: tuple[str, ...],
+    select: tuple[str, ...] | None,
+    ignore: tuple[str, ...] | None,
+    strict: bool,
+    statistics: bool,
+    targets: tuple[str, ...] | None,
+    against: str | None,
+    trajectory: str | None,
+    config: str | None,
+    baseline: str | None,
+    write_baseline: bool,
+    fix: bool,
+    unsafe_fixes: bool,
+    diff: bool,
+) -> int:
     """Find what is wrong with robot descriptions, down to the attribute.
     A file named - is standard input; a folder means every .urdf below it, or else every .xacro; a .xacro file is
     expanded first; a mesh or an SRDF means the descriptions of its package that name it, and a .xacro file of macros
@@ -150,46 +149,55 @@ def command(urdfs: tuple[str, ...], **flags: Any) -> int:
       robodyn check robots/ --ignore RD110
       robodyn check robots/puma.urdf --report findings.html
     """
-    check_names(*["baseline"] * flags["write_baseline"])
-    check_flags(flags, urdfs)
-    asked = Asked(flags["targets"] or (), flags["against"], flags["trajectory"], reading())
-    how = lookup()
+    check_names(*["baseline"] * write_baseline)
+    stdin, plain = STANDARD_INPUT in urdfs, not any(map(is_xacro, urdfs))
+    wrong = [
+        (plain and call.xacro_args, "--xacro-arg goes with a file that is xacro (xacro files end in .xacro)"),
+        (call.trust_xacro and not all(map(os.path.isfile, urdfs)), "--trust-xacro goes with the names of files"),
+        (write_baseline and not baseline, "--write-baseline needs --baseline FILE"),
+        (unsafe_fixes and not (fix or diff), "--unsafe-fixes needs --fix or --diff"),
+        (fix and stdin and not diff, "--fix cannot edit standard input; --diff shows the edit"),
+        (statistics and call.form not in ("text", "short"), "--statistics is text; leave --format out"),
+    ]
+    for is_wrong, what in wrong:
+        if is_wrong:
+            refuse(what)
     given = Options(
-        flags["select"] or (),
-        flags["ignore"] or (),
-        package_path=how["package_paths"],
-        xacro_args=tuple(how["xacro_args"].items()),
-        trust_xacro=how["trust_xacro"],
-        asked=asked,
+        select or (),
+        ignore or (),
+        package_path=call.package_paths,
+        xacro_args=tuple(dict(call.xacro_args).items()),
+        trust_xacro=call.trust_xacro,
+        asked=Asked(targets or (), against, trajectory, call.reading),
     )
     sources = [source_of(urdf) for urdf in urdfs]
-    tasks = tasks_for(sources, given, flags["config"])
-    shown = (flags["fix"] or flags["diff"]) and fix_files(tasks, flags["unsafe_fixes"], flags["diff"])
+    tasks = tasks_for(sources, given, config)
+    shown = (fix or diff) and fix_files(tasks, unsafe_fixes, diff)
     with robots_done(len(tasks)) as done:
         checked = check_tasks(tasks, done)
     for line in dict.fromkeys(str(each.error) for each in checked.unread):
         complain(line)
-    if checked.unread and len(tasks) == 1 and flags["form"] not in _LISTING_UNREAD:
+    if checked.unread and len(tasks) == 1 and call.form not in _LISTING_UNREAD:
         return 2
     if shown:
         return 2 if checked.unread else 1
-    if flags["write_baseline"]:
-        places = write_baseline(checked.findings, flags["baseline"])
-        click.echo(f"written: {flags['baseline']}, {count(places, 'place')}", err=True)
+    if write_baseline and baseline:
+        places = baselines.write_baseline(checked.findings, baseline)
+        click.echo(f"written: {baseline}, {count(places, 'place')}", err=True)
         return 2 if checked.unread else 0
-    if flags["baseline"]:
-        checked = _new(checked, flags["baseline"])
-    if not flags["diff"]:
-        show_findings(checked, tasks, flags["form"], flags["strict"], flags["statistics"])
-    if (place := report_name()) is not None:
-        click.echo(write_report(place, check_page(checked)).strip(), err=True)
-    fatal = (Severity.ERROR, Severity.WARNING) if flags["strict"] else (Severity.ERROR,)
+    if baseline:
+        checked = _new(checked, baseline)
+    if not diff:
+        show_findings(call, checked, tasks, strict, statistics)
+    if call.report is not None:
+        click.echo(write_report(call.report, check_page(checked)).strip(), err=True)
+    fatal = (Severity.ERROR, Severity.WARNING) if strict else (Severity.ERROR,)
     return 2 if checked.unread else int(any(checked.count(severity) for severity in fatal))
 
 
 def _new(checked: Checked, baseline: str) -> Checked:
     """Return what the baseline does not have."""
-    found = compared(checked.findings, baseline)
+    found = baselines.compared(checked.findings, baseline)
     gone = f"; {found.gone} of it no longer found, --write-baseline drops them" if found.gone else ""
     click.echo(f"{baseline}: {count(found.known, 'place')} passed over{gone}", err=True)
     return replace(checked, findings=found.new)

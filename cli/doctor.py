@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import click
 
-from robodyn.cli.options import FORMAT
+from robodyn.cli.call import FORMAT, Call, takes
 from robodyn.cli.reports import answer
 from robodyn.measure.doctor import doctor, healthy
 from robodyn.report.accuracy import doctor_json, doctor_sections
 
 
 @click.command("doctor", short_help="Tell what this machine and installation can do.")
-@FORMAT
-def command() -> int:
+@takes(FORMAT)
+def command(call: Call) -> int:
     """Tell what robodyn finds here: libraries, processor, executors, cache; what is missing and what that costs.
     The exit status is 1 if something is broken that should be repaired.
 
@@ -21,5 +21,5 @@ def command() -> int:
       robodyn doctor
     """
     lines = doctor()
-    answer(doctor_sections(lines), json=lambda: doctor_json(lines))
+    answer(call, doctor_sections(lines), json=lambda: doctor_json(lines))
     return int(not healthy(lines))

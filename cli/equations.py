@@ -6,8 +6,8 @@ from typing import Any
 
 import click
 
+from robodyn.cli.call import AT, PATH, QD, SCENE, VALUES, Call, refuse, takes
 from robodyn.cli.files import check_names, robot_in_scene
-from robodyn.cli.options import AT, PATH, QD, SCENE, VALUES, together
 from robodyn.cli.reports import answer
 from robodyn.equations.closed import closed
 from robodyn.equations.dae.dae import dae
@@ -35,9 +35,24 @@ class _Format(click.Choice):  # type: ignore[type-arg,unused-ignore]
         return super().get_invalid_choice_message(value, ctx).rstrip(".") + other
 
 
-ASKED = together(
+def check_asked(equations: str, form: str, **numbers: Any) -> None:
+    """Raise if options do not go together; `numbers` are --at, --qd and --tau."""
+    forms = ONLY.get(form, (equations,))
+    if equations not in forms:
+        refuse(f"--format {form} is for --form {' or '.join(forms)}")
+    given = [name for name, value in numbers.items() if value]
+    if given and (equations == "closed" or form == "latex"):
+        refuse(f"--{given[0]} is for numbers: --form ode or dae as text or json")
+    if "tau" in given and equations != "dae":
+        refuse("--tau is for --form dae")
+
+
+@click.command("equations", short_help="Derive the equations of motion in numbers, letters or LaTeX.")
+@click.argument("urdf", type=PATH)
+@takes(
     click.option(
         "--form",
+        "equations",
         type=click.Choice(["ode", "dae", "closed"]),
         default="ode",
         help="ode (default): in numbers; dae: with constraints and reactions; closed: in symbols.",
@@ -45,28 +60,10 @@ ASKED = together(
     AT,
     QD,
     click.option("--tau", type=VALUES, metavar="TAU", help="Torques for --form dae, likewise; default none."),
-    click.option("--format", "output", type=_Format(FORMATS), default="text", help="Default text."),
+    click.option("--format", "form", type=_Format(FORMATS), default="text", help="Default text."),
+    SCENE,
 )
-
-
-def check_asked(form: str, output: str, **numbers: Any) -> None:
-    """Raise if options do not go together; `numbers` are --at, --qd and --tau."""
-    context = click.get_current_context()
-    forms = ONLY.get(output, (form,))
-    if form not in forms:
-        raise click.UsageError(f"--format {output} is for --form {' or '.join(forms)}", context)
-    given = [name for name, value in numbers.items() if value]
-    if given and (form == "closed" or output == "latex"):
-        raise click.UsageError(f"--{given[0]} is for numbers: --form ode or dae as text or json", context)
-    if "tau" in given and form != "dae":
-        raise click.UsageError("--tau is for --form dae", context)
-
-
-@click.command("equations", short_help="Derive the equations of motion in numbers, letters or LaTeX.")
-@click.argument("urdf", type=PATH)
-@ASKED
-@SCENE
-def command(urdf: str, form: str, at: Any, qd: Any, tau: Any, output: str) -> None:
+def command(call: Call, urdf: str, equations: str, at: Any, qd: Any, tau: Any) -> None:
     """Derive M(q) qdd + bias = tau: in numbers at a configuration, or in closed form for small robots; and Newton's and
     Euler's laws of all bodies with constraints and reactions. A file named - is standard input.
 
@@ -76,13 +73,13 @@ def command(urdf: str, form: str, at: Any, qd: Any, tau: Any, output: str) -> No
       robodyn equations robots/two_link_planar.urdf --form closed --format latex
       robodyn equations robots/scara.urdf --form dae --at 0.3,-0.5,0.05 --qd elbow=2
     """
-    check_asked(form, output, at=at, qd=qd, tau=tau)
+    check_asked(equations, call.form, at=at, qd=qd, tau=tau)
     check_names()
-    model, scene = robot_in_scene(urdf, loops=form == "dae")
+    model, scene = robot_in_scene(call, urdf, loops=equations == "dae")
     found: Any
-    if form == "dae":
+    if equations == "dae":
         found = dae(model, scene, at, qd or (), tau or ())
     else:
-        found = closed(model, scene) if form == "closed" else ode(model, scene, at or (), qd or ())
-    sections, json, latex = _WRITERS[form]
-    answer(sections(found), form=output, json=lambda: json(found), latex=lambda: latex(found))
+        found = closed(model, scene) if equations == "closed" else ode(model, scene, at or (), qd or ())
+    sections, json, latex = _WRITERS[equations]
+    answer(call, sections(found), json=lambda: json(found), latex=lambda: latex(found))

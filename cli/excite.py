@@ -7,9 +7,9 @@ from typing import Any
 
 import click
 
+from robodyn.cli.call import FORMAT, PATH, POSITIVE, REPORT, SCENE, TABLE_OUT, VALUES, Call, Parsed, takes
 from robodyn.cli.files import check_names, robot_in_scene
-from robodyn.cli.options import FORMAT, PATH, POSITIVE, SCENE, TABLE_OUT, VALUES, Parsed
-from robodyn.cli.reports import REPORT, answer, get_ready
+from robodyn.cli.reports import answer, get_ready
 from robodyn.identification.excitation.excite import HARMONICS, PERIOD, RATE, excite
 from robodyn.report.identification import excitation_json, excitation_page, excitation_sections
 from robodyn.trajectory.write import format_of, open_writer
@@ -24,18 +24,33 @@ def _names(text: str) -> tuple[str, ...]:
 
 @click.command("excite", short_help="Find a motion that shows a robot's parameters.")
 @click.argument("urdf", type=PATH)
-@click.option("--out", type=TABLE_OUT, metavar="FILE", help="Write the motion: .csv, .parquet or .npz.")
-@click.option("--period", type=POSITIVE, default=PERIOD, metavar="S", help=f"s, of the motion; default {PERIOD:g}.")
-@click.option("--harmonics", type=int, default=HARMONICS, metavar="N", help=f"Of its series; default {HARMONICS}.")
-@click.option("--rate", type=POSITIVE, default=RATE, metavar="HZ", help=f"Rows per second; default {RATE:g}.")
-@click.option("--joints", type=Parsed("joints", _names), default=(), metavar="A,B", help="That move; default all.")
-@click.option("--max-acceleration", type=POSITIVE, metavar="A", help="rad/s^2; default speed limit / 0.25 s.")
-@click.option("--noise", type=VALUES, metavar="N", help="N m, of torques; or JOINT=N,...; default 1% of effort limits.")
-@click.option("--seed", type=click.IntRange(min=0), default=0, metavar="N", help="Of where the search begins.")
-@SCENE
-@REPORT
-@FORMAT
-def command(urdf: str, out: str | None, **options: Any) -> None:
+@takes(
+    click.option("--out", type=TABLE_OUT, metavar="FILE", help="Write the motion: .csv, .parquet or .npz."),
+    click.option("--period", type=POSITIVE, default=PERIOD, metavar="S", help=f"s, of the motion; default {PERIOD:g}."),
+    click.option("--harmonics", type=int, default=HARMONICS, metavar="N", help=f"Of its series; default {HARMONICS}."),
+    click.option("--rate", type=POSITIVE, default=RATE, metavar="HZ", help=f"Rows per second; default {RATE:g}."),
+    click.option("--joints", type=Parsed("joints", _names), default=(), metavar="A,B", help="That move; default all."),
+    click.option("--max-acceleration", type=POSITIVE, metavar="A", help="rad/s^2; default speed limit / 0.25 s."),
+    click.option(
+        "--noise", type=VALUES, metavar="N", help="N m, of torques; or JOINT=N,...; default 1% of effort limits."
+    ),
+    click.option("--seed", type=click.IntRange(min=0), default=0, metavar="N", help="Of where the search begins."),
+    SCENE,
+    REPORT,
+    FORMAT,
+)
+def command(
+    call: Call,
+    urdf: str,
+    out: str | None,
+    period: float,
+    harmonics: int,
+    rate: float,
+    joints: tuple[str, ...],
+    max_acceleration: float | None,
+    noise: Any,
+    seed: int,
+) -> None:
     """Find a motion within all limits whose torques tell masses, inertias and friction as well as possible: a Fourier
     series, at rest at both ends, with the largest determinant of the base parameters' information that is found. Says
     how well each base parameter will be known. A file named - is standard input.
@@ -48,12 +63,24 @@ def command(urdf: str, out: str | None, **options: Any) -> None:
     check_names()
     if out is not None:
         format_of(out)
-    get_ready()
-    model, scene = robot_in_scene(urdf)
-    found = excite(model, scene, **options)
+    get_ready(call)
+    model, scene = robot_in_scene(call, urdf)
+    found = excite(
+        model,
+        scene,
+        period=period,
+        harmonics=harmonics,
+        rate=rate,
+        joints=joints,
+        max_acceleration=max_acceleration,
+        noise=noise,
+        seed=seed,
+    )
     written = ""
     if out is not None:
         with open_writer(out, found.names) as writer:
             writer.write(found.time, found.columns)
         written = f"\nwritten: {out}, {len(found.time)} rows of time and {len(found.names)} columns\n"
-    answer(excitation_sections(found), partial(excitation_page, found), written, json=lambda: excitation_json(found))
+    answer(
+        call, excitation_sections(found), partial(excitation_page, found), written, json=lambda: excitation_json(found)
+    )

@@ -4,24 +4,28 @@ from __future__ import annotations
 
 import click
 
+from robodyn.cli.call import PATH, SCENE, Call, Output, takes
 from robodyn.cli.files import check_names, robot_in_scene
-from robodyn.cli.options import PATH, SCENE, Output
 from robodyn.cli.screen import show, show_file
 from robodyn.equations.export.export import TARGETS, export
 
 
 @click.command("export", short_help="Write the dynamics as C, CasADi, JAX, PyTorch or NumPy.")
 @click.argument("urdf", type=PATH)
-@click.option("--to", required=True, type=click.Choice(list(TARGETS)), help="C99, or the library of a Python module.")
-@click.option(
-    "--what",
-    default="torques",
-    metavar="WHAT,...",
-    help="torques (default), mass_matrix, bias, coriolis, forward, derivatives, forward_derivatives, regressor.",
+@takes(
+    click.option(
+        "--to", required=True, type=click.Choice(list(TARGETS)), help="C99, or the library of a Python module."
+    ),
+    click.option(
+        "--what",
+        default="torques",
+        metavar="WHAT,...",
+        help="torques (default), mass_matrix, bias, coriolis, forward, derivatives, forward_derivatives, regressor.",
+    ),
+    click.option("--out", type=Output("source code"), metavar="FILE", help="Default standard output."),
+    SCENE,
 )
-@click.option("--out", type=Output("source code"), metavar="FILE", help="Default standard output.")
-@SCENE
-def command(urdf: str, to: str, what: str, out: str | None) -> None:
+def command(call: Call, urdf: str, to: str, what: str, out: str | None) -> None:
     """Write functions that compute the dynamics of a robot, a scene folded in, without robodyn: one C99 file, or a
     Python module for CasADi, JAX, PyTorch or NumPy, which these differentiate, map and compile by their own means.
     Its head says units, the order of joints and what derivatives are by. No library is needed to write.
@@ -34,7 +38,7 @@ def command(urdf: str, to: str, what: str, out: str | None) -> None:
       robodyn export robots/puma.urdf --scene robots/puma_payload.toml --to jax --what derivatives,regressor > puma.py
     """
     check_names()
-    model, scene = robot_in_scene(urdf)
+    model, scene = robot_in_scene(call, urdf)
     text = export(model, to, what, scene=scene, out=out)
     if out is None:
         show_file(text)

@@ -9,10 +9,8 @@ from typing import Any
 
 import click
 
-from robodyn.cli.files import check_names, robot_in_scene
-from robodyn.cli.options import AT, FOLDER, FORMAT, PATH, QD, SCENE, VALUES, together
-from robodyn.cli.outputs import refuse_foreign
-from robodyn.cli.reading_options import READING, given, reading
+from robodyn.cli.call import AT, FOLDER, FORMAT, PATH, QD, READING, SCENE, VALUES, Call, refuse, takes
+from robodyn.cli.files import check_names, refuse_foreign, robot_in_scene
 from robodyn.cli.reports import answer
 from robodyn.equations.free_body.bodies import free_bodies
 from robodyn.errors import InputError
@@ -25,33 +23,24 @@ from robodyn.trajectory.plausible import refuse_units
 from robodyn.trajectory.reader import row_at
 from robodyn.trajectory.robot_motion import read_motion
 
-STATE = together(
-    AT,
-    QD,
-    click.option("--qdd", type=VALUES, metavar="QDD", help="Accelerations, likewise; default none."),
-    click.option("--traj", type=PATH, metavar="FILE", help="Take the state from a trajectory, at --time."),
-    click.option("--time", type=float, metavar="T", help="s; the nearest row of the trajectory counts."),
-)
-
 
 def state_of(
-    model: Model, scene: Scene, at: Any, qd: Any, qdd: Any, traj: str | None, time: float | None
+    call: Call, model: Model, scene: Scene, at: Any, qd: Any, qdd: Any, traj: str | None, time: float | None
 ) -> tuple[str, dict[str, Any], tuple[str, ...]]:
     """Return the state in words, and as what `free_bodies` takes; and warnings about its table."""
-    ctx = click.get_current_context()
     if traj is None:
-        if time is not None or given():
-            raise click.UsageError(f"{given() or '--time'} goes with --traj", ctx)
+        if time is not None or call.reading_given:
+            refuse(f"{call.reading_given or '--time'} goes with --traj")
         if scene.motion_columns:
-            raise click.UsageError("the scene needs columns of a trajectory: give --traj and --time", ctx)
+            refuse("the scene needs columns of a trajectory: give --traj and --time")
         words = ["at rest" if qd is None else "moving"] + ["accelerating"] * (qdd is not None)
         state = {"q": configuration(model, at or ()), "qd": rates(model, qd or ()), "qdd": rates(model, qdd or ())}
         return ("as given" if at is not None else "at zero") + ", " + ", ".join(words), state, ()
     if at is not None or qd is not None or qdd is not None:
-        raise click.UsageError("--traj says all of the state: leave out --at, --qd and --qdd", ctx)
+        refuse("--traj says all of the state: leave out --at, --qd and --qdd")
     if time is None:
-        raise click.UsageError("--traj needs --time", ctx)
-    with read_motion(traj, model, scene, **reading()) as reader:
+        refuse("--traj needs --time")
+    with read_motion(traj, model, scene, **call.reading) as reader:
         if scene.loops:
             from robodyn.dynamics.plan import plan
             from robodyn.loads.dependent_joints import Follower
@@ -71,12 +60,20 @@ def state_of(
 
 @click.command("fbd", short_help="Draw free bodies: all forces and moments on each body.")
 @click.argument("urdf", type=PATH)
-@STATE
-@READING
-@SCENE
-@click.option("--svg", type=FOLDER, metavar="FOLDER", help="Write a drawing of each body there.")
-@FORMAT
-def command(urdf: str, svg: str | None, **given: Any) -> None:
+@takes(
+    AT,
+    QD,
+    click.option("--qdd", type=VALUES, metavar="QDD", help="Accelerations, likewise; default none."),
+    click.option("--traj", type=PATH, metavar="FILE", help="Take the state from a trajectory, at --time."),
+    click.option("--time", type=float, metavar="T", help="s; the nearest row of the trajectory counts."),
+    READING,
+    SCENE,
+    click.option("--svg", type=FOLDER, metavar="FOLDER", help="Write a drawing of each body there."),
+    FORMAT,
+)
+def command(
+    call: Call, urdf: str, at: Any, qd: Any, qdd: Any, traj: str | None, time: float | None, svg: str | None
+) -> None:
     """List and draw free bodies: all forces and moments on each body, and what each joint transmits.
     The state is given by --at, --qd and --qdd, or is a row of a trajectory.
 
@@ -86,8 +83,8 @@ def command(urdf: str, svg: str | None, **given: Any) -> None:
       robodyn fbd robots/puma.urdf --traj robots/puma_reach.csv --time 0.5 --svg drawings
     """
     check_names()
-    model, scene = robot_in_scene(urdf, loops=True, contacts=True)
-    words, state, warnings = state_of(model, scene, **given)
+    model, scene = robot_in_scene(call, urdf, loops=True, contacts=True)
+    words, state, warnings = state_of(call, model, scene, at, qd, qdd, traj, time)
     found = free_bodies(model, scene=scene, **state)
     found = replace(found, warnings=(*warnings, *found.warnings))
     written = ""
@@ -96,7 +93,7 @@ def command(urdf: str, svg: str | None, **given: Any) -> None:
 
         written = f"\nwritten: {write_drawings(svg, drawings(found, words))} drawings in {svg}\n"
     sections = free_body_sections(found, words)
-    answer(sections, written=written, json=lambda: free_bodies_json(found, words))
+    answer(call, sections, written=written, json=lambda: free_bodies_json(found, words))
 
 
 def write_drawings(folder: str, files: Iterable[tuple[str, str]]) -> int:

@@ -1,17 +1,21 @@
-"""Files that are named on the command line; `-` is standard input."""
+"""Files that are named on the command line: `-` is standard input; what is written is never what is read, nor a file
+that robodyn has not written."""
 
 from __future__ import annotations
 
+import os
+import re
+import stat
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import click
 
-from robodyn.cli.options import ROBOT_SUFFIXES, gravity, kept_value, lookup, payloads, scene_name, scene_names
-from robodyn.cli.outputs import check_outputs, inputs_of
+from robodyn.cli.call import ROBOT_SUFFIXES, Call, Output, Parsed
 from robodyn.errors import InputError, SceneError
-from robodyn.support.input_file import read_standard_input
+from robodyn.support.input_file import open_input, read_standard_input
 
 if TYPE_CHECKING:
     from robodyn.robot.model import Model
@@ -30,9 +34,9 @@ _KINDS = {
 
 
 def robot_in_scene(
-    urdf: str, scene_file: str | None = None, *, loops: bool = False, contacts: bool = False
+    call: Call, urdf: str, scene_file: str | None = None, *, loops: bool = False, contacts: bool = False
 ) -> tuple[Model, Scene]:
-    """Return the robot of a URDF or xacro file, and the scene that the options of `SCENE` and `BASE_HELD` make.
+    """Return the robot of a URDF or xacro file, and the scene of the call.
 
     The loops that the description closes are among those of the scene.
 
@@ -45,25 +49,25 @@ def robot_in_scene(
     from robodyn.scene.fit import check_scene, known, refuse_constraints
     from robodyn.scene.scene import DEFAULT
 
-    files = scene_names() if scene_file in (None, scene_name()) else (scene_file,)
-    scene_file = scene_file or scene_name()
+    files = call.scene_files if scene_file in (None, call.scene_name) else (scene_file,)
+    scene_file = scene_file or call.scene_name
     scene = _scene(files) if files else DEFAULT
-    scene = scene.changed(gravity(), held=kept_value("base_held", False))
-    model = load(robot_source(urdf), moving_base=scene.moving_base, **lookup())
+    scene = scene.changed(call.gravity, held=call.base_held)
+    model = load(robot_source(urdf), moving_base=scene.moving_base, **call.lookup)
     scene = scene_of(model, scene)
     check_scene(scene, model, scene_file)
-    for payload in payloads():
+    for payload in call.payloads:
         known("--payload", "link", payload.link, model.links)
-    scene = scene.changed(payloads=payloads())
+    scene = scene.changed(payloads=call.payloads)
     refuse_constraints(scene, scene_file, loops=loops, contacts=contacts)
     return model, scene
 
 
-def check_table(table: str | None, scene: Scene, scene_file: str | None = None) -> None:
+def check_table(call: Call, table: str | None, scene: Scene, scene_file: str | None = None) -> None:
     """Raise if a table is given for a simulation and no scene names a column of it."""
     if table is None or scene.table_columns:
         return
-    scene_file = scene_file or scene_name()
+    scene_file = scene_file or call.scene_name
     remedy = 'e.g. drive.elbow = { kp = 100, kd = 10, reference = "q_elbow" }'
     if scene_file is None:
         what, remedy = f"no scene says what the columns of {table} drive", f"give --scene FILE.toml, with {remedy}"
@@ -71,11 +75,11 @@ def check_table(table: str | None, scene: Scene, scene_file: str | None = None) 
     raise SceneError(f"no column of {table} is named, so that it drives nothing", remedy=remedy, file=scene_file)
 
 
-def described(urdf: str) -> Description:
+def described(call: Call, urdf: str) -> Description:
     """Return the description in a URDF or xacro file."""
     from robodyn.robot.urdf.description import load_description
 
-    return load_description(robot_source(urdf), **lookup())
+    return load_description(robot_source(urdf), **call.lookup)
 
 
 def robot_source(urdf: str) -> str | bytes:
@@ -133,3 +137,97 @@ def expect(kind: str, path: str) -> None:
     remedy = "robodyn scene init URDF writes one" if kind == SCENE_FILE else f"the order: {order}"
     swapped = f"is it swapped with {right[0]}? " if right else ""
     raise InputError(f"this is {found}, and {kind} is expected here", remedy=swapped + remedy, file=path)
+
+
+_OURS = {
+    "a table": rb'\A(\xef\xbb\xbf)?"?time\b|\APAR1|\APK',
+    "an archive": rb"\APK",
+    "a report": rb"robodyn [0-9][^\n]*Python [0-9]",
+    "a result of a batch": rb'"digest": "[0-9a-f]{40}"',
+    "a calibrated description": rb"identified by robodyn",
+    "a scene that was identified": rb"\A# identified by robodyn",
+    "a covariance": rb'\A\{"parameters"',
+    "source code": rb"written by robodyn",
+    "a baseline": rb'"robodyn_baseline"',
+    "a picture": rb"\A\x89PNG|\A%PDF|\A<\?xml[^<]*<!DOCTYPE svg",
+    "a drawing": rb"\A<svg ",
+}
+"""What the beginning or the end of a file has that robodyn writes, by its kind."""
+_READ = 1 << 16
+"""Bytes of the beginning and of the end that are looked at."""
+
+
+def check_outputs(ctx: click.Context, writes: Iterable[str] = ()) -> None:
+    """Raise if a file that the command is to write is one that it reads or another that it writes, or is not ours.
+
+    Args:
+        writes: names of parameters whose files are written in this call, though others only read them.
+
+    Raises:
+        InputError: so it is, by whatever names: links, hard links, other spellings.
+    """
+    writes = {*writes}
+    read: list[str] = []
+    written: list[tuple[str, click.Parameter]] = []
+    for param in ctx.command.params:
+        places = _names(ctx.params.get(param.name or ""))
+        if isinstance(param.type, Output) or param.name in writes:
+            written += [(place, param) for place in places]
+        elif isinstance(param.type, Parsed) and param.type.name in ("file", "dir"):
+            read += places
+    for k, (place, param) in enumerate(written):
+        remedy = f"give {param.opts[0]} another name"
+        if any(same_file(place, other) for other in read):
+            raise InputError("the output would overwrite an input", remedy=remedy, file=place)
+        if any(same_file(place, other) for other, _ in written[:k]):
+            raise InputError("two outputs have this name", remedy="give each its own", file=place)
+        refuse_foreign(place, param.type.kind if isinstance(param.type, Output) else "a baseline", remedy)
+
+
+def inputs_of(ctx: click.Context) -> list[str]:
+    """Return the files that a call names to be read."""
+    found: list[str] = []
+    for param in ctx.command.params:
+        if isinstance(param.type, Parsed) and param.type.name == "file" and not isinstance(param.type, Output):
+            found += _names(ctx.params.get(param.name or ""))
+    return found
+
+
+def _names(value: object) -> Iterator[str]:
+    """Yield the names of files that an option's value has: itself, or what it was read from."""
+    for each in value if isinstance(value, tuple) else (value,):
+        if (name := getattr(each, "file", each)) and isinstance(name, str):
+            yield name
+
+
+def same_file(one: str, other: str) -> bool:
+    """Return whether two names are of one regular file, which may not be there yet."""
+    with suppress(OSError, ValueError):
+        status = os.stat(one)
+        return stat.S_ISREG(status.st_mode) and os.path.samestat(status, os.stat(other))
+    with suppress(OSError, ValueError):
+        return not os.path.exists(one) and os.path.realpath(one) == os.path.realpath(other)
+    return False
+
+
+def refuse_foreign(path: str, kind: str, remedy: str) -> None:
+    """Raise if there is a file, neither empty nor such as robodyn writes.
+
+    Args:
+        kind: of file that is to be written, one of those that are known here.
+    """
+    try:
+        with open_input(path) as stream:
+            head = stream.read(_READ)
+            size = stream.seek(0, os.SEEK_END)
+            stream.seek(max(len(head), size - _READ))
+            tail = stream.read(_READ)
+    except (OSError, ValueError):  # nothing, or no file: a pipe, a folder; writing tells what is wrong
+        return
+    pattern = re.compile(_OURS[kind])
+    if head and not (pattern.search(head) or (not _OURS[kind].startswith(rb"\A") and pattern.search(tail))):
+        raise InputError(
+            f"is there already, and is no {kind.partition(' ')[2]} that robodyn has written",
+            remedy=f"delete it, or {remedy}",
+            file=path,
+        )

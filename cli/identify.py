@@ -7,14 +7,25 @@ import os
 import sys
 from contextlib import ExitStack
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
+from robodyn.cli.call import (
+    COVARIANCE_OUT,
+    FORMAT,
+    PATH,
+    POSITIVE,
+    READING,
+    REPORT,
+    SCENE,
+    SCENE_OUT,
+    URDF_OUT,
+    Call,
+    takes,
+)
 from robodyn.cli.files import TABLE, check_names, expect, robot_in_scene
-from robodyn.cli.options import COVARIANCE_OUT, FORMAT, PATH, POSITIVE, SCENE, SCENE_OUT, URDF_OUT
-from robodyn.cli.reading_options import READING, reading
-from robodyn.cli.reports import REPORT, answer
+from robodyn.cli.reports import answer
 from robodyn.errors import InputError
 from robodyn.support.files import whole_file
 
@@ -28,25 +39,41 @@ SPLIT = 0.7
 @click.command("identify", short_help="Find parameters that explain measured torques.")
 @click.argument("urdf", type=PATH)
 @click.argument("logs", type=PATH, nargs=-1, required=True, metavar="LOG...")
-@click.option("--out", type=URDF_OUT, metavar="FILE", help="Write the calibrated description: URDF.")
-@click.option("--scene-out", type=SCENE_OUT, metavar="FILE", help="Write friction and rotors as a scene: TOML.")
-@click.option("--covariance", type=COVARIANCE_OUT, metavar="FILE", help="Write parameters and their covariance: JSON.")
-@click.option("--validate", type=PATH, multiple=True, metavar="LOG", help="Hold this log out; repeatable.")
-@click.option(
-    "--split",
-    type=click.FloatRange(0.05, 1.0),
-    default=SPLIT,
-    metavar="PART",
-    help=f"Of each log that is fitted, from its beginning, where nothing is validated; default {SPLIT:g}.",
+@takes(
+    click.option("--out", type=URDF_OUT, metavar="FILE", help="Write the calibrated description: URDF."),
+    click.option("--scene-out", type=SCENE_OUT, metavar="FILE", help="Write friction and rotors as a scene: TOML."),
+    click.option(
+        "--covariance", type=COVARIANCE_OUT, metavar="FILE", help="Write parameters and their covariance: JSON."
+    ),
+    click.option("--validate", type=PATH, multiple=True, metavar="LOG", help="Hold this log out; repeatable."),
+    click.option(
+        "--split",
+        type=click.FloatRange(0.05, 1.0),
+        default=SPLIT,
+        metavar="PART",
+        help=f"Of each log that is fitted, from its beginning, where nothing is validated; default {SPLIT:g}.",
+    ),
+    click.option("--cutoff", type=POSITIVE, metavar="HZ", help="Of the filter on both sides; default by the noise."),
+    click.option("--no-shapes", is_flag=True, help="Do not keep bodies within ellipsoids around their shapes."),
+    click.option("--force", is_flag=True, help="Write even what explains held-out torques worse than the description."),
+    SCENE,
+    READING,
+    REPORT,
+    FORMAT,
 )
-@click.option("--cutoff", type=POSITIVE, metavar="HZ", help="Of the filter on both sides; default by the noise.")
-@click.option("--no-shapes", is_flag=True, help="Do not keep bodies within ellipsoids around their shapes.")
-@click.option("--force", is_flag=True, help="Write even what explains held-out torques worse than the description.")
-@SCENE
-@READING
-@REPORT
-@FORMAT
-def command(urdf: str, logs: tuple[str, ...], **options: Any) -> int:
+def command(
+    call: Call,
+    urdf: str,
+    logs: tuple[str, ...],
+    out: str | None,
+    scene_out: str | None,
+    covariance: str | None,
+    validate: tuple[str, ...],
+    split: float,
+    cutoff: float | None,
+    no_shapes: bool,
+    force: bool,
+) -> int:
     """Find masses, inertias, friction and rotors that explain the measured torques of logs: tables with columns
     q_JOINT and tau_JOINT, or bags of ROS. Every body found can exist. Held-out errors are told, and nothing is written
     that explains held-out torques worse than the description does.
@@ -61,32 +88,31 @@ def command(urdf: str, logs: tuple[str, ...], **options: Any) -> int:
     from robodyn.identification.passes import check_size
     from robodyn.report.identification import identified_json, identified_page, identified_sections
 
-    outputs = {name: options.pop(name) for name in ("out", "scene_out", "covariance")}
-    force, shapes, validate = options.pop("force"), not options.pop("no_shapes"), options.pop("validate")
+    outputs = {"out": out, "scene_out": scene_out, "covariance": covariance}
     check_names()
     _check_folders(outputs)
     for path in (*logs, *validate):
         expect(TABLE, path)
-    model, scene = robot_in_scene(urdf)
+    model, scene = robot_in_scene(call, urdf)
     check_size(model)
 
     def read(paths: tuple[str, ...]) -> list[Log]:
-        return [read_log(path, model, scene, cutoff=options["cutoff"], **reading()) for path in paths]
+        return [read_log(path, model, scene, cutoff=cutoff, **call.reading) for path in paths]
 
     found = identify(
         read(logs),
         scene,
         validate=read(validate),
-        split=options["split"],
-        cutoff=options["cutoff"],
-        shapes=shapes,
+        split=split,
+        cutoff=cutoff,
+        shapes=not no_shapes,
         on_progress=_progress,
     )
     _progress("")
     why = None if force else _refusal(found)
     written = _write(found, model, outputs) if not why else ""
     page = partial(identified_page, found)
-    answer(identified_sections(found), lambda _: page(), written, json=lambda: identified_json(found))
+    answer(call, identified_sections(found), lambda _: page(), written, json=lambda: identified_json(found))
     if why and any(outputs.values()):
         what, remedy = why
         raise InputError(f"{what}: nothing is written", remedy=f"{remedy}, or --force", file=logs[0])

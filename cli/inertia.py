@@ -2,26 +2,148 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable, Sequence
+from functools import partial
+from os.path import isfile
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
+import numpy as np
+from click.core import ParameterSource
 
-from robodyn.cli.files import check_names
-from robodyn.cli.inertia_options import COMBINE, MESH, ROBOT, VIEW, WEIGHT
-from robodyn.cli.options import PATH, ROBOT_SUFFIXES, Vector
-from robodyn.cli.reports import REPORT
-from robodyn.solids.inertia.conversions import View
+from robodyn.cli.call import (
+    AT,
+    DESCRIPTION,
+    PATH,
+    POINT,
+    POSITIVE,
+    REPORT,
+    ROBOT_SUFFIXES,
+    Call,
+    Parsed,
+    Vector,
+    finite_numbers,
+    refuse,
+    takes,
+    vector_type,
+)
+from robodyn.cli.files import STANDARD_INPUT, check_names
+from robodyn.cli.reports import answer
+from robodyn.cli.screen import complain
+from robodyn.errors import InputError, MeshError
+from robodyn.programs.vectors import rotation_from_rpy
+from robodyn.report.document import Document
+from robodyn.solids.inertia.conversions import View, inertial_element
+from robodyn.solids.inertia.properties import MassProperties, Pose
+from robodyn.solids.mesh_mass import Part, mass_properties
+from robodyn.support.floats import Floats
+from robodyn.support.wording import count
+
+if TYPE_CHECKING:
+    from robodyn.robot.urdf.parts import Kind
+
+T = TypeVar("T")
+
+
+def _place(text: str) -> Pose:
+    """Return three or six numbers between commas: where a frame stands, and its roll, pitch and yaw."""
+    numbers = finite_numbers(text)
+    if len(numbers) not in (3, 6):
+        raise ValueError(f"{text!r} is not three or six finite numbers between commas, such as 0,0,0.1")
+    roll, pitch, yaw = numbers[3:] or (0.0, 0.0, 0.0)
+    return rotation_from_rpy(roll, pitch, yaw), np.array(numbers[:3])
+
+
+_LOOKUP = {"package_paths", "xacro_args", "trust_xacro"}
+_OF_ROBOTS = {"link", "at", "compare", "geometry", *_LOOKUP}
+_VIEW = {"about", "rpy", "form", "file_type", "report", *_LOOKUP}
+_READING = {"geometry", "exact", "strict", "repair", "cavities"}
+_OF_SHAPES = {*_VIEW, *_READING, "link", "density", "mass"}
+_USES = {
+    "a whole robot": ("a URDF", {*_VIEW, "at"}),
+    "a link as declared": ("a URDF with --link NAME", {*_VIEW, "link"}),
+    "a link's shapes": ("a URDF with --link NAME --geometry visual", _OF_SHAPES),
+    "--compare": ("a URDF with --compare", {*_READING, *_LOOKUP, "compare", "form", "file_type", "report"}),
+}
+"""Of each use of the command with a robot: how it is called, and which options it has."""
 
 
 @click.command("inertia", short_help="Compute mass and inertia of meshes, links and robots.")
 @click.argument("files", nargs=-1, type=PATH, required=True, metavar="MESH...|URDF")
-@WEIGHT
-@MESH
-@COMBINE
-@ROBOT
-@VIEW
-@REPORT
-def command(files: tuple[str, ...], about: Any, rpy: Vector, **options: Any) -> int:
+@takes(
+    click.option(
+        "--density", type=float, multiple=True, metavar="RHO", help="kg/m^3, once or for each mesh; default 1000."
+    ),
+    click.option(
+        "--mass",
+        type=float,
+        multiple=True,
+        metavar="M",
+        help="kg, once (with --combine: of the whole) or for each mesh.",
+    ),
+    click.option(
+        "--unit",
+        type=click.Choice(["m", "mm", "cm", "in"]),
+        multiple=True,
+        help="Of the file, once or for each; default what it says, or m.",
+    ),
+    click.option("--type", "file_type", metavar="TYPE", help="stl, obj, ply, urdf and so on; default by the suffix."),
+    click.option("--shell", type=float, metavar="THICKNESS", help="Take the surface as a sheet of so many metres."),
+    click.option("--exact", is_flag=True, help="Integrate in exact arithmetic."),
+    click.option(
+        "--accuracy", type=POSITIVE, metavar="E", help="Take the cheapest arithmetic for this relative error."
+    ),
+    click.option("--strict", is_flag=True, help="Refuse a mesh that needs repair or is doubtful."),
+    click.option("--cavities", is_flag=True, help="Shells in others are cavities, however they are wound."),
+    click.option("--symmetry/--no-symmetry", default=None, help="Seek planes and axes; default for few triangles."),
+    click.option("--symmetrize", is_flag=True, help="Average over the planes and axes that hold."),
+    click.option("--tessellation/--no-tessellation", default=None, help="What facets leave out; default for few."),
+    click.option(
+        "--repair/--no-repair", default=True, help="--no-repair: the signed integral of the surface as it is."
+    ),
+    click.option("--combine", is_flag=True, help="All meshes as one rigid body."),
+    click.option(
+        "--place",
+        type=Parsed("place", _place),
+        multiple=True,
+        metavar="X,Y,Z[,R,P,Y]",
+        help="For each mesh in turn, in m and rad.",
+    ),
+    click.option("--link", metavar="NAME", help="One link, in its own frame."),
+    AT,
+    click.option("--compare", is_flag=True, help="Declared inertias against the links' shapes."),
+    click.option("--geometry", type=click.Choice(["visual", "collision"]), help="Which shapes, also for --link."),
+    DESCRIPTION,
+    click.option("--about", type=POINT, default="com", metavar="POINT", help="com (default), origin or X,Y,Z."),
+    click.option("--rpy", type=vector_type("0,0,1.57"), default="0,0,0", metavar="R,P,Y", help="Turns the axes; rad."),
+    click.option("--format", "form", type=click.Choice(["text", "json", "urdf"]), default="text", help="Default text."),
+    REPORT,
+)
+def command(
+    call: Call,
+    files: tuple[str, ...],
+    density: tuple[float, ...],
+    mass: tuple[float, ...],
+    unit: tuple[str, ...],
+    file_type: str | None,
+    shell: float | None,
+    exact: bool,
+    accuracy: float | None,
+    strict: bool,
+    cavities: bool,
+    symmetry: bool | None,
+    symmetrize: bool,
+    tessellation: bool | None,
+    repair: bool,
+    combine: bool,
+    place: tuple[Pose, ...],
+    link: str | None,
+    at: Any,
+    compare: bool,
+    geometry: Kind | None,
+    about: Any,
+    rpy: Vector,
+) -> int:
     """Compute mass, centre of mass and inertia of what each mesh encloses, of meshes combined, of a link or of a robot.
     A file named - is standard input. A mesh that fails stops no other, and makes the exit status 2.
 
@@ -36,11 +158,171 @@ def command(files: tuple[str, ...], about: Any, rpy: Vector, **options: Any) -> 
       robodyn inertia robot.urdf --compare --package-path ~/ros/src
     """
     check_names()
-    view, ctx = View(about, rpy), click.get_current_context()
-    if options["file_type"] == "urdf" or any(name.lower().endswith(ROBOT_SUFFIXES) for name in files):
-        from robodyn.cli.inertia_robot import robot
+    view = View(about, rpy)
+    if file_type == "urdf" or any(name.lower().endswith(ROBOT_SUFFIXES) for name in files):
+        from robodyn.cli.inertia_robot import Link, robot
+        from robodyn.robot.masses.shapes import How
 
-        return robot(files, view, ctx)
-    from robodyn.cli.inertia_meshes import meshes
+        how = How(exact=exact, repair=repair, strict=strict, cavities=cavities)
+        if compare or link is None:
+            check_use("--compare" if compare else "a whole robot")
+        else:
+            check_use("a link as declared" if geometry is None else "a link's shapes")
+        if len(files) > 1:
+            refuse("a URDF stands alone: one robot at a time, and no meshes beside it")
+        return robot(call, files[0], view, Link(link, geometry, density, mass), how, at=at or (), compare=compare)
+    check_use("--combine" if combine else "meshes one by one")
+    if combine or call.form == "urdf":
+        symmetry, tessellation = symmetry or False, tessellation or False
+    whole = mass[0] if combine and len(mass) == 1 else None
+    if whole is not None and density:
+        raise InputError("both a density and a mass are given", remedy="give one of them")
+    units = one_each(unit, files, "--unit")
+    rows = zip(
+        files,
+        one_each(density, files, "--density"),
+        one_each(() if whole else mass, files, "--mass"),
+        units,
+        strict=True,
+    )
+    how_each = {"file_type": file_type, "shell": shell, "strict": strict, "cavities": cavities, "repair": repair}
+    how_each |= {"symmetry": symmetry, "symmetrize": symmetrize, "tessellation": tessellation, "exact": exact}
+    outcomes = _measured(list(rows), accuracy, how_each)
+    for each in outcomes:
+        if isinstance(each, MeshError):
+            complain(each)
+    failed = any(isinstance(each, MeshError) for each in outcomes)
+    if failed and (combine or len(files) == 1):
+        return 2
+    parts = [each for each in outcomes if isinstance(each, Part)]
 
-    return meshes(files, view, ctx, **options)
+    def shapes(pictures: bool) -> list[Floats | None]:
+        """Return the triangles of each part [m]; None where they are not wanted or cannot be read a second time."""
+        from robodyn.solids.mesh.read.load import load_triangles
+
+        found: list[Floats | None] = []
+        for name, scale, outcome in zip(files, units, outcomes, strict=True):
+            if isinstance(outcome, MeshError):
+                continue
+            if not pictures or name == STANDARD_INPUT or not isfile(name):
+                found.append(None)
+                continue
+            triangles = load_triangles(name, file_type=file_type, unit=scale)
+            found.append(triangles.array() * triangles.scale)
+        return found
+
+    if combine:
+        _combined(call, parts, place, whole, view, shapes)
+        return 0
+
+    from robodyn.report.inertia import inertia_sections
+    from robodyn.report.inertia_pages import inertia_json
+
+    def document(pictures: bool) -> Document:
+        from robodyn.report.inertia_pages import parts_page
+
+        return parts_page(outcomes, view, shapes(pictures))
+
+    answer(
+        call,
+        inertia_sections(parts, view),
+        document if parts else None,
+        json=partial(inertia_json, outcomes, view),
+        urdf=lambda: "".join(map(_element, outcomes)),
+    )
+    return 2 if failed else 0
+
+
+def _combined(
+    call: Call,
+    parts: Sequence[Part],
+    places: Sequence[Pose],
+    mass: float | None,
+    view: View,
+    shapes: Callable[[bool], list[Floats | None]],
+) -> None:
+    from robodyn.report.inertia import combination_sections
+    from robodyn.report.inertia_pages import combination_json
+    from robodyn.solids.composite_mass import combined
+
+    found = combined(parts, places, mass)
+
+    def document(pictures: bool) -> Document:
+        from robodyn.report.inertia_pages import combination_page
+
+        return combination_page(found, view, shapes(pictures))
+
+    json, urdf = partial(combination_json, found, view), partial(urdf_lines, found.body)
+    answer(call, combination_sections(found, view), document, json=json, urdf=urdf)
+
+
+def _element(outcome: Part | MeshError) -> str:
+    """Return the <inertial> of a part; a comment stands for one that there is not."""
+    if isinstance(outcome, Part):
+        return urdf_lines(outcome.body)
+    return f"<!-- {str(outcome).replace('--', '- -')} -->\n"
+
+
+def _measured(
+    rows: Sequence[tuple[str, float | None, float | None, str | None]], accuracy: float | None, how: dict[str, Any]
+) -> list[Part | MeshError]:
+    """Return the part that each file is, or why it is none.
+
+    Args:
+        rows: file, density [kg/m^3], mass [kg] and unit of each.
+        accuracy: relative error that is wanted; how: of `mass_properties`.
+    """
+    from robodyn.cli.progress import metered
+    from robodyn.measure.accuracy.inertia_within import needs_rationals, with_promise
+
+    if accuracy is not None and needs_rationals(accuracy):
+        how = {**how, "exact": True}
+    outcomes: list[Part | MeshError] = []
+    with metered([name for name, *_ in rows]) as (on_progress, done):
+        for name, rho, m, unit in rows:
+            try:
+                part = mass_properties(name, density=rho, mass=m, unit=unit, on_progress=on_progress, **how)
+                outcomes.append(part if accuracy is None else with_promise(part, accuracy))
+            except MeshError as error:
+                outcomes.append(error)
+            done()
+    return outcomes
+
+
+def urdf_lines(body: MassProperties) -> str:
+    """Return a body as the <inertial> of a link."""
+    return inertial_element(body, "") + "\n"
+
+
+def one_each(values: Sequence[T], files: Sequence[str], option: str) -> list[T | None]:
+    """Return the values of an option for each file, given once for all or once for each."""
+    if len(values) in (0, 1):
+        return [values[0] if values else None] * len(files)
+    if len(values) != len(files):
+        what = f"{option} is given {len(values)} times for {count(len(files), 'mesh', 'meshes')}"
+        raise InputError(what, remedy="give it once, or once for each mesh")
+    return list(values)
+
+
+def check_use(use: str) -> None:
+    """Refuse the options that mean nothing in this use of the command."""
+    ctx = click.get_current_context()
+    for option in ctx.command.params:
+        name = option.name or ""
+        given = isinstance(option, click.Option) and ctx.get_parameter_source(name) is ParameterSource.COMMANDLINE
+        if given and not (name in _USES[use][1] if use in _USES else _of_meshes(use, name)):
+            refuse(f"{_written(option, ctx)} is not for {use}, but for {_calls(name)}")
+
+
+def _calls(name: str) -> str:
+    """Return with what an option goes."""
+    meshes = [] if name in _OF_ROBOTS else ["meshes with --combine" if name in ("place", "combine") else "meshes"]
+    return " or ".join([*meshes, *(call for call, names in _USES.values() if name in names)])
+
+
+def _of_meshes(use: str, name: str) -> bool:
+    return name not in _OF_ROBOTS and (name != "place" or use == "--combine")
+
+
+def _written(option: click.Parameter, ctx: click.Context) -> str:
+    return (option.secondary_opts if ctx.params.get(option.name or "") is False else option.opts)[0]

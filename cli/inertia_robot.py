@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-import click
-
+from robodyn.cli.call import Call, refuse
 from robodyn.cli.files import described
-from robodyn.cli.inertia_options import check_use, one_each, urdf_lines
-from robodyn.cli.options import kept_value
+from robodyn.cli.inertia import one_each, urdf_lines
 from robodyn.cli.progress import counted
 from robodyn.cli.reports import answer
 from robodyn.cli.screen import complain
@@ -20,7 +19,8 @@ from robodyn.report import inertia_pages as pages
 from robodyn.report.inertia import comparison_sections, link_sections, link_shapes_sections, robot_sections
 from robodyn.report.inertia_pages import comparison_json, link_json, link_shapes_json, robot_json
 from robodyn.robot.masses.declared import link_inertia, robot_inertia
-from robodyn.robot.masses.shapes import How, Reading, compare, link_from_shapes
+from robodyn.robot.masses.shapes import How, Reading, link_from_shapes
+from robodyn.robot.masses.shapes import compare as compare_shapes
 from robodyn.robot.urdf.parts import Description, Kind
 from robodyn.solids.inertia.conversions import View
 from robodyn.support.wording import count
@@ -29,37 +29,37 @@ if TYPE_CHECKING:
     from robodyn.checks.check import Checked
 
 
-def robot(files: Sequence[str], view: View, ctx: click.Context) -> int:
+@dataclass(frozen=True)
+class Link:
+    """The link that is asked for, None for all, and by which of its shapes and with what density or mass."""
+
+    name: str | None
+    geometry: Kind | None
+    density: Sequence[float]
+    mass: Sequence[float]
+
+
+def robot(call: Call, file: str, view: View, link: Link, how: How, *, at: Any, compare: bool) -> int:
     """Show what the options ask of one description; the exit status, 2 where no link could be compared."""
-    given = ctx.params
-    shapes = given["geometry"] is not None
-    use = "--compare" if given["compare"] else "a whole robot"
-    if given["link"] is not None and not given["compare"]:
-        use = "a link's shapes" if shapes else "a link as declared"
-    check_use(use, ctx)
-    if len(files) > 1:
-        raise click.UsageError("a URDF stands alone: one robot at a time, and no meshes beside it", ctx)
-    if given["compare"] and kept_value("form", "text") == "urdf":
-        raise click.UsageError("--format urdf is not for --compare; --link NAME --geometry visual prints one", ctx)
-    description = described(files[0])
-    show = {"a whole robot": _whole, "a link's shapes": _from_shapes, "a link as declared": _declared}.get(use)
-    if show is None:
-        return _compared(description, ctx)
-    show(description, view, ctx)
+    if compare and call.form == "urdf":
+        refuse("--format urdf is not for --compare; --link NAME --geometry visual prints one")
+    description = described(call, file)
+    reading = Reading(how, watch=counted)
+    if compare:
+        return _compared(call, description, link.geometry or "visual", reading)
+    if link.name is None:
+        _whole(call, description, view, at)
+    elif link.geometry is None:
+        _declared(call, description, view, link.name)
+    else:
+        _from_shapes(call, description, view, link.name, link.geometry, link, reading)
     return 0
 
 
-def _reading(ctx: click.Context) -> Reading:
-    given = ctx.params
-    how = How(exact=given["exact"], repair=given["repair"], strict=given["strict"], cavities=given["cavities"])
-    return Reading(how, watch=counted)
-
-
-def _compared(description: Description, ctx: click.Context) -> int:
-    kind: Kind = ctx.params["geometry"] or "visual"
-    found = compare(description, kind, _reading(ctx))
+def _compared(call: Call, description: Description, geometry: Kind, reading: Reading) -> int:
+    found = compare_shapes(description, geometry, reading)
     sections = comparison_sections(found)
-    answer(sections, lambda _: pages.differences_page(found), json=lambda: comparison_json(found))
+    answer(call, sections, lambda _: pages.differences_page(found), json=lambda: comparison_json(found))
     if any(link.difference is not None for link in found.links):
         return 0
     what = f"none of {count(len(found.links), 'link')} could be compared"
@@ -77,32 +77,33 @@ def _checked(description: Description) -> Checked:
     return check_description(description, Options(package_path=description.search.package_paths))
 
 
-def _whole(description: Description, view: View, ctx: click.Context) -> None:
-    found = robot_inertia(description, ctx.params["at"] or ())
+def _whole(call: Call, description: Description, view: View, at: Any) -> None:
+    found = robot_inertia(description, at)
     checked = _checked(description)
     document = partial(pages.robot_page, found, description, view, checked)
     json, urdf = partial(robot_json, found, view, checked), partial(urdf_lines, found.body)
-    answer(robot_sections(found, view, checked), document, json=json, urdf=urdf)
+    answer(call, robot_sections(found, view, checked), document, json=json, urdf=urdf)
 
 
-def _declared(description: Description, view: View, ctx: click.Context) -> None:
-    found = link_inertia(description, ctx.params["link"])
+def _declared(call: Call, description: Description, view: View, name: str) -> None:
+    found = link_inertia(description, name)
     checked = _checked(description).of_link(found.name)
     document = partial(pages.link_page, found, description, view, checked)
     json, urdf = partial(link_json, description.name, found, view, checked), partial(urdf_lines, found.body)
-    answer(link_sections(description.file, found, view, checked), document, json=json, urdf=urdf)
+    answer(call, link_sections(description.file, found, view, checked), document, json=json, urdf=urdf)
 
 
-def _from_shapes(description: Description, view: View, ctx: click.Context) -> None:
-    given = ctx.params
+def _from_shapes(
+    call: Call, description: Description, view: View, name: str, kind: Kind, link: Link, reading: Reading
+) -> None:
     found = link_from_shapes(
         description,
-        given["link"],
-        given["geometry"],
-        density=one_each(given["density"], [description.file], "--density")[0],
-        mass=one_each(given["mass"], [description.file], "--mass")[0],
-        reading=_reading(ctx),
+        name,
+        kind,
+        density=one_each(link.density, [description.file], "--density")[0],
+        mass=one_each(link.mass, [description.file], "--mass")[0],
+        reading=reading,
     )
     document = partial(pages.link_shapes_page, found, description, view)
     json, urdf = partial(link_shapes_json, description.name, found, view), partial(urdf_lines, found.body)
-    answer(link_shapes_sections(description.file, found, view), document, json=json, urdf=urdf)
+    answer(call, link_shapes_sections(description.file, found, view), document, json=json, urdf=urdf)

@@ -9,9 +9,9 @@ from typing import Any
 import click
 import numpy as np
 
+from robodyn.cli.call import AT, FORMAT, PATH, POSITIVE, QD, REPORT, SCENE, Call, Output, takes
 from robodyn.cli.files import check_names, robot_in_scene
-from robodyn.cli.options import AT, FORMAT, PATH, POSITIVE, QD, SCENE, Output
-from robodyn.cli.reports import REPORT, answer, get_ready
+from robodyn.cli.reports import answer, get_ready
 from robodyn.equations.linearized.linearize import linearize
 from robodyn.equations.linearized.linearized import Linearized
 from robodyn.errors import InputError
@@ -21,17 +21,26 @@ from robodyn.support.files import write_whole
 
 @click.command("linearize", short_help="Linearize a robot near a state: A, B, modes, stability.")
 @click.argument("urdf", type=PATH)
-@AT
-@QD
-@click.option("--equilibrium", is_flag=True, help="Look for the state at rest nearest to --at.")
-@click.option("--step", type=POSITIVE, metavar="S", help="s: A and B of steps, with inputs held in between.")
-@click.option("--fail-on-limits", is_flag=True, help="Exit with 1 if limits do not allow the state at rest.")
-@click.option("--out", type=Output("an archive"), metavar="FILE", help="Write A, B, states and inputs: .npz.")
-@SCENE
-@REPORT
-@FORMAT
+@takes(
+    AT,
+    QD,
+    click.option("--equilibrium", is_flag=True, help="Look for the state at rest nearest to --at."),
+    click.option("--step", type=POSITIVE, metavar="S", help="s: A and B of steps, with inputs held in between."),
+    click.option("--fail-on-limits", is_flag=True, help="Exit with 1 if limits do not allow the state at rest."),
+    click.option("--out", type=Output("an archive"), metavar="FILE", help="Write A, B, states and inputs: .npz."),
+    SCENE,
+    REPORT,
+    FORMAT,
+)
 def command(
-    urdf: str, at: Any, qd: Any, equilibrium: bool, step: float | None, fail_on_limits: bool, out: str | None
+    call: Call,
+    urdf: str,
+    at: Any,
+    qd: Any,
+    equilibrium: bool,
+    step: float | None,
+    fail_on_limits: bool,
+    out: str | None,
 ) -> int:
     """Linearize x' = A x + B u near a state, x being positions and speeds and u torques, with the scene's drives and
     springs closed; and list the modes: frequency, damping, time constant and what moves. Derivatives are exact.
@@ -45,15 +54,15 @@ def command(
     check_names()
     if out is not None and not out.endswith(".npz"):
         raise InputError("is no .npz file", remedy="--out FILE.npz", file=out)
-    get_ready()
-    model, scene = robot_in_scene(urdf, loops=True)
+    get_ready(call)
+    model, scene = robot_in_scene(call, urdf, loops=True)
     found = linearize(model, scene, at, qd or (), equilibrium=equilibrium, step=step)
     text = linearized_json(found)
     written = ""
     if out is not None:
         write_whole(out, _npz(found), "name another file")
         written = f"\nwritten: {out}, A, B, states and inputs\n"
-    answer(linearized_sections(found), partial(linearized_page, found), written, json=lambda: text)
+    answer(call, linearized_sections(found), partial(linearized_page, found), written, json=lambda: text)
     return int(fail_on_limits and bool(found.exceeded))
 
 

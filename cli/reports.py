@@ -2,68 +2,22 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from importlib import import_module
 from threading import Thread
 
-from robodyn.cli.options import Output, kept, kept_value
+from robodyn.cli.call import Call, report_form
 from robodyn.cli.screen import page, show
-from robodyn.errors import InputError
 from robodyn.report.document import Document, Section, text
-from robodyn.support.extras import need
 
-FORMS = {".html": "html", ".htm": "html", ".md": "markdown"}
 _LIBRARIES = ("numpy", "scipy", "llvmlite", "matplotlib", "trimesh")
 
 
-def _checked(path: str) -> str:
-    """Return the name of the file, if a report can go there: said before anything is computed."""
-    if form_of(path) == "html":
-        need("HTML reports", "matplotlib", "jinja2", file=path)
-    folder = os.path.dirname(path) or "."
-    if not os.path.isdir(folder):
-        raise InputError("cannot be written: there is no such folder", remedy="make the folder first", file=path)
-    return path
-
-
-def form_of(path: str) -> str:
-    """Return the form of a report by the suffix of its file.
-
-    Raises:
-        InputError: there is none such.
-    """
-    suffix = os.path.splitext(path)[1].lower()
-    if suffix not in FORMS:
-        raise InputError("unknown type of report by this suffix", remedy="name it .html or .md", file=path)
-    return FORMS[suffix]
-
-
-REPORT = kept(
-    "--report",
-    type=Output("a report", _checked),
-    metavar="FILE",
-    help="Write a report for people: .html with plots and data in one file, or .md for a pull request.",
-)
-
-
-def report_name() -> str | None:
-    """Return the file that --report names."""
-    found: str | None = kept_value("report", None)
-    return found
-
-
-def pictured() -> bool:
-    """Return whether there is a report with figures."""
-    report = report_name()
-    return report is not None and form_of(report) == "html"
-
-
-def get_ready() -> None:
+def get_ready(call: Call) -> None:
     """Import what draws figures while what they show is still being computed."""
-    if pictured():
+    if call.pictured:
         Thread(target=_import, daemon=True).start()
 
 
@@ -74,6 +28,7 @@ def _import() -> None:
 
 
 def answer(
+    call: Call,
     sections: Iterable[Section],
     document: Callable[[bool], Document] | None = None,
     written: str = "",
@@ -89,9 +44,9 @@ def answer(
         form: in place of --format.
         others: forms that are not text.
     """
-    report, form = report_name(), form or kept_value("form", "text")
-    if report is not None and document is not None:
-        written += write_report(report, document(pictured()))
+    form = form or call.form
+    if call.report is not None and document is not None:
+        written += write_report(call.report, document(call.pictured))
     end = "\n" + text([last], page()) if last else ""
     show(others[form]() if form in others else text(sections, page()) + written + end)
 
@@ -108,7 +63,7 @@ def write_report(path: str, document: Document) -> str:
     from robodyn.support.files import write_whole
 
     whole = replace(document, command=shlex.join(["robodyn", *sys.argv[1:]]), versions=versions())
-    if form_of(path) == "html":
+    if report_form(path) == "html":
         from robodyn.report.renderers.html import html
 
         content = html(whole)

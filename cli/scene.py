@@ -6,8 +6,8 @@ import os
 
 import click
 
+from robodyn.cli.call import DESCRIPTION, PATH, SCENE_OUT, Call, takes
 from robodyn.cli.files import robot_source
-from robodyn.cli.options import DESCRIPTION, PATH, SCENE_OUT, lookup
 from robodyn.cli.screen import show, show_file
 from robodyn.errors import InputError
 from robodyn.report.scene_toml import scene_toml
@@ -30,9 +30,11 @@ def command(ctx: click.Context) -> None:
 
 @command.command("init", short_help="Write a scene for a robot, everything in it off.")
 @click.argument("urdf", type=PATH)
-@click.option("--out", type=SCENE_OUT, metavar="FILE", help="A new file; default standard output.")
-@DESCRIPTION
-def init(urdf: str, out: str | None) -> None:
+@takes(
+    click.option("--out", type=SCENE_OUT, metavar="FILE", help="A new file; default standard output."),
+    DESCRIPTION,
+)
+def init(call: Call, urdf: str, out: str | None) -> None:
     """Write a scene with the joints and links of a robot, each key explained and switched off.
     As written it changes nothing. A file named - is standard input.
 
@@ -42,7 +44,7 @@ def init(urdf: str, out: str | None) -> None:
     """
     if out is not None and os.path.lexists(out):
         raise InputError("there is a file of this name already", remedy="name another one with --out", file=out)
-    text = scene_toml(load(robot_source(urdf), **lookup()))
+    text = scene_toml(load(robot_source(urdf), **call.lookup))
     if out is None:
         show_file(text)
     else:

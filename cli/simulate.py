@@ -7,10 +7,22 @@ from typing import Any
 
 import click
 
+from robodyn.cli.call import (
+    BASE_HELD,
+    FORMAT,
+    PATH,
+    POSITIVE,
+    REPORT,
+    SCENE,
+    TABLE,
+    TABLE_OUT,
+    VALUES,
+    Call,
+    refuse,
+    takes,
+)
 from robodyn.cli.files import check_names, check_table, robot_in_scene
-from robodyn.cli.options import BASE_HELD, FORMAT, PATH, POSITIVE, SCENE, TABLE_OUT, VALUES
-from robodyn.cli.reading_options import TABLE, given, reading
-from robodyn.cli.reports import REPORT, answer, get_ready
+from robodyn.cli.reports import answer, get_ready
 from robodyn.dynamics.initial_state import begun_at
 from robodyn.programs.run.choice import EXECUTORS
 from robodyn.report.simulation import simulation_json, simulation_page, simulation_sections
@@ -22,24 +34,40 @@ from robodyn.trajectory.write import format_of, open_writer
 
 @click.command("simulate", short_help="Simulate how a robot moves by itself, driven or pushed.")
 @click.argument("urdf", type=PATH)
-@SCENE
-@click.option("--at", type=VALUES, metavar="Q", help="Begin here: joint values in order, or JOINT=Q,...")
-@click.option("--traj", "table", type=PATH, metavar="FILE", help="The table whose columns the scene names.")
-@TABLE
-@click.option("--duration", type=float, metavar="S", help="s; default that of the table, else 10.")
-@click.option("--step", type=float, metavar="S", help="s, of a fixed step; default 0.001, less where stiff.")
-@click.option("--rtol", type=float, metavar="R", help="Tolerance of a method that chooses its steps.")
-@click.option("--method", metavar="NAME", help=f"{', '.join(each.name for each in METHODS)}; default rk4.")
-@click.option("--accuracy", type=POSITIVE, metavar="E", help="Choose method and step for this relative error.")
-@click.option("--out", type=TABLE_OUT, metavar="FILE", help="Write the motion and its torques: .csv, .parquet or .npz.")
-@click.option("--fail-on-limits", is_flag=True, help="Exit with 1 if a limit is exceeded, or one ends the motion.")
-@BASE_HELD
-@click.option("--explain", is_flag=True, help="Say why each effect is on or off.")
-@click.option("--executor", type=click.Choice(EXECUTORS), default="auto", help="As of torques; default auto.")
-@REPORT
-@FORMAT
+@takes(
+    SCENE,
+    click.option("--at", type=VALUES, metavar="Q", help="Begin here: joint values in order, or JOINT=Q,..."),
+    click.option("--traj", "table", type=PATH, metavar="FILE", help="The table whose columns the scene names."),
+    TABLE,
+    click.option("--duration", type=float, metavar="S", help="s; default that of the table, else 10."),
+    click.option("--step", type=float, metavar="S", help="s, of a fixed step; default 0.001, less where stiff."),
+    click.option("--rtol", type=float, metavar="R", help="Tolerance of a method that chooses its steps."),
+    click.option("--method", metavar="NAME", help=f"{', '.join(each.name for each in METHODS)}; default rk4."),
+    click.option("--accuracy", type=POSITIVE, metavar="E", help="Choose method and step for this relative error."),
+    click.option(
+        "--out", type=TABLE_OUT, metavar="FILE", help="Write the motion and its torques: .csv, .parquet or .npz."
+    ),
+    click.option("--fail-on-limits", is_flag=True, help="Exit with 1 if a limit is exceeded, or one ends the motion."),
+    BASE_HELD,
+    click.option("--explain", is_flag=True, help="Say why each effect is on or off."),
+    click.option("--executor", type=click.Choice(EXECUTORS), default="auto", help="As of torques; default auto."),
+    REPORT,
+    FORMAT,
+)
 def command(
-    urdf: str, at: Any, table: str | None, duration: float | None, out: str | None, explain: bool, **options: Any
+    call: Call,
+    urdf: str,
+    at: Any,
+    table: str | None,
+    duration: float | None,
+    step: float | None,
+    rtol: float | None,
+    method: str | None,
+    accuracy: float | None,
+    out: str | None,
+    fail_on_limits: bool,
+    explain: bool,
+    executor: str,
 ) -> int:
     """Simulate a robot from a scene's initial state: gravity, drives, friction, springs, wrenches, a free base, closed
     chains. Drives and wrenches may follow columns of a table (--traj). There is no contact. Joints for which
@@ -54,28 +82,27 @@ def command(
     check_names()
     if out:
         format_of(out)
-    get_ready()
-    model, scene = robot_in_scene(urdf, loops=True)
+    get_ready(call)
+    model, scene = robot_in_scene(call, urdf, loops=True)
     scene = begun_at(model, scene, at or ())
-    check_table(table, scene)
-    if table is None and given():
-        raise click.UsageError(f"{given()} goes with --traj", click.get_current_context())
-    form = {name: reading()[name] for name in ("columns", "time_unit")}
+    check_table(call, table, scene)
+    if table is None and call.reading_given:
+        refuse(f"{call.reading_given} goes with --traj")
+    form = {name: call.reading[name] for name in ("columns", "time_unit")}
     rows = None if table is None else read_table(table, scene, **form)
-    accuracy, fail_on_limits = options.pop("accuracy"), options.pop("fail_on_limits")
     if accuracy is None:
-        result = simulate(model, scene, duration, table=rows, **options)
+        result = simulate(model, scene, duration, step=step, rtol=rtol, method=method, table=rows, executor=executor)
     else:
         from robodyn.measure.accuracy.simulate_within import simulate_within
 
-        if any(options[name] for name in ("step", "rtol", "method")):
-            raise click.UsageError("--accuracy chooses method, step and tolerance", click.get_current_context())
-        result = simulate_within(model, scene, duration, accuracy, table=rows, executor=options["executor"])
+        if step or rtol or method:
+            refuse("--accuracy chooses method, step and tolerance")
+        result = simulate_within(model, scene, duration, accuracy, table=rows, executor=executor)
     written = ""
     if out is not None:
         with open_writer(out, result.names) as writer:
             writer.write(result.time, result.columns)
         written = f"\nwritten: {out}, {len(result.time)} rows of time and {len(result.names)} columns\n"
     sections, document = simulation_sections(result, explain), partial(simulation_page, result)
-    answer(sections, document, written, json=lambda: simulation_json(result))
+    answer(call, sections, document, written, json=lambda: simulation_json(result))
     return int(fail_on_limits and (bool(result.ended) or result.within_limits is False))

@@ -3,79 +3,82 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING, ClassVar
 
 import click
 
-from robodyn.cli.options import (
+from robodyn.cli.call import (
     BASE_HELD,
     EXECUTION,
     FORMAT,
     PATH,
     POINT,
     POSITIVE,
+    READING,
+    REPORT,
     SCENE,
     TABLE_OUT,
+    Call,
     Grouped,
-    together,
+    refuse,
+    takes,
 )
-from robodyn.cli.reading_options import READING
-from robodyn.cli.reports import REPORT
+from robodyn.cli.files import ROBOT, STANDARD_INPUT, TABLE, check_names, expect, robot_in_scene
+from robodyn.cli.reports import answer, get_ready
+from robodyn.errors import InputError
 
 if TYPE_CHECKING:
     from robodyn.dynamics.momenta import View
+    from robodyn.loads.result import Result
+    from robodyn.loads.torques import Sink
+    from robodyn.measure.accuracy.torques_within import Arithmetic
+    from robodyn.report.document import Document
+    from robodyn.robot.model import Model
+    from robodyn.scene.scene import Scene
+    from robodyn.trajectory.reader import TrajectoryReader
 
 _TABLES = (".csv", ".tsv", ".txt", ".dat", ".parquet", ".pq", ".npz")
-
-
-def is_batch(trajectories: Sequence[str], out: str | None, options: dict[str, Any]) -> bool:
-    """Return whether the trajectories are many: by their number, wildcards, or results that go to a folder.
-
-    The options of batches are taken out of `options` where they are not.
-    """
-    wild = any(set("*?[") & set(name) and not os.path.lexists(name) for name in trajectories)
-    if len(trajectories) > 1 or wild or (out is not None and _is_folder(out)):
-        return True
-    for name in ("jobs", "dask"):
-        if options.pop(name) is not None:
-            what = f"--{name} goes with many trajectories: give several, or --out FOLDER/"
-            raise click.UsageError(what, click.get_current_context())
-    return False
-
-
-def _is_folder(out: str) -> bool:
-    return out[-1:] in (os.sep, "/") or (os.path.isdir(out) and not out.lower().endswith(_TABLES))
-
-
-def momentum_view(options: dict[str, Any]) -> View | None:
-    """Return how momenta are asked for, taken out of the values of the options; None if they are not."""
-    wanted, about, frame = (options.pop(name) for name in ("momentum", "about", "frame"))
-    if wanted:
-        from robodyn.dynamics.momenta import GROUND, View
-
-        return View("origin" if about is None else about, GROUND if frame is None else frame)
-    for name, value in (("--about", about), ("--frame", frame)):
-        if value is not None:
-            raise click.UsageError(f"{name} goes with --momentum", click.get_current_context())
-    return None
-
-
-def refuse_beside_measured(trajectories: Sequence[str], fail_on_limits: bool, options: dict[str, Any]) -> None:
-    """Raise if what goes with computed torques alone is asked for beside --measured."""
-    asked = {"fail_on_limits": fail_on_limits, **{name: options[name] for name in _COMPUTED}}
-    for name, value in asked.items():
-        if value:
-            what = f"--{name.replace('_', '-')} does not go with --measured"
-            raise click.UsageError(what, click.get_current_context())
-    if len(trajectories) > 1:
-        raise click.UsageError("--measured compares one log", click.get_current_context())
-
-
-_COMPUTED = ("out", "reactions", "sizing", "momentum", "explain", "accuracy", "example", "samples", "jobs", "dask")
 _SAMPLES = "Of a scene's [uncertainty]: run the motion again with N draws of parameters, to compare."
 _MOMENTUM = "Mass centre, momenta, energies, power: report them, and write them to --out."
-OPTIONS = together(
+
+
+@dataclass(frozen=True)
+class Options:
+    """What `robodyn.torques` is asked for, by its names."""
+
+    momentum: View | None
+    sizing: bool | None
+    samples: int
+    reactions: bool
+    explain: bool
+    executor: str
+    threads: int | None
+
+
+class TorquesCommand(Grouped):
+    groups: ClassVar[Mapping[str, Sequence[str]]] = {
+        "The robot and what surrounds it": (
+            *("--scene", "--payload", "--gravity", "--base-held", "--package-path", "--xacro-arg", "--trust-xacro"),
+        ),
+        "The trajectory": (
+            *("--example", "--hold", "--map", "--time-unit", "--angle-unit", "--derivatives", "--topic"),
+            *("--encoder-error", "--ignore-extra"),
+        ),
+        "What is computed": ("--sizing", "--momentum", "--about", "--frame", "--explain", "--samples", "--accuracy"),
+        "A log with measured torques": ("--measured", "--cutoff"),
+        "What is written": ("--out", "--reactions", "--report", "--format", "--fail-on-limits"),
+        "How it is computed": ("--executor", "--threads", "--jobs", "--dask"),
+    }
+
+
+@click.command("torques", cls=TorquesCommand, short_help="Compute what every joint and bearing carries along a motion.")
+@click.argument("urdf", type=PATH)
+@click.argument("trajectories", type=PATH, nargs=-1, required=True, metavar="TRAJECTORY...")
+@takes(
     SCENE,
     click.option(
         "--out", type=TABLE_OUT, metavar="FILE", help="Write the torques: .csv, .parquet, .npz; of many a FOLDER."
@@ -105,29 +108,28 @@ OPTIONS = together(
     EXECUTION,
     FORMAT,
 )
-
-
-class TorquesCommand(Grouped):
-    groups: ClassVar[Mapping[str, Sequence[str]]] = {
-        "The robot and what surrounds it": (
-            *("--scene", "--payload", "--gravity", "--base-held", "--package-path", "--xacro-arg", "--trust-xacro"),
-        ),
-        "The trajectory": (
-            *("--example", "--hold", "--map", "--time-unit", "--angle-unit", "--derivatives", "--topic"),
-            *("--encoder-error", "--ignore-extra"),
-        ),
-        "What is computed": ("--sizing", "--momentum", "--about", "--frame", "--explain", "--samples", "--accuracy"),
-        "A log with measured torques": ("--measured", "--cutoff"),
-        "What is written": ("--out", "--reactions", "--report", "--format", "--fail-on-limits"),
-        "How it is computed": ("--executor", "--threads", "--jobs", "--dask"),
-    }
-
-
-@click.command("torques", cls=TorquesCommand, short_help="Compute what every joint and bearing carries along a motion.")
-@click.argument("urdf", type=PATH)
-@click.argument("trajectories", type=PATH, nargs=-1, required=True, metavar="TRAJECTORY...")
-@OPTIONS
-def command(urdf: str, trajectories: tuple[str, ...], fail_on_limits: bool, **options: Any) -> int:
+def command(
+    call: Call,
+    urdf: str,
+    trajectories: tuple[str, ...],
+    out: str | None,
+    reactions: bool,
+    sizing: bool,
+    momentum: bool,
+    about: str | tuple[float, float, float] | None,
+    frame: str | None,
+    explain: bool,
+    measured: bool,
+    cutoff: float | None,
+    fail_on_limits: bool,
+    accuracy: float | None,
+    samples: int | None,
+    example: bool,
+    jobs: int | None,
+    dask: str | None,
+    executor: str,
+    threads: int | None,
+) -> int:
     """Compute joint torques, base loads and sizing figures along a motion.
     A file named - is standard input; a trajectory then is CSV.
 
@@ -139,31 +141,197 @@ def command(urdf: str, trajectories: tuple[str, ...], fail_on_limits: bool, **op
       robodyn torques robots/puma.urdf motion.csv --example --report puma.html
       robodyn torques robots/puma560.urdf log.db3 --measured --report measured.html
     """
-    cutoff = options.pop("cutoff")
-    if options.pop("measured"):
-        refuse_beside_measured(trajectories, fail_on_limits, options)
-        from robodyn.cli.torques_measured import run_measured
-
-        run_measured(urdf, trajectories[0], cutoff)
+    if measured:
+        alone: dict[str, object] = {
+            "fail-on-limits": fail_on_limits,
+            "out": out,
+            "reactions": reactions,
+            "sizing": sizing,
+        }
+        alone |= {"momentum": momentum, "explain": explain, "accuracy": accuracy, "example": example}
+        alone |= {"samples": samples, "jobs": jobs, "dask": dask}
+        if asked := [name for name, value in alone.items() if value]:
+            refuse(f"--{asked[0]} does not go with --measured")
+        if len(trajectories) > 1:
+            refuse("--measured compares one log")
+        _measured(call, urdf, trajectories[0], cutoff)
         return 0
     if cutoff is not None:
-        raise click.UsageError("--cutoff goes with --measured", click.get_current_context())
-    if options["reactions"] and not options["out"]:
-        raise click.UsageError("--reactions goes to a file, and --out names none", click.get_current_context())
-    options |= {
-        "momentum": momentum_view(options),
-        "sizing": options["sizing"] or None,
-        "samples": options["samples"] or 0,
-    }
-    if is_batch(trajectories, options["out"], options):
+        refuse("--cutoff goes with --measured")
+    if reactions and not out:
+        refuse("--reactions goes to a file, and --out names none")
+    options = Options(
+        _view(momentum, about, frame), sizing or None, samples or 0, reactions, explain, executor, threads
+    )
+    if _is_batch(trajectories, out):
         from robodyn.cli.torques_batch import run_batch
 
-        for name in ("accuracy", "example"):
-            if options.pop(name):
-                raise click.UsageError(f"--{name} is for one trajectory", click.get_current_context())
-        return run_batch(urdf, trajectories, fail_on_limits, **options)
-    from robodyn.cli.torques_single import run_single
-
-    result = run_single(urdf, trajectories[0], **options)
+        for name, value in (("accuracy", accuracy), ("example", example)):
+            if value:
+                refuse(f"--{name} is for one trajectory")
+        return run_batch(call, urdf, trajectories, out, options, fail_on_limits=fail_on_limits, jobs=jobs, dask=dask)
+    for name, given in (("jobs", jobs), ("dask", dask)):
+        if given is not None:
+            refuse(f"--{name} goes with many trajectories: give several, or --out FOLDER/")
+    result = _single(call, urdf, trajectories[0], out, options, accuracy=accuracy, example=example)
     unmet = result.accuracy is not None and not result.accuracy.met
     return int(unmet or (fail_on_limits and result.within_limits is False))
+
+
+def _is_batch(trajectories: Sequence[str], out: str | None) -> bool:
+    """Return whether the trajectories are many: by their number, wildcards, or results that go to a folder."""
+    wild = any(set("*?[") & set(name) and not os.path.lexists(name) for name in trajectories)
+    folder = out is not None and (
+        out[-1:] in (os.sep, "/") or (os.path.isdir(out) and not out.lower().endswith(_TABLES))
+    )
+    return len(trajectories) > 1 or wild or folder
+
+
+def _view(momentum: bool, about: str | tuple[float, float, float] | None, frame: str | None) -> View | None:
+    """Return how momenta are asked for; None if they are not."""
+    if momentum:
+        from robodyn.dynamics.momenta import GROUND, View
+
+        return View("origin" if about is None else about, GROUND if frame is None else frame)
+    for name, value in (("--about", about), ("--frame", frame)):
+        if value is not None:
+            refuse(f"{name} goes with --momentum")
+    return None
+
+
+def _measured(call: Call, urdf: str, log: str, cutoff: float | None) -> None:
+    """Show what explains the difference of measured and computed torques.
+
+    Args:
+        cutoff: of the filter [Hz]; None: by the noise.
+    """
+    from robodyn.identification.compare import compare
+    from robodyn.report.measured import measured_json, measured_page, measured_sections
+
+    check_names()
+    expect(ROBOT, urdf)
+    expect(TABLE, log)
+    get_ready(call)
+    model, scene = robot_in_scene(call, urdf)
+    found = compare(model, log, scene, cutoff=cutoff, **call.reading)
+    answer(call, measured_sections(found), partial(measured_page, found), json=lambda: measured_json(found))
+
+
+def _single(
+    call: Call,
+    urdf: str,
+    trajectory: str,
+    out: str | None,
+    options: Options,
+    *,
+    accuracy: float | None,
+    example: bool,
+) -> Result:
+    """Return what was found, after it is shown and written."""
+    from robodyn.loads.columns import output_names
+    from robodyn.loads.torques import torques
+    from robodyn.report.torques import torques_sections
+    from robodyn.report.limits import verdict_section
+    from robodyn.trajectory.robot_motion import read_motion
+    from robodyn.trajectory.write import format_of
+
+    check_names()
+    expect(ROBOT, urdf)
+    expect(TABLE, trajectory)
+    if out:
+        format_of(out)
+    get_ready(call)
+    model, scene = robot_in_scene(call, urdf, loops=True, contacts=True)
+    lines = ""
+    if example:
+        write_example(trajectory, model, scene)
+        lines = f"\nwritten: {trajectory}, an example motion to begin with"
+    way = None
+    if accuracy is not None:
+        way = arithmetic_for(call, accuracy, trajectory, model, scene)
+        options = replace(options, executor=way.executor or options.executor)
+    names = output_names(model, options.reactions, options.momentum is not None, scene)
+    reader = read_motion(trajectory, model, scene, **call.reading)
+    with reader, sinks(out, names, reader) as gather:
+        result = torques(model, reader, scene, sinks=gather, history=call.pictured, **vars(options))
+    result = way.fulfilled(result) if way else result
+    if example:
+        lines += f"{example_caution(result)}\n"
+    if out:
+        lines += f"\nwritten: {out}, {result.samples} rows of time and {len(names)} columns\n"
+
+    def document(pictures: bool) -> Document:
+        from robodyn.report.torques_page import torques_page
+
+        return torques_page(result, model, scene, pictures)
+
+    def json() -> str:
+        from robodyn.report.torques_json import torques_json
+
+        return torques_json(result)
+
+    answer(call, torques_sections(result, options.explain), document, lines, last=verdict_section(result), json=json)
+    return result
+
+
+@contextmanager
+def sinks(out: str | None, names: Sequence[str], reader: TrajectoryReader) -> Iterator[list[Sink]]:
+    """Yield functions to call with the time and the columns of each block; a file is there whole when all ends well."""
+    from robodyn.cli.progress import watched
+    from robodyn.support.threads import write_behind
+    from robodyn.trajectory.write import open_writer
+
+    with ExitStack() as stack:
+        writers: list[Sink] = []
+        if out is not None:
+            writer = stack.enter_context(open_writer(out, names))
+            writers.append(stack.enter_context(write_behind(writer.write)))
+        yield [*writers, stack.enter_context(watched(reader))]
+
+
+def write_example(path: str, model: Model, scene: Scene) -> None:
+    """Write an example motion of a robot to a file that is not there yet; warn of limits that no example keeps.
+
+    Raises:
+        InputError: the file is there, or cannot be written.
+    """
+    from robodyn.loads.example_motion import example_motion, overloaded
+    from robodyn.trajectory.write import open_writer
+
+    if path == STANDARD_INPUT or os.path.lexists(path):
+        what = "--example writes a new file, and this one is there already"
+        raise InputError(what, remedy="leave --example out, or name another file", file=path)
+    names, time, columns = example_motion(model, scene)
+    with open_writer(path, names) as writer:
+        writer.write(time, columns)
+    for line in overloaded(model, scene, columns):
+        click.echo(f"warning: {line}", err=True)
+
+
+def example_caution(result: Result) -> str:
+    """Return that an example is no duty cycle, where it is used for sizing, and how fast it is."""
+    from robodyn.report.limits import speed_use
+
+    if result.sizing is None:
+        return ""
+    use = max(map(speed_use, result.joints), default=0.0)
+    slow = f" and reaches {100 * use:.0f} % of the limits of speed" if use else ""
+    return f", which is no duty cycle{slow}: size by the motion that the robot will do"
+
+
+def arithmetic_for(call: Call, target: float, trajectory: str, model: Model, scene: Scene) -> Arithmetic:
+    """Return the arithmetic for an accuracy, by the first block of the trajectory, which is read once more for torques.
+
+    Raises:
+        InputError: the trajectory is standard input or has no samples, or the accuracy is beyond doubles.
+    """
+    from robodyn.measure.accuracy.torques_within import arithmetic_within
+    from robodyn.trajectory.robot_motion import read_motion
+
+    if trajectory == STANDARD_INPUT:
+        raise InputError("--accuracy reads the trajectory twice", remedy="name a file", file="<stdin>")
+    with read_motion(trajectory, model, scene, **call.reading) as reader:
+        for block in reader.blocks():
+            if len(block):
+                return arithmetic_within(model, block, scene, target)
+    raise InputError("the trajectory has no samples", file=trajectory)

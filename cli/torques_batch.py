@@ -7,19 +7,17 @@ import zlib
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from importlib import import_module
-from typing import Any
 
 import click
 
 from robodyn.cli.batch.jobs import BETWEEN, Job, Setup, jobs_of
 from robodyn.cli.batch.workers import worked_here
-from robodyn.cli.files import STANDARD_INPUT, robot_in_scene
-from robodyn.cli.options import gravity, kept_value, payloads, scene_names
-from robodyn.cli.outputs import inputs_of
+from robodyn.cli.call import Call, refuse
+from robodyn.cli.files import STANDARD_INPUT, inputs_of, robot_in_scene
 from robodyn.cli.progress import files_done
-from robodyn.cli.reading_options import reading
-from robodyn.cli.reports import answer, report_name
+from robodyn.cli.reports import answer
 from robodyn.cli.screen import complain, show
+from robodyn.cli.torques import Options
 from robodyn.errors import InputError
 from robodyn.loads.many import Batch, Outcome
 from robodyn.loads.torques import check_uncertain
@@ -33,62 +31,58 @@ from robodyn.support.threads import processes
 
 
 def run_batch(
+    call: Call,
     urdf: str,
     trajectories: Sequence[str],
-    fail_on_limits: bool,
-    *,
     out: str | None,
+    options: Options,
+    *,
+    fail_on_limits: bool,
     jobs: int | None,
     dask: str | None,
-    **options: Any,
 ) -> int:
-    """Return the exit status: 2 if a trajectory failed, 1 if a limit is exceeded and that counts.
-
-    Args:
-        options: of `robodyn.torques`.
-    """
-    if report_name():
-        raise click.UsageError("--report is of one trajectory", click.get_current_context())
+    """Return the exit status: 2 if a trajectory failed, 1 if a limit is exceeded and that counts."""
+    if call.report:
+        refuse("--report is of one trajectory")
     if not out:
-        raise click.UsageError("many trajectories need --out FOLDER for their results", click.get_current_context())
+        refuse("many trajectories need --out FOLDER for their results")
     if os.path.isfile(out):
         raise InputError("is a file, many trajectories need a folder", remedy="give --out another name", file=out)
-    if STANDARD_INPUT in (urdf, *scene_names(), *trajectories):
+    if STANDARD_INPUT in (urdf, *call.scene_files, *trajectories):
         raise InputError("standard input serves one trajectory", remedy="name files for many", file="<stdin>")
-    todo, lines = (
-        jobs_of(trajectories, out, inputs_of(click.get_current_context())),
-        kept_value("form", "text") == "text",
-    )
+    todo = jobs_of(trajectories, out, inputs_of(click.get_current_context()))
+    lines = call.form == "text"
     if dask:
         need("clusters of Dask", "distributed")
-    setup, robot = _setup(urdf, options)
+    setup, robot = _setup(call, urdf, options)
     work = _there(setup, todo, dask) if dask else worked_here(setup, todo, processes(len(todo), jobs))
     with closing(work), files_done([job.path for job in todo]) as tick:  # type: ignore[type-var]
         outcomes = _gathered(work, todo, tick, lines)
     batch = Batch(robot, tuple(outcomes))
     if lines:
         show("\n")
-    answer(batch_sections(batch), json=lambda: batch_json(batch))
+    answer(call, batch_sections(batch), json=lambda: batch_json(batch))
     return 2 if batch.count("failed") else int(fail_on_limits and batch.within_limits is False)
 
 
-def _setup(urdf: str, options: dict[str, Any]) -> tuple[Setup, str]:
+def _setup(call: Call, urdf: str, options: Options) -> tuple[Setup, str]:
     """Return what all trajectories have in common, which is checked here once; and the robot's name."""
-    model, scene = robot_in_scene(urdf, loops=True, contacts=True)
+    model, scene = robot_in_scene(call, urdf, loops=True, contacts=True)
     assert model.description is not None, "it is read from a file"
-    check_uncertain(scene, options["samples"])
-    if options["momentum"] is not None:
-        options["momentum"].check(model, scene)
-    if options["executor"] == "auto":  # the same everywhere and every time, so that results are equal to the bit
-        options["executor"] = "numpy" if compiler().problem else "compiled"
+    check_uncertain(scene, options.samples)
+    if options.momentum is not None:
+        options.momentum.check(model, scene)
+    executor = options.executor
+    if executor == "auto":  # the same everywhere and every time, so that results are equal to the bit
+        executor = "numpy" if compiler().problem else "compiled"
     setup = Setup(
         robot=zlib.compress(model.description.data),
-        scene=zlib.compress(BETWEEN.join(map(read_input, names))) if (names := scene_names()) else None,
-        gravity=gravity(),
-        payloads=payloads(),
-        base_held=kept_value("base_held", False),
-        reading=reading(),
-        options={**options, "threads": options["threads"] or 1},
+        scene=zlib.compress(BETWEEN.join(map(read_input, names))) if (names := call.scene_files) else None,
+        gravity=call.gravity,
+        payloads=call.payloads,
+        base_held=call.base_held,
+        reading=call.reading,
+        options={**vars(options), "executor": executor, "threads": options.threads or 1},
     )
     return setup, model.name
 

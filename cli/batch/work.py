@@ -8,7 +8,7 @@ from contextlib import ExitStack, suppress
 from typing import Any
 
 from robodyn.cli.batch.jobs import REMEDY, VERSION, Job, Setup
-from robodyn.cli.outputs import refuse_foreign
+from robodyn.cli.files import refuse_foreign
 from robodyn.errors import InputError, RobodynError
 from robodyn.loads.columns import output_names
 from robodyn.loads.many import JointPeak, Outcome, Status

@@ -1,14 +1,21 @@
-"""Options that commands share, and their types."""
+"""What a command is called with: types and options that commands share, and their values in one `Call`."""
 
 from __future__ import annotations
 
 import math
 import os
 from collections.abc import Callable, Mapping, Sequence
-from functools import reduce
-from typing import TYPE_CHECKING, Any, ClassVar
+from dataclasses import dataclass, fields
+from functools import reduce, wraps
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, get_args
 
 import click
+
+from robodyn.errors import InputError
+from robodyn.support.extras import need
+from robodyn.support.input_file import read_input
+from robodyn.trajectory.reading import MODES
+from robodyn.trajectory.units import AngleUnit, TimeUnit
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
@@ -18,11 +25,109 @@ if TYPE_CHECKING:
 Callback = Callable[..., Any]
 Vector = tuple[float, float, float]
 ROBOT_SUFFIXES = (".urdf", ".xacro")
+REPORT_FORMS = {".html": "html", ".htm": "html", ".md": "markdown"}
+"""The form of a report by the suffix of its file."""
+
+
+class Pairs(list[tuple[str, str]]):
+    """Pairs of names, and the file that they were read from."""
+
+    file: str | None = None
+
+
+@dataclass(frozen=True)
+class Call:
+    """What commands are told in the same words; an option that a command does not have has its default.
+
+    Attributes:
+        package_paths, xacro_args, trust_xacro: how a description is read.
+        scene_files, payloads, gravity, base_held: what surrounds the robot.
+        hold, columns, time_unit, angle_unit, derivatives, encoder_error, topic, ignore_extra: how a table is read.
+        report: the file of the report; form: of what is printed.
+    """
+
+    package_paths: tuple[str, ...] = ()
+    xacro_args: tuple[tuple[str, str], ...] = ()
+    trust_xacro: bool = False
+    scene_files: tuple[str, ...] = ()
+    payloads: tuple[Payload, ...] = ()
+    gravity: Vector | None = None
+    base_held: bool = False
+    hold: tuple[str, ...] = ()
+    columns: tuple[Pairs, ...] = ()
+    time_unit: TimeUnit | None = None
+    angle_unit: AngleUnit | None = None
+    derivatives: str = "auto"
+    encoder_error: float = 0.0
+    topic: str | None = None
+    ignore_extra: bool = False
+    report: str | None = None
+    form: str = "text"
+
+    @property
+    def lookup(self) -> dict[str, Any]:
+        """How a description is read, as `robodyn.load` takes it."""
+        return {
+            "package_paths": self.package_paths,
+            "xacro_args": dict(self.xacro_args),
+            "trust_xacro": self.trust_xacro,
+        }
+
+    @property
+    def reading(self) -> dict[str, Any]:
+        """How a table is read, as `robodyn.read_motion` takes it."""
+        found = {name: getattr(self, name) for name in _READING}
+        return {
+            **found,
+            "hold": ",".join(self.hold) or None,
+            "columns": dict(pair for pairs in self.columns for pair in pairs),
+        }
+
+    @property
+    def reading_given(self) -> str:
+        """The first option on how a table is read that is given, empty if none is."""
+        names = [name for name in _READING if getattr(self, name) != getattr(Call, name)]
+        return f"--{'map' if names[0] == 'columns' else names[0].replace('_', '-')}" if names else ""
+
+    @property
+    def scene_name(self) -> str | None:
+        """What messages call the files that --scene names."""
+        return " + ".join(self.scene_files) or None
+
+    @property
+    def pictured(self) -> bool:
+        """Whether there is a report with figures."""
+        return self.report is not None and report_form(self.report) == "html"
+
+
+_COMMON = {field.name for field in fields(Call)}
+_READING = ("time_unit", "angle_unit", "derivatives", "encoder_error", "ignore_extra", "topic", "hold", "columns")
 
 
 def together(*options: Callback) -> Callback:
     """Return one decorator for several options, which help lists in this order."""
     return lambda command: reduce(lambda inner, option: option(inner), reversed(options), command)
+
+
+def takes(*options: Callback) -> Callback:
+    """Return a decorator that gives a function a `Call` first, of those options that commands share, and by name the
+    values of all others."""
+
+    def decorate(function: Callback) -> Callback:
+        @wraps(function)
+        def called(**values: Any) -> Any:
+            shared = {name: values.pop(name) for name in _COMMON & values.keys()}
+            return function(Call(**shared), **values)
+
+        decorated: Callback = together(*options)(called)
+        return decorated
+
+    return decorate
+
+
+def refuse(what: str) -> NoReturn:
+    """Raise that a command cannot be called so."""
+    raise click.UsageError(what, click.get_current_context())
 
 
 class Grouped(click.Command):
@@ -46,21 +151,6 @@ class Grouped(click.Command):
             if records:
                 with formatter.section(title):
                     formatter.write_dl(records)
-
-
-def _keep(ctx: click.Context, param: click.Parameter, value: Any) -> None:
-    ctx.meta[f"robodyn.{param.name}"] = value
-
-
-def kept(*names: str, **given: Any) -> Callback:
-    """Return an option whose value no command takes as an argument, but `kept_value` has, wherever it is called."""
-    return click.option(*names, expose_value=False, callback=_keep, **given)
-
-
-def kept_value(name: str, default: Any) -> Any:
-    """Return the value of an option of `kept`."""
-    ctx = click.get_current_context(silent=True)
-    return default if ctx is None else ctx.meta.get(f"robodyn.{name}", default)
 
 
 class Parsed(click.ParamType):  # type: ignore[type-arg,unused-ignore]
@@ -176,6 +266,55 @@ def _payload(text: str) -> Payload:
     return Payload(link, m, (x, y, z))
 
 
+def _columns(text: str) -> Pairs:
+    """Return the pairs of OURS=THEIRS, or of a TOML file of such pairs."""
+    ours, equals, theirs = text.partition("=")
+    if not equals or os.path.isfile(text):
+        found = Pairs(_pairs(text).items())
+        found.file = text
+        return found
+    if not ours.strip() or not theirs.strip():
+        raise ValueError(f"{text!r} is not OURS=THEIRS, such as q_elbow='Elbow angle'")
+    return Pairs([(ours.strip(), theirs.strip())])
+
+
+def _pairs(file: str) -> dict[str, str]:
+    from robodyn.scene.toml_table import read_toml
+
+    try:
+        found = read_toml(read_input(file), file)
+    except OSError as error:
+        raise ValueError(f"{file!r} is not OURS=THEIRS, nor a file: {error.strerror}") from None
+    except InputError as error:
+        raise ValueError(str(error)) from None
+    for ours, theirs in found.items():
+        if not isinstance(theirs, str):
+            raise ValueError(f"{file}: {ours!r} is {theirs!r:.60}, not a name; write 'q_elbow = \"Elbow angle\"'")
+    return found
+
+
+def report_form(path: str) -> str:
+    """Return the form of a report by the suffix of its file.
+
+    Raises:
+        InputError: there is none such.
+    """
+    suffix = os.path.splitext(path)[1].lower()
+    if suffix not in REPORT_FORMS:
+        raise InputError("unknown type of report by this suffix", remedy="name it .html or .md", file=path)
+    return REPORT_FORMS[suffix]
+
+
+def _report(path: str) -> str:
+    """Return the name of the file, if a report can go there: said before anything is computed."""
+    if report_form(path) == "html":
+        need("HTML reports", "matplotlib", "jinja2", file=path)
+    folder = os.path.dirname(path) or "."
+    if not os.path.isdir(folder):
+        raise InputError("cannot be written: there is no such folder", remedy="make the folder first", file=path)
+    return path
+
+
 PATH, FOLDER = Parsed("file"), Parsed("dir")
 TABLE_OUT, SCENE_OUT = Output("a table"), Output("a scene that was identified")
 URDF_OUT, COVARIANCE_OUT = Output("a calibrated description"), Output("a covariance")
@@ -186,7 +325,7 @@ VECTOR, POSITIVE, POINT, VALUES = (
     Parsed("at", _at),
 )
 DESCRIPTION = together(
-    kept(
+    click.option(
         "--package-path",
         "package_paths",
         type=Parsed("dir", _folder),
@@ -194,7 +333,7 @@ DESCRIPTION = together(
         multiple=True,
         help="Where packages are looked for first; repeatable.",
     ),
-    kept(
+    click.option(
         "--xacro-arg",
         "xacro_args",
         type=Parsed("argument", _argument),
@@ -202,36 +341,24 @@ DESCRIPTION = together(
         multiple=True,
         help="An argument of a .xacro file; repeatable.",
     ),
-    kept(
+    click.option(
         "--trust-xacro",
         "trust_xacro",
         is_flag=True,
         help="Let the .xacro file that is named run any Python, read any file and all of the environment.",
     ),
 )
-"""The options whose values are those of `lookup`."""
-
-
-def lookup() -> dict[str, Any]:
-    """Return what the options of `DESCRIPTION` say, as `robodyn.load` takes it."""
-    return {
-        "package_paths": kept_value("package_paths", ()),
-        "xacro_args": dict(kept_value("xacro_args", ())),
-        "trust_xacro": kept_value("trust_xacro", False),
-    }
-
-
 SCENE = together(
     DESCRIPTION,
-    kept(
+    click.option(
         "--scene",
-        "scene_file",
+        "scene_files",
         type=PATH,
         metavar="FILE",
         multiple=True,
         help="TOML: friction, motors, payloads, wrenches, base; robodyn scene init writes one. Repeatable: merged.",
     ),
-    kept(
+    click.option(
         "--payload",
         "payloads",
         type=Parsed("payload", _payload),
@@ -239,38 +366,58 @@ SCENE = together(
         multiple=True,
         help="A mass on a link, its centre in m in the link's frame; repeatable, beside those of the scene.",
     ),
-    kept("--gravity", type=VECTOR, metavar="X,Y,Z", help="m/s^2 in the base frame; default 0,0,-9.81."),
+    click.option("--gravity", type=VECTOR, metavar="X,Y,Z", help="m/s^2 in the base frame; default 0,0,-9.81."),
 )
-"""The options that `robot_in_scene` takes: of the description, --scene, --payload and --gravity."""
-BASE_HELD = kept("--base-held", is_flag=True, help="The base is bolted down, or something carries it: do not warn.")
-
-
-def scene_names() -> tuple[str, ...]:
-    """Return the files that --scene names."""
-    found: tuple[str, ...] = kept_value("scene_file", ())
-    return found
-
-
-def scene_name() -> str | None:
-    """Return what messages call the files that --scene names."""
-    return " + ".join(scene_names()) or None
-
-
-def payloads() -> tuple[Payload, ...]:
-    """Return what --payload says."""
-    found: tuple[Payload, ...] = kept_value("payloads", ())
-    return found
-
-
-def gravity() -> Vector | None:
-    """Return what --gravity says."""
-    found: Vector | None = kept_value("gravity", None)
-    return found
-
-
+BASE_HELD = click.option(
+    "--base-held", is_flag=True, help="The base is bolted down, or something carries it: do not warn."
+)
+TABLE = together(
+    click.option(
+        "--map",
+        "columns",
+        type=Parsed("file", _columns),
+        metavar="OURS=THEIRS|FILE",
+        multiple=True,
+        help="The table's name of a column, as q_elbow='Elbow angle'; or a TOML file of these; repeatable.",
+    ),
+    click.option(
+        "--time-unit",
+        type=click.Choice(get_args(TimeUnit)),
+        help="Of stamps whose columns do not tell; default s.",
+    ),
+)
+"""Those options of `READING` that hold for any table."""
+READING = together(
+    click.option(
+        "--hold",
+        metavar="rest|POSITION|...",
+        multiple=True,
+        help="Joints without columns: at rest (near zero), a position, or JOINT=POSITION,...; repeatable.",
+    ),
+    TABLE,
+    click.option(
+        "--angle-unit", type=click.Choice(get_args(AngleUnit)), help="Of joints whose columns do not tell; default rad."
+    ),
+    click.option("--derivatives", type=click.Choice(MODES), default="auto", help="Of missing columns; anew: of all."),
+    click.option(
+        "--encoder-error",
+        type=click.FloatRange(min=0.0),
+        default=0.0,
+        metavar="RAD",
+        help="Largest error of encoders that repeats with the angle (m of slides): into the error bars.",
+    ),
+    click.option("--topic", metavar="NAME", help="Of a ROS bag, if several topics are about joints."),
+    click.option("--ignore-extra", is_flag=True, help="Leave out columns that the robot does not know."),
+)
+REPORT = click.option(
+    "--report",
+    type=Output("a report", _report),
+    metavar="FILE",
+    help="Write a report for people: .html with plots and data in one file, or .md for a pull request.",
+)
 AT = click.option("--at", type=VALUES, metavar="Q", help="Joint values in order, or JOINT=Q,...; the rest 0.")
 QD = click.option("--qd", type=VALUES, metavar="QD", help="Velocities, likewise; default at rest.")
-FORMAT = kept(
+FORMAT = click.option(
     "--format", "form", type=click.Choice(["text", "json"]), default="text", help="Form of the report; default text."
 )
 
