@@ -230,8 +230,8 @@ def _single(
     """Return what was found, after it is shown and written."""
     from robodyn.loads.columns import output_names
     from robodyn.loads.torques import torques
-    from robodyn.report.torques import torques_sections
     from robodyn.report.limits import verdict_section
+    from robodyn.report.torques import torques_sections
     from robodyn.trajectory.robot_motion import read_motion
     from robodyn.trajectory.write import format_of
 

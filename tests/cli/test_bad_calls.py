@@ -8,7 +8,8 @@ import click
 import pytest
 from helpers.command_line import Outcome, run, spawn, write_arm
 
-from robodyn.cli import torques, torques_single
+from robodyn.cli import torques
+from robodyn.loads import torques as loads
 
 ARM = ("torques", "arm.urdf", "arm.csv")
 
@@ -73,7 +74,7 @@ def test_a_fault_of_the_program_is_one_line_too(monkeypatch: pytest.MonkeyPatch)
     def broken(*_: object, **__: object) -> None:
         raise RuntimeError("two\nlines \x1b[31m")
 
-    monkeypatch.setattr(torques_single, "torques", broken)
+    monkeypatch.setattr(loads, "torques", broken)
     outcome = run(*ARM)
     refused(outcome, "internal error at test_bad_calls.py:")
     assert "RuntimeError: two lines \\x1b[31m (please report this line" in outcome.err
@@ -83,7 +84,7 @@ def test_memory_that_runs_out(monkeypatch: pytest.MonkeyPatch) -> None:
     def greedy(*_: object, **__: object) -> None:
         raise MemoryError
 
-    monkeypatch.setattr(torques_single, "torques", greedy)
+    monkeypatch.setattr(loads, "torques", greedy)
     refused(run(*ARM), "out of memory")
 
 
@@ -92,7 +93,7 @@ def test_interrupted(interruption: type[BaseException], monkeypatch: pytest.Monk
     def stopped(*_: object, **__: object) -> None:
         raise interruption
 
-    monkeypatch.setattr(torques_single, "torques", stopped)
+    monkeypatch.setattr(loads, "torques", stopped)
     outcome = run(*ARM, "--out", "tau.csv")
     assert (outcome.status, outcome.out, outcome.err.strip()) == (130, "", "")
     assert sorted(path.name for path in Path().iterdir()) == ["arm.csv", "arm.urdf"]

@@ -92,7 +92,7 @@ def test_interrupt_while_reading() -> None:
 def test_interrupt_between_blocks() -> None:
     code = (
         "import os, signal, time\n"
-        "from robodyn.cli import torques_single as one\n"
+        "from robodyn.cli import progress as one\n"
         "from contextlib import nullcontext\n"
         "one.watched = lambda _: nullcontext(lambda *_: (os.kill(os.getpid(), signal.SIGINT), time.sleep(60)))\n"
         "from robodyn.cli.main import main; main()"
