@@ -10,8 +10,7 @@ import numpy as np
 import polars as pl
 
 from helpers.command_line import ARM, Outcome, run
-from robodyn.cli.batch.jobs import Job, Setup
-from robodyn.cli.batch.work import run_job
+from robodyn.cli.batch import Job, Setup, run_job
 from robodyn.loads.many import Outcome as Result
 
 NAMES = ("one", "two", "three")

@@ -16,8 +16,8 @@ from helpers.command_line import command, run
 from helpers.processes import python
 
 from robodyn.cli import torques_batch
-from robodyn.cli.batch import workers as cluster
-from robodyn.cli.batch.jobs import jobs_of
+from robodyn.cli import torques_batch as cluster
+from robodyn.cli.batch import jobs_of
 
 distributed = pytest.importorskip("distributed")
 FILES = 24
@@ -64,7 +64,7 @@ def test_no_word_of_work_that_is_given_to_others() -> None:
     """By the command, in a process that has not imported Dask yet, which sets levels when it is."""
     done = python("""
 import logging
-from robodyn.cli.batch import workers as cluster
+from robodyn.cli import torques_batch as cluster
 from robodyn.cli import torques_batch
 def worked_there(*_):
     import distributed

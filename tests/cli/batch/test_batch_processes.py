@@ -14,12 +14,11 @@ from helpers.batch_runs import NAMES, write_motion, write_runs
 from helpers.command_line import command
 from helpers.terminals import on_terminal
 
-from robodyn.cli.batch.jobs import jobs_of
-from robodyn.cli.batch.workers import worked_here
-from robodyn.cli.torques_batch import _setup
+from robodyn.cli.batch import jobs_of
+from robodyn.cli.call import Call
+from robodyn.cli.torques import Options
+from robodyn.cli.torques_batch import _setup, worked_here
 from robodyn.support.processes import ATTEMPTS
-
-OPTIONS = {"reactions": False, "sizing": False, "momentum": None, "samples": 0}
 
 
 @pytest.fixture(autouse=True)
@@ -29,7 +28,7 @@ def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def setup():
-    return _setup("arm.urdf", {**OPTIONS, "explain": False, "executor": "numpy", "threads": None})[0]
+    return _setup(Call(), "arm.urdf", Options(None, False, 0, False, False, "numpy", None))[0]
 
 
 def kill_writers(name: str, times: int, children: list[subprocess.Popen[bytes]]) -> None:

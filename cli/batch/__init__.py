@@ -1,1 +1,0 @@
-"""Many trajectories at a time: by processes of this machine, or by Dask."""
