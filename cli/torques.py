@@ -205,7 +205,7 @@ def _measured(call: Call, urdf: str, log: str, cutoff: float | None) -> None:
     Args:
         cutoff: of the filter [Hz]; None: by the noise.
     """
-    from robodyn.identification.compare import compare
+    from robodyn.identification.faults.compare import compare
     from robodyn.report.measured import measured_json, measured_page, measured_sections
 
     check_names()
