@@ -12,7 +12,7 @@ from robodyn.cli.call import Call, report_form
 from robodyn.cli.screen import page, show
 from robodyn.report.document import Document, Section, text
 
-_LIBRARIES = ("numpy", "scipy", "llvmlite", "matplotlib", "trimesh")
+_LIBRARIES = ("numpy", "scipy", "llvmlite", "matplotlib", "yourdfpy", "trimesh")
 
 
 def get_ready(call: Call) -> None:

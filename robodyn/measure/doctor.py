@@ -14,7 +14,7 @@ from robodyn.programs.run.llvm.machine import compiler, host
 from robodyn.programs.run.self_test import SelfTest, self_test
 from robodyn.robot.urdf.packages import VARIABLES, listed
 from robodyn.support.cache import Key, ObjectCache, cache_folder
-from robodyn.support.extras import COMPILER, CORE, OPTIONAL, Library
+from robodyn.support.extras import COMPILER, CORE, OPTIONAL, SCENES, Library
 from robodyn.support.libraries import Installed, installed, version_of
 from robodyn.support.threads import cores
 from robodyn.support.wording import count
@@ -51,7 +51,7 @@ class Line:
 
 def doctor() -> tuple[Line, ...]:
     """Return everything that was looked at. Libraries are loaded in another process, so that none can end this one."""
-    libraries = installed((*CORE, COMPILER, *OPTIONAL, *PEERS))
+    libraries = installed((*CORE, COMPILER, SCENES, *OPTIONAL, *PEERS))
     return (
         *_versions(libraries),
         *_processor(not libraries[COMPILER.name].problem),
@@ -76,6 +76,7 @@ def _versions(found: Mapping[str, Installed]) -> Iterator[Line]:
     if line.verdict == "ok" and compiler().problem is None:
         line = Line(line.group, line.name, f"{here.version}, LLVM {'.'.join(map(str, host().llvm))}")
     yield line
+    yield _library("versions", SCENES, found[SCENES.name], "missing")
     for library in (*OPTIONAL, *PEERS):
         yield _library("optional", library, found[library.name], "missing")
 

@@ -15,10 +15,10 @@ from robodyn.programs.run.self_test import TOLERANCE, SelfTest, self_test
 from robodyn.report.accuracy import doctor_sections
 from robodyn.report.document import text
 from robodyn.robot.urdf.packages import VARIABLES
-from robodyn.support.extras import COMPILER, CORE, OPTIONAL, Library
+from robodyn.support.extras import COMPILER, CORE, OPTIONAL, SCENES, Library
 from robodyn.support.libraries import Installed, installed, loading
 
-LIBRARIES = (*CORE, COMPILER, *OPTIONAL, *doctor.PEERS)
+LIBRARIES = (*CORE, COMPILER, SCENES, *OPTIONAL, *doctor.PEERS)
 WORKS = SelfTest(None, False, 1e-4, 1e-2, 1e-3, 1e-5, 1e-16)
 
 

@@ -10,7 +10,7 @@ import pytest
 from helpers.command_line import ROBOTS
 
 HEAVY = (
-    *("polars", "pyarrow", "scipy", "rich", "llvmlite", "trimesh"),
+    *("polars", "pyarrow", "scipy", "rich", "llvmlite", "yourdfpy", "trimesh"),
     *("sympy", "matplotlib", "pandas", "numpy.ma"),
 )
 SCARA = (str(ROBOTS / "scara.urdf"), str(ROBOTS / "scara_pick_and_place.csv"))

@@ -13,7 +13,7 @@ from shutil import copytree, ignore_patterns
 import pytest
 
 ROOT = Path(__file__).parents[2]
-LIBRARIES = "numpy", "click", "trimesh", "platformdirs"
+LIBRARIES = "numpy", "click", "yourdfpy", "platformdirs"
 CALLS = ["bin/python", "-m", "robodyn"], ["bin/robodyn"]
 
 

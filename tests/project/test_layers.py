@@ -32,6 +32,7 @@ HEAVY = {
     "polars",
     "pyarrow",
     "rich",
+    "yourdfpy",
     "trimesh",
     "sympy",
     "mpmath",

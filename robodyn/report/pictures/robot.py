@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from io import BytesIO
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from robodyn.dynamics.loops.closure import moved
-from robodyn.errors import RobodynError
 from robodyn.programs.vectors import Array, product, rotation_from_rpy
 from robodyn.report.document import Figure
 from robodyn.report.pictures.figures import INK, SERIES, SOFT, plot
@@ -17,9 +17,9 @@ from robodyn.report.pictures.solids import PAPER, Solid, on_paper, paint, triad
 from robodyn.report.table import printable
 from robodyn.robot.configuration import body_poses, link_poses
 from robodyn.robot.model import Model
-from robodyn.robot.urdf.geometry import link_shapes
 from robodyn.robot.urdf.parts import Description, Geometry
 from robodyn.support.floats import Floats
+from robodyn.support.libraries import library_messages
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,7 +36,7 @@ class Visuals:
 
     Attributes:
         triangles: (m, 3, 3) of each link that has some, in its frame [m].
-        missing: names of meshes without a file.
+        missing: names of meshes without a file, or that cannot be read.
     """
 
     triangles: dict[str, Floats]
@@ -46,32 +46,52 @@ class Visuals:
 def visuals(description: Description) -> Visuals:
     """Return the visual shapes of a robot; nothing is fetched from a network.
 
-    Raises:
-        MeshError: the file of a mesh cannot be read.
-    """
-    from robodyn.solids.mesh.read.load import load_triangles
+    yourdfpy and trimesh, which take half a second to be imported, are not needed where no mesh is named.
 
-    placed: dict[str, list[Floats]] = {}
+    Raises:
+        Exception: whatever yourdfpy and trimesh raise on what they cannot read.
+    """
+    named = [(link.name, each) for link in description.links for each in link.geometries]
+    shapes = [(link, each) for link, each in named if each.kind == "visual"]
+    if all(each.filename is None for _, each in shapes):
+        found: dict[str, list[Floats]] = {}
+        for link, each in shapes:
+            found.setdefault(link, []).append(primitive(each))
+        return Visuals({link: np.concatenate(parts) for link, parts in found.items()}, ())
+    return _of_meshes(description)
+
+
+def _of_meshes(description: Description) -> Visuals:
+    import yourdfpy
+
     missing = list[str]()
-    for link in description.links:
-        for shape in link_shapes(description, link.name, "visual"):
-            geometry = shape.geometry
-            if shape.missing:
-                missing.append(geometry.filename or "")
-                continue
-            if shape.path is None:
-                own = primitive(geometry)
-            else:
-                mesh = load_triangles(shape.path)
-                own = mesh.array() * (mesh.scale * np.array(geometry.scale))
-            R, p = rotation_from_rpy(*geometry.origin.rpy), np.array(geometry.origin.xyz)
-            placed.setdefault(link.name, []).append(product(own, R.T) + p)
+
+    def path_of(fname: str) -> str:
+        path = description.search.find(fname)
+        if path is None:
+            missing.append(fname)
+        return "" if path is None else str(path)
+
+    with library_messages("yourdfpy", "trimesh"):
+        scene: Any = yourdfpy.URDF.load(BytesIO(description.data), filename_handler=path_of).scene
+        placed: dict[str, list[Floats]] = {}
+        for node in scene.graph.nodes_geometry:
+            matrix, name = scene.graph.get(node)
+            geometry = scene.geometry[name]
+            if getattr(geometry, "faces", None) is not None and len(geometry.faces):
+                link = scene.graph.transforms.parents[node]
+                local = product(np.linalg.inv(scene.graph.get(link)[0]), matrix)
+                corners = product(np.asarray(geometry.vertices, dtype=np.float64), local[:3, :3].T) + local[:3, 3]
+                placed.setdefault(link, []).append(corners[np.asarray(geometry.faces)])
     return Visuals({link: np.concatenate(parts) for link, parts in placed.items()}, tuple(dict.fromkeys(missing)))
 
 
 def primitive(geometry: Geometry) -> Floats:
-    """Return the surface of a shape that is no mesh, (m, 3, 3) in its own frame [m]."""
-    return _box(geometry.size) if geometry.shape == "box" else _turned(_profile(geometry.shape, geometry.size))
+    """Return the surface of a shape that is no mesh, (m, 3, 3) in its link's frame [m]."""
+    R, p = rotation_from_rpy(*geometry.origin.rpy), np.array(geometry.origin.xyz)
+    own = _box(geometry.size) if geometry.shape == "box" else _turned(_profile(geometry.shape, geometry.size))
+    found: Floats = product(own, R.T) + p
+    return found
 
 
 def _box(size: tuple[float, ...]) -> Floats:
@@ -149,11 +169,13 @@ def robot_figure(
 
 def shapes_of(model: Model) -> tuple[Visuals | None, str]:
     """Return the visual shapes of a robot's description, and what is said of those that are not there."""
+
     assert model.description is not None, "it is not a model of bodies alone"
     try:
         found = visuals(model.description)
-    except RobodynError as error:
-        return None, f"Its visual shapes cannot be read: {printable(str(error))}."
+    except Exception as error:
+        first = str(error).partition("\n")[0][:200] or type(error).__name__
+        return None, f"Its visual shapes cannot be read: {printable(first)}."
     if not found.missing:
         return found, ""
     some = ", ".join(map(printable, found.missing[:3])) + (" ..." if len(found.missing) > 3 else "")
