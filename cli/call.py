@@ -7,22 +7,25 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import reduce, wraps
-from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, get_args
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, TypeVar, get_args
 
 import click
 
 from robodyn.errors import InputError
 from robodyn.support.extras import need
 from robodyn.support.input_file import read_input
+from robodyn.support.wording import count
 from robodyn.trajectory.reading import MODES
 from robodyn.trajectory.units import AngleUnit, TimeUnit
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
+    from robodyn.dynamics.momenta import View
     from robodyn.scene.parts import Payload
 
 Callback = Callable[..., Any]
+T = TypeVar("T")
 Vector = tuple[float, float, float]
 ROBOT_SUFFIXES = (".urdf", ".xacro")
 REPORT_FORMS = {".html": "html", ".htm": "html", ".md": "markdown"}
@@ -100,6 +103,19 @@ class Call:
         return self.report is not None and report_form(self.report) == "html"
 
 
+@dataclass(frozen=True)
+class Loads:
+    """What `robodyn.torques` is asked for, by its names."""
+
+    momentum: View | None
+    sizing: bool | None
+    samples: int
+    reactions: bool
+    explain: bool
+    executor: str
+    threads: int | None
+
+
 _COMMON = {field.name for field in fields(Call)}
 _READING = ("time_unit", "angle_unit", "derivatives", "encoder_error", "ignore_extra", "topic", "hold", "columns")
 
@@ -123,6 +139,16 @@ def takes(*options: Callback) -> Callback:
         return decorated
 
     return decorate
+
+
+def one_each(values: Sequence[T], files: Sequence[str], option: str) -> list[T | None]:
+    """Return the values of an option for each file, given once for all or once for each."""
+    if len(values) in (0, 1):
+        return [values[0] if values else None] * len(files)
+    if len(values) != len(files):
+        what = f"{option} is given {len(values)} times for {count(len(files), 'mesh', 'meshes')}"
+        raise InputError(what, remedy="give it once, or once for each mesh")
+    return list(values)
 
 
 def refuse(what: str) -> NoReturn:

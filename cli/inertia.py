@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 from os.path import isfile
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import click
 import numpy as np
@@ -23,6 +23,7 @@ from robodyn.cli.call import (
     Parsed,
     Vector,
     finite_numbers,
+    one_each,
     refuse,
     takes,
     vector_type,
@@ -34,15 +35,12 @@ from robodyn.errors import InputError, MeshError
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.report.document import Document
 from robodyn.solids.inertia.conversions import View, inertial_element
-from robodyn.solids.inertia.properties import MassProperties, Pose
+from robodyn.solids.inertia.properties import Pose
 from robodyn.solids.mesh_mass import Part, mass_properties
 from robodyn.support.floats import Floats
-from robodyn.support.wording import count
 
 if TYPE_CHECKING:
     from robodyn.robot.urdf.parts import Kind
-
-T = TypeVar("T")
 
 
 def _place(text: str) -> Pose:
@@ -252,14 +250,14 @@ def _combined(
 
         return combination_page(found, view, shapes(pictures))
 
-    json, urdf = partial(combination_json, found, view), partial(urdf_lines, found.body)
+    json, urdf = partial(combination_json, found, view), lambda: inertial_element(found.body, "") + "\n"
     answer(call, combination_sections(found, view), document, json=json, urdf=urdf)
 
 
 def _element(outcome: Part | MeshError) -> str:
     """Return the <inertial> of a part; a comment stands for one that there is not."""
     if isinstance(outcome, Part):
-        return urdf_lines(outcome.body)
+        return inertial_element(outcome.body, "") + "\n"
     return f"<!-- {str(outcome).replace('--', '- -')} -->\n"
 
 
@@ -287,21 +285,6 @@ def _measured(
                 outcomes.append(error)
             done()
     return outcomes
-
-
-def urdf_lines(body: MassProperties) -> str:
-    """Return a body as the <inertial> of a link."""
-    return inertial_element(body, "") + "\n"
-
-
-def one_each(values: Sequence[T], files: Sequence[str], option: str) -> list[T | None]:
-    """Return the values of an option for each file, given once for all or once for each."""
-    if len(values) in (0, 1):
-        return [values[0] if values else None] * len(files)
-    if len(values) != len(files):
-        what = f"{option} is given {len(values)} times for {count(len(files), 'mesh', 'meshes')}"
-        raise InputError(what, remedy="give it once, or once for each mesh")
-    return list(values)
 
 
 def check_use(use: str) -> None:

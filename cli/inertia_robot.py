@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from robodyn.cli.call import Call, refuse
+from robodyn.cli.call import Call, one_each, refuse
 from robodyn.cli.files import described
-from robodyn.cli.inertia import one_each, urdf_lines
 from robodyn.cli.progress import counted
 from robodyn.cli.reports import answer
 from robodyn.cli.screen import complain
@@ -22,7 +21,8 @@ from robodyn.robot.masses.declared import link_inertia, robot_inertia
 from robodyn.robot.masses.shapes import How, Reading, link_from_shapes
 from robodyn.robot.masses.shapes import compare as compare_shapes
 from robodyn.robot.urdf.parts import Description, Kind
-from robodyn.solids.inertia.conversions import View
+from robodyn.solids.inertia.conversions import View, inertial_element
+from robodyn.solids.inertia.properties import MassProperties
 from robodyn.support.wording import count
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ def _whole(call: Call, description: Description, view: View, at: Any) -> None:
     found = robot_inertia(description, at)
     checked = _checked(description)
     document = partial(pages.robot_page, found, description, view, checked)
-    json, urdf = partial(robot_json, found, view, checked), partial(urdf_lines, found.body)
+    json, urdf = partial(robot_json, found, view, checked), partial(_urdf, found.body)
     answer(call, robot_sections(found, view, checked), document, json=json, urdf=urdf)
 
 
@@ -89,7 +89,7 @@ def _declared(call: Call, description: Description, view: View, name: str) -> No
     found = link_inertia(description, name)
     checked = _checked(description).of_link(found.name)
     document = partial(pages.link_page, found, description, view, checked)
-    json, urdf = partial(link_json, description.name, found, view, checked), partial(urdf_lines, found.body)
+    json, urdf = partial(link_json, description.name, found, view, checked), partial(_urdf, found.body)
     answer(call, link_sections(description.file, found, view, checked), document, json=json, urdf=urdf)
 
 
@@ -105,5 +105,10 @@ def _from_shapes(
         reading=reading,
     )
     document = partial(pages.link_shapes_page, found, description, view)
-    json, urdf = partial(link_shapes_json, description.name, found, view), partial(urdf_lines, found.body)
+    json, urdf = partial(link_shapes_json, description.name, found, view), partial(_urdf, found.body)
     answer(call, link_shapes_sections(description.file, found, view), document, json=json, urdf=urdf)
+
+
+def _urdf(body: MassProperties) -> str:
+    """Return a body as the <inertial> of a link."""
+    return inertial_element(body, "") + "\n"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, ClassVar
 
@@ -24,6 +24,7 @@ from robodyn.cli.call import (
     TABLE_OUT,
     Call,
     Grouped,
+    Loads,
     refuse,
     takes,
 )
@@ -44,19 +45,6 @@ if TYPE_CHECKING:
 _TABLES = (".csv", ".tsv", ".txt", ".dat", ".parquet", ".pq", ".npz")
 _SAMPLES = "Of a scene's [uncertainty]: run the motion again with N draws of parameters, to compare."
 _MOMENTUM = "Mass centre, momenta, energies, power: report them, and write them to --out."
-
-
-@dataclass(frozen=True)
-class Options:
-    """What `robodyn.torques` is asked for, by its names."""
-
-    momentum: View | None
-    sizing: bool | None
-    samples: int
-    reactions: bool
-    explain: bool
-    executor: str
-    threads: int | None
 
 
 class TorquesCommand(Grouped):
@@ -160,9 +148,7 @@ def command(
         refuse("--cutoff goes with --measured")
     if reactions and not out:
         refuse("--reactions goes to a file, and --out names none")
-    options = Options(
-        _view(momentum, about, frame), sizing or None, samples or 0, reactions, explain, executor, threads
-    )
+    options = Loads(_view(momentum, about, frame), sizing or None, samples or 0, reactions, explain, executor, threads)
     if _is_batch(trajectories, out):
         from robodyn.cli.torques_batch import run_batch
 
@@ -222,7 +208,7 @@ def _single(
     urdf: str,
     trajectory: str,
     out: str | None,
-    options: Options,
+    options: Loads,
     *,
     accuracy: float | None,
     example: bool,

@@ -14,12 +14,11 @@ from typing import Any
 import click
 
 from robodyn.cli.batch import BETWEEN, Job, Setup, failed, jobs_of, run_job
-from robodyn.cli.call import Call, refuse
+from robodyn.cli.call import Call, Loads, refuse
 from robodyn.cli.files import STANDARD_INPUT, inputs_of, robot_in_scene
 from robodyn.cli.progress import files_done
 from robodyn.cli.reports import answer
 from robodyn.cli.screen import complain, show
-from robodyn.cli.torques import Options
 from robodyn.errors import InputError
 from robodyn.loads.many import Batch, Outcome
 from robodyn.loads.torques import check_uncertain
@@ -39,7 +38,7 @@ def run_batch(
     urdf: str,
     trajectories: Sequence[str],
     out: str | None,
-    options: Options,
+    options: Loads,
     *,
     fail_on_limits: bool,
     jobs: int | None,
@@ -69,7 +68,7 @@ def run_batch(
     return 2 if batch.count("failed") else int(fail_on_limits and batch.within_limits is False)
 
 
-def _setup(call: Call, urdf: str, options: Options) -> tuple[Setup, str]:
+def _setup(call: Call, urdf: str, options: Loads) -> tuple[Setup, str]:
     """Return what all trajectories have in common, which is checked here once; and the robot's name."""
     model, scene = robot_in_scene(call, urdf, loops=True, contacts=True)
     assert model.description is not None, "it is read from a file"

@@ -15,8 +15,7 @@ from helpers.command_line import command
 from helpers.terminals import on_terminal
 
 from robodyn.cli.batch import jobs_of
-from robodyn.cli.call import Call
-from robodyn.cli.torques import Options
+from robodyn.cli.call import Call, Loads
 from robodyn.cli.torques_batch import _setup, worked_here
 from robodyn.support.processes import ATTEMPTS
 
@@ -28,7 +27,7 @@ def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def setup():
-    return _setup(Call(), "arm.urdf", Options(None, False, 0, False, False, "numpy", None))[0]
+    return _setup(Call(), "arm.urdf", Loads(None, False, 0, False, False, "numpy", None))[0]
 
 
 def kill_writers(name: str, times: int, children: list[subprocess.Popen[bytes]]) -> None:
