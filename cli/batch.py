@@ -34,8 +34,8 @@ from robodyn.support.files import write_whole
 from robodyn.support.input_file import open_input, read_input
 from robodyn.support.libraries import version_of
 from robodyn.support.threads import write_behind
-from robodyn.trajectory.robot_motion import read_motion
-from robodyn.trajectory.table import FILE_TYPES, READABLE, log_kind
+from robodyn.trajectory.read import read_motion
+from robodyn.trajectory.readers.table import FILE_TYPES, READABLE, log_kind
 from robodyn.trajectory.write import open_writer
 
 REMEDY = "give --out another folder"

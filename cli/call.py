@@ -15,8 +15,8 @@ from robodyn.errors import InputError
 from robodyn.support.extras import need
 from robodyn.support.input_file import read_input
 from robodyn.support.wording import count
+from robodyn.trajectory.columns.units import AngleUnit, TimeUnit
 from robodyn.trajectory.reading import MODES
-from robodyn.trajectory.units import AngleUnit, TimeUnit
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem

@@ -218,7 +218,7 @@ def _single(
     from robodyn.loads.torques import torques
     from robodyn.report.limits import verdict_section
     from robodyn.report.torques import torques_sections
-    from robodyn.trajectory.robot_motion import read_motion
+    from robodyn.trajectory.read import read_motion
     from robodyn.trajectory.write import format_of
 
     check_names()
@@ -312,7 +312,7 @@ def arithmetic_for(call: Call, target: float, trajectory: str, model: Model, sce
         InputError: the trajectory is standard input or has no samples, or the accuracy is beyond doubles.
     """
     from robodyn.measure.accuracy.torques_within import arithmetic_within
-    from robodyn.trajectory.robot_motion import read_motion
+    from robodyn.trajectory.read import read_motion
 
     if trajectory == STANDARD_INPUT:
         raise InputError("--accuracy reads the trajectory twice", remedy="name a file", file="<stdin>")

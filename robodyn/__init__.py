@@ -64,8 +64,8 @@ if TYPE_CHECKING:
     from robodyn.simulation.rollouts import rollouts as rollouts
     from robodyn.simulation.run import simulate as simulate
     from robodyn.solids.mesh_mass import mass_properties as mass_properties
-    from robodyn.trajectory.robot_motion import motion as motion
-    from robodyn.trajectory.robot_motion import read_motion as read_motion
+    from robodyn.trajectory.read import motion as motion
+    from robodyn.trajectory.read import read_motion as read_motion
 
 if not os.path.isdir(os.path.join(os.path.dirname(__file__), "cli")):
     __path__.append(os.path.dirname(os.path.dirname(__file__)))  # of a checkout, where `cli/` stands beside this folder
@@ -107,7 +107,7 @@ _HOMES = {
     "simulation.rollouts": ("rollouts",),
     "simulation.run": ("simulate",),
     "solids.mesh_mass": ("mass_properties",),
-    "trajectory.robot_motion": ("motion", "read_motion"),
+    "trajectory.read": ("motion", "read_motion"),
 }
 __all__ = [name for names in _HOMES.values() for name in names]
 

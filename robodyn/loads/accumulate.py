@@ -22,9 +22,9 @@ from robodyn.robot.limits import binding
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
-from robodyn.trajectory.columns import COMPONENTS
+from robodyn.trajectory.columns.signals import COMPONENTS
 from robodyn.trajectory.motion import Trajectory
-from robodyn.trajectory.robot_motion import sources_of
+from robodyn.trajectory.read import sources_of
 
 if TYPE_CHECKING:
     from robodyn.dynamics.momenta import View

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.trajectory.columns import COMPONENTS
+from robodyn.trajectory.columns.signals import COMPONENTS
 
 
 def output_names(model: Model, reactions: bool, momentum: bool = False, scene: Scene = DEFAULT) -> list[str]:

@@ -29,7 +29,7 @@ from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
 from robodyn.trajectory.motion import Trajectory
-from robodyn.trajectory.robot_motion import sources_of
+from robodyn.trajectory.read import sources_of
 
 
 class ConstraintPass:

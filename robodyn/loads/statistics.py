@@ -8,7 +8,7 @@ import numpy as np
 
 from robodyn.support.floats import BEYOND, Floats, first_of_ties, steady
 from robodyn.support.sums import einsum
-from robodyn.trajectory.columns import COMPONENTS
+from robodyn.trajectory.columns.signals import COMPONENTS
 
 FOUNDATION = (*COMPONENTS, "fxy", "mxy")
 """Of the base wrench in reports: its components, and the resultants in the ground's plane that foundations bear."""

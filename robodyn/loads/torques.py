@@ -18,8 +18,8 @@ from robodyn.support.floats import Floats
 from robodyn.support.threads import prefetch
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.plausible import refuse_units
+from robodyn.trajectory.read import read_motion
 from robodyn.trajectory.reader import TrajectoryReader
-from robodyn.trajectory.robot_motion import read_motion
 
 if TYPE_CHECKING:
     from robodyn.dynamics.momenta import View

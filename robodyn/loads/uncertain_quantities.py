@@ -13,7 +13,7 @@ from robodyn.loads.motors import LEAST, Train, allowed, load_torque, motor_torqu
 from robodyn.robot.model import Joint, Model
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
-from robodyn.trajectory.columns import COMPONENTS
+from robodyn.trajectory.columns.signals import COMPONENTS
 
 _PAIRS = (("radial", 0, 1), ("tilting", 3, 4)), (("radial", 0, 1), ("tilting", 2, 3))
 """Of hinges and of slides, the components of a bearing that are one resultant."""

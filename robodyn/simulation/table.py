@@ -17,13 +17,13 @@ from robodyn.scene.parts import Entry
 from robodyn.scene.scene import Scene
 from robodyn.simulation.rows import NEAR, Piece
 from robodyn.support.floats import Floats
-from robodyn.trajectory.columns import Signals
-from robodyn.trajectory.header import listing
+from robodyn.trajectory.columns.header import listing
+from robodyn.trajectory.columns.signals import Signals
+from robodyn.trajectory.columns.units import TimeUnit
 from robodyn.trajectory.read import open_table
 from robodyn.trajectory.reader import TrajectoryReader
+from robodyn.trajectory.readers.table import ArrayTable
 from robodyn.trajectory.reading import Reading
-from robodyn.trajectory.table import ArrayTable
-from robodyn.trajectory.units import TimeUnit
 
 LOAD, REFERENCE, RATE = "load", "reference", "rate"
 

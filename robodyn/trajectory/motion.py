@@ -1,9 +1,11 @@
-"""The frozen data of a motion."""
+"""The frozen data of a motion; stretches of it cut out, joined, and with their neighbours."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
 
 from robodyn.support.caveats import Caveat
 from robodyn.support.floats import Floats
@@ -128,3 +130,71 @@ def _summary(methods: list[tuple[str, str]]) -> str:
     if len(joints) == 1:
         return methods[0][0]
     return "; ".join(f"{method} ({', '.join(names)})" for method, names in joints.items())
+
+
+def join(parts: list[Trajectory]) -> Trajectory:
+    """Consecutive samples as one trajectory."""
+    if len(parts) == 1:
+        return parts[0]
+    time, q, qd, qdd = (np.concatenate([getattr(part, name) for part in parts]) for name in ("time", "q", "qd", "qdd"))
+    extra = {name: np.concatenate([part.extra[name] for part in parts]) for name in parts[0].extra}
+    notes = tuple(dict.fromkeys(note for part in parts for note in part.notes))
+    stamps = None if parts[0].stamps is None else np.concatenate([part.given_time for part in parts])
+    whole = replace(parts[-1], time=time, q=q, qd=qd, qdd=qdd, extra=extra, notes=notes, stamps=stamps)
+    return replace(whole, first_row=parts[0].first_row, sampling=_joined(parts))
+
+
+def _joined(parts: list[Trajectory]) -> Sampling | None:
+    """How far all parts can be trusted, None if that is not known of one."""
+    known = [part.sampling for part in parts if part.sampling is not None]
+    if len(known) < len(parts):
+        return None
+    off, noise = (np.concatenate([getattr(each, name) for each in known]) for name in ("off", "noise"))
+    off_squares = np.sum([each.off_squares for each in known], axis=0)
+    squares = np.sum([each.squares for each in known], axis=0)
+    guessed, unknown = (any(getattr(each, name) for each in known) for name in ("guessed", "unknown"))
+    others = [each.other for each in known if each.other is not None]
+    other = None
+    if len(others) == len(known):
+        other = np.concatenate([qd for qd, _ in others]), np.concatenate([qdd for _, qdd in others])
+    return Sampling(off, noise, off_squares, squares, guessed, unknown, other)
+
+
+def cut(samples: Trajectory, start: int, stop: int) -> Trajectory:
+    """Samples start to stop."""
+    rows = slice(start, stop)
+    return replace(
+        samples,
+        time=samples.time[rows],
+        q=samples.q[rows],
+        qd=samples.qd[rows],
+        qdd=samples.qdd[rows],
+        extra={name: values[rows] for name, values in samples.extra.items()},
+        first_row=samples.first_row + start,
+        stamps=None if samples.stamps is None else samples.stamps[rows],
+        sampling=None,
+    )
+
+
+def with_neighbours(parts: Iterator[Trajectory], halo: int) -> Iterator[tuple[Trajectory, int, int]]:
+    """Each part with up to `halo` samples before and after it, and where the part begins and ends in that."""
+    before: list[Trajectory] = []
+    waiting: list[Trajectory] = []
+
+    def emit() -> tuple[Trajectory, int, int]:
+        nonlocal before
+        part = waiting.pop(0)
+        past = join([*before, part])
+        start = len(past) - len(part)
+        before = [cut(past, max(0, len(past) - halo), len(past))] if halo else []
+        if not waiting or not halo:
+            return past, start, len(past)
+        future = join(waiting)
+        return join([past, cut(future, 0, min(halo, len(future)))]), start, len(past)
+
+    for part in parts:
+        waiting.append(part)
+        while waiting and sum(map(len, waiting[1:])) >= halo:
+            yield emit()
+    while waiting:
+        yield emit()

@@ -1,4 +1,9 @@
-"""The reader of a table: block by block, missing derivatives filled in; one sample of it."""
+"""The reader of a table: block by block, missing derivatives filled in; one sample of it.
+
+The steps of a block: the table gives columns of numbers (`readers/`), the layout says what they are (`columns/`), they
+become q, qd and qdd in the robot's order, what is missing is derived and what is given compared with the positions
+(`derivatives/`), speeds become 0 where joints stand still, and the units are judged (`plausible.py`).
+"""
 
 from __future__ import annotations
 
@@ -15,22 +20,23 @@ from robodyn.errors import TrajectoryError
 from robodyn.support.caveats import Caveat
 from robodyn.support.floats import Floats
 from robodyn.support.wording import count
-from robodyn.trajectory.assemble import Assembly, cut, with_neighbours
-from robodyn.trajectory.columns import Signals
-from robodyn.trajectory.groups import anew, consistent, given, missing, samples_needed
-from robodyn.trajectory.header import Header, listing
-from robodyn.trajectory.layout import Layout, resolve
-from robodyn.trajectory.motion import FEW, Derivation, Sampling, Trajectory
+from robodyn.trajectory.columns.header import Header, listing
+from robodyn.trajectory.columns.layout import ABSENT, Layout, resolve
+from robodyn.trajectory.columns.signals import Signals
+from robodyn.trajectory.derivatives.groups import anew, given, missing, samples_needed
+from robodyn.trajectory.derivatives.standstill import REACH, Standstill
+from robodyn.trajectory.motion import FEW, Derivation, Sampling, Trajectory, cut, with_neighbours
 from robodyn.trajectory.plausible import Plausibility
+from robodyn.trajectory.readers.table import Table, reason
 from robodyn.trajectory.reading import DEFAULT, MODES, Reading
-from robodyn.trajectory.standstill import REACH, Standstill
-from robodyn.trajectory.table import Table, reason
 
 if TYPE_CHECKING:
-    from robodyn.trajectory.derive import Plan
-    from robodyn.trajectory.given import Given
+    from robodyn.trajectory.derivatives.derive import Plan
+    from robodyn.trajectory.derivatives.given_rates import GivenRates
 
 BLOCK_ROWS = 1 << 15
+NORM_TOLERANCE = 1e-3
+"""Deviation of a quaternion's norm from 1 above which it is reported."""
 _PIECES, _PIECE_ROWS = 16, 4096
 _COMPARED = 4, 1024
 _FEW, _OFTEN = 3, 0.9
@@ -43,10 +49,11 @@ _AT_REST = (
 class TrajectoryReader:
     """Samples of a table, block by block; also a context manager that closes the file.
 
-    columns: the names in the table; size_bytes, position_bytes: length of the file and how much has been read;
-    notes: assumptions made so far; derivation: how velocities and accelerations are derived, None if all are given;
-    caveats: what makes the units doubtful, by all that has been read; followed: joints without columns that loops tell;
-    missing: joints whose velocities or accelerations are not given.
+    Attributes:
+        columns: the names in the table.
+        notes: assumptions made so far; caveats: what makes the units doubtful, by all that has been read.
+        missing: joints whose velocities or accelerations are not given.
+        followed: joints without columns that loops tell.
     """
 
     def __init__(
@@ -61,32 +68,30 @@ class TrajectoryReader:
             what = f"unknown way to differentiate {reading.derivatives!r}"
             raise TrajectoryError(what, remedy=f"one of {listing(MODES)}")
         if table.leaves_out:
-            from robodyn.trajectory.log_table import whole_joints
+            from robodyn.trajectory.readers.log_table import whole_joints
 
             reading = replace(reading, ignore_extra=True, columns=whole_joints(reading.columns, table.names))
-        self._table, self._mode, self._rows = table, reading.derivatives, block_rows
-        self.columns = table.names
+        self._table, self._signals, self._mode, self._rows = table, signals, reading.derivatives, block_rows
+        self._encoder_error, self.columns = reading.encoder_error, table.names
         header = Header(table.names, table.file, table.header_line)
         if header.labels:
             header = header.labelled(table.texts([*header.labels]))
         layout = resolve(header, signals, extra, reading)
         if reading.derivatives == "anew":
             layout = anew(signals, layout)
-        layout = _begun(layout, table)
-        self._assembly = Assembly(signals, layout, table.error_at)
+        self._layout = layout = _begun(layout, table)
         self._groups, assumptions = missing(signals, layout)
         self.missing = tuple(group.name for group in self._groups)
         self._told = given(signals, layout)
-        self._encoder_error = reading.encoder_error
         if reading.derivatives == "none":
             self._groups = self._told = ()
         if reading.derivatives == "given" and self._groups:
-            lost = [group.name for group in self._groups]
-            what = f"velocity or acceleration of {listing(lost)} is not given"
+            what = f"velocity or acceleration of {listing(self.missing)} is not given"
             raise header.error(what, "--derivatives auto derives what is missing")
         self.notes, self.followed = (*table.notes, *layout.notes, *assumptions), layout.followed
         self.caveats: tuple[Caveat, ...] = ()
         self._plan: Plan | None = None
+        self._check: GivenRates | None = None
         self._open: Floats | None = None
 
     @property
@@ -96,10 +101,12 @@ class TrajectoryReader:
 
     @property
     def size_bytes(self) -> int:
+        """Length of the file."""
         return self._table.size_bytes
 
     @property
     def position_bytes(self) -> int:
+        """How much of the file has been read."""
         return self._table.position_bytes
 
     @property
@@ -114,7 +121,7 @@ class TrajectoryReader:
         Raises:
             TrajectoryError: a cell, a row or the time is wrong, or there are too few rows to differentiate.
 
-        Accuracy: the limits of blocks change a derivative by at most 1e-11 of the largest, 1e-13 with unequal stamps.
+        Accuracy: the limits of blocks change a derivative by at most 1e-11 of the largest.
         """
         try:
             yield from self._blocks()
@@ -129,46 +136,47 @@ class TrajectoryReader:
         known: dict[int, tuple[float, float]] = {}
         pieces = self._pieces(*(_PIECES, _PIECE_ROWS) if self._groups else _COMPARED)
         if self._groups:
-            from robodyn.trajectory.derive import plan
+            from robodyn.trajectory.derivatives.derive import plan
 
             mode = "auto" if self._mode == "anew" else self._mode
             self._plan = plan(self._groups, pieces, mode, self._encoder_error)
             self._remember(self._plan.notes)
             known = self._plan.resolutions
-        check: Given | None = None
-        enough = bool(self._told) and max(map(len, pieces), default=0) >= FEW
-        self._open = consistent(self._told, pieces) if enough and not self._groups else None
-        if enough and self._open is None:
-            from robodyn.trajectory.given import against_positions
+        self._check = self._open = None
+        if self._told and max(map(len, pieces), default=0) >= FEW:
+            from robodyn.trajectory.derivatives.given_rates import against_positions, consistent
 
-            check = against_positions(self._told, pieces, self._plan, self._encoder_error)
-        every = self._assembly.signals, self._assembly.layout
-        still = Standstill(*every, pieces, known) if self._mode != "none" else None
-        halo = max(max(self._plan.halo, REACH) if self._plan else 0, check.halo if check else 0)
+            self._open = None if self._groups else consistent(self._told, pieces)
+            if self._open is None:
+                self._check = against_positions(self._told, pieces, self._plan, self._encoder_error)
+        still = Standstill(self._signals, self._layout, pieces, known) if self._mode != "none" else None
+        halo = max(max(self._plan.halo, REACH) if self._plan else 0, self._check.halo if self._check else 0)
         needed = max(1, samples_needed(self._groups))
-        plausible = Plausibility(self._assembly.signals, self._assembly.layout)
+        plausible = Plausibility(self._signals, self._layout)
         for samples, start, stop in with_neighbours(self._samples(), halo):
             if len(samples) == 1 < needed:
                 self._plan = None
                 self._remember([_AT_REST])
             elif len(samples) < needed:
-                self._refuse_short(len(samples), needed)
-            block = self._trusted(samples, check, still, slice(start, stop))
+                what = f"has {count(len(samples), 'row')}, too few to differentiate"
+                remedy = f"give at least {needed} rows, or velocities and accelerations"
+                raise TrajectoryError(what, remedy=remedy, file=self.file)
+            block = self._completed(samples, still, slice(start, stop))
             plausible.update(block if self._plan or not self.missing else _with_rough_speeds(block))
-            self.caveats = (*plausible.caveats(), *(check.caveats if check else ()))
+            self.caveats = (*plausible.caveats(), *(self._check.caveats if self._check else ()))
             yield replace(block, derivation=self.derivation, notes=self.notes, caveats=self.caveats)
 
-    def _trusted(self, samples: Trajectory, check: Given | None, still: Standstill | None, rows: slice) -> Trajectory:
-        """Return some of the samples with the missing columns, speeds of 0 where joints stand still, and how far they
-        can be trusted."""
+    def _completed(self, samples: Trajectory, still: Standstill | None, rows: slice) -> Trajectory:
+        """Some of the samples with the missing columns, speeds of 0 where joints stand still, and how far they can be
+        trusted."""
         known = None
         if self._plan:
-            from robodyn.trajectory.derive import derive, sampling
+            from robodyn.trajectory.derivatives.derive import derive, sampling
 
             samples, noise, off = derive(samples, self._plan)
             known = sampling(samples, self._plan, noise, off, rows)
-        if check:
-            known = check.trusted(samples, known, rows)
+        if self._check:
+            known = self._check.trusted(samples, known, rows)
         elif self._open is not None:
             qdd = samples.qdd[rows]
             known = Sampling(self._open + 0.0 * qdd, 0.0 * qdd, 0.0 * self._open, (qdd**2).sum(axis=0))
@@ -179,9 +187,9 @@ class TrajectoryReader:
 
     def _samples(self) -> Iterator[Trajectory]:
         row, last_time = 1, -math.inf
-        for block in self._table.blocks(self._assembly.layout.needed, self._rows):
+        for block in self._table.blocks(self._layout.needed, self._rows):
             if len(block):
-                samples = self._assembly.samples(block, row, last_time)
+                samples = self._assembled(block, row, last_time)
                 self._remember(samples.notes)
                 row, last_time = row + len(block), float(samples.time[-1])
                 yield samples
@@ -193,19 +201,85 @@ class TrajectoryReader:
         pieces: list[Trajectory] = []
         if not (self._groups or self._told):
             return pieces
-        for block in self._table.pieces(self._assembly.layout.needed, count, rows):
+        for block in self._table.pieces(self._layout.needed, count, rows):
             if len(block) and np.isfinite(block).all():
                 with suppress(TrajectoryError):
-                    pieces.append(self._assembly.samples(block, 1, -math.inf))
+                    pieces.append(self._assembled(block, 1, -math.inf))
         return pieces
 
     def _remember(self, notes: Sequence[str]) -> None:
         self.notes = tuple(dict.fromkeys((*self.notes, *notes)))
 
-    def _refuse_short(self, rows: int, needed: int) -> None:
-        what = f"has {count(rows, 'row')}, too few to differentiate"
-        remedy = f"give at least {needed} rows, or velocities and accelerations"
-        raise TrajectoryError(what, remedy=remedy, file=self._table.file)
+    def _assembled(self, block: Floats, first_row: int, last_time: float) -> Trajectory:
+        """The samples in a block whose columns are `layout.needed`; absent columns are 0, or the identity.
+
+        Args:
+            block: (k, len(layout.needed)), finite.
+            first_row: number of its first row in the table, from 1.
+            last_time: time of the row before it.
+
+        Raises:
+            TrajectoryError: time does not increase, or a quaternion is zero.
+        """
+        layout = self._layout
+        clock, place = layout.clock, {column: i for i, column in enumerate(layout.needed)}
+        stamps, *nano = (block[:, place[column]] for column in clock.columns)
+        time = clock.seconds(stamps, *nano)
+        self._check_time(time, first_row, last_time)
+        q, qd, qdd = (np.zeros((len(block), len(of)), order="F") for of in (layout.q, layout.qd, layout.qdd))
+        for values, of in ((q, layout.q), (qd, layout.qd), (qdd, layout.qdd)):
+            for i, column in enumerate(of):
+                if column != ABSENT:
+                    cells = block[:, place[column]]
+                    values[:, i] = cells / layout.parts[column] if column in layout.parts else cells
+        for i, position in layout.held.items():
+            q[:, i] = position
+        return Trajectory(
+            time,
+            q,
+            qd,
+            qdd,
+            extra={name: block[:, place[column]] for name, column in layout.extra.items()},
+            first_row=first_row,
+            notes=self._normalised(q, first_row),
+            stamps=clock.given(stamps, time),
+            origin=float(clock.start),
+            held={self._signals.positions[i]: position for i, position in layout.held.items()},
+            followed=layout.followed,
+        )
+
+    def _check_time(self, time: Floats, first_row: int, last_time: float) -> None:
+        before = np.concatenate(([last_time], time[:-1]))
+        late = time <= before
+        if late.any():
+            i = int(np.argmax(late))
+            relation = "repeats" if time[i] == before[i] else "is before"
+            since = " s after the first stamp" if self._layout.clock.origin else ""
+            what = f"time {float(time[i])!r}{since} {relation} {float(before[i])!r} of the row before"
+            raise self._table.error_at(first_row + i, what, "time must increase from row to row")
+
+    def _normalised(self, q: Floats, first_row: int) -> tuple[str, ...]:
+        """Give the quaternions in q a norm of 1, and tell where one was off."""
+        notes: list[str] = []
+        for name, (columns, _) in self._signals.spans.items():
+            if len(columns) == 1:
+                continue
+            turn = q[:, columns[3] : columns[-1] + 1]
+            if self._layout.q[columns[3]] == ABSENT:
+                turn[:, 3] = 1.0
+            largest = np.abs(turn).max(axis=1, initial=0.0)
+            if not largest.all():
+                row, what = first_row + int(np.argmin(largest)), f"the quaternion of {name!r} is zero"
+                raise self._table.error_at(row, what, "give a unit quaternion x y z w")
+            turn /= largest[:, None]
+            length = np.sqrt((turn**2).sum(axis=1))
+            turn /= length[:, None]
+            off = np.abs(length * largest - 1.0)
+            if off.max(initial=0.0) > NORM_TOLERANCE:
+                i = int(np.argmax(off))
+                norm = length[i] * largest[i]
+                notes.append(f"{name}: quaternions normalised; row {first_row + i} has norm {norm:.6g}")
+        return tuple(notes)
 
     def close(self) -> None:
         self._table.close()

@@ -1,18 +1,212 @@
-"""Tables of results to files, written whole or not at all."""
+"""Tables of results to files, written whole or not at all, each format in memory that does not grow with the table."""
 
 from __future__ import annotations
 
+import csv
+import io
 import os
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, suppress
-from typing import BinaryIO
+from typing import Any, BinaryIO
+
+import numpy as np
 
 from robodyn.errors import InputError
 from robodyn.support.extras import need
 from robodyn.support.files import cannot_be_written, whole_file
 from robodyn.support.floats import Floats
-from robodyn.trajectory.formats import FORMATS, Format
-from robodyn.trajectory.table import FILE_TYPES
+from robodyn.support.threads import in_threads
+from robodyn.trajectory.readers.table import FILE_TYPES
+
+LARGE = 150_000
+"""Cells above which importing polars (0.1 s) costs less than writing without it."""
+
+PARTS = 4
+"""Parts of a block that are written at once."""
+
+
+def lines_plain(values: Floats) -> bytes:
+    """Rows of values (N, k) as lines of CSV, without polars."""
+    return "".join(",".join(map(shortest, row)) + "\n" for row in values.tolist()).encode()
+
+
+def lines_fast(values: Floats) -> list[bytes]:
+    """Rows of values (N, k) as lines of CSV, through polars: it works on so few rows in one thread only."""
+    return in_threads(_lines, np.array_split(values, PARTS), PARTS)
+
+
+def _lines(values: Floats) -> bytes:
+    import polars as pl
+
+    text = io.BytesIO()
+    frame = pl.DataFrame({str(i): values[:, i] for i in range(values.shape[1])})
+    frame.write_csv(text, include_header=False)
+    return text.getvalue()
+
+
+def shortest(value: float) -> str:
+    """The shortest decimal that reads back as `value`, in the notation of polars: 0.00001, 1.5e-7, 1e+16, NaN."""
+    text = repr(value)
+    mantissa, mark, exponent = text.partition("e")
+    if not mark:
+        return "NaN" if text == "nan" else text
+    power = int(exponent)
+    if power == -5:
+        sign = "-" if value < 0 else ""
+        return f"{sign}0.0000{mantissa.lstrip('-').replace('.', '')}"
+    return f"{mantissa}e{power:+d}"
+
+
+GROUP_ROWS = 1 << 17
+"""Rows of a row group of Parquet."""
+_PART = 1 << 10
+
+
+class Format(ABC):
+    """What the writer asks of a file format."""
+
+    @abstractmethod
+    def begin(self, stream: BinaryIO, names: Sequence[str]) -> None:
+        """Write what stands before the rows."""
+
+    @abstractmethod
+    def add(self, stream: BinaryIO, time: Floats, columns: Floats) -> None:
+        """Write rows, or keep them."""
+
+    def end(self, stream: BinaryIO) -> None:  # noqa: B027
+        """Write what is left, and what stands behind the rows."""
+
+    def close(self) -> None:  # noqa: B027
+        """Give back what is kept beside the stream, whether the table came to its end or not."""
+
+
+class CsvFormat(Format):
+    """Comma-separated text with a header; through polars once the table is large."""
+
+    def __init__(self) -> None:
+        self._cells = 0
+
+    def begin(self, stream: BinaryIO, names: Sequence[str]) -> None:
+        header = io.StringIO()
+        csv.writer(header, lineterminator="\n").writerow(names)
+        stream.write(header.getvalue().encode())
+
+    def add(self, stream: BinaryIO, time: Floats, columns: Floats) -> None:
+        values = _joined(time, columns)
+        self._cells += values.size
+        stream.writelines(lines_fast(values) if self._cells > LARGE else [lines_plain(values)])
+
+
+class ParquetFormat(Format):
+    """Parquet of float64 columns without nulls, compressed by zstd, a row group at a time."""
+
+    def __init__(self) -> None:
+        self._parts: list[Floats] = []
+        self._rows = 0
+
+    def begin(self, stream: BinaryIO, names: Sequence[str]) -> None:
+        import pyarrow as pa
+        from pyarrow.parquet import ParquetWriter
+
+        self._schema = pa.schema([pa.field(name, pa.float64(), nullable=False) for name in names])
+        self._writer = ParquetWriter(_Sink(stream), self._schema, compression="zstd", use_dictionary=False)
+
+    def add(self, stream: BinaryIO, time: Floats, columns: Floats) -> None:
+        self._parts.append(_joined(time, columns))
+        self._rows += len(time)
+        if self._rows >= GROUP_ROWS:
+            self._write_group()
+
+    def _write_group(self) -> None:
+        import pyarrow as pa
+
+        columns = [pa.chunked_array([pa.array(part[:, i]) for part in self._parts]) for i in range(len(self._schema))]
+        self._writer.write_table(pa.Table.from_arrays(columns, schema=self._schema))
+        self._parts, self._rows = [], 0
+
+    def end(self, stream: BinaryIO) -> None:
+        if self._rows:
+            self._write_group()
+        self._writer.close()
+
+
+class _Sink(io.RawIOBase):
+    """A stream as pyarrow's writer wants it, which ends its file even if that was given up and the stream closed."""
+
+    def __init__(self, stream: BinaryIO) -> None:
+        self._stream, self._written = stream, 0
+
+    def writable(self) -> bool:
+        return True
+
+    def write(self, data: Any) -> int:
+        if not self._stream.closed:
+            self._stream.write(data)
+        self._written += len(data)
+        return len(data)
+
+    def tell(self) -> int:
+        return self._written
+
+
+class NpzFormat(Format):
+    """One float64 array per column, as `numpy.savez` stores them.
+
+    An array begins with its length and stands in one piece, so blocks wait in a temporary file, beside the table if
+    that is a file, until the last one is there: on disk the table takes its size twice while it is written.
+    """
+
+    def __init__(self) -> None:
+        self._waiting: Any = None
+        self._lengths: list[int] = []
+
+    def begin(self, stream: BinaryIO, names: Sequence[str]) -> None:
+        from tempfile import TemporaryFile
+
+        self._names = tuple(names)
+        folder = os.path.dirname(os.path.abspath(stream.name)) if os.path.isfile(stream.name) else None
+        self._waiting = TemporaryFile(dir=folder)  # noqa: SIM115
+
+    def add(self, stream: BinaryIO, time: Floats, columns: Floats) -> None:
+        for column in (time, *columns.T):
+            self._waiting.write(np.ascontiguousarray(column).data)
+        self._lengths.append(len(time))
+
+    def end(self, stream: BinaryIO) -> None:
+        from zipfile import ZipFile
+
+        self._waiting.flush()
+        values = np.memmap(self._waiting, np.float64, "r") if any(self._lengths) else np.empty(0)
+        head = {
+            "descr": np.lib.format.dtype_to_descr(values.dtype),
+            "fortran_order": False,
+            "shape": (sum(self._lengths),),
+        }
+        with ZipFile(stream, "w") as archive:
+            for i, name in enumerate(self._names):
+                with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                    np.lib.format.write_array_header_1_0(member, head)
+                    start = 0
+                    for length in self._lengths:
+                        member.write(values[start + i * length : start + (i + 1) * length].data)
+                        start += length * len(self._names)
+
+    def close(self) -> None:
+        if self._waiting:
+            self._waiting.close()
+
+
+def _joined(time: Floats, columns: Floats) -> Floats:
+    """(N, 1 + k), each column contiguous; copied in parts that stay in the cache, for rows may be contiguous."""
+    values = np.empty((1 + columns.shape[1], len(time)))
+    values[0] = time
+    for start in range(0, len(time), _PART):
+        values[1:, start : start + _PART] = columns[start : start + _PART].T
+    return values.T
+
+
+FORMATS: dict[str, type[Format]] = {"csv": CsvFormat, "parquet": ParquetFormat, "npz": NpzFormat}
 
 
 class Writer:

@@ -20,7 +20,7 @@ import polars as pl
 from helpers.machine import machine
 from helpers.markdown_tables import main, table
 
-from robodyn.trajectory.columns import Signal, Signals
+from robodyn.trajectory.columns.signals import Signal, Signals
 from robodyn.trajectory.read import open_trajectory
 from robodyn.trajectory.reader import BLOCK_ROWS
 from robodyn.trajectory.write import open_writer

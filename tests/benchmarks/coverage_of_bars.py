@@ -8,7 +8,7 @@ import numpy as np
 from helpers.markdown_tables import table as markdown
 from helpers.motion_classes import JUDGED, NOISES, Motion, table
 
-from robodyn.trajectory.columns import Signal, Signals
+from robodyn.trajectory.columns.signals import Signal, Signals
 from robodyn.trajectory.read import from_arrays
 
 ONE = Signals((Signal("a", "angle"),))

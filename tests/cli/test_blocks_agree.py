@@ -17,9 +17,8 @@ from robodyn.report.torques_json import torques_json
 from robodyn.robot.load import load
 from robodyn.scene.read import load_scene
 from robodyn.scene.scene import DEFAULT
-from robodyn.trajectory.read import open_trajectory
+from robodyn.trajectory.read import open_trajectory, signals
 from robodyn.trajectory.reading import Reading
-from robodyn.trajectory.robot_motion import signals
 
 CASES = [
     ("scara", "scara_pick_and_place", None),

@@ -14,7 +14,7 @@ from helpers.command_line import run, write_arm
 
 from robodyn.robot.urdf import xacro
 from robodyn.support.input_limits import VARIABLE
-from robodyn.trajectory import table
+from robodyn.trajectory.readers import table
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="needs devices and pipes")
 SIMULATE = ("--duration", "0.01", "--step", "0.005")

@@ -19,7 +19,7 @@ from robodyn.robot.load import load
 from robodyn.scene.parts import Friction, Payload, Spring
 from robodyn.scene.read import load_scene
 from robodyn.scene.scene import Scene
-from robodyn.trajectory.robot_motion import motion
+from robodyn.trajectory.read import motion
 
 
 def split(model, columns):

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from robodyn.trajectory.robot_motion import motion
+from robodyn.trajectory.read import motion
 
 
 class Pieces:

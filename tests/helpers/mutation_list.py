@@ -256,11 +256,15 @@ MUTATIONS = {
         ),
     ],
     "measure/accuracy/test_bars_of_motions.py": [
-        ("trajectory/adaptive.py", "cut[2] + largest", "0.2 * cut[2]"),
-        ("trajectory/estimates.py", "times * noise + WIDER * change", "times * noise"),
+        ("trajectory/derivatives/estimates.py", "cut[2] + largest", "0.2 * cut[2]"),
+        ("trajectory/derivatives/estimates.py", "times * noise + WIDER * change", "times * noise"),
     ],
     "loads/test_largest_torque.py": [
-        ("trajectory/adaptive.py", "weights[np.abs(values - surest) > bars + least] = 0.0", "weights[:] = weights"),
+        (
+            "trajectory/derivatives/estimates.py",
+            "weights[np.abs(values - surest) > bars + least] = 0.0",
+            "weights[:] = weights",
+        ),
     ],
     "dynamics/loops/test_closures.py": [
         ("dynamics/loops/closure.py", "2.0 * cross(to.w, v)", "cross(to.w, v)"),

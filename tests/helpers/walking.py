@@ -19,7 +19,7 @@ from robodyn.robot.model import Model
 from robodyn.scene.parts import Contact
 from robodyn.scene.scene import Scene
 from robodyn.trajectory.motion import Trajectory
-from robodyn.trajectory.robot_motion import motion
+from robodyn.trajectory.read import motion
 
 POINT = ((0.0, 0.0, 0.0),)
 SPACING = 0.02

@@ -5,9 +5,8 @@ from __future__ import annotations
 import os
 from typing import Any
 
-from robodyn.trajectory.assemble import join
-from robodyn.trajectory.columns import Signals
-from robodyn.trajectory.motion import Trajectory
+from robodyn.trajectory.columns.signals import Signals
+from robodyn.trajectory.motion import Trajectory, join
 from robodyn.trajectory.read import open_trajectory
 
 

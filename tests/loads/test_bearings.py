@@ -9,7 +9,7 @@ from helpers.small_robots import random_tree
 
 from robodyn.loads.bearings import frame
 from robodyn.loads.torques import torques
-from robodyn.trajectory.robot_motion import motion
+from robodyn.trajectory.read import motion
 
 
 @pytest.mark.parametrize("axis", [(1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, -1), (0.6, 0, 0.8), (0.36, -0.48, 0.8)])

@@ -18,7 +18,7 @@ from robodyn.loads.columns import output_names
 from robodyn.loads.statistics import Extremes, Greatest
 from robodyn.loads.torques import torques
 from robodyn.programs.run import choice
-from robodyn.trajectory.robot_motion import motion
+from robodyn.trajectory.read import motion
 
 SAMPLES = 400
 TIME = np.sort(np.random.default_rng(3).uniform(0, 4, SAMPLES))

@@ -9,7 +9,7 @@ from helpers.command_line import ROBOTS
 from robodyn.loads.torques import torques
 from robodyn.robot.load import load
 from robodyn.scene.read import parse_scene
-from robodyn.trajectory.robot_motion import motion
+from robodyn.trajectory.read import motion
 
 ROBOT_JOINTS = {"puma560": "shoulder", "scara": "quill", "cylindrical": "column", "two_link_planar": "shoulder"}
 SCENES = {

@@ -18,7 +18,7 @@ from robodyn.loads.torques import torques
 from robodyn.scene.parts import Motor, Rotor
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import first_largest
-from robodyn.trajectory.robot_motion import motion
+from robodyn.trajectory.read import motion
 
 SIZING = reference("sizing")
 LIMITS = '<limit lower="-9" upper="9" effort="1000" velocity="100"/>'

@@ -20,7 +20,7 @@ from robodyn.loads.self_checks import EnergyLedger
 from robodyn.loads.torques import torques
 from robodyn.scene.read import load_scene
 from robodyn.scene.scene import Scene
-from robodyn.trajectory.robot_motion import motion, read_motion
+from robodyn.trajectory.read import motion, read_motion
 
 EXAMPLES = {
     "scara_pick_and_place": ("scara", None),

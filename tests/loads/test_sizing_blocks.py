@@ -15,9 +15,8 @@ from robodyn.loads.torques import torques
 from robodyn.robot.load import load
 from robodyn.scene.parts import Motor, Rotor
 from robodyn.scene.scene import Scene
-from robodyn.trajectory.read import open_trajectory
+from robodyn.trajectory.read import open_trajectory, signals
 from robodyn.trajectory.reading import Reading
-from robodyn.trajectory.robot_motion import signals
 
 
 def test_of_equal_samples_the_first_counts():

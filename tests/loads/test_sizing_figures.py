@@ -16,7 +16,7 @@ from robodyn.loads.statistics import Integrals, Statistics
 from robodyn.loads.torques import torques
 from robodyn.scene.parts import Friction
 from robodyn.scene.scene import Scene
-from robodyn.trajectory.robot_motion import motion
+from robodyn.trajectory.read import motion
 
 SIZING = reference("sizing")
 WEIGHTLESS = Scene(gravity=(0.0, 0.0, 0.0))

@@ -14,7 +14,7 @@ from robodyn.loads.torques import torques
 from robodyn.scene.fit import check_scene
 from robodyn.scene.parts import ExternalWrench, Friction, Immersed, Loop, Motor, Payload, Rotor, Spring
 from robodyn.scene.scene import Scene
-from robodyn.trajectory.robot_motion import motion
+from robodyn.trajectory.read import motion
 
 PUMA = robot("puma560")
 MISFITS = {

@@ -13,7 +13,7 @@ from helpers.command_line import ROBOTS, run
 import robodyn
 from robodyn.errors import TrajectoryError
 from robodyn.support.input_limits import VARIABLE
-from robodyn.trajectory.assemble import join
+from robodyn.trajectory.motion import join
 from robodyn.trajectory.read import open_table
 
 NAMES = ("shoulder", "elbow")

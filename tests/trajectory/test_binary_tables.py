@@ -18,8 +18,7 @@ from robodyn.trajectory.reading import Reading
 
 @pytest.mark.parametrize("rows", [1, 64, ROWS, 5000])
 @pytest.mark.parametrize("source", SOURCES)
-def test_layouts(tmp_path: Path, source: str, rows: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robodyn.trajectory.read_npz._PART", 300)
+def test_layouts(tmp_path: Path, source: str, rows: int) -> None:
     found = blocks(stored(tmp_path, numbers(), source), rows)
     assert max(map(len, found)) <= rows
     np.testing.assert_array_equal(np.concatenate(found), numbers())

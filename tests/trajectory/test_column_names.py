@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from robodyn.errors import InputError, TrajectoryError
-from robodyn.trajectory.columns import Signal, Signals
-from robodyn.trajectory.header import Header
-from robodyn.trajectory.layout import ABSENT, resolve
+from robodyn.trajectory.columns.header import Header
+from robodyn.trajectory.columns.layout import ABSENT, resolve
+from robodyn.trajectory.columns.signals import Signal, Signals
 from robodyn.trajectory.reading import Reading
 
 ARM = Signals((Signal("shoulder", "angle"), Signal("elbow", "continuous"), Signal("lift", "length")))

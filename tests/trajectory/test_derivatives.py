@@ -11,10 +11,16 @@ from scipy.interpolate import make_interp_spline
 from scipy.signal import savgol_filter
 
 from robodyn.errors import TrajectoryError
-from robodyn.trajectory.columns import Signal, Signals
-from robodyn.trajectory.derivatives import CENTRAL, SPLINE, Method, differentiate, equal_spacing, savgol
-from robodyn.trajectory.local_polynomials import at_samples
-from robodyn.trajectory.quintic import spline_rates
+from robodyn.trajectory.columns.signals import Signal, Signals
+from robodyn.trajectory.derivatives.differentiate import (
+    CENTRAL,
+    SPLINE,
+    Method,
+    differentiate,
+    equal_spacing,
+    savgol,
+)
+from robodyn.trajectory.derivatives.polynomials import at_samples
 from robodyn.trajectory.read import from_arrays
 from robodyn.trajectory.reading import Reading
 
@@ -39,12 +45,12 @@ GAINS = [
 @pytest.mark.parametrize(("window", "order", "first", "second"), GAINS)
 def test_gains_of_savitzky_golay(window: int, order: int, first: float, second: float) -> None:
     found = Method("savgol", window, order).gains
-    np.testing.assert_allclose((found.first, found.second), (first, second), rtol=1e-9)
+    np.testing.assert_allclose(found[:, -1], (first, second), rtol=1e-9)
 
 
 def test_gains_of_central_differences() -> None:
     found = CENTRAL.gains
-    np.testing.assert_allclose((found.first, found.second), (1 / np.sqrt(2), np.sqrt(6)), rtol=4 * EPS)
+    np.testing.assert_allclose(found[:, -1], (1 / np.sqrt(2), np.sqrt(6)), rtol=4 * EPS)
 
 
 def test_gains_of_the_spline() -> None:
@@ -53,7 +59,7 @@ def test_gains_of_the_spline() -> None:
     impulse[150] = 1.0
     curve = make_interp_spline(np.arange(301.0), impulse, k=5)
     expected = [np.linalg.norm(curve(np.arange(301.0), order)) for order in (1, 2)]
-    np.testing.assert_allclose((SPLINE.gains.first, SPLINE.gains.second), expected, rtol=1e-13)
+    np.testing.assert_allclose(SPLINE.gains[:, -1], expected, rtol=1e-13)
 
 
 def sine(time: Array) -> tuple[Array, Array, Array]:
@@ -262,7 +268,7 @@ def test_a_quintic_comes_back_from_the_spline(count: int) -> None:
     time = np.cumsum(np.random.default_rng(5).uniform(0.5, 1.5, count))
     time *= 12.0 / time[-1]
     p = np.polynomial.Polynomial([1, -1, 2, 0.5, -0.25, 0.125])
-    first, second = (rate[:, 0] for rate in spline_rates(np.diff(time), np.diff(p(time))[:, None]))
+    first, second = (rate[:, 0] for rate in differentiate(time, p(time)[:, None], SPLINE))
     shortest = np.diff(time).min()
     assert np.abs(first - p.deriv(1)(time)).max() < 10 * EPS * np.abs(p(time)).max() / shortest
     assert np.abs(second - p.deriv(2)(time)).max() < 20 * EPS * np.abs(p(time)).max() / shortest**2

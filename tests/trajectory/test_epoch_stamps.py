@@ -10,7 +10,7 @@ import pytest
 from helpers.whole_tables import read_trajectory
 
 from robodyn.errors import TrajectoryError
-from robodyn.trajectory.columns import Signal, Signals
+from robodyn.trajectory.columns.signals import Signal, Signals
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.read import from_arrays, open_trajectory
 from robodyn.trajectory.reader import row_at
@@ -55,7 +55,7 @@ def tables(folder: Path) -> list[tuple[Path, Reading]]:
 @pytest.mark.parametrize("large", [1 << 60, -1], ids=["lines", "polars"])
 def test_times_are_exact_in_every_form(large: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """To the bit those of the differences; through doubles they would be off by up to 128 ns."""
-    monkeypatch.setattr("robodyn.trajectory.read_csv.LARGE", large)
+    monkeypatch.setattr("robodyn.trajectory.readers.csv_table.LARGE", large)
     for path, reading in tables(tmp_path):
         found = read_trajectory(path, ONE, reading=reading)
         np.testing.assert_array_equal(found.time, TIME, err_msg=path.name)
@@ -115,7 +115,7 @@ def test_blocks_count_from_the_same_origin(tmp_path: Path) -> None:
 def test_bad_stamps_are_told_with_their_line(
     row: str, message: str, large: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("robodyn.trajectory.read_csv.LARGE", large)
+    monkeypatch.setattr("robodyn.trajectory.readers.csv_table.LARGE", large)
     path = csv(tmp_path / "t.csv", "%time", [f"{stamp}" for stamp in STAMPS])
     path.write_text(f"{path.read_text()}{row}\n")
     with pytest.raises(TrajectoryError, match=message):

@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from robodyn.errors import TrajectoryError
-from robodyn.trajectory.columns import Signal, Signals
+from robodyn.trajectory.columns.signals import Signal, Signals
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.reader import TrajectoryReader
+from robodyn.trajectory.readers.table import ArrayTable
 from robodyn.trajectory.reading import Reading
-from robodyn.trajectory.table import ArrayTable
 
 Array = NDArray[np.float64]
 FREE = Signals((Signal("base", "floating"),))

@@ -15,7 +15,7 @@ from robodyn.dynamics.plan import plan
 from robodyn.errors import TrajectoryError
 from robodyn.loads.dependent_joints import Follower
 from robodyn.scene.parts import Contact
-from robodyn.trajectory.assemble import join
+from robodyn.trajectory.motion import join
 
 SIX = ("fx", "fy", "fz", "mx", "my", "mz")
 

@@ -10,12 +10,12 @@ import pytest
 from helpers.whole_tables import read_trajectory
 
 from robodyn.errors import TrajectoryError
-from robodyn.trajectory.columns import Signal, Signals
-from robodyn.trajectory.header import Header
-from robodyn.trajectory.layout import resolve
+from robodyn.trajectory.columns.header import Header
+from robodyn.trajectory.columns.layout import resolve
+from robodyn.trajectory.columns.signals import Signal, Signals
+from robodyn.trajectory.columns.units import unit_of
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.reading import Reading
-from robodyn.trajectory.units import unit_of
 
 ARM = Signals((Signal("elbow", "angle"), Signal("lift", "length")), dependent=("finger",))
 GIVEN = Reading("given")

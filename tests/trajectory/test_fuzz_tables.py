@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.errors import TrajectoryError
-from robodyn.trajectory.columns import Signal, Signals
+from robodyn.trajectory.columns.signals import Signal, Signals
 
 SIGNALS = Signals((Signal("a", "continuous"), Signal("b", "length")))
 FREE = Signals((Signal("base", "floating"),))
@@ -100,9 +100,9 @@ def check_both(folder: Path, data: bytes, signals: Signals) -> None:
     path = folder / "t.csv"
     path.write_bytes(data)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("robodyn.trajectory.read_csv.LARGE", 1 << 60)
+        patch.setattr("robodyn.trajectory.readers.csv_table.LARGE", 1 << 60)
         plain = outcome(path, signals)
-        patch.setattr("robodyn.trajectory.read_csv.LARGE", -1)
+        patch.setattr("robodyn.trajectory.readers.csv_table.LARGE", -1)
         assert outcome(path, signals) == plain
 
 

@@ -13,7 +13,7 @@ from helpers.oracles import ROBOTS, robot
 
 import robodyn
 from robodyn.report.limits import limits_verdict
-from robodyn.trajectory.columns import Signal, Signals
+from robodyn.trajectory.columns.signals import Signal, Signals
 from robodyn.trajectory.read import from_arrays
 
 ONE = Signals((Signal("a", "angle"),))

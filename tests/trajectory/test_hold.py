@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from robodyn.errors import TrajectoryError
-from robodyn.trajectory.columns import Signal, Signals
+from robodyn.trajectory.columns.signals import Signal, Signals
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.reader import TrajectoryReader
+from robodyn.trajectory.readers.table import ArrayTable
 from robodyn.trajectory.reading import HoldGiven, Reading, hold_of
-from robodyn.trajectory.table import ArrayTable
 
 ARM = Signals(
     (Signal("wrist", "angle", -2.0, 2.0), Signal("elbow", "angle", 0.5, 2.0), Signal("lift", "length", -0.5, -0.1)),

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from robodyn.trajectory.choose import WINDOWS
-from robodyn.trajectory.columns import Signal, Signals
-from robodyn.trajectory.derivatives import differentiate, savgol
+from robodyn.trajectory.columns.signals import Signal, Signals
+from robodyn.trajectory.derivatives.derivative_selection import WINDOWS
+from robodyn.trajectory.derivatives.differentiate import differentiate, savgol
+from robodyn.trajectory.derivatives.noise import quantum
 from robodyn.trajectory.motion import JointDerivation, Trajectory
-from robodyn.trajectory.noise import quantum
 from robodyn.trajectory.read import from_arrays
 from robodyn.trajectory.reading import Reading
 

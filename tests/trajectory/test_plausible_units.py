@@ -23,8 +23,7 @@ from robodyn.scene.read import load_scene
 from robodyn.scene.scene import Scene
 from robodyn.support.caveats import Caveat, WrongUnits
 from robodyn.trajectory.motion import Trajectory
-from robodyn.trajectory.read import open_trajectory
-from robodyn.trajectory.robot_motion import motion, read_motion, signals
+from robodyn.trajectory.read import motion, open_trajectory, read_motion, signals
 
 SLIPS = {"ms": (1e3, 1.0), "us": (1e6, 1.0), "ns": (1e9, 1.0), "deg": (1.0, 180 / np.pi)}
 """What a slip multiplies stamps and angles by."""

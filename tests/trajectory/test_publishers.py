@@ -8,12 +8,12 @@ from helpers.command_line import ROBOTS, run
 
 import robodyn
 from robodyn.errors import TrajectoryError
-from robodyn.trajectory.assemble import join
-from robodyn.trajectory.log_messages import NANO, State
-from robodyn.trajectory.log_table import LogTable
+from robodyn.trajectory.motion import join
+from robodyn.trajectory.read import signals
 from robodyn.trajectory.reader import TrajectoryReader
+from robodyn.trajectory.readers.log_table import LogTable
+from robodyn.trajectory.readers.messages import NANO, State
 from robodyn.trajectory.reading import Reading, hold_of
-from robodyn.trajectory.robot_motion import signals
 
 ROBOT = ROBOTS / "two_link_planar.urdf"
 STEP = 8_000_000

@@ -15,7 +15,7 @@ import pytest
 from helpers.whole_tables import read_trajectory
 
 from robodyn.errors import TrajectoryError
-from robodyn.trajectory.columns import Signal, Signals
+from robodyn.trajectory.columns.signals import Signal, Signals
 from robodyn.trajectory.read import from_arrays, open_trajectory
 from robodyn.trajectory.reading import Reading
 
@@ -26,7 +26,7 @@ HEADER = "time,q_a,q_b,qd_a,qd_b,qdd_a,qdd_b\n"
 
 @pytest.fixture(params=[SMALL, LARGE], ids=["plain", "polars"])
 def either_path(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robodyn.trajectory.read_csv.LARGE", request.param)
+    monkeypatch.setattr("robodyn.trajectory.readers.csv_table.LARGE", request.param)
 
 
 def numbers(rows: int = 5) -> np.ndarray:
@@ -237,10 +237,10 @@ BAD_BINARY = [
     (
         "t.parquet",
         parquet(time=T, a=pl.Series(["x"] * 3, dtype=pl.Categorical), b=T),
-        "column 'a' holds dictionary",
+        "column 'a' holds categorical",
     ),
     ("t.parquet", parquet(time=T, a=[[1.0]] * 3, b=T), "column 'a' holds list, not numbers"),
-    ("t.parquet", parquet(time=T, a=[True] * 3, b=T), "column 'a' holds bool, not numbers"),
+    ("t.parquet", parquet(time=T, a=[True] * 3, b=T), "column 'a' holds boolean, not numbers"),
     ("t.parquet", parquet(time=T, a=[1.0, None, 2.0], b=T), "row 2: column 'a' is empty or NaN"),
     ("t.parquet", parquet(time=T, a=[1.0, 2.0, np.inf], b=T), "row 3: column 'a' is inf"),
     ("t.parquet", parquet(time=T * 0, a=T, b=T), "row 2: time 0.0 repeats 0.0"),
@@ -315,7 +315,7 @@ def test_bad_arrays(arrays: tuple[object, object], message: str) -> None:
 PROGRAM = """
 import sys
 from robodyn.errors import InputError
-from robodyn.trajectory.columns import Signal, Signals
+from robodyn.trajectory.columns.signals import Signal, Signals
 from robodyn.trajectory.read import open_trajectory
 from robodyn.trajectory.reading import Reading
 try:
@@ -339,7 +339,7 @@ def test_standard_input_and_pipes(path: str, name: str, more: str, output: str) 
 
 
 def test_line_of_a_late_row_in_a_large_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robodyn.trajectory.read_csv.LARGE", LARGE)
+    monkeypatch.setattr("robodyn.trajectory.readers.csv_table.LARGE", LARGE)
     rows = [f"{i},{i % 7},1" for i in range(50_000)]
     rows[40_000] += "x"
     with pytest.raises(TrajectoryError, match=r"t.csv:40002: column 'q_b': '1x' is not a number"):

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robodyn.trajectory.columns import Signal, Signals
+from robodyn.trajectory.columns.signals import Signal, Signals
+from robodyn.trajectory.derivatives.standstill import resolution, standing
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.read import from_arrays, open_trajectory
-from robodyn.trajectory.standstill import resolution, standing
 from robodyn.trajectory.write import open_writer
 
 ONE = Signals((Signal("a", "angle", -10.0, 10.0, 100.0),))

@@ -13,42 +13,14 @@ import polars as pl
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from helpers.table_files import NAMES, ROWS, SIGNALS, blocks, columns, numbers, stored
+from helpers.table_files import NAMES, ROWS, blocks, columns, numbers
 
-from robodyn.trajectory.formats import GROUP_ROWS
-from robodyn.trajectory.read import open_trajectory
-from robodyn.trajectory.write import open_writer
-
-
-def most_held(path: Path, rows: int) -> int:
-    """Bytes of Python, NumPy and Arrow at the most while a file is read in blocks."""
-    before = pa.total_allocated_bytes()
-    tracemalloc.start()
-    with open_trajectory(path, SIGNALS, block_rows=rows) as reader:
-        arrow = max(pa.total_allocated_bytes() - before for _ in reader.blocks())
-    most = tracemalloc.get_traced_memory()[1]
-    tracemalloc.stop()
-    return most + arrow
-
-
-@pytest.mark.parametrize("source", ["columns stored", "matrices deflated", "one group", "groups"])
-def test_reading_holds_a_block(tmp_path: Path, source: str) -> None:
-    """Four times the rows, 1.7 MB more as numbers, in the same memory, be it one row group or many."""
-    held = []
-    for rows in (10_000, 40_000):
-        if "group" not in source:
-            path = stored(tmp_path, numbers(rows), source)
-        else:
-            path, size = tmp_path / "t.parquet", rows if source == "one group" else 1000
-            table = pa.table(columns(numbers(rows)))
-            pq.write_table(table, path, row_group_size=size, data_page_size=20_000, use_dictionary=False)
-        held.append(most_held(path, 500))
-    assert held[1] - held[0] <= 200_000
+from robodyn.trajectory.write import GROUP_ROWS, open_writer
 
 
 @pytest.mark.parametrize("suffix", ["npz", "parquet"])
 def test_writing_holds_a_part(tmp_path: Path, suffix: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robodyn.trajectory.formats.GROUP_ROWS", 1000)
+    monkeypatch.setattr("robodyn.trajectory.write.GROUP_ROWS", 1000)
     most = []
     for rows in (10_000, 40_000):
         values, held = numbers(rows), []

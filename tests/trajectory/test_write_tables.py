@@ -19,10 +19,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.errors import InputError
-from robodyn.trajectory.columns import Signal, Signals
-from robodyn.trajectory.formats import CsvFormat, NpzFormat, ParquetFormat, lines_fast, lines_plain
+from robodyn.trajectory.columns.signals import Signal, Signals
 from robodyn.trajectory.reading import Reading
-from robodyn.trajectory.write import Writer, open_writer
+from robodyn.trajectory.write import CsvFormat, NpzFormat, ParquetFormat, Writer, lines_fast, lines_plain, open_writer
 
 SUFFIXES = ["csv", "parquet", "npz"]
 FORMATS = {"csv": CsvFormat, "parquet": ParquetFormat, "npz": NpzFormat}
@@ -84,7 +83,7 @@ def test_notations() -> None:
 
 def test_large_tables_go_through_polars(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name, limit in (("small.csv", 10**9), ("large.csv", 10)):
-        monkeypatch.setattr("robodyn.trajectory.formats.LARGE", limit)
+        monkeypatch.setattr("robodyn.trajectory.write.LARGE", limit)
         with open_writer(tmp_path / name, ["a", "b"]) as writer:
             fill(writer)
     assert (tmp_path / "small.csv").read_bytes() == (tmp_path / "large.csv").read_bytes()

@@ -34,7 +34,7 @@ def limits_along_motion(context: Context) -> Faults:
     if context.asked.trajectory is None:
         return
     from robodyn.loads.torques import torques
-    from robodyn.trajectory.robot_motion import read_motion
+    from robodyn.trajectory.read import read_motion
 
     with read_motion(context.asked.trajectory, context.model, **context.asked.reading) as motion:
         result = torques(context.model, motion)

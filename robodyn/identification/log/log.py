@@ -17,9 +17,9 @@ from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.caveats import Caveat
 from robodyn.support.floats import Floats
 from robodyn.support.input_file import open_input
+from robodyn.trajectory.derivatives.noise import estimate
 from robodyn.trajectory.motion import Trajectory
-from robodyn.trajectory.noise import estimate
-from robodyn.trajectory.robot_motion import read_motion
+from robodyn.trajectory.read import read_motion
 
 _COARSE = 0.01
 """Of a torque's range: steps that are told."""

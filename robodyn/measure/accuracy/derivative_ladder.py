@@ -16,8 +16,8 @@ from robodyn.programs.run.numpy_blocks import NumpyBlocks
 from robodyn.robot.model import Model
 from robodyn.support.floats import Floats
 from robodyn.trajectory.motion import Derivation, Trajectory
+from robodyn.trajectory.read import motion, sources_of
 from robodyn.trajectory.reading import MODES
-from robodyn.trajectory.robot_motion import motion, sources_of
 
 MEASURES = "middle", "whole"
 SEED = 0

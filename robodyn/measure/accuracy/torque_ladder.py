@@ -26,7 +26,7 @@ from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.extras import need
 from robodyn.support.floats import first_largest
 from robodyn.trajectory.motion import Trajectory
-from robodyn.trajectory.robot_motion import read_motion, sources_of
+from robodyn.trajectory.read import read_motion, sources_of
 
 SAMPLES = 16
 """Of the motion, evenly spaced, on which errors are measured."""

@@ -16,7 +16,7 @@ from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.extras import need
 from robodyn.trajectory.motion import Trajectory
-from robodyn.trajectory.robot_motion import sources_of
+from robodyn.trajectory.read import sources_of
 
 SAMPLES = 64
 """Of the motion, evenly spaced, on which errors are measured."""

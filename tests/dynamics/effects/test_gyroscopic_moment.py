@@ -29,7 +29,7 @@ from robodyn.scene.parts import CoupledMotor, Friction, Loop, Motor, Rotor
 from robodyn.scene.read import parse_scene
 from robodyn.scene.scene import Scene
 from robodyn.scene.uncertainty import Covariance, Uncertainty
-from robodyn.trajectory.robot_motion import motion
+from robodyn.trajectory.read import motion
 
 SAMPLES = 20
 ROTORS = {

@@ -20,7 +20,7 @@ from robodyn.report.scene_toml import scene_toml
 from robodyn.scene.parts import CoupledMotor, Friction
 from robodyn.scene.read import parse_scene
 from robodyn.scene.scene import Scene
-from robodyn.trajectory.robot_motion import motion
+from robodyn.trajectory.read import motion
 
 SAMPLES = 40
 LOADS = {"j1": 0.03, "j2": 0.2, "slide": 0.5, "j4": 0.1}

@@ -41,7 +41,7 @@ from robodyn.programs.run.multiprecision import Multiprecision
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.solids.mesh.integrate.integrals import integrate
 from robodyn.solids.mesh.read.load import from_array
-from robodyn.trajectory.robot_motion import motion, sources_of
+from robodyn.trajectory.read import motion, sources_of
 
 ENOUGH = 0.95
 

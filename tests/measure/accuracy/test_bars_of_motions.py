@@ -15,7 +15,7 @@ from helpers.sampled import sampled
 from helpers.small_robots import built, joint, link
 
 import robodyn
-from robodyn.trajectory.columns import Signal, Signals
+from robodyn.trajectory.columns.signals import Signal, Signals
 from robodyn.trajectory.read import from_arrays
 from robodyn.trajectory.reading import Reading
 

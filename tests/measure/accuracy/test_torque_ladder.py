@@ -16,7 +16,7 @@ from robodyn.measure.accuracy.torque_ladder import file_accuracy, torque_accurac
 from robodyn.robot.load import load
 from robodyn.scene.scene import DEFAULT
 from robodyn.trajectory.motion import Derivation, JointDerivation
-from robodyn.trajectory.robot_motion import motion, read_motion
+from robodyn.trajectory.read import motion, read_motion
 
 SCARA, MOTION = ROBOTS / "scara.urdf", str(ROBOTS / "scara_pick_and_place.csv")
 

@@ -16,7 +16,7 @@ from robodyn.measure.accuracy.inertia_within import needs_rationals, with_promis
 from robodyn.measure.accuracy.torques_within import PAIRS, ROUNDING, arithmetic_within
 from robodyn.programs.run.multiprecision import Multiprecision
 from robodyn.scene.scene import DEFAULT
-from robodyn.trajectory.robot_motion import motion, sources_of
+from robodyn.trajectory.read import motion, sources_of
 
 SCARA = (str(ROBOTS / "scara.urdf"), str(ROBOTS / "scara_pick_and_place.csv"))
 

@@ -8,10 +8,10 @@ from typing import Any
 from robodyn.errors import TrajectoryError
 from robodyn.support.extras import need
 from robodyn.support.input_file import parse_json, read_input
-from robodyn.trajectory.log_messages import KINDS, TRAJECTORY, State, states_of
-from robodyn.trajectory.log_table import LogTable
-from robodyn.trajectory.table import decoding
-from robodyn.trajectory.yaml_values import yaml_documents
+from robodyn.trajectory.readers.log_table import LogTable
+from robodyn.trajectory.readers.messages import KINDS, TRAJECTORY, State, states_of
+from robodyn.trajectory.readers.table import decoding
+from robodyn.trajectory.readers.yaml_values import yaml_documents
 
 _KEYS = {"JointState": {"name", "position"}, "DynamicJointState": {"joint_names", "interface_values"}}
 _KEYS |= {TRAJECTORY: {"joint_names", "points"}}

@@ -11,8 +11,8 @@ from typing import Any, BinaryIO
 from robodyn.errors import TrajectoryError
 from robodyn.support.input_file import read_input, vetted
 from robodyn.support.input_limits import beyond, limits
-from robodyn.trajectory.table import METADATA
-from robodyn.trajectory.yaml_values import yaml_documents
+from robodyn.trajectory.readers.table import METADATA
+from robodyn.trajectory.readers.yaml_values import yaml_documents
 
 _LEAST = 1 << 28
 """Bytes that may always come out of a bag."""

@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import Literal, NamedTuple
 
 from robodyn.errors import InputError
-from robodyn.trajectory.units import split_unit, unit_of
+from robodyn.trajectory.columns.units import split_unit, unit_of
 
 Kind = Literal["angle", "continuous", "length", "floating"]
 Quantity = Literal["q", "qd", "qdd", "tau"]

@@ -17,7 +17,7 @@ import numpy as np
 from robodyn.errors import TrajectoryError
 from robodyn.support.floats import Floats
 from robodyn.support.wording import count
-from robodyn.trajectory.table import ALL_FINITE
+from robodyn.trajectory.readers.table import ALL_FINITE
 
 if TYPE_CHECKING:
     from decimal import Decimal

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from robodyn.support.floats import Floats, median
-from robodyn.trajectory.derivatives import equal_spacing
-from robodyn.trajectory.windows import SIZES, windows
+from robodyn.trajectory.derivatives.differentiate import equal_spacing
+from robodyn.trajectory.derivatives.polynomials import SIZES, windows
 
 HIGHEST = 14
 """Highest difference looked at."""
-_ORDERS = range(1, HIGHEST + 1)
 _LEVEL = 0.7
 """Ratio of successive differences above which they no longer fall: white noise has 1, n samples a period sin(pi/n)"""
 _STILL = 32
@@ -26,13 +25,19 @@ _UNSURE = 2.0
 _MEDIAN = 0.6744897501960817
 
 
+@dataclass(frozen=True)
+class Noise:
+    """White noise found in a signal: standard deviation, grid, and why no noise is claimed where it might be."""
+
+    sigma: float
+    quantum: float
+    warning: str = ""
+
+
 def quantum(values: Floats) -> float:
-    """The step of the grid on which all values lie (decimals, encoder counts), 0 if they lie on none.
+    """The step of the grid on which all values (N,) lie (decimals, encoder counts), 0 if they lie on none.
 
     The greatest common divisor of the gaps between distinct values, by Euclid's algorithm with a tolerance of 1 %.
-
-    Args:
-        values: (N,).
     """
     levels = np.unique(values)
     if len(levels) < 2:
@@ -49,46 +54,31 @@ def quantum(values: Floats) -> float:
     return 0.0
 
 
-def weights(time: Floats) -> list[Floats]:
-    """For p = 1..HIGHEST the 2-norm (N - p,) of the weights of the p-th divided differences of stamps a unit apart."""
-    if equal_spacing(time):
-        return [np.full(len(time) - p, math.sqrt(math.comb(2 * p, p)) / math.factorial(p)) for p in _ORDERS]
-    norms = []
-    table = np.ones((len(time), 1))
-    for p in _ORDERS:
-        gap = (time[p:] - time[:-p])[:, None]
-        new = np.zeros((len(time) - p, p + 1))
-        new[:, 1:] = table[1:]
-        new[:, :-1] -= table[:-1]
-        table = new / gap
-        norms.append(np.sqrt((table**2).sum(axis=1)))
-    return norms
+def _differences(time: Floats, values: Floats) -> Iterator[Floats]:
+    """For p = 1..HIGHEST the divided differences (N - p,), scaled to keep the standard deviation of white noise.
+
+    Args:
+        time: (N,) stamps about a unit apart.
+    """
+    even = bool(equal_spacing(time))
+    weights = np.ones((len(time), 1))
+    for p in range(1, HIGHEST + 1):
+        gap = time[p:] - time[:-p]
+        values = np.diff(values) / gap
+        if even:
+            yield values / (math.sqrt(math.comb(2 * p, p)) / math.factorial(p))
+            continue
+        weights = np.pad(weights[1:], ((0, 0), (1, 0))) - np.pad(weights[:-1], ((0, 0), (0, 1)))
+        weights /= gap[:, None]
+        yield values / np.sqrt((weights**2).sum(axis=1))
 
 
-def differences(time: Floats, values: Floats, norms: list[Floats]) -> list[Floats]:
-    """For p = 1..HIGHEST the p-th divided differences, scaled to keep the standard deviation of white noise."""
-    found = []
-    for p, norm in enumerate(norms, start=1):
-        values = np.diff(values) / (time[p:] - time[:-p])
-        found.append(values / norm)
-    return found
-
-
-def moving(values: Floats) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+def _moving(values: Floats) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
     """Whether each sample has a change within 32 samples; resting stretches say nothing about noise."""
     changes = np.concatenate(([0], np.cumsum(np.diff(values) != 0.0)))
-    last = len(changes) - 1
     index = np.arange(len(values))
-    return np.asarray(changes[np.minimum(index + _STILL, last)] > changes[np.maximum(index - _STILL, 0)])
-
-
-@dataclass(frozen=True)
-class Noise:
-    """White noise found in a signal: standard deviation, grid, and why no noise is claimed where it might be."""
-
-    sigma: float
-    quantum: float
-    warning: str = ""
+    after, before = np.minimum(index + _STILL, len(changes) - 1), np.maximum(index - _STILL, 0)
+    return np.asarray(changes[after] > changes[before])
 
 
 def estimate(runs: Sequence[tuple[Floats, Floats, Floats]]) -> Noise:
@@ -125,19 +115,27 @@ def _of_column(runs: Sequence[tuple[Floats, Floats, Floats]]) -> Noise:
             continue
         even = np.arange(len(time), dtype=np.float64)
         unit = even if equal_spacing(time) else (time - time[0]) / median(np.diff(time))
-        active = moving(values)
+        active = _moving(values)
         jumps.append(np.abs(np.diff(values))[active[1:]])
-        for p, difference in enumerate(differences(unit, values, weights(unit)), start=1):
-            scaled[p - 1].append(np.abs(difference[active[: len(difference)]]))
-    sizes = [np.concatenate(parts) if parts else np.zeros(0) for parts in scaled]
-    if not sizes[-1].size:
+        for sizes, difference in zip(scaled, _differences(unit, values), strict=True):
+            sizes.append(np.abs(difference[active[: len(difference)]]))
+    sizes_of_order = [np.concatenate(parts) if parts else np.zeros(0) for parts in scaled]
+    if not sizes_of_order[-1].size:
         return Noise(0.0, grid)
     fine = 0.0 < grid <= FINEST_ENCODER
-    sigma = _floor([median(size) / _MEDIAN for size in sizes])
+    sigma = _floor([median(size) / _MEDIAN for size in sizes_of_order])
     if fine:
-        spread = _floor([float(np.sqrt((size**2).mean())) for size in sizes])
+        spread = _floor([float(np.sqrt((size**2).mean())) for size in sizes_of_order])
         sigma = max(sigma, min(spread, grid / math.sqrt(12.0)))
-    return _judge(sigma, grid, fine, np.concatenate(jumps), raw)
+    leaps = (changes := np.concatenate(jumps))[changes > 0.0]
+    if 0 < 2 * len(leaps) < len(changes) and not (fine and median(leaps) <= 4.0 * grid):
+        return Noise(0.0, grid, "most samples repeat the one before, then jump; steps are not smoothed")
+    largest, span = float(np.abs(raw).max()), float(raw.max() - raw.min())
+    if sigma <= 8.0 * float(np.finfo(np.float64).eps) * largest:
+        return Noise(0.0, grid)
+    if sigma > 0.01 and sigma > 0.01 * span:
+        return Noise(0.0, grid, "sampled too coarsely to tell motion from noise; not smoothed")
+    return Noise(sigma, grid)
 
 
 def _floor(levels: list[float]) -> float:
@@ -148,20 +146,8 @@ def _floor(levels: list[float]) -> float:
     return 0.0
 
 
-def _judge(sigma: float, grid: float, fine: bool, jumps: Floats, raw: Floats) -> Noise:
-    leaps = jumps[jumps > 0.0]
-    if 0 < 2 * len(leaps) < len(jumps) and not (fine and median(leaps) <= 4.0 * grid):
-        return Noise(0.0, grid, "most samples repeat the one before, then jump; steps are not smoothed")
-    largest, span = float(np.abs(raw).max()), float(raw.max() - raw.min())
-    if sigma <= 8.0 * float(np.finfo(np.float64).eps) * largest:
-        return Noise(0.0, grid)
-    if sigma > 0.01 and sigma > 0.01 * span:
-        return Noise(0.0, grid, "sampled too coarsely to tell motion from noise; not smoothed")
-    return Noise(sigma, grid)
-
-
 def by_window(runs: Sequence[tuple[Floats, Floats]], sigma: float) -> tuple[float, ...]:
-    """Return what white noise would have to be to scatter the fits on windows of each of `SIZES` as the data's does.
+    """What white noise would have to be to scatter the fits on windows of each of `SIZES` as the data's does.
 
     Of neighbouring windows that share no sample the curvatures of parabolas differ by noise, and by what the motion
     does; the median over a table is the noise's as long as it grows no faster with the length than that of coloured
@@ -186,7 +172,7 @@ def by_window(runs: Sequence[tuple[Floats, Floats]], sigma: float) -> tuple[floa
 
 
 def _scatter(time: Floats, values: Floats, size: tuple[int, int]) -> Floats:
-    """Return the differences of parabolas' curvatures on windows side by side, as deviations of white noise."""
+    """Differences of parabolas' curvatures on windows side by side, as deviations of white noise."""
     if len(values) < _APART * size[0] * size[1]:
         return np.zeros(0)
     fits = windows(None if equal_spacing(time) else time, values, None, size, 0)

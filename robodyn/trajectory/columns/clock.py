@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from robodyn.support.floats import Floats
-from robodyn.trajectory.units import TICKS, split_unit, unit_of
+from robodyn.trajectory.columns.units import TICKS, split_unit, unit_of
 
 if TYPE_CHECKING:
     from decimal import Decimal

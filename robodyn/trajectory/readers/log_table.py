@@ -14,9 +14,9 @@ from robodyn.errors import TrajectoryError
 from robodyn.support.floats import Floats
 from robodyn.support.input_limits import beyond, limits
 from robodyn.support.wording import count
-from robodyn.trajectory.header import listing
-from robodyn.trajectory.log_messages import NANO, QUANTITIES, State
-from robodyn.trajectory.table import ArrayTable
+from robodyn.trajectory.columns.header import listing
+from robodyn.trajectory.readers.messages import NANO, QUANTITIES, State
+from robodyn.trajectory.readers.table import ArrayTable
 
 _GAP = 4.5
 """So many of its steps without a message, and nothing is said of a joint between."""

@@ -113,20 +113,30 @@ class ArrayTable(Table):
         self.names = tuple(columns)
         self._arrays = list(columns.values())
 
+    def column(self, i: int) -> NDArray[Any]:
+        """The values (N,) of a column, of any type of numbers."""
+        return self._arrays[i]
+
     def blocks(self, columns: Sequence[int], rows: int) -> Iterator[Floats]:
         for start in range(0, self._rows, rows):
             values = self._slice(columns, slice(start, start + rows))
             check_finite(values, [self.names[i] for i in columns], start + 1, self.error_at)
+            self.position_bytes = self.size_bytes * (start + len(values)) // self._rows
             yield values
 
     def pieces(self, columns: Sequence[int], count: int, rows: int) -> list[Floats]:
         return [self._slice(columns, cut) for cut in spread(self._rows, count, rows)]
 
     def _slice(self, columns: Sequence[int], cut: slice) -> Floats:
-        return np.array([less(self._arrays[i][cut], self.origins.get(i)) for i in columns]).T
+        """Rows of columns, each column contiguous."""
+        values = np.empty((len(columns), len(range(*cut.indices(self._rows)))))
+        with np.errstate(all="ignore"):
+            for row, i in zip(values, columns, strict=True):
+                row[:] = less(self.column(i)[cut], self.origins.get(i))
+        return values.T
 
     def first(self, columns: Sequence[int]) -> list[str | float]:
-        return [self._arrays[i][0].item() for i in columns] if self._rows else []
+        return [self.column(i)[0].item() for i in columns] if self._rows else []
 
 
 def log_kind(name: str) -> Literal["bag", "messages"] | None:

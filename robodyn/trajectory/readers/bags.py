@@ -10,11 +10,11 @@ from typing import Any
 from robodyn.errors import TrajectoryError
 from robodyn.support.extras import need
 from robodyn.support.wording import alternatives, count, shown
-from robodyn.trajectory.bounded_bags import bounded, check_bag
-from robodyn.trajectory.header import listing
-from robodyn.trajectory.log_messages import KNOWN, states_of
-from robodyn.trajectory.log_table import LogTable
-from robodyn.trajectory.table import BAGS, METADATA, decoding
+from robodyn.trajectory.columns.header import listing
+from robodyn.trajectory.readers.bounded_bags import bounded, check_bag
+from robodyn.trajectory.readers.log_table import LogTable
+from robodyn.trajectory.readers.messages import KNOWN, states_of
+from robodyn.trajectory.readers.table import BAGS, METADATA, decoding
 
 _DYNAMIC = """std_msgs/Header header
 string[] joint_names

@@ -13,10 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.support.floats import Floats
-from robodyn.trajectory.assemble import cut
-from robodyn.trajectory.columns import Signals
-from robodyn.trajectory.layout import ABSENT, Layout
-from robodyn.trajectory.motion import Trajectory
+from robodyn.trajectory.columns.layout import ABSENT, Layout
+from robodyn.trajectory.columns.signals import Signals
+from robodyn.trajectory.motion import Trajectory, cut
 
 Flags = NDArray[np.bool_]
 
@@ -173,7 +172,7 @@ class Standstill:
     def _band(self, kind: str, q: int) -> float:
         if q not in self._bands:
             columns = [piece.q[:, q] for piece in self._pieces]
-            from robodyn.trajectory.noise import FINEST_ENCODER, estimate
+            from robodyn.trajectory.derivatives.noise import FINEST_ENCODER, estimate
 
             if q not in self._known:
                 runs = [(x.time, raw[:, None]) for x, raw in zip(self._pieces, columns, strict=True) if len(raw) > 1]

@@ -13,8 +13,8 @@ from robodyn.errors import TrajectoryError
 from robodyn.support.floats import Floats
 from robodyn.support.input_file import copied, open_input
 from robodyn.support.input_limits import beyond, limits
-from robodyn.trajectory.csv_text import BLANK, LARGE, Dialect, parse
-from robodyn.trajectory.table import Table, changed
+from robodyn.trajectory.readers.csv_text import BLANK, LARGE, Dialect, parse
+from robodyn.trajectory.readers.table import Table, changed
 
 _PART = 1 << 20
 _MARKS = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16", b"\x1f\x8b": "gzip", b"PK": "zip", b"PA": "Parquet"}

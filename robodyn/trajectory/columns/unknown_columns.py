@@ -10,10 +10,10 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 
 from robodyn.errors import TrajectoryError
-from robodyn.trajectory.columns import COMPONENTS, POSE, Place, Quantity, Signals, worded
-from robodyn.trajectory.header import Header, listing
+from robodyn.trajectory.columns.header import Header, listing
+from robodyn.trajectory.columns.signals import COMPONENTS, POSE, Place, Quantity, Signals, worded
+from robodyn.trajectory.columns.units import split_unit
 from robodyn.trajectory.reading import REST, Reading
-from robodyn.trajectory.units import split_unit
 
 _HEADER = re.compile(r"(?:.*[./_])?header[./_](?:seq|frame_id)")
 """Fields of a message of ROS that no motion needs."""

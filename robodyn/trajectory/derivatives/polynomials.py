@@ -1,4 +1,7 @@
-"""Least-squares polynomials on windows of samples, short and long, which overlap by most of their length."""
+"""Least-squares polynomials about samples and on windows, on any stamps: Savitzky and Golay (1964).
+
+Polynomials that are orthonormal on the samples take the place of equations that would have to be solved.
+"""
 
 from __future__ import annotations
 
@@ -6,31 +9,114 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
-from robodyn.trajectory.local_polynomials import Basis, orthonormal
 from robodyn.trajectory.motion import NOISE
 
 DEGREE = 6
-"""The highest degree that is fitted."""
+"""The highest degree that is fitted to a window."""
 SIZES = ((6, 1), (7, 1), *((parts, 1 << k) for k in range(8) for parts in (9, 12, 15)))
 """Of the windows of each length: parts, and the samples of a part, by which one begins after the other."""
-
-
 LOUD = 4.0
 """Times its standard deviation in the table, from which on what a window leaves is no noise."""
-
 SMOOTH = 1.0
 """Ratio of the mean squares of what is left, from sample to sample and as it is; 2 of white noise."""
+_CELLS = 1 << 15
+_OWN = np.array((1.0, 2.0))
+"""How often p_k and its slope count in the slope and the curvature of x p_k."""
 
 
-def coherent(size: float, samples: int) -> float:
-    """Return the white noise whose bar is what an oscillation of this amplitude does to a fit at the worst."""
-    return size * math.sqrt(0.5 * samples) / NOISE
+class Basis(NamedTuple):
+    """Orthonormal polynomials of degree 0 to d: their values on the samples, and value and derivatives elsewhere.
+
+    Attributes:
+        on: (d + 1, w, ...); value, slope, curve: (d + 1, ...).
+    """
+
+    on: Floats
+    value: Floats
+    slope: Floats
+    curve: Floats
+
+
+def orthonormal(u: Floats, x: Floats, degree: int) -> Basis:
+    """Polynomials that are orthonormal on samples at u, and their derivatives at x.
+
+    By the recurrence `b_k+1 p_k+1 = (u - a_k) p_k - b_k p_k-1` of Stieltjes: the error grows with the condition of the
+    fit itself, not with its square.
+
+    Args:
+        u: (w, ...), w > degree; x: (...) or any shape that goes with u's beyond the first axis.
+
+    Returns:
+        NaN or infinities where fewer than degree + 1 of the samples differ.
+    """
+    size = 1.0 / np.sqrt(len(u))
+    on = np.full((degree + 1, *u.shape), size)
+    at = np.zeros((degree + 1, 3, *x.shape))
+    at[0, 0], b = size, np.zeros(u.shape[1:])
+    for k in range(degree):
+        a = _inner(u * on[k], on[k])
+        new = (u - a) * on[k]
+        here = (x - a) * at[k]
+        here[1:] += at[k, :2] * _OWN.reshape(2, *np.ones(x.ndim, dtype=int))
+        if k:
+            new -= b * on[k - 1]
+            here -= b * at[k - 1]
+        b = np.sqrt(_inner(new, new))
+        np.divide(new, b, out=on[k + 1])
+        np.divide(here, b, out=at[k + 1])
+    return Basis(on, *at.swapaxes(0, 1))
+
+
+def _inner(a: Floats, b: Floats) -> Floats:
+    """Sums of products over the samples, in an order that the number of samples alone decides."""
+    total: Floats = einsum("w...,w...->...", a, b)
+    return total
+
+
+def at_samples(
+    time: Floats | None,
+    values: Floats,
+    turns: Floats | None,
+    centres: NDArray[np.intp],
+    width: int,
+    degree: int,
+) -> tuple[Floats, Floats, Floats]:
+    """Residual and both derivatives (k, c) at some samples, each by the polynomial of its own window.
+
+    Near an end the window stays inside the table, so the sample is not in its middle. A result depends on the samples
+    of its own window alone, to the last bit.
+
+    Args:
+        time: (N,) increasing, or None where all samples are a unit apart.
+        values: (N, c); turns: (N, c) whole turns of 2 pi that they are ahead by, None for none.
+        centres: (k,) rows; width <= N; degree < width.
+
+    Accuracy: 1e-11 of the largest derivative where no gap is shorter than a thousandth of the longest.
+    """
+    found, columns = np.empty((3, values.shape[1], len(centres))), np.ascontiguousarray(values.T)
+    for some in np.array_split(np.arange(len(centres)), -(-len(centres) * width // _CELLS)):
+        centre = centres[some]
+        start = np.clip(centre - width // 2, 0, len(values) - width)
+        rows = start + np.arange(width)[:, None]
+        if time is None:
+            basis = orthonormal(np.arange(float(width))[:, None], (centre - start).astype(float), degree)
+        else:
+            basis = orthonormal(time[rows] - time[centre], np.zeros(len(centre)), degree)
+        for k, column in enumerate(columns):
+            own = column[rows] - column[centre]
+            if turns is not None:
+                own -= 2.0 * math.pi * (turns[rows, k] - turns[centre, k])
+            coefficients = [_inner(on, own) for on in basis.on]
+            for out, each in zip(found, basis[1:], strict=True):
+                out[k, some] = sum(a * part for a, part in zip(coefficients, each, strict=True))
+    return -found[0].T, found[1].T, found[2].T
 
 
 @dataclass(frozen=True)
@@ -57,7 +143,7 @@ class Windows:
         return int(self.basis.on.shape[1])
 
     def scatter(self, degree: int, sigma: float, noisy: bool) -> Floats:
-        """Return (w,) what white noise would have to be to explain what a fit of a degree leaves, sigma or more.
+        """(w,) what white noise would have to be to explain what a fit of a degree leaves, sigma or more.
 
         It is told by sums over parts, since what a fit misses of the motion has one sign for a while, as noise has that
         is correlated. In noisy data what is left that is much larger than noise, and smooth, is a vibration that the
@@ -78,7 +164,7 @@ class Windows:
 
 
 def windows(time: Floats | None, values: Floats, turns: Floats | None, size: tuple[int, int], first: int) -> Windows:
-    """Return the windows of one of `SIZES` that begin where a part of the table does.
+    """The windows of one of `SIZES` that begin where a part of the table does.
 
     Args:
         time: (N,) s, or None for samples a unit apart; values: (N,); turns: (N,) whole turns of 2 pi that they are
@@ -89,11 +175,7 @@ def windows(time: Floats | None, values: Floats, turns: Floats | None, size: tup
 
 
 def all_windows(time: Floats | None, values: Floats, turns: Floats | None, first: int, sizes: int) -> Iterator[Windows]:
-    """Yield those of all lengths, and those which begin or end with the samples.
-
-    Args:
-        sizes: how many of `SIZES`; other arguments as of `windows`.
-    """
+    """Those of all lengths, of the first of `SIZES`, and those which begin or end with the samples; see `windows`."""
     for parts, part in SIZES[:sizes]:
         length, last = parts * part, len(values) - parts * part
         if last < 0:
@@ -123,7 +205,7 @@ def _fitted(
         half = 0.5 * (t[-1] - t[0])
         u = (t - 0.5 * (t[-1] + t[0])) / half
         basis = orthonormal(u, u, degree)
-    coefficients = np.stack([einsum("nw,nw->w", np.broadcast_to(on, y.shape), y) for on in basis.on])
+    coefficients = np.stack([_inner(np.broadcast_to(on, y.shape), y) for on in basis.on])
     return Windows(starts, size[0], basis, coefficients, y, half)
 
 
@@ -131,3 +213,8 @@ def _fitted(
 def _even(length: int, degree: int) -> Basis:
     u = (np.arange(length, dtype=np.float64) / (0.5 * (length - 1)) - 1.0)[:, None]
     return orthonormal(u, u, degree)
+
+
+def coherent(size: float, samples: int) -> float:
+    """The white noise whose bar is what an oscillation of this amplitude does to a fit at the worst."""
+    return size * math.sqrt(0.5 * samples) / NOISE

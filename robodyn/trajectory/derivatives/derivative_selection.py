@@ -1,4 +1,4 @@
-"""Which method differentiates a signal best, judged by the noise in it."""
+"""Which method differentiates a signal best, and how far it can be trusted, judged by the noise in it."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from robodyn.support.floats import Floats, median
-from robodyn.trajectory.derivatives import CENTRAL, SPLINE, Method, equal_spacing, savgol
-from robodyn.trajectory.estimates import Trust
-from robodyn.trajectory.local_polynomials import at_samples
-from robodyn.trajectory.noise import Noise, by_window, estimate
-from robodyn.trajectory.windows import DEGREE, SIZES, coherent
+from robodyn.trajectory.derivatives.differentiate import CENTRAL, REACH, SPLINE, Method, equal_spacing, savgol
+from robodyn.trajectory.derivatives.noise import Noise, by_window, estimate
+from robodyn.trajectory.derivatives.polynomials import DEGREE, SIZES, at_samples, coherent
 
 Run = tuple[Floats, Floats, Floats]
 WINDOWS = (7, 9, 13, 17, 23, 31, 41, 55, 75, 101, 135, 181, 241, 321, 431, 575, 767, 1023, 1365, 1819)
 HARMLESS = 1e-3
 """Noise of the spline's derivative, relative to the derivative's rms, below which nothing is smoothed."""
+NEAR = 3
+"""Neighbours whose changes count in an error bar."""
 _CENTRES = 1024
 _TURNED = 4.0
 _RESIDUAL = 2.0
@@ -31,18 +31,38 @@ _ROUNDINGS = 4.0
 
 
 @dataclass(frozen=True)
-class Diagnosis:
-    """The method for a group of columns, how it is trusted, and what noise typically leaves in the highest rate."""
+class Selection:
+    """The method for a group of columns, and what is known of them before they are differentiated.
+
+    Attributes:
+        method: that differentiates them, or that the user chose if `forced`.
+        noisy: whether noise does harm; smooth: whether one window serves all samples.
+        noise: found in the columns; sigma: standard deviation that bars are made of; scale: the same for windows of
+            every length (`noise.by_window`).
+        window: samples of the one window that suits the table best.
+        level: rms of the highest derivative that is wanted, which is of this `order`; std: what noise leaves in it.
+    """
 
     method: Method
-    trust: Trust
-    quantum: float
-    noise: float
+    noisy: bool
+    smooth: bool
+    forced: bool
+    noise: Noise
+    sigma: float
+    scale: tuple[float, ...]
+    window: int
+    level: float
+    order: int
     std: float
-    warning: str = ""
+
+    @property
+    def halo(self) -> int:
+        """Neighbours on either side that the derivatives of a sample and their bars depend on."""
+        local = max(2 * REACH, *(parts * part for parts, part in SIZES[: len(self.scale)])) + NEAR
+        return max(self.method.halo, local)
 
 
-def diagnose(runs: Sequence[Run], order: int, mode: str, declared: float = 0.0) -> Diagnosis:
+def select(runs: Sequence[Run], order: int, mode: str, declared: float = 0.0) -> Selection:
     """The method that differentiates these columns best.
 
     1. The noise s is estimated by `noise.estimate`; a signal without noise, or one that moves in steps or is too coarse
@@ -53,7 +73,7 @@ def diagnose(runs: Sequence[Run], order: int, mode: str, declared: float = 0.0) 
        the noise changes the derivative more, above it the error of smoothing does. The search ends where that change
        has risen to twice its least value, or the fit leaves more than twice the noise (discrepancy: Morozov 1966).
     4. A motion is smooth if that change then rises as fast as the error of smoothing does without corners; others get
-       local polynomials with windows of their own for every sample (`adaptive.rates`).
+       local polynomials with windows of their own for every sample (`estimates.local_rates`).
 
     Args:
         runs: (time (N,), values as given (N, c), values to differentiate (N, c)) of stretches of the table.
@@ -66,61 +86,46 @@ def diagnose(runs: Sequence[Run], order: int, mode: str, declared: float = 0.0) 
     if declared:
         noise = replace(noise, sigma=max(noise.sigma, declared / math.sqrt(2.0)))
     spacing = np.float64(median(np.concatenate([np.diff(time) for time, _, _ in runs])) if runs else 1.0)
-    found = _search(runs, order, noise, spacing)
-    noisy = noise.sigma > 0.0 and (not found.harmless or declared > 0.0)
-    scale = _scale(runs, noise.sigma, noisy, declared)
-    smooth = noisy and found.smooth and not declared
+    window, smooth, level, harmless = _search(runs, order, noise, spacing)
+    noisy = noise.sigma > 0.0 and (not harmless or declared > 0.0)
+    scale, sigma = _scale(runs, noise.sigma, noisy, declared), noise.sigma
+    smooth = noisy and smooth and not declared
     if smooth:
-        scale = scale[: max(1, sum(parts * part <= found.window for parts, part in SIZES))]
-    trust = Trust(noisy, smooth, mode != "auto", noise.sigma, scale, found.window, found.level, order)
+        scale = scale[: max(1, sum(parts * part <= window for parts, part in SIZES))]
     if mode == "central":
         method = CENTRAL
     elif mode == "spline" or not (noisy or mode == "savgol"):
         method = SPLINE
     elif smooth or mode == "savgol":
-        method = savgol(found.window)
-        trust = replace(trust, sigma=max(noise.sigma, scale[-1])) if smooth else trust
+        method = savgol(window)
+        sigma = max(sigma, scale[-1]) if smooth else sigma
     else:
         method = Method("local", max(parts * part for parts, part in SIZES[: len(scale)]), DEGREE)
-    gains = (savgol(found.window) if method.kind == "local" else method).gains
-    std = float(trust.sigma * (gains.second if order == 2 else gains.first) / spacing**order)
-    return Diagnosis(method, trust, noise.quantum, noise.sigma, std, noise.warning)
+    gains = (savgol(window) if method.kind == "local" else method).gains
+    std = float(sigma * gains[order - 1, -1] / spacing**order)
+    return Selection(method, noisy, smooth, mode != "auto", noise, sigma, scale, window, level, order, std)
 
 
 def _scale(runs: Sequence[Run], sigma: float, noisy: bool, declared: float) -> tuple[float, ...]:
-    """Return the noise for windows of every length that is worth trying: of the noisiest column, and of rounding."""
+    """The noise for windows of every length that is worth trying: of the noisiest column, and of rounding."""
     largest = max((float(np.abs(raw).max()) for _, raw, _ in runs), default=0.0)
     sigma = max(sigma, _ROUNDINGS * float(np.finfo(np.float64).eps) * largest, float(np.finfo(np.float64).tiny))
     longest = max((len(time) for time, _, _ in runs), default=0)
     count = sum(parts * part <= longest for parts, part in SIZES) or 1
     if not noisy:
         return (sigma,) * min(_SHORT, count)
-    some = _some(runs)
+    few = max(1, _ROWS // longest)  # the first, the last and some runs between, of few rows in all
+    some = [runs[k] for k in np.unique(np.linspace(0, len(runs) - 1, min(few, len(runs))).astype(int))]
     each = [by_window([(t, x[:, k]) for t, _, x in some], sigma) for k in range(some[0][2].shape[1])]
     cyclic = [coherent(declared, parts * part) for parts, part in SIZES]
     return tuple(max(column) for column in zip(*each, cyclic, strict=True))[:count]
 
 
-def _some(runs: Sequence[Run]) -> list[Run]:
-    """Return the first, the last and some runs between, of few rows in all."""
-    count = max(1, _ROWS // max(len(time) for time, _, _ in runs))
-    return [runs[k] for k in np.unique(np.linspace(0, len(runs) - 1, min(count, len(runs))).astype(int))]
-
-
-@dataclass(frozen=True)
-class _Search:
+def _search(runs: Sequence[Run], order: int, noise: Noise, spacing: np.float64) -> tuple[int, bool, float, bool]:
     """The window of a table, whether one serves all samples, the derivative's rms, and whether noise is harmless."""
-
-    window: int
-    smooth: bool
-    level: float
-    harmless: bool
-
-
-def _search(runs: Sequence[Run], order: int, noise: Noise, spacing: np.float64) -> _Search:
     runs = [run for run in runs if len(run[0]) >= 2 * WINDOWS[0]]
     if not runs:
-        return _Search(WINDOWS[0], False, 0.0, True)
+        return WINDOWS[0], False, 0.0, True
     widest = min(len(time) for time, _, _ in runs) // 2
     methods = [savgol(window) for window in WINDOWS if window <= widest]
     allowed = np.float64(_RESIDUAL * max(noise.sigma, noise.quantum / math.sqrt(12.0))) ** 2
@@ -138,13 +143,12 @@ def _search(runs: Sequence[Run], order: int, noise: Noise, spacing: np.float64) 
             break
         if change < least and not ended:
             chosen, least, derivative, after = k, change, now, []
-    gain = SPLINE.gains.second if order == 2 else SPLINE.gains.first
-    noise_of_spline = np.float64(noise.sigma) * gain / spacing**order
+    noise_of_spline = np.float64(noise.sigma) * SPLINE.gains[order - 1, -1] / spacing**order
     square = float((derivative**2).mean())
     steep = [change > _STEEP ** (min(k, _LATER) / _LATER) * least for k, change in enumerate(after, start=1)]
     smooth = any(steep[_LATER - 1 :]) if len(after) >= _LATER else len(after) >= _FEWEST and steep[-1]
     harmless = bool(noise_of_spline**2 <= HARMLESS**2 * square)
-    return _Search(methods[chosen].window, smooth, math.sqrt(square), harmless)
+    return methods[chosen].window, smooth, math.sqrt(square), harmless
 
 
 def _sampled(runs: Sequence[Run], method: Method, order: int) -> tuple[Floats, Floats]:

@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 from robodyn.support.caveats import Caveat
 from robodyn.support.floats import Floats, median
 from robodyn.support.wording import figure, shown
-from robodyn.trajectory.assemble import cut
-from robodyn.trajectory.derive import Plan, derive, plan, straight
-from robodyn.trajectory.groups import Group
-from robodyn.trajectory.motion import NOISE, Sampling, Trajectory
-from robodyn.trajectory.noise import estimate
+from robodyn.trajectory.derivatives.derive import Plan, derive, plan, straight
+from robodyn.trajectory.derivatives.groups import Group
+from robodyn.trajectory.derivatives.noise import estimate
+from robodyn.trajectory.motion import NOISE, Sampling, Trajectory, cut
 
 PIECES, ROWS = 4, 1024
 """Of a table, that are compared."""
@@ -34,12 +33,40 @@ CLEAR = 0.2
 """Of the rms of accelerations: where positions leave more open, they do not tell velocities either."""
 EXPLAINED = 0.5
 """Of squares of what accelerations are off by: if a delay explains more, they lag."""
+_MOVES, _EVEN, _EXACT = 1e-3, 1e-6, 1e-8
+"""Of the largest acceleration: rows that accelerate; of steps or accelerations: what is equal; and of speeds."""
+KIND = "by velocities and accelerations that are not those of the positions"
 
-CLAUSE = "by velocities and accelerations that are not those of the positions"
+
+def consistent(groups: Sequence[Group], pieces: Sequence[Trajectory]) -> Floats | None:
+    """(n,) what accelerations are off by from differences of velocities, None if anything may be wrong.
+
+    That is told by exact data with equal steps h: q1 - q0 = h (qd0 + qd1) / 2 - h^2 (qdd1 - qdd0) / 12 but for terms of
+    h^5, and Simpson's rule for velocities. In half of the rows that accelerate both must hold as for smooth motions.
+    """
+    found = np.zeros(pieces[0].qdd.shape[1])
+    for group in groups:
+        if group.kind == "quaternion" or not (group.velocity and group.acceleration):
+            return None
+        v = group.velocity[0][1]
+        for each in pieces:
+            qd, qdd, steps = each.qd[:, v], each.qdd[:, v], np.diff(each.time)
+            h, off = float(steps.mean()), np.abs(_unexplained_steps(group, each))
+            rate = np.abs(qd[2:] - qd[:-2] - h / 3.0 * (qdd[2:] + 4.0 * qdd[1:-1] + qdd[:-2]))
+            speed, level = np.abs(qd).max(), np.abs(qdd).max()
+            moves = np.abs(qdd[1:-1]) > _MOVES * level
+            if not moves.any():
+                continue
+            apart = median(rate[moves]) / (2.0 * h)
+            uneven = np.abs(steps - h).max() > _EVEN * h
+            if uneven or median(off[1:][moves]) > _EXACT * h * speed or apart > _EVEN * level:
+                return None
+            found[v] = max(found[v], apart)
+    return found
 
 
 @dataclass(frozen=True)
-class Given:
+class GivenRates:
     """What is given, against the positions.
 
     Attributes:
@@ -61,7 +88,7 @@ class Given:
         return self.own.halo if len(self.wrong) or self.caveats else 0
 
     def trusted(self, samples: Trajectory, known: Sampling | None, rows: slice) -> Sampling:
-        """Return how far accelerations of some rows can be trusted, of which those are known that are derived.
+        """How far accelerations of some rows can be trusted, of which those are known that are derived.
 
         Args:
             samples: a block, derived, with its neighbours; known: of the rows.
@@ -80,8 +107,8 @@ class Given:
 
 def against_positions(
     groups: Sequence[Group], pieces: Sequence[Trajectory], lacking: Plan | None, encoder_error: float
-) -> Given:
-    """Return how what is given agrees with derivatives of the positions.
+) -> GivenRates:
+    """How what is given agrees with derivatives of the positions.
 
     Args:
         groups: of `groups.given`; pieces: runs of consecutive samples that stand for the table.
@@ -117,38 +144,45 @@ def against_positions(
             if clear and _rms(apart) > SPEED_OFF * level:
                 faults.append(f"velocities are off by {figure(_rms(apart), 2)} of {figure(level, 2)} (rms)")
         said += [(group.name, fault) for fault in faults[:1]]
-    return Given(own, np.array(wrong, dtype=np.intp), open_, noise, _caveats(said))
+    caveats: tuple[Caveat, ...] = ()
+    if said:
+        (name, fault), others = said[0], f"; so are those of {len(said) - 1} more" if len(said) > 1 else ""
+        what = f"{shown(name)}: the {fault} from what its positions say{others}"
+        caveats = (Caveat(KIND, f"{what}; --derivatives anew derives them from the positions instead"),)
+    return GivenRates(own, np.array(wrong, dtype=np.intp), open_, noise, caveats)
 
 
 def _unexplained(group: Group, theirs: Sequence[Trajectory]) -> float:
-    """Return the rms of what positions are off by from those before, moved by velocities and accelerations.
+    """The rms of what positions are off by from those before, moved by velocities and accelerations.
 
-    With h of a step dq = h (qd0 + qd1) / 2 - h^2 (qdd1 - qdd0) / 12, but for h^5 / 720 times the fifth derivative: so
-    what is given of a fast vibration is not held against derivatives that take it for noise.
+    So what is given of a fast vibration is not held against derivatives that take it for noise.
     """
     if group.kind == "quaternion" or not group.velocity:
         return np.inf
-    off, k = [], group.velocity[0][1]
-    for each in theirs:
-        h, (qd, qdd) = np.diff(each.time), (each.qd[:, k], each.qdd[:, k])
-        moved = 0.5 * h * (qd[1:] + qd[:-1]) - h * h / 12.0 * (qdd[1:] - qdd[:-1])
-        off.append(np.diff(straight(group, each)[:, 0]) - moved)
-    return _rms(np.concatenate(off))
+    return _rms(np.concatenate([_unexplained_steps(group, each) for each in theirs]))
+
+
+def _unexplained_steps(group: Group, samples: Trajectory) -> Floats:
+    """(N - 1,) dq - h (qd0 + qd1) / 2 + h^2 (qdd1 - qdd0) / 12 of steps dq in times h: h^5 / 720 times the fifth
+    derivative if velocities and accelerations are those of the positions."""
+    v, h = group.velocity[0][1], np.diff(samples.time)
+    qd, qdd = samples.qd[:, v], samples.qdd[:, v]
+    moved = 0.5 * h * (qd[1:] + qd[:-1]) - h * h / 12.0 * (qdd[1:] - qdd[:-1])
+    return np.asarray(np.diff(straight(group, samples)[:, 0]) - moved)
 
 
 def _are_differences(group: Group, theirs: Sequence[Trajectory], ours: Sequence[Trajectory]) -> bool:
-    """Return whether velocities are differences of neighbouring positions, and not what all positions say."""
-    if group.kind == "quaternion":
+    """Whether velocities are differences of neighbouring positions, and not what all positions say."""
+    if group.kind == "quaternion" or not group.velocity:
         return False
-    for _, k in group.velocity:
-        rates = np.concatenate([np.gradient(straight(group, each)[:, 0], each.time) for each in theirs])
-        given = np.concatenate([each.qd[:, k] for each in theirs])
-        return _rms(given - rates) < ALMOST * _rms(_apart(theirs, ours, "qd", k))
-    return False
+    k = group.velocity[0][1]
+    rates = np.concatenate([np.gradient(straight(group, each)[:, 0], each.time) for each in theirs])
+    given = np.concatenate([each.qd[:, k] for each in theirs])
+    return _rms(given - rates) < ALMOST * _rms(_apart(theirs, ours, "qd", k))
 
 
 def _apart(theirs: Sequence[Trajectory], ours: Sequence[Trajectory], name: str, k: int) -> Floats:
-    """Return what is given less what is derived, of a column."""
+    """What is given less what is derived, of a column."""
     return np.concatenate([getattr(a, name)[:, k] - getattr(b, name)[:, k] for a, b in zip(theirs, ours, strict=True)])
 
 
@@ -157,16 +191,8 @@ def _rms(values: Floats) -> float:
 
 
 def _lag(apart: Floats, ours: Sequence[tuple[Floats, Floats]]) -> float:
-    """Return the delay [s] that explains what accelerations are off by, -lag d/dt of them; 0 if none explains half."""
+    """The delay [s] that explains what accelerations are off by, -lag d/dt of them; 0 if none explains half."""
     rate = np.concatenate([np.gradient(values, time) for time, values in ours])
     square = float((rate * rate).sum())
     lag = -float((rate * apart).sum()) / square if square else 0.0
     return lag if lag > 0.0 and lag * lag * square > EXPLAINED * float((apart * apart).sum()) else 0.0
-
-
-def _caveats(said: Sequence[tuple[str, str]]) -> tuple[Caveat, ...]:
-    if not said:
-        return ()
-    (name, fault), others = said[0], f"; so are those of {len(said) - 1} more" if len(said) > 1 else ""
-    what = f"{shown(name)}: the {fault} from what its positions say{others}"
-    return (Caveat(CLAUSE, f"{what}; --derivatives anew derives them from the positions instead"),)

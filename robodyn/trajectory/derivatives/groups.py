@@ -1,0 +1,106 @@
+"""Which velocities and accelerations are missing, and from which columns each is to be derived."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from robodyn.trajectory.columns.layout import ABSENT, Layout
+from robodyn.trajectory.columns.signals import Signals
+
+Targets = tuple[tuple[int, int], ...]
+_AXES = "xyz"
+
+
+@dataclass(frozen=True)
+class Group:
+    """Columns that are differentiated together.
+
+    Args:
+        name: for the report.
+        source, rows: the array that is differentiated, "q" or "qd", and its columns: one, or the four of a quaternion.
+        velocity, acceleration: pairs (component of the derivative, column of qd or qdd that it fills).
+    """
+
+    name: str
+    kind: Literal["scalar", "continuous", "quaternion"]
+    source: Literal["q", "qd"]
+    rows: tuple[int, ...]
+    velocity: Targets
+    acceleration: Targets
+
+    @property
+    def order(self) -> int:
+        """Of the highest derivative that is wanted."""
+        return 2 if self.acceleration and self.source == "q" else 1
+
+
+def samples_needed(groups: Sequence[Group]) -> int:
+    """Samples without which the derivatives mean nothing: one more than the highest derivative."""
+    return 1 + max((group.order for group in groups), default=0)
+
+
+def missing(signals: Signals, layout: Layout) -> tuple[tuple[Group, ...], tuple[str, ...]]:
+    """What must be derived, and the assumptions made about floating joints."""
+    groups: list[Group] = []
+    notes: list[str] = []
+    for joint in signals.joints:
+        q, qd = signals.spans[joint.name]
+        if joint.kind == "floating":
+            for i, axis in enumerate(_AXES):
+                groups += _scalar(f"{joint.name}_{axis}", "scalar", layout, q[i], qd[3 + i])
+            groups += _rotation(f"{joint.name} orientation", layout, q[3], qd[0])
+            if joint.name not in layout.followed:
+                notes += _assumptions(joint.name, layout, q, qd)
+        else:
+            kind: Literal["scalar", "continuous"] = "continuous" if joint.kind == "continuous" else "scalar"
+            groups += _scalar(joint.name, kind, layout, q[0], qd[0])
+    return tuple(groups), tuple(notes)
+
+
+def anew(signals: Signals, layout: Layout) -> Layout:
+    """The layout without the velocities and accelerations that can be derived from positions in the table."""
+    gone: set[int] = set()
+    for q, qd in signals.spans.values():
+        of_rates = [q[3]] * 3 + [*q[:3]] if len(q) > 1 else [*q]
+        gone |= {v for v, p in zip(qd, of_rates, strict=True) if layout.q[p] != ABSENT}
+    rates = [tuple(ABSENT if i in gone else c for i, c in enumerate(of)) for of in (layout.qd, layout.qdd)]
+    return replace(layout, qd=rates[0], qdd=rates[1])
+
+
+def given(signals: Signals, layout: Layout) -> tuple[Group, ...]:
+    """How to derive from positions what the table gives of velocities and accelerations."""
+    lacking = missing(signals, layout)[0]
+    return tuple(group for group in missing(signals, anew(signals, layout))[0] if group not in lacking)
+
+
+def _scalar(name: str, kind: Literal["scalar", "continuous"], layout: Layout, p: int, v: int) -> Iterator[Group]:
+    q, qd, qdd = (column != ABSENT for column in (layout.q[p], layout.qd[v], layout.qdd[v]))
+    target: Targets = ((0, v),)
+    if qd and not qdd:
+        yield Group(name, "scalar", "qd", (v,), (), target)
+    elif q and not (qd and qdd):
+        yield Group(name, kind, "q", (p,), () if qd else target, () if qdd else target)
+
+
+def _rotation(name: str, layout: Layout, p: int, v: int) -> Iterator[Group]:
+    for i, axis in enumerate(_AXES):
+        if layout.qd[v + i] != ABSENT and layout.qdd[v + i] == ABSENT:
+            yield Group(f"{name} w{axis}", "scalar", "qd", (v + i,), (), ((0, v + i),))
+    absent = [i for i in range(3) if layout.qd[v + i] == ABSENT]
+    if layout.q[p] != ABSENT and absent:
+        w = tuple((i, v + i) for i in absent)
+        wd = tuple((i, v + i) for i in absent if layout.qdd[v + i] == ABSENT)
+        yield Group(name, "quaternion", "q", tuple(range(p, p + 4)), w, wd)
+
+
+def _assumptions(name: str, layout: Layout, q: Sequence[int], qd: Sequence[int]) -> Iterator[str]:
+    unsaid = [layout.q[p] == ABSENT and p not in layout.held for p in q[:4]]
+    if lost := [axis for axis, absent in zip(_AXES, unsaid, strict=False) if absent]:
+        yield f"{name}: position {' '.join(lost)} is not given and taken as 0"
+    if unsaid[3]:
+        yield f"{name}: orientation is not given and taken as the identity"
+    rates = zip(("wx", "wy", "wz", "vx", "vy", "vz"), qd, (*[unsaid[3]] * 3, *unsaid[:3]), strict=True)
+    if still := [part for part, v, absent in rates if absent and layout.qd[v] == ABSENT]:
+        yield f"{name}: velocity {' '.join(still)} is not given and taken as 0"
