@@ -100,13 +100,10 @@ def test_processes_find_what_one_process_finds(folder: Path, monkeypatch: pytest
     assert check_all(folder) == alone
 
 
-def test_small_work_stays_in_this_process() -> None:
-    assert not sources.worth_processes([b"<robot/>", b"<a/>"])
-    assert not sources.worth_processes(["one.urdf"])
-
-
 def test_meshes_count_as_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sources, "cores", lambda: 2)
+    assert not sources.worth_processes([b"<robot/>", b"<a/>"])
+    assert not sources.worth_processes(["one.urdf"])
     files = [str(tmp_path / name) for name in ("a.urdf", "b.urdf")]
     for text, worth in (("<mesh/>" * 30, False), ("<mesh/>" * 60, True), (" " * 150_000, False), (" " * 300_000, True)):
         for file in files:

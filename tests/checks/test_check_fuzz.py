@@ -55,7 +55,6 @@ def test_several_defects_at_once(defects: list) -> None:  # type: ignore[type-ar
     sound(text.encode())
 
 
-@pytest.mark.parametrize("cut", range(0, len(DATA), 97))
-def test_a_file_cut_off_anywhere(cut: int) -> None:
-    codes = {finding.code for finding in check_one(DATA[:cut])}
-    assert codes == {"RD001"}
+def test_a_file_cut_off_anywhere() -> None:
+    for cut in range(0, len(DATA), 97):
+        assert {finding.code for finding in check_one(DATA[:cut])} == {"RD001"}

@@ -35,29 +35,30 @@ def codes(findings: tuple[Finding, ...]) -> dict[str, int]:
     return {code: names.count(code) for code in set(names) if code != "RD110"}
 
 
+ROW = [(k, k + 1) for k in range(MANY - 1)]
+LARGE = {
+    "one long cycle": (links(MANY) + joints([(k, (k + 1) % MANY) for k in range(MANY)]), {"RD103": 1}),
+    "a long tail into a cycle": (links(MANY) + joints([(max(k - 1, 0), k) for k in range(MANY)]), {"RD103": 1}),
+    "a long chain that is fixed": (links(MANY) + joints(ROW), {}),
+    "a long chain that moves": (links(MANY) + joints(ROW, "floating"), {"RD202": MANY - 1}),
+    "many links apart": (links(MANY), {"RD104": 1}),
+    "many dangling joints": ('<link name="a"/>' + joints([*ROW, (MANY - 1, MANY)]), {"RD101": 2 * MANY}),
+}
+
+
 @pytest.mark.slow
-def test_one_long_cycle() -> None:
-    findings = found(links(MANY) + joints([(k, (k + 1) % MANY) for k in range(MANY)]))
-    assert codes(findings) == {"RD103": 1}
+@pytest.mark.parametrize("kind", LARGE)
+def test_large(kind: str) -> None:
+    body, expected = LARGE[kind]
+    findings = found(body)
+    assert codes(findings) == expected
     assert all(len(finding.message) < 1000 for finding in findings)
 
 
-def test_many_short_cycles() -> None:
+def test_many_short_cycles_and_many_of_one_name() -> None:
     pairs = [(k ^ 1, k) for k in range(MANY)]
     assert codes(found(links(MANY) + joints(pairs))) == {"RD103": MANY // 2}
-
-
-@pytest.mark.slow
-def test_a_long_tail_into_a_cycle() -> None:
-    pairs = [(max(k - 1, 0), k) for k in range(MANY)]
-    assert codes(found(links(MANY) + joints(pairs))) == {"RD103": 1}
-
-
-@pytest.mark.parametrize("kind", ["fixed", "floating"])
-@pytest.mark.slow
-def test_a_long_chain(kind: str) -> None:
-    expected = {} if kind == "fixed" else {"RD202": MANY - 1}
-    assert codes(found(links(MANY) + joints([(k, k + 1) for k in range(MANY - 1)], kind))) == expected
+    assert codes(found('<link name="a"/>' * MANY)) == {"RD105": MANY - 1}
 
 
 def test_a_chain_below_one_shape() -> None:
@@ -68,20 +69,6 @@ def test_a_chain_below_one_shape() -> None:
     context = Context(read(f'<robot name="r">{body}</robot>'.encode()))
     sides = Sides(context)
     assert all(sides._above(joint) == ["0"] for joint in context.view.joints)
-
-
-@pytest.mark.slow
-def test_many_links_apart_are_one_finding() -> None:
-    assert codes(found(links(MANY))) == {"RD104": 1}
-
-
-def test_many_of_one_name() -> None:
-    assert codes(found('<link name="a"/>' * MANY)) == {"RD105": MANY - 1}
-
-
-@pytest.mark.slow
-def test_many_dangling_joints() -> None:
-    assert codes(found('<link name="a"/>' + joints([(k, k + 1) for k in range(MANY)]))) == {"RD101": 2 * MANY}
 
 
 @pytest.mark.parametrize("text", ["1 " * 1_000_000, "9" * 1_000_000, "x" * 1_000_000])

@@ -18,6 +18,7 @@ from robodyn.checks.context import Thresholds
 from robodyn.errors import InputError
 
 TABLE = "[tool.robodyn.check]\n"
+BOUNDS = f"{TABLE}[tool.robodyn.check.thresholds]"
 PLANTED = arm(upper=IDENTITY, shoulder="0 2 0")
 
 
@@ -33,13 +34,9 @@ def robot(tmp_path: Path) -> Path:
     return path
 
 
-def test_without_settings(robot: Path) -> None:
-    assert codes(robot) == ["RD208", "RD502"]
-
-
-@pytest.mark.parametrize("name", ["pyproject.toml", "robodyn.toml"])
-@pytest.mark.parametrize("depth", [0, 1, 2])
+@pytest.mark.parametrize(("name", "depth"), [("pyproject.toml", 0), ("robodyn.toml", 1), ("pyproject.toml", 2)])
 def test_found_upwards(robot: Path, name: str, depth: int) -> None:
+    assert codes(robot) == ["RD208", "RD502"]
     (robot.parents[depth] / name).write_text(f'{TABLE}ignore = ["rd208"]')
     assert codes(robot) == ["RD502"]
 
@@ -74,31 +71,15 @@ def test_the_call_wins(robot: Path) -> None:
     assert codes(robot, Options(ignore=("RD208",))) == []
 
 
-@pytest.mark.parametrize(
-    ("pattern", "matches"),
-    [
-        ("robots/old/*", True),
-        ("robots/*", True),
-        ("**/old/*.urdf", True),
-        ("**/robots/old/arm.urdf", True),
-        ("arm.urdf", True),
-        ("a?m.ur[dx]f", True),
-        ("old/*", False),
-        ("ARM.urdf", False),
-        ("robots", False),
-    ],
-)
-def test_per_file(robot: Path, pattern: str, matches: bool) -> None:
-    text = f'{TABLE}ignore = ["RD502"]\n[tool.robodyn.check.per-file-ignores]\n"{pattern}" = ["RD208"]'
-    (robot.parents[2] / "pyproject.toml").write_text(text)
-    assert codes(robot) == ([] if matches else ["RD208"])
-
-
-def test_patterns_are_relative_to_the_settings_whatever_the_current_folder(
-    robot: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    text = f'{TABLE}[tool.robodyn.check.per-file-ignores]\n"robots/old/arm.urdf" = ["RD208"]'
-    (robot.parents[2] / "pyproject.toml").write_text(text)
+def test_per_file(robot: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Patterns are relative to the settings, whatever the current folder."""
+    settings = robot.parents[2] / "pyproject.toml"
+    matching = ("robots/old/*", "robots/*", "**/old/*.urdf", "**/robots/old/arm.urdf", "arm.urdf", "a?m.ur[dx]f")
+    for pattern in (*matching, "old/*", "ARM.urdf", "robots"):
+        text = f'{TABLE}ignore = ["RD502"]\n[tool.robodyn.check.per-file-ignores]\n"{pattern}" = ["RD208"]'
+        settings.write_text(text)
+        assert codes(robot) == ([] if pattern in matching else ["RD208"]), pattern
+    settings.write_text(f'{TABLE}[tool.robodyn.check.per-file-ignores]\n"robots/old/arm.urdf" = ["RD208"]')
     monkeypatch.chdir(robot.parent)
     assert codes(Path("arm.urdf")) == codes(Path("../old/arm.urdf")) == ["RD502"]
 
@@ -174,18 +155,9 @@ def test_package_roots_are_relative_to_the_file(robot: Path) -> None:
         (f'{TABLE}ignore = ["RD999"]', "there is no rule 'RD999' (RD9 means RD901 to RD902)"),
         (f'{TABLE}per-file-ignores = {{"*" = ["X"]}}', "there is no rule 'X' (give codes such as RD207"),
         (f"{TABLE}per-file-ignores = 1", "[tool.robodyn.check.per-file-ignores] is 1, not a table"),
-        (
-            f"{TABLE}[tool.robodyn.check.thresholds]\nmas-ratio = 1",
-            "[tool.robodyn.check.thresholds]: unknown key \"mas-ratio\" (valid keys: 'axis-length', ",
-        ),
-        (
-            f"{TABLE}[tool.robodyn.check.thresholds]\nmass-ratio = true",
-            '[tool.robodyn.check.thresholds]: "mass-ratio" is True, not a finite number',
-        ),
-        (
-            f"{TABLE}[tool.robodyn.check.thresholds]\nmass-ratio = -1",
-            '[tool.robodyn.check.thresholds]: "mass-ratio" is -1 (thresholds are positive or zero)',
-        ),
+        (f"{BOUNDS}\nmas-ratio = 1", '[tool.robodyn.check.thresholds]: unknown key "mas-ratio" (valid keys: \'axis-'),
+        (f"{BOUNDS}\nmass-ratio = true", '[tool.robodyn.check.thresholds]: "mass-ratio" is True, not a finite number'),
+        (f"{BOUNDS}\nmass-ratio = -1", '[tool.robodyn.check.thresholds]: "mass-ratio" is -1 (thresholds are positive'),
         ("[tool.robodyn.check", "is not TOML: expected"),
         ("[tool]\nrobodyn = 1", "[tool.robodyn] is 1, not a table"),
     ],

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from functools import cache
 from math import pi
 from typing import NamedTuple
+
+from robodyn.checks.check import check_one
+from robodyn.checks.rule import Finding
 
 HERE = "@"
 """Marks in a replacement where the finding must begin; it is not part of the text."""
@@ -81,6 +85,18 @@ HEALTHY = """<?xml version="1.0"?>
   <gazebo reference="arm"><mu1 anything="1,5">${not read}</mu1></gazebo>
 </robot>
 """
+
+
+@cache
+def findings(text: str) -> tuple[Finding, ...]:
+    """What `check` finds in a text; each is checked once."""
+    return check_one(text.encode())
+
+
+def of_code(text: str, code: str) -> Finding:
+    """The one finding of a rule."""
+    (finding,) = [finding for finding in findings(text) if finding.code == code]
+    return finding
 
 
 class Defect(NamedTuple):
