@@ -261,9 +261,10 @@ def open_table(path: str | os.PathLike[str], file_type: str | None = None, topic
 
             return bag_table(name, topic)
         if log == "messages":
-            from robodyn.trajectory.readers.message_text import message_table
+            from robodyn.trajectory.readers.log_table import LogTable
+            from robodyn.trajectory.readers.messages import read_messages
 
-            return message_table(name)
+            return LogTable(name, read_messages(name))
         if os.path.isdir(name):
             raise TrajectoryError("is a directory", remedy="name a file", file=name)
         if kind == "csv":

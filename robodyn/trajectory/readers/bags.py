@@ -1,21 +1,31 @@
-"""Bags of ROS 1 and ROS 2 as tables of a motion."""
+"""Bags of ROS 1 and ROS 2 as tables of a motion.
+
+They are read within limits: rosbags itself unpacks whatever a chunk holds, and asks of a database what it may.
+"""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+import struct
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from robodyn.errors import TrajectoryError
 from robodyn.support.extras import need
+from robodyn.support.input_file import read_input, vetted
+from robodyn.support.input_limits import beyond, limits
 from robodyn.support.wording import alternatives, count, shown
 from robodyn.trajectory.columns.header import listing
-from robodyn.trajectory.readers.bounded_bags import bounded, check_bag
 from robodyn.trajectory.readers.log_table import LogTable
 from robodyn.trajectory.readers.messages import KNOWN, states_of
 from robodyn.trajectory.readers.table import BAGS, METADATA, decoding
+from robodyn.trajectory.readers.yaml_values import yaml_documents
 
+_LEAST = 1 << 28
+"""Bytes that may always come out of a bag."""
+_STEPS = 10_000
 _DYNAMIC = """std_msgs/Header header
 string[] joint_names
 control_msgs/InterfaceValue[] interface_values
@@ -42,8 +52,8 @@ def bag_table(name: str, topic: str | None = None) -> LogTable:
     if not os.path.exists(name):
         raise TrajectoryError("cannot be read: no such file or directory", remedy="check the name", file=name)
     place = _place(name)
-    check_bag(place)
-    with decoding("a bag", name), bounded(place), AnyReader([place], default_typestore=_types()) as bag:
+    _check_files(place)
+    with decoding("a bag", name), _bounded(place), AnyReader([place], default_typestore=_types()) as bag:
         chosen = _chosen(bag.connections, topic, name)
         kind = _kind(chosen[0])
         return LogTable(name, states_of(kind, _messages(bag, chosen), name))
@@ -82,9 +92,8 @@ def _chosen(connections: Sequence[Any], topic: str | None, file: str) -> list[An
             topics.setdefault(connection.topic, []).append(connection)
     if topic is not None and topic in topics:
         return topics[topic]
-    listed = ", ".join(
-        f"{name} ({_kind(each[0])}, {count(_messages_in(each), 'message')})" for name, each in topics.items()
-    )
+    sizes = {name: sum(int(each.msgcount) for each in some) for name, some in topics.items()}
+    listed = ", ".join(f"{x} ({_kind(topics[x][0])}, {count(size, 'message')})" for x, size in sizes.items())
     if topic is not None:
         what = f"no topic {shown(topic)} with messages about joints"
         raise TrajectoryError(what, remedy=alternatives(topic, [*topics], "topics"), file=file)
@@ -101,10 +110,6 @@ def _kind(connection: Any) -> str:
     return str(connection.msgtype).rpartition("/")[2]
 
 
-def _messages_in(connections: Sequence[Any]) -> int:
-    return sum(int(connection.msgcount) for connection in connections)
-
-
 def _types() -> Any:
     """Return the types of messages for bags that do not bring them, as those of SQLite."""
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
@@ -113,3 +118,150 @@ def _types() -> Any:
     store.register(get_types_from_msg(_INTERFACE, "control_msgs/msg/InterfaceValue"))
     store.register(get_types_from_msg(_DYNAMIC, "control_msgs/msg/DynamicJointState"))
     return store
+
+
+def _check_files(path: Path) -> None:
+    """Raise unless all files of a bag are regular ones, and its metadata is plain YAML of moderate size."""
+    files = [path]
+    if path.is_dir():
+        files = [each for each in path.iterdir() if not each.is_dir()]
+        text = read_input(path / METADATA, limits().yaml_metadata_bytes + 1)
+        if len(text) > limits().yaml_metadata_bytes:
+            raise beyond("yaml_metadata_bytes", "too many bytes", TrajectoryError, file=str(path / METADATA))
+        yaml_documents(text, str(path / METADATA))
+    for file in files:
+        vetted(file)
+
+
+@contextmanager
+def _bounded(path: Path) -> Iterator[None]:
+    """Let rosbags unpack no more from this bag than the limits allow, and its databases count their steps.
+
+    Raises:
+        TrajectoryError: when something is beyond a limit.
+    """
+    import apsw
+    from rosbags.rosbag1 import reader as first
+    from rosbags.rosbag2 import reader, storage_mcap, storage_sqlite3
+
+    files = path.iterdir() if path.is_dir() else [path]
+    zstd: Any = vars(reader)["zstd"]
+    budget = _Budget(str(path), sum(each.stat().st_size for each in files if each.is_file()), zstd)
+    mcap = {name: budget.chunk(unpack) for name, unpack in _UNPACK.items() if name != "bz2"}
+    ros1 = {name or "none": budget.chunk(unpack) for name, unpack in _UNPACK.items() if name != "zstd"}
+    with ExitStack() as stack:
+        for known, ours in ((storage_mcap.DECOMPRESSORS, mcap), (first.decompressors, ros1)):
+            _replaced(stack, known, ours)
+        _replaced(stack, vars(reader), {"zstd": budget})
+        for module in (reader, storage_mcap, storage_sqlite3):
+            # what a bag says of the quality of service is YAML again, and nothing here needs it
+            _replaced(stack, vars(module), {"parse_qos": lambda _: []})
+        apsw.connection_hooks.append(budget.bound)
+        stack.callback(apsw.connection_hooks.remove, budget.bound)
+        yield
+
+
+def _replaced(stack: ExitStack, names: dict[str, Any], ours: Mapping[str, Any]) -> None:
+    """Give names another meaning until the stack ends; they must be there."""
+    stack.callback(names.update, {name: names[name] for name in ours})
+    names.update(ours)
+
+
+class _Budget:
+    """What may come out of one bag; in rosbags it stands for the module that unpacks messages and files."""
+
+    def __init__(self, file: str, stored: int, zstd: Any) -> None:
+        self._file, self._zstd = file, zstd
+        self._left = max(_LEAST, stored * limits().bag_expansion)
+        self._records = self._steps = 0
+        self._each = min(_STEPS, limits().bag_steps)
+
+    def chunk(self, unpack: Callable[[Any, bytes, int], bytes]) -> Callable[..., bytes]:
+        """A function that unpacks a chunk, which may be told its size."""
+
+        def unpacked(data: bytes, size: int | None = None) -> bytes:
+            most = limits().bag_chunk_bytes
+            found = unpack(self._zstd, data, most if size is None else min(size, most))
+            self._count(found)
+            if size is not None:
+                self._count_records(found)
+            return found
+
+        return unpacked
+
+    def decompress(self, data: bytes) -> bytes:
+        """Unpack one message."""
+        found = _zstd(self._zstd, data, limits().bag_chunk_bytes)
+        self._count(found)
+        return found
+
+    @contextmanager
+    def open(self, stream: BinaryIO, _: str) -> Iterator[_Budget]:
+        """Unpack a file: what is yielded has `read`."""
+        with self._zstd.open(stream, "rb") as inner:
+            self._inner = inner
+            yield self
+
+    def read(self, size: int) -> bytes:
+        """Some bytes of a file."""
+        found: bytes = self._inner.read(size)
+        self._count(found)
+        return found
+
+    def bound(self, connection: Any) -> None:
+        """Set the limits of a database: a table in it may be computed, without end."""
+        import apsw
+
+        connection.limit(apsw.SQLITE_LIMIT_LENGTH, limits().bag_chunk_bytes)
+        connection.set_progress_handler(self._count_steps, self._each)
+
+    def _count_steps(self) -> bool:
+        self._steps += self._each
+        if self._steps >= limits().bag_steps:
+            raise beyond("bag_steps", "too many steps of its database", TrajectoryError, file=self._file)
+        return False
+
+    def _count(self, found: bytes) -> None:
+        if len(found) > limits().bag_chunk_bytes:
+            raise beyond("bag_chunk_bytes", "too many bytes in a chunk or message", TrajectoryError, file=self._file)
+        self._left -= len(found)
+        if self._left < 0:
+            what = "too many times its own bytes come out of its chunks"
+            raise beyond("bag_expansion", what, TrajectoryError, file=self._file)
+
+    def _count_records(self, data: bytes) -> None:
+        place = 0
+        try:
+            while place < len(data):
+                place += 9 + struct.unpack_from("<Q", data, place + 1)[0]
+                self._records += 1
+                if self._records > limits().bag_records:
+                    raise beyond("bag_records", "too many records", TrajectoryError, file=self._file)
+        except struct.error:
+            return  # the reader tells of it
+
+
+def _zstd(module: Any, data: bytes, most: int) -> bytes:
+    found: bytes = module.ZstdDecompressor().decompress(data, max_length=most + 1)
+    return found
+
+
+def _lz4(_: Any, data: bytes, most: int) -> bytes:
+    from lz4.frame import LZ4FrameDecompressor
+
+    found: bytes = LZ4FrameDecompressor().decompress(data, max_length=most + 1)
+    return found
+
+
+def _bz2(_: Any, data: bytes, most: int) -> bytes:
+    from bz2 import BZ2Decompressor
+
+    return BZ2Decompressor().decompress(data, max_length=most + 1)
+
+
+_UNPACK: dict[str, Callable[[Any, bytes, int], bytes]] = {
+    "": lambda _, data, most: data,
+    "zstd": _zstd,
+    "lz4": _lz4,
+    "bz2": _bz2,
+}

@@ -1,21 +1,36 @@
-"""Comma-, semicolon-, tab- or blank-separated tables, read in chunks of whole lines."""
+"""Comma-, semicolon-, tab- or blank-separated tables, read in chunks of whole lines, by two readers that agree.
+
+A cell is a decimal number: digits with an optional sign, point and exponent; blanks around it are allowed. Hexadecimal,
+`1_000`, quoted numbers, `nan` and `inf` are refused. Blank lines are skipped. polars reads large files; what it cannot
+read without doubt is read line by line, which finds what is wrong.
+"""
 
 from __future__ import annotations
 
 import csv
+import math
 import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from typing import BinaryIO
+from io import BytesIO
+from typing import TYPE_CHECKING, BinaryIO
+
+import numpy as np
 
 from robodyn.errors import TrajectoryError
 from robodyn.support.floats import Floats
 from robodyn.support.input_file import copied, open_input
 from robodyn.support.input_limits import beyond, limits
-from robodyn.trajectory.readers.csv_text import BLANK, LARGE, Dialect, parse
-from robodyn.trajectory.readers.table import Table, changed
+from robodyn.support.wording import count
+from robodyn.trajectory.readers.table import ALL_FINITE, Table, changed
 
+if TYPE_CHECKING:
+    from decimal import Decimal
+
+BLANK = b" "
+LARGE = 4_000_000
+"""Bytes of a file above which importing polars (0.1 s) costs less than reading without it."""
 _PART = 1 << 20
 _MARKS = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16", b"\x1f\x8b": "gzip", b"PK": "zip", b"PA": "Parquet"}
 
@@ -51,8 +66,33 @@ class CsvTable(Table):
             if not text:
                 raise TrajectoryError("is empty", remedy="a header line and rows of numbers are needed", file=self.file)
         self._start = self.position_bytes = self._stream.tell()
-        self._dialect = _dialect(text, self.file, self.header_line)
-        self.names = self._dialect.names
+        self.names, self._delimiter = self._columns(text)
+
+    def _columns(self, first: bytes) -> tuple[tuple[str, ...], bytes]:
+        """Names and delimiter from the header line: the first of , ; tab that makes several cells, else blanks."""
+
+        def refuse(what: str, remedy: str) -> TrajectoryError:
+            return TrajectoryError(what, remedy=remedy, file=self.file, line=self.header_line)
+
+        mark = next((name for start, name in _MARKS.items() if first.startswith(start)), None)
+        if (mark and not first.isascii()) or b"\0" in first:
+            remedy = "give a CSV table in UTF-8, or name its type by the suffix"
+            raise refuse(f"is {mark or 'binary'} data, not text", remedy)
+        try:
+            text = first.decode("utf-8-sig").strip().removeprefix("#").strip()
+        except UnicodeDecodeError:
+            raise refuse("the header is not UTF-8 text", "save the table as UTF-8") from None
+        delimiter = next((mark for mark in ",;\t" if mark in text), " ")
+        try:
+            cells = text.split() if delimiter == " " else next(csv.reader([text], delimiter=delimiter, strict=True))
+        except (csv.Error, StopIteration) as error:
+            remedy = "name the columns, quoted where a name has a comma"
+            raise refuse(f"the header cannot be read: {error}", remedy) from None
+        names = tuple(cell.strip() for cell in cells)
+        if all(map(_is_number, names)):
+            remedy = "begin with a line of names, e.g. time,q_<joint>,..."
+            raise refuse("no header: the first line holds numbers", remedy)
+        return names, delimiter.encode()
 
     def blocks(self, columns: Sequence[int], rows: int) -> Iterator[Floats]:
         self._stream.seek(self._start)
@@ -63,7 +103,7 @@ class CsvTable(Table):
                 data += self._stream.readline(longest + 1)
             after = self._stream.tell()
             self._check_lines(data, partial(self._line_at, offset))
-            values = self._parse(data, columns, offset)
+            values = self._parsed(data, columns, offset)
             self.position_bytes = after
             for start in range(0, len(values), rows):
                 yield values[start : start + rows]
@@ -92,7 +132,9 @@ class CsvTable(Table):
         return line
 
     def pieces(self, columns: Sequence[int], count: int, rows: int) -> list[Floats]:
-        size = rows * max(1, self._row_bytes())
+        self._stream.seek(self._start)
+        first = self._stream.read(1 << 16)
+        size = rows * max(1, len(first) // max(1, first.count(b"\n")))
         if self.size_bytes - self._start <= count * size:
             starts, size = [self._start], self.size_bytes
         else:
@@ -108,19 +150,93 @@ class CsvTable(Table):
             data = data[: data.rfind(b"\n") + 1] if self._stream.tell() < self.size_bytes else data
             try:
                 self._check_lines(data, lambda: 0)
-                found.append(self._parse(data, columns, start))
+                found.append(self._parsed(data, columns, start))
             except TrajectoryError:  # told with its line when the blocks are read
                 continue
         return found
 
-    def _row_bytes(self) -> int:
-        self._stream.seek(self._start)
-        data = self._stream.read(1 << 16)
-        return len(data) // max(1, data.count(b"\n"))
+    def _cells(self, line: bytes) -> list[bytes]:
+        return line.split() if self._delimiter == BLANK else line.split(self._delimiter)
 
-    def _parse(self, data: bytes, columns: Sequence[int], offset: int) -> Floats:
-        fast = self.size_bytes > LARGE
-        return parse(data, self._dialect, columns, lambda: self._line_at(offset), fast, self.origins)
+    def _parsed(self, data: bytes, columns: Sequence[int], offset: int) -> Floats:
+        """The chosen columns of whole lines of text, (rows, len(columns)), every cell finite.
+
+        Raises:
+            TrajectoryError: naming the line and the column of the first bad cell.
+        """
+        values = self._parsed_by_polars(data, columns) if self.size_bytes > LARGE else None
+        return self._parsed_lines(data, columns, offset) if values is None else values
+
+    def _parsed_by_polars(self, data: bytes, columns: Sequence[int]) -> Floats | None:
+        import polars as pl
+
+        if not data.endswith(b"\n"):
+            data += b"\n"  # polars overlooks a delimiter at the very end
+        last = len(self.names) - 1
+        if self._delimiter == BLANK:
+            data = b"\n".join(b" ".join(line.split()) for line in data.split(b"\n"))
+        if len(columns) <= last and data.count(self._delimiter) != last * (data.rstrip(b"\n").count(b"\n") + 1):
+            return None
+        schema: dict[str, pl.DataType] = {str(i): pl.Float64() for i in range(last + 1)}
+        schema |= {str(i): pl.String() for i in ({last} - {*columns} | self.origins.keys())}
+        chosen, mark = sorted({*columns, last}), self._delimiter.decode()
+        try:
+            frame = pl.read_csv(
+                BytesIO(data), has_header=False, schema=schema, columns=chosen, separator=mark, quote_char=None
+            )
+        except pl.exceptions.PolarsError:
+            return None
+        if frame.to_series(-1).null_count():
+            return None
+        for i, origin in self.origins.items():
+            found = _less([str(cell).encode() for cell in frame[str(i)]], origin)
+            if found is None:
+                return None
+            frame = frame.with_columns(pl.Series(str(i), found))
+        values: Floats = frame.select(str(i) for i in columns).to_numpy()
+        return values if np.isfinite(values).all() else None
+
+    def _parsed_lines(self, data: bytes, columns: Sequence[int], offset: int) -> Floats:
+        far = [(columns.index(i), i, origin) for i, origin in self.origins.items()]
+        rows: list[list[float]] = []
+        underscore = b"_" in data
+        for number, line in enumerate(data.split(b"\n")):
+            cells = self._cells(line)
+            try:
+                row = [float(cells[i]) for i in columns]
+            except (ValueError, IndexError):
+                row = [math.nan]
+            if len(cells) != len(self.names) or underscore or not all(map(math.isfinite, row)):
+                if not line.strip():
+                    continue
+                if found := self._fault(cells, columns):
+                    at = self._line_at(offset) + number
+                    raise TrajectoryError(found[0], remedy=found[1], file=self.file, line=at)
+            for place, i, origin in far:
+                (row[place],) = _less([cells[i]], origin) or [row[place]]
+            rows.append(row)
+        return np.array(rows, dtype=np.float64).reshape(-1, len(columns))
+
+    def _fault(self, cells: list[bytes], columns: Sequence[int]) -> tuple[str, str] | None:
+        """What is wrong with a line and what to do, None if nothing is."""
+        if len(cells) != len(self.names):
+            what = f"{count(len(cells), 'cell')} where the header names {len(self.names)} columns"
+            return what, "repair the row"
+        for i in columns:
+            name, cell = self.names[i], cells[i].strip()
+            shown = repr(cell[:40].decode("utf-8", "replace"))
+            if not cell:
+                return f"column {name!r} is empty", "give a number in every row"
+            try:
+                value = float(cell)
+            except ValueError:
+                value = math.nan
+            if cell.lower().lstrip(b"+-") in (b"nan", b"inf", b"infinity") or math.isinf(value):
+                return f"column {name!r}: {shown} is not finite", ALL_FINITE
+            if math.isnan(value) or b"_" in cell:
+                remedy = "write decimals with a point" if b"," in cell else "cells are decimal numbers such as -1.5e-3"
+                return f"column {name!r}: {shown} is not a number", remedy
+        return None
 
     def first(self, columns: Sequence[int]) -> list[str | float]:
         cells = next(self._rows(), [])
@@ -136,11 +252,11 @@ class CsvTable(Table):
         return found
 
     def _rows(self) -> Iterator[list[bytes]]:
-        """Yield the cells of each line that is not blank."""
+        """The cells of each line that is not blank."""
         self._stream.seek(self._start)
         for line in iter(lambda: self._stream.readline(limits().csv_line_bytes), b""):
             if line.strip():
-                yield self._dialect.cells(line)
+                yield self._cells(line)
 
     def error_at(self, row: int, what: str, remedy: str | None = None) -> TrajectoryError:
         self._stream.seek(self._start)
@@ -154,33 +270,15 @@ class CsvTable(Table):
         self._stream.close()
 
 
-def _dialect(first: bytes, file: str, line: int) -> Dialect:
-    """Names and delimiter from the header line: the first of , ; tab that makes several cells, else blanks."""
+def _less(cells: Sequence[bytes], origin: Decimal) -> list[float] | None:
+    """Numbers less an origin, each rounded once; None if a cell is none."""
+    from decimal import Decimal, InvalidOperation
 
-    def refuse(what: str, remedy: str) -> TrajectoryError:
-        return TrajectoryError(what, remedy=remedy, file=file, line=line)
-
-    mark = next((name for start, name in _MARKS.items() if first.startswith(start)), None)
-    if (mark and not first.isascii()) or b"\0" in first:
-        raise refuse(
-            f"is {mark or 'binary'} data, not text", "give a CSV table in UTF-8, or name its type by the suffix"
-        )
     try:
-        text = first.decode("utf-8-sig").strip()
-    except UnicodeDecodeError:
-        raise refuse("the header is not UTF-8 text", "save the table as UTF-8") from None
-    text = text.removeprefix("#").strip()
-    delimiter = next((mark for mark in ",;\t" if mark in text), " ")
-    try:
-        cells = text.split() if delimiter == " " else next(csv.reader([text], delimiter=delimiter, strict=True))
-    except (csv.Error, StopIteration) as error:
-        raise refuse(
-            f"the header cannot be read: {error}", "name the columns, quoted where a name has a comma"
-        ) from None
-    names = tuple(cell.strip() for cell in cells)
-    if all(_is_number(name) for name in names):
-        raise refuse("no header: the first line holds numbers", "begin with a line of names, e.g. time,q_<joint>,...")
-    return Dialect(BLANK if delimiter == " " else delimiter.encode(), names, file)
+        found = None if any(b"_" in cell for cell in cells) else [Decimal(cell.decode().strip()) for cell in cells]
+    except (InvalidOperation, ValueError):
+        return None
+    return None if found is None else [float(cell - origin) for cell in found]
 
 
 def _is_number(text: str) -> bool:

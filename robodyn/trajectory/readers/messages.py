@@ -1,14 +1,19 @@
-"""What messages of ROS say of joints: JointState, DynamicJointState and JointTrajectory of any version."""
+"""What messages of ROS say of joints: JointState, DynamicJointState and JointTrajectory of any version; their text,
+JSON or the YAML that MoveIt and `ros2 topic echo` write."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from robodyn.errors import TrajectoryError
+from robodyn.support.extras import need
+from robodyn.support.input_file import parse_json, read_input
 from robodyn.support.wording import shown
+from robodyn.trajectory.readers.table import decoding
+from robodyn.trajectory.readers.yaml_values import yaml_documents
 
 QUANTITIES = {"position": "q", "velocity": "qd", "acceleration": "qdd", "effort": "tau"}
 """What messages call what columns are called."""
@@ -163,3 +168,43 @@ def states_of(kind: str, messages: Iterable[tuple[Any, int]], file: str) -> list
         except ValueError as error:
             raise TrajectoryError(f"message {number}: {error}", remedy=f"is it a {kind}?", file=file) from None
     return states
+
+
+_KEYS = {"JointState": {"name", "position"}, "DynamicJointState": {"joint_names", "interface_values"}}
+_KEYS |= {TRAJECTORY: {"joint_names", "points"}}
+"""By kind, the keys by which a mapping is one."""
+
+
+def read_messages(name: str) -> list[State]:
+    """What a file of messages says: a trajectory, or states one after another.
+
+    Raises:
+        TrajectoryError: it cannot be read, is beyond a limit, or has no messages about joints, or of several kinds.
+    """
+    as_json = name.lower().endswith(".json")
+    if not as_json:
+        need("YAML files", "pyyaml", file=name)
+    text = read_input(name)
+    with decoding("JSON", name):
+        documents = [parse_json(text, name)] if as_json else yaml_documents(text, name)
+    found = [each for document in documents for each in _messages(document)]
+    kinds = sorted({kind for kind, _ in found})
+    if len(kinds) != 1:
+        what = f"has messages of several kinds: {', '.join(kinds)}" if kinds else "has no messages about joints"
+        remedy = f"understood: {', '.join((*KINDS, TRAJECTORY))}, by keys such as joint_names and points"
+        raise TrajectoryError(what, remedy=remedy, file=name)
+    return states_of(kinds[0], ((message, 0) for _, message in found), name)
+
+
+def _messages(document: Any) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """Yield the messages in a document, wherever they are, with their kinds, in its order."""
+    waiting = [document]
+    while waiting:
+        value = waiting.pop()
+        if isinstance(value, Mapping):
+            kind = next((kind for kind, keys in _KEYS.items() if keys <= value.keys()), None)
+            if kind is not None:
+                yield kind, value
+                continue
+        inner = value.values() if isinstance(value, Mapping) else value if isinstance(value, list) else ()
+        waiting += reversed([*inner])
