@@ -10,14 +10,12 @@ import mpmath
 import numpy as np
 import pytest
 import sympy
-from helpers.oracles import frictionless, golden_model, random_state, reference, robot, run, worst
-from helpers.program_values import evaluated
+from helpers.oracles import golden_model, random_state, reference, worst
 
 import robodyn
 from robodyn.dynamics.effects.catalogue import EFFECTS
 from robodyn.dynamics.effects.effect import Sample
-from robodyn.dynamics.inverse import inverse_dynamics
-from robodyn.dynamics.plan import Plan, applied, loads
+from robodyn.dynamics.plan import applied, loads
 from robodyn.dynamics.recursions.newton_euler import newton_euler
 from robodyn.programs.dual import Dual
 from robodyn.programs.vectors import vector
@@ -90,28 +88,6 @@ def test_symbols():
     craig = upper + (m1 + m2) * l1 * g * sympy.cos(q1), M12 * a1 + l2**2 * m2 * a2 + m2 * l1 * l2 * s2 * w1**2 + weight
     for reaction, expected in zip(reactions[1:], craig, strict=True):
         assert sympy.simplify(sympy.nsimplify(reaction.n[2] - expected)) == 0
-
-
-def test_a_model_of_symbols():
-    model = robot("two_link_planar")
-    q, qd, qdd = ([sympy.Symbol(f"{name}{k}") for k in (1, 2)] for name in ("q", "w", "a"))
-    tau = _tau(model, q, qd, qdd, frictionless(model))
-    state = random_state(model, np.random.default_rng(1), 1)
-    at = dict(zip([*q, *qd, *qdd], np.concatenate(state, axis=1)[0].tolist(), strict=True))
-    found = [float(x.evalf(30, subs=at)) for x in tau]
-    assert worst(found, inverse_dynamics(model, *state, scene=frictionless(model))[0]) <= 1e-15
-
-
-@pytest.mark.parametrize("name", ["puma560_corke", "tree15_bf2_skew0.3", "scara_rrp"])
-def test_traced_scalars(name):
-    model = golden_model(name)
-    rng = np.random.default_rng(3)
-    states = random_state(model, rng, 5)
-    program = Plan(model, Scene()).torques()
-    for q, qd, qdd in zip(*states, strict=True):
-        found = evaluated(program, {"q": q, "qd": qd, "qdd": qdd})
-        assert worst(found, _tau(model, q.tolist(), qd.tolist(), qdd.tolist(), Scene())) <= 1e-14
-    assert worst(run(program, Plan(model, Scene()), *states), inverse_dynamics(model, *states)) == 0
 
 
 def test_dual_scalars():

@@ -11,23 +11,21 @@ import mpmath
 import numpy as np
 import pytest
 import sympy
-from helpers.busy_robot import BUSY_SCENE, busy_robot
+from helpers.busy_robot import busy_robot
 from helpers.factorised import forward_by_factorisation
-from helpers.oracles import EPS, frictionless, golden_model, random_state, reference, robot, worst
-from helpers.program_values import evaluated
+from helpers.oracles import EPS, golden_model, random_state, reference, robot, worst
 from helpers.small_robots import body_numbers, built, joint, link, numbers, random_tree
 
 from robodyn.dynamics.effects.catalogue import EFFECTS
 from robodyn.dynamics.effects.effect import Sample
-from robodyn.dynamics.forward import acceleration_program, accelerations, forward_dynamics
+from robodyn.dynamics.forward import accelerations, forward_dynamics
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.mass import mass_matrix
-from robodyn.dynamics.plan import Plan, applied, loads
+from robodyn.dynamics.plan import applied, loads
 from robodyn.dynamics.recursions.articulated_body import articulated_body
 from robodyn.dynamics.recursions.elimination import aligned
 from robodyn.dynamics.recursions.newton_euler import inertial_wrenches
 from robodyn.errors import InputError
-from robodyn.programs.dual import Dual
 from robodyn.programs.vectors import vector
 from robodyn.robot.kinematics import REST, joint_motion
 from robodyn.robot.model import Body, Joint, Model
@@ -78,21 +76,6 @@ def test_fifty_digits(name, free):
         assert max(abs(a - b) for a, b in zip(found, tau, strict=True)) <= mpmath.mpf(10) ** -45
 
 
-def test_every_effect_in_doubles_and_fifty_digits():
-    for free in (False, True):
-        model, rng = busy_robot(free), np.random.default_rng(2)
-        q, qd, tau = (row[0].tolist() for row in random_state(model, rng, 1))
-        columns = dict.fromkeys(BUSY_SCENE.columns, 0.7)
-        plain = _qdd(model, q, qd, tau, BUSY_SCENE, columns)
-        M = mass_matrix(model, q, scene=BUSY_SCENE)
-        called_for = (np.abs(M) @ np.abs(plain)).max()
-        assert worst(_tau(model, q, qd, plain, BUSY_SCENE, columns), tau, called_for) <= 1e-14
-        with mpmath.workdps(50):
-            exact = [[mpmath.mpf(x) for x in row] for row in (q, qd, tau)]
-            found = [float(x) for x in _qdd(model, *exact, BUSY_SCENE, columns)]
-        assert worst(plain, found) <= 8 * EPS * np.linalg.cond(M)
-
-
 def _chain_of_two(kinds, places):
     """A model of two bodies on a base, for inertias that are not numbers."""
     hinges = [
@@ -130,40 +113,6 @@ def test_symbols():
         at = {symbol: sympy.Rational(7 + 3 * i + k, 11 + i) for i, symbol in enumerate(symbols)}
         for a, b in zip(found, expected, strict=True):
             assert abs(a.subs(at).evalf(40) - b.subs(at).evalf(40)) <= 1e-12
-
-
-def test_a_model_of_symbols():
-    model = robot("two_link_planar")
-    q, qd, tau = ([sympy.Symbol(f"{name}{k}") for k in (1, 2)] for name in ("q", "w", "t"))
-    qdd = _qdd(model, q, qd, tau, frictionless(model))
-    state = random_state(model, np.random.default_rng(1), 1)
-    at = dict(zip([*q, *qd, *tau], np.concatenate(state, axis=1)[0].tolist(), strict=True))
-    found = [float(x.evalf(30, subs=at)) for x in qdd]
-    assert worst(found, forward_dynamics(model, *state, scene=frictionless(model))[0]) <= 64 * EPS
-
-
-@pytest.mark.parametrize("name", ["puma560_corke", "tree15_bf2_skew0.3", "scara_rrp"])
-def test_traced_scalars(name):
-    model = golden_model(name)
-    program = acceleration_program(Plan(model, Scene()))
-    for q, qd, tau in zip(*random_state(model, np.random.default_rng(3), 5), strict=True):
-        found = evaluated(program, {"q": q, "qd": qd, "tau": tau})
-        cond = np.linalg.cond(mass_matrix(model, q))
-        assert worst(found, _qdd(model, q.tolist(), qd.tolist(), tau.tolist(), Scene())) <= 4 * EPS * cond
-
-
-def test_dual_scalars():
-    """d qdd/dt along q + t qd, qd + t qdd at constant tau makes d tau/dt = 0."""
-    model = golden_model("puma560_corke")
-    q, qd, tau = (row[0].tolist() for row in random_state(model, np.random.default_rng(4), 1))
-    qdd = _qdd(model, q, qd, tau, Scene())
-    moving = [Dual(x, rate) for x, rate in zip(q, qd, strict=True)], [Dual(x, a) for x, a in zip(qd, qdd, strict=True)]
-    jerk = _qdd(model, *moving, tau, Scene())
-    assert worst([x.value for x in jerk], qdd) <= 1e-13
-    rates = _tau(model, *moving, jerk, Scene())
-    assert worst([x.value for x in rates], tau) <= 1e-13
-    parts = _tau(model, *moving, qdd, Scene())
-    assert np.abs([x.rate for x in rates]).max() <= 1e-13 * np.abs([x.rate for x in parts]).max()
 
 
 def test_a_pendulum():

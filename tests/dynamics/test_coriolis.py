@@ -9,8 +9,6 @@ import pytest
 from helpers.busy_robot import BUSY_SCENE, busy_robot
 from helpers.exact_rates import exact_rates
 from helpers.oracles import frictionless, random_state, robot, worst
-from helpers.peers import pin
-from helpers.pinocchio_robots import PinocchioRobot
 from helpers.robot_catalogue import FOLDER
 
 import robodyn
@@ -67,17 +65,3 @@ def _along(model, q, qd):
         out |= {("q", i + j): qd[:, k + 3 + j] for j in range(3)}
         out |= {("q", i + 3 + j): part / 2 for j, part in enumerate(turn)}
     return out
-
-
-def test_pinocchio():
-    """On a fixed base there is one matrix of Christoffel's symbols."""
-    model = robot("puma560")
-    other = PinocchioRobot(FOLDER / "puma560.urdf")
-    q, qd, qdd = random_state(model, np.random.default_rng(3), SAMPLES)
-    for found, *sample in zip(coriolis_matrix(model, q, qd), q, qd, qdd, strict=True):
-        position, v, _ = other.state(model, *sample)
-        # Pinocchio's factorization is another; both make the same torques and the same M' - C - C^T = 0.
-        expected = pin.computeCoriolisMatrix(other.model, other.data, position, v)
-        S = other.reduction(model, sample[0])
-        assert worst(found @ sample[1], S.T @ expected @ S @ sample[1]) <= 1e-12
-        assert worst(found + found.T, S.T @ (expected + expected.T) @ S) <= 1e-12

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers.busy_robot import BUSY_SCENE, busy_robot
+from helpers.busy_robot import EVERY_EFFECT, busy_robot
 from helpers.exact_rates import exact_rates
 from helpers.example_robots import VARIANTS, cases, real
 from helpers.oracles import EPS, frictionless, random_state, robot, tangent, worst
@@ -29,7 +29,11 @@ bases = pytest.mark.parametrize("moving_base", [False, True], ids=["fixed", "fre
 
 def busy_state(moving_base):
     model, rng = busy_robot(moving_base), np.random.default_rng(5)
-    return model, *random_state(model, rng, SAMPLES), {name: rng.uniform(-1, 1, SAMPLES) for name in BUSY_SCENE.columns}
+    return (
+        model,
+        *random_state(model, rng, SAMPLES),
+        {name: rng.uniform(-1, 1, SAMPLES) for name in EVERY_EFFECT.columns},
+    )
 
 
 def directions(model, q, last):
@@ -44,11 +48,11 @@ def thirds(rates, n):
 @bases
 def test_every_effect_of_inverse_dynamics(moving_base):
     model, q, qd, qdd, columns = busy_state(moving_base)
-    program = Plan(model, BUSY_SCENE).torques()
+    program = Plan(model, EVERY_EFFECT).torques()
     sources = {"q": q, "qd": qd, "qdd": qdd, "columns": np.column_stack(list(columns.values()))}
     expected = thirds(exact_rates(program, directions(model, q, "qdd"), sources), model.n)
     for executor in EXECUTORS:
-        found = inverse_dynamics_derivatives(model, q, qd, qdd, scene=BUSY_SCENE, columns=columns, executor=executor)
+        found = inverse_dynamics_derivatives(model, q, qd, qdd, scene=EVERY_EFFECT, columns=columns, executor=executor)
         assert max(map(worst, found, expected)) <= 1e-14, executor
         assert (found.dqdd == np.swapaxes(found.dqdd, -1, -2)).all(), executor
 
@@ -57,12 +61,12 @@ def test_every_effect_of_inverse_dynamics(moving_base):
 def test_every_effect_of_forward_dynamics(moving_base):
     model, q, qd, _, columns = busy_state(moving_base)
     tau = np.random.default_rng(6).uniform(-5, 5, (SAMPLES, model.n))
-    program = acceleration_program(Plan(model, BUSY_SCENE))
+    program = acceleration_program(Plan(model, EVERY_EFFECT))
     sources = {"q": q, "qd": qd, "tau": tau, "columns": np.column_stack(list(columns.values()))}
     expected = thirds(exact_rates(program, directions(model, q, "tau"), sources), model.n)
-    condition = np.linalg.cond(robodyn.mass_matrix(model, q, scene=BUSY_SCENE)).max()
+    condition = np.linalg.cond(robodyn.mass_matrix(model, q, scene=EVERY_EFFECT)).max()
     for executor in EXECUTORS:
-        found = forward_dynamics_derivatives(model, q, qd, tau, scene=BUSY_SCENE, columns=columns, executor=executor)
+        found = forward_dynamics_derivatives(model, q, qd, tau, scene=EVERY_EFFECT, columns=columns, executor=executor)
         assert max(map(worst, found, expected)) <= 8 * EPS * condition, executor
         assert (found.dtau == np.swapaxes(found.dtau, -1, -2)).all(), executor
 
@@ -157,21 +161,23 @@ def test_friction_has_a_slope_where_it_is_smooth():
 @pytest.mark.parametrize("executor", EXECUTORS)
 def test_shapes_and_out(executor):
     model, q, qd, qdd, columns = busy_state(False)
-    whole = inverse_dynamics_derivatives(model, q, qd, qdd, scene=BUSY_SCENE, columns=columns, executor=executor)
+    whole = inverse_dynamics_derivatives(model, q, qd, qdd, scene=EVERY_EFFECT, columns=columns, executor=executor)
     n = model.n
     assert whole.dq.shape == (SAMPLES, n, n)
     single = {name: values[0] for name, values in columns.items()}
-    one = inverse_dynamics_derivatives(model, q[0], qd[0], qdd[0], scene=BUSY_SCENE, columns=single, executor=executor)
+    one = inverse_dynamics_derivatives(
+        model, q[0], qd[0], qdd[0], scene=EVERY_EFFECT, columns=single, executor=executor
+    )
     assert one.dq.shape == (n, n)
     assert max(map(worst, one, (x[0] for x in whole))) <= 8 * EPS
     for order in "CF":
         out = np.empty((SAMPLES, 3, n, n), order=order)
         given = inverse_dynamics_derivatives(
-            model, q, qd, qdd, scene=BUSY_SCENE, columns=columns, executor=executor, out=out
+            model, q, qd, qdd, scene=EVERY_EFFECT, columns=columns, executor=executor, out=out
         )
         assert all(np.shares_memory(x, out) for x in given)
         assert all((a == b).all() for a, b in zip(given, whole, strict=True))
-    in_32 = inverse_dynamics_derivatives(model, q, qd, qdd, scene=BUSY_SCENE, columns=columns, dtype=np.float32)
+    in_32 = inverse_dynamics_derivatives(model, q, qd, qdd, scene=EVERY_EFFECT, columns=columns, dtype=np.float32)
     assert in_32.dq.dtype == np.float32
     assert max(map(worst, in_32, whole)) <= 1e-5
 
@@ -193,7 +199,7 @@ def test_the_threads_agree():
     many = [np.resize(x, (3000, x.shape[1])) for x in (q, qd, qdd)]
     more = {name: np.resize(x, 3000) for name, x in columns.items()}
     one, two = (
-        inverse_dynamics_derivatives(model, *many, scene=BUSY_SCENE, columns=more, executor="compiled", threads=k)
+        inverse_dynamics_derivatives(model, *many, scene=EVERY_EFFECT, columns=more, executor="compiled", threads=k)
         for k in (1, 2)
     )
     assert all((a == b).all() for a, b in zip(one, two, strict=True))
@@ -202,7 +208,7 @@ def test_the_threads_agree():
 def test_refusals():
     model, q, qd, qdd, _ = busy_state(False)
     with pytest.raises(InputError, match="needs columns"):
-        inverse_dynamics_derivatives(model, q, qd, qdd, scene=BUSY_SCENE)
+        inverse_dynamics_derivatives(model, q, qd, qdd, scene=EVERY_EFFECT)
     with pytest.raises(InputError, match="out has shape"):
         inverse_dynamics_derivatives(model, q, qd, qdd, out=np.empty((SAMPLES, model.n, model.n)))
     with pytest.raises(SceneError, match="loop"):

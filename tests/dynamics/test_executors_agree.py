@@ -12,8 +12,7 @@ from helpers.robot_catalogue import names
 from helpers.sampled import sampled
 
 from robodyn.dynamics.balance import energy, laws, losses
-from robodyn.dynamics.inverse import bias_forces, inverse_dynamics
-from robodyn.dynamics.mass import mass_matrix
+from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.plan import Plan
 from robodyn.programs.run.compiled_blocks import CompiledBlocks
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
@@ -78,30 +77,6 @@ def test_every_program_of_a_plan(name, free):
     compiled, plain = both(laws(plan), arrays)
     for part in (slice(0, 3), slice(3, 6), slice(6, 7), slice(7, 10)):
         assert worst(compiled[:, part], plain[:, part]) <= 8 * EPS
-
-
-@pytest.mark.parametrize("name", ["puma560_corke", "tree15_bf2_skew0.3"])
-def test_mass_matrix_and_bias(name):
-    model = golden_model(name)
-    q, qd, _ = random_state(model, np.random.default_rng(3), 50)
-    M = mass_matrix(model, q, executor="compiled")
-    np.testing.assert_array_equal(M, np.swapaxes(M, 1, 2))
-    assert worst(M, mass_matrix(model, q, executor="numpy")) <= 4 * EPS
-    bias = [bias_forces(model, q, qd, executor=executor) for executor in ("compiled", "numpy")]
-    assert worst(*bias) <= 4 * EPS
-
-
-@pytest.mark.parametrize("name", MODELS)
-def test_golden_torques_and_masses(name):
-    model = golden_model(name)
-    for case in MODELS[name]["cases"]:
-        scene = Scene(gravity=tuple(case["gravity"]))
-        state = [case[key] for key in ("q", "qd", "qdd")]
-        parts = [case[key] for key in ("tau", "tau_gravity", "tau_coriolis")]
-        scale = np.abs(parts).max() or 1.0
-        tau = inverse_dynamics(model, *state, scene=scene, executor="compiled")
-        assert worst(tau, case["tau"], scale) <= 1e-12
-        assert worst(mass_matrix(model, case["q"], scene=scene, executor="compiled"), case["M"]) <= 1e-14
 
 
 @pytest.mark.parametrize("name", names())

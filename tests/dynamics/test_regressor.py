@@ -6,11 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.busy_robot import BUSY_SCENE, busy_robot
+from helpers.busy_robot import EVERY_EFFECT, busy_robot
 from helpers.example_robots import cases
-from helpers.oracles import frictionless, random_state, robot, worst
-from helpers.peers import pin
-from helpers.pinocchio_robots import PinocchioRobot
+from helpers.oracles import random_state, robot, worst
 from helpers.sampled import sampled
 
 import robodyn
@@ -34,7 +32,7 @@ def error(found, tau):
 @pytest.mark.parametrize("slip_speed", [0.0, 0.2])
 def test_every_effect(moving_base, slip_speed):
     model, rng = busy_robot(moving_base), np.random.default_rng(4)
-    scene = replace(BUSY_SCENE, slip_speed=slip_speed)
+    scene = replace(EVERY_EFFECT, slip_speed=slip_speed)
     state = random_state(model, rng, SAMPLES)
     columns = {name: rng.uniform(-1, 1, SAMPLES) for name in scene.columns}
     expected = robodyn.inverse_dynamics(model, *state, scene=scene, columns=columns)
@@ -54,23 +52,6 @@ def test_published_robots(path, moving_base):
     found = regressor(model, *state)
     assert not found.rest.any()
     assert error(found, robodyn.inverse_dynamics(model, *state)) <= 1e-13
-
-
-@pytest.mark.parametrize("path", sampled(cases(), 5))
-def test_pinocchio(path):
-    """Its parameters of a body are ours: m, m c, then Ixx Ixy Iyy Ixz Iyz Izz about the joint's frame."""
-    model, other = load(path), PinocchioRobot(path)
-    q, qd, qdd = random_state(model, np.random.default_rng(1), 1)
-    found = regressor(model, q, qd, qdd, scene=frictionless(model))
-    theirs = pin.computeJointTorqueRegressor(other.model, other.data, *other.state(model, q[0], qd[0], qdd[0]))
-    S = other.reduction(model, q[0])
-    order = [0, 1, 2, 3, 4, 5, 7, 6, 8, 9]
-    for body in model.bodies:
-        if body.joint.kind != "fixed":
-            first = 10 * (other.model.getJointId(body.joint.name) - 1)
-            columns = [found.names.index(f"{body.name}.{name}") for name in INERTIAL]
-            expected = S.T @ theirs[:, first : first + 10]
-            assert worst(found.Y[0][:, columns][:, order], expected, max(1e-300, np.abs(theirs).max())) <= 1e-12
 
 
 def test_what_is_linear_stays_so():

@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from helpers.busy_robot import BUSY_SCENE, busy_robot
+from helpers.busy_robot import EVERY_EFFECT, busy_robot
 from helpers.exact_rates import exact_rates
 from helpers.example_robots import real
 from helpers.oracles import EPS, frictionless, random_state, robot, tangent, worst
@@ -35,9 +35,9 @@ def twice(model, state, scene, columns, **options):
 
 def test_every_effect():
     model, rng = busy_robot(), np.random.default_rng(8)
-    state, columns = random_state(model, rng, 2), {name: rng.uniform(-1, 1, 2) for name in BUSY_SCENE.columns}
-    found = twice(model, state, BUSY_SCENE, columns, executor="numpy")
-    assert max(map(worst, found, exact(model, state, BUSY_SCENE, columns))) <= 1e-14
+    state, columns = random_state(model, rng, 2), {name: rng.uniform(-1, 1, 2) for name in EVERY_EFFECT.columns}
+    found = twice(model, state, EVERY_EFFECT, columns, executor="numpy")
+    assert max(map(worst, found, exact(model, state, EVERY_EFFECT, columns))) <= 1e-14
     assert worst(found.q_q, np.swapaxes(found.q_q, -1, -2)) <= 1e-14
 
 

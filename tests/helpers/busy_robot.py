@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 
 from helpers.small_robots import body_numbers, joint, link, urdf
 from robodyn.robot.load import load
-from robodyn.scene.parts import ExternalWrench, Friction, Immersed, LimitSpring, Payload, Rotor, Spring
+from robodyn.scene.parts import CoupledMotor, ExternalWrench, Friction, Immersed, LimitSpring, Payload, Rotor, Spring
 from robodyn.scene.scene import Scene
 
 AXES = {"j1": (0, 0, 1), "j2": (0.6, 0, -0.8), "j3": (0, -1, 0), "j4": (0.48, 0.6, 0.64)}
@@ -71,3 +72,18 @@ BUSY_SCENE = Scene(
     joint_limits="spring",
     limit_spring=LimitSpring(40.0, 3.0),
 )
+
+SPINNING = {
+    "j2": Rotor(0.04, -30.0, (0.3, -1.0, 0.5)),
+    "slide": Rotor(0.03, -40.0, (0.0, 1.0, 0.2), "tool"),
+    "j4": Rotor(0.2, 25.0, on="l1"),
+    "follower": Rotor(0.05, 12.0, (1.0, 2.0, -1.0), "l3"),
+    "finger": Rotor(0.08, 15.0, (1.0, 0.0, 0.0), "l4"),
+    "j1": Rotor(0.07, 20.0, on="l1"),
+}
+"""On parents, children, links beyond the joint, on another branch, and of mimic joints."""
+WRIST = CoupledMotor("wrist motor", {"j2": 1.0, "slide": -0.7}, 2e-3, -30.0, Friction(0.3, 0.5, -0.4, 0.9, 0.3))
+CROSSED = CoupledMotor("crossed", {"j4": 0.5, "follower": 0.7, "finger": -0.2}, 1e-3, 20.0, Friction(0.1, 0.2, -0.2))
+COUPLED = (WRIST, CROSSED, CoupledMotor("chained", {"slide": 1.0, "j4": 2.0}, 3e-4, 10.0))
+EVERY_EFFECT = replace(BUSY_SCENE, rotor=SPINNING, coupled=COUPLED)
+"""All effects but friction that grows with load, which has no mass matrix."""

@@ -116,7 +116,7 @@ MUTATIONS = {
         ("dynamics/effects/wrenches.py", "p + R @ np.array(wrench.point)", "R @ np.array(wrench.point)"),
         ("dynamics/effects/wrenches.py", "where[body].R.T @ where[0].R", "where[body].R.T"),
     ],
-    "dynamics/effects/test_fluid.py": [
+    "dynamics/effects/test_joint_effects.py": [
         ("solids/inertia/laws.py", "product(R, c) + p", "product(R, c) - p"),
         (
             "dynamics/effects/rigid_bodies.py",
@@ -124,8 +124,6 @@ MUTATIONS = {
             "inertia_of(load.mass, np.array(load.com), symmetric(load.inertia))",
         ),
         ("dynamics/effects/wrenches.py", "sign(x) * (x * x)", "x * x"),
-    ],
-    "dynamics/effects/test_joint_effects.py": [
         ("dynamics/effects/motors.py", "gear * gear * inertia", "gear * inertia"),
         (
             "dynamics/effects/friction.py",

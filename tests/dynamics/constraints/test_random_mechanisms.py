@@ -7,8 +7,8 @@ from functools import cache
 
 import numpy as np
 import pytest
-from helpers.mechanisms import kernel, least_torques
-from helpers.peers import mujoco, pin
+from helpers.mechanisms import least_torques
+from helpers.peers import pin
 from helpers.random_mechanisms import COUNT, SHAPES, mechanism
 from scipy.spatial.transform import Rotation
 
@@ -149,63 +149,3 @@ def test_pinocchio(seed):
     for state in zip(one.qd, one.qdd, strict=True):
         expected = one.open_torques(*state)
         assert np.abs(peer.torques(*state) - expected).max() <= 1e-13 * np.abs(expected).max()
-
-
-class Mujoco:
-    """A mechanism, bare of all but masses, in MuJoCo with stiff equality constraints; at rest."""
-
-    def __init__(self, one):
-        spec = mujoco.MjSpec.from_string(one.text.decode())
-        for each in spec.joints:
-            each.limited = 0
-        for loop in one.scene.loops:
-            weld = loop.kind == "weld"
-            tie = spec.add_equality(type=mujoco.mjtEq.mjEQ_WELD if weld else mujoco.mjtEq.mjEQ_CONNECT)
-            tie.objtype = mujoco.mjtObj.mjOBJ_BODY
-            tie.name1, tie.name2 = loop.link, "world" if loop.to == GROUND else loop.to
-            tie.solimp = [0.9999, 0.9999, 0.001, 0.5, 2.0]
-        self.one, self.model = one, spec.compile()
-        self.model.opt.tolerance, self.model.opt.iterations = 0.0, 200
-        for data, loop in zip(self.model.eq_data, one.scene.loops, strict=True):
-            ends = (loop.to_point, loop.point) if loop.kind == "weld" else (loop.point, loop.to_point)
-            data[:6] = [*ends[0], *ends[1]]
-            if loop.kind == "weld":
-                data[6:10] = Rotation.from_euler("xyz", loop.rpy).inv().as_quat(scalar_first=True)
-        self.data = mujoco.MjData(self.model)
-        joints = [self.model.joint(f"j{k}") for k in range(one.n)]
-        self.columns = [each.dofadr[0] for each in joints]
-        self.data.qpos[[each.qposadr[0] for each in joints]] = one.q
-
-    def driven(self, tau):
-        """J of the constraints, the accelerations that torques give, and the torques that `mj_inverse` finds then."""
-        self.data.qfrc_applied[self.columns] = tau
-        mujoco.mj_forward(self.model, self.data)
-        J = self.data.efc_J.reshape(self.data.nefc, self.model.nv).copy()
-        qdd = self.data.qacc[self.columns].copy()
-        mujoco.mj_inverse(self.model, self.data)
-        return J[:, self.columns], qdd, self.data.qfrc_inverse[self.columns].copy()
-
-
-@pytest.mark.parametrize("seed", [seed for seed in POINTS_AND_WELDS if seed < QUICK])
-def test_mujoco(seed):
-    """From rest its drives accelerate a mechanism; these accelerations take the same torques, or such as do as much.
-
-    Its constraints are a little soft, which the torques of given accelerations do not see.
-    """
-    one = kept(seed)
-    one = replace(one, scene=replace(Scene(loops=one.scene.loops), actuated=one.scene.actuated))
-    still, drive = np.zeros(one.n), np.random.default_rng(seed).normal(size=one.n) * ~one.passive
-    J = one.rows(still)[0]
-    theirs, qdd, back = Mujoco(one).driven(drive)
-    ranks = [np.linalg.matrix_rank(rows, tol=1e-9) for rows in (J, theirs, np.vstack((J, theirs)))]
-    assert len(set(ranks)) == 1
-    tau = one.open_torques(still, qdd)
-    scale = np.abs(tau).max()
-    assert np.abs(back - drive).max() <= 1e-9 * scale
-    decided = structure(J[None], one.passive)
-    found = torque_distribution(decided, J[None], tau[None], one.weights)
-    gap = found.torques[0] - drive[~one.passive]
-    assert np.abs(gap[decided.torque_determined]).max(initial=0.0) <= 1e-11 * scale
-    assert np.abs(kernel(J).T[:, ~one.passive] @ gap).max() <= 1e-11 * scale
-    assert np.abs(found.unbalanced).max(initial=0.0) <= 1e-11 * scale
-    assert (one.weights * found.torques[0] ** 2).sum() <= (one.weights * drive[~one.passive] ** 2).sum() * (1 + 1e-9)

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers.busy_robot import busy_robot
-from helpers.oracles import EPS, frictionless, random_state, robot, worst
-from helpers.small_robots import built, joint, link
+from helpers.busy_robot import busy_parts, busy_robot
+from helpers.oracles import EPS, frictionless, random_state, robot, run, worst
+from helpers.small_robots import body_numbers, built, joint, link, urdf
 
+from robodyn.dynamics.effects import rigid_bodies, wrenches
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.mass import mass_matrix
-from robodyn.scene.parts import Friction, Rotor, Spring
+from robodyn.dynamics.plan import Plan
+from robodyn.robot.load import load
+from robodyn.scene.parts import Friction, Immersed, Payload, Rotor, Spring
 from robodyn.scene.scene import Scene
 
 GEARED = (
@@ -123,3 +126,96 @@ def test_at_a_mimic_joint_is_reflected_onto_its_master(scene):
     expected = np.zeros_like(added)
     expected[:, k] = -2.5 * own
     assert worst(added, expected, 100.0) <= 4 * EPS
+
+
+def _numbers(seed):
+    m, com, six = body_numbers(np.random.default_rng(seed))
+    return m, tuple(com), tuple(six)
+
+
+@pytest.mark.parametrize("where", ["l0", "l1", "l3", "tool", "l6"])
+def test_is_the_same_as_a_link_fixed_there(where):
+    m, com, six = _numbers(3)
+    merged = load(urdf(*busy_parts(), link("load", m, com, six), joint("carry", where, "load", "fixed")))
+    model, scene = busy_robot(), Scene(payloads=(Payload(where, m, com, six),))
+    state = random_state(model, np.random.default_rng(4), 20)
+    assert worst(inverse_dynamics(model, *state, scene=scene), inverse_dynamics(merged, *state)) <= 8 * EPS
+    assert worst(mass_matrix(model, state[0], scene=scene), mass_matrix(merged, state[0])) <= 8 * EPS
+    wrenches = [run(Plan(*pair).wrenches(), Plan(*pair), *state) for pair in ((model, scene), (merged, Scene()))]
+    assert worst(*wrenches) <= 8 * EPS
+
+
+def test_is_reversible():
+    """A load and its negative leave the robot as it was; so does a scene without it."""
+    m, com, six = _numbers(5)
+    model = busy_robot()
+    state = random_state(model, np.random.default_rng(6), 20)
+    both = Payload("tool", m, com, six), Payload("tool", -m, com, tuple(-x for x in six))
+    bare = inverse_dynamics(model, *state)
+    assert worst(inverse_dynamics(model, *state, scene=Scene(payloads=both)), bare) <= 16 * EPS
+    inverse_dynamics(model, *state, scene=Scene(payloads=both[:1]))
+    np.testing.assert_array_equal(inverse_dynamics(model, *state), bare)
+
+
+def test_several_loads_add_up():
+    model = busy_robot()
+    state = random_state(model, np.random.default_rng(7), 20)
+    loads = tuple(Payload(where, *_numbers(k)) for k, where in enumerate(("l1", "tool", "tool", "l5")))
+    bare = inverse_dynamics(model, *state)
+    apart = sum(inverse_dynamics(model, *state, scene=Scene(payloads=(one,))) - bare for one in loads)
+    assert worst(inverse_dynamics(model, *state, scene=Scene(payloads=loads)) - bare, apart) <= 1e-14
+    plan = Plan(model, Scene(payloads=loads))
+    assert worst(run(plan.share(rigid_bodies.PAYLOAD), plan, *state), apart) <= 1e-14
+
+
+def test_a_point_mass_hanging_from_a_hinge():
+    model = load(urdf(link("base"), link("arm"), joint("j", "base", "arm", axis=(0, 1, 0))))
+    scene = Scene(payloads=(Payload("arm", 2.0, (0.5, 0, 0)),))
+    assert inverse_dynamics(model, [0.0], [0.0], [3.0], scene=scene)[0] == 2.0 * 0.25 * 3.0 - 2.0 * 9.81 * 0.5
+    assert mass_matrix(model, [0.7], scene=scene)[0, 0] == 0.5
+
+
+WATER = 1000.0
+
+
+def test_a_body_of_waters_density_weighs_nothing():
+    """Buoyancy is the weight of the displaced water at its centre: a payload of that mass, upside down."""
+    model = busy_robot(True)
+    q = random_state(model, np.random.default_rng(1), 20)[0]
+    volume, centre = 1.3e-3, (0.1, -0.2, 0.3)
+    still = Scene(gravity=(1.0, 2.0, -9.0))
+    bare = inverse_dynamics(model, q, 0, 0, scene=still)
+    scene = Scene(
+        still.gravity,
+        payloads=(Payload("tool", WATER * volume, centre),),
+        immersed=(Immersed("tool", volume, centre),),
+        fluid_density=WATER,
+    )
+    assert worst(inverse_dynamics(model, q, 0, 0, scene=scene), bare) <= 16 * EPS
+
+
+def test_drag_of_a_swinging_paddle():
+    model = built(link("base"), link("paddle"), joint("j", "base", "paddle", axis=(0, 0, 1)))
+    area, arm = (0.3, 0.5, 0.7), 0.8
+    scene = Scene(immersed=(Immersed("paddle", 0.0, (arm, 0, 0), area),), fluid_density=WATER)
+    for qd in (2.0, -2.0, 0.0):
+        tau = inverse_dynamics(model, [0.4], [qd], [0.0], scene=scene)[0]
+        assert worst(tau, 0.5 * WATER * area[1] * abs(qd * arm) * (qd * arm) * arm) <= 4 * EPS
+
+
+def test_drag_sees_the_velocity_relative_to_the_stream():
+    model = built(link("base"), link("hull"), joint("j", "base", "hull", "prismatic", axis=(1, 0, 0)))
+    scene = Scene(immersed=(Immersed("hull", drag_area=(0.2, 0, 0)),), fluid_density=WATER, fluid_velocity=(1.5, 9, 9))
+    for qd in (-1.0, 0.0, 1.5, 4.0):
+        tau = inverse_dynamics(model, [0.0], [qd], [0.0], scene=scene)[0]
+        assert worst(tau, 0.1 * WATER * abs(qd - 1.5) * (qd - 1.5), WATER) <= 4 * EPS
+
+
+def test_drag_takes_power_in_still_water():
+    model = busy_robot(True)
+    state = random_state(model, np.random.default_rng(2), 50)
+    immersed = tuple(Immersed(name, 0.0, (0.1, 0.2, -0.1), (0.3, 0.2, 0.1)) for name in ("l1", "tool", "l6"))
+    plan = Plan(model, frictionless(model, immersed=immersed, fluid_density=WATER))
+    share = run(plan.share(wrenches.FLUID), plan, *state)
+    assert (np.einsum("ij,ij->i", share, state[1]) > 0).all()
+    assert rigid_bodies.GRAVITY in plan.effects

@@ -1,23 +1,120 @@
-"""Numbers printed by other projects for small robots."""
+"""The PUMA 560 of robots/ with its motors against everything that others printed for it, to the printed digits."""
 
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import replace
+from decimal import Decimal
+from itertools import combinations
 
 import numpy as np
 import pytest
-from helpers.oracles import frictionless, golden_model, reference, run, worst
+from helpers.oracles import frictionless, golden_model, reference, robot, run, worst
+from helpers.robot_files import FOLDER
 from helpers.small_robots import built, joint, link
 
 from robodyn.dynamics.effects import rigid_bodies
-from robodyn.dynamics.inverse import inverse_dynamics
+from robodyn.dynamics.inverse import bias_forces, inverse_dynamics
 from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
-from robodyn.scene.parts import ExternalWrench
+from robodyn.scene.parts import ExternalWrench, Payload
+from robodyn.scene.read import load_scene
 from robodyn.scene.scene import Scene
 
-PRINTED = reference("published_checks")
+PRINTED = reference("published_checks")["puma560_rtb"]
+QN = [0, math.pi / 4, math.pi, 0, math.pi / 4, 0]
+NAMED = {
+    "qn": QN,
+    "qz": [0] * 6,
+    "qr": [0, math.pi / 2, -math.pi / 2, 0, 0, 0],
+    "qs": [0, 0, -math.pi / 2, 0, 0, 0],
+    "[0,pi/4,-pi,1,pi/4,0]": [0, math.pi / 4, -math.pi, 1, math.pi / 4, 0],
+    "[0,pi/2,-pi,1,pi/2,0]": [0, math.pi / 2, -math.pi, 1, math.pi / 2, 0],
+}
+GRAVITY = {0: 0.0, "9.81/6": 9.81 / 6}
+MODEL = robot("puma560")
+MOTORS = load_scene(FOLDER / "puma560_motors.toml")
+SMOOTH = replace(frictionless(MODEL), rotor=MOTORS.rotor)
+
+
+def _agrees(found, printed, decimals=4):
+    """Each number within half a unit of its last printed decimal; zeros at the end of a number were not kept."""
+    exponents = [-Decimal(repr(value)).as_tuple().exponent for value in np.ravel(printed).tolist()]
+    unit = 10.0 ** -np.maximum(exponents, decimals).reshape(np.shape(printed))
+    return (np.abs(found - np.array(printed)) <= 0.50001 * unit).all()
+
+
+def _rates(value):
+    return np.full(6, float(value)) if np.ndim(value) == 0 else np.array(value, dtype=float)
+
+
+def _scene(case):
+    scene = MOTORS
+    if "gravity" in case:
+        scene = replace(scene, gravity=(0.0, 0.0, -GRAVITY[case["gravity"]]))
+    tip = case.get("fext_by_tip_on_env_in_link6_frame(f,m)")
+    if tip:
+        force, moment = tuple(-x for x in tip[:3]), tuple(-x for x in tip[3:])
+        scene = replace(scene, wrenches=(ExternalWrench("flange", force, moment),))
+    return scene
+
+
+def _label(case):
+    return "-".join(str(case[key]) for key in ("q", "q_deg", "qd", "qdd", "gravity") if key in case)
+
+
+@pytest.mark.parametrize("case", PRINTED["cases"], ids=_label)
+def test_torques(case):
+    q = np.radians(case["q_deg"]) if "q_deg" in case else NAMED[case["q"]]
+    qd, qdd = _rates(case.get("qd", 0)), _rates(case.get("qdd", 0))
+    tau = inverse_dynamics(MODEL, q, qd, qdd, scene=_scene(case))
+    assert _agrees(tau, case.get("tau", case.get("gravload")))
+
+
+@pytest.mark.parametrize("q", ["qn", "[0,pi/4,-pi,1,pi/4,0]"])
+def test_inertia_matrix(q):
+    assert _agrees(mass_matrix(MODEL, NAMED[q], scene=MOTORS), PRINTED[f"inertia({q})"])
+
+
+def test_inertia_torque():
+    qdd = np.array([1.0, 2, 3, 1, 2, 3])
+    assert _agrees(mass_matrix(MODEL, QN, scene=MOTORS) @ qdd, PRINTED["itorque(qn,[1,2,3,1,2,3])"])
+    weightless = replace(MOTORS, gravity=(0.0, 0.0, 0.0))
+    assert _agrees(inverse_dynamics(MODEL, QN, 0, qdd, scene=weightless), PRINTED["itorque(qn,[1,2,3,1,2,3])"])
+
+
+def test_acceleration_of_given_torques():
+    qd, tau = [0.1, 0.2, 0.8, 0.2, 0.5, 1.0], [1.0, 3.2, 1.8, 0.1, 0.7, 4.6]
+    bias = bias_forces(MODEL, QN, qd, scene=MOTORS)
+    qdd = np.linalg.solve(mass_matrix(MODEL, QN, scene=MOTORS), tau - bias)
+    assert _agrees(qdd, PRINTED["accel(qn,qd=[0.1,0.2,0.8,0.2,0.5,1.0],tau=[1.0,3.2,1.8,0.1,0.7,4.6])"])
+
+
+def test_coriolis_matrix():
+    """Built from the Coriolis share of unit speeds as the Robotics Toolbox builds it: c is quadratic in qd."""
+    qd = np.array([1.0, 2, 3, 1, 2, 3])
+    plan, still = Plan(MODEL, SMOOTH), np.zeros(6)
+    share = plan.share(rigid_bodies.CORIOLIS)
+    squares = np.array([run(share, plan, QN, unit, still)[0] for unit in np.eye(6)])
+    C = squares.T * qd
+    for j, k in combinations(range(6), 2):
+        mixed = run(share, plan, QN, np.eye(6)[j] + np.eye(6)[k], still)[0] - squares[j] - squares[k]
+        C[:, j] += mixed * qd[k] / 2
+        C[:, k] += mixed * qd[j] / 2
+    assert _agrees(C, PRINTED["coriolis(qn,qd=[1,2,3,1,2,3])"])
+    speed = run(share, plan, QN, qd, still)[0]
+    assert worst(C @ qd, speed) <= 1e-14
+
+
+def test_payload():
+    printed = PRINTED["payload_added_properly_2.5kg_at_[0,0,0.1]_link6"]
+    loaded = replace(MOTORS, payloads=(Payload("flange", 2.5, (0, 0, 0.1)),))
+    assert _agrees(inverse_dynamics(MODEL, QN, 0, 0, scene=loaded), printed["gravload(qn)"])
+    assert _agrees(np.diag(mass_matrix(MODEL, QN, scene=loaded)), printed["M_diag(qn)_with_motor"], 8)
+
+
+OTHERS_PRINTED = reference("published_checks")
 g = 9.81
 
 
@@ -31,13 +128,13 @@ def test_two_links_of_the_robotics_toolbox(q, expected):
 def test_two_links_with_a_force_at_the_tip():
     up = ExternalWrench("link2", (0, 0, 1), point=(1, 0, 0), frame="base")
     tau = inverse_dynamics(golden_model("twolink_rtb"), 0, 0, 0, scene=Scene(gravity=(0, 0, 0), wrenches=(up,)))
-    assert tuple(tau) == tuple(PRINTED["twolink_rtb"]["tip force 1 N up, g=0 -> tau"]) == (2, 1)
+    assert tuple(tau) == tuple(OTHERS_PRINTED["twolink_rtb"]["tip force 1 N up, g=0 -> tau"]) == (2, 1)
 
 
 class TestModernRobotics:
     """Its first screw has length sqrt 2: our q1 is sqrt 2 times its theta1, its tau1 sqrt 2 times ours."""
 
-    P = PRINTED["modern_robotics_3link"]
+    P = OTHERS_PRINTED["modern_robotics_3link"]
     model = golden_model("mr_3link")
     stretch = np.array([np.sqrt(2), 1, 1])
     weight = Scene(gravity=tuple(P["g"]))
@@ -92,7 +189,7 @@ class TestModernRobotics:
         assert self.printed("ComputedTorque", self.stretch * tau)
 
 
-AXES = {key: value for key, value in PRINTED["negative_and_oblique_axis"].items() if key.startswith("(")}
+AXES = {key: value for key, value in OTHERS_PRINTED["negative_and_oblique_axis"].items() if key.startswith("(")}
 
 
 def _arm(axis):
@@ -111,7 +208,7 @@ def test_negative_and_oblique_axes(axis):
 
 
 def test_one_joint_with_friction():
-    printed = PRINTED["effects_one_joint"]
+    printed = OTHERS_PRINTED["effects_one_joint"]
     model = built(
         link("base"),
         link("l1", 2, (0.5, 0, 0)),
@@ -184,6 +281,6 @@ RBDL = {
 def test_no_torque_at_the_accelerations_of_rbdl(key):
     make, q = RBDL[key]
     model, down = make(), Scene(gravity=(0, -g, 0))
-    qdd = PRINTED["rbdl_forward_dynamics"][key]
+    qdd = OTHERS_PRINTED["rbdl_forward_dynamics"][key]
     tau = inverse_dynamics(model, q, 0, qdd, scene=down)
     assert worst(tau, np.zeros(model.n), np.abs(inverse_dynamics(model, q, 0, 0, scene=down)).max()) <= 1e-13

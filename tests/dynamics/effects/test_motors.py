@@ -1,4 +1,4 @@
-"""Gyroscopic moments: explicit rotors on mimic joints, closed forms, conservation, and every interface."""
+"""Coupled motors and gyroscopic moments: explicit rotors on mimic joints, closed forms, MuJoCo, conservation."""
 
 from __future__ import annotations
 
@@ -6,14 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.busy_robot import BUSY_SCENE, busy_parts, busy_robot
+from helpers.busy_robot import BUSY_SCENE, COUPLED, SPINNING, busy_parts, busy_robot
 from helpers.effect_identities import (
     composite_bodies_give_the_mass_matrix,
-    derivatives_are_differences,
-    forward_is_the_inverse_of_inverse,
     kinetic_energy_is_that_of_the_mass_matrix,
 )
 from helpers.oracles import EPS, frictionless, random_state, robot, worst
+from helpers.peers import mujoco
 from helpers.small_robots import built, chain, joint, link
 
 import robodyn
@@ -32,21 +31,12 @@ from robodyn.scene.uncertainty import Covariance, Uncertainty
 from robodyn.trajectory.read import motion
 
 SAMPLES = 20
-ROTORS = {
-    "j2": Rotor(0.04, -30.0, (0.3, -1.0, 0.5)),
-    "slide": Rotor(0.03, -40.0, (0.0, 1.0, 0.2), "tool"),
-    "j4": Rotor(0.2, 25.0, on="l1"),
-    "follower": Rotor(0.05, 12.0, (1.0, 2.0, -1.0), "l3"),
-    "finger": Rotor(0.08, 15.0, (1.0, 0.0, 0.0), "l4"),
-    "j1": Rotor(0.07, 20.0, on="l1"),
-}
-"""On parents, children, links beyond the joint, on another branch, and of mimic joints."""
 both = pytest.mark.parametrize("free", [False, True], ids=["fixed", "free"])
 
 
 def busy(free=False, **scene):
     model, rng = busy_robot(free), np.random.default_rng(5)
-    surroundings = replace(BUSY_SCENE, rotor=ROTORS, **scene)
+    surroundings = replace(BUSY_SCENE, rotor=SPINNING, **scene)
     columns = {name: rng.normal(size=SAMPLES) for name in surroundings.columns}
     return model, surroundings, random_state(model, rng, SAMPLES), columns
 
@@ -54,7 +44,7 @@ def busy(free=False, **scene):
 def explicit(free=False):
     """The busy robot with a body for each rotor, and payloads that take each one's inertia from its carrier."""
     model, parts, taken = busy_robot(free), busy_parts(), []
-    for spin in motors.spins(model, Scene(rotor=ROTORS)):
+    for spin in motors.spins(model, Scene(rotor=SPINNING)):
         R = model.links[spin.link].R
         a = R.T @ spin.axis
         I = spin.inertia * np.outer(a, a)
@@ -65,7 +55,7 @@ def explicit(free=False):
         parts += [link(name, 0.0, inertia=moments), joint(f"spin {name}", spin.link, name, "continuous", a, more=mimic)]
         taken.append(robodyn.Payload(spin.link, 0.0, inertia=tuple(-moments)))
     scene = replace(BUSY_SCENE, rotor={}, payloads=(*BUSY_SCENE.payloads, *taken))
-    still = {name: Rotor(0.0, 1.0) for name in ROTORS}
+    still = {name: Rotor(0.0, 1.0) for name in SPINNING}
     return built(*parts, moving_base=free), replace(scene, rotor=still)
 
 
@@ -86,14 +76,7 @@ def test_an_explicit_rotor_on_a_mimic_joint(free):
         assert worst(getattr(two, part), getattr(one, part)) <= 1e-12
 
 
-def test_it_makes_a_difference():
-    model, scene, state, columns = busy()
-    plain = replace(scene, rotor={name: replace(rotor, axis=None, on="") for name, rotor in ROTORS.items()})
-    tau, without = (robodyn.inverse_dynamics(model, *state, scene=each, columns=columns) for each in (scene, plain))
-    assert worst(without, tau) >= 1e-3
-
-
-def test_closed_form():
+def test_closed_form_of_a_turntable():
     """A turntable that carries a rotor across its axis: it tilts about the third with J G qd w."""
     parts = [link("base"), link("table"), link("arm")]
     parts += [joint("turn", "base", "table"), joint("spin", "table", "arm", axis=(1, 0, 0))]
@@ -108,14 +91,8 @@ def test_closed_form():
     assert worst(values[5:], [c * rate - s * across, s * rate + c * across, 0.0]) <= 8 * EPS
 
 
-@both
-def test_forward_is_the_inverse_of_inverse(free):
-    motors = (CoupledMotor("crossed", {"j4": 0.5, "follower": 0.7, "finger": -0.2}, 1e-3, 20.0),)
-    forward_is_the_inverse_of_inverse(*busy(free, coupled=motors))
-
-
 def test_composite_bodies():
-    model, scene, state, _ = busy()
+    model, scene, state, _ = busy(coupled=COUPLED)
     composite_bodies_give_the_mass_matrix(model, scene, state[0][:3], lambda sample: motors.mass_entries(sample, scene))
 
 
@@ -130,11 +107,6 @@ def test_beside_friction_that_grows_with_load():
 
 
 @both
-def test_derivatives(free):
-    derivatives_are_differences(*busy(free, slip_speed=0.2))
-
-
-@both
 def test_regressor(free):
     """All is in the columns of rotors; another inertia is theirs alone."""
     model, scene, state, columns = busy(free)
@@ -145,7 +117,7 @@ def test_regressor(free):
     assert worst(found.rest, without.rest) <= 4 * EPS
     theta = found.theta.copy()
     theta[found.names.index("j4.rotor")] *= 1.7
-    heavier = {**ROTORS, "j4": replace(ROTORS["j4"], inertia=1.7 * ROTORS["j4"].inertia)}
+    heavier = {**SPINNING, "j4": replace(SPINNING["j4"], inertia=1.7 * SPINNING["j4"].inertia)}
     tau = robodyn.inverse_dynamics(model, *state, scene=replace(scene, rotor=heavier), columns=columns)
     assert worst(found.Y @ theta + found.rest, tau) <= 1e-13
 
@@ -154,19 +126,9 @@ def test_a_calibrated_scene_keeps_axis_and_carrier():
     model, scene, state, columns = busy()
     found = robodyn.regressor(model, *state, scene=scene, columns=columns)
     written = parse_scene(friction_toml(model, calibrated(model, found.names, found.theta, scene)).encode())
-    for name, rotor in ROTORS.items():
+    for name, rotor in SPINNING.items():
         assert (written.rotor[name].axis, written.rotor[name].on) == (rotor.axis, rotor.on)
         assert abs(written.rotor[name].inertia - rotor.inertia) <= 4 * EPS * rotor.inertia
-
-
-def test_its_share_is_what_it_adds():
-    model, scene, state, columns = busy()
-    plain = replace(scene, rotor={name: replace(rotor, axis=None, on="") for name, rotor in ROTORS.items()})
-    tau, without = (robodyn.inverse_dynamics(model, *state, scene=each, columns=columns) for each in (scene, plain))
-    a_plan = Plan(model, replace(scene, wrenches=()))
-    sources = dict(zip(("q", "qd", "qdd"), state, strict=True)) | {"columns": np.empty((SAMPLES, 0))}
-    share = runner_of(a_plan.share(motors.GYROSCOPIC), a_plan)(sources, SAMPLES, executor="numpy")
-    assert worst(share, tau - without, np.abs(tau).max()) <= 1e-14
 
 
 @both
@@ -182,7 +144,7 @@ def test_free_bodies_and_laws_balance(free):
 
 
 def test_kinetic_energy_is_that_of_the_mass_matrix():
-    model, scene, (q, qd, _), _ = busy()
+    model, scene, (q, qd, _), _ = busy(coupled=COUPLED)
     kinetic_energy_is_that_of_the_mass_matrix(model, scene, q, qd)
 
 
@@ -195,7 +157,7 @@ def test_coriolis_matrix_is_christoffels():
     assert worst(skew, -skew.transpose(0, 2, 1), np.abs(C).max()) <= 1e-8
 
 
-def test_simulation_balances_energy():
+def test_simulation_of_spinning_rotors_balances_energy():
     model = chain(3, skew=True)
     one, two, three = model.joint_names
     rotors = {three: Rotor(2e-3, 30.0, (1.0, 0.0, 0.0)), two: Rotor(1e-3, 20.0, on="l2")}
@@ -231,15 +193,6 @@ def test_a_closed_chain_balances_energy():
     result = robodyn.simulate(model, scene, duration=0.3, step=1e-3)
     assert np.ptp(result.q[:, 0]) >= 0.1
     assert result.energy_drift <= 1e-9 * result.figures.energy.max()
-
-
-def test_scene_file():
-    text = (
-        b'[rotor]\nelbow = { inertia = 1e-4, gear = 50, axis = [0, 1, 0], on = "upper arm" }\nwaist = { inertia = 1 }'
-    )
-    rotors = parse_scene(text).rotor
-    assert rotors == {"elbow": Rotor(1e-4, 50.0, (0.0, 1.0, 0.0), "upper arm"), "waist": Rotor(1.0)}
-    assert [rotor.spins for rotor in rotors.values()] == [True, False]
 
 
 @pytest.mark.parametrize(
@@ -287,7 +240,151 @@ def test_uncertain_rotors_move_loads_as_the_regressor_says(free):
     assert worst(by_theta, Y[..., moving] * theta[moving]) <= 1e-13
 
 
-def test_absent_or_idle_it_costs_nothing():
+def massless_wrist():
+    parts = [link("base"), link("a"), link("b"), joint("j5", "base", "a"), joint("j6", "a", "b")]
+    return built(*parts)
+
+
+@pytest.mark.parametrize(("qd", "friction"), [((0.3, 0.2), 0.7), ((0.3, -0.5), -0.6), ((0.3, -0.3), 0.0)])
+def test_closed_form_of_a_wrist(qd, friction):
+    """c_j (G^2 J sdd + d s + f(s)) on links without mass; what turns against each other feels no friction."""
+    motor = CoupledMotor("m", {"j5": 1.0, "j6": 1.0}, 2e-4, 50.0, Friction(0.4, 0.5, -0.52))
+    tau = robodyn.inverse_dynamics(massless_wrist(), [0.1, 0.2], qd, [2.0, 3.0], scene=Scene(coupled=(motor,)))
+    assert worst(tau, np.full(2, 0.5 * 5.0 + friction)) <= 8 * EPS
+    M = robodyn.mass_matrix(massless_wrist(), [0.1, 0.2], scene=Scene(coupled=(motor,)))
+    np.testing.assert_array_equal(M, np.full((2, 2), 0.5))
+
+
+def test_a_rotor_adds_c_c_transposed():
+    """c c^T G^2 J on a skew chain whose other torques are known, and forward dynamics with it."""
+    model = chain(4, skew=True)
+    names, G, J = model.joint_names, 12.0, 3e-3
+    c = dict(zip(names, (0.0, 1.0, 0.0, -0.6), strict=True))
+    scene = frictionless(model, coupled=(CoupledMotor("m", {k: v for k, v in c.items() if v}, J, G),))
+    q, qd, qdd = random_state(model, np.random.default_rng(1), SAMPLES)
+    share = np.array([*c.values()])
+    expected = robodyn.inverse_dynamics(model, q, qd, qdd, scene=frictionless(model))
+    expected = expected + np.outer(qdd @ share, share) * G * G * J
+    tau = robodyn.inverse_dynamics(model, q, qd, qdd, scene=scene)
+    assert worst(tau, expected) <= 1e-14
+    assert worst(robodyn.forward_dynamics(model, q, qd, tau, scene=scene), qdd) <= 1e-11
+
+
+def test_of_one_joint_it_is_its_rotor_and_friction():
     model = robot("puma560")
-    idle = Scene(rotor={"elbow": Rotor(0.0, 50.0, (1.0, 0.0, 0.0))})
-    assert Plan(model, idle).torques() == Plan(model, Scene(rotor={"elbow": Rotor(0.0, 50.0)})).torques()
+    state = random_state(model, np.random.default_rng(2), SAMPLES)
+    friction = Friction(0.4, 0.5, -0.3)
+    plain = Scene(friction={"elbow": friction}, rotor={"elbow": robodyn.Rotor(1e-4, 50.0)})
+    alone = Scene(friction={"elbow": Friction()}, coupled=(CoupledMotor("m", {"elbow": 1.0}, 1e-4, 50.0, friction),))
+    expected = robodyn.inverse_dynamics(model, *state, scene=plain)
+    assert worst(robodyn.inverse_dynamics(model, *state, scene=alone), expected) <= 1e-15
+
+
+@pytest.mark.parametrize("friction", [Friction(), Friction(0.1, 0.2, -0.2)], ids=["none", "some"])
+def test_simulation_balances_energy(friction):
+    model = chain(3, skew=True)
+    one, two, three = model.joint_names
+    motors = (
+        CoupledMotor("a", {two: 1.0, three: 1.0}, 0.02, 5.0, friction),
+        CoupledMotor("b", {one: 1.0, three: 0.5}, 0.1),
+    )
+    scene = frictionless(model, coupled=motors, joint_limits="ignore", initial_qd={two: 1.0})
+    result = robodyn.simulate(model, scene, duration=0.5, step=1e-3)
+    assert result.energy_drift <= 1e-9 * result.figures.energy.max()
+
+
+def test_names_must_fit():
+    model = robot("puma560")
+    for coupled, says in (
+        ((CoupledMotor("m", {"elbo": 1.0}),), "[[coupled]]: the robot has no joint 'elbo' that moves"),
+        ((CoupledMotor("elbow", {"elbow": 1.0}),), "'elbow': a joint or another coupled motor has this name"),
+        ((CoupledMotor("m", {"elbow": 1.0}), CoupledMotor("m", {"waist": 1.0})), "has this name"),
+    ):
+        with pytest.raises(SceneError) as caught:
+            robodyn.inverse_dynamics(model, 0.0, 0.0, 0.0, scene=Scene(coupled=coupled))
+        assert says in str(caught.value)
+
+
+ARM = """<mujoco><option gravity="0 0 -9.81"/><compiler angle="radian"/><worldbody><body>
+<joint name="j1" axis="0 1 0"/><inertial pos="0.1 0 0.2" mass="2" diaginertia="0.1 0.2 0.3"/>
+<body pos="0 0 0.5"><joint name="j2" axis="1 0 0"/><inertial pos="0 0.1 0.3" mass="1" diaginertia="0.03 0.02 0.01"/>
+</body></body></worldbody>
+<tendon><fixed name="t" armature="0.5" damping="0.7"><joint joint="j1" coef="1"/><joint joint="j2" coef="-0.6"/></fixed>
+</tendon></mujoco>"""
+
+
+def test_mujoco():
+    """A fixed tendon with armature and damping is a coupled motor without Coulomb friction."""
+    other = mujoco.MjModel.from_xml_string(ARM)
+    data = mujoco.MjData(other)
+    parts = [link("base"), link("a", 2, (0.1, 0, 0.2), (0.1, 0, 0, 0.2, 0, 0.3))]
+    parts += [link("b", 1, (0, 0.1, 0.3), (0.03, 0, 0, 0.02, 0, 0.01))]
+    parts += [joint("j1", "base", "a", axis=(0, 1, 0)), joint("j2", "a", "b", axis=(1, 0, 0), xyz=(0, 0, 0.5))]
+    scene = Scene(coupled=(CoupledMotor("m", {"j1": 1.0, "j2": -0.6}, 0.005, 10.0, Friction(0.7)),))
+    model = built(*parts)
+    for q, qd, tau in np.random.default_rng(0).normal(size=(10, 3, 2)):
+        data.qpos, data.qvel, data.qfrc_applied = q, qd, tau
+        mujoco.mj_forward(other, data)
+        assert worst(robodyn.forward_dynamics(model, q, qd, tau, scene=scene), data.qacc) <= 1e-12
+
+
+def test_dae_form():
+    """All bodies on their own: the same accelerations."""
+    model = chain(3, skew=True)
+    one, two, three = model.joint_names
+    motors = (CoupledMotor("a", {two: 1.0, three: -0.5}, 0.02, 5.0, Friction(0.3)), CoupledMotor("b", {one: 1.0}, 0.1))
+    scene = frictionless(model, coupled=motors)
+    q, qd, tau = np.random.default_rng(3).normal(size=(3, 3))
+    found = dae_at(model, scene, q, qd, tau)
+    assert max(found.comparison.accelerations, found.comparison.forces, found.comparison.moments) <= 1e-12
+    assert worst(found.qdd, robodyn.forward_dynamics(model, q, qd, tau, scene=scene)) <= 1e-11
+
+
+def test_scene_file_of_coupled_motors():
+    text = b"""
+    [[coupled]]
+    name = "m"
+    joints = { j5 = 1.0, j6 = -0.5 }
+    inertia = 1e-4
+    gear = 50
+    viscous = 0.2
+    coulomb = [0.4, -0.3]
+    """
+    motor = CoupledMotor("m", {"j5": 1.0, "j6": -0.5}, 1e-4, 50.0, Friction(0.2, 0.4, -0.3))
+    assert parse_scene(text).coupled == (motor,)
+
+
+@pytest.mark.parametrize(
+    ("entry", "says"),
+    [
+        ("joints = { a = 1 }", '[[coupled]] number 1: "name" is missing'),
+        ('name = "m"', '"joints" is missing'),
+        ('name = "m"\njoints = { a = 0 }', '"joints" has no coefficient that is not 0'),
+        ('name = "m"\njoints = { a = "x" }', "[[coupled]] number 1 joints: \"a\" is 'x', not a finite number"),
+        ('name = "m"\njoints = { a = 1 }\ninertia = -1', '"inertia" is -1'),
+        (
+            'name = "m"\njoints = { a = 1 }\nviscous = -1',
+            '"viscous" is -1 (positive or zero: else it drives the joint)',
+        ),
+        ('name = "m"\njoints = { a = 1 }\ngears = 2', 'unknown key "gears"'),
+    ],
+)
+def test_what_is_wrong_in_a_scene_is_said(entry, says):
+    with pytest.raises(SceneError) as caught:
+        parse_scene(f"[[coupled]]\n{entry}\n".encode())
+    assert says in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("idle", "without"),
+    [
+        (Scene(coupled=(CoupledMotor("m", {"elbow": 1.0, "waist": 0.5}),)), Scene()),
+        (
+            Scene(rotor={"elbow": Rotor(0.0, 50.0, (1.0, 0.0, 0.0))}),
+            Scene(rotor={"elbow": Rotor(0.0, 50.0)}),
+        ),
+    ],
+)
+def test_idle_motors_cost_nothing(idle, without):
+    model = robot("puma560")
+    assert Plan(model, idle).torques() == Plan(model, without).torques()
