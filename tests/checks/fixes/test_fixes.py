@@ -12,8 +12,9 @@ from helpers.clean_arm import INERTIA, arm
 import robodyn
 from robodyn.checks.catalogue import RULES
 from robodyn.checks.check import Options, check_one, fix_task, tasks_for
-from robodyn.checks.fixes import ROUNDS, SAME, Fixed, change_of_dynamics, fixed
+from robodyn.checks.fixes import ROUNDS, SAME, Fixed, change_of_dynamics, fixed, together, unproven
 from robodyn.checks.rule import Edit, Finding, Fix
+from robodyn.robot.urdf.edits import edited
 
 TWICE = INERTIA.replace("iyz", 'iyx="0.000"\n   iyz')
 """A product that stands there under both of its names."""
@@ -182,3 +183,74 @@ def test_a_waived_finding_is_not_fixed() -> None:
 def test_an_unused_waiver_goes_with_its_line(before: str, after: str) -> None:
     text = arm().replace("\n<robot", before)
     assert repaired(text).after.decode() == arm().replace("\n<robot", after)
+
+
+def chosen(*edits: tuple[int, int] | tuple[tuple[int, int], ...]) -> list[str]:
+    fixes = []
+    for k, given in enumerate(edits):
+        spans = given if isinstance(given[0], tuple) else (given,)
+        fixes.append(Fix(str(k), tuple(Edit(a, b, "x") for a, b in spans), safe=True))  # type: ignore[misc]
+    return [fix.what for _, fix in together(with_fixes(*fixes, None), True)]
+
+
+def test_overlapping_edits_are_resolved_by_place() -> None:
+    assert chosen((5, 9), (0, 4)) == ["1", "0"]
+    assert chosen((5, 9), (0, 6)) == ["1"]
+    assert chosen((0, 4), (4, 8)) == ["0", "1"]
+    assert chosen((0, 4), (4, 4)) == ["0"]
+    assert chosen((4, 4), (4, 4)) == ["0"]
+    assert chosen((2, 3), ((0, 1), (2, 5))) == ["1"]
+    assert chosen(((0, 3), (2, 5)), (7, 8)) == ["1"]
+
+
+def test_only_fixes_of_the_kind_asked_for() -> None:
+    safe, unsafe = Fix("a", (Edit(0, 1, ""),), safe=True), Fix("b", (Edit(0, 1, ""),), safe=False)
+    assert [fix for _, fix in together(with_fixes(safe, unsafe), True)] == [safe]
+    assert [fix for _, fix in together(with_fixes(safe, unsafe), False)] == [unsafe]
+
+
+def test_the_order_of_edits_does_not_matter() -> None:
+    edits = [Edit(1, 2, "one"), Edit(4, 4, "ü∑"), Edit(0, 0, "<")]
+    assert edited(b"abcdef", edits, "latin-1") == "<aonecdü&#8721;ef".encode("latin-1")
+    assert edited(b"abcdef", edits[::-1], "utf-8") == "<aonecdü∑ef".encode()
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('ixx="0.01"', 'ixx="0.0100000001"'),
+        ('xyz="0.4 0 0"', 'xyz="0.4 1e-12 0"'),
+        ('<axis xyz="0 1 0"/>', '<axis xyz="0 1 1e-12"/>'),
+        ('<mass value="2"/>', '<mass value="2.000000000001"/>'),
+        ('<link name="base"/>', f'<link name="base"><inertial><mass value="1"/>{INERTIA}</inertial></link>'),
+        ('type="revolute"', 'type="prismatic"'),
+    ],
+)
+def test_the_proof_sees_small_changes_of_the_dynamics(old: str, new: str) -> None:
+    assert unproven(arm().encode(), arm().replace(old, new, 1).encode()) is not None
+
+
+@pytest.mark.parametrize(
+    ("old", "new"), [('effort="30"', 'effort="31"'), ('"0 1 0"', '"0 7 0"'), ("  <link", "\n<link")]
+)
+def test_the_proof_lets_pass_what_is_no_dynamics(old: str, new: str) -> None:
+    assert unproven(arm().encode(), arm().replace(old, new, 1).encode()) is None
+
+
+def test_what_rounding_makes_of_the_same_dynamics_is_below_the_bound() -> None:
+    for seed in range(4):
+        random = np.random.default_rng(seed)
+        axes, factors = random.normal(size=(2, 3)), 10 ** random.uniform(-3, 3, size=2)
+        shoulder, elbow = (" ".join(map(repr, axis.tolist())) for axis in axes)
+        scaled = [" ".join(map(repr, axis.tolist())) for axis in axes * factors[:, None]]
+        before, after = arm(shoulder=shoulder, elbow=elbow), arm(shoulder=scaled[0], elbow=scaled[1])
+        assert change_of_dynamics(before.encode(), after.encode()) <= SAME
+
+
+def test_other_joints_are_other_dynamics() -> None:
+    renamed = arm().replace("elbow", "knee").encode()
+    assert unproven(arm().encode(), renamed) == "it changes the dynamics by inf of the largest torque"
+
+
+def test_a_robot_without_mass_has_the_same_dynamics_as_itself() -> None:
+    assert unproven(b'<robot name="a"><link name="b"/></robot>', b'<robot name="a"> <link name="b"/></robot>') is None

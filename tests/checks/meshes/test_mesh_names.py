@@ -64,18 +64,17 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("uri", CASES)
-def test_a_disk_that_tells_cases(folder: Path, uri: str) -> None:
-    found = findings(folder, uri)
-    assert [(one.code, one.fix.edits[0].text) for one in found if one.fix] == CASES[uri]
-    assert len(found) == len(CASES[uri])
+def test_a_disk_that_tells_cases(folder: Path) -> None:
+    for uri, expected in CASES.items():
+        found = findings(folder, uri)
+        assert [(one.code, one.fix.edits[0].text) for one in found if one.fix] == expected
+        assert len(found) == len(expected)
 
 
 @pytest.mark.usefixtures("one_case")
-@pytest.mark.parametrize("uri", CASES)
-def test_a_disk_that_does_not_finds_the_same(folder: Path, uri: str) -> None:
+def test_a_disk_that_does_not_finds_the_same(folder: Path) -> None:
     """There the file is opened in any case, and that the description works nowhere else is still said."""
-    test_a_disk_that_tells_cases(folder, uri)
+    test_a_disk_that_tells_cases(folder)
 
 
 @pytest.mark.usefixtures("one_case")
