@@ -1,1 +1,1 @@
-"""The linter: rules (one rule, one file), what they read, causes, fixes, baselines."""
+"""The linter: rules (a function each), what they read, causes, fixes, baselines; `check.py` is the door."""

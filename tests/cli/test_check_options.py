@@ -188,7 +188,7 @@ def test_a_mistake_in_the_settings_names_the_file(folder: Path) -> None:
     outcome = run("check", "clean.urdf")
     assert (outcome.status, outcome.out) == (2, "")
     assert outcome.err.startswith(
-        f'error: {folder}/robodyn.toml: [tool.robodyn.check]: unknown key "fix" (valid keys: '
+        f'error: {folder}/robodyn.toml:2: [tool.robodyn.check]: unknown key "fix" (valid keys: '
     )
 
 

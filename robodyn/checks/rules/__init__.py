@@ -1,1 +1,1 @@
-"""One rule, one file, with its documentation and examples in it."""
+"""A file for each family of rules, a function for each rule, with its documentation and examples."""
