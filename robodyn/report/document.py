@@ -164,6 +164,12 @@ class Document:
     versions: tuple[str, ...] = ()
 
 
+def gallery(figures: Iterable[Figure]) -> list[Block]:
+    """Return figures beside each other; nothing without any."""
+    shown = tuple(figures)
+    return [Gallery(shown)] if shown else []
+
+
 _LEVELS: dict[str, Level] = {"warning": "doubtful"}
 
 

@@ -24,6 +24,7 @@ from robodyn.report.document import (
     Table,
     csv_text,
     data_blocks,
+    gallery,
     paragraphs,
 )
 from robodyn.report.equations import action_table
@@ -72,24 +73,27 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
         f"{result.duration:.6g} s, {gravity_text(result.gravity)}"
     )
     history = result.history if pictures else None
-    plots = Plots(result, history, model) if history else None
+    plots = Plots(result, history, model)
     ordered = offenders_first(result)
     blocks: list[Block] = [torques_verdict(result), *accuracy_blocks(result)]
-    blocks += [Paragraph(line) for line in input_words(result, most=None)]
+    blocks += paragraphs(input_words(result, most=None))
     if result.joints:
         blocks += [_facts(result), *_limits(ordered), *heaviest_load(result, model, scene, plots)]
         blocks += [Heading("Joints"), Table("What each joint carries", *load_table(ordered))]
         blocks += _plots(result, plots)
         if result.sizing is not None:
             blocks += sizing_blocks(result, model, scene, history.joints if history else None)
-        blocks += [*uncertainty_blocks(result), *_shares(result, plots)]
+        blocks += [*uncertainty_blocks(result), Heading("What makes the peaks"), *gallery(plots.shares())]
+        blocks.append(Table("What each effect adds to the peak of a joint", *share_table(ordered)))
     if result.constraints is not None:
-        blocks.append(Heading("Loops and contacts"))
-        blocks += [Paragraph(line) for line in constraint_lines(result.constraints)]
-        if plots is not None and (contacts := plots.contacts()):
-            blocks.append(Gallery(tuple(contacts)))
+        blocks += [Heading("Loops and contacts"), *paragraphs(constraint_lines(result.constraints))]
+        blocks += gallery(plots.contacts())
         blocks += [Table(title, *rows) for title, rows in constraint_tables(result)]
-    blocks += [*_base(result, plots), *_momentum(result), *trust(result, plots)]
+    blocks += _base(result, plots)
+    if result.momentum is not None:
+        title, rows = momentum_table(result.momentum)
+        blocks += [Heading("Momentum and energy"), Table(title, *rows)]
+    blocks += [*_self_checks(result, plots), *_grounds(result)]
     return Document(result.robot, what, (*blocks, *_files(result, history)))
 
 
@@ -138,8 +142,8 @@ def heat_map(result: Result) -> HeatMap | None:
     return HeatMap("How much of its limits each joint uses", ("effort", "velocity"), rows)
 
 
-def _plots(result: Result, plots: Plots | None) -> Iterator[Block]:
-    if plots is None or not plots.shown:
+def _plots(result: Result, plots: Plots) -> Iterator[Block]:
+    if not plots.shown:
         return
     yield Heading("Along the motion")
     if len(plots.shown) + len(plots.still) < len(result.joints):
@@ -157,30 +161,15 @@ def _plots(result: Result, plots: Plots | None) -> Iterator[Block]:
     yield Gallery(tuple(plots.joints()))
 
 
-def _shares(result: Result, plots: Plots | None) -> Iterator[Block]:
-    yield Heading("What makes the peaks")
-    if plots is not None and (shares := plots.shares()):
-        yield Gallery(tuple(shares))
-    yield Table("What each effect adds to the peak of a joint", *share_table(offenders_first(result)))
-
-
-def _base(result: Result, plots: Plots | None) -> Iterator[Block]:
+def _base(result: Result, plots: Plots) -> Iterator[Block]:
     yield Heading("Loads of the base")
     head, rows = base_table(result)
     if all(row[-1] == "0" for row in rows):
         beside = " but those of its contacts" if result.constraints and result.constraints.contacts else ""
         yield Paragraph(f"No force and no moment between ground and robot throughout{beside}.")
         return
-    if plots is not None and (base := plots.base()):
-        yield Gallery(tuple(base))
+    yield from gallery(plots.base())
     yield Table("Ground on robot, about the base's origin", head, rows)
-
-
-def _momentum(result: Result) -> Iterator[Block]:
-    if result.momentum is not None:
-        title, rows = momentum_table(result.momentum)
-        yield Heading("Momentum and energy")
-        yield Table(title, *rows)
 
 
 def _files(result: Result, history: History | None) -> list[Block]:
@@ -201,9 +190,9 @@ def _curves(history: History) -> str:
     return csv_text(("joint", "time", *history.joints.quantities), rows)
 
 
-def heaviest_load(result: Result, model: Model, scene: Scene, plots: Plots | None) -> Iterator[Block]:
+def heaviest_load(result: Result, model: Model, scene: Scene, plots: Plots) -> Iterator[Block]:
     """Yield the robot at the peak of the joint that is loaded most, and the free body that this joint carries."""
-    if plots is None or plots.worst is None:
+    if plots.history is None or plots.worst is None:
         return
     yield Heading("At the heaviest load")
     name = result.joints[plots.worst].name
@@ -245,13 +234,7 @@ def _drawing(body: FreeBody, size: Sizes, name: str) -> Figure:
     return Figure(caption, alt, of_page(page_drawing(body, size)))
 
 
-def trust(result: Result, plots: Plots | None) -> Iterator[Block]:
-    """Yield the self-checks; how the motion was derived, which effects count, and warnings."""
-    yield from _self_checks(result, plots)
-    yield from _grounds(result)
-
-
-def _self_checks(result: Result, plots: Plots | None) -> Iterator[Block]:
+def _self_checks(result: Result, plots: Plots) -> Iterator[Block]:
     checks, balance = result.checks, result.checks.energy_balance
     yield Heading("Self-checks")
     (work, stored, rest, turnover, sampling), laws = balance_words(result)
@@ -267,8 +250,7 @@ def _self_checks(result: Result, plots: Plots | None) -> Iterator[Block]:
         yield Findings((("doubtful", "The energy balance does not close", tuple((each, False) for each in reasons)),))
     else:
         yield from paragraphs(("Energy and momentum balance.", *reasons))
-    if plots is not None and (energy := plots.energy()):
-        yield Gallery(tuple(energy))
+    yield from gallery(plots.energy())
 
 
 def _grounds(result: Result) -> Iterator[Block]:
@@ -302,7 +284,6 @@ def sizing_blocks(result: Result, model: Model, scene: Scene, curves: Curves | N
         figures = dict(motor_figures(sizing, model, scene, curves))
         over = offenders(result)
         ordered = sorted(figures, key=lambda name: name not in over)
-        if ordered:
-            yield Gallery(tuple(figures[name] for name in ordered))
+        yield from gallery(figures[name] for name in ordered)
     for section in sizing_sections(offenders_first(result)):
         yield from (block for block in section if isinstance(block, Table))  # verdicts lead the page

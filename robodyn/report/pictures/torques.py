@@ -54,18 +54,14 @@ _NEAR = 0.5
 """A limit is drawn where at least this share of it is reached; it would flatten the curve otherwise."""
 
 
-def joint_figures(joints: Sequence[JointLoad], curves: Curves, columns: Sequence[int], size: Sizes) -> list[Figure]:
-    """Return of some joints torque, speed and power against time, and torque against speed within the limits."""
-    return [_joint_figure(joints[k], curves, k, size) for k in columns]
-
-
 @lru_cache(maxsize=2)
 def _sheet(height: int) -> Sheet:
     """Return what figures of a height are drawn on, one after another."""
     return Sheet(WIDE, height)
 
 
-def _joint_figure(joint: JointLoad, curves: Curves, column: int, size: Sizes) -> Figure:
+def joint_figure(joint: JointLoad, curves: Curves, column: int, size: Sizes) -> Figure:
+    """Return torque, speed and power of a joint against time, and torque against speed within the limits."""
     speed = speed_unit(joint.unit)
     what = "force" if joint.unit == "N" else "torque"
 

@@ -16,7 +16,7 @@ from robodyn.loads.sizing_result import MotorLoad, Sizing
 from robodyn.report.document import Figure
 from robodyn.report.limits import effort_use, offenders, worst_joint
 from robodyn.report.pictures.figures import BAD, SERIES, WIDE, dots, few_ticks, plot, zero_lines
-from robodyn.report.pictures.torques import base_figures, contact_figures, energy_figure, joint_figures, share_figures
+from robodyn.report.pictures.torques import base_figures, contact_figures, energy_figure, joint_figure, share_figures
 from robodyn.report.sizes import Sizes, result_sizes, speed_unit
 from robodyn.report.table import NOISE, is_noise, number, printable
 from robodyn.robot.model import Model
@@ -34,7 +34,7 @@ PLOTTED = 12
 
 
 class Plots:
-    """The figures that are drawn from the course of a motion.
+    """The figures that are drawn from the course of a motion; none without its history.
 
     Attributes:
         history: of the motion, with zeros for rounding noise.
@@ -42,11 +42,15 @@ class Plots:
         worst, when: the joint that is loaded most, and its moment.
     """
 
-    def __init__(self, result: Result, history: History, model: Model) -> None:
+    def __init__(self, result: Result, history: History | None, model: Model) -> None:
         joints, size = result.joints, result_sizes(result)
         self._result, self._model, self._size = result, model, size
-        self.history = _without_noise(history, joints, size)
         self._over = over = offenders(result)
+        self.history, self.worst, self.when = None, None, ""
+        self.shown, self.still = list[int](), list[int]()
+        if history is None:
+            return
+        self.history = _without_noise(history, joints, size)
         order = sorted(
             ranked(range(len(joints)), key=lambda k: effort_use(joints[k])), key=lambda k: joints[k].name not in over
         )
@@ -62,6 +66,7 @@ class Plots:
         """Return the robot where its most loaded joint is loaded most, and a sentence on shapes that are missing."""
         from robodyn.report.pictures.robot import robot_figure, shapes_of
 
+        assert self.history is not None
         assert self.worst is not None, "there are joints"
         shapes, why = shapes_of(self._model)
         q, name = self.history.states[self.worst]["q"], self._result.joints[self.worst].name
@@ -69,29 +74,32 @@ class Plots:
 
     def shares(self) -> list[Figure]:
         """Return what each effect adds to the peaks; nothing where there are none."""
+        if self.history is None:
+            return []
         joints, size = self._result.joints, self._size
         loaded = [k for k, joint in enumerate(joints) if not is_noise(abs(joint.peak), size[joint.unit])]
         return share_figures([joints[k] for k in _in_order(loaded, self._over, joints)]) if loaded else []
 
     def base(self) -> list[Figure]:
         """Return forces and moments of the ground on the robot."""
-        return base_figures(self._result.base_wrench, self.history, self._size)
+        return base_figures(self._result.base_wrench, self.history, self._size) if self.history else []
 
     def contacts(self) -> list[Figure]:
         """Return what each contact presses with; nothing without contacts."""
-        found, curves = self._result.constraints, self.history.contacts
-        return contact_figures(found.contacts, curves, self._size) if found and curves else []
+        found, history = self._result.constraints, self.history
+        known = found and history and history.contacts
+        return contact_figures(found.contacts, known, self._size) if found and known else []
 
     def energy(self) -> list[Figure]:
         """Return work and stored energy; nothing where both are zero throughout."""
-        if not self.history.energy.kept[:, 1].any():
+        if self.history is None or not self.history.energy.kept[:, 1].any():
             return []
         return [energy_figure(self._result.checks.energy_balance, self.history, self._size)]
 
     def joints(self) -> list[Figure]:
         """Return the figures of the joints that are shown, in their order."""
-        assert self.history.joints is not None, "there are joints"
-        return joint_figures(self._result.joints, self.history.joints, self.shown, self._size)
+        curves = self.history and self.history.joints
+        return [joint_figure(self._result.joints[k], curves, k, self._size) for k in self.shown] if curves else []
 
 
 def _in_order(columns: Sequence[int], over: frozenset[str], joints: Sequence[JointLoad]) -> list[int]:
