@@ -17,7 +17,17 @@ import robodyn
 
 TOPICS = {
     "Read a robot and its surroundings": ("load", "Model", "load_scene", "scene_of", "read_motion", "motion"),
-    "Compute": ("inverse_dynamics", "forward_dynamics", "mass_matrix", "bias_forces", "momenta", "free_bodies", "dae"),
+    "Compute": (
+        "inverse_dynamics",
+        "forward_dynamics",
+        "mass_matrix",
+        "bias_forces",
+        "momenta",
+        "forward_kinematics",
+        "jacobian",
+        "free_bodies",
+        "dae",
+    ),
     "Differentiate": (
         "inverse_dynamics_derivatives",
         "forward_dynamics_derivatives",

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from robodyn.dynamics.function import function as function
     from robodyn.dynamics.inverse import bias_forces as bias_forces
     from robodyn.dynamics.inverse import inverse_dynamics as inverse_dynamics
+    from robodyn.dynamics.kinematics import forward_kinematics as forward_kinematics
+    from robodyn.dynamics.kinematics import jacobian as jacobian
     from robodyn.dynamics.mass import coriolis_matrix as coriolis_matrix
     from robodyn.dynamics.mass import mass_matrix as mass_matrix
     from robodyn.dynamics.momenta import momenta as momenta
@@ -82,6 +84,7 @@ _HOMES = {
     "dynamics.forward": ("forward_dynamics",),
     "dynamics.function": ("function",),
     "dynamics.inverse": ("bias_forces", "inverse_dynamics"),
+    "dynamics.kinematics": ("forward_kinematics", "jacobian"),
     "dynamics.mass": ("coriolis_matrix", "mass_matrix"),
     "dynamics.momenta": ("momenta",),
     "dynamics.regressor": ("regressor",),

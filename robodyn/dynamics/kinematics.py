@@ -1,0 +1,120 @@
+"""Where links are and how they move, for arrays of samples."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robodyn.dynamics.arrays import arrays_of, results
+from robodyn.dynamics.plan import plan, runner_of
+from robodyn.errors import InputError
+from robodyn.programs import derivative
+from robodyn.programs.program import trace
+from robodyn.programs.run.runner import Runner
+from robodyn.programs.scalar import Tape
+from robodyn.programs.vectors import Scalar, cross, vector
+from robodyn.robot.kinematics import poses, velocities
+from robodyn.robot.model import Model
+from robodyn.scene.scene import DEFAULT
+from robodyn.support.floats import Floats
+from robodyn.support.wording import alternatives, shown
+
+
+class LinkPose(NamedTuple):
+    """R (..., 3, 3) takes components in the link's axes to the ground's; p (..., 3) is the link's origin there [m]."""
+
+    R: Floats
+    p: Floats
+
+
+def forward_kinematics(
+    model: Model, q: ArrayLike, link: str, *, executor: str = "auto", threads: int | None = None
+) -> LinkPose:
+    """Return where a link is.
+
+    Args:
+        q: (..., nq), as for `inverse_dynamics`.
+        link: its name.
+        executor, threads: as for `inverse_dynamics`.
+
+    Raises:
+        InputError: there is no such link, or a shape does not fit the model.
+
+    Accuracy: 1e-14 of the longest chain of offsets, for chains of up to 100 bodies.
+    """
+    sources, shape = arrays_of(model, {"q": q})
+    found = results(_pose_runner(model, _known(model, link)), sources, shape, (12,), None, executor, threads)
+    return LinkPose(found[..., :9].reshape(*shape, 3, 3), found[..., 9:])
+
+
+def jacobian(
+    model: Model,
+    q: ArrayLike,
+    link: str,
+    point: Sequence[float] = (0.0, 0.0, 0.0),
+    *,
+    executor: str = "auto",
+    threads: int | None = None,
+) -> Floats:
+    """Return J (..., 6, n) with (w, v) = J qd: velocities of a link and of its point, in the ground's axes.
+
+    A force f at the point and a moment m on the link do `J^T (m, f)` along the coordinates.
+
+    Args:
+        q, executor, threads: as for `inverse_dynamics`.
+        link: its name.
+        point: in the link's frame [m].
+
+    Returns:
+        Rows wx wy wz vx vy vz [rad/s, m/s]; columns as `model.rates`.
+
+    Raises:
+        InputError: there is no such link, the point is none, or a shape does not fit the model.
+
+    Accuracy: 1e-14 of the largest entry of its three rows, for chains of up to 100 bodies.
+    """
+    at = tuple(float(x) for x in point)
+    if len(at) != 3 or not np.isfinite(at).all():
+        raise InputError(f"{at} is no point", remedy="three finite coordinates in metres")
+    sources, shape = arrays_of(model, {"q": q})
+    runner = _jacobian_runner(model, _known(model, link), at)
+    return results(runner, sources, shape, (6, model.n), None, executor, threads)
+
+
+def _known(model: Model, link: str) -> str:
+    if link not in model.links:
+        remedy = alternatives(link, list(model.links), "links")
+        raise InputError(f"no link {shown(link)}", remedy=remedy, file=model.file)
+    return link
+
+
+@lru_cache(maxsize=16)
+def _pose_runner(model: Model, link: str) -> Runner:
+    a_plan = plan(model, DEFAULT)
+
+    def outputs(tape: Tape) -> Iterable[Scalar]:
+        sample = a_plan.sample(tape)
+        body, R, p = sample.model.links[link]
+        where = poses(model.parents, sample.motions())[body]
+        return [*(where.R @ R).ravel(), *(where.p + where.R @ p)]
+
+    return runner_of(trace(outputs), a_plan)
+
+
+@lru_cache(maxsize=16)
+def _jacobian_runner(model: Model, link: str, point: tuple[float, ...]) -> Runner:
+    a_plan = plan(model, DEFAULT)
+
+    def outputs(tape: Tape) -> Iterable[Scalar]:
+        sample = a_plan.sample(tape)
+        body, R, p = sample.model.links[link]
+        joints = sample.motions()
+        turn, (w, v) = poses(model.parents, joints)[body].R, velocities(model.parents, joints)[body]
+        motion = [*(turn @ w), *(turn @ (v + cross(w, p + R @ vector(*point))))]
+        return [x for row in derivative.jacobian(motion, [{rate: 1.0} for rate in sample.qd]) for x in row]
+
+    return runner_of(trace(outputs), a_plan)
