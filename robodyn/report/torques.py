@@ -83,7 +83,7 @@ def _head(result: Result) -> Section:
 
 
 def _constraints(result: Result, found: Constraints) -> Iterator[Section]:
-    from robodyn.report.constraints import constraint_lines, constraint_tables
+    from robodyn.report.sizing import constraint_lines, constraint_tables
 
     yield paragraphs(["Constraints", *constraint_lines(found)])
     for title, rows in constraint_tables(result):

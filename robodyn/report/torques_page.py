@@ -10,7 +10,6 @@ from robodyn.errors import RobodynError
 from robodyn.loads.caveats import energy_caveat
 from robodyn.loads.history import SPANS, Curves, History
 from robodyn.loads.result import Result
-from robodyn.report.constraints import constraint_lines, constraint_tables
 from robodyn.report.document import (
     Block,
     Document,
@@ -42,7 +41,7 @@ from robodyn.report.limits import (
 from robodyn.report.pictures.free_body import NOTES, symbols
 from robodyn.report.pictures.torques_plots import Plots
 from robodyn.report.sizes import Sizes, free_body_sizes, result_sizes
-from robodyn.report.sizing import sizing_sections
+from robodyn.report.sizing import constraint_lines, constraint_tables, sizing_sections
 from robodyn.report.table import gravity_text, number, printable
 from robodyn.report.torques import (
     balance_words,
