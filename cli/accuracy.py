@@ -97,17 +97,17 @@ def accuracy_of(call: Call, files: Sequence[str], duration: float | None, table:
     if call.reading_given and (moved or not robot):
         refuse(f"{call.reading_given} is for the trajectory of a robot")
     if not robot:
-        from robodyn.measure.accuracy.mesh_ladder import mesh_accuracy
+        from robodyn.measure.accuracy.meshes import mesh_accuracy
         from robodyn.solids.mesh.read.load import load_triangles
 
         return mesh_accuracy(load_triangles(files[0], typed=True))
     if not moved:
-        from robodyn.measure.accuracy.torque_ladder import file_accuracy
+        from robodyn.measure.accuracy.torques import file_accuracy
 
         return file_accuracy(*robot_in_scene(call, files[0]), files[1], **call.reading)
     if scene_file:
         refuse(f"the scene is given twice: {files[1]} and --scene {scene_file}")
-    from robodyn.measure.accuracy.simulation_ladder import simulation_accuracy
+    from robodyn.measure.accuracy.simulation import simulation_accuracy
 
     model, scene = robot_in_scene(call, files[0], files[1], loops=True)
     check_table(call, table, scene, files[1])

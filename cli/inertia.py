@@ -271,7 +271,7 @@ def _measured(
         accuracy: relative error that is wanted; how: of `mass_properties`.
     """
     from robodyn.cli.progress import metered
-    from robodyn.measure.accuracy.inertia_within import needs_rationals, with_promise
+    from robodyn.measure.accuracy.meshes import needs_rationals, with_promise
 
     if accuracy is not None and needs_rationals(accuracy):
         how = {**how, "exact": True}

@@ -16,7 +16,7 @@ from robodyn.support.wording import alternatives
 
 COMMANDS = (
     *("torques", "simulate", "inertia", "check", "fbd", "equations", "linearize", "export", "excite"),
-    *("identify", "scene", "info", "accuracy", "rule", "bench", "doctor"),
+    *("identify", "scene", "info", "accuracy", "rule", "doctor"),
 )
 
 

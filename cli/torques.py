@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from robodyn.dynamics.momenta import View
     from robodyn.loads.result import Result
     from robodyn.loads.torques import Sink
-    from robodyn.measure.accuracy.torques_within import Arithmetic
+    from robodyn.measure.accuracy.torques import Arithmetic
     from robodyn.report.document import Document
     from robodyn.robot.model import Model
     from robodyn.scene.scene import Scene
@@ -311,7 +311,7 @@ def arithmetic_for(call: Call, target: float, trajectory: str, model: Model, sce
     Raises:
         InputError: the trajectory is standard input or has no samples, or the accuracy is beyond doubles.
     """
-    from robodyn.measure.accuracy.torques_within import arithmetic_within
+    from robodyn.measure.accuracy.torques import arithmetic_within
     from robodyn.trajectory.read import read_motion
 
     if trajectory == STANDARD_INPUT:

@@ -23,7 +23,7 @@ from helpers.plain_dynamics import (
 from helpers.random_scenes import momentum_of, passing_of, pushed_slide
 
 from robodyn.errors import InputError
-from robodyn.measure.accuracy import effort
+from robodyn.measure.accuracy import simulate_within as effort
 from robodyn.measure.accuracy.motion_error import MotionError
 from robodyn.measure.accuracy.simulate_within import simulate_within
 

@@ -20,11 +20,6 @@ from robodyn.support.threads import cores
 from robodyn.support.wording import count
 
 Verdict = Literal["ok", "note", "missing", "broken"]
-PEERS = (
-    Library("pin", "pinocchio", "Pinocchio in `bench --peers`"),
-    Library("mujoco", "mujoco", "MuJoCo in `bench --peers`"),
-    Library("drake", "pydrake", "Drake in `bench --peers`"),
-)
 _FEATURES = ("avx512f", "avx2", "fma", "sve", "neon")
 _PROBE = Key("doctor", "doctor")
 
@@ -51,7 +46,7 @@ class Line:
 
 def doctor() -> tuple[Line, ...]:
     """Return everything that was looked at. Libraries are loaded in another process, so that none can end this one."""
-    libraries = installed((*CORE, COMPILER, SCENES, *OPTIONAL, *PEERS))
+    libraries = installed((*CORE, COMPILER, SCENES, *OPTIONAL))
     return (
         *_versions(libraries),
         *_processor(not libraries[COMPILER.name].problem),
@@ -77,7 +72,7 @@ def _versions(found: Mapping[str, Installed]) -> Iterator[Line]:
         line = Line(line.group, line.name, f"{here.version}, LLVM {'.'.join(map(str, host().llvm))}")
     yield line
     yield _library("versions", SCENES, found[SCENES.name], "missing")
-    for library in (*OPTIONAL, *PEERS):
+    for library in OPTIONAL:
         yield _library("optional", library, found[library.name], "missing")
 
 

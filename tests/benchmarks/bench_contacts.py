@@ -11,6 +11,7 @@ from functools import partial
 
 import clarabel
 import numpy as np
+from benchmarks.timing import taking_turns
 from helpers.machine import machine
 from helpers.markdown_tables import main, table
 from scipy import sparse
@@ -18,7 +19,6 @@ from scipy import sparse
 from robodyn.dynamics.contacts.diagnosis import base_columns
 from robodyn.dynamics.contacts.problem import Problem
 from robodyn.dynamics.contacts.solve import contact_forces
-from robodyn.measure.timing import taking_turns
 
 HEAD = (
     *("motion", "points", "samples", "without forces", "NumPy", "compiled"),

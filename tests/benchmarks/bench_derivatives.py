@@ -15,6 +15,9 @@ from functools import cache, partial
 import numpy as np
 import pinocchio as pin
 from benchmarks.bench_executors import nanoseconds
+from benchmarks.executors import random_sources
+from benchmarks.peer_tasks import bare_description, bare_scene
+from benchmarks.timing import taking_turns
 from helpers.example_robots import path_of
 from helpers.machine import machine
 from helpers.markdown_tables import main, table
@@ -24,9 +27,6 @@ from helpers.pinocchio_robots import PinocchioRobot
 import robodyn
 from robodyn.dynamics.derivatives import forward_derivatives, inverse_derivatives
 from robodyn.dynamics.plan import Plan
-from robodyn.measure.speed.executors import random_sources
-from robodyn.measure.speed.peers import bare_description, bare_scene
-from robodyn.measure.timing import taking_turns
 
 ROBOTS = {
     "UR5": "ur5_robot",

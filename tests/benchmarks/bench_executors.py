@@ -12,6 +12,9 @@ from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
+from benchmarks.executors import build_times, random_sources
+from benchmarks.peer_tasks import bare_scene, following, library_tasks
+from benchmarks.timing import Timing, repeated, taking_turns
 from helpers.example_robots import path_of
 from helpers.machine import machine
 from helpers.markdown_tables import main, table
@@ -20,10 +23,7 @@ from helpers.oracles import worst
 
 import robodyn
 from robodyn.dynamics.plan import Plan, torque_runner
-from robodyn.measure.speed.executors import available, build_times, laid_out, random_sources
-from robodyn.measure.speed.peers import bare_scene, following, library_tasks
-from robodyn.measure.speed.result import Timing
-from robodyn.measure.timing import repeated, taking_turns
+from robodyn.measure.accuracy.torques import available, laid_out
 
 OURS = {"Two links": "two_link_planar", "SCARA": "scara"}
 """Robots of robots/; the others are of example-robot-data."""

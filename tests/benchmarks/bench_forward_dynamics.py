@@ -13,6 +13,9 @@ from functools import partial
 import numpy as np
 import pinocchio as pin
 from benchmarks.bench_executors import ROBOTS, described, joints, nanoseconds
+from benchmarks.executors import random_sources
+from benchmarks.peer_tasks import bare_description, following
+from benchmarks.timing import taking_turns
 from helpers.machine import machine
 from helpers.markdown_tables import main, table
 from helpers.oracles import worst
@@ -20,9 +23,6 @@ from helpers.oracles import worst
 import robodyn
 from robodyn.dynamics.forward import acceleration_program
 from robodyn.dynamics.plan import Plan
-from robodyn.measure.speed.executors import random_sources
-from robodyn.measure.speed.peers import bare_description, following
-from robodyn.measure.timing import taking_turns
 
 HEAD = (
     *("robot", "joints (Pinocchio)", "operations", "at rest", "NumPy", "compiled", "2 threads"),

@@ -16,6 +16,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import pinocchio as pin
 from benchmarks.bench_derivatives import described
+from benchmarks.executors import random_sources
+from benchmarks.peer_tasks import bare_description
+from benchmarks.timing import taking_turns
 from helpers.example_robots import path_of
 from helpers.machine import machine
 from helpers.markdown_tables import main, table
@@ -23,9 +26,6 @@ from helpers.oracles import worst
 from helpers.pinocchio_robots import PinocchioRobot
 
 import robodyn
-from robodyn.measure.speed.executors import random_sources
-from robodyn.measure.speed.peers import bare_description
-from robodyn.measure.timing import taking_turns
 
 ROBOTS = {"UR5": "ur5_robot", "ANYmal": "anymal", "TALOS": "talos_reduced"}
 

@@ -13,14 +13,14 @@ from functools import partial
 import numpy as np
 import pinocchio as pin
 from benchmarks.bench_executors import described, joints, nanoseconds
+from benchmarks.executors import random_sources
+from benchmarks.peer_tasks import bare_description
+from benchmarks.timing import taking_turns
 from helpers.machine import machine
 from helpers.markdown_tables import main, table
 
 import robodyn
 from robodyn.dynamics.plan import plan
-from robodyn.measure.speed.executors import random_sources
-from robodyn.measure.speed.peers import bare_description
-from robodyn.measure.timing import taking_turns
 from robodyn.simulation.equations import Equations
 from robodyn.simulation.methods import method_named
 from robodyn.simulation.steps import Steps

@@ -18,7 +18,7 @@ from benchmarks.work_precision_systems import Run, System, mujocos, ours, pinocc
 from helpers.machine import machine
 from helpers.markdown_tables import main, table
 
-from robodyn.measure.timing import timed
+from robodyn.measure.accuracy.ladder import timed
 
 TARGETS = 1e-6, 1e-10
 COARSEST, FINEST = 1e-3, 1e-12

@@ -16,14 +16,14 @@ from typing import Any
 import mujoco
 import numpy as np
 import pinocchio as pin
+from benchmarks.peer_tasks import bare_description
 from helpers.example_robots import path_of
 from helpers.oracles import ROBOTS
+from helpers.series_reference import motion_reference
 from scipy.integrate import solve_ivp
 
 import robodyn
 from robodyn.dynamics.plan import plan
-from robodyn.measure.accuracy.motion_reference import motion_reference
-from robodyn.measure.speed.peers import bare_description
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.robot.model import Model
 from robodyn.scene.parts import Friction

@@ -16,8 +16,8 @@ SCARA = (str(ROBOTS / "scara.urdf"), str(ROBOTS / "scara_pick_and_place.csv"))
 
 @pytest.fixture(autouse=True)
 def _short_ladders(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robodyn.measure.accuracy.simulation_ladder.STEPS", (1.6e-2, 4e-3))
-    monkeypatch.setattr("robodyn.measure.accuracy.simulation_ladder.TOLERANCES", (1e-4, 1e-8))
+    monkeypatch.setattr("robodyn.measure.accuracy.simulation.STEPS", (1.6e-2, 4e-3))
+    monkeypatch.setattr("robodyn.measure.accuracy.simulation.TOLERANCES", (1e-4, 1e-8))
 
 
 def test_mesh_as_text() -> None:
@@ -104,10 +104,10 @@ PLANAR = (str(ROBOTS / "two_link_planar.urdf"), str(ROBOTS / "two_link_planar_sw
 
 def test_simulation(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     pytest.importorskip("mpmath")
-    monkeypatch.setattr("robodyn.measure.accuracy.simulation_ladder.STEPS", (4e-3,))
-    monkeypatch.setattr("robodyn.measure.accuracy.simulation_ladder.TOLERANCES", (1e-4,))
+    monkeypatch.setattr("robodyn.measure.accuracy.simulation.STEPS", (4e-3,))
+    monkeypatch.setattr("robodyn.measure.accuracy.simulation.TOLERANCES", (1e-4,))
     few = tuple(method for method in METHODS if method.name in ("rk4", "verlet", "dop853"))
-    monkeypatch.setattr("robodyn.measure.accuracy.simulation_ladder.METHODS", few)
+    monkeypatch.setattr("robodyn.measure.accuracy.simulation.METHODS", few)
     plot = tmp_path / "front.svg"
     outcome = run("accuracy", *PLANAR, "--duration", "0.05", "--plot", str(plot), "--target", "1e-5")
     assert (outcome.status, outcome.err) == (0, "")

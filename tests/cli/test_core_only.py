@@ -44,7 +44,6 @@ WORKS = (
     "accuracy meshes/hub.stl",
     "accuracy two_link_planar.urdf two_link_planar_swing_down.toml --duration 0.01",
     "rule",
-    "bench scara.urdf --peers",
     "doctor",
 )
 """Calls in the folder of robots; a file that is not there makes one of many fail."""

@@ -37,7 +37,6 @@ COMMANDS = {
 }
 SLOW = {
     "accuracy": ("accuracy", "ROBOT", "arm.csv"),
-    "bench": ("bench", "ROBOT", "--samples", "2", "--threads", "1"),
 }
 
 

@@ -18,7 +18,7 @@ from robodyn.robot.urdf.packages import VARIABLES
 from robodyn.support.extras import COMPILER, CORE, OPTIONAL, SCENES, Library
 from robodyn.support.libraries import Installed, installed, loading
 
-LIBRARIES = (*CORE, COMPILER, SCENES, *OPTIONAL, *doctor.PEERS)
+LIBRARIES = (*CORE, COMPILER, SCENES, *OPTIONAL)
 WORKS = SelfTest(None, False, 1e-4, 1e-2, 1e-3, 1e-5, 1e-16)
 
 
@@ -40,7 +40,7 @@ def test_here_in_full() -> None:
     assert (outcome.status, outcome.err) == (0 if document["ok"] else 1, "")
     lines = {line["name"]: line for line in document["lines"]}
     assert next(line["found"] for line in document["lines"] if line["name"] == "numpy") == np.__version__
-    assert {"robodyn", "Python", "llvmlite", "drake", "processor", "cores", "compiled", "cache folder"} <= lines.keys()
+    assert {"robodyn", "Python", "llvmlite", "processor", "cores", "compiled", "cache folder"} <= lines.keys()
     assert all(set(line) == {"group", "name", "found", "verdict", "remark", "figures"} for line in document["lines"])
 
 
@@ -55,7 +55,6 @@ def test_all_is_well(monkeypatch: pytest.MonkeyPatch) -> None:
     [
         ("scipy", Installed(None, ""), 1, "broken   without it no splines"),
         ("polars", Installed("1.0", "bad ELF"), 1, "broken   1.0: does not load (bad ELF): no reading"),
-        ("drake", Installed(None, ""), 0, "missing  without it no Drake in `bench --peers`; pip install drake"),
         ("sympy", Installed(None, ""), 0, 'pip install "robodyn[symbolic]"'),
         ("llvmlite", Installed(None, ""), 0, "missing  without it no machine code"),
     ],

@@ -65,8 +65,6 @@ CALLS: dict[str, str] = {
     "inertia part.stl --place 0,0,0": "--place is not for meshes one by one, but for meshes with --combine (try: ",
     # numbers
     "inertia part.stl --mass heavy": "invalid value for '--mass': 'heavy' is no number (try: ",
-    "bench arm.urdf --samples many": "invalid value for '--samples': 'many' is no whole number (try: ",
-    "bench arm.urdf --samples 0": "invalid value for '--samples': 0 is less than 1 (try: ",
     # rules
     "check arm.urdf --select RD2xx": f"there is no rule 'RD2XX' (RD2 means RD201 to {LAST_RD2})",
     "check arm.urdf --select inertia": f"there is no rule 'inertia' {RULES}",

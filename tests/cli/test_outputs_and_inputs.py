@@ -30,7 +30,6 @@ ARGUMENTS = {
     "identify": ["arm.urdf", "log.csv"],
     "info": ["arm.urdf"],
     "accuracy": ["arm.urdf", "arm.csv"],
-    "bench": ["arm.urdf"],
     "scene init": ["arm.urdf"],
 }
 """The least that each command needs."""

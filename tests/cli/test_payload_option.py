@@ -39,12 +39,10 @@ def test_it_is_added_to_those_of_the_scene_and_can_be_repeated() -> None:
 
 
 @pytest.mark.slow
-def test_accuracy_and_bench_take_it() -> None:
+def test_accuracy_takes_it() -> None:
     call = ("accuracy", "arm.urdf", "arm.csv", "--format", "json")
     with_it, without = (json.loads(run(*call, *more).out) for more in (OPTION, ()))
     assert [each["name"] for each in with_it["effects"]] != [each["name"] for each in without["effects"]]
-    effects = json.loads(run("bench", "arm.urdf", "--samples", "1", "--format", "json", *OPTION).out)["effects"]
-    assert "payload" in [each["name"] for each in effects]
 
 
 def test_a_batch_has_it() -> None:

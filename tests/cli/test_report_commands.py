@@ -10,8 +10,7 @@ import pytest
 from helpers.command_line import ROBOTS, run, write_arm
 from helpers.html_pages import checked
 
-from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Rung
-from robodyn.measure.timing import Spread
+from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Rung, Spread
 from robodyn.report.accuracy import accuracy_page
 from robodyn.report.renderers.html import html
 

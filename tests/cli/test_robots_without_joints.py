@@ -25,7 +25,6 @@ ANSWERED = [
     ("linearize", "copter.urdf", *FREE),
     ("export", "copter.urdf", "--to", "c", *FREE),
     ("fbd", "copter.urdf", *FREE),
-    ("bench", "copter.urdf", "--samples", "10", *FREE),
 ]
 REFUSED = [
     ("simulate", "copter.urdf"),
@@ -33,7 +32,6 @@ REFUSED = [
     ("linearize", "copter.urdf"),
     ("equations", "copter.urdf", "--form", "dae"),
     ("export", "copter.urdf", "--to", "c"),
-    ("bench", "copter.urdf", "--samples", "10"),
     ("accuracy", "copter.urdf", "still.csv"),
     ("accuracy", "copter.urdf", "fixed.toml"),
 ]

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from robodyn.measure import timing
+from robodyn.measure.accuracy import ladder as timing
 
-ONE_RUN = {"BUDGET": 0.0, "SHORT": 0.0, "TURN": 0.0, "ROUNDS": 1}
-ONE_RUN |= {"SPREAD_BUDGET": 0.0, "SPREAD_ROUNDS": 1, "CACHED": 0.0}
+ONE_RUN = {"SPREAD_BUDGET": 0.0, "SPREAD_ROUNDS": 1, "CACHED": 0.0}
 
 
 def hurry(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -13,7 +13,7 @@ _ABSENT = '{} is not installed (pip install ".[test-peers]")'
 needs_peers = pytest.mark.skipif(
     not all(map(available, ("pinocchio", "mujoco", "pydrake"))), reason=_ABSENT.format("one of the other programs")
 )
-"""For tests of `bench --peers`, which compares with all of them."""
+"""For tests that compare with all of them."""
 
 
 def peer(module: str) -> Any:

@@ -50,7 +50,6 @@ COMMANDS = (
         "torques_measured",
         "torques tests/data/tx40_log/tx40.urdf tests/data/tx40_log/log.parquet --measured --cutoff 20",
     ),
-    ("bench", "bench robots/two_link_planar.urdf --samples 100"),
 )
 
 SLOW = (

@@ -9,8 +9,7 @@ import pytest
 from helpers.html_pages import checked
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Rung
-from robodyn.measure.timing import Spread
+from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Rung, Spread
 from robodyn.report.accuracy import accuracy_page
 from robodyn.report.pictures.accuracy import accuracy_figure
 from robodyn.report.pictures.figures import log_ticks, tick_labels

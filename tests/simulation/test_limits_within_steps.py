@@ -14,9 +14,8 @@ from scipy.integrate import solve_ivp
 
 import robodyn
 from robodyn.errors import InputError
-from robodyn.measure.accuracy import effort
-from robodyn.measure.accuracy.refined import graze
-from robodyn.measure.accuracy.simulate_within import simulate_within
+from robodyn.measure.accuracy import simulate_within as effort
+from robodyn.measure.accuracy.simulate_within import graze, simulate_within
 from robodyn.scene.parts import Drive
 from robodyn.scene.scene import Scene
 from robodyn.simulation.methods import METHODS

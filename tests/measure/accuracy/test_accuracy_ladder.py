@@ -8,8 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robodyn.measure.accuracy.ladder import Ladder, Rung, front
-from robodyn.measure.timing import Spread, timed
+from robodyn.measure.accuracy.ladder import Ladder, Rung, Spread, front, timed
 
 
 def rung(name: str, error: float, seconds: float) -> Rung:
@@ -71,15 +70,15 @@ def test_spread_is_median_and_quartiles() -> None:
 
 
 def test_what_is_slow_runs_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robodyn.measure.timing.SPREAD_ROUNDS", 2)
-    monkeypatch.setattr("robodyn.measure.timing.CACHED", 0.01)
+    monkeypatch.setattr("robodyn.measure.accuracy.ladder.SPREAD_ROUNDS", 2)
+    monkeypatch.setattr("robodyn.measure.accuracy.ladder.CACHED", 0.01)
     calls: list[str] = []
     act = {"act": lambda: calls.append("run")}
     assert timed(act)["act"][1].runs == 2
     assert len(calls) == 5  # a short one fills the caches before each
-    monkeypatch.setattr("robodyn.measure.timing.CACHED", 0.0)
+    monkeypatch.setattr("robodyn.measure.accuracy.ladder.CACHED", 0.0)
     assert timed(act)["act"][1].runs == 2
     assert len(calls) == 8
-    monkeypatch.setattr("robodyn.measure.timing.SLOW", 0.0)
+    monkeypatch.setattr("robodyn.measure.accuracy.ladder.SLOW", 0.0)
     assert timed(act)["act"][1].runs == 1
     assert len(calls) == 9

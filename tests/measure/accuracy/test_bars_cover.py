@@ -25,18 +25,18 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from helpers import mesh_samples as samples
+from helpers import series_reference as reference_module
 from helpers.mesh_oracle import rotation
 from helpers.oracles import robot
+from helpers.series_reference import motion_reference
 from helpers.simulated_robots import pendulum
 from helpers.small_robots import random_tree
 
 import robodyn
 from robodyn.dynamics.plan import plan
-from robodyn.measure.accuracy import motion_reference as reference_module
-from robodyn.measure.accuracy.motion_reference import motion_reference
 from robodyn.measure.accuracy.simulate_within import simulate_within
-from robodyn.measure.accuracy.simulation_ladder import state_errors
-from robodyn.measure.accuracy.torques_within import arithmetic_within
+from robodyn.measure.accuracy.simulation import state_errors
+from robodyn.measure.accuracy.torques import arithmetic_within
 from robodyn.programs.run.multiprecision import Multiprecision
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.solids.mesh.integrate.integrals import integrate

@@ -7,7 +7,6 @@ import pytest
 from helpers.command_line import ROBOTS
 
 from robodyn.errors import MeshError
-from robodyn.measure.accuracy.mesh_ladder import mesh_accuracy
 from robodyn.measure.accuracy.mesh_methods import (
     by_box,
     by_chance,
@@ -19,6 +18,7 @@ from robodyn.measure.accuracy.mesh_methods import (
     inertia,
     union_with_a_copy,
 )
+from robodyn.measure.accuracy.meshes import mesh_accuracy
 from robodyn.measure.accuracy.operations import counted, integral_operations
 from robodyn.solids.mesh.read.load import from_array, load_triangles
 

@@ -6,7 +6,7 @@ import pytest
 from helpers.sampled import sampled
 from random_scene_accuracy import ALLOWED, CLASSES, FEWEST, PAGE, outcomes, shares
 
-from robodyn.measure.accuracy import effort
+from robodyn.measure.accuracy import simulate_within as effort
 
 
 @pytest.fixture(autouse=True)

@@ -6,11 +6,11 @@ from fractions import Fraction
 
 import pytest
 from helpers.oracles import reference
+from helpers.series_reference import BITS, Taylor, fixed, step_of, summed
 from helpers.simulated_robots import pendulum, slide
 
 from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError
-from robodyn.measure.accuracy.taylor import BITS, Taylor, fixed, step_of, summed
 from robodyn.programs.program import trace
 from robodyn.scene.parts import Friction, Spring
 from robodyn.scene.scene import Scene

@@ -11,8 +11,7 @@ from helpers.command_line import ROBOTS
 
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.errors import InputError
-from robodyn.measure.accuracy.derivative_ladder import like, noisy
-from robodyn.measure.accuracy.torque_ladder import file_accuracy, torque_accuracy
+from robodyn.measure.accuracy.torques import file_accuracy, like, noisy, torque_accuracy
 from robodyn.robot.load import load
 from robodyn.scene.scene import DEFAULT
 from robodyn.trajectory.motion import Derivation, JointDerivation

@@ -12,8 +12,8 @@ from helpers.mesh_samples import binary_stl, box, cylinder, moved, tetrahedron
 import robodyn
 from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError, MeshError
-from robodyn.measure.accuracy.inertia_within import needs_rationals, with_promise
-from robodyn.measure.accuracy.torques_within import PAIRS, ROUNDING, arithmetic_within
+from robodyn.measure.accuracy.meshes import needs_rationals, with_promise
+from robodyn.measure.accuracy.torques import PAIRS, ROUNDING, arithmetic_within
 from robodyn.programs.run.multiprecision import Multiprecision
 from robodyn.scene.scene import DEFAULT
 from robodyn.trajectory.read import motion, sources_of

@@ -1,9 +1,9 @@
-"""What the digits of a simulated motion cost: integrators and their steps, errors against a proven motion."""
+"""What the digits of a simulated motion cost: integrators and their steps, errors against a motion found twice."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from math import inf
 from time import perf_counter
@@ -13,9 +13,8 @@ import numpy as np
 
 from robodyn.dynamics.plan import Plan, plan
 from robodyn.errors import InputError
-from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Price, Rung
-from robodyn.measure.accuracy.motion_reference import Reference, Run, motion_reference
-from robodyn.measure.timing import Spread, timed
+from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Price, Rung, Spread, timed
+from robodyn.measure.accuracy.motion_error import MotionError, between_records
 from robodyn.programs.run.llvm.machine import compiler
 from robodyn.robot.model import Model
 from robodyn.scene.fit import check_moves
@@ -27,6 +26,72 @@ from robodyn.simulation.run import integrated, simulate, start_of
 from robodyn.simulation.steps import Steps
 from robodyn.simulation.stiffness import with_friction
 from robodyn.simulation.table import Signal, Source, read_table
+from robodyn.support.floats import Floats
+
+Run = Callable[..., Simulation]
+"""`simulate` with all but the duration and the method."""
+REFERENCE_MOST = 2e5
+"""Evaluations of an adaptive method, after which another one is tried."""
+CHECKED = 200
+"""Times at which two motions are compared, at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class Reference:
+    """A motion that is known to a bound.
+
+    Attributes:
+        at: states (N, nq + n) at times (N,).
+        error: measures other states.
+        bound, bound_at_end: of the error of `at`, anywhere and at the end, measured like those.
+        how: it was found, in words.
+    """
+
+    at: Callable[[Floats], Floats]
+    error: MotionError
+    bound: float
+    bound_at_end: float
+    how: str
+
+
+def motion_reference(model: Model, duration: float, run: Run) -> Reference:
+    """Return the motion of a robot from its scene's initial state, in doubles; joint limits are not looked at.
+
+    By DOP853 (or Radau) and by a Gauss-Legendre method of order 6 (or RK4), each the first of its kind that gets
+    through. The bound is the largest difference of the two.
+
+    Raises:
+        InputError: no method gets through.
+    """
+    halved = [("gauss6", 16), ("gauss6", 14), ("gauss6", 18), ("rk4", 17)]
+    fine = _first(run, duration, [(name, {"step": duration / 2**k}) for name, k in halved])
+    other = _first(
+        run,
+        duration,
+        [("dop853", {"rtol": 1e-13, "most": REFERENCE_MOST}), ("radau", {"rtol": 1e-11, "most": REFERENCE_MOST})],
+    )
+    at = between_records(fine)
+    some = np.unique(np.linspace(0, len(other.time) - 1, CHECKED).astype(int))
+    found = np.hstack((other.q, other.qd))[some]
+    measure = MotionError.over(model, found)
+    apart = measure(at(other.time[some]), found) + np.finfo(float).eps
+    bound, end = float(apart.max()), float(apart[-1])
+    ends = f" ({end:.0e} at the end)" if end < 0.1 * bound else ""
+    how = f"{fine.method.name} and {other.method.name}, which agree to {bound:.0e}{ends}"
+    return Reference(at, measure, bound, end, how)
+
+
+def _first(run: Run, duration: float, ways: list[tuple[str, dict[str, Any]]]) -> Simulation:
+    """Return the first of some simulations that gets through."""
+    problem: InputError | None = None
+    for method, how in ways:
+        try:
+            return run(duration, method=method, **how)
+        except InputError as error:
+            problem = error
+    assert problem is not None
+    raise InputError(f"no reference: {problem.what}", remedy="give a shorter --duration, or a softer friction or drive")
+
 
 DURATION = 2.0
 """s of a motion, where none is given."""
@@ -71,7 +136,7 @@ def simulation_accuracy(
     duration, notes = _until_limit(partial(followed, scene), duration)
     a_plan = plan(model, replace(scene, joint_limits="ignore"))
     run = partial(followed, a_plan.scene)
-    reference = motion_reference(a_plan, duration, run)
+    reference = motion_reference(model, duration, run)
     tries: list[_Try] = []
     start = start_of(a_plan)
     for method in METHODS:

@@ -1,22 +1,30 @@
-"""Power series of the solution of `y' = f(y)`, f being a program, in integers: as many digits as asked.
-
-A number x stands as the integer nearest below x 2^BITS, so sums are exact and a product is rounded once. The
-coefficients of a solution follow from those of f(y), and these from one another, operation by operation (R. E. Moore,
-"Interval Analysis", chapter 11; A. Jorba, M. Zou, Experimental Mathematics 14, 2005, which also has the step).
-"""
+"""Motions by power series in 77 digits, of two orders with tolerances of their own, to measure simulations by."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from fractions import Fraction
+from functools import partial
 from math import isqrt, log2
 from operator import mul
-from typing import Any
+from time import perf_counter
+from typing import Any, NamedTuple
 
+import numpy as np
+
+from robodyn.dynamics.initial_state import initial_state
+from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
+from robodyn.measure.accuracy.motion_error import MotionError
+from robodyn.measure.accuracy.simulation import CHECKED, Reference, Run
+from robodyn.measure.accuracy.simulation import motion_reference as in_doubles
 from robodyn.programs.program import Program
 from robodyn.programs.run.multiprecision import context_of
 from robodyn.programs.scalar import ADD, CONSTANT, COS, DIV, EXP, INPUT, MUL, NEG, SIGN, SIN, SQRT, SUB
+from robodyn.robot.configuration import unit_rows
+from robodyn.simulation.equations import STATE, Equations
+from robodyn.simulation.run import simulate
+from robodyn.support.floats import Floats
 
 BITS = 256
 """After the binary point; 77 decimal digits."""
@@ -166,3 +174,80 @@ def summed(series: Sequence[Series], step: int) -> list[int]:
             total = (total * step >> BITS) + coefficient
         ends.append(total)
     return ends
+
+
+PATIENCE = 10.0
+"""Seconds for a series."""
+COARSE, FINE = (16, 1e-18), (24, 1e-22)
+"""Orders of series and their tolerances."""
+
+
+def motion_reference(plan: Plan, duration: float, run: Run | None = None) -> Reference:
+    """The motion of a plan's robot from its scene's initial state, with the difference of two series as its bound.
+
+    Where series take long or there are none, as of closed chains and tables, by two methods in doubles.
+    """
+    try:
+        return _by_series(plan, duration)
+    except (InputError, ZeroDivisionError, ValueError, OverflowError):
+        return in_doubles(plan.model, duration, run or partial(simulate, plan.model, plan.scene))
+
+
+def _by_series(plan: Plan, duration: float) -> Reference:
+    times = np.linspace(0.0, duration, CHECKED)
+    coarse, fine = (_series(plan, duration, *how) for how in (COARSE, FINE))
+    expected = fine(times)
+    measure = MotionError.over(plan.model, expected)
+    apart = measure(coarse(times), expected) + np.finfo(float).eps
+    return Reference(fine, measure, float(apart.max()), float(apart[-1]), "power series")
+
+
+class Piece(NamedTuple):
+    """A step of a solution by series: from when, and the coefficients (order + 1, width) of its numbers."""
+
+    start: int
+    series: Floats
+
+
+def _series(plan: Plan, duration: float, order: int, tolerance: float) -> Callable[[Floats], Floats]:
+    """Return the motion at any times, from pieces that are series.
+
+    Raises:
+        InputError: it has no series, or they take more than `PATIENCE`.
+    """
+    if plan.scene.loops:
+        raise InputError("closed chains are set right after each step")
+    equations, model = Equations(plan), plan.model
+    taylor = Taylor(equations.derivatives(), STATE, equations.width, order)
+    state = [fixed(x) for x in initial_state(model, plan.scene)]
+    now, end, begun = 0, fixed(duration), perf_counter()
+    pieces = []
+    while now < end:
+        series = taylor(state)
+        step = fixed(min(step_of(series, tolerance), duration))
+        pieces.append(Piece(now, np.array([[_float(c) for c in each] for each in series[: model.nq + model.n]]).T))
+        state, now = summed(series, step), now + step
+        spent = perf_counter() - begun
+        if step == 0 or spent > PATIENCE or (spent > 0.5 and spent * end > PATIENCE * now):
+            raise InputError("series take too long")
+    starts = [piece.start for piece in pieces]
+
+    def at(times: Floats) -> Floats:
+        rows = []
+        for when in map(fixed, times.tolist()):
+            piece = pieces[max(int(np.searchsorted(starts, when, "right")) - 1, 0)]
+            rows.append(_horner(piece.series, _float(when - piece.start)))
+        return unit_rows(model, np.array(rows))
+
+    return at
+
+
+def _horner(series: Floats, x: float) -> Floats:
+    total: Floats = series[-1]
+    for coefficients in series[-2::-1]:
+        total = total * x + coefficients
+    return total
+
+
+def _float(number: int) -> float:
+    return number / (1 << BITS)

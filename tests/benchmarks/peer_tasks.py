@@ -6,17 +6,12 @@ joint of its own to them, is moved as it must, and its torque is reflected onto 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from functools import partial
+from collections.abc import Mapping
 
 import numpy as np
+from benchmarks.libraries import LIBRARIES, Gravity, States, Task
 
-from robodyn.dynamics.plan import torque_runner
 from robodyn.errors import InputError
-from robodyn.measure.speed.libraries import LIBRARIES, Gravity, States, Task
-from robodyn.measure.speed.result import PeerBench, PeersBench, Timing
-from robodyn.measure.timing import largest_difference, taking_turns
-from robodyn.programs.run.llvm.machine import compiler
 from robodyn.programs.vectors import product
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.parts import Friction, Rotor
@@ -25,41 +20,6 @@ from robodyn.support.floats import Floats
 
 KEPT = {"link": {"inertial"}, "joint": {"origin", "parent", "child", "axis", "limit"}}
 """What other libraries are given of a description."""
-
-
-def compared(
-    model: Model, gravity: Gravity, sources: Mapping[str, Floats], samples: int, watch: Callable[[str], None]
-) -> PeersBench:
-    """Return what other libraries take for the same torques.
-
-    Args:
-        sources: q, qd and qdd (samples, n), columns being contiguous.
-        watch: told which library is next.
-    """
-    tasks: list[Task] = []
-    missing: list[PeerBench] = []
-    for name in LIBRARIES:
-        watch(name)
-        try:
-            tasks += library_tasks(name, model, gravity, sources)
-        except Exception as error:  # whatever another library raises is its answer
-            missing.append(PeerBench(name, problem=_problem(name, error)))
-    runner = torque_runner(model, bare_scene(model, gravity))
-    executor = "numpy" if compiler().problem else "compiled"
-    tau = np.empty((samples, model.n), order="F")
-    watch("libraries in turn")
-    ours = partial(runner, sources, samples, tau, executor=executor, threads=1)
-    mine, *others = taking_turns(dict(enumerate([ours, *(task.run for task in tasks)]))).values()
-    S, _ = following(model)
-    found = [_bench(task, time, product(task.torques(), S), tau) for task, time in zip(tasks, others, strict=True)]
-    return PeersBench(runner.program.size, executor, mine.per(samples), (*found, *missing))
-
-
-def _bench(task: Task, time: Timing, torques: Floats, expected: Floats) -> PeerBench:
-    difference = largest_difference(torques, expected[: task.samples])
-    if not np.isfinite(difference):
-        return PeerBench(task.name, problem="does not take part: its torques are not finite")
-    return PeerBench(task.name, task.samples, time.per(task.samples), difference)
 
 
 def library_tasks(name: str, model: Model, gravity: Gravity, sources: Mapping[str, Floats]) -> list[Task]:
@@ -111,10 +71,3 @@ def bare_description(model: Model) -> str:
 
 def _moving(model: Model) -> list[Joint]:
     return [body.joint for body in model.bodies if body.joint.kind != "fixed"]
-
-
-def _problem(name: str, error: Exception) -> str:
-    if isinstance(error, ImportError):
-        return f"is not installed (pip install {LIBRARIES[name][0]})"
-    text = " ".join(str(error).split()) or type(error).__name__
-    return f"does not take part: {text if len(text) <= 160 else text[:160] + '...'}"

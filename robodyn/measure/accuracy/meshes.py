@@ -1,16 +1,17 @@
-"""What the digits of a mesh's volume and inertia cost, and what proof costs."""
+"""What the digits of a mesh's volume and inertia cost, and what proof costs; inertia as accurate as asked."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import replace
 from functools import partial
 from math import isfinite, sqrt
 
 import numpy as np
 
 from robodyn.errors import InputError, MeshError
-from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Price, Rung
+from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Price, Rung, timed
 from robodyn.measure.accuracy.mesh_methods import (
     by_box,
     by_chance,
@@ -24,12 +25,11 @@ from robodyn.measure.accuracy.mesh_methods import (
     union_with_a_copy,
 )
 from robodyn.measure.accuracy.operations import counted, integral_operations
-from robodyn.measure.timing import timed
 from robodyn.solids.inertia.exact import exact, fraction
 from robodyn.solids.mesh.closed.fingerprint import fingerprint
 from robodyn.solids.mesh.closed.one_shell import is_one_shell
 from robodyn.solids.mesh.integrate.exact import Moments
-from robodyn.solids.mesh.integrate.integrals import Integrals, integrate
+from robodyn.solids.mesh.integrate.integrals import LIMIT, Integrals, integrate
 from robodyn.solids.mesh.measured import Measured, measured
 from robodyn.solids.mesh.repair.repair import repair
 from robodyn.solids.mesh.shape import SYMMETRY_TRIANGLES
@@ -37,6 +37,7 @@ from robodyn.solids.mesh.symmetry.asymmetry import CentredBody
 from robodyn.solids.mesh.symmetry.symmetry import symmetry
 from robodyn.solids.mesh.tessellation.bars import tessellation
 from robodyn.solids.mesh.triangles import MemoryTriangles, Triangles
+from robodyn.solids.mesh_mass import Part
 from robodyn.support.floats import Floats
 
 COLUMNS = 256, 4096, 65536
@@ -178,3 +179,41 @@ def _prices(given: Triangles, triangles: Triangles, whole: Integrals, corners: F
     if triangles.count <= SYMMETRY_TRIANGLES:
         acts["symmetry"] = lambda: symmetry(CentredBody.of(triangles, whole))
     return tuple(Price(name, time) for name, (_, time) in timed(acts).items())
+
+
+ROUNDING = 2.0**-53
+"""Of a result to a float."""
+
+
+def needs_rationals(target: float) -> bool:
+    """Whether floats, which are escalated until their bounds are below 1e-12, are not enough for a relative error.
+
+    Raises:
+        InputError: no result in doubles can be that accurate.
+    """
+    if target < ROUNDING:
+        what = f"an accuracy of {target:g} cannot be promised: results are doubles, which are rounded to {ROUNDING:.1e}"
+        raise InputError(what, remedy=f"ask for {ROUNDING:.1e} or more")
+    return target < LIMIT
+
+
+def with_promise(part: Part, target: float) -> Part:
+    """Return the part with a note that says by which arithmetic the target is met.
+
+    Raises:
+        MeshError: what the surface encloses is not known that well.
+
+    Accuracy: bounds are proven for the triangles as given, whose own rounding is reported beside.
+    """
+    if part.union is not None and part.union > target:
+        raise MeshError(
+            f"an accuracy of {target:g} cannot be promised: what the surface encloses is known to {part.union:.0e}",
+            remedy="mend overlaps and gaps, or ask for less",
+            file=part.name,
+        )
+    rational = part.method == "rational"
+    bound = f"{ROUNDING:.1e}" if rational else f"{LIMIT:.0e} (volume: {part.arithmetic:.0e})"
+    name = "exact rationals" if rational else part.method
+    data = f"; the rounding of the file can make {part.rounding:.0e} of it" if part.rounding > target else ""
+    said = f"accuracy: {target:g} asked, proven within {bound} by {name}{data}"
+    return replace(part, notes=(*part.notes, said))

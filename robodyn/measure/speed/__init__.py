@@ -1,1 +1,0 @@
-"""Executors timed beside other libraries in one run."""
