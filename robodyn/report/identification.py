@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from math import floor, inf, log10
 from typing import Any
 
-from robodyn.identification.excitation.bounds import MARGIN
-from robodyn.identification.excitation.result import Excitation, Information, JointSwing
+from robodyn.identification.excitation.excite import Excitation, Information, JointSwing
+from robodyn.identification.excitation.motion import MARGIN
 from robodyn.identification.result import Errors, Identified, MotorFit
 from robodyn.report.document import (
     Block,

@@ -33,7 +33,7 @@ from scipy.optimize import minimize
 import robodyn
 from robodyn.dynamics.plan import plan
 from robodyn.dynamics.regressor import INERTIAL
-from robodyn.identification.excitation.programs import programs_of
+from robodyn.identification.excitation.landscape import programs_of
 from robodyn.identification.parameters.base import base_of, random_rows, structural_base
 
 FILE = Path(__file__).parents[1] / "data" / "lwr4.urdf"

@@ -15,11 +15,9 @@ from helpers.oracles import ROBOTS, robot, worst
 import robodyn
 from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError
-from robodyn.identification.excitation.bounds import bounds_of
 from robodyn.identification.excitation.excite import excite
-from robodyn.identification.excitation.fourier import Fourier
-from robodyn.identification.excitation.landscape import Landscape
-from robodyn.identification.excitation.programs import programs_of
+from robodyn.identification.excitation.landscape import Landscape, programs_of
+from robodyn.identification.excitation.motion import Fourier, bounds_of
 from robodyn.identification.parameters.base import structural_base
 from robodyn.robot.load import load
 from robodyn.scene.parts import ExternalWrench, Friction
@@ -122,8 +120,6 @@ def test_slopes_are_those_of_the_value():
     strong = Landscape(programs, replace(bounds, effort=bounds.effort * np.inf), Fourier(8.0, 3), np.ones(3), 96, 1.0)
     bend = (strong.height(y + step, 1e12)[1] - strong.height(y - step, 1e12)[1]) / 2e-6
     assert worst(np.einsum("nab,nb->na", strong.stiffness(y, 1e12), way), bend) <= 1e-6
-    reach = landscape.reach(y, way)
-    assert landscape.height(y + 1.001 * reach * way, 1.0)[0] == np.inf
 
 
 def test_series_are_at_rest_at_both_ends_and_between_samples_below_their_bound():

@@ -1,9 +1,18 @@
-"""A motion that shows a robot's parameters: what `robodyn excite` finds."""
+"""A motion that shows a robot's parameters: what `robodyn excite` finds.
+
+1. `motion.py` takes limits of joints from the description, and makes series of waves within them.
+2. Base parameters that such motions can show are told by random states.
+3. `landscape.py` says how much a motion tells, with slopes, and searches for one that tells much.
+4. The motion is made smaller until it keeps all limits between samples too, and compared with plain waves.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import exp
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,13 +20,16 @@ from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.plan import plan
 from robodyn.dynamics.regressor import regressor
 from robodyn.errors import InputError
-from robodyn.identification.excitation.bounds import Bounds, bounds_of
-from robodyn.identification.excitation.fourier import Fourier
-from robodyn.identification.excitation.landscape import Landscape
-from robodyn.identification.excitation.motion import PERIOD_SAMPLES, Motion, sine, within_limits
-from robodyn.identification.excitation.programs import programs_of
-from robodyn.identification.excitation.result import Excitation, Information, JointSwing
-from robodyn.identification.excitation.search import on_grid, search
+from robodyn.identification.excitation.landscape import Landscape, on_grid, programs_of, search
+from robodyn.identification.excitation.motion import (
+    PERIOD_SAMPLES,
+    Bounds,
+    Fourier,
+    Motion,
+    bounds_of,
+    plain_waves,
+    within_limits,
+)
 from robodyn.identification.parameters.base import Base, structural_base
 from robodyn.robot.model import Model
 from robodyn.scene.fit import refuse_constraints, refuse_load
@@ -40,6 +52,98 @@ _SLIP = 0.02
 """Of the lowest speed limit: where Coulomb friction turns in the search, which needs slopes."""
 _APART = 1e-5
 """Of a column's length: what a motion shows less of depends on the others, see `Base.within`."""
+
+
+class Information(NamedTuple):
+    """What the torques of a motion tell of the base parameters.
+
+    Attributes:
+        rank: how many of them it shows.
+        condition: of the base columns at unit length, rows weighted by 1 / noise.
+        log_determinant: of sum Y^T W Y over the rows, in SI units; -inf where some are not shown.
+        standard_errors: (r,) of each by least squares, with noise that is independent from row to row.
+    """
+
+    rank: int
+    condition: float
+    log_determinant: float
+    standard_errors: Floats
+
+
+@dataclass(frozen=True)
+class JointSwing:
+    """What a joint does: `centre + sum sine_k sin(k w t) + cosine_k cos(k w t)`.
+
+    Attributes:
+        unit: of torques.
+        least, largest, speed, acceleration, effort: reached at any time.
+        bounds: between which it stays: limits of position, less a margin; None if it has no room.
+        effort_limit: None where there is none.
+        noise: standard deviation of its torque.
+    """
+
+    name: str
+    unit: str
+    moves: bool
+    centre: float
+    sine: tuple[float, ...]
+    cosine: tuple[float, ...]
+    least: float
+    largest: float
+    bounds: tuple[float, float] | None
+    speed: float
+    speed_limit: float
+    acceleration: float
+    acceleration_limit: float
+    effort: float
+    effort_limit: float | None
+    noise: float
+
+
+@dataclass(frozen=True, eq=False)
+class Excitation:
+    """A motion that shows parameters.
+
+    Attributes:
+        rate: rows per second of `motion`.
+        base: the base parameters that motions of these joints can show; values: theirs in the description.
+        information, plain: of this motion, and of plain waves of the same period within the same limits.
+        notes: what was assumed.
+        motion, torques: q, qd and qdd (3, N, n), a period with both its ends; and what they take (N, n).
+    """
+
+    model: Model
+    series: Fourier
+    rate: float
+    joints: tuple[JointSwing, ...]
+    base: Base
+    values: Floats
+    information: Information
+    plain: Information
+    notes: tuple[str, ...]
+    motion: Floats
+    torques: Floats
+
+    @property
+    def gain(self) -> float:
+        """How many times smaller standard errors are than those of plain waves, in the geometric mean."""
+        gained = self.information.log_determinant - self.plain.log_determinant
+        return exp(gained / (2 * self.base.rank)) if gained < float("inf") else gained
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """The columns of `columns`."""
+        return tuple(f"{kind}_{name}" for kind in ("q", "qd", "qdd") for name in self.model.joint_names)
+
+    @property
+    def time(self) -> Floats:
+        """(N,) [s]."""
+        return np.asarray(np.arange(self.motion.shape[1]) / self.rate)
+
+    @property
+    def columns(self) -> Floats:
+        """(N, 3 n)."""
+        return self.motion.transpose(1, 0, 2).reshape(self.motion.shape[1], -1)
 
 
 def excite(
@@ -93,7 +197,7 @@ def excite(
     x = on_grid(landscape.combinations(search(landscape, starts, seed)))
     found = within_limits(Motion(model, scene, bounds, series, x))
     count = max(2 * harmonics + 1, round(period * rate))
-    plain = sine(model, scene, bounds, series, found.centre)
+    plain = plain_waves(found)
     motion = found.at(series.even(count + 1) * ((count + 1) / count))
     return Excitation(
         model=model,

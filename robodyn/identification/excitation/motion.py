@@ -1,25 +1,181 @@
-"""Periodic motions within limits: what they reach, and how they are made smaller until they keep them."""
+"""Periodic motions within limits: what they must keep to, what they reach, and how they are made smaller to keep it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import cos, pi
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from robodyn.dynamics.effects.friction import friction_of
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.errors import InputError
-from robodyn.identification.excitation.bounds import Bounds
-from robodyn.identification.excitation.fourier import Fourier
+from robodyn.robot.limits import MOST_EFFORT, MOST_VELOCITY, binding, coordinate_ranges
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
+from robodyn.support.wording import alternatives, count
 
+MARGIN = 0.05
+"""Of a joint's range that the motion keeps from each limit of position."""
 PERIOD_SAMPLES = 64
 """Per harmonic: where a motion is held against its limits."""
+_SPEEDING = 0.25
+"""In so many seconds a joint may reach its limit of speed, where no limit of acceleration is given [s]."""
+_FAR, _NEAR = 1e4, 1e-6
+"""Limits of position from which on they stand for "none", and room or speed that is none [rad, m, rad/s, m/s]."""
+_RANGE = {"revolute": pi, "prismatic": 0.25}
+"""To each side of 0 [rad, m] where there is no limit."""
+_SPEED = {"revolute": pi, "prismatic": 0.5}
+"""Where there is no limit [rad/s, m/s]."""
+_UNIT = {"revolute": "rad", "prismatic": "m"}
 _SMALLER, _LEAST = 0.99, 1e-3
 """By steps of which a motion is made smaller, and to which part of it at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bounds:
+    """Of each entry of q (n,), for a robot whose joints have one each.
+
+    Attributes:
+        middle, half: positions are within `middle +- half`, the margin taken off.
+        speed, acceleration, effort: largest magnitudes; inf where there is none.
+        moving: which joints move; the others are held at `home`.
+        notes: what was assumed, a line each.
+    """
+
+    middle: Floats
+    half: Floats
+    speed: Floats
+    acceleration: Floats
+    effort: Floats
+    moving: tuple[int, ...]
+    home: Floats
+    notes: tuple[str, ...]
+
+
+def bounds_of(model: Model, scene: Scene, joints: tuple[str, ...] = (), acceleration: float | None = None) -> Bounds:
+    """Return what motions of these joints, of all if none is named, must keep to.
+
+    Args:
+        acceleration: largest, of every joint [rad/s^2, m/s^2]; None: speed limit over `_SPEEDING`.
+
+    Raises:
+        InputError: the base floats, there is no such joint, or none that can move.
+    """
+    if model.quaternions:
+        what = f'"{model.quaternions[0][0]}" floats: nothing drives it along a motion'
+        raise InputError(what, remedy="fix it", file=model.file)
+    for name in joints:
+        if name not in model.joint_names:
+            remedy = alternatives(name, model.joint_names, "joints that have a coordinate")
+            raise InputError(f"there is no joint {name!r} to move", remedy=remedy)
+    notes: list[str] = []
+
+    def say(these: NDArray[np.bool_], what: str) -> None:
+        names = [joint.name for joint, each in zip(model.independent, these, strict=True) if each]
+        if names:
+            notes.append(f"{count(len(names), 'joint')} ({', '.join(names)}): {what}")
+
+    are = {kind: np.array([joint.kind == kind for joint in model.independent], dtype=bool) for kind in _RANGE}
+    least, largest = (np.where(np.abs(end) < _FAR, end, np.nan) for end in coordinate_ranges(model))
+    endless = np.isnan(least) | np.isnan(largest)
+    for kind, width in _RANGE.items():
+        say(endless & are[kind], f"no position limits: {width:.4g} {_UNIT[kind]} to each side")
+    most = np.array([_RANGE[joint.kind] for joint in model.independent])
+    least = np.where(np.isfinite(least), least, np.where(np.isfinite(largest), largest - 2.0 * most, -most))
+    largest = np.where(np.isfinite(largest), largest, least + 2.0 * most)
+    speed, half = _speeds(model), (0.5 - MARGIN) * (largest - least)
+    for kind, assumed in _SPEED.items():
+        these = np.isinf(speed) & are[kind]
+        say(these, f"no speed limit: {assumed:.4g} {_UNIT[kind]}/s assumed")
+        speed[these] = assumed
+    effort = np.array([binding(joint.effort) or np.inf for joint in model.independent])
+    effort[effort >= MOST_EFFORT] = np.inf
+    say(effort == np.inf, "no effort limit: any torque is allowed")
+    wanted = np.array([not joints or joint.name in joints for joint in model.independent], dtype=bool)
+    narrow = wanted & (np.minimum(half, speed) < _NEAR)
+    weak = wanted & (np.array([friction_of(joint, scene).dry for joint in model.independent]) >= effort)
+    say(narrow, "held: its limits leave no room")
+    say(weak, "held: friction alone takes its effort limit")
+    moving = tuple(np.flatnonzero(wanted & ~narrow & ~weak).tolist())
+    if not moving:
+        raise InputError("no joint can move", remedy="; ".join(notes) or "none is described", file=model.file)
+    middle = 0.5 * (least + largest)
+    home = np.where((least <= 0.0) & (largest >= 0.0), 0.0, middle)
+    fastest = speed / _SPEEDING if acceleration is None else np.full(model.n, acceleration)
+    return Bounds(middle, half, speed, fastest, effort, moving, home, tuple(notes))
+
+
+def _speeds(model: Model) -> Floats:
+    """Return the largest speed of each coordinate that all joints which it moves allow."""
+    speeds = np.full(model.n, np.inf)
+    for body in model.bodies:
+        joint, limit = body.joint, binding(body.joint.velocity)
+        if limit is not None and limit < MOST_VELOCITY and joint.kind != "fixed" and joint.multiplier:
+            speeds[joint.rate] = min(speeds[joint.rate], limit / abs(joint.multiplier))
+    return speeds
+
+
+@dataclass(frozen=True)
+class Fourier:
+    """q(t) = c + sum a_k sin(k w t) + b_k cos(k w t) for k = 1..harmonics, with speed and acceleration zero at t = 0.
+
+    That is so if sum k a_k = 0 and sum k^2 b_k = 0 (Swevers and others 1997), and it is so in the shapes that follow,
+    by which motions are combined: 1, sin(k w t)/k - sin((k+1) w t)/(k+1), cos(k w t)/k^2 - cos((k+1) w t)/(k+1)^2.
+
+    Attributes:
+        period: [s], w = 2 pi / period.
+        harmonics: 2 or more.
+    """
+
+    period: float
+    harmonics: int
+
+    @property
+    def size(self) -> int:
+        """How many shapes there are."""
+        return 2 * self.harmonics - 1
+
+    def even(self, samples: int) -> Floats:
+        """Return so many times of a period, evenly from 0 on [s]."""
+        return np.asarray(np.arange(samples) * (self.period / samples))
+
+    def shapes(self, time: Floats) -> Floats:
+        """Return q, qd and qdd of every shape: (3, N, size)."""
+        k = np.arange(1, self.harmonics + 1)
+        w = k * (2.0 * pi / self.period)
+        sine, cosine = np.sin(np.outer(time, w)), np.cos(np.outer(time, w))
+        waves = np.array([[sine, w * cosine, -w * w * sine] / k, [cosine, -w * sine, -w * w * cosine] / (k * k)])
+        pairs = waves[..., :-1] - waves[..., 1:]
+        return np.concatenate((_still(time), pairs[0], pairs[1]), axis=-1)
+
+    def coefficients(self, x: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return c (n,), a (n, harmonics) and b of combinations x (n, size) of the shapes."""
+        k = np.arange(1, self.harmonics + 1)
+        nothing = np.zeros((len(x), 1))
+        of_sines, of_cosines = x[:, 1 : self.harmonics], x[:, self.harmonics :]
+        a = (np.hstack((of_sines, nothing)) - np.hstack((nothing, of_sines))) / k
+        b = (np.hstack((of_cosines, nothing)) - np.hstack((nothing, of_cosines))) / (k * k)
+        return x[:, 0], a, b
+
+    def between(self, samples: int) -> float:
+        """Return how many times larger than at even samples of a period |q - c|, |qd| or |qdd| can be between them.
+
+        Ehlich and Zeller 1964: a trigonometric polynomial of degree n is at most 1 / cos(pi n / N) times as large as at
+        N > 2 n even points.
+        """
+        return 1.0 / cos(pi * self.harmonics / samples)
+
+
+def _still(time: Floats) -> Floats:
+    """Return q, qd and qdd of a joint that stands at 1: (3, N, 1)."""
+    still = np.zeros((3, len(time), 1))
+    still[0] = 1.0
+    return still
 
 
 class Peaks(NamedTuple):
@@ -41,11 +197,6 @@ class Motion:
     bounds: Bounds
     series: Fourier
     x: Floats
-
-    @property
-    def centre(self) -> Floats:
-        """The mean position of each joint that moves (m,)."""
-        return self.x[:, 0]
 
     def at(self, time: Floats) -> Floats:
         """Return q, qd and qdd (3, N, n)."""
@@ -69,7 +220,7 @@ class Motion:
         bends = np.abs(tau - 0.5 * (np.roll(tau, 1, axis=0) + np.roll(tau, -1, axis=0))).max(axis=0) / 4.0
         more = self.series.between(samples)
         centre = self.bounds.home.copy()
-        centre[list(self.bounds.moving)] = self.centre
+        centre[list(self.bounds.moving)] = self.x[:, 0]
         return Peaks(
             centre + more * (q - centre).min(axis=0),
             centre + more * (q - centre).max(axis=0),
@@ -87,6 +238,16 @@ class Motion:
         return bool(ranged and quick and (peaks.effort <= bounds.effort).all())
 
 
+class PlainWaves(Motion):
+    """Each joint is a plain wave: x has its centre, and amplitudes of 1 - cos(k w t) with k = 1..harmonics."""
+
+    def shapes(self, time: Floats) -> Floats:
+        k = np.arange(1, self.series.harmonics + 1) * (2.0 * np.pi / self.series.period)
+        phase = np.outer(time, k)
+        waves = np.array([-np.cos(phase), k * np.sin(phase), k * k * np.cos(phase)])
+        return np.concatenate((_still(time), waves), axis=-1)
+
+
 def within_limits(motion: Motion) -> Motion:
     """Return the motion, swinging as much less about its centre as keeps all limits.
 
@@ -96,7 +257,7 @@ def within_limits(motion: Motion) -> Motion:
     size = 1.0
     while size > _LEAST:
         x = motion.x * size
-        x[:, 0] = motion.centre
+        x[:, 0] = motion.x[:, 0]
         smaller = replace(motion, x=x)
         if smaller.keeps_limits():
             return smaller
@@ -104,31 +265,18 @@ def within_limits(motion: Motion) -> Motion:
     raise InputError("efforts leave no room for a motion", remedy="check limits and masses, or move fewer joints")
 
 
-class Sine(Motion):
-    """Each joint is a plain wave: x has its centre, and amplitudes of 1 - cos(k w t) with k = 1..harmonics."""
-
-    def shapes(self, time: Floats) -> Floats:
-        k = np.arange(1, self.series.harmonics + 1) * (2.0 * np.pi / self.series.period)
-        phase = np.outer(time, k)
-        waves = np.array([-np.cos(phase), k * np.sin(phase), k * k * np.cos(phase)])
-        still = np.zeros((3, len(time), 1))
-        still[0] = 1.0
-        return np.concatenate((still, waves), axis=-1)
-
-
-def sine(model: Model, scene: Scene, bounds: Bounds, series: Fourier, centre: Floats) -> Motion:
+def plain_waves(found: Motion) -> Motion:
     """Return a plain motion to compare with: c - h cos(k w t) with the harmonics 1, 2, ... joint by joint in turn.
 
     Each is as large as its limits of position, speed and acceleration allow, all as much smaller as efforts need.
     """
-    moving = list(bounds.moving)
-    x = np.zeros((len(moving), series.harmonics + 1))
+    series, bounds, centre = found.series, found.bounds, found.x[:, 0]
+    x = np.zeros((len(centre), series.harmonics + 1))
     x[:, 0] = centre
-    for i, k in enumerate(moving):
+    for i, k in enumerate(bounds.moving):
         turn = i % series.harmonics
         w = (turn + 1) * 2.0 * np.pi / series.period
         room = bounds.half[k] - abs(centre[i] - bounds.middle[k])
-        x[i, turn + 1] = min(room, bounds.speed[k] / w, bounds.acceleration[k] / (w * w)) / series.between(
-            PERIOD_SAMPLES * series.harmonics
-        )
-    return within_limits(Sine(model, scene, bounds, series, x))
+        largest = min(room, bounds.speed[k] / w, bounds.acceleration[k] / (w * w))
+        x[i, turn + 1] = largest / series.between(PERIOD_SAMPLES * series.harmonics)
+    return within_limits(PlainWaves(found.model, found.scene, bounds, series, x))
