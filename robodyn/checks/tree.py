@@ -12,9 +12,9 @@ from robodyn.robot.urdf.view import InertialView, JointView, LinkView, View
 
 @dataclass(frozen=True, eq=False)
 class Group:
-    """Links that fixed joints make one body; `links[0]` hangs on `joint`, which moves it against `parent`.
+    """Links that fixed joints make one body; `links[0]` is the child of `joint`, which moves it against `parent`.
 
-    The root's group has neither. `children` are the groups that hang on this one.
+    The root's group has neither. `children` are the groups below this one.
     """
 
     links: list[LinkView]
@@ -39,7 +39,7 @@ class Group:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tree:
-    """`links` and `groups` with parents before children; `above` has the joint that each link but the root hangs on."""
+    """`links` and `groups` with parents before children; `above` has the joint above each link but the root."""
 
     links: tuple[LinkView, ...]
     above: Mapping[str, JointView]
@@ -68,7 +68,7 @@ def build_tree(view: View) -> Tree | None:
 
 
 def _downward(view: View, root: LinkView) -> tuple[LinkView, ...]:
-    """Return the links that hang on the root, itself first, in depth-first order."""
+    """Return the links below the root, itself first, in depth-first order."""
     below: dict[str, list[str]] = {}
     for joint in view.joints:
         below.setdefault(joint.parent, []).append(joint.child)

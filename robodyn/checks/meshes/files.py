@@ -97,8 +97,8 @@ def mesh_names(context: Context) -> Mapping[str, MeshName]:
     for use in mesh_uses(context):
         if use.uri and not unexpanded(use.uri):
             uses.setdefault(use.uri, []).append(use)
-    look = Look(context)
-    return {uri: look.up(uri, tuple(found)) for uri, found in uses.items()}
+    meshes = MeshSearch(context)
+    return {uri: meshes.find(uri, tuple(found)) for uri, found in uses.items()}
 
 
 def all_facts(context: Context) -> Mapping[str, MeshFacts]:
@@ -108,7 +108,7 @@ def all_facts(context: Context) -> Mapping[str, MeshFacts]:
     return {name.uri: known[name.path] for name in names if name.path is not None}
 
 
-class Look:
+class MeshSearch:
     """How names are looked up; folders are listed once."""
 
     def __init__(self, context: Context) -> None:
@@ -116,7 +116,7 @@ class Look:
         self._search = context.search
         self._listed: dict[Path, frozenset[str]] = {}
 
-    def up(self, uri: str, uses: tuple[MeshUse, ...]) -> MeshName:
+    def find(self, uri: str, uses: tuple[MeshUse, ...]) -> MeshName:
         path = self._search.find(uri)
         scheme, separator, _ = uri.partition("://")
         for root, prefix, rest in self._roots(uri):

@@ -36,7 +36,7 @@ def mass_not_positive(context: Context) -> Faults:
     No body has a negative mass, and one of zero mass that moves takes on any acceleration: its equation of motion
     is 0 = force. A zero counts only where the whole rigid group (links joined by fixed joints) has no mass; it is a
     warning where the group carries on to one that has mass, as in a universal joint: MuJoCo refuses such a group,
-    and Gazebo drops it and all that hangs on it.
+    and Gazebo drops it and all that it carries.
     """
     for link in context.view.links:
         if link.inertial is None or link.mass is None or link.mass > 0:
@@ -44,7 +44,7 @@ def mass_not_positive(context: Context) -> Faults:
         severity = Severity.ERROR if link.mass < 0 else severity_of_zero(context, link)
         if severity is not None:
             what = f"the mass is {link.mass:g} kg, not positive"
-            what += "; MuJoCo refuses it, Gazebo drops it and what hangs on it" * (link.mass == 0)
+            what += "; MuJoCo refuses it, Gazebo drops it and what it carries" * (link.mass == 0)
             remedy = "write the mass of the part, or fix the link to one that has mass"
             yield Fault(link.inertial.mass.span, what, remedy, link.mass, 0.0, severity=severity)
 
@@ -61,9 +61,9 @@ def massless_group(context: Context) -> Faults:
     """Whatever a joint moves has mass.
 
     Links joined by fixed joints are one body, a rigid group. A moving group without any mass makes the mass matrix
-    singular: the joint's acceleration is undefined. Where other bodies with mass hang on the group, it is a
+    singular: the joint's acceleration is undefined. Where the group carries other bodies with mass, it is a
     warning: the mass matrix is regular then, but MuJoCo makes up a mass from collision shapes or refuses the robot,
-    and Gazebo drops the group and all that hangs on it.
+    and Gazebo drops the group and all that it carries.
     """
     carried = context.once(carried_masses)
     for group in context.tree.groups:
@@ -73,8 +73,8 @@ def massless_group(context: Context) -> Faults:
         onward = carried[group] > 0
         with_it = f" with {listed([link.name for link in group.links[1:]])}" if len(group.links) > 1 else ""
         what = f"joint '{group.joint.name}' moves it{with_it}, and it has no mass"
-        what += f"; what hangs on it has {carried[group]:g} kg" if onward else ""
-        what += f"; MuJoCo {_in_mujoco(context, group)}, Gazebo drops it" + " and what hangs on it" * onward
+        what += f"; what it carries has {carried[group]:g} kg" if onward else ""
+        what += f"; MuJoCo {_in_mujoco(context, group)}, Gazebo drops it" + " and what it carries" * onward
         remedy = "add an <inertial>" if onward else "add an <inertial>, or make the joint fixed"
         severity = Severity.WARNING if onward else Severity.ERROR
         yield Fault(first.name_span, what, remedy, measured=0.0, severity=severity, kind="a joint moves no mass")

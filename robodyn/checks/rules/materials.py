@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 
 from robodyn.checks.examples import arm
 from robodyn.checks.grammar import own_elements
-from robodyn.checks.meshes.files import Look, State
+from robodyn.checks.meshes.files import MeshSearch, State
 from robodyn.checks.rule import Context, Fault, Faults, Severity, namesakes, rule
 from robodyn.robot.urdf.elements import Element
 from robodyn.robot.urdf.numbers import numbers, value_span
@@ -123,14 +123,14 @@ def texture_missing(context: Context) -> Faults:
     Viewers draw the shape white, or say so at each frame, where the picture is missing. Names of textures are
     looked up as those of meshes are.
     """
-    look = Look(context)
+    meshes = MeshSearch(context)
     seen = set()
     for element, _, subject in context.once(own_elements):
         uri = element.get("filename") if element.tag == "texture" else None
         if not uri or unexpanded(uri) or uri in seen:
             continue
         seen.add(uri)
-        state = look.up(uri, ()).state
+        state = meshes.find(uri, ()).state
         if state in (State.MISSING, State.OTHER_CASE):
             how = "not there" if state is State.MISSING else "there in another case"
             what, remedy = f"the texture {shown_path(uri)} is {how}", "correct its name, or delete <texture>"

@@ -310,7 +310,7 @@ def mirror_origin(context: Context) -> Faults:
     A sign that was not turned, or turned twice, in the origin of one leg's joint moves the rest of the leg to the
     wrong side of it, and nothing else tells: the leg is still a leg. Joints are twins if the names of the links
     that they carry are each other's but for left and right; the mirror plane is the robot's own, as RD401 finds it.
-    Reported are joints that hang on one link in that plane or on two links that are twins. Passed over are fixed
+    Reported are joints whose parent is one link in that plane or on two links that are twins. Passed over are fixed
     ones that carry no mass, such as sensors; what is mounted alike on a part that is itself mounted on both sides,
     as fingers on a gripper; and frames that lie askew where no sign in rpy explains it: they are chosen freely.
     """

@@ -21,8 +21,8 @@ from robodyn.support.wording import shown
 def detached_part(context: Context) -> Faults:
     """The parts on both sides of a joint are next to each other.
 
-    Where the shapes of nearly all joints' children touch those of their parents, a child far from its parent hangs
-    on the wrong link, or its origin is wrong: it has millimetres in an entry, or a sign or digit too many. The gap
+    Where the shapes of nearly all joints' children touch those of their parents, a child far from its parent has
+    the wrong one, or its origin is wrong: it has millimetres in an entry, or a sign or digit too many. The gap
     is that between the boxes around the shapes, each joint at 0 or at its limit next to 0; it is reported where it
     is more than a tenth of the larger part and 1 cm, of parts that are fixed half the larger part and 5 cm, and
     nine of ten of the other joints have none.
@@ -50,21 +50,21 @@ _LONG_ARM = arm(more="".join(a_link(child) + a_joint(f"on_{parent}", parent, chi
     explains=("RD111",),
 )
 def odd_parent(context: Context) -> Faults:
-    """A link hangs on the parent that its namesakes tell.
+    """A link has the parent that its namesakes tell.
 
-    Of links whose names differ in one word, left_hand and right_hand, FL_calf and RR_calf, each hangs on the
-    namesake of the other's parent, and link_5 hangs on link_4. Where at least three others do so, and all but one
-    in ten, one that does not was hung on the wrong link: by a copied line that was not changed, or changed twice.
+    Of links whose names differ in one word, left_hand and right_hand, FL_calf and RR_calf, each is a child of the
+    namesake of the other's parent, and link_5 of link_4. Where at least three others do so, and all but one
+    in ten, one that does not has the wrong parent: by a copied line that was not changed, or changed twice.
     The words that go in pairs are those that the robot's own names show. Which one of two is wrong is told by those
     that differ from several, by the side that a name and its parent's name say, and by shapes that do not touch
     those of the parent; where nothing tells, both are named.
     """
     for odd in context.once(odd_parents):
         joint = context.tree.above[odd.link]
-        what = f"it hangs {shown(odd.link)} on {shown(joint.parent)}, but {odd.why}"
+        what = f"it makes {shown(odd.link)} a child of {shown(joint.parent)}, but {odd.why}"
         either = "" if odd.other is None else f", or the other pairs show that {shown(odd.other)} is the wrong one"
         parent = next(child for child in joint.element.children if child.tag == "parent")
-        yield Fault(value_span(parent, "link"), what, f"hang it on {shown(odd.expected)}{either}")
+        yield Fault(value_span(parent, "link"), what, f"make {shown(odd.expected)} its parent{either}")
 
 
 @rule(

@@ -54,7 +54,7 @@ def unknown_group(context: Context) -> Faults:
 
     MoveIt passes over a state, an end effector or a group of groups whose group it does not know: the pose cannot
     be called up, the gripper cannot be planned for. A state that names no group at all is one that only Pinocchio
-    reads, and a remark. Of two groups of one name one is passed over, and a chain whose base hangs on its tip is
+    reads, and a remark. Of two groups of one name one is passed over, and a chain whose base is below its tip is
     planned for the wrong end. The examples are SRDFs of an arm.
     """
     found = own_srdf(context)
@@ -97,13 +97,13 @@ def _twice_or_reversed(context: Context, found: Srdf) -> Iterator[Fault]:
         for chain in group.findall("chain"):
             base, tip = chain.get("base_link") or "", chain.get("tip_link") or ""
             if base != tip and tip in _upward(base, above):
-                what = f"the chain's base {shown(base)} hangs on its tip {shown(tip)}"
+                what = f"the chain's base {shown(base)} is below its tip {shown(tip)}"
                 remedy, at = "exchange base_link and tip_link", value_span(chain, "base_link")
                 yield Fault(at, what, remedy, subject=_subject(group), document=found.document)
 
 
 def _upward(link: str, above: Mapping[str, str]) -> Collection[str]:
-    """Return the link and what it hangs on, as far as the parents lead."""
+    """Return the link and those above it, as far as the parents lead."""
     passed = {link: None}
     while (link := above.get(link, "")) and link not in passed:
         passed[link] = None

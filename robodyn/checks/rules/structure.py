@@ -20,7 +20,7 @@ from robodyn.support.wording import alternatives, listed, shown
 def dangling_reference(context: Context) -> Faults:
     """The parent and the child of every joint are links of the robot.
 
-    Readers refuse the file, or leave out the joint and everything that hangs on it.
+    Readers refuse the file, or leave out the joint and everything below it.
     """
     links = context.view.link
     if _explained(context.view):
@@ -62,9 +62,8 @@ def several_parents(context: Context) -> Faults:
             continue
         element = joint.element.find("child")
         assert element is not None, "the joint names a child"
-        what = (
-            f"its child, link {shown(joint.child)}, hangs on joint {shown(first.name)} (line {first.element.line}) too"
-        )
+        other = f"joint {shown(first.name)} (line {first.element.line})"
+        what = f"its child, link {shown(joint.child)}, is the child of {other} too"
         yield Fault(value_span(element, "link"), what, "a link has one parent: remove one joint, or correct its child")
 
 
@@ -77,7 +76,7 @@ def several_parents(context: Context) -> Faults:
 def cycle(context: Context) -> Faults:
     """Going from child to parent leads to the root.
 
-    Links in a cycle hang on nothing. Some readers do not notice and recurse until memory ends.
+    Links in a cycle have no root. Some readers do not notice and recurse until memory ends.
     """
     above = first_above(context.view)
     for cycle in cycles({child: joint.parent for child, joint in above.items()}):
@@ -95,7 +94,7 @@ def cycle(context: Context) -> Faults:
 def several_roots(context: Context) -> Faults:
     """Exactly one link has no parent.
 
-    All other links hang on it. Readers refuse a second root, or leave out all that hangs on it. Where another rule
+    All other links are below it. Readers refuse a second root, or leave out all that is below it. Where another rule
     of the structure (RD101 to RD107) is broken, its repair comes first and this one is silent.
     """
     view = context.view
@@ -187,14 +186,14 @@ def name_portability(context: Context) -> Faults:
     """Names of letters, digits and _ survive a conversion to other formats.
 
     USD (Isaac Sim) takes no other character and renames what has one, after which programs look for the old name in
-    vain; SDF keeps some names for itself and wants each but once among links and joints.
+    vain; SDF keeps some names for itself and requires each to be there once among links and joints.
     """
     view = context.view
     parts: tuple[LinkView | JointView, ...] = (*view.links, *view.joints)
     for part in parts:
         refusal = _refusal(part.name)
         if part.subject.kind == "joint" and part.name in view.link:
-            refusal = refusal or "SDF wants different names for a link and a joint"
+            refusal = refusal or "SDF requires different names for a link and a joint"
         if refusal:
             remedy = "use letters, digits and _ only, and each name once"
             yield Fault(part.name_span, refusal, remedy)

@@ -131,7 +131,7 @@ def test_a_body_without_mass_that_carries_on_is_a_warning() -> None:
     end = HEALTHY.index("</inertial>", start) + len("</inertial>")
     finding = of_code(HEALTHY[:start] + HEALTHY[end:], "RD202")
     assert finding.severity is W
-    assert "1.68 kg; MuJoCo refuses it, Gazebo drops it and what hangs on it" in finding.message
+    assert "1.68 kg; MuJoCo refuses it, Gazebo drops it and what it carries" in finding.message
 
 
 @pytest.mark.parametrize(
