@@ -17,7 +17,7 @@ from helpers.mesh_samples import moved, torus
 
 from robodyn.solids.mesh.indexed import Indexed, merged
 from robodyn.solids.mesh.integrate.integrals import integrate
-from robodyn.solids.mesh.region.quadrature import by_columns, by_winding_numbers
+from robodyn.solids.mesh.region.region import by_columns, by_winding_numbers
 from robodyn.solids.mesh.repair.holes import filled
 from robodyn.solids.mesh.repair.nesting import nested
 from robodyn.solids.mesh.repair.shells import wound

@@ -15,9 +15,8 @@ from robodyn.solids.mesh.integrate.integrals import integrate
 from robodyn.solids.mesh.integrate.kernel import symmetric, volume_kernel
 from robodyn.solids.mesh.integrate.sweep import swept
 from robodyn.solids.mesh.region.columns import Lattice
-from robodyn.solids.mesh.region.winding_region import Pieces, directions, pieces
-from robodyn.solids.mesh.region.winding_tree import WindingTree
-from robodyn.solids.mesh.repair.inside import manifold
+from robodyn.solids.mesh.region.region import Pieces, directions, pieces
+from robodyn.solids.mesh.repair.inside import manifold, winding_numbers
 from robodyn.solids.mesh.triangles import MemoryTriangles, Triangles
 from robodyn.support.floats import Floats
 
@@ -65,7 +64,7 @@ def by_chance(corners: Floats, count: int) -> Moments:
 def by_winding_numbers(corners: Floats, count: int) -> Moments:
     """By so many random points in the box; one counts where the surface goes around it, by its solid angle."""
     points, size = _random_points(corners, count)
-    return _of_points(points[WindingTree.of(merged(corners)).numbers(points) > 0.5], size, count)
+    return _of_points(points[winding_numbers(points, merged(corners)) > 0.5], size, count)
 
 
 def _random_points(corners: Floats, count: int) -> tuple[Floats, Floats]:
@@ -92,7 +91,7 @@ def inertia(moments: Moments) -> Array:
 
 
 def _inside(corners: Floats, lattice: Lattice) -> Pieces:
-    every, _ = pieces(lattice.hits(corners))
+    every = pieces(lattice.hits(corners))
     found = every.of(every.weight > 0)
     return found._replace(weight=np.ones(len(found.column)))
 

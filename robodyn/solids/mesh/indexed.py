@@ -26,6 +26,10 @@ class Indexed:
         """(m, 3, 3)."""
         return self.vertices[self.faces]
 
+    def corners_with(self, more: Numbers) -> Floats:
+        """(m + n, 3, 3) with these faces (n, 3) as the last."""
+        return replace(self, faces=np.concatenate([self.faces, more])).corners
+
     @property
     def middle(self) -> Floats:
         """(3,) of the box of all vertices."""

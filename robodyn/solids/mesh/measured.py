@@ -17,7 +17,7 @@ from robodyn.solids.mesh.integrate.sweep import surface
 from robodyn.solids.mesh.triangles import Triangles
 
 if TYPE_CHECKING:
-    from robodyn.solids.mesh.region.quadrature import Quadrature
+    from robodyn.solids.mesh.region.region import Quadrature
     from robodyn.solids.mesh.repair.repair import Repaired, Step
 
 

@@ -10,10 +10,13 @@ import numpy as np
 
 from robodyn.solids.mesh.distinct import Numbers, distinct
 from robodyn.solids.mesh.indexed import Edges, Indexed, Mask, components
-from robodyn.solids.mesh.region.winding_tree import WindingTree
+from robodyn.solids.mesh.repair.inside import winding_numbers
 from robodyn.support.floats import Floats
 
 _MOST_COPIES = 32
+
+_MOST_ANGLES = 50_000_000
+"""Solid angles of faces that are taken to tell whether walls lie in bodies; where it takes more, they stay."""
 
 _ROUNDING = 16 * np.finfo(np.float64).eps
 
@@ -61,12 +64,18 @@ def without_duplicates(mesh: Indexed) -> tuple[Indexed, Numbers]:
 
 
 def _enclosed(mesh: Indexed, copies: Numbers) -> Mask:
-    """(m,) which of the faces that count for nothing lie in what all others enclose."""
+    """(m,) which of the faces that count for nothing lie in what all others enclose, told for each connected group."""
     found: Mask = copies == 0
-    if found.any():
-        others = WindingTree.of(mesh.keep(np.repeat(np.arange(len(copies)), copies)))
-        found[found] = np.abs(others.numbers(mesh.corners[found].mean(axis=1))) > 0.5
-    return found
+    others = mesh.keep(np.repeat(np.arange(len(copies)), copies))
+    if found.any() and len(others.faces):
+        a, b, c = mesh.faces[found].T
+        group = components(len(mesh.vertices), np.concatenate([a, a]), np.concatenate([b, c]))[a]
+        _, first, of = np.unique(group, return_index=True, return_inverse=True)
+        if len(first) * len(others.faces) > _MOST_ANGLES:
+            return np.zeros_like(found)
+        found[found] = (np.abs(winding_numbers(mesh.corners[found][first].mean(axis=1), others)) > 0.5)[of]
+        return found
+    return np.zeros_like(found)
 
 
 def _corner_sets(faces: Numbers) -> tuple[Numbers, Mask]:

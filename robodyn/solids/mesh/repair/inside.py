@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from robodyn.programs.vectors import product
 from robodyn.solids.mesh.distinct import Numbers
 from robodyn.solids.mesh.indexed import Indexed, Mask
 from robodyn.support.floats import Floats
@@ -38,7 +37,7 @@ def winding_numbers(points: Floats, mesh: Indexed) -> Floats:
         a2, b2, c2 = square[:, faces.T].transpose(1, 0, 2)
         a, b, c = np.sqrt(square)[:, faces.T].transpose(1, 0, 2)
         apart = (a2 + b2 - sides[0]) * c + (b2 + c2 - sides[1]) * a + (c2 + a2 - sides[2]) * b
-        depth = (normal * A).sum(axis=1) - product(x, normal.T)
+        depth = (normal * A).sum(axis=1) - x @ normal.T
         found[start : start + rows] = np.arctan2(depth, a * b * c + apart / 2).sum(axis=1)
     return found / (2 * pi)
 

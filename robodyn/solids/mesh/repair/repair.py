@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from robodyn.errors import MeshError
 from robodyn.solids.mesh.indexed import Edges, Indexed, merged
-from robodyn.solids.mesh.region.quadrature import Quadrature, as_given, by_columns, by_winding_numbers
+from robodyn.solids.mesh.region.region import Quadrature, as_given, by_columns, by_winding_numbers
 from robodyn.solids.mesh.repair.clean import without_degenerate, without_duplicates
 from robodyn.solids.mesh.repair.gaps import one_sided
 from robodyn.solids.mesh.repair.holes import Filling, filled

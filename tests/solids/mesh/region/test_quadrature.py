@@ -10,8 +10,7 @@ from helpers.repaired_meshes import R
 from robodyn.solids.mesh.indexed import merged
 from robodyn.solids.mesh.integrate.integrals import integrate
 from robodyn.solids.mesh.region.columns import Lattice
-from robodyn.solids.mesh.region.quadrature import by_columns
-from robodyn.solids.mesh.region.winding_region import pieces
+from robodyn.solids.mesh.region.region import by_columns, pieces
 from robodyn.solids.mesh.repair.repair import repair
 from robodyn.solids.mesh.triangles import MemoryTriangles
 
@@ -41,7 +40,7 @@ def test_moments_of_pieces_are_exact_in_depth():
     direction = np.array((0.0, 0.0, 1.0))
     body = moved(box((1, 1, 3)), (0, 0, 50))
     lattice = Lattice.over(body, direction, count=20000)
-    found = pieces(lattice.hits(body))[0].moments(lattice)
+    found = pieces(lattice.hits(body)).moments(lattice)
     V = found[3, 3]
     assert pytest.approx(3, rel=2e-3) == V
     assert found[2, 3] == pytest.approx(50 * V, rel=1e-13)
@@ -55,7 +54,7 @@ def test_moments_of_pieces(body):
     body = moved(body, (1, -2, 0.5), R)
     exact = integrals(body)
     lattice = Lattice.over(body, np.array((0.36, 0.48, 0.8)), count=20000)
-    found = pieces(lattice.hits(body))[0].moments(lattice)
+    found = pieces(lattice.hits(body)).moments(lattice)
     r, V = exact.reference, exact.volume
     S = exact.S + np.outer(exact.first, r) + np.outer(r, exact.first) + V * np.outer(r, r)
     expected = np.block([[S, (exact.first + V * r)[:, None]], [exact.first + V * r, np.array(V)]])

@@ -9,8 +9,7 @@ from helpers.repaired_meshes import R, repaired, taken
 
 from robodyn.solids.mesh.indexed import merged
 from robodyn.solids.mesh.integrate.integrals import integrate
-from robodyn.solids.mesh.region.quadrature import by_winding_numbers
-from robodyn.solids.mesh.region.winding_tree import WindingTree
+from robodyn.solids.mesh.region.region import by_winding_numbers
 from robodyn.solids.mesh.repair.holes import boundary_loops, cap_of
 from robodyn.solids.mesh.triangles import MemoryTriangles
 
@@ -156,29 +155,3 @@ def test_half_open_surfaces_and_sheets_enclose_nothing_definite(body):
     found = repaired(moved(body, (1, 2, 3), R))
     assert found.quadrature is None
     assert not found.closed
-
-
-@pytest.fixture
-def taken_numbers(monkeypatch):
-    """How many points winding numbers were taken at."""
-    taken, numbers = [], WindingTree.numbers
-    monkeypatch.setattr(WindingTree, "numbers", lambda tree, points: taken.append(len(points)) or numbers(tree, points))
-    return taken
-
-
-def test_what_is_not_definite_is_refused_after_few_winding_numbers(taken_numbers):
-    ball = moved(uv_sphere(rings=64, sectors=128), R=R)
-    assert by_winding(ball[(ball.mean(axis=1) @ R[0] < 0)]) is None
-    assert 0 < sum(taken_numbers) < 1000
-
-
-def test_no_columns_are_added_where_the_hole_decides_how_large_the_bar_is(taken_numbers):
-    ball = moved(uv_sphere(rings=64, sectors=128), R=R)
-    order = np.argsort(ball.mean(axis=1) @ R[0])
-    large = by_winding(ball[order[1300:]])
-    few = sum(taken_numbers)
-    kept = np.random.default_rng(0).random(len(ball)) > 0.01
-    taken_numbers.clear()
-    small = by_winding(ball[kept])
-    assert few < 4000 < 4 * few < sum(taken_numbers)
-    assert small.bar < large.bar / 20
