@@ -34,9 +34,8 @@ from robodyn.cli.screen import complain
 from robodyn.errors import InputError, MeshError
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.report.document import Document
-from robodyn.solids.inertia.conversions import View, inertial_element
-from robodyn.solids.inertia.properties import Pose
-from robodyn.solids.mesh_mass import Part, mass_properties
+from robodyn.solids.inertia.properties import Pose, View, inertial_element
+from robodyn.solids.mass_properties import Part, mass_properties
 from robodyn.support.floats import Floats
 
 if TYPE_CHECKING:
@@ -241,7 +240,7 @@ def _combined(
 ) -> None:
     from robodyn.report.inertia import combination_sections
     from robodyn.report.inertia_pages import combination_json
-    from robodyn.solids.composite_mass import combined
+    from robodyn.solids.mass_properties import combined
 
     found = combined(parts, places, mass)
 

@@ -21,8 +21,7 @@ from robodyn.robot.masses.declared import link_inertia, robot_inertia
 from robodyn.robot.masses.shapes import How, Reading, link_from_shapes
 from robodyn.robot.masses.shapes import compare as compare_shapes
 from robodyn.robot.urdf.parts import Description, Kind
-from robodyn.solids.inertia.conversions import View, inertial_element
-from robodyn.solids.inertia.properties import MassProperties
+from robodyn.solids.inertia.properties import MassProperties, View, inertial_element
 from robodyn.support.wording import count
 
 if TYPE_CHECKING:

@@ -120,7 +120,7 @@ class Meter:
 
     def __init__(self, sizes: Sequence[int]) -> None:
         """Args: sizes: bytes of each file."""
-        from robodyn.solids.mesh.closed.one_shell import readings
+        from robodyn.solids.mesh.closed import readings
         from robodyn.solids.mesh.read.stl import RECORD
 
         self._record = RECORD

@@ -65,7 +65,7 @@ if TYPE_CHECKING:
     from robodyn.scene.uncertainty import Uncertainty as Uncertainty
     from robodyn.simulation.rollouts import rollouts as rollouts
     from robodyn.simulation.run import simulate as simulate
-    from robodyn.solids.mesh_mass import mass_properties as mass_properties
+    from robodyn.solids.mass_properties import mass_properties as mass_properties
     from robodyn.trajectory.read import motion as motion
     from robodyn.trajectory.read import read_motion as read_motion
 
@@ -109,7 +109,7 @@ _HOMES = {
     "scene.uncertainty": ("Covariance", "Deviation", "LinkUncertainty", "Uncertainty"),
     "simulation.rollouts": ("rollouts",),
     "simulation.run": ("simulate",),
-    "solids.mesh_mass": ("mass_properties",),
+    "solids.mass_properties": ("mass_properties",),
     "trajectory.read": ("motion", "read_motion"),
 }
 __all__ = [name for names in _HOMES.values() for name in names]

@@ -24,9 +24,8 @@ from robodyn.robot.urdf.parts import INERTIA, Description, Link
 from robodyn.robot.urdf.view import LinkView, View
 from robodyn.scene.parts import CoupledMotor, Friction, Rotor
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.solids.inertia.conversions import from_inertia, from_moments, inertial_element
 from robodyn.solids.inertia.laws import Inertia, symmetric
-from robodyn.solids.inertia.properties import MassProperties
+from robodyn.solids.inertia.properties import MassProperties, from_inertia, from_moments, inertial_element
 from robodyn.support.floats import Floats
 from robodyn.support.toml_text import toml_key, toml_string
 from robodyn.support.wording import count, figure, listed, shown, shown_path

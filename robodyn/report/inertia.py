@@ -12,10 +12,9 @@ import numpy as np
 from robodyn.programs.vectors import Array
 from robodyn.report.document import Block, Facts, Paragraph, Section, Table, paragraphs, remarks
 from robodyn.report.table import is_noise, number, printable
-from robodyn.solids.inertia.conversions import View
-from robodyn.solids.inertia.properties import MassProperties
+from robodyn.solids.inertia.properties import MassProperties, View
 from robodyn.solids.inertia.validity import Validity, validity
-from robodyn.solids.mesh_mass import Part
+from robodyn.solids.mass_properties import Part
 from robodyn.support.floats import ranked
 from robodyn.support.wording import count
 
@@ -23,9 +22,9 @@ if TYPE_CHECKING:
     from robodyn.checks.check import Checked
     from robodyn.robot.masses.declared import LinkInertia, RobotInertia
     from robodyn.robot.masses.shapes import Comparison, Difference, LinkComparison, LinkShapes
-    from robodyn.solids.composite_mass import Combination
-    from robodyn.solids.mesh.symmetry.kinds import Axis, Plane
-    from robodyn.solids.mesh.tessellation.bars import Bars
+    from robodyn.solids.mass_properties import Combination
+    from robodyn.solids.mesh.symmetry_search import Axis, Plane
+    from robodyn.solids.mesh.tessellation import Bars
 
 
 AXES = ("x", "y", "z")
@@ -106,7 +105,7 @@ def _symmetry(part: Part) -> Section:
 
 
 def _row(thing: Plane | Axis, reach: float) -> tuple[str, ...]:
-    from robodyn.solids.mesh.symmetry.kinds import Plane
+    from robodyn.solids.mesh.symmetry_search import Plane
 
     if isinstance(thing, Plane):
         name, direction, place = "plane", thing.normal, number(thing.offset, reach)

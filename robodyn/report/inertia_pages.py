@@ -37,10 +37,9 @@ from robodyn.report.inertia import (
     robot_sections,
 )
 from robodyn.report.table import printable
-from robodyn.solids.inertia.conversions import View
-from robodyn.solids.inertia.properties import MassProperties
+from robodyn.solids.inertia.properties import MassProperties, View
 from robodyn.solids.inertia.validity import Box, Validity, validity
-from robodyn.solids.mesh_mass import Part
+from robodyn.solids.mass_properties import Part
 
 if TYPE_CHECKING:
     from robodyn.checks.check import Checked
@@ -48,8 +47,8 @@ if TYPE_CHECKING:
     from robodyn.robot.masses.shapes import Comparison, Difference, LinkComparison, LinkShapes
     from robodyn.robot.urdf.geometry import Shape
     from robodyn.robot.urdf.parts import Description
-    from robodyn.solids.composite_mass import Combination
-    from robodyn.solids.mesh.tessellation.bars import Bars, Tessellation
+    from robodyn.solids.mass_properties import Combination
+    from robodyn.solids.mesh.tessellation import Bars, Tessellation
 
 
 COM = View()

@@ -1,1 +1,1 @@
-"""Mass properties: the laws of inertia (inertia/), meshes (mesh/), and bodies composed of others."""
+"""Mass properties: the laws of inertia (inertia/) and meshes (mesh/); `mass_properties` is the door."""

@@ -20,12 +20,9 @@ from helpers.machine import machine
 from helpers.markdown_tables import main, table
 from helpers.mesh_samples import binary_stl, torus
 
-from robodyn.solids.mesh.closed.fingerprint import fingerprint
-from robodyn.solids.mesh.closed.one_shell import is_one_shell
-from robodyn.solids.mesh.integrate.compiled_kernel import kernel_for
-from robodyn.solids.mesh.integrate.integrals import integrate, measure
-from robodyn.solids.mesh.integrate.kernel import volume_kernel
-from robodyn.solids.mesh.integrate.sweep import swept
+from robodyn.solids.mesh.closed import fingerprint, is_one_shell
+from robodyn.solids.mesh.integrals import integrate, measure, swept
+from robodyn.solids.mesh.kernel import kernel_for, volume_kernel
 from robodyn.solids.mesh.read.load import load_triangles
 
 OURS = "integral"

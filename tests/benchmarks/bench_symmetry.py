@@ -20,10 +20,10 @@ from helpers.markdown_tables import main, table
 from helpers.symmetry_cases import bodies
 
 from robodyn.errors import MeshError
-from robodyn.solids.mesh.integrate.integrals import measure
+from robodyn.solids.mesh.asymmetry import CentredBody
+from robodyn.solids.mesh.integrals import measure
 from robodyn.solids.mesh.read.load import load_triangles
-from robodyn.solids.mesh.symmetry.asymmetry import CentredBody
-from robodyn.solids.mesh.symmetry.symmetry import symmetry
+from robodyn.solids.mesh.symmetry import symmetry
 from robodyn.solids.mesh.triangles import MemoryTriangles, Triangles
 
 SUFFIXES = (".stl", ".obj", ".dae")

@@ -14,7 +14,7 @@ from helpers.markdown_tables import main, table
 from helpers.smooth_solids import solids
 from helpers.tessellation_errors import Case, case
 
-from robodyn.solids.mesh.tessellation.lines import line_masses
+from robodyn.solids.mesh.tessellation import line_masses
 
 RESOLUTIONS = (12, 16, 24, 32, 64, 128)
 HEAD = ("solid", "facets", "triangles", "error", "corrected", "ratio", "bar", "bar of corrected", "bars hold")

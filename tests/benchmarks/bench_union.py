@@ -15,14 +15,14 @@ from helpers.machine import machine
 from helpers.markdown_tables import main, table
 from helpers.mesh_samples import moved, torus
 
+from robodyn.solids.mesh.columns import by_columns, by_winding_numbers
+from robodyn.solids.mesh.holes import filled
 from robodyn.solids.mesh.indexed import Indexed, merged
-from robodyn.solids.mesh.integrate.integrals import integrate
-from robodyn.solids.mesh.region.region import by_columns, by_winding_numbers
-from robodyn.solids.mesh.repair.holes import filled
-from robodyn.solids.mesh.repair.nesting import nested
-from robodyn.solids.mesh.repair.shells import wound
-from robodyn.solids.mesh.repair.union import united
+from robodyn.solids.mesh.integrals import integrate
+from robodyn.solids.mesh.nesting import nested
+from robodyn.solids.mesh.shells import wound
 from robodyn.solids.mesh.triangles import MemoryTriangles
+from robodyn.solids.mesh.union import united
 
 T = TypeVar("T")
 TURN = np.linalg.qr(np.array([(1.0, 2.0, 3.0), (-2.0, 1.0, 0.5), (0.3, 0.7, -1.0)]))[0]

@@ -11,7 +11,7 @@ from helpers.command_line import run
 from helpers.smooth_solids import solids
 
 import robodyn
-from robodyn.solids.mesh import shape
+from robodyn.solids.mesh import measured
 
 EPS = np.finfo(float).eps
 
@@ -126,8 +126,8 @@ def test_tessellation_at_a_given_mass(tmp_path):
 
 
 def test_only_small_meshes_are_asked_unless_told(lever, monkeypatch):
-    monkeypatch.setattr(shape, "SYMMETRY_TRIANGLES", 100)
-    monkeypatch.setattr(shape, "TESSELLATION_TRIANGLES", 100)
+    monkeypatch.setattr(measured, "SYMMETRY_TRIANGLES", 100)
+    monkeypatch.setattr(measured, "TESSELLATION_TRIANGLES", 100)
     found = mesh(lever)
     assert found["symmetry"] is found["error"]["tessellation"] is None
     assert found["notes"][-2:] == [

@@ -14,9 +14,9 @@ from helpers.processes import environment
 from helpers.terminals import on_terminal
 
 from robodyn.cli.progress import Meter
-from robodyn.solids.mesh.closed import one_shell
+from robodyn.solids.mass_properties import mass_properties
+from robodyn.solids.mesh import closed
 from robodyn.solids.mesh.read.load import load_triangles
-from robodyn.solids.mesh_mass import mass_properties
 
 
 def two(body):
@@ -46,9 +46,9 @@ def test_a_bar_on_a_terminal_alone(files):
     assert on_terminal([*call[:5], names[0]], stdout=True, stderr=False)[1] == ""
 
 
-@pytest.mark.parametrize("held", [one_shell.HELD, 20_000])
+@pytest.mark.parametrize("held", [closed.HELD, 20_000])
 def test_a_sound_mesh_fills_its_share(monkeypatch, files, held):
-    monkeypatch.setattr(one_shell, "HELD", held)
+    monkeypatch.setattr(closed, "HELD", held)
     meter = Meter([path.stat().st_size for path in files])
     seen = []
     for path in files:
@@ -57,7 +57,7 @@ def test_a_sound_mesh_fills_its_share(monkeypatch, files, held):
             path, on_progress=lambda triangles: (meter.on_progress(triangles), seen.append(meter.completed))
         )
         size, count = path.stat().st_size, load_triangles(path).count
-        share = min(0.99 * size, 50 * count) * (1 + one_shell.readings(count))
+        share = min(0.99 * size, 50 * count) * (1 + closed.readings(count))
         assert meter.completed - before == pytest.approx(share)
         meter.done()
     assert seen == sorted(seen)
@@ -89,7 +89,7 @@ def test_a_mesh_that_takes_longer_than_foreseen(tmp_path):
     assert late[0] is False
     assert late[-1] is True
     assert late == sorted(late)
-    assert meter.completed == 0.99 * path.stat().st_size * (1 + one_shell.readings(20_000))
+    assert meter.completed == 0.99 * path.stat().st_size * (1 + closed.readings(20_000))
     meter.done()
     assert meter.overdue is False
 

@@ -80,8 +80,8 @@ def test_a_mesh_imports_what_it_is_asked() -> None:
     assert {name.rpartition(".")[2] for name in asked - plain} >= {"symmetry", "tessellation", "columns"}
     ours = {name for name in plain if name.partition(".")[0] == "robodyn"}
     assert not ours & {
-        "robodyn.solids.mesh.symmetry.kinds",
-        "robodyn.solids.mesh.repair.repair",
+        "robodyn.solids.mesh.symmetry_search",
+        "robodyn.solids.mesh.repair",
         "robodyn.programs.run.choice",
         "robodyn.robot.model",
     }

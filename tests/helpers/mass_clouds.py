@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from robodyn.solids.inertia.exact import exact
+from robodyn.solids.inertia.laws import exact
 from robodyn.solids.inertia.properties import MassProperties
 
 

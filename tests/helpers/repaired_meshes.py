@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from robodyn.solids.mesh.closed.fingerprint import fingerprint
-from robodyn.solids.mesh.integrate.integrals import integrate
-from robodyn.solids.mesh.repair.repair import repair
+from robodyn.solids.mesh.closed import fingerprint
+from robodyn.solids.mesh.integrals import integrate
+from robodyn.solids.mesh.repair import repair
 from robodyn.solids.mesh.triangles import MemoryTriangles
 
 R = np.linalg.qr(np.array([(1.0, 2.0, 3.0), (-2.0, 1.0, 0.5), (0.3, 0.7, -1.0)]))[0]

@@ -9,8 +9,8 @@ import numpy as np
 from helpers.round_shapes import Round
 from helpers.tessellation_errors import estimated
 from robodyn.solids.inertia.laws import inertia_matrix
-from robodyn.solids.mesh.integrate.integrals import Integrals
-from robodyn.solids.mesh.tessellation.bars import Bars
+from robodyn.solids.mesh.integrals import Integrals
+from robodyn.solids.mesh.tessellation import Bars
 
 MEASURES = "volume", "inertia", "centre"
 EPS = 1e-9

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from helpers import mesh_samples as samples
-from robodyn.solids.mesh.integrate.integrals import integrate
+from robodyn.solids.mesh.asymmetry import CentredBody
+from robodyn.solids.mesh.integrals import integrate
 from robodyn.solids.mesh.read.load import from_array
-from robodyn.solids.mesh.symmetry.asymmetry import CentredBody
-from robodyn.solids.mesh.symmetry.symmetry import symmetry
+from robodyn.solids.mesh.symmetry import symmetry
 
 
 def found(corners, **options):

@@ -11,10 +11,10 @@ from helpers import mesh_samples as samples
 from helpers.mesh_oracle import rotation
 from helpers.smooth_solids import solids
 from helpers.symmetric_bodies import extrusion, found
-from robodyn.solids.mesh.integrate.integrals import integrate
+from robodyn.solids.mesh.asymmetry import CentredBody
+from robodyn.solids.mesh.integrals import integrate
 from robodyn.solids.mesh.read.load import from_array
-from robodyn.solids.mesh.symmetry.asymmetry import CentredBody
-from robodyn.solids.mesh.symmetry.kinds import Symmetry
+from robodyn.solids.mesh.symmetry_search import Symmetry
 
 ROUND = ["cylinder", "thin disc", "tube", "capsule", "ball", "rounded disc", "pulley", "torus", "fat torus"]
 PLANES = dict.fromkeys(ROUND, "xyz") | {

@@ -10,10 +10,10 @@ import numpy as np
 from helpers import mesh_samples as samples
 from helpers.mesh_oracle import rotation
 from helpers.smooth_solids import Solid, solids
-from robodyn.solids.mesh.integrate.integrals import Integrals, integrate
+from robodyn.solids.mesh.asymmetry import CentredBody
+from robodyn.solids.mesh.integrals import Integrals, integrate
 from robodyn.solids.mesh.read.load import from_array
-from robodyn.solids.mesh.symmetry.asymmetry import CentredBody
-from robodyn.solids.mesh.tessellation.bars import Tessellation, tessellation
+from robodyn.solids.mesh.tessellation import Tessellation, tessellation
 
 
 @dataclass(frozen=True)

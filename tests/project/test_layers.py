@@ -156,7 +156,7 @@ def test_a_check_loads_nothing_that_only_others_need():
     path = ROOT / "robots" / "scara.urdf"
     check = f"from robodyn.cli.check import command; command(['{path}'], standalone_mode=False)"
     meshes = "import sys; print(*(name for name in sys.modules if name.startswith('robodyn.solids.mesh.')))"
-    assert not _loaded(f"{check}; {meshes}") & {"http", "ssl", "subprocess", "zipfile", "robodyn.solids.mesh.integrate"}
+    assert not _loaded(f"{check}; {meshes}") & {"http", "ssl", "subprocess", "zipfile", "robodyn.solids.mesh.integrals"}
 
 
 def test_torques_of_arrays_need_no_heavy_module():

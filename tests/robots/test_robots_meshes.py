@@ -8,7 +8,7 @@ import pytest
 
 from robodyn.errors import MeshError
 from robodyn.solids.inertia.solids import box
-from robodyn.solids.mesh_mass import mass_properties
+from robodyn.solids.mass_properties import mass_properties
 
 EPS = np.finfo(float).eps
 FILE_EPS = 2.0**-24

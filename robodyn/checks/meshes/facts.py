@@ -24,7 +24,7 @@ from robodyn.support.input_file import read_input
 from robodyn.support.threads import in_threads
 
 if TYPE_CHECKING:
-    from robodyn.solids.mesh.integrate.integrals import Integrals
+    from robodyn.solids.mesh.integrals import Integrals
 
 
 _NOT_FINITE = "coordinates must be finite"
@@ -93,15 +93,15 @@ def mesh_facts(path: Path) -> MeshFacts:
     """Return the facts of a file, by one pass over its triangles; only where the surface is closed are shells told
     apart, and only where it is open are its gaps looked at.
 
-    Accuracy: box exact; volume of a closed surface within 1e-12 (see `robodyn.solids.mesh.integrate`).
+    Accuracy: box exact; volume of a closed surface within 1e-12 (see `robodyn.solids.mesh.integrals`).
     """
-    from robodyn.solids.mesh.closed.one_shell import is_one_shell
+    from robodyn.solids.mesh.closed import is_one_shell
+    from robodyn.solids.mesh.holes import gaps
     from robodyn.solids.mesh.indexed import merged
-    from robodyn.solids.mesh.integrate.integrals import measure
+    from robodyn.solids.mesh.inside import shell_faults
+    from robodyn.solids.mesh.integrals import measure
     from robodyn.solids.mesh.read.load import load_triangles
-    from robodyn.solids.mesh.repair.gaps import gaps
-    from robodyn.solids.mesh.repair.shell_faults import shell_faults
-    from robodyn.solids.mesh.repair.shells import wound
+    from robodyn.solids.mesh.shells import wound
 
     try:
         triangles = load_triangles(path)

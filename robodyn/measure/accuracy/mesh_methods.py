@@ -8,15 +8,12 @@ import numpy as np
 
 from robodyn.errors import MeshError
 from robodyn.programs.vectors import Array, length, product
-from robodyn.solids.inertia.exact import exact
+from robodyn.solids.inertia.laws import exact
+from robodyn.solids.mesh.columns import Lattice, Pieces, directions, pieces
 from robodyn.solids.mesh.indexed import merged
-from robodyn.solids.mesh.integrate.exact import Moments
-from robodyn.solids.mesh.integrate.integrals import integrate
-from robodyn.solids.mesh.integrate.kernel import symmetric, volume_kernel
-from robodyn.solids.mesh.integrate.sweep import swept
-from robodyn.solids.mesh.region.columns import Lattice
-from robodyn.solids.mesh.region.region import Pieces, directions, pieces
-from robodyn.solids.mesh.repair.inside import manifold, winding_numbers
+from robodyn.solids.mesh.inside import manifold, winding_numbers
+from robodyn.solids.mesh.integrals import Moments, integrate, swept
+from robodyn.solids.mesh.kernel import symmetric, volume_kernel
 from robodyn.solids.mesh.triangles import MemoryTriangles, Triangles
 from robodyn.support.floats import Floats
 

@@ -25,19 +25,16 @@ from robodyn.measure.accuracy.mesh_methods import (
     union_with_a_copy,
 )
 from robodyn.measure.accuracy.operations import counted, integral_operations
-from robodyn.solids.inertia.exact import exact, fraction
-from robodyn.solids.mesh.closed.fingerprint import fingerprint
-from robodyn.solids.mesh.closed.one_shell import is_one_shell
-from robodyn.solids.mesh.integrate.exact import Moments
-from robodyn.solids.mesh.integrate.integrals import LIMIT, Integrals, integrate
-from robodyn.solids.mesh.measured import Measured, measured
-from robodyn.solids.mesh.repair.repair import repair
-from robodyn.solids.mesh.shape import SYMMETRY_TRIANGLES
-from robodyn.solids.mesh.symmetry.asymmetry import CentredBody
-from robodyn.solids.mesh.symmetry.symmetry import symmetry
-from robodyn.solids.mesh.tessellation.bars import tessellation
+from robodyn.solids.inertia.laws import exact, fraction
+from robodyn.solids.mass_properties import Part
+from robodyn.solids.mesh.asymmetry import CentredBody
+from robodyn.solids.mesh.closed import fingerprint, is_one_shell
+from robodyn.solids.mesh.integrals import LIMIT, Integrals, Moments, integrate
+from robodyn.solids.mesh.measured import SYMMETRY_TRIANGLES, Measured, measured
+from robodyn.solids.mesh.repair import repair
+from robodyn.solids.mesh.symmetry import symmetry
+from robodyn.solids.mesh.tessellation import tessellation
 from robodyn.solids.mesh.triangles import MemoryTriangles, Triangles
-from robodyn.solids.mesh_mass import Part
 from robodyn.support.floats import Floats
 
 COLUMNS = 256, 4096, 65536

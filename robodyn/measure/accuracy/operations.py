@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from robodyn.programs.vectors import Array
-from robodyn.solids.mesh.blocks import CHUNK, Step, workspace
-from robodyn.solids.mesh.integrate.kernel import volume_kernel
+from robodyn.solids.mesh.kernel import volume_kernel
+from robodyn.solids.mesh.triangles import CHUNK, Step, workspace
 
 _RECENTRING = 9
 """Subtractions that take the three corners of a triangle to the point of reference."""

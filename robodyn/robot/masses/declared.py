@@ -12,9 +12,8 @@ from robodyn.robot.kinematics import Pose
 from robodyn.robot.load import assemble, placement
 from robodyn.robot.urdf.geometry import link_named
 from robodyn.robot.urdf.parts import Description, Link
-from robodyn.solids.inertia.conversions import from_inertia
 from robodyn.solids.inertia.laws import symmetric
-from robodyn.solids.inertia.properties import MassProperties, composite
+from robodyn.solids.inertia.properties import MassProperties, composite, from_inertia
 from robodyn.solids.inertia.validity import Validity, validity
 from robodyn.support.wording import shown
 

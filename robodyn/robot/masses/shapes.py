@@ -21,8 +21,8 @@ from robodyn.robot.urdf.parts import Description, Inertial, Kind, Link, Vector
 from robodyn.solids.inertia.properties import MassProperties, composite
 from robodyn.solids.inertia.solids import SHAPES, WATER
 from robodyn.solids.inertia.validity import PRINTED, Box, around, box_bound, counted_twice, half_size
+from robodyn.solids.mass_properties import Part, mass_properties
 from robodyn.solids.mesh.read.load import load_triangles
-from robodyn.solids.mesh_mass import Part, mass_properties
 from robodyn.support.floats import Floats, ranked
 from robodyn.support.threads import in_threads
 from robodyn.support.wording import one_of, shown

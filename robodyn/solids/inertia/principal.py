@@ -8,8 +8,7 @@ import numpy as np
 
 from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import IDENTITY, Array, cross, length, product
-from robodyn.solids.inertia.exact import exact, rounded
-from robodyn.solids.inertia.laws import principal_moments
+from robodyn.solids.inertia.laws import exact, principal_moments, rounded
 from robodyn.support.floats import Floats, first_largest
 
 EQUAL = 1e-9

@@ -13,7 +13,7 @@ from robodyn.checks.context import Context
 from robodyn.checks.examples import ARM_LIMIT, IMAGE, ORIGIN, ORIGIN_IMAGE, TENSOR, two_arms, two_elbows
 from robodyn.checks.mirror.pairs import Plane, link_inertia, named_pairs, pairs, reflected, row_of
 from robodyn.robot.urdf.document import read
-from robodyn.solids.inertia.conversions import from_inertia
+from robodyn.solids.inertia.properties import from_inertia
 
 EPS = np.finfo(float).eps
 

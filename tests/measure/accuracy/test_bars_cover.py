@@ -39,7 +39,7 @@ from robodyn.measure.accuracy.simulation import state_errors
 from robodyn.measure.accuracy.torques import arithmetic_within
 from robodyn.programs.run.multiprecision import Multiprecision
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.solids.mesh.integrate.integrals import integrate
+from robodyn.solids.mesh.integrals import integrate
 from robodyn.solids.mesh.read.load import from_array
 from robodyn.trajectory.read import motion, sources_of
 

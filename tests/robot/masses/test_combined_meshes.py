@@ -8,9 +8,8 @@ from helpers import mesh_samples
 
 from robodyn.errors import InputError
 from robodyn.programs.vectors import rotation_from_rpy
-from robodyn.solids.composite_mass import combined
 from robodyn.solids.inertia.solids import box
-from robodyn.solids.mesh_mass import mass_properties
+from robodyn.solids.mass_properties import combined, mass_properties
 
 EPS = np.finfo(float).eps
 SIZES = ((0.5, 0.25, 0.125), (0.25, 0.25, 1.0))

@@ -14,7 +14,7 @@ from robodyn.report.inertia import comparison_sections
 from robodyn.robot.masses.shapes import Reading, compare, mistakes_in_words, relative
 from robodyn.robot.urdf.description import load_description
 from robodyn.robot.urdf.parts import Inertial, Origin
-from robodyn.solids.inertia.conversions import inertial_element
+from robodyn.solids.inertia.properties import inertial_element
 from robodyn.solids.inertia.solids import box
 
 ROBOTS = Path(__file__).parents[3] / "robots"

@@ -13,9 +13,8 @@ from hypothesis import strategies as st
 
 from robodyn.errors import InputError
 from robodyn.programs.vectors import IDENTITY, ZERO
-from robodyn.solids.inertia.conversions import from_inertia
-from robodyn.solids.inertia.exact import exact
-from robodyn.solids.inertia.properties import MassProperties
+from robodyn.solids.inertia.laws import exact
+from robodyn.solids.inertia.properties import MassProperties, from_inertia
 from robodyn.solids.inertia.solids import box
 from robodyn.solids.inertia.validity import box_bound
 

@@ -16,8 +16,7 @@ from robodyn.errors import InputError
 from robodyn.programs.vectors import IDENTITY, ZERO, rotation_from_rpy
 from robodyn.robot.load import placement
 from robodyn.robot.urdf.description import load_description
-from robodyn.solids.inertia.conversions import from_inertia
-from robodyn.solids.inertia.properties import composite
+from robodyn.solids.inertia.properties import composite, from_inertia
 from robodyn.solids.inertia.solids import box, cylinder, sphere
 
 BITS = Fraction(1, 2**106)

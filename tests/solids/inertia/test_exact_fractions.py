@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.errors import InputError
-from robodyn.solids.inertia.exact import exact, fraction, rounded, two_floats
+from robodyn.solids.inertia.laws import exact, fraction, rounded, two_floats
 
 
 def test_every_kind_of_number_is_taken_as_it_is():

@@ -13,9 +13,8 @@ from hypothesis import strategies as st
 
 from robodyn.errors import InputError
 from robodyn.programs.vectors import ZERO
-from robodyn.solids.inertia.conversions import from_inertia, from_integrals, from_moments, from_surface_integrals
-from robodyn.solids.inertia.exact import exact
-from robodyn.solids.inertia.laws import MASSLESS
+from robodyn.solids.inertia.laws import MASSLESS, exact
+from robodyn.solids.inertia.properties import from_inertia, from_integrals, from_moments, from_surface_integrals
 from robodyn.solids.inertia.solids import box
 
 BITS = Fraction(1, 2**106)

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from robodyn.errors import InputError
 from robodyn.programs.vectors import rotation_from_rpy
-from robodyn.solids.inertia.exact import exact
 from robodyn.solids.inertia.laws import (
     about_centre,
+    exact,
     inertia_matrix,
     orthogonal,
     parallel_axis,

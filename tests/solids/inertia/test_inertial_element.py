@@ -9,7 +9,7 @@ from helpers.mass_clouds import random_cloud
 from robodyn.programs.vectors import ZERO, rotation_from_rpy
 from robodyn.robot.load import load
 from robodyn.robot.urdf.description import load_description
-from robodyn.solids.inertia.conversions import from_inertia, inertial_element
+from robodyn.solids.inertia.properties import from_inertia, inertial_element
 from robodyn.solids.inertia.solids import box, cone
 
 

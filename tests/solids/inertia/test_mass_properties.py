@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 
 from robodyn.errors import InputError
 from robodyn.programs.vectors import ZERO, rotation_from_rpy
-from robodyn.solids.inertia.exact import exact
-from robodyn.solids.inertia.laws import inertia_of
+from robodyn.solids.inertia.laws import exact, inertia_of
 from robodyn.solids.inertia.properties import MassProperties
 from robodyn.solids.inertia.solids import box
 

@@ -11,9 +11,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from robodyn.programs.vectors import ZERO, rotation_from_rpy
-from robodyn.solids.inertia.conversions import from_inertia
 from robodyn.solids.inertia.laws import rotation_law
-from robodyn.solids.inertia.properties import MassProperties
+from robodyn.solids.inertia.properties import MassProperties, from_inertia
 from robodyn.solids.inertia.solids import box, sphere
 from robodyn.solids.inertia.validity import unphysical, validity
 

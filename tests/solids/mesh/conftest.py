@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from robodyn.solids.mesh.integrate import compiled_kernel, integrals
-from robodyn.solids.mesh.integrate.kernel import volume_kernel
+from robodyn.solids.mesh import integrals, kernel
+from robodyn.solids.mesh.kernel import volume_kernel
 
 
 @pytest.fixture(params=["numpy", "machine code"])
@@ -15,5 +15,5 @@ def either_kernel(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatc
         monkeypatch.setattr(integrals, "kernel_for", lambda count: volume_kernel)
     else:
         pytest.importorskip("llvmlite")
-        monkeypatch.setattr(compiled_kernel, "LEAST", 0)
-        monkeypatch.setattr(compiled_kernel, "_worth_its_start", lambda count: True)
+        monkeypatch.setattr(kernel, "LEAST", 0)
+        monkeypatch.setattr(kernel, "_worth_its_start", lambda count: True)

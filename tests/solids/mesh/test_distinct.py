@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robodyn.solids.mesh import distinct as module
-from robodyn.solids.mesh.distinct import distinct, distinct_points, numbered
+from robodyn.solids.mesh import indexed as module
+from robodyn.solids.mesh.indexed import distinct, distinct_points, numbered
 
 RNG = np.random.default_rng(5)
 

@@ -9,8 +9,8 @@ import pytest
 from helpers.mesh_samples import torus
 
 from robodyn.errors import MeshError
-from robodyn.solids.mesh.symmetry.asymmetry import TriangleSet, mirror
-from robodyn.solids.mesh_mass import mass_properties
+from robodyn.solids.mass_properties import mass_properties
+from robodyn.solids.mesh.asymmetry import TriangleSet, mirror
 
 
 def test_above_a_limit_neither_is_sought_though_asked(monkeypatch):

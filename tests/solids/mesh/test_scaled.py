@@ -7,10 +7,10 @@ import pytest
 from helpers import mesh_samples
 
 from robodyn.errors import MeshError
-from robodyn.solids.mesh.closed.fingerprint import fingerprint
+from robodyn.solids.mass_properties import mass_properties
+from robodyn.solids.mesh.closed import fingerprint
 from robodyn.solids.mesh.read.load import load_triangles
 from robodyn.solids.mesh.triangles import MemoryTriangles, scaled
-from robodyn.solids.mesh_mass import mass_properties
 
 EPS = np.finfo(float).eps
 WEDGE = mesh_samples.tetrahedron()

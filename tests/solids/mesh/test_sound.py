@@ -8,12 +8,12 @@ from helpers.command_line import ROBOTS
 from helpers.mesh_oracle import rotation
 from helpers.mesh_samples import binary_stl, box, cylinder, flipped, moved, sheet, torus, uv_sphere
 
-from robodyn.solids.mesh.integrate.integrals import measure
+from robodyn.solids.mass_properties import mass_properties
+from robodyn.solids.mesh import repair
+from robodyn.solids.mesh.integrals import measure
 from robodyn.solids.mesh.measured import is_sound
 from robodyn.solids.mesh.read.load import load_triangles
-from robodyn.solids.mesh.repair import repair
 from robodyn.solids.mesh.triangles import MemoryTriangles
-from robodyn.solids.mesh_mass import mass_properties
 
 
 def sound(triangles):

@@ -20,7 +20,7 @@ print(next(line.split()[1] for line in open("/proc/self/status") if line.startsw
 
 MEASURE = """
 import sys
-from robodyn.solids.mesh_mass import mass_properties
+from robodyn.solids.mass_properties import mass_properties
 print(mass_properties(sys.argv[1]).triangles)
 print(next(line.split()[1] for line in open("/proc/self/status") if line.startswith("VmHWM")))
 """

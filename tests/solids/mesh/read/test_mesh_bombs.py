@@ -17,8 +17,8 @@ from helpers.mesh_files import dae, glb, ply, three_mf
 from helpers.mesh_samples import binary_stl, box, moved, tetrahedron
 
 from robodyn.errors import MeshError
+from robodyn.solids.mass_properties import mass_properties
 from robodyn.solids.mesh.read.load import load_triangles
-from robodyn.solids.mesh_mass import mass_properties
 
 pytestmark = pytest.mark.skipif(not hasattr(signal, "alarm"), reason="the system has no alarms")
 BOX = box()

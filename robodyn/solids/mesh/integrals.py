@@ -1,0 +1,443 @@
+"""Volume, first and second moments of what a surface encloses, to the digits that are asked for, with bounds.
+
+One pass in float64; then in long double, then in integers, where the bounds are above what is asked.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import ceil, floor, fsum, inf, log10
+from sys import float_info
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import DTypeLike
+
+from robodyn.errors import MeshError
+from robodyn.programs.linear import eigen
+from robodyn.programs.vectors import Array, Scalar
+from robodyn.solids.inertia.laws import exact
+from robodyn.solids.mesh.closed import EdgeSums, Fingerprint
+from robodyn.solids.mesh.kernel import PAIRS, Kernel, kernel_for, surface_kernel, symmetric, volume_kernel
+from robodyn.solids.mesh.triangles import Triangles, block_space, fill, reference_in
+from robodyn.support.floats import LARGEST, Floats
+
+_MANTISSA = 53
+
+
+class Moments(NamedTuple):
+    """Integrals over a volume of 1, x - r and (x - r)(x - r)^T about a point of reference r, as fractions."""
+
+    volume: Scalar
+    first: Array
+    second: Array
+
+
+@dataclass(frozen=True, eq=False)
+class VolumeIntegrals:
+    """Integrals over a volume, in units of the file.
+
+    Attributes:
+        volume: V, of 1.
+        first: (3,) of x - reference.
+        S: (3, 3) of (x - reference)(x - reference)^T.
+        reference: (3,).
+    """
+
+    volume: float
+    first: Floats
+    S: Floats
+    reference: Floats
+
+    @property
+    def moments(self) -> Moments:
+        """Volume, first and S with all that is known of their digits."""
+        return Moments(self.volume, self.first, self.S)
+
+
+def exact_moments(triangles: Triangles, reference: Array) -> Moments:
+    """Return the moments of the volume within triangles whose coordinates are taken as exact.
+
+    The sums of `volume_kernel` in Python's integers, as the coordinates of a block are multiples of a power of two.
+
+    Args:
+        reference: (3,) floats, in units of the file.
+    """
+    from fractions import Fraction
+
+    volume, first, second = Fraction(0), [Fraction(0)] * 3, [Fraction(0)] * 6
+    for block in triangles.blocks():
+        numbers = np.concatenate([np.broadcast_to(reference, (1, 3, 3)), block.astype(np.float64)])
+        mantissas, exponents = np.frexp(numbers)
+        lowest = int(exponents[mantissas != 0].min(initial=0))
+        shifts = np.where(mantissas == 0, 0, exponents - lowest).astype(object)
+        whole = np.ldexp(mantissas, _MANTISSA).astype(np.int64).astype(object) << shifts
+        unit = Fraction(2) ** (lowest - _MANTISSA)
+        sums = _sums((whole[1:] - whole[0]).transpose(1, 2, 0))
+        volume += sums[0] * unit**3
+        first = [total + each * unit**4 for total, each in zip(first, sums[1:4], strict=True)]
+        second = [total + each * unit**5 for total, each in zip(second, sums[4:], strict=True)]
+    return Moments(volume / 6, np.array(first) / 24, symmetric(np.array(second) / 120))
+
+
+def _sums(X: Array) -> list[int]:
+    """6 V, 24 first (3) and 120 S (6) of integers (3 corners, 3 coordinates, n)."""
+    a, b, c = X
+    e, f = b - a, c - a
+    D = sum(a[i] * (e[i - 2] * f[i - 1] - e[i - 1] * f[i - 2]) for i in range(3))
+    u, v, w = a + b, b + c, c + a
+    first = [(D * x).sum() for x in u + c]
+    return [D.sum(), *first, *((D * (u[i] * u[j] + v[i] * v[j] + w[i] * w[j])).sum() for i, j in PAIRS)]
+
+
+_SAFE = 2.0**-170, 2.0**180
+"""Sizes of boxes whose fifth powers, and those of the triangles in them, stay clear of the ends of a float's range."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """What one pass found.
+
+    Attributes:
+        sums: (blocks, k) the sums of each block, in the floats of the pass.
+        reference: (3,) the point about which they are.
+        lows, highs: (blocks, 3) corners of the box of each block.
+        least: twice the area of the smallest triangle.
+        edges: fingerprint of the boundary, where it was asked for.
+    """
+
+    sums: Array
+    reference: Floats
+    lows: Floats
+    highs: Floats
+    least: float
+    edges: Fingerprint | None = None
+
+    @property
+    def lo(self) -> Floats:
+        """(3,) the least coordinates."""
+        lo: Floats = self.lows.min(axis=0)
+        return lo
+
+    @property
+    def hi(self) -> Floats:
+        """(3,) the largest coordinates."""
+        hi: Floats = self.highs.max(axis=0)
+        return hi
+
+    @property
+    def reach(self) -> Floats:
+        """(3,) how far the box reaches from the reference."""
+        return self._reach(self.lo, self.hi)
+
+    def _reach(self, lo: Floats, hi: Floats) -> Floats:
+        with np.errstate(over="ignore"):
+            return np.maximum(hi - self.reference, self.reference - lo)
+
+    def perm(self, squares: Array) -> float:
+        """At least the sum over the triangles of a . |(b - a) x (c - a)| with all its products taken as positive.
+
+        In each block by its reach and Schwarz's inequality, sum |x y|^2 <= sum x^2 sum y^2.
+
+        Args:
+            squares: (blocks, 6) sums of the squares of the coordinates of b - a and c - a.
+        """
+        e, f = np.sqrt(squares.astype(np.float64)).reshape(-1, 2, 3).swapaxes(0, 1)
+        products = [e[:, i - 2] * f[:, i - 1] + e[:, i - 1] * f[:, i - 2] for i in range(3)]
+        return float((self._reach(self.lows, self.highs) * np.stack(products, axis=1)).sum())
+
+    @property
+    def safe(self) -> bool:
+        """Whether nothing can have come near the ends of the range of a float."""
+        reach = self.reach
+        return bool((reach < _SAFE[1]).all() and (reach[reach > 0] > _SAFE[0]).all())
+
+    def totals(self, columns: slice = slice(None)) -> Array:
+        """(k,) these sums over all blocks, as fractions.
+
+        Accuracy: of float64, the correctly rounded sum; of wider floats, the exact one.
+        """
+        if self.sums.dtype == np.float64:
+            return exact([fsum(column) for column in self.sums[:, columns].T.tolist()])
+        total: Array = exact(self.sums[:, columns]).sum(axis=0)
+        return total
+
+    def check_size(self, triangles: Triangles) -> None:
+        """Raise if products of the moments, which symmetry and tessellation are judged by, would leave floats."""
+        with np.errstate(over="ignore"):
+            size = np.array((1.0, triangles.scale))
+            far = np.maximum(np.abs(self.lo), np.abs(self.hi)).max() * size
+            width = (self.hi - self.lo).max() * size
+        if not far.max() <= LARGEST:
+            raise self.beyond(triangles, "large")
+        if 0 < width.min() < 1 / LARGEST:
+            raise self.beyond(triangles, "small")
+
+    def beyond(self, triangles: Triangles, how: str) -> MeshError:
+        """Return the error of a mesh that is too large or too small for floats."""
+        with np.errstate(over="ignore"):
+            width = (self.hi - self.lo).max()
+        return MeshError(
+            f"is too {how}, {width:.3g} wide: its moments are beyond the range of a float",
+            remedy=f"scale it to a size between {1 / LARGEST:g} and {LARGEST:g}",
+            file=triangles.name,
+        )
+
+
+def swept(
+    triangles: Triangles,
+    kernel: Callable[[Array], Kernel],
+    *,
+    dtype: DTypeLike = np.float64,
+    reference: Floats | None = None,
+    edges: bool = False,
+) -> Sweep:
+    """Pass over the triangles once.
+
+    Args:
+        kernel: `volume_kernel` or `surface_kernel`.
+        dtype: of the arithmetic.
+        reference: (3,) by default a point in the middle of the first block.
+        edges: take the fingerprint of the boundary, too; the arithmetic is in float64 then.
+
+    Raises:
+        MeshError: there are no triangles.
+    """
+    space = block_space(triangles, dtype)
+    ready, boundary = kernel(space), EdgeSums(space) if edges else None
+    sums, lows, highs, least = [], [], [], [np.inf]
+    left = triangles.count
+    with np.errstate(all="ignore"):
+        for X in fill(space, triangles, checked=False):
+            if boundary is not None:
+                boundary.add()
+            if reference is None:
+                reference = reference_in(X)
+            lows.append(np.minimum.reduce(X, 2))
+            highs.append(np.maximum.reduce(X, 2))
+            np.subtract(X, reference[:, None], X)
+            for function, arguments in ready.steps:
+                function(*arguments)
+            sums.append(ready.result.copy())
+            least.append(np.minimum.reduce(ready.sizes[:left]))
+            left -= len(ready.sizes)
+    if reference is None:
+        raise MeshError("has no triangles", remedy="give a mesh with at least one", file=triangles.name)
+    ends = np.min(lows, axis=1).astype(np.float64), np.max(highs, axis=1).astype(np.float64)
+    if not np.isfinite(ends).all():
+        for _ in triangles.blocks():  # which names the first corner that is not finite
+            pass
+    found = None if boundary is None else boundary.total()
+    return Sweep(np.array(sums), reference, *ends, float(min(least)), found)
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceIntegrals:
+    """Integrals over a surface, in units of the file. They do not depend on the winding.
+
+    Attributes:
+        area: A, of 1.
+        first: (3,) of x - reference.
+        S: (3, 3) of (x - reference)(x - reference)^T.
+        reference: (3,) a point inside the box.
+    """
+
+    area: float
+    first: Floats
+    S: Floats
+    reference: Floats
+
+
+def surface(triangles: Triangles) -> SurfaceIntegrals:
+    """Return A = integral of 1, first = integral of x - r and S = integral of (x - r)(x - r)^T over the surface.
+
+    Sums over triangles about a reference r inside the box; see `robodyn.solids.mesh.kernel`.
+
+    Raises:
+        MeshError: there are no triangles, or moments are beyond the range of a float.
+
+    Accuracy: S within 1e-15 of its largest entry wherever the origin is, if no triangle is longer than ten times its
+        height; the error grows with that ratio.
+    """
+    sweep = swept(triangles, surface_kernel)
+    if not sweep.safe:
+        raise sweep.beyond(triangles, "large" if sweep.reach.max() > 1 else "small")
+    sums = sweep.totals().astype(np.float64)
+    return SurfaceIntegrals(float(sums[0] / 2), sums[1:4] / 6, symmetric(sums[4:10] / 24), sweep.reference)
+
+
+ROUNDING = float_info.epsilon / 2
+"""Relative error of the float nearest to a number."""
+
+
+@dataclass(frozen=True, eq=False)
+class Integrals(VolumeIntegrals):
+    """Integrals over the volume inside a surface, in units of the file; negative where it is wound inwards.
+
+    Attributes:
+        reference: (3,) a point inside the box.
+        area: of the surface.
+        lo, hi: (3,) corners of its box.
+        count: triangles.
+        bound: of the arithmetic error of the volume, relative to it; infinite where it is all there is.
+        method: "float64", "long double" or "rational".
+        least: area of the smallest triangle.
+        bound_second: as `bound`, of each principal second moment about the centre.
+        unrounded: volume, first and S as fractions, before they were rounded to floats; not needed.
+    """
+
+    area: float
+    lo: Floats
+    hi: Floats
+    count: int
+    bound: float
+    method: str
+    least: float = 0.0
+    bound_second: float = 0.0
+    unrounded: Moments | None = None
+
+    @property
+    def moments(self) -> Moments:
+        return self.unrounded or super().moments
+
+
+def volume_bound(moments: Moments, perm: float, eps: float) -> float:
+    """8 eps perm / |V| and the rounding to a float, of the relative error of V.
+
+    perm is V with all its products taken as positive.
+
+    Accuracy: a bound on closed surfaces, where rounding a corner in all its triangles alike moves V little.
+    """
+    volume = abs(float(moments.volume))
+    return _upwards(8 * eps * perm / volume + ROUNDING) if volume else inf
+
+
+def second_bound(moments: Moments, perm: float, reach: Array, eps: float) -> float:
+    """eps perm / s and the rounding to a float, of the relative error of principal second moments about the centre.
+
+    s is the smallest eigenvalue of D^-1 S_c D^-1 with D = diag(reach). The errors of S_c are eps perm D_i D_j or less,
+    and scaling leaves relative bounds of eigenvalues as they are (Demmel, Veselic 1992): a thin body that lies along
+    the axes is well conditioned, and the same one askew is not.
+
+    Args:
+        reach: (3,) how far the box reaches from the reference.
+    """
+    if not moments.volume or not reach.all():
+        return inf
+    S_c = moments.second - np.outer(moments.first, moments.first) / moments.volume
+    with np.errstate(all="ignore"):
+        scaled = S_c.astype(np.float64) / reach / reach[:, None]
+    if not np.isfinite(scaled).all():
+        return inf
+    least = float(np.abs(eigen(scaled)[0]).min())
+    return _upwards(eps * perm / least + ROUNDING) if least > float_info.epsilon * np.abs(scaled).max() else inf
+
+
+def _upwards(bound: float) -> float:
+    """Return the next number of three digits: on every processor the same one, whatever the rounding of sums."""
+    power = floor(log10(bound)) - 2
+    return float(f"{ceil(bound / float(f'1e{power}'))}e{power}")
+
+
+__all__ = ["Integrals", "integrate", "measure"]
+
+LIMIT = 1e-12
+"""Bounds of the error above this call for the next finer arithmetic."""
+
+_MOMENTS, _AREA, _SQUARES = slice(10), 10, slice(11, 17)
+"""Places among the sums of `volume_kernel`."""
+
+_SMALL = 1e-60
+"""Width below which moments of bodies, and not only of thin ones, can be too small for a float."""
+
+_WIDER = 63
+"""Fraction bits of a long double that is worth trying."""
+
+
+def integrate(triangles: Triangles, exact: bool = False) -> Integrals:
+    """V = integral of 1, first = integral of x - r and S = integral of (x - r)(x - r)^T over the volume, and the area.
+
+    Sums of tetrahedra from a reference r inside the box (see `volume_kernel`), in float64; where the bound
+    of the error of the volume or of a principal second moment is above 1e-12 in long double, if that has 64 bits; and
+    where it still is, or `exact` is asked for, in integers. The area is always in float64.
+
+    Raises:
+        MeshError: there are no triangles, or moments are beyond the range of a float.
+
+    Accuracy: S within 1e-15 of its largest entry where `bound_second` is below 1e-13, wherever the origin is. Volume
+        and principal second moments within `bound` and `bound_second`, and so within 1e-12, on every closed surface.
+        Correctly rounded if exact.
+    """
+    return _refined(triangles, swept(triangles, kernel_for(triangles.count)), exact)
+
+
+def measure(triangles: Triangles, exact: bool = False) -> tuple[Integrals, Fingerprint]:
+    """`integrate` and `fingerprint` in one pass over the triangles.
+
+    What an open surface encloses depends on the reference: its integrals stay in float64 unless they are to be exact.
+
+    Raises:
+        MeshError: as `integrate`, or it is too large or too small for products of moments.
+    """
+    sweep = swept(triangles, kernel_for(triangles.count), edges=True)
+    assert sweep.edges is not None
+    sweep.check_size(triangles)
+    return _refined(triangles, sweep, exact, limit=LIMIT if sweep.edges.closed else np.inf), sweep.edges
+
+
+def _refined(triangles: Triangles, first: Sweep, exact: bool, limit: float = LIMIT) -> Integrals:
+    """Return the integrals of a first sweep in float64, or finer ones where their bounds are above the limit."""
+    if first.safe and not exact:
+        found = _estimated(triangles, first, first, "float64")
+        if _worst_bound(found) > limit and np.finfo(np.longdouble).nmant >= _WIDER:
+            second = swept(triangles, volume_kernel, dtype=np.longdouble, reference=first.reference)
+            found = _estimated(triangles, first, second, "long double")
+        if _worst_bound(found) <= limit:
+            return found
+    moments = exact_moments(triangles, first.reference)
+    return _integrals(triangles, first, moments, "rational", (ROUNDING, ROUNDING))
+
+
+def _worst_bound(found: Integrals) -> float:
+    return max(found.bound, found.bound_second)
+
+
+def _estimated(triangles: Triangles, first: Sweep, sweep: Sweep, method: str) -> Integrals:
+    """Return the integrals that a sweep found, with their bounds; the area is that of the first."""
+    sums = sweep.totals(_MOMENTS)
+    moments = Moments(sums[0] / 6, sums[1:4] / 24, symmetric(sums[4:10] / 120))
+    perm, eps = sweep.perm(sweep.sums[:, _SQUARES]) / 6, float(np.finfo(sweep.sums.dtype).eps)
+    bounds = volume_bound(moments, perm, eps), second_bound(moments, perm, sweep.reach, eps)
+    return _integrals(triangles, first, moments, method, bounds)
+
+
+def _integrals(
+    triangles: Triangles, first: Sweep, moments: Moments, method: str, bounds: tuple[float, float]
+) -> Integrals:
+    try:
+        volume, centre, S = (np.asarray(part).astype(np.float64) for part in moments)
+    except OverflowError:
+        raise first.beyond(triangles, "large") from None
+    if first.reach.max() < _SMALL and any(map(_lost, (moments.volume, *moments.second.diagonal()))):
+        raise first.beyond(triangles, "small")
+    return Integrals(
+        volume=float(volume),
+        first=centre,
+        S=S,
+        reference=first.reference,
+        area=fsum(first.sums[:, _AREA].tolist()) / 2,
+        lo=first.lo,
+        hi=first.hi,
+        count=triangles.count,
+        bound=bounds[0],
+        bound_second=bounds[1],
+        method=method,
+        least=first.least / 2,
+        unrounded=moments,
+    )
+
+
+def _lost(number: Scalar) -> bool:
+    """Return whether a number that is not zero is below the least float of full precision."""
+    return bool(0 < abs(number) < float_info.min)

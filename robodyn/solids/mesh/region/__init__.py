@@ -1,1 +1,0 @@
-"""What overlapping or open surfaces enclose: columns of winding numbers, with error bars."""

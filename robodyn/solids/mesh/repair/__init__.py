@@ -1,1 +1,0 @@
-"""Surfaces put right: bad faces, holes, winding, nesting and overlaps."""

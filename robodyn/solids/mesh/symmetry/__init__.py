@@ -1,1 +1,0 @@
-"""Mirror planes and axes of symmetry: candidates by moments, verdicts by volumes."""

@@ -1,1 +1,0 @@
-"""What facets leave out of the smooth body that they may stand for."""
