@@ -80,7 +80,7 @@ def jobs_of(patterns: Sequence[str], out: str, beside: Sequence[str] = ()) -> li
             remedy = f"suffixes: {' '.join(READABLE)}"
             raise InputError("unknown type of table by this suffix", remedy=remedy, file=name)
         if kind == "parquet":
-            need("Parquet tables", "pyarrow", file=name)
+            need("tables written as Parquet", "pyarrow", file=name)
         shown = os.path.join(out, stem + _SUFFIXES[kind])
         table = os.path.abspath(shown)
         job = Job(name, path, table, os.path.splitext(table)[0] + ".json", shown)

@@ -45,7 +45,7 @@ SCENES = Library("yourdfpy", "yourdfpy", "pictures of robots with meshes: report
 OPTIONAL = (
     Library("matplotlib", "matplotlib.figure", "plots and HTML reports", "report"),
     Library("jinja2", "jinja2", "HTML reports", "report"),
-    Library("pyarrow", "pyarrow", "Parquet tables", "parquet"),
+    Library("pyarrow", "pyarrow", "tables written as Parquet", "parquet"),
     Library("rich", "rich", "progress bars", "progress"),
     Library("mpmath", "mpmath", "reference values with many digits", "exact"),
     Library("sympy", "sympy", "equations in closed form", "symbolic"),

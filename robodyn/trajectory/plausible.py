@@ -11,10 +11,9 @@ import numpy as np
 
 from robodyn.errors import TrajectoryError
 from robodyn.support.caveats import Caveat, WrongUnits
-from robodyn.trajectory.columns.clock import EPOCH, Clock
 from robodyn.trajectory.columns.layout import ABSENT, Layout
 from robodyn.trajectory.columns.signals import Signal, Signals
-from robodyn.trajectory.columns.units import ANGLES, RATES, TICKS
+from robodyn.trajectory.columns.units import ANGLES, EPOCH, RATES, TICKS, Clock
 from robodyn.trajectory.motion import FEW, Trajectory
 
 _SI = {"angle": ("rad", "angles are radians"), "length": ("m", "lengths are metres")}

@@ -64,7 +64,7 @@ _PART = 1 << 10
 
 
 class Format(ABC):
-    """What the writer asks of a file format."""
+    """A format of tables of `time` and named columns."""
 
     @abstractmethod
     def begin(self, stream: BinaryIO, names: Sequence[str]) -> None:
@@ -241,7 +241,7 @@ def format_of(path: str | os.PathLike[str]) -> type[Format]:
     if kind not in FORMATS:
         raise InputError("unknown type of table by this suffix", remedy="name it .csv, .parquet or .npz", file=name)
     if kind == "parquet":
-        need("Parquet tables", "pyarrow", file=name)
+        need("tables written as Parquet", "pyarrow", file=name)
     return FORMATS[kind]
 
 

@@ -50,8 +50,6 @@ WORKS = (
 NEEDS = {
     "torques scara.urdf scara_pick_and_place.csv --report {out}/tau.html": "report",
     "torques scara.urdf scara_pick_and_place.csv --out {out}/tau.parquet": "parquet",
-    "torques scara.urdf {out}/motion.parquet": "parquet",
-    "torques scara.urdf {out}/motion.parquet {out}/other.parquet --out {out}/both": "parquet",
     "torques scara.urdf scara_pick_and_place.csv --accuracy 1e-9 --out {out}/tau.csv": "exact",
     "torques scara.urdf scara_pick_and_place.csv more.csv --out {out}/many --dask tcp://127.0.0.1:9": "dask",
     "torques {out}/arm.xacro scara_pick_and_place.csv": "xacro",

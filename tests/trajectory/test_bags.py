@@ -106,28 +106,6 @@ def test_what_rosbags_does_for_others_stays_as_it_is(tmp_path):
     assert before == (storage_mcap.DECOMPRESSORS, first.decompressors, reader.zstd, reader.parse_qos)
 
 
-def test_effort_is_the_torque(tmp_path):
-    table = open_table(write_bag(tmp_path / "log", {"/joint_states": states(ROS2)}))
-    assert table.names == (
-        "sec",
-        "nanosec",
-        "q_shoulder",
-        "q_elbow",
-        "qd_shoulder",
-        "qd_elbow",
-        "tau_shoulder",
-        "tau_elbow",
-    )
-    (block,) = table.blocks([6, 7], 1000)
-    np.testing.assert_array_equal(block, samples()[3])
-
-
-def test_messages_without_stamps_are_those_of_the_record(tmp_path):
-    found = [(recorded, joint_state(ROS2, 0, m.name, {"position": m.position})) for recorded, m in states(ROS2)]
-    block = read(write_bag(tmp_path / "log", {"/joint_states": found}))
-    np.testing.assert_array_equal(block.time, samples()[0] / NANO)
-
-
 def test_messages_that_say_something_else_are_left_out_and_told(tmp_path):
     """A gripper's driver on the same topic, and a message that came twice."""
     found = states(ROS2)

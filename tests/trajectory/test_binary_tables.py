@@ -1,7 +1,13 @@
-"""Parquet and .npz: every way to lay out a file reads alike."""
+"""Parquet and .npz: every way to lay out a file reads alike, damage is told in one line, writing holds a part."""
 
 from __future__ import annotations
 
+import gc
+import io
+import sys
+import tracemalloc
+import zipfile
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -9,26 +15,21 @@ import polars as pl
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from helpers.table_files import NAMES, ROWS, SIGNALS, SOURCES, blocks, columns, numbers, stored
+from helpers.table_files import ARCHIVES, NAMES, ROWS, SIGNALS, SOURCES, blocks, columns, numbers, stored
 from helpers.whole_tables import read_trajectory
 
+from robodyn.errors import TrajectoryError
 from robodyn.trajectory.read import open_table
 from robodyn.trajectory.reading import Reading
+from robodyn.trajectory.write import GROUP_ROWS, open_writer
 
 
-@pytest.mark.parametrize("rows", [1, 64, ROWS, 5000])
+@pytest.mark.parametrize("rows", [64, 5000])
 @pytest.mark.parametrize("source", SOURCES)
 def test_layouts(tmp_path: Path, source: str, rows: int) -> None:
     found = blocks(stored(tmp_path, numbers(), source), rows)
     assert max(map(len, found)) <= rows
     np.testing.assert_array_equal(np.concatenate(found), numbers())
-
-
-@pytest.mark.parametrize("source", SOURCES)
-def test_columns_of_blocks_are_contiguous(tmp_path: Path, source: str) -> None:
-    table = open_table(stored(tmp_path, numbers(), source))
-    assert all(block.T.flags.c_contiguous for block in table.blocks([0, 2, 5], 64))
-    table.close()
 
 
 @pytest.mark.parametrize("count", [1, 3, 16])
@@ -46,14 +47,6 @@ def test_pieces(tmp_path: Path, source: str, count: int) -> None:
         np.testing.assert_array_equal(piece, numbers()[start : start + 20, [0, 4]])
 
 
-@pytest.mark.parametrize("source", SOURCES)
-def test_a_short_table_is_one_piece(tmp_path: Path, source: str) -> None:
-    table = open_table(stored(tmp_path, numbers(), source))
-    (piece,) = table.pieces(range(7), 10, 100)
-    table.close()
-    np.testing.assert_array_equal(piece, numbers())
-
-
 def test_a_column_whose_name_begins_others(tmp_path: Path) -> None:
     """To Parquet, `a.vel` may be a part of `a`."""
     names = dict(zip(NAMES, ("time", "a", "b", "a.vel", "b.vel", "a.acc", "b.acc"), strict=True))
@@ -68,3 +61,130 @@ def test_decimals_and_large_integers(tmp_path: Path) -> None:
     )
     q = read_trajectory(tmp_path / "t.parquet", SIGNALS, reading=Reading("central")).q
     np.testing.assert_array_equal(q, [[2.0**53, 0.5], [-(2.0**60), 1.25], [3.0, 2.0]])
+
+
+@pytest.mark.parametrize("source", ARCHIVES)
+def test_a_check_sum_that_does_not_fit(tmp_path: Path, source: str) -> None:
+    """Numbers that are read to the end are compared with it, whatever the size of blocks."""
+    path = stored(tmp_path, numbers(), source)
+    data = bytearray(path.read_bytes())
+    data[data.rindex(b"PK\x01\x02") + 16] ^= 1
+    path.write_bytes(data)
+    for rows in (100, 1000, 7):
+        with pytest.raises(TrajectoryError, match=r"cannot be read as .npz: Bad CRC-32 for file 'qdd(_b)?.npy'"):
+            blocks(path, rows)
+
+
+def rewritten(path: Path, change: Callable[[bytes], bytes], method: int = zipfile.ZIP_STORED) -> None:
+    """The archive with its arrays changed and true check sums."""
+    with zipfile.ZipFile(path) as archive:
+        members = {name: change(archive.read(name)) for name in archive.namelist()}
+    with zipfile.ZipFile(path, "w", method) as archive:
+        for name, data in members.items():
+            archive.writestr(name, data)
+
+
+@pytest.mark.parametrize(
+    ("change", "method", "message"),
+    [
+        (lambda data: data[:-8], zipfile.ZIP_STORED, "time.npy holds fewer or more values than it says"),
+        (lambda data: data + b"8 bytes.", zipfile.ZIP_DEFLATED, "time.npy holds fewer or more values than it says"),
+        (lambda data: data[6:], zipfile.ZIP_STORED, "magic string"),
+        (lambda data: data, zipfile.ZIP_BZIP2, "time.npy is compressed by a method that NumPy does not use"),
+        (lambda data: data.replace(b"(1000", b"((((("), zipfile.ZIP_STORED, "cannot be read as .npz: "),
+    ],
+)
+def test_arrays_that_are_not_what_they_say(
+    tmp_path: Path, change: Callable[[bytes], bytes], method: int, message: str
+) -> None:
+    path = stored(tmp_path, numbers(), "columns stored")
+    rewritten(path, change, method)
+    with pytest.raises(TrajectoryError, match=message):
+        blocks(path, 100)
+
+
+def test_a_matrix_without_rows_of_columns_without_end(tmp_path: Path) -> None:
+    np.savez(tmp_path / "t.npz", time=np.zeros(0), q=np.zeros((0, 10**12)))
+    with pytest.raises(TrajectoryError, match=r"q.npy holds fewer or more values than it says"):
+        read_trajectory(tmp_path / "t.npz", SIGNALS)
+
+
+def test_a_single_array(tmp_path: Path) -> None:
+    with (tmp_path / "t.npz").open("wb") as file:
+        np.save(file, numbers())
+    with pytest.raises(TrajectoryError, match="a single array, not an archive"):
+        read_trajectory(tmp_path / "t.npz", SIGNALS)
+
+
+@pytest.mark.parametrize("rows", [8, -9])
+def test_row_groups_that_do_not_add_up(tmp_path: Path, rows: int) -> None:
+    """The rows of the last group, 9 in the footer as a zigzag number after the head of field 3, are changed."""
+    path = tmp_path / "t.parquet"
+    pq.write_table(pa.table(columns(numbers(109))), path, row_group_size=100, store_schema=False)
+    data = path.read_bytes()
+    place = data.rindex(b"\x16\x12", 0, data.rindex(b"parquet-cpp")) + 1
+    path.write_bytes(data[:place] + bytes([2 * rows if rows >= 0 else -2 * rows - 1]) + data[place + 1 :])
+    with pytest.raises(TrajectoryError, match=r"t.parquet: cannot be read as Parquet: .* \(write it again\)"):
+        read_trajectory(path, SIGNALS)
+
+
+@pytest.mark.parametrize("suffix", ["npz", "parquet"])
+def test_writing_holds_a_part(tmp_path: Path, suffix: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("robodyn.trajectory.write.GROUP_ROWS", 1000)
+    most = []
+    for rows in (10_000, 40_000):
+        values, held = numbers(rows), []
+        with open_writer(tmp_path / f"t.{suffix}", NAMES[1:]) as writer:
+            before = pa.total_allocated_bytes()
+            tracemalloc.start()
+            for start in range(0, rows, 500):
+                writer.write(values[start : start + 500, 0], values[start : start + 500, 1:])
+                held.append(pa.total_allocated_bytes() - before)
+        most.append(tracemalloc.get_traced_memory()[1] + max(held))
+        tracemalloc.stop()
+    assert most[1] - most[0] <= 200_000
+    np.testing.assert_array_equal(np.concatenate(blocks(tmp_path / f"t.{suffix}", 10_000)), numbers(40_000))
+
+
+def test_row_groups(tmp_path: Path) -> None:
+    """Blocks are gathered to groups of a size that readers like; null is impossible, NaN stays."""
+    with open_writer(tmp_path / "t.parquet", ["a"]) as writer:
+        for start in range(0, GROUP_ROWS + 5000, 1000):
+            writer.write(np.arange(start, start + 1000.0), np.full((1000, 1), np.nan if start else 1.0))
+    file = pq.ParquetFile(tmp_path / "t.parquet")
+    groups = [file.metadata.row_group(i).num_rows for i in range(file.num_row_groups)]
+    assert len(groups) == 2
+    assert groups[0] >= GROUP_ROWS
+    assert [field.nullable for field in file.schema_arrow] == [False, False]
+    frame = pl.read_parquet(tmp_path / "t.parquet")
+    assert frame["time"].to_numpy().tobytes() == np.arange(len(frame), dtype=np.float64).tobytes()
+    assert frame["a"].null_count() == 0
+    assert frame["a"].is_nan().sum() == len(frame) - 1000
+
+
+def test_an_archive_is_that_of_savez(tmp_path: Path) -> None:
+    with open_writer(tmp_path / "ours.npz", NAMES[1:]) as writer:
+        for start in range(0, ROWS, 300):
+            writer.write(numbers()[start : start + 300, 0], numbers()[start : start + 300, 1:])
+    stream = io.BytesIO()
+    np.savez(stream, **columns(numbers()))
+    assert (tmp_path / "ours.npz").read_bytes() == stream.getvalue()
+
+
+@pytest.mark.parametrize("suffix", ["csv", "npz", "parquet"])
+def test_a_writer_given_up_is_silent(tmp_path: Path, suffix: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What libraries do when their objects go away raises nothing."""
+    gc.freeze()  # what others have left is not looked at
+    raised: list[object] = []
+    monkeypatch.setattr(sys, "unraisablehook", raised.append)
+
+    def give_up() -> None:
+        with open_writer(tmp_path / f"t.{suffix}", NAMES[1:]) as writer:
+            writer.write(numbers()[:, 0], numbers()[:, 1:])
+            raise KeyError
+
+    with pytest.raises(KeyError):
+        give_up()
+    gc.collect()
+    assert not raised
+    assert not list(tmp_path.iterdir())

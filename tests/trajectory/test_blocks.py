@@ -1,4 +1,4 @@
-"""Block by block or at once: the same samples, in bounded memory."""
+"""Block by block or at once: the same samples, in bounded memory; the row nearest to a time."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.motions import Pieces, waves
+from helpers.oracles import robot
 from helpers.whole_tables import read_trajectory
 from numpy.typing import NDArray
 
@@ -14,7 +16,7 @@ from robodyn.errors import TrajectoryError
 from robodyn.trajectory.columns.signals import Signal, Signals
 from robodyn.trajectory.derivatives.standstill import REACH
 from robodyn.trajectory.read import open_trajectory
-from robodyn.trajectory.reader import TrajectoryReader
+from robodyn.trajectory.reader import TrajectoryReader, row_at
 from robodyn.trajectory.readers.table import ArrayTable
 from robodyn.trajectory.reading import Reading
 from robodyn.trajectory.write import open_writer
@@ -124,8 +126,8 @@ def test_rows_in_flight_are_bounded(mode: str, noise: float, halo: int) -> None:
 
 def test_the_method_does_not_depend_on_blocks(tmp_path: Path) -> None:
     """Rest first, then a noisy motion: the method is chosen from all of the file, not from its first block."""
-    t = np.arange(60_000) / 1000
-    q = np.round(np.where(t < 40, 0.0, np.sin(t - 40)), 5)
+    t = np.arange(18_000) / 1000
+    q = np.round(np.where(t < 12, 0.0, np.sin(t - 12)), 5)
     path = write(tmp_path / "t.csv", {"time": t, "q_a": q})
     one = Signals((Signal("a", "angle"),))
     with open_trajectory(path, one, block_rows=1000) as reader:
@@ -145,3 +147,26 @@ def test_errors_in_late_blocks_name_the_line(tmp_path: Path) -> None:
         pytest.raises(TrajectoryError, match=r"t\.csv:2001: time \S+ repeats"),
     ):
         list(reader.blocks())
+
+
+def pieces(lengths):
+    table = Pieces(waves(robot("scara"), np.arange(10) * 0.5), lengths)
+    table.file = "table.csv"
+    return table
+
+
+@pytest.mark.parametrize("lengths", [[10], [1] * 10, [4, 5, 1]])
+@pytest.mark.parametrize(("time", "row"), [(0.0, 0), (0.24, 0), (0.25, 0), (0.26, 1), (1.5, 3), (2.1, 4), (4.5, 9)])
+def test_the_nearest_row(lengths, time, row):
+    table = pieces(lengths)
+    found = row_at(table, time)
+    assert (len(found), found.first_row) == (1, row + 1)
+    for name in ("time", "q", "qd", "qdd"):
+        assert np.array_equal(getattr(found, name)[0], getattr(table.trajectory, name)[row])
+
+
+@pytest.mark.parametrize("lengths", [[10], [3, 7]])
+@pytest.mark.parametrize("time", [-0.1, 4.6, float("nan"), float("inf")])
+def test_outside_the_motion(lengths, time):
+    with pytest.raises(TrajectoryError, match=r"outside the motion \(it lasts from 0 s to 4\.5 s\)"):
+        row_at(pieces(lengths), time)

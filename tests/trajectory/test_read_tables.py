@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import io
-import os
-import stat
 import subprocess
 import sys
 from pathlib import Path
@@ -99,13 +97,6 @@ def test_other_number_types(tmp_path: Path, dtype: str, suffix: str) -> None:
     result = read_trajectory(path, ARM)
     assert result.q.dtype == np.float64
     np.testing.assert_array_equal(result.qdd[:, 1], np.arange(1, 9))
-
-
-def test_extra_columns(tmp_path: Path) -> None:
-    content = text(numbers(), HEADER.strip() + ",fx", ",").replace("\n", ",7\n").replace("fx,7", "fx")
-    result = read(tmp_path, content, extra=("fx",))
-    assert list(result.extra) == ["fx"]
-    np.testing.assert_array_equal(result.extra["fx"], 7.0)
 
 
 @pytest.mark.usefixtures("either_path")
@@ -271,26 +262,11 @@ def test_files_that_cannot_be_opened(tmp_path: Path, suffix: str) -> None:
         read_trajectory(f"a\0b.{suffix}", ARM)
 
 
-@pytest.mark.skipif(os.name == "nt" or os.getuid() == 0, reason="permissions do not bind this user")
-def test_no_permission(tmp_path: Path) -> None:
-    path = tmp_path / "t.csv"
-    path.write_text(Q + GOOD)
-    path.chmod(0)
-    with pytest.raises(TrajectoryError, match="cannot be read: permission denied"):
-        read_trajectory(path, ARM)
-    path.chmod(stat.S_IRUSR)
-
-
 def test_unknown_type_and_method(tmp_path: Path) -> None:
     with pytest.raises(TrajectoryError, match="unknown type of table 'xls'"):
         read_trajectory("t.csv", ARM, file_type="xls")
     with pytest.raises(TrajectoryError, match="unknown way to differentiate 'fourier'"):
         read(tmp_path, Q + GOOD, derivatives="fourier")
-
-
-def test_given_derivatives_are_demanded(tmp_path: Path) -> None:
-    with pytest.raises(TrajectoryError, match="velocity or acceleration of 'b' is not given"):
-        read(tmp_path, text(numbers(), HEADER.replace(",qdd_b", ",x")), derivatives="given", ignore_extra=True)
 
 
 @pytest.mark.parametrize(

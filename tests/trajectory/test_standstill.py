@@ -38,7 +38,7 @@ def derived(time, q) -> Trajectory:
 
 
 @pytest.mark.parametrize("grid", [*GRIDS.values(), 0.0], ids=[*GRIDS, "doubles"])
-@pytest.mark.parametrize("step", [1e-3, 4e-3, 1e-2])
+@pytest.mark.parametrize("step", [1e-3, 1e-2])
 @pytest.mark.parametrize("move", [smooth, hard])
 def test_speeds_in_a_dwell_are_zero(grid: float, step: float, move) -> None:
     """Of dwells of 0.1 s and of 1 s; before and after it a joint moves but for where it is within its resolution."""
@@ -66,8 +66,8 @@ def test_noise_in_a_dwell_is_no_motion(sigma: float) -> None:
 @pytest.mark.parametrize("step", [1e-3, 1e-2])
 def test_a_slow_motion_goes_on(grid: float, step: float) -> None:
     """A motion of more than a step of the grid in 100 rows, in one direction or about a turning point."""
-    time = np.arange(4000) * step
-    for steps in (0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 30.0):
+    time = np.arange(2000) * step
+    for steps in (0.01, 0.1, 1.0, 30.0):
         slope = steps * grid / step
         found = derived(time, np.round((0.2 + slope * time) / grid) * grid)
         assert (found.qd[:, 0] != 0.0).all()
@@ -106,8 +106,8 @@ def test_given_speeds_that_contradict_positions_are_kept() -> None:
 
 
 def test_blocks_do_not_matter(tmp_path) -> None:
-    time = np.arange(0.0, 12.0, 1e-3)
-    exact = sum(dwell(time - 3.0 * k, 1.0, smooth)[0] - 0.3 for k in range(4))
+    time = np.arange(0.0, 6.0, 1e-3)
+    exact = sum(dwell(time - 3.0 * k, 1.0, smooth)[0] - 0.3 for k in range(2))
     with open_writer(str(tmp_path / "t.csv"), ("q_a",)) as writer:
         writer.write(time, np.round(exact, 6)[:, None])
     whole, parts = (
@@ -115,4 +115,4 @@ def test_blocks_do_not_matter(tmp_path) -> None:
         for rows in (1 << 15, 900)
     )
     assert ((whole == 0.0) == (parts == 0.0)).all()
-    assert 4000 <= (whole == 0.0).sum() < 4300
+    assert 2000 <= (whole == 0.0).sum() < 2150

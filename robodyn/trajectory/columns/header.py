@@ -10,8 +10,8 @@ from functools import cached_property
 from robodyn.errors import TrajectoryError
 from robodyn.support.input_limits import beyond, limits
 from robodyn.support.wording import alternatives, shown
-from robodyn.trajectory.columns.clock import is_time
 from robodyn.trajectory.columns.signals import ANY_WORD, MEASURED, WORDS, Quantity, Signals
+from robodyn.trajectory.columns.units import is_time
 
 _INDEX = r"(?:\[(?P<index>\d+)\]|[._/]?(?P<behind>\d+))"
 _ARRAY = re.compile(rf"(?P<path>(?:.*[./_])?)(?!q){ANY_WORD}{_INDEX}")

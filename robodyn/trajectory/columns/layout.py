@@ -6,10 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from robodyn.support.wording import alternatives
-from robodyn.trajectory.columns.clock import Clock, clocks
 from robodyn.trajectory.columns.header import Header, listing
 from robodyn.trajectory.columns.signals import MEASURED, TIME_NAMES, Meaning, Place, Signals
-from robodyn.trajectory.columns.units import ANGLES, RATES, AngleUnit, split_unit, unit_of
+from robodyn.trajectory.columns.units import ANGLES, RATES, AngleUnit, Clock, clocks, split_unit, unit_of
 from robodyn.trajectory.columns.unknown_columns import is_of_message, placed, refuse_loops, unknown_error
 from robodyn.trajectory.reading import DEFAULT, Reading
 

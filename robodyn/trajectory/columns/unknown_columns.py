@@ -17,18 +17,31 @@ from robodyn.trajectory.reading import REST, Reading
 
 _HEADER = re.compile(r"(?:.*[./_])?header[./_](?:seq|frame_id)")
 """Fields of a message of ROS that no motion needs."""
+_ALIKE = 0.7
+_LETTERS = 3
+"""Letters at least of a name that another may have in it."""
+_COMPARED = 200
+"""So many unknown columns are compared with the names of joints."""
+_OPTIONS = 8
+"""So many options are written out."""
 
 
 def is_of_message(header: Header, i: int) -> bool:
-    """Return whether a column is of a message of ROS and needed for no motion."""
+    """Whether a column is of a message of ROS and needed for no motion."""
     return i in header.labels or header.entry(i) == "tau" or _HEADER.fullmatch(header.names[i]) is not None
 
 
 def refuse_loops(header: Header, signals: Signals, unknown: Sequence[int]) -> None:
-    """Raise if unknown columns are what a simulation writes of loops."""
-    names = [header.names[i] for i in unknown]
-    loops = loops_in(names, {*signals.spans, *signals.dependent}) if signals.joints else []
-    if loops:
+    """Raise if unknown columns are what a simulation writes of loops.
+
+    A loop has all six of `fx_<loop>` to `mz_<loop>`. Those of joints may be what `torques --reactions` writes, which
+    writes them for every joint; a loop that bears a joint's name is known by the joints that have none.
+    """
+    there, joints = {header.names[i] for i in unknown}, {*signals.spans, *signals.dependent}
+    names = [header.names[i][3:] for i in unknown if header.names[i].startswith(f"{COMPONENTS[0]}_")]
+    whole = [name for name in names if there >= {f"{part}_{name}" for part in COMPONENTS}]
+    loops = [name for name in whole if not joints <= {*whole} or name not in joints]
+    if loops and signals.joints:
         first, last = (f"{part}_{loops[0]}" for part in (COMPONENTS[0], COMPONENTS[-1]))
         what = (
             f"columns '{first}' to '{last}' are what simulate writes of a loop, and the scene has no loop of that "
@@ -41,45 +54,19 @@ def refuse_loops(header: Header, signals: Signals, unknown: Sequence[int]) -> No
 def unknown_error(
     header: Header, signals: Signals, given: Collection[Place | None], unknown: Sequence[int]
 ) -> TrajectoryError:
-    """Return the error about unknown columns, with what they may be meant for, if that is not given."""
+    """The error about unknown columns, with what they may be meant for, if that is not given."""
     names = [header.names[i] for i in unknown]
     what = f"unknown column{'s' * (len(unknown) > 1)} {listing(names)}"
     leave = f"--ignore-extra leaves {'them' if len(unknown) > 1 else 'it'} out"
     if any(name.startswith("base_") for name in names):
         return header.error(what, f'a scene with [base] motion = "moving" uses base_ columns; {leave}')
-    found = {ours: (signals.find(ours), theirs) for ours, theirs in meant(names, signals).items()}
+    found = {ours: (signals.find(ours), theirs) for ours, theirs in _meant(names, signals).items()}
     free = {ours: theirs for ours, (meaning, theirs) in found.items() if meaning and meaning.place not in given}
-    return header.error(what, f"{asked(free)}there is {listing(header.names)}; {leave}")
+    return header.error(what, f"{_asked(free)}there is {listing(header.names)}; {leave}")
 
 
-def loops_in(columns: Sequence[str], joints: Collection[str]) -> list[str]:
-    """Return the names of the loops whose wrenches are among some columns, as nothing but their names tells.
-
-    A loop has all six of `fx_<loop>` to `mz_<loop>`. Those of joints may be what `torques --reactions` writes, which
-    writes them for every joint; a loop that bears a joint's name is known by the joints that have none.
-
-    Args:
-        columns: that mean nothing to the robot.
-        joints: of the robot.
-    """
-    there = set(columns)
-    names = [column[3:] for column in columns if column.startswith(f"{COMPONENTS[0]}_")]
-    whole = [name for name in names if there >= {f"{part}_{name}" for part in COMPONENTS}]
-    reactions = set(joints) if set(joints) <= set(whole) else set()
-    return [name for name in whole if name not in reactions]
-
-
-_ALIKE = 0.7
-_LETTERS = 3
-"""Letters at least of a name that another may have in it."""
-_COMPARED = 200
-"""So many unknown columns are compared with the names of joints."""
-_OPTIONS = 8
-"""So many options are written out."""
-
-
-def meant(columns: Iterable[str], signals: Signals) -> dict[str, str]:
-    """Return our name -> the unknown column that is most like it: `q_elbow` -> `Elbow angle [deg]`.
+def _meant(columns: Iterable[str], signals: Signals) -> dict[str, str]:
+    """Our name -> the unknown column that is most like it: `q_elbow` -> `Elbow angle [deg]`.
 
     Case, blanks and marks do not count; a name that has all of ours in it is like it, too. A column whose words tell a
     velocity is proposed for a velocity only, and so on.
@@ -93,7 +80,7 @@ def meant(columns: Iterable[str], signals: Signals) -> dict[str, str]:
             ours = {_plain(name): name for name in (signals.positions if quantity == "q" else signals.velocities)}
             for close in get_close_matches(stem, ours, n=1, cutoff=_ALIKE):
                 best = max(best, (SequenceMatcher(None, close, stem).ratio(), f"{quantity}_{ours[close]}"))
-            if within := max((each for each in ours if each and _within(each, stem)), key=len, default=""):
+            if within := max((each for each in ours if _within(each, stem)), key=len, default=""):
                 best = max(best, (_ALIKE, f"{quantity}_{ours[within]}"))
         likeness, name = best
         if name and likeness > found.get(name, (0.0,))[0]:
@@ -102,28 +89,27 @@ def meant(columns: Iterable[str], signals: Signals) -> dict[str, str]:
 
 
 def _within(name: str, stem: str) -> bool:
-    """Return whether a name is part of another, and its number, if it ends with one, is not part of a longer one."""
-    _, found, rest = stem.rpartition(name)
+    """Whether a name is part of another, and its number, if it ends with one, is not part of a longer one."""
+    _, found, rest = stem.rpartition(name) if name else ("", "", "")
     return len(found) >= _LETTERS and not (name[-1].isdigit() and rest[:1].isdigit())
 
 
-def asked(matches: Mapping[str, str]) -> str:
-    """Return the question whether columns are meant so, and the options that say yes; empty if there are none."""
+def _asked(matches: Mapping[str, str]) -> str:
+    """The question whether columns are meant so, and the options that say yes; empty if there are none."""
     if not matches:
         return ""
     name, column = next(iter(matches.items()))
-    return f"did you mean {column!r} for {name!r}? then {options(matches)}; "
+    return f"did you mean {column!r} for {name!r}? then {_options(matches)}; "
 
 
-def options(matches: Mapping[str, str]) -> str:
-    """Return the options that call columns by our names, those of the first few."""
+def _options(matches: Mapping[str, str]) -> str:
     from shlex import quote
 
     return " ".join(f"--map {quote(f'{ours}={theirs}')}" for ours, theirs in [*matches.items()][:_OPTIONS])
 
 
 def _readings(column: str) -> Iterator[tuple[Quantity, str]]:
-    """Yield what the words of a name may tell, and the rest, plain, with and without what stands before slashes."""
+    """What the words of a name may tell, and the rest, plain, with and without what stands before slashes."""
     for name in dict.fromkeys((column, *(bare for bare, _ in split_unit(column)))):
         for quantity, stem in [*worded(name)] or [("q", name)]:
             yield from ((quantity, _plain(part)) for part in dict.fromkeys((stem, stem.rpartition("/")[2])))
@@ -133,13 +119,10 @@ def _plain(name: str) -> str:
     return "".join(filter(str.isalnum, name)).lower()
 
 
-Places = dict[Place, int]
-
-
 def placed(
-    header: Header, signals: Signals, places: Places, unknown: Sequence[int], reading: Reading
+    header: Header, signals: Signals, places: Mapping[Place, int], unknown: Sequence[int], reading: Reading
 ) -> tuple[dict[int, float], tuple[str, ...]]:
-    """Return what no column places: index in q -> position of what is held, and the joints that follow from loops.
+    """What no column places: index in q -> position of what is held, and the joints that follow from loops.
 
     Joints of loops are held where they are named, and not where all are.
 
@@ -162,36 +145,27 @@ def placed(
         moved = [header.names[i] for (quantity, k), i in places.items() if quantity != "q" and k in qd]
         still = held.keys() & set(q)
         floating = len(q) > 1
-        if floating:
-            _check_turn(header, name, [given[i] for i in q[3:] if i in given])
+        turn = [given[i] for i in q[3:] if i in given]
+        if 0 < len(turn) < len(q) - 3:
+            remedy = f"give {name}_qx, _qy, _qz and _qw, or none of them"
+            raise header.error(f"the orientation of {name!r} is incomplete: only {listing(turn)}", remedy)
         if given or (floating and moved):  # of a floating joint one column will do
             still &= {i for i in q if {name, signals.positions[i]} & reading.hold.named.keys()}
         elif name in signals.looped and name not in reading.hold.named:
-            _refuse_rates(header, name, moved)
+            if moved:
+                what = f"column {moved[0]!r} moves joint {name!r}, and no column says where it is"
+                raise header.error(what, f"give q_{name}, or leave it out: it follows from the loops")
             followed.append(name)
             still = set()
         elif not still:
             missing.append(name)
         if still and (both := [given[i] for i in sorted(still) if i in given] or ([] if floating else moved)):
-            raise header.error(
-                f"joint {name!r} is to be held, and column {both[0]!r} moves it", "leave one of them out"
-            )
+            what = f"joint {name!r} is to be held, and column {both[0]!r} moves it"
+            raise header.error(what, "leave one of them out")
         found |= {i: held[i] for i in sorted(still)}
     if missing:
         raise _incomplete(header, signals, missing, unknown)
     return found, tuple(followed)
-
-
-def _refuse_rates(header: Header, name: str, moved: Sequence[str]) -> None:
-    if moved:
-        what = f"column {moved[0]!r} moves joint {name!r}, and no column says where it is"
-        raise header.error(what, f"give q_{name}, or leave it out: it follows from the loops")
-
-
-def _check_turn(header: Header, name: str, given: Sequence[str]) -> None:
-    if 0 < len(given) < 4:
-        remedy = f"give {name}_qx, _qy, _qz and _qw, or none of them"
-        raise header.error(f"the orientation of {name!r} is incomplete: only {listing(given)}", remedy)
 
 
 def _incomplete(header: Header, signals: Signals, missing: Sequence[str], unknown: Sequence[int]) -> TrajectoryError:
@@ -201,9 +175,9 @@ def _incomplete(header: Header, signals: Signals, missing: Sequence[str], unknow
         remedy = f"give {' '.join(f'{name}_{part}' for part in POSE)}, or any of them; --hold {name}={REST}; {there}"
         return header.error(f"no column says where {name!r} is, which moves freely", remedy)
     if entries := [header.names[i] for i in unknown if header.entry(i) == "q"]:
-        such = options({f"q_{name}": column for name, column in zip(missing, entries, strict=False)})
+        such = _options({f"q_{name}": column for name, column in zip(missing, entries, strict=False)})
         return header.error(f"columns {listing(entries)} do not tell which joints they are of", f"say it, as in {such}")
-    matches = meant([header.names[i] for i in unknown], signals)
+    matches = _meant([header.names[i] for i in unknown], signals)
     matches = {ours: theirs for ours, theirs in matches.items() if ours.removeprefix("q_") in missing}
     rest = f"--hold {REST} keeps joints without columns still"
-    return header.error(f"no position of joint {listing(missing)}", f"{asked(matches)}{rest}; {there}")
+    return header.error(f"no position of joint {listing(missing)}", f"{_asked(matches)}{rest}; {there}")

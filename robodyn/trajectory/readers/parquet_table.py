@@ -12,12 +12,14 @@ import numpy as np
 from robodyn.errors import TrajectoryError
 from robodyn.support.floats import Floats
 from robodyn.support.input_file import open_input
-from robodyn.trajectory.readers.table import Table, changed, check_expansion, check_finite, decoding, less, spread
+from robodyn.trajectory.readers.table import Table, check_expansion, check_finite, decoding, less, spread
 
 if TYPE_CHECKING:
     import polars as pl
 
 _MARK = b"PAR1"
+_ROWS = 1 << 17
+"""Rows that are decoded at once: polars begins every time with the pages before them."""
 
 
 class ParquetTable(Table):
@@ -43,11 +45,13 @@ class ParquetTable(Table):
         self.position_bytes = 0
 
     def blocks(self, columns: Sequence[int], rows: int) -> Iterator[Floats]:
-        for start in range(0, self._rows, rows):
-            values = self._values(columns, start, min(rows, self._rows - start))
-            check_finite(values, [self.names[i] for i in columns], start + 1, self.error_at)
-            self.position_bytes = self.size_bytes * (start + len(values)) // self._rows
-            yield values
+        for begin in range(0, self._rows, max(rows, _ROWS)):
+            part = self._values(columns, begin, min(max(rows, _ROWS), self._rows - begin))
+            for start in range(0, len(part), rows):
+                values = part[start : start + rows]
+                check_finite(values, [self.names[i] for i in columns], begin + start + 1, self.error_at)
+                self.position_bytes = self.size_bytes * (begin + start + len(values)) // self._rows
+                yield values
 
     def pieces(self, columns: Sequence[int], count: int, rows: int) -> list[Floats]:
         cuts = spread(self._rows, count, rows) if self._rows else []
@@ -78,19 +82,6 @@ class ParquetTable(Table):
     def first(self, columns: Sequence[int]) -> list[str | float]:
         row = self._slice(columns, 0, 1).rows()
         return [] if not row or None in row[0] else [*row[0]]
-
-    def texts(self, columns: Sequence[int]) -> dict[int, str]:
-        import polars as pl
-
-        found: dict[int, str] = {}
-        for i in columns if self._rows else ():
-            with _decoding(self.file):
-                cells = self._frame.select(self.names[i]).collect().to_series().cast(pl.String).fill_null("")
-            found[i] = cells[0]
-            if (others := cells != found[i]).any():
-                row = int(others.to_numpy().argmax())
-                raise self.error_at(row + 1, *changed(self.names[i], cells[row], found[i]))
-        return found
 
 
 @contextmanager
