@@ -95,11 +95,15 @@ MUTATIONS = {
         ),
     ],
     "dynamics/constraints/test_random_mechanisms.py": [
-        ("dynamics/constraints/constraint_jacobian.py", "cross(at, force) - about", "cross(at, force) + about"),
         (
             "dynamics/constraints/constraint_jacobian.py",
-            "product(a.R, product(place.B.T, m)) + cross(at, force)",
-            "cross(at, force)",
+            "turned([row.get(rate, 0.0) for rate in range(sample.model.n)], turns)",
+            "[row.get(rate, 0.0) for rate in range(sample.model.n)]",
+        ),
+        (
+            "dynamics/constraints/constraint_jacobian.py",
+            "cross(arms[:, k].transpose(2, 0, 1), IDENTITY[axis])",
+            "-cross(arms[:, k].transpose(2, 0, 1), IDENTITY[axis])",
         ),
     ],
     "dynamics/contacts/test_contact_forces.py": [

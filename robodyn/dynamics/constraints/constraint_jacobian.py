@@ -1,4 +1,4 @@
-"""What unit forces of loops and contacts do to the joints, traced once per model and scene: J by columns of J^T."""
+"""Jacobians of loops and contacts, traced once per model and scene, and the tree on which their forces are wrenches."""
 
 from __future__ import annotations
 
@@ -9,21 +9,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.dynamics.effects.effect import Sample
+from robodyn.dynamics.forward import floating_turns, turned
 from robodyn.dynamics.loops.closed_chain import closure_of
 from robodyn.dynamics.loops.closed_start import independent_equations
-from robodyn.dynamics.loops.closure import Closure, Equation, Equations, held
+from robodyn.dynamics.loops.closure import Closure, held
 from robodyn.dynamics.plan import Plan, runner_of
-from robodyn.dynamics.recursions.newton_euler import joint_torques, newton_euler
+from robodyn.programs.derivative import Direction, jacobian
 from robodyn.programs.program import traced
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
-from robodyn.programs.vectors import IDENTITY, ZERO, Scalar, cross, product, vector
-from robodyn.robot.kinematics import Motion, Pose, Wrench, motions, poses, velocities
-from robodyn.robot.model import Frame, Model
+from robodyn.programs.vectors import IDENTITY, Scalar, cross, product, vector
+from robodyn.robot.kinematics import motions, poses, velocities
+from robodyn.robot.model import Model
 from robodyn.scene.parts import GROUND, Contact, ContactCost, Entry, ExternalWrench, Loop, Vector
 from robodyn.scene.scene import Scene
-from robodyn.solids.inertia.laws import Inertia
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
 
@@ -100,10 +99,6 @@ Triple = tuple[Entry, Entry, Entry]
 def _entries(columns: tuple[str, ...]) -> tuple[Triple, Triple]:
     a, b, c, d, e, f = columns
     return (a, b, c), (d, e, f)
-
-
-NOTHING = Inertia(0.0, ZERO, np.zeros((3, 3), dtype=object))
-Pushes = list[tuple[int, Wrench]]
 
 
 class LoopJacobian(NamedTuple):
@@ -194,88 +189,51 @@ def _runner(plan: Plan, what: str) -> Runner:
 @traced
 def _loop_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
     sample = plan.sample(tape)
-    still = motions(sample.model, sample.q, *_rest(sample))
+    nothing = [0.0] * sample.model.n
+    still = motions(sample.model, sample.q, nothing, nothing)
     found = [(closure, held(closure, closure.relative(sample.model, still))) for closure in closures(plan)]
-    pairs = [(c, here, equation) for c, here in found for equation in c.equations]
-    for closure, here, equation in pairs:
-        yield from _pushed(sample, still, _unit(sample, closure, here, equation))
+    turns = floating_turns(sample.model, still)
+    for _, here in found:
+        for row in here.J:
+            yield from turned([row.get(rate, 0.0) for rate in range(sample.model.n)], turns)
     for _, here in found:
         yield from here.error
-    for _, here, equation in pairs:
-        yield from equation.moment(here.places[0].B)
+    for closure, here in found:
+        for equation in closure.equations:
+            yield from equation.moment(here.places[0].B)
     for _, here in found:
         yield from here.places[0].d
 
 
-def _unit(sample: Sample, closure: Closure, here: Equations, equation: Equation) -> Pushes:
-    """Return the wrenches of a multiplier of 1 on both links, about their bodies' origins and in their axes."""
-    a, b = (_frame(sample, closure, end) for end in (0, 1))
-    place = here.places[0]
-    f, m = equation.force().astype(object), equation.moment(place.B)
-    on_link = product(place.B.T, f)
-    at = a.p + product(a.R, vector(*closure.loop.point))
-    force = product(a.R, on_link)
-    out = [(a.body, Wrench(force, product(a.R, product(place.B.T, m)) + cross(at, force)))]
-    if b.body >= 0:
-        force, about = -product(b.R, f), product(b.R, m + cross(place.d, f))
-        at = b.p + product(b.R, vector(*closure.loop.to_point))
-        out.append((b.body, Wrench(force, cross(at, force) - about)))
-    return out
-
-
-def _frame(sample: Sample, closure: Closure, end: int) -> Frame:
-    """Return the frame of an end, its numbers being scalars; the ground's is itself."""
-    frame = closure.ends[end]
-    name = (closure.loop.link, closure.loop.to)[end]
-    return frame if frame.body < 0 else sample.model.links[name]
-
-
 @traced
 def _contact_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
-    sample = plan.sample(tape)
-    still = motions(sample.model, sample.q, *_rest(sample))
-    moving = motions(sample.model, sample.q, sample.qd, _rest(sample)[1])
-    where, speeds = poses(sample.model.parents, still), velocities(sample.model.parents, moving)
+    """The Jacobians of the contacts' middles, moments first, and where their points are and how they move."""
+    sample = replace(plan.sample(tape), qdd=(0.0,) * plan.model.n)
+    joints, parents = sample.motions(), sample.model.parents
+    where, moving = poses(parents, joints), velocities(parents, joints)
+    directions: list[Direction] = [{rate: 1.0} for rate in sample.qd]
+    places: list[Scalar] = []
+    speeds: list[Scalar] = []
     for contact in plan.scene.contacts:
-        yield from _units(sample, still, where, contact)
-    points = [(sample.model.links[c.link], vector(*point)) for c in plan.scene.contacts for point in c.points]
-    at = [(frame.body, frame.p + product(frame.R, point)) for frame, point in points]
-    for i, r in at:
-        yield from where[i].p + product(where[i].R, r)
-    for i, r in at:
-        yield from product(where[i].R, speeds[i].v + cross(speeds[i].w, r))
-
-
-def _units(sample: Sample, still: list[Motion], where: list[Pose], contact: Contact) -> Iterator[Scalar]:
-    """Yield what unit forces at a contact's middle, then unit moments, along the ground's axes do to the joints."""
-    body, R, p = sample.model.links[contact.link]
-    r = p + product(R, vector(*middle(contact)))
-    for axis in IDENTITY:
-        force = product(where[body].R.T, axis)
-        yield from _pushed(sample, still, [(body, Wrench(force, cross(r, force)))])
-    for axis in IDENTITY:
-        yield from _pushed(sample, still, [(body, Wrench(ZERO, product(where[body].R.T, axis)))])
-
-
-def _pushed(sample: Sample, still: list[Motion], pushes: Pushes) -> list[Scalar]:
-    """Return J^T w of some wrenches on bodies: what they spare the actuators of a robot at rest without weight."""
-    model = sample.model
-    reactions = newton_euler(model.parents, still, [NOTHING] * len(model.bodies), ZERO, pushes)
-    return [0.0 - torque for torque in joint_torques(model, still, reactions, {})]
-
-
-def _rest(sample: Sample) -> tuple[list[Scalar], list[Scalar]]:
-    nothing: list[Scalar] = [0.0] * sample.model.n
-    return nothing, nothing
+        body, R, p = sample.model.links[contact.link]
+        turn, (w, v) = where[body].R, moving[body]
+        r = p + product(R, vector(*middle(contact)))
+        motion = [*product(turn, v + cross(w, r)), *product(turn, w)]
+        yield from (entry for row in jacobian(motion, directions) for entry in row)
+        for point in contact.points:
+            r = p + product(R, vector(*point))
+            places += [*(where[body].p + product(turn, r))]
+            speeds += [*product(turn, v + cross(w, r))]
+    yield from (*places, *speeds)
 
 
 def no_loops(samples: int, n: int) -> LoopJacobian:
-    """Return the map of a scene without loops."""
+    """Return the Jacobian of a scene without loops."""
     return LoopJacobian(*(np.zeros((samples, 0, *more)) for more in ((n,), (), (3,), (3,))))
 
 
 def no_contacts(samples: int, n: int) -> ContactJacobian:
-    """Return the map of a scene without contacts."""
+    """Return the Jacobian of a scene without contacts."""
     return ContactJacobian(*(np.zeros((samples, 0, k)) for k in (n, 3, 3, 3)))
 
 

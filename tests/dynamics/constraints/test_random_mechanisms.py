@@ -7,15 +7,19 @@ from functools import cache
 
 import numpy as np
 import pytest
+from helpers.busy_robot import busy_robot
 from helpers.mechanisms import least_torques
+from helpers.oracles import random_state, worst
 from helpers.peers import pin
 from helpers.random_mechanisms import COUNT, SHAPES, mechanism
 from scipy.spatial.transform import Rotation
 
 import robodyn
+from robodyn.dynamics.constraints.constraint_jacobian import contact_jacobian, loop_jacobian
 from robodyn.dynamics.constraints.inverse import constraint_forces
 from robodyn.dynamics.constraints.torque_distribution import structure, torque_distribution
 from robodyn.dynamics.loops.closed_chain import closed_chain
+from robodyn.dynamics.loops.closure import moved
 from robodyn.dynamics.plan import plan
 from robodyn.scene.parts import GROUND
 from robodyn.scene.scene import Scene
@@ -149,3 +153,30 @@ def test_pinocchio(seed):
     for state in zip(one.qd, one.qdd, strict=True):
         expected = one.open_torques(*state)
         assert np.abs(peer.torques(*state) - expected).max() <= 1e-13 * np.abs(expected).max()
+
+
+def test_jacobians_of_loops_are_rates_of_their_equations():
+    """On a free base, whose rates turn with it."""
+    model, rng, step = busy_robot(True), np.random.default_rng(4), 1e-6
+    loops = (
+        robodyn.Loop("arm", "l4", (0.1, 0.0, 0.2), "tool", (0.0, 0.1, 0.3), "weld"),
+        robodyn.Loop("leash", "l2", (0.1, 0.2, 0.0), to_point=(0.3, 0.0, 0.1)),
+    )
+    a_plan = plan(model, Scene(loops=loops))
+    q, qd, _ = random_state(model, rng, 1)
+    ahead, behind = (
+        loop_jacobian(a_plan, np.array([moved(model, q[0].tolist(), (sign * step * qd[0]).tolist())])).error
+        for sign in (1, -1)
+    )
+    here = loop_jacobian(a_plan, q)
+    assert worst(np.einsum("nmi,ni->nm", here.J, qd), (ahead - behind) / (2 * step)) <= 1e-8
+
+
+def test_jacobians_of_contacts_are_those_of_their_points():
+    model, rng = busy_robot(True), np.random.default_rng(5)
+    points = ((0.1, 0.0, 0.2), (-0.1, 0.3, 0.0), (0.2, 0.1, -0.4))
+    a_plan = plan(model, Scene(contacts=(robodyn.Contact("foot", "tool", points),)))
+    q, qd, _ = random_state(model, rng, 3)
+    found = contact_jacobian(a_plan, q, qd).J.reshape(3, 3, 3, model.n)
+    for k, point in enumerate(points):
+        assert worst(found[:, k], robodyn.jacobian(model, q, "tool", point)[:, 3:]) <= 1e-13
