@@ -125,9 +125,9 @@ class TorqueAccumulator:
         rows, energies = self.checks.take(block, sources, self.sources, tau, base, self._run, self.whole)
         self._gather(block, sources, loads, tau.T[self.rates], base.T)
         if self.history is not None:
-            motion, more = (block.qd[:, self.rates].T, block.qdd[:, self.rates].T), left / len(block)
+            motion, expected = (block.qd[:, self.rates].T, block.qdd[:, self.rates].T), left / len(block)
             touch = self.constraints.touch if self.constraints else None
-            self.history.update(block.time, *motion, tau.T[self.rates], base.T, energies, rows, more, touch)
+            self.history.update(block.time, *motion, tau.T[self.rates], base.T, energies, rows, expected, touch)
 
         def over_block(runner: Runner) -> Floats:
             return self._run(runner, sources, self.whole).values

@@ -66,7 +66,7 @@ class History:
     contacts: Curves | None = None
 
 
-class Thinned:
+class MinMaxDecimation:
     """Gathers `Curves` block by block; spans double in length when there are too many of them."""
 
     def __init__(self, names: tuple[str, ...], quantities: tuple[str, ...], also: tuple[str, ...] = ()) -> None:
@@ -75,16 +75,16 @@ class Thinned:
         self._start = self._width = 0.0
         self._kept: dict[int, Floats] = {}
 
-    def update(self, time: Floats, values: tuple[Floats, ...], left: float) -> None:
+    def update(self, time: Floats, values: tuple[Floats, ...], expected_duration: float) -> None:
         """Take in a block.
 
         Args:
             time: (N,) s, N > 0.
             values: (columns, N) for each quantity.
-            left: about how long the motion goes on from the first of these samples [s].
+            expected_duration: about how long the motion goes on from the first of these samples [s].
         """
         if not self._kept:
-            self._start, self._width = float(time[0]), left / SPANS or 1.0
+            self._start, self._width = float(time[0]), expected_duration / SPANS or 1.0
         while (time[-1] - self._start) / self._width >= _ROOM * SPANS:
             self._double()
         spans = ((time - self._start) / self._width).astype(np.int64)
@@ -122,10 +122,10 @@ class Recorder:
     """Gathers a `History`."""
 
     def __init__(self, joints: tuple[str, ...], components: tuple[str, ...], contacts: tuple[str, ...] = ()) -> None:
-        self.joints = Thinned(joints, ("speed", "torque", "power"), ("acceleration",))
-        self.base = Thinned(components, ("load",))
-        self.energy = Thinned(("work done", "energy stored"), ("energy",))
-        self.contacts = Thinned(contacts, ("normal",), ("on",))
+        self.joints = MinMaxDecimation(joints, ("speed", "torque", "power"), ("acceleration",))
+        self.base = MinMaxDecimation(components, ("load",))
+        self.energy = MinMaxDecimation(("work done", "energy stored"), ("energy",))
+        self.contacts = MinMaxDecimation(contacts, ("normal",), ("on",))
 
     def update(
         self,
@@ -136,7 +136,7 @@ class Recorder:
         base: Floats,
         energy: Floats,
         rows: NDArray[np.int64],
-        more: float,
+        expected_samples: float,
         touch: tuple[Floats, Floats] | None = None,
     ) -> None:
         """Take in a block.
@@ -144,16 +144,16 @@ class Recorder:
         Args:
             time: (N,) s; qd, qdd, tau: (joints, N); base: (components, N).
             energy: (2, k) work done and energy stored since the start [J], at these `rows`.
-            more: times as many samples may come, with these.
+            expected_samples: how many may come, with these, by how many these are.
             touch: (contacts, N) forces along their normals [N], and where they are on.
         """
-        left = float(time[-1] - time[0]) * more
+        expected_duration = float(time[-1] - time[0]) * expected_samples
         if len(tau):
-            self.joints.update(time, (qd, tau, qd * tau, qdd), left)
-        self.base.update(time, (base,), left)
-        self.energy.update(time[rows], (energy,), left)
+            self.joints.update(time, (qd, tau, qd * tau, qdd), expected_duration)
+        self.base.update(time, (base,), expected_duration)
+        self.energy.update(time[rows], (energy,), expected_duration)
         if touch is not None:
-            self.contacts.update(time, touch, left)
+            self.contacts.update(time, touch, expected_duration)
 
     def history(self, at_peak: Mapping[int, Mapping[str, Floats]]) -> History:
         """Return what has been gathered, with the states at the peaks of the joints."""

@@ -130,10 +130,10 @@ def _blocks(motion: Trajectory | TrajectoryReader) -> Iterator[tuple[Trajectory,
         yield motion, len(motion)
         return
     for block in motion.blocks():
-        yield block, _samples_left(motion, block)
+        yield block, _expected_samples(motion, block)
 
 
-def _samples_left(trajectory: TrajectoryReader, block: Trajectory) -> int:
+def _expected_samples(trajectory: TrajectoryReader, block: Trajectory) -> int:
     if not trajectory.position_bytes:
         return len(block)
     before = block.first_row - 1

@@ -7,11 +7,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from robodyn.loads.history import SPANS, Recorder, Thinned
+from robodyn.loads.history import SPANS, MinMaxDecimation, Recorder
 
 
 def gathered(time, values, cuts, guess):
-    thinned = Thinned(("a", "b"), ("value",))
+    thinned = MinMaxDecimation(("a", "b"), ("value",))
     edges = [0, *cuts, len(time)]
     for first, last in pairwise(edges):
         left = guess * (time[-1] - time[first])

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robodyn.identification.faults.compare import Comparison
-from robodyn.loads.history import Curves, Thinned
+from robodyn.loads.history import Curves, MinMaxDecimation
 from robodyn.report.document import Figure
 from robodyn.report.pictures.figures import (
     BAD,
@@ -36,7 +36,7 @@ def quiet(values: Floats, scale: float) -> Floats:
 
 
 def _curves(time: Floats, names: tuple[str, ...], values: tuple[Floats, ...]) -> Curves:
-    thinned = Thinned(names, ("value",))
+    thinned = MinMaxDecimation(names, ("value",))
     thinned.update(time, (np.stack(values),), float(time[-1] - time[0]))
     return thinned.curves()
 
