@@ -161,10 +161,3 @@ def test_units_do_not_count():
     sizes = 10.0 ** np.random.default_rng(9).integers(-3, 3, len(names))
     sizes[inertial(names)] = 1e-3
     assert base_of(1e6 * rows * sizes, names).independent == base.independent
-
-
-def test_no_rows_and_no_torque():
-    names = ("body.m", "body.mx")
-    assert base_of(np.zeros((4, 2)), names).rank == 0
-    assert base_of(np.zeros((4, 2)), names).invisible == (0, 1)
-    assert base_of(np.zeros((0, 2)), names).invisible == (0, 1)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from helpers.example_robots import path_of
 from helpers.possible_bodies import calibration, described
+from helpers.sampled import sampled
 from helpers.small_robots import joint, link, urdf
 
 from robodyn.checks.check import check_one
@@ -23,7 +24,7 @@ from robodyn.scene.parts import Payload
 from robodyn.scene.scene import Scene
 
 OURS = sorted((Path(__file__).parents[2] / "robots").glob("*.urdf"))
-REAL = ("ur10_robot", "panda", "solo12", "kinova", "talos_reduced")
+REAL = ("ur10_robot", "solo12")
 
 
 def assert_has(model, names, theta, tolerance=1e-12):
@@ -61,7 +62,7 @@ def outside(text):
     return b"".join(re.sub(rb"<(link[^>]*?)\s*/>", rb"<\1></link>", text).split())
 
 
-@pytest.mark.parametrize("path", [*OURS, *map(path_of, REAL)], ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", [*sampled(OURS, 6), *map(path_of, REAL)], ids=lambda path: path.stem)
 def test_it_reads_back(path):
     model = load(path)
     names, theta, wanted = calibration(model, 3)
@@ -72,7 +73,7 @@ def test_it_reads_back(path):
     assert outside(found.data) == outside(path.read_bytes())
 
 
-@pytest.mark.parametrize("path", [path_of("ur10_robot"), path_of("panda"), *OURS[:4]], ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", [path_of("ur10_robot"), *OURS[:2]], ids=lambda path: path.stem)
 def test_it_passes_the_check_as_before(path):
     model = load(path)
     names, theta, wanted = calibration(model, 4, 0.05)

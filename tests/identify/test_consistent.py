@@ -13,7 +13,7 @@ from helpers.small_robots import built, joint, link, random_tree
 
 import robodyn
 from robodyn.errors import InputError
-from robodyn.identification.parameters.consistent import BASIS, MARGIN, consistent_parameters, coordinates
+from robodyn.identification.parameters.consistent import MARGIN, consistent_parameters, coordinates
 from robodyn.identification.parameters.prior import (
     Prior,
     PriorBody,
@@ -82,24 +82,7 @@ def random_body(rng, scale=1.0):
     return parameters_of(np.einsum("k,ki,kj->ij", rng.uniform(0.1, 1.0, 8), x, x))
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_a_body_that_is_seen_whole_is_found(seed):
-    rng = np.random.default_rng(seed)
-    truth, prior, R = random_body(rng), random_body(rng), rng.normal(size=(12, 10))
-    found = consistent_parameters(R, R @ truth, one_body(R, prior))
-    assert np.abs(found.theta - truth).max() <= 1e-8 * np.abs(truth).max()
-
-
-def test_noise_free_torques_are_reproduced():
-    R, z, prior, truth = log(0.0)
-    found = consistent_parameters(R, z, prior)
-    assert np.linalg.norm(R @ (found.theta - truth)) <= 1e-5 * np.linalg.norm(z)
-    viscous = [k for k, name in enumerate(prior.names) if name.endswith(".viscous")]
-    assert np.abs(found.theta - truth)[viscous].max() <= 1e-6
-    assert_possible(found.theta, prior)
-
-
-@pytest.mark.parametrize("scale", [1e-9, 1e-4, 1e5, 1e9])
+@pytest.mark.parametrize("scale", [1e-9, 1e9])
 @pytest.mark.parametrize("size", [1e-3, 1e3])
 def test_units_and_magnitudes_do_not_matter(scale, size):
     """Masses times `scale` and lengths times `size` make the same bodies of the same data."""
@@ -114,8 +97,8 @@ def test_units_and_magnitudes_do_not_matter(scale, size):
         assert abs(other.error - plain.error) <= 1e-10 * (z @ z)
 
 
-@pytest.mark.parametrize("noise", [0.0, 0.05, 0.5])
-@pytest.mark.parametrize("strength", [0.0, 1e-8, 1e-4, 1.0, 1e4])
+@pytest.mark.parametrize("noise", [0.0, 0.5])
+@pytest.mark.parametrize("strength", [0.0, 1e-8, 1.0])
 def test_every_answer_is_possible_and_certain(noise, strength):
     R, z, prior, _ = log(noise, zero=("rotor",))
     found = consistent_parameters(R, z, prior, strength * (z @ z))
@@ -124,7 +107,7 @@ def test_every_answer_is_possible_and_certain(noise, strength):
     assert found.error == pytest.approx(0.5 * np.sum((R @ found.theta - z) ** 2), rel=1e-9)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(5))
 def test_descriptions_may_be_far_off(seed):
     """Thirty times too heavy or too light, three times too long or too short, with fewer rows than parameters."""
     rng = np.random.default_rng(seed)
@@ -139,7 +122,7 @@ def test_descriptions_may_be_far_off(seed):
     assert_possible(found.theta, known)
 
 
-@pytest.mark.parametrize("seed", [11, 126, 232, 361, *range(8)])
+@pytest.mark.parametrize("seed", [11, 126, 232, 361])
 def test_motions_that_show_little(seed):
     """Small motions of small robots, far from the description: one in a hundred of these stopped at a cone's border."""
     rng = np.random.default_rng(seed)
@@ -153,16 +136,6 @@ def test_motions_that_show_little(seed):
     R, z = factor[:, :-1], factor[:, -1]
     fit = consistent_parameters(R, z, prior, 10 ** rng.uniform(-9, -3) * float(z @ z))
     assert fit.gap < 1e-10 * float(z @ z)
-
-
-def test_more_strength_gives_less_divergence_and_more_error():
-    R, z, prior, _ = log(0.2)
-    fits = [consistent_parameters(R, z, prior, 10.0**k * (z @ z)) for k in range(-9, 4)]
-    errors, far = [fit.error for fit in fits], [sum(fit.divergence.values()) for fit in fits]
-    assert all(a <= b + 1e-10 * (z @ z) for a, b in pairwise(errors))
-    assert all(a >= b - 1e-9 * a for a, b in pairwise(far))
-    assert far[-1] <= 1e-6
-    assert errors[-1] > 2 * errors[0]
 
 
 def objective(theta, R, z, prior, strength):
@@ -330,5 +303,32 @@ def test_what_does_not_fit_is_refused(R, z, strength, what):
         consistent_parameters(R, z, prior, strength)
 
 
-def test_the_basis_is_orthonormal():
-    assert np.abs(np.einsum("aij,bij->ab", BASIS, BASIS) - np.eye(10)).max() <= 4 * np.finfo(float).eps
+EPS = np.finfo(float).eps
+
+
+def cloud(seed, points=6):
+    """Masses and places of a few points."""
+    rng = np.random.default_rng(seed)
+    return rng.uniform(0.1, 2.0, points), rng.normal(size=(points, 3))
+
+
+def test_of_a_cloud_of_points_it_is_the_integral():
+    m, x = cloud(1)
+    I = np.einsum(
+        "k,kij->ij", m, np.einsum("kd,kd->k", x, x)[:, None, None] * np.eye(3) - np.einsum("ki,kj->kij", x, x)
+    )
+    P = pseudo_inertia(np.array((m.sum(), *(m @ x), *I[np.triu_indices(3)])))
+    homogeneous = np.column_stack((x, np.ones(len(m))))
+    expected = np.einsum("k,ki,kj->ij", m, homogeneous, homogeneous)
+    assert np.abs(P - expected).max() <= 16 * EPS * np.abs(expected).max()
+
+
+def test_the_divergence_does_not_depend_on_axes_origin_or_units():
+    (m, x), (m0, x0) = cloud(2), cloud(3)
+    T = np.array(((1e3, 20.0, 0.0, 5.0), (0.0, 1e3, 7.0, 3.0), (0.0, 0.0, 1e3, 1.0), (0.0, 0.0, 0.0, 1e-2)))
+    P, P0 = (np.einsum("k,ki,kj->ij", a, *(np.column_stack((b, np.ones(len(a)))),) * 2) for a, b in ((m, x), (m0, x0)))
+    here, there = divergence(P, P0), divergence(T @ P @ T.T, T @ P0 @ T.T)
+    assert abs(here - there) <= 1e-9 * here
+    ratio = np.linalg.solve(P0, P)
+    assert abs(here - (np.trace(ratio) - np.linalg.slogdet(ratio)[1] - 4)) <= 1e-10 * here
+    assert abs(divergence(P0, P0)) <= 64 * EPS

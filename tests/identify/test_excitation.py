@@ -149,19 +149,6 @@ def test_standard_errors_are_those_of_many_fits():
     assert np.abs(spread / found.information.standard_errors - 1.0).max() < 0.06
 
 
-def test_what_is_said_of_the_information_is_that_of_the_rows():
-    model = robot("two_link_planar")
-    found = excite(model, noise={"elbow": 0.25}, **QUICK)
-    assert [each.noise for each in found.joints] == [1.2, 0.25]
-    weighted = robodyn.regressor(model, *found.motion[:, :-1]).Y[..., found.base.independent] / np.array(
-        [[1.2], [0.25]]
-    )
-    rows = weighted.reshape(-1, found.base.rank)
-    assert np.linalg.slogdet(rows.T @ rows)[1] == pytest.approx(found.information.log_determinant, abs=0.2)
-    unit = rows / np.linalg.norm(rows, axis=0)
-    assert np.linalg.cond(unit) == pytest.approx(found.information.condition, rel=0.05)
-
-
 def test_the_same_call_finds_the_same():
     model, one = planar()
     again, other = excite(model, **QUICK), excite(model, seed=1, **QUICK)
@@ -198,14 +185,6 @@ def test_without_gravity_and_with_a_payload():
     loaded = excite(model, heavy, **QUICK)
     check(loaded, model, heavy)
     assert loaded.values[0] > planar()[1].values[0]
-
-
-def test_acceleration_is_as_asked():
-    model = robot("two_link_planar")
-    found = excite(model, max_acceleration=3.0, **QUICK)
-    check(found, model)
-    assert max(each.acceleration for each in found.joints) <= 3.0
-    assert {each.acceleration_limit for each in found.joints} == {3.0}
 
 
 @pytest.mark.parametrize(

@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+import json
+import re
 from itertools import combinations
+from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.command_line import ROBOTS
+from helpers.command_line import ROBOTS, run
 from helpers.faulty_logs import Bench
+from helpers.random_faulty_logs import OTHERS, Draw
 
+from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.identification.faults.channels import channels, rerouted
 from robodyn.identification.faults.faults import OWN, ROTOR, explain
-from robodyn.identification.faults.noise import score_covariance, variance_of_sums, window_length
+from robodyn.identification.faults.noise import score_covariance
+from robodyn.robot.load import load
+from robodyn.scene.parts import Friction
+from robodyn.scene.scene import Scene
 
 JOINTS = {"gain": 1, "offset": 0, "viscous": 2, "coulomb": 1, "rotor": 0, "delay": 2, "payload": None}
 SIGMAS = 4.5
@@ -85,15 +93,6 @@ def test_noise_alone_tells_nothing(bench, kind):
     assert explain(bench.evidence(tau)).faults == ()
 
 
-def test_shares_add_up_to_what_is_explained(arm):
-    faults = of(arm, "coulomb", "viscous", "offset")
-    tau = arm.injected(faults) + arm.noise(np.random.default_rng(1), "white", 0.02)
-    found = explain(arm.evidence(tau))
-    total = sum(fault.shares for fault in found.faults)
-    left = (found.residual**2).sum(axis=0) / (found.difference**2).sum(axis=0)
-    np.testing.assert_allclose(total + left, 1.0, atol=2e-3)
-
-
 @pytest.mark.parametrize("faults", [(), ("coulomb",), ("gain", "payload")])
 def test_exchanged_torques_are_found(arm, faults):
     tau = arm.injected(of(arm, *faults)) + arm.noise(np.random.default_rng(2), "white")
@@ -123,24 +122,12 @@ def test_a_sign_is_told_by_friction_alone(bench):
     assert channels(bench.evidence(tau)).reversed == [5]
 
 
-@pytest.mark.parametrize("kinds", [*[(kind,) for kind in JOINTS], ("coulomb", "rotor"), ("gain", "offset")])
+@pytest.mark.parametrize("kinds", [("delay",), ("payload",), ("coulomb", "rotor"), ("gain", "offset")])
 def test_nothing_gross_is_found_where_nothing_is(arm, kinds):
     tau = arm.injected(of(arm, *kinds)) + arm.noise(np.random.default_rng(2), "red")
     right = channels(arm.evidence(tau))
     assert right.exchanged == []
     assert right.reversed == []
-
-
-def test_covariance_of_scores_in_closed_form():
-    """Of a column of ones and noise e(t) = w(t) + w(t - 1) it is 4 N var(w), of a column of alternating signs 0."""
-    rng = np.random.default_rng(0)
-    N = 20_000
-    white = rng.normal(size=N + 1)
-    noise = (white[1:] + white[:-1])[:, None]
-    columns = np.column_stack((np.ones(N), np.where(np.arange(N) % 2, 1.0, -1.0)))
-    found = score_covariance([columns], noise, [(0, 1)], 2) / N
-    np.testing.assert_allclose(found, [[4.0, 0.0], [0.0, 0.0]], atol=0.15)
-    assert window_length(noise) <= 6
 
 
 def test_noise_that_a_fit_took_is_given_back():
@@ -156,14 +143,6 @@ def test_noise_that_a_fit_took_is_given_back():
     without, given = np.mean(found, axis=0) / (10.0 * N)
     assert without < 0.65
     assert 0.9 < given < 1.05
-
-
-def test_variance_of_sums_in_closed_form():
-    """Bartlett's taper: products k apart count 1 - k / length."""
-    series = np.random.default_rng(0).normal(size=(300, 2))
-    products = [(series[k:] * series[: len(series) - k]).sum(axis=0) for k in range(5)]
-    expected = products[0] + 2.0 * sum((1.0 - k / 5.0) * each for k, each in enumerate(products[1:], start=1))
-    np.testing.assert_allclose(variance_of_sums(series, 5), expected, rtol=1e-12)
 
 
 def test_what_a_payload_may_explain_is_no_certain_rotor():
@@ -202,3 +181,79 @@ def test_intervals_hold_the_truth(bench, kind):
         errors = np.sqrt(np.diag(found.covariance))[told]
         inside.append(np.abs(found.theta - truth)[told] <= 1.96 * errors)
     assert 0.93 <= np.mean(np.concatenate(inside)) <= 0.97
+
+
+FAR = 4.5
+
+
+def judged(folder, seeds, **kinds):
+    return [Draw(seed, **kinds).judged(folder / "log.parquet") for seed in seeds]
+
+
+def test_a_few_logs_of_a_small_robot(tmp_path):
+    found = judged(tmp_path, range(9001, 9009), robots=("puma",), longest=8.0)
+    off = np.abs(np.concatenate([each.off + each.rest for each in found]))
+    assert off.max() < FAR
+    assert np.mean(off < 1.96) > 0.85
+    assert [each.missed for each in found] == [[]] * len(found)
+
+
+@pytest.mark.slow
+def test_intervals_hold_what_was_injected(tmp_path):
+    """Bounds are around what 240 logs of other seeds gave: 89 and 93 %, and 0.17 certain faults that are not there."""
+    found = judged(tmp_path, range(9100, 9160), robots=OTHERS, longest=30.0)
+    injected, rest = (np.abs(np.concatenate(each)) for each in ([f.off for f in found], [f.rest for f in found]))
+    assert 0.87 <= np.mean(injected < 1.96) <= 0.99
+    assert 0.91 <= np.mean(rest < 1.96) <= 0.97
+    assert sum(len(each.false) for each in found) <= 0.25 * len(found)
+    assert [each.missed for each in found] == [[]] * len(found)
+
+
+ROBOT = ROBOTS / "puma.urdf"
+
+
+def log_of(seed: int, file: Path) -> tuple[str, ...]:
+    """A log of an arm whose links have other inertias than the description has, and friction that it has not."""
+    rng = np.random.default_rng(seed)
+
+    def other(found: re.Match[str]) -> str:
+        return f'{found[1]}="{float(found[2]) * rng.uniform(0.4, 1.0):.9g}"'
+
+    text = re.sub(r'\b(ixx|iyy|izz)="([^"]+)"', other, ROBOT.read_text())
+    (file.parent / "true.urdf").write_text(text)
+    true = load(str(file.parent / "true.urdf"))
+    time = np.arange(0.0, 6.0, 0.004)
+    w, phase = rng.uniform(1.0, 6.0, (3, true.n)), rng.uniform(0.0, 6.0, (3, true.n))
+    angle = time[:, None, None] * w + phase
+    q, qd, qdd = (0.2 * x.sum(axis=1) for x in (np.sin(angle), w * np.cos(angle), -w * w * np.sin(angle)))
+    names = [joint.name for joint in true.independent]
+    scene = Scene(friction={names[0]: Friction(2.0, 1.0, -1.0)})
+    tau = inverse_dynamics(true, q, qd, qdd, scene=scene)
+    tau += 0.002 * np.abs(tau).max(axis=0) * rng.standard_normal(tau.shape)
+    head = ",".join(["time", *(f"{kind}_{name}" for kind in ("q", "qd", "qdd", "tau") for name in names)])
+    np.savetxt(file, np.column_stack((time, q, qd, qdd, tau)), delimiter=",", header=head, comments="")
+    return ("torques", str(ROBOT), str(file), "--measured")
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_what_is_told_is_possible_and_counts(seed: int, tmp_path: Path) -> None:
+    call = log_of(seed, tmp_path / "log.csv")
+    found = json.loads(run(*call, "--format", "json").out)
+    for fault in found["diagnosis"]:
+        if fault["kind"] in ("viscous", "coulomb", "rotor"):
+            assert all(each["value"] >= 0.0 for each in fault["parameters"])
+    said = run(*call).out.partition("What explains the difference\n")[2].partition("\n\n")[0].splitlines()
+    lines = [line for line in said if re.match(r"\d+\. ", line)]
+    told = [fault for fault in found["diagnosis"] if max(fault["explains"].values()) >= 0.02]
+    assert len(lines) == len(told) > 0
+    assert not any("inertia of -" in line or "friction of -" in line for line in said)
+
+
+def test_less_friction_than_a_scene_says_is_possible(tmp_path: Path) -> None:
+    call = log_of(0, tmp_path / "log.csv")
+    (tmp_path / "much.toml").write_text("[friction]\nwaist = { viscous = 6, coulomb = 1 }\n")
+    found = json.loads(run(*call, "--scene", str(tmp_path / "much.toml"), "--format", "json").out)
+    values = [
+        x["parameters"][0]["value"] for x in found["diagnosis"] if (x["kind"], x["joint"]) == ("viscous", "waist")
+    ]
+    assert values == [pytest.approx(-4.0, abs=1.0)]  # other inertias stand in its way

@@ -144,7 +144,7 @@ def test_springs_and_payloads_of_the_scene_are_known(tmp_path):
     assert found.scene.spring == scene.spring
 
 
-@pytest.mark.parametrize("factor", [1e-6, 1e6])
+@pytest.mark.parametrize("factor", [1e6])
 def test_units_do_not_count(factor, tmp_path):
     """Torques, masses and friction of a robot a million times as heavy, or as light."""
     scene = Scene(friction=friction(robodyn.load(SPATIAL), 0.5 * factor, 0.8 * factor, -0.6 * factor))

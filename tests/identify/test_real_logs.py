@@ -21,10 +21,20 @@ def identified(*arguments):
     return json.loads(run("identify", *arguments, "--format", "json").out)
 
 
-def test_tx40_second_half(tmp_path):
+HALF = ("--split", "0.5", "--cutoff", "40")
+
+
+@pytest.fixture(scope="module")
+def half(tmp_path_factory):
+    """What the first half of the log tells, and the files."""
+    folder = tmp_path_factory.mktemp("tx40")
+    urdf, scene = str(folder / "calibrated.urdf"), str(folder / "friction.toml")
+    return identified(*TX40, *HALF, "--out", urdf, "--scene-out", scene), urdf, scene
+
+
+def test_tx40_second_half(half):
     """Plain least squares have 12.83 % on the second half; every body can exist; motor 6 is found."""
-    out = tmp_path / "calibrated.urdf"
-    found = identified(*TX40, "--split", "0.5", "--cutoff", "40", "--out", str(out))
+    found, out, _ = half
     assert found["held_out"]["relative_error"] < 0.12
     assert found["train"]["relative_error"] < 0.083
     assert found["original"]["relative_error"] > 0.7
@@ -65,18 +75,16 @@ def test_ur10_last_forty_percent():
     assert found["consistent"]
 
 
-def test_tx40_files_reproduce_the_fit(tmp_path):
+def test_tx40_files_reproduce_the_fit(half):
     """The description and the scene that are written make the torques of the fit, and a fit can begin with them."""
-    urdf, scene = str(tmp_path / "calibrated.urdf"), str(tmp_path / "friction.toml")
-    options = ("--split", "0.5", "--cutoff", "40")
-    found = identified(*TX40, *options, "--out", urdf, "--scene-out", scene)
+    found, urdf, scene = half
     (motor,) = robodyn.load_scene(scene).coupled
     assert motor.joints == {"joint_5": 1.0, "joint_6": 1.0}
-    again = identified(urdf, TX40[1], *options, "--scene", scene)
+    again = identified(urdf, TX40[1], *HALF, "--scene", scene)
     for part in ("train", "held_out"):
         errors = again["original"][part]["relative_error"], found[part]["relative_error"]
         assert errors[0] == pytest.approx(errors[1], rel=1e-6)
-    bare = identified(urdf, TX40[1], *options)["original"]["held_out"]["relative_error"]
+    bare = identified(urdf, TX40[1], *HALF)["original"]["held_out"]["relative_error"]
     said = re.search(r"without it about (\d+) %", Path(urdf).read_text())
     assert said is not None
     assert float(said[1]) / 100.0 == pytest.approx(bare, abs=0.006)

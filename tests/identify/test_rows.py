@@ -9,7 +9,7 @@ from helpers.command_line import ROBOTS
 import robodyn
 from robodyn.errors import TrajectoryError
 from robodyn.identification.log.log import read_log
-from robodyn.identification.log.rows import convolved, decimation, filtered, kernel, rates, states
+from robodyn.identification.log.rows import convolved, filtered, kernel, rates, states
 from robodyn.identification.log.torques import noise_cutoff
 
 ARM = ROBOTS / "two_link_planar.urdf"
@@ -49,14 +49,6 @@ def test_derivatives_of_what_passes():
     for taps, values in zip(kernels, expected, strict=True):
         found = convolved(np.sin(w * time)[:, None], taps)[:, 0]
         np.testing.assert_allclose(found, values, atol=1.5e-4 * np.abs(values).max())
-
-
-def test_decimated_values_are_among_all():
-    values = np.random.default_rng(0).normal(size=(900, 3, 2))
-    taps = kernel(10.0, STEP)
-    every = decimation(10.0, STEP)
-    assert every == 10
-    np.testing.assert_allclose(convolved(values, taps, every), convolved(values, taps)[::every], atol=1e-14)
 
 
 @pytest.mark.parametrize("noise", [0.0, 1e-5])

@@ -189,6 +189,8 @@ class _Path:
         In variables u with V + dV = F (1 + dU) F^T, V = F F^T, and signed ones in parts of themselves, the second
         derivatives of barriers are multiples of the identity, and those of everything are rows^T rows.
         """
+        from scipy.linalg import solve_triangular
+
         n, curve = self.inner, self.lam + mu - _FLOOR
         F = np.linalg.cholesky(einsum("lk,kij->lij", self.y[:n].reshape(-1, 10), BASIS))
         S = np.swapaxes(coordinates(F[:, None] @ BASIS @ np.swapaxes(F, -1, -2)[:, None]), -1, -2)
@@ -211,9 +213,9 @@ class _Path:
                 np.full(len(self.slack), -np.sqrt(mu)),
             )
         )
-        Q, triangle = np.linalg.qr(rows)
-        along = Q.T @ off
-        u = -_solved(triangle, along)
+        triangle = np.asarray(np.linalg.qr(np.column_stack((rows, off)), mode="r"))
+        along = triangle[: len(self.y), -1]
+        u = -solve_triangular(triangle[: len(self.y), :-1], along)
         bends = np.linalg.eigvalsh(einsum("lk,kij->lij", u[:n].reshape(-1, 10), BASIS)).ravel()
         approach = nearing @ u
         smooth = np.concatenate((rows[: len(self.A)] @ u, root * unit * u[n:]))
@@ -225,12 +227,6 @@ class _Path:
         self.y = self.y + part * np.concatenate(((S @ u[:n].reshape(-1, 10, 1)).ravel(), unit * u[n:]))
         self.slack = self.slack * (1.0 + part * approach)
         return float(along @ along)
-
-
-def _solved(triangle: Floats, right: Floats) -> Floats:
-    from scipy.linalg import solve_triangular
-
-    return np.asarray(solve_triangular(triangle, right))
 
 
 def _least(slope: float, bend: float, weights: Floats, rates: Floats) -> float:
