@@ -63,56 +63,69 @@ GROUP_ROWS = 1 << 17
 _PART = 1 << 10
 
 
-class Format(ABC):
-    """A format of tables of `time` and named columns."""
+class Writer(ABC):
+    """What appends rows to a table of `time` and named columns, in one format; see `open_writer`."""
+
+    def __init__(self, path: str, names: Sequence[str], stream: BinaryIO) -> None:
+        self._path, self._names, self._stream = path, ("time", *names), stream
+
+    def write(self, time: Floats, columns: Floats) -> None:
+        """Append rows: time (N,) and columns (N, k) in the order of the names.
+
+        Raises:
+            InputError: the file cannot be written.
+            ValueError: the shapes do not fit the names.
+        """
+        if columns.shape != (len(time), len(self._names) - 1):
+            raise ValueError(f"columns {columns.shape} do not fit {len(self._names) - 1} names and {len(time)} times")
+        with cannot_be_written(self._path):
+            self.add(time, columns)
 
     @abstractmethod
-    def begin(self, stream: BinaryIO, names: Sequence[str]) -> None:
+    def begin(self) -> None:
         """Write what stands before the rows."""
 
     @abstractmethod
-    def add(self, stream: BinaryIO, time: Floats, columns: Floats) -> None:
+    def add(self, time: Floats, columns: Floats) -> None:
         """Write rows, or keep them."""
 
-    def end(self, stream: BinaryIO) -> None:  # noqa: B027
+    def end(self) -> None:  # noqa: B027
         """Write what is left, and what stands behind the rows."""
 
     def close(self) -> None:  # noqa: B027
         """Give back what is kept beside the stream, whether the table came to its end or not."""
 
 
-class CsvFormat(Format):
+class CsvWriter(Writer):
     """Comma-separated text with a header; through polars once the table is large."""
 
-    def __init__(self) -> None:
-        self._cells = 0
+    _cells = 0
 
-    def begin(self, stream: BinaryIO, names: Sequence[str]) -> None:
+    def begin(self) -> None:
         header = io.StringIO()
-        csv.writer(header, lineterminator="\n").writerow(names)
-        stream.write(header.getvalue().encode())
+        csv.writer(header, lineterminator="\n").writerow(self._names)
+        self._stream.write(header.getvalue().encode())
 
-    def add(self, stream: BinaryIO, time: Floats, columns: Floats) -> None:
+    def add(self, time: Floats, columns: Floats) -> None:
         values = _joined(time, columns)
         self._cells += values.size
-        stream.writelines(lines_fast(values) if self._cells > LARGE else [lines_plain(values)])
+        self._stream.writelines(lines_fast(values) if self._cells > LARGE else [lines_plain(values)])
 
 
-class ParquetFormat(Format):
+class ParquetWriter(Writer):
     """Parquet of float64 columns without nulls, compressed by zstd, a row group at a time."""
 
-    def __init__(self) -> None:
+    def begin(self) -> None:
+        import pyarrow as pa
+        from pyarrow import parquet
+
         self._parts: list[Floats] = []
         self._rows = 0
+        self._schema = pa.schema([pa.field(name, pa.float64(), nullable=False) for name in self._names])
+        sink = _Sink(self._stream)
+        self._arrow = parquet.ParquetWriter(sink, self._schema, compression="zstd", use_dictionary=False)
 
-    def begin(self, stream: BinaryIO, names: Sequence[str]) -> None:
-        import pyarrow as pa
-        from pyarrow.parquet import ParquetWriter
-
-        self._schema = pa.schema([pa.field(name, pa.float64(), nullable=False) for name in names])
-        self._writer = ParquetWriter(_Sink(stream), self._schema, compression="zstd", use_dictionary=False)
-
-    def add(self, stream: BinaryIO, time: Floats, columns: Floats) -> None:
+    def add(self, time: Floats, columns: Floats) -> None:
         self._parts.append(_joined(time, columns))
         self._rows += len(time)
         if self._rows >= GROUP_ROWS:
@@ -122,13 +135,13 @@ class ParquetFormat(Format):
         import pyarrow as pa
 
         columns = [pa.chunked_array([pa.array(part[:, i]) for part in self._parts]) for i in range(len(self._schema))]
-        self._writer.write_table(pa.Table.from_arrays(columns, schema=self._schema))
+        self._arrow.write_table(pa.Table.from_arrays(columns, schema=self._schema))
         self._parts, self._rows = [], 0
 
-    def end(self, stream: BinaryIO) -> None:
+    def end(self) -> None:
         if self._rows:
             self._write_group()
-        self._writer.close()
+        self._arrow.close()
 
 
 class _Sink(io.RawIOBase):
@@ -150,42 +163,37 @@ class _Sink(io.RawIOBase):
         return self._written
 
 
-class NpzFormat(Format):
+class NpzWriter(Writer):
     """One float64 array per column, as `numpy.savez` stores them.
 
     An array begins with its length and stands in one piece, so blocks wait in a temporary file, beside the table if
     that is a file, until the last one is there: on disk the table takes its size twice while it is written.
     """
 
-    def __init__(self) -> None:
-        self._waiting: Any = None
-        self._lengths: list[int] = []
+    _waiting: Any = None
 
-    def begin(self, stream: BinaryIO, names: Sequence[str]) -> None:
+    def begin(self) -> None:
         from tempfile import TemporaryFile
 
-        self._names = tuple(names)
-        folder = os.path.dirname(os.path.abspath(stream.name)) if os.path.isfile(stream.name) else None
+        self._lengths: list[int] = []
+        folder = os.path.dirname(os.path.abspath(self._stream.name)) if os.path.isfile(self._stream.name) else None
         self._waiting = TemporaryFile(dir=folder)  # noqa: SIM115
 
-    def add(self, stream: BinaryIO, time: Floats, columns: Floats) -> None:
+    def add(self, time: Floats, columns: Floats) -> None:
         for column in (time, *columns.T):
             self._waiting.write(np.ascontiguousarray(column).data)
         self._lengths.append(len(time))
 
-    def end(self, stream: BinaryIO) -> None:
+    def end(self) -> None:
         from zipfile import ZipFile
 
         self._waiting.flush()
         values = np.memmap(self._waiting, np.float64, "r") if any(self._lengths) else np.empty(0)
-        head = {
-            "descr": np.lib.format.dtype_to_descr(values.dtype),
-            "fortran_order": False,
-            "shape": (sum(self._lengths),),
-        }
-        with ZipFile(stream, "w") as archive:
+        kind, shape = np.lib.format.dtype_to_descr(values.dtype), (sum(self._lengths),)
+        with ZipFile(self._stream, "w") as archive:
             for i, name in enumerate(self._names):
                 with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                    head = {"descr": kind, "fortran_order": False, "shape": shape}
                     np.lib.format.write_array_header_1_0(member, head)
                     start = 0
                     for length in self._lengths:
@@ -206,30 +214,11 @@ def _joined(time: Floats, columns: Floats) -> Floats:
     return values.T
 
 
-FORMATS: dict[str, type[Format]] = {"csv": CsvFormat, "parquet": ParquetFormat, "npz": NpzFormat}
+FORMATS: dict[str, type[Writer]] = {"csv": CsvWriter, "parquet": ParquetWriter, "npz": NpzWriter}
 
 
-class Writer:
-    """What appends rows to a table of `time` and named columns; see `open_writer`."""
-
-    def __init__(self, path: str, names: Sequence[str], form: Format, stream: BinaryIO) -> None:
-        self._path, self._names, self._form, self._stream = path, ("time", *names), form, stream
-
-    def write(self, time: Floats, columns: Floats) -> None:
-        """Append rows: time (N,) and columns (N, k) in the order of the names.
-
-        Raises:
-            InputError: the file cannot be written.
-            ValueError: the shapes do not fit the names.
-        """
-        if columns.shape != (len(time), len(self._names) - 1):
-            raise ValueError(f"columns {columns.shape} do not fit {len(self._names) - 1} names and {len(time)} times")
-        with cannot_be_written(self._path):
-            self._form.add(self._stream, time, columns)
-
-
-def format_of(path: str | os.PathLike[str]) -> type[Format]:
-    """Return the format of a table by the suffix of its file, for what cannot be written to be said before long work.
+def format_of(path: str | os.PathLike[str]) -> type[Writer]:
+    """The format of a table by the suffix of its file, for what cannot be written to be said before long work.
 
     Raises:
         InputError: the suffix is not `.csv`, `.parquet` or `.npz`, or its library is not installed.
@@ -246,7 +235,7 @@ def format_of(path: str | os.PathLike[str]) -> type[Format]:
 
 
 def open_writer(path: str | os.PathLike[str], names: Sequence[str]) -> AbstractContextManager[Writer]:
-    """Return a context manager for a writer of `time` and these columns in the format of the suffix.
+    """A context manager for a writer of `time` and these columns in the format of the suffix.
 
     The file appears under its name, with all its rows, when the block of the `with` ends well (see `whole_file`). CSV
     is written as it comes, Parquet a row group at a time, .npz by way of a second temporary file.
@@ -258,18 +247,19 @@ def open_writer(path: str | os.PathLike[str], names: Sequence[str]) -> AbstractC
     twice = sorted({column for column in names if [*names, "time"].count(column) > 1})
     if twice:
         raise InputError(f"column {twice[0]!r} would be written twice", remedy="name each column once", file=name)
-    return _written(name, names, form())
+    return _written(name, names, form)
 
 
 @contextmanager
-def _written(path: str, names: Sequence[str], form: Format) -> Iterator[Writer]:
+def _written(path: str, names: Sequence[str], form: type[Writer]) -> Iterator[Writer]:
     with whole_file(path) as stream:
+        writer = form(path, names, stream)
         try:
             with cannot_be_written(path):
-                form.begin(stream, ("time", *names))
-            yield Writer(path, names, form, stream)
+                writer.begin()
+            yield writer
             with cannot_be_written(path):
-                form.end(stream)
+                writer.end()
         finally:
             with suppress(OSError):
-                form.close()
+                writer.close()

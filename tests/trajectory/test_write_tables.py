@@ -19,10 +19,10 @@ from hypothesis import strategies as st
 from robodyn.errors import InputError
 from robodyn.trajectory.columns.signals import Signal, Signals
 from robodyn.trajectory.reading import Reading
-from robodyn.trajectory.write import CsvFormat, NpzFormat, ParquetFormat, Writer, lines_fast, lines_plain, open_writer
+from robodyn.trajectory.write import CsvWriter, NpzWriter, ParquetWriter, Writer, lines_fast, lines_plain, open_writer
 
 SUFFIXES = ["csv", "parquet", "npz"]
-FORMATS = {"csv": CsvFormat, "parquet": ParquetFormat, "npz": NpzFormat}
+FORMATS = {"csv": CsvWriter, "parquet": ParquetWriter, "npz": NpzWriter}
 
 
 def fill(writer: Writer, blocks: int = 3) -> None:

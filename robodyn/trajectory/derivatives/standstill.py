@@ -42,7 +42,7 @@ _ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
 
 
 def resolution(quantum: float, noise: float, largest: float) -> float:
-    """Return within what positions that stand still are: a step of their grid, their noise, or rounding.
+    """Within what positions that stand still are: a step of their grid, their noise, or rounding.
 
     Args:
         quantum: step of the grid; noise: standard deviation; largest: magnitude.
@@ -52,7 +52,7 @@ def resolution(quantum: float, noise: float, largest: float) -> float:
 
 
 def slowest(band: float, spacing: float) -> float:
-    """Return the speed below which a motion cannot be told from standing still.
+    """The speed below which a motion cannot be told from standing still.
 
     Args:
         band: of `resolution`; spacing: of samples [s].
@@ -61,7 +61,7 @@ def slowest(band: float, spacing: float) -> float:
 
 
 def standing(positions: Floats, band: float, speeds: Floats | None = None, slight: float = 0.0) -> Flags:
-    """Return whether a joint stands still in each row.
+    """Whether a joint stands still in each row.
 
     It does in windows in which its positions stay within their resolution: of LONGEST rows, or of fewer where it
     leaves the place fast before and after, as where it stops between two moves; a slow motion does not, nor does a
@@ -103,7 +103,7 @@ def standing(positions: Floats, band: float, speeds: Floats | None = None, sligh
 
 
 def _left(high: Floats, low: Floats, length: int, band: float) -> Flags:
-    """Return of each window whether the joint leaves it within twice its length after it, or stays to the table's end.
+    """Of each window whether the joint leaves it within twice its length after it, or stays to the table's end.
 
     Args:
         high, low: of each window, by its first row.
@@ -142,7 +142,7 @@ class Standstill:
 
     @np.errstate(all="ignore")
     def stopped(self, samples: Trajectory) -> Trajectory:
-        """Return samples whose speeds are 0 where joints stand still.
+        """Samples whose speeds are 0 where joints stand still.
 
         Args:
             samples: a block with its neighbours, all velocities filled in.
@@ -186,7 +186,7 @@ class Standstill:
 
 
 def _flips(speeds: Floats, slight: float) -> bool:
-    """Return whether slight speeds change their sign twice among a few rows, as noise does."""
+    """Whether slight speeds change their sign twice among a few rows, as noise does."""
     rows = np.flatnonzero((speeds != 0.0) & (np.abs(speeds) <= slight))
     turns = rows[1:][(speeds[rows[1:]] > 0.0) != (speeds[rows[:-1]] > 0.0)]
     return bool((np.diff(turns) <= NEAR).any())
