@@ -73,7 +73,7 @@ def joint_motion(joint: Joint, q: Sequence[Scalar], qd: Sequence[Scalar], qdd: S
 
 
 def motions(model: Model, q: Sequence[Scalar], qd: Sequence[Scalar], qdd: Sequence[Scalar]) -> list[Motion]:
-    """Return the motion of every joint of the model; mimic joints move by `multiplier q + offset` of their master.
+    """Return the motion of every joint of the model; mimic joints move by `multiplier q + offset` of their leader.
 
     Args:
         q: nq scalars; qd, qdd: n scalars, in the model's order.

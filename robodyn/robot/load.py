@@ -2,7 +2,7 @@
 
 1. `urdf/sources` reads the bytes, `urdf/xacro` expands xacro files first.
 2. `urdf/document` makes elements of them, with their places and what is wrong as XML.
-3. `urdf/view` reads numbers and texts out of the elements, `urdf/strict_parts` raises what is wrong with them.
+3. `urdf/view` reads numbers and texts out of the elements, `urdf/strict` raises what is wrong with them.
 4. `urdf/description` puts links, joints and transmissions together, and `urdf/structure` sees that they are one tree.
 5. `assemble` (here) makes the `model`: fixed joints merged, mimic joints mapped, parents before children.
 
@@ -117,7 +117,7 @@ def _moments(inertial: Inertial, R: Floats, p: Floats) -> Inertia:
 
 
 def _notes(description: Description) -> tuple[str, ...]:
-    notes = [note.what for note in description.notes if note.kind == "warning"]
+    notes = [what for _, what in description.notes]
     for joint in description.joints:
         if joint.type in ("planar", "floating") and (joint.damping or joint.friction):
             notes.append(f'joint "{joint.name}" (line {joint.line}): a {joint.type} joint has no friction here')
@@ -204,14 +204,14 @@ def numbered(joints: list[Joint], description: Description) -> list[Joint]:
             coordinate, rate = coordinate + nq, rate + nv
     out = []
     for i, joint in enumerate(joints):
-        master, multiplier, offset = _master(i, joints, index)
+        leader, multiplier, offset = _leader(i, joints, index)
         geared = transmissions.get(joint.name)
         out.append(
             replace(
                 joint,
-                coordinate=places[master][0],
-                rate=places[master][1],
-                mimics=None if master == i else joints[master].name,
+                coordinate=places[leader][0],
+                rate=places[leader][1],
+                mimics=None if leader == i else joints[leader].name,
                 multiplier=multiplier,
                 offset=offset,
                 reduction=geared.reduction if geared else 1.0,
@@ -244,8 +244,8 @@ def _parts(described: DescribedJoint) -> list[str]:
     return [joint.name for joint in elementary(described, np.eye(3), np.zeros(3))]
 
 
-def _master(i: int, joints: list[Joint], index: dict[str, int]) -> tuple[int, float, float]:
-    """Return the independent joint that joint i follows in the end, and q_joint = multiplier q_master + offset."""
+def _leader(i: int, joints: list[Joint], index: dict[str, int]) -> tuple[int, float, float]:
+    """Return the independent joint that joint i follows in the end, and q_joint = multiplier q_leader + offset."""
     multiplier, offset = 1.0, 0.0
     while (followed := joints[i].mimics) is not None:
         multiplier, offset = multiplier * joints[i].multiplier, multiplier * joints[i].offset + offset

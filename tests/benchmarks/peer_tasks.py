@@ -1,7 +1,7 @@
 """Other libraries beside robodyn in one run: torques of gravity, inertia and Coriolis forces.
 
 The libraries are given links and joints alone, without shapes, friction, transmissions and mimicry: what mimics is a
-joint of its own to them, is moved as it must, and its torque is reflected onto its master here.
+joint of its own to them, is moved as it must, and its torque is reflected onto its leader here.
 """
 
 from __future__ import annotations

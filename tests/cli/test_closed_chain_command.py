@@ -124,7 +124,7 @@ LOOP = '[[loop]]\nname = "pin"\nlink = "rod"\npoint = [0.3, 0, 0]\nto = "slider"
 WRONG = {
     LOOP + LOOP: 'scene.toml: the scene: 2 loops and contacts have the name "pin"',
     LOOP.replace("rod", "bar"): "scene.toml: [[loop]] 'pin': the robot has no link 'bar'",
-    LOOP + 'kind = "hinge"': 'scene.toml: [[loop]] number 1: "axis" is missing',
+    LOOP + 'kind = "hinge"': 'scene.toml:1: [[loop]] number 1: "axis" is missing',
     LOOP + "to_point = [0, 0, 2]": 'loop "pin" does not close: it is open by ',
     LOOP + "to_point = [0, 0.1, 0]": 'loop "pin" cannot close: it misses by 0.1 m along y of slider, wherever the joi',
     LOOP + "[initial]\nq = { main = 3.2 }\n": '"rail" begins at -0.',

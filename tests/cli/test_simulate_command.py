@@ -103,7 +103,7 @@ WRONG = [
     ((), "[drive]\nelbw = {}", "scene.toml: [drive]: the robot has no joint 'elbw' that moves (did you mean 'elbow'?)"),
     ((), "[initial]\nq = { wrist = 1 }", "scene.toml: [initial] q: the robot has no coordinate 'wrist'"),
     ((), "[initial]\nq = { elbow = 4 }", '"elbow" begins at 4, beyond its limit of 3 (begin within the limits, or'),
-    ((), "[contact]\n", 'scene.toml: the scene: "contact" is not a list of tables (write [[contact]] above each)'),
+    ((), "[contact]\n", 'scene.toml:1: the scene: "contact" is not a list of tables (write [[contact]] above each)'),
     (
         *((), '[[wrench]]\nlink = "fore"\nforce = ["fx", 0, 0]'),
         "the scene names 'fx', columns of a table (give the table: --traj FILE)",

@@ -164,8 +164,8 @@ def _agrees(model, seed, scene=None):
 
 MIMICS = {
     "siblings": {4: (3, -1.5)},
-    "a follower beyond its master": {3: (1, 2.0)},
-    "a follower before its master": {2: (5, -0.7)},
+    "a follower beyond its leader": {3: (1, 2.0)},
+    "a follower before its leader": {2: (5, -0.7)},
     "three on one branch": {2: (1, 0.5), 5: (1, -2.0)},
     "branches that meet at the base": {4: (1, 1.0), 6: (1, -1.0), 7: (6, 3.0)},
     "pairs across each other": {3: (1, 0.8), 5: (2, -1.2), 7: (4, 2.0)},
@@ -181,8 +181,8 @@ def _mimicking(followers, moving_base=False):
     for k, parent in parents.items():
         more = '<dynamics damping="0.3" friction="0.2"/>'
         if k in followers:
-            master, ratio = followers[k]
-            more += f'<mimic joint="j{master}" multiplier="{numbers([ratio])}" offset="0.1"/>'
+            leader, ratio = followers[k]
+            more += f'<mimic joint="j{leader}" multiplier="{numbers([ratio])}" offset="0.1"/>'
         placed = {"axis": rng.normal(size=3), "xyz": rng.uniform(-1, 1, 3), "rpy": rng.uniform(-3, 3, 3)}
         parts.append(joint(f"j{k}", f"l{parent}", f"l{k}", ("revolute", "prismatic")[k % 2], **placed, more=more))
     return built(*parts, moving_base=moving_base)

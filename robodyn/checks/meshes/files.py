@@ -12,11 +12,11 @@ from pathlib import Path
 from robodyn.checks.context import STDIN, Context
 from robodyn.checks.meshes.facts import MeshFacts, facts_of
 from robodyn.checks.rule import Edit, Fault, Fix, Severity
+from robodyn.robot.urdf.document import unexpanded
 from robodyn.robot.urdf.elements import Span
 from robodyn.robot.urdf.numbers import value_span
 from robodyn.robot.urdf.packages import package_of
 from robodyn.robot.urdf.view import GeometryView, LinkView
-from robodyn.robot.urdf.xml_reader import unexpanded
 from robodyn.support.wording import count, shown_path
 
 

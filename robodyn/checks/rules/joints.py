@@ -7,12 +7,12 @@ from math import degrees, hypot
 from robodyn.checks.bodies.limit_units import of_numbers
 from robodyn.checks.examples import LIMIT, arm, longer_arm
 from robodyn.checks.rule import Context, Edit, Fault, Faults, Fix, Severity, rule
+from robodyn.robot.urdf.document import unexpanded
 from robodyn.robot.urdf.elements import Span
 from robodyn.robot.urdf.numbers import value_span
 from robodyn.robot.urdf.parts import WITH_AXIS, WITH_RANGE
 from robodyn.robot.urdf.structure import cycles
 from robodyn.robot.urdf.view import JointView
-from robodyn.robot.urdf.xml_reader import unexpanded
 from robodyn.support.wording import alternatives, listed, shown
 
 
@@ -154,8 +154,8 @@ def mimic_cycle(context: Context) -> Faults:
     In a cycle no joint has a position of its own. Some readers follow it for ever.
     """
     joints = context.view.joint
-    masters = {name: joint.mimic.joint for name, joint in joints.items() if joint.mimic is not None}
-    for cycle in cycles(masters):
+    leaders = {name: joint.mimic.joint for name, joint in joints.items() if joint.mimic is not None}
+    for cycle in cycles(leaders):
         first = min((joints[name] for name in cycle), key=lambda joint: joint.element.start)
         assert first.mimic is not None, "it follows a joint"
         what = "it mimics itself" if len(cycle) == 1 else f"joints mimic each other in a cycle: {listed(cycle)}"
@@ -197,10 +197,10 @@ def _reached(context: Context, joint: JointView) -> tuple[float, float] | None:
         return None
     multiplier, offset = joint.mimic.multiplier.or_default(1.0), joint.mimic.offset.or_default(0.0)
     followed = context.view.joint.get(joint.mimic.joint)
-    master = _range(followed)
-    if multiplier is None or offset is None or master is None or followed is None or followed.mimic is not None:
+    leader = _range(followed)
+    if multiplier is None or offset is None or leader is None or followed is None or followed.mimic is not None:
         return None
-    ends = sorted(multiplier[0] * end + offset[0] for end in master)
+    ends = sorted(multiplier[0] * end + offset[0] for end in leader)
     return ends[0], ends[1]
 
 

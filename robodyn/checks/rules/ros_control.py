@@ -8,11 +8,11 @@ from typing import NamedTuple
 
 from robodyn.checks.examples import LIMIT, a_joint, a_link, arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
+from robodyn.robot.urdf.document import unexpanded
 from robodyn.robot.urdf.elements import Element, Span
 from robodyn.robot.urdf.numbers import TEXT, numbers, value_span
 from robodyn.robot.urdf.parts import WITH_RANGE
 from robodyn.robot.urdf.view import JointView, Subject, View
-from robodyn.robot.urdf.xml_reader import unexpanded
 from robodyn.support.wording import alternatives, figure, shown, slip_of
 
 

@@ -9,10 +9,10 @@ from robodyn.checks.examples import INERTIA, arm, inertia, one_link
 from robodyn.checks.grammar import KINDS, Kind, own_elements
 from robodyn.checks.rule import Context, Edit, Fault, Faults, Fix, Severity, Stage, rule, text_faults
 from robodyn.checks.waivers import Waiver, waivers
+from robodyn.robot.urdf.document import unexpanded
 from robodyn.robot.urdf.elements import Element
 from robodyn.robot.urdf.numbers import numbers, value_span
 from robodyn.robot.urdf.view import Subject
-from robodyn.robot.urdf.xml_reader import unexpanded
 from robodyn.support.wording import alternatives, shown
 
 

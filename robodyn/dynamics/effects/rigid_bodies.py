@@ -103,9 +103,9 @@ class Payload(Effect):
 
 
 class Mimic(Effect):
-    """Mimic joints follow their master's coordinate, and their torques are reflected onto it."""
+    """Mimic joints follow their leader's coordinate, and their torques are reflected onto it."""
 
-    name, adds = "mimic", "nothing by itself: torques of a follower, times its multiplier, are part of its master's"
+    name, adds = "mimic", "nothing by itself: torques of a follower, times its multiplier, are part of its leader's"
 
     def why(self, model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
         names = [body.joint.name for body in model.bodies if body.joint.mimics is not None]

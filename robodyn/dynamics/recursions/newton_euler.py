@@ -113,7 +113,7 @@ def joint_torques(
     """Return the generalized force along every coordinate: tau = S^T (f, n) + what acts at the joint itself.
 
     Revolute `axis . n`, prismatic `axis . f`; a floating joint gives the moment in the body's axes and the force in the
-    parent's, which are dual to its rates. A mimic joint's torque is reflected onto its master by its multiplier.
+    parent's, which are dual to its rates. A mimic joint's torque is reflected onto its leader by its multiplier.
 
     Args:
         motions, reactions: as `newton_euler` takes and returns them.

@@ -30,7 +30,7 @@ from robodyn.support.floats import Floats, first_largest
 def coordinates_of(robot: Posed, at: State) -> tuple[Floats, Floats]:
     """q and qd of the joints where the bodies are as in `at`, whose places fulfil the joints' constraints.
 
-    A hinge's turn is the one nearest to that of `robot`; mimic joints are left to their masters.
+    A hinge's turn is the one nearest to that of `robot`; mimic joints are left to their leaders.
     """
     model, system = robot.model, robot.system
     qd = own_rates(model, system, product(stacked(system.free, at), flat_speeds(at)).tolist())

@@ -149,7 +149,7 @@ class Turn:
 
 @dataclass(frozen=True, eq=False)
 class Sum:
-    """A constant plus a weighted sum of other equations: how a mimic joint follows its master.
+    """A constant plus a weighted sum of other equations: how a mimic joint follows its leader.
 
     A multiplier acts through each of them, times its weight.
     """

@@ -52,14 +52,14 @@ def _joint(joint: Joint, anchors: Anchors, near: Scalar) -> Connection:
 
 
 def mimic_connections(model: Model, joints: Sequence[Connection]) -> Iterator[Connection]:
-    """For each joint that follows another, one equation: q_follower - multiplier q_master - offset = 0."""
+    """For each joint that follows another, one equation: q_follower - multiplier q_leader - offset = 0."""
     number = {body.joint.name: i for i, body in enumerate(model.bodies)}
     for i, body in enumerate(model.bodies):
         joint = body.joint
         if joint.mimics is None:
             continue
-        master: Equation = joints[number[joint.mimics]].free[0]
-        rule = Sum(((1.0, joints[i].free[0]), (-joint.multiplier, master)), -joint.offset)
+        leader: Equation = joints[number[joint.mimics]].free[0]
+        rule = Sum(((1.0, joints[i].free[0]), (-joint.multiplier, leader)), -joint.offset)
         name = f"{joint.name} follows {joint.mimics}"
         yield Connection(name, "mimic", i, body.parent, (("F" if joint.kind == "prismatic" else "M", rule),))
 

@@ -118,7 +118,7 @@ class FreeBodies:
 
     Attributes:
         q, qd, qdd: the state, in the model's order; gravity: m/s^2, in the ground's axes.
-        tau: (n,) along the coordinates, the drives of followers reflected onto their masters [N m or N].
+        tau: (n,) along the coordinates, the drives of followers reflected onto their leaders [N m or N].
         residual_force, residual_moment: the largest sum on any body, of the largest single force and moment on any.
     """
 

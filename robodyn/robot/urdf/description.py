@@ -1,4 +1,4 @@
-"""The strict reading of a URDF: what it says, in SI units, with every default on record."""
+"""The strict reading of a URDF: what it says, in SI units."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from robodyn.robot.urdf.packages import Search
 from robodyn.robot.urdf.parts import Description, Transmission
 from robodyn.robot.urdf.sources import content_of
 from robodyn.robot.urdf.strict import Strict
-from robodyn.robot.urdf.strict_parts import strict_joint, strict_link
 from robodyn.robot.urdf.structure import by_name, check_mimics, root_link
 from robodyn.robot.urdf.view import JointView, LinkView, View
 from robodyn.support.wording import shown
@@ -54,7 +53,7 @@ def read_description(document: Document, view: View | None = None) -> Descriptio
 
     Returns:
         The description, in the order of the file, lengths in metres, angles in radians, masses in kilograms. Each
-        default that was taken and each doubt (negative mass, axis that is no unit vector, ...) is one of its notes.
+        doubt (negative mass, axis that is no unit vector, ...) is one of its notes.
 
     Raises:
         DescriptionError: a name is missing, duplicate or refers to nothing; a number is missing, not finite or not a
@@ -65,13 +64,13 @@ def read_description(document: Document, view: View | None = None) -> Descriptio
     joint_elements = robot.findall("joint")
     link_views: Iterable[LinkView] = map(LinkView, robot.findall("link")) if view is None else view.links
     joint_views: Iterable[JointView] = map(JointView, joint_elements) if view is None else view.joints
-    links = by_name((strict_link(link, strict) for link in link_views), "link", strict)
-    joints = by_name((strict_joint(joint, strict) for joint in joint_views), "joint", strict)
+    links = by_name(map(strict.link, link_views), "link", strict)
+    joints = by_name(map(strict.joint, joint_views), "joint", strict)
     root = root_link(links, tuple(joints.values()), strict)
     check_mimics(joints, {e.values["name"]: m.line for e in joint_elements if (m := e.find("mimic"))}, strict)
     transmissions = (_transmission(element, joints, strict) for element in robot.findall("transmission"))
     driven = tuple(transmission for transmission in transmissions if transmission is not None)
-    notes = tuple(sorted(strict.notes, key=lambda note: note.line))
+    notes = tuple(sorted(strict.notes, key=lambda note: note[0]))
     parts = tuple(links.values()), tuple(joints.values()), driven
     return Description(name, document.file, *parts, root, notes, Search(document.file))
 
@@ -83,18 +82,16 @@ def _transmission(element: Element, joints: Collection[str], strict: Strict) -> 
     driven, actuators = element.findall("joint"), element.findall("actuator")
     if len(driven) != 1 or len(actuators) > 1:
         counts = f"{len(driven)} <joint> and {len(actuators)} <actuator>"
-        strict.warn(element.line, f"{owner} has {counts} and is left out: only one motor on one joint is understood")
+        strict.doubt(element.line, f"{owner} has {counts} and is left out: only one motor on one joint is understood")
         return None
     joint = driven[0].get("name")
     if joint is None or joint not in joints:
-        strict.warn(driven[0].line, f"{owner} names no joint of the robot and is left out: {shown(joint or '')}")
+        strict.doubt(driven[0].line, f"{owner} names no joint of the robot and is left out: {shown(joint or '')}")
         return None
     places = (*actuators, *driven, element)
     reduction = _value(places, _REDUCTIONS, owner, strict)
     if reduction == 0:
-        strict.warn(element.line, f"{owner} has the reduction 0: the rotor does not turn with the joint")
-    if reduction is None:
-        strict.default(element.line, f"{owner} has no <mechanicalReduction>: 1")
+        strict.doubt(element.line, f"{owner} has the reduction 0: the rotor does not turn with the joint")
     rotor_inertia = _value(places, _ROTOR_INERTIAS, owner, strict)
     return Transmission(name, joint, 1.0 if reduction is None else reduction, rotor_inertia, element.line)
 

@@ -1,21 +1,65 @@
 """The file as written: every element and attribute of a URDF, with its place, and everything that is wrong as XML.
 
-A file is parsed once, and what is wrong with it is data. `read` keeps all of that, as a linter wants it;
+A file is parsed once, by expat, and what is wrong with it is data. `read` keeps all of that, as a linter wants it;
 `read_document` is strict and raises the first.
 """
 
 from __future__ import annotations
 
 import os
+import re
+from collections.abc import Mapping
 from dataclasses import dataclass
+from xml.parsers import expat
 
 from robodyn.errors import DescriptionError
-from robodyn.robot.urdf.elements import Element, SourcePositions
+from robodyn.robot.urdf.elements import BOM, Element, SourcePositions, Span
 from robodyn.robot.urdf.sources import LONGEST, as_utf8, long_token, read_source
-from robodyn.robot.urdf.xml_reader import Reader, TextFault
+from robodyn.support.input_file import LFS_POINTER
+from robodyn.support.wording import shown
 
-_SHOWN = 200
+MAX_DEPTH = 200
+OWN_TAGS = frozenset({"link", "joint", "material", "transmission"})
+"""Elements of the robot whose content is URDF's; all others belong to other tools and are not read."""
+_RUN_XACRO = "name it FILE.xacro, and it is expanded first"
+_KEPT = 200
 """Bytes kept of a token that is too long."""
+_DOCTYPE = b"<!DOCTYPE"
+_NAMESPACES = {"drake": "http://drake.mit.edu"}
+_OTHER_FORMATS = {"sdf": "this is SDF; convert it to URDF", "mujoco": "this is MJCF; convert it to URDF"}
+_BINARY = "this is a binary file, not XML", "give a URDF file"
+_UNDEFINED_ENTITY, _INVALID_TOKEN = 11, 4
+"""Codes of expat."""
+_ENTITY = re.compile(rb"&(?!(?:amp|lt|gt|quot|apos|#\w+);)[^;]*;?")
+_REMEDIES = {
+    "duplicate attribute": "keep one of the two",
+    "junk after document element": "keep one <robot> and nothing after it",
+    "XML or text declaration not at start of entity": "nothing, not even a blank, may stand before <?xml",
+    "encoding specified in XML declaration is incorrect": "correct encoding=... in the first line",
+    "unknown encoding": "save it as UTF-8",
+    "undefined entity": "write & as &amp;",
+    "no element found": "the file may be cut off, or an end tag is missing",
+    "unclosed token": "the file may be cut off, or an end tag is missing",
+    "mismatched tag": "close every element in the order in which they were opened",
+    "not well-formed (invalid token)": "write & as &amp; and < as &lt;, and put values in quotes",
+}
+_NO_BREAK_SPACE = "\u00a0".encode()
+
+
+@dataclass(frozen=True, slots=True)
+class TextFault:
+    """Something wrong with the file as XML, which rule `code` reports; `syntax` if expat cannot read on behind it."""
+
+    code: str
+    at: Span
+    what: str
+    remedy: str
+    syntax: bool = False
+
+    def error(self, file: str) -> DescriptionError:
+        """Return what strict reading raises."""
+        what = f"malformed XML: {self.what}" if self.syntax else self.what
+        return DescriptionError(what, remedy=self.remedy, file=file, line=self.at.line)
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,10 +102,9 @@ def read_document(source: str | os.PathLike[str] | bytes, name: str | None = Non
         DescriptionError: the file cannot be read, is not XML or not URDF, has a document type, an undeclared
             prefix outside the extension elements, or is left over from xacro; with the line.
     """
-    file, original = read_source(source, name)
-    document = _parsed(file, *as_utf8(file, original))
+    document = read(source, name)
     if document.faults:
-        raise document.faults[0].error
+        raise document.faults[0].error(document.file)
     return document
 
 
@@ -76,30 +119,196 @@ def read(source: str | os.PathLike[str] | bytes, name: str | None = None) -> Doc
     """
     file, original = read_source(source, name)
     try:
-        data, transcoded = as_utf8(file, original)
-    except DescriptionError as error:
-        at, remedy = SourcePositions(original, "latin-1").span(0, 0), error.remedy or "save as UTF-8"
-        return Document(file, original, "latin-1", (TextFault("RD001", at, error.what, remedy, error),), None)
+        data, transcoded = as_utf8(original)
+    except UnicodeError as error:
+        at = SourcePositions(original, "latin-1").span(0, 0)
+        fault = TextFault("RD001", at, f"broken UTF-16: {error}", "save it as UTF-8")
+        return Document(file, original, "latin-1", (fault,), None)
     if (long := long_token(data)) is not None:
-        return _unread(file, data, *long)
-    return _parsed(file, data, transcoded)
+        start, end, kind = long
+        what = f"{kind} of {end - start} bytes; more than {LONGEST} from one tag to the next are not read"
+        seen = data[: min(start + _KEPT, end)]
+        at = SourcePositions(seen, "utf-8").span(start, len(seen))
+        return Document(
+            file, seen, "utf-8", (TextFault("RD001", at, what, "shorten it; no robot needs as much"),), None
+        )
+    reader = _Reader(file, data, "utf-8" if transcoded else None)
+    root = reader.run()
+    return Document(file, data, reader.positions.encoding, tuple(reader.faults), root)
 
 
-def _parsed(file: str, data: bytes, transcoded: bool) -> Document:
-    """Parse the text by expat, which fetches nothing: what declares entities ends the reading before any is expanded.
+def unexpanded(text: str) -> bool:
+    """Return whether there is an expression in it that xacro should have replaced."""
+    return "${" in text or "$(" in text
 
-    Method: one pass, no recursion.
+
+class _UnreadableError(Exception):
+    """Nothing after this place can be read."""
+
+
+class _Reader:
+    """One parse by expat, which fetches nothing: its events become elements and faults, in the order of the file.
+
+    What declares entities ends the reading before any is expanded. One pass, no recursion.
     """
-    reader = Reader(file, data, "utf-8" if transcoded else None)
-    root, encoding = reader.run(), reader.positions.encoding
-    return Document(file, data, encoding, tuple(reader.faults), root)
+
+    def __init__(self, file: str, data: bytes, encoding: str | None) -> None:
+        self.file = file
+        self.positions = SourcePositions(data, "utf-8")
+        self.faults: list[TextFault] = []
+        self._root: Element | None = None
+        self._stack: list[Element] = []
+        self._texts: list[list[str]] = []
+        self._needs_xacro = False
+        self._may_have_xacro = b"${" in data or b"$(" in data
+        self._parser = parser = expat.ParserCreate(encoding)
+        parser.buffer_text = True
+        parser.XmlDeclHandler = self._declare if encoding is None else None
+        parser.StartDoctypeDeclHandler = self._doctype
+        parser.StartElementHandler = self._start
+        parser.EndElementHandler = self._end
+        parser.CharacterDataHandler = self._text
+
+    def run(self) -> Element | None:
+        """Parse, and return the root if it is one that can be checked. Without a root there are faults."""
+        data = self.positions.data
+        if not data.removeprefix(BOM).strip():
+            self._add("RD001", 0, 0, "the file is empty", "give a URDF file")
+        elif data.startswith(LFS_POINTER):
+            what = "this is a pointer of Git LFS, not the description"
+            self._add("RD001", 0, len(LFS_POINTER), what, "git lfs pull fetches the description")
+        elif b"\0" in data[:2]:  # which expat would take for UTF-16, other than `as_utf8`
+            self._add("RD001", 0, 1, *_BINARY)
+        elif self._parse() and self._root is not None:
+            root = self._root
+            if root.tag != "robot":
+                remedy = "give a URDF file, whose root element is <robot>"
+                remedy = _RUN_XACRO if self.file.endswith(".xacro") else _OTHER_FORMATS.get(root.tag, remedy)
+                self._add("RD001", root.span.start, root.span.end, f"the root element is {_tag(root)}", remedy)
+            elif not self._needs_xacro:
+                return root
+        return None
+
+    def _parse(self) -> bool:
+        """Return whether the file could be read to its end."""
+        try:
+            self._parser.Parse(self.positions.data, True)
+        except _UnreadableError:
+            return False
+        except expat.ExpatError as error:
+            self._malformed(error.code)
+            return False
+        except (LookupError, ValueError) as error:
+            self.positions.encoding = "utf-8"  # in which excerpts are shown
+            self._add("RD001", 0, 0, f"the text cannot be decoded: {error}", "save it as UTF-8")
+            return False
+        return True
+
+    def _add(self, code: str, start: int, end: int, what: str, remedy: str, *, syntax: bool = False) -> None:
+        first = len(BOM) if self.positions.data.startswith(BOM) else 0
+        at = self.positions.span(max(start, first), max(end, first))
+        self.faults.append(TextFault(code, at, what, remedy, syntax))
+
+    def _malformed(self, code: int) -> None:
+        """Note why expat stopped, in better words than its own where there are any."""
+        data, start, text = self.positions.data, max(self._parser.ErrorByteIndex, 0), expat.ErrorString(code)
+        if "encoding" in text:
+            self.positions.encoding = "utf-8"
+        if code == _UNDEFINED_ENTITY:
+            entity = _ENTITY.search(data, start)
+            start, end = entity.span() if entity else (start, min(start + 1, len(data)))
+            self._add("RD002", start, end, "an entity that XML does not define", _REMEDIES[text], syntax=True)
+            return
+        remedy = _REMEDIES.get(text, "correct the XML")
+        inside = f" inside {_tag(self._stack[-1])} of line {self._stack[-1].line}" if self._stack else ""
+        if self._root is None and text not in _REMEDIES:
+            remedy = "the file must be XML with the root element <robot>"
+        if b"\0" in data:
+            (text, remedy), inside = _BINARY, ""
+        elif data.startswith(_NO_BREAK_SPACE, start):
+            text, remedy = "a non-breaking space (U+00A0)", "write a plain blank in its place"
+        elif code == _INVALID_TOKEN:
+            text, remedy = _invalid_token(data, start) or (text, remedy)
+        self._add("RD001", start, min(start + 1, len(data)), text + inside, remedy, syntax=b"\0" not in data)
+
+    def _declare(self, version: str, encoding: str | None, standalone: int) -> None:
+        if encoding is not None:
+            self.positions.encoding = encoding.lower()
+
+    def _doctype(self, name: str, system: str | None, public: str | None, has_declarations: int) -> None:
+        start = self.positions.data.rfind(_DOCTYPE, 0, self._parser.CurrentByteIndex + len(_DOCTYPE))
+        what = "a document type with declarations" if has_declarations else "a document type"
+        self._add("RD002", start, start + len(_DOCTYPE), f"{what} (<!DOCTYPE)", "delete it; URDF needs none")
+        if has_declarations:
+            raise _UnreadableError
+
+    def _start(self, tag: str, values: Mapping[str, str]) -> None:
+        parser, stack = self._parser, self._stack
+        element = Element(tag, values, parser.CurrentLineNumber, parser.CurrentByteIndex, self.positions)
+        if stack:
+            stack[-1].children.append(element)
+        else:
+            self._root = element
+        stack.append(element)
+        self._texts.append([])
+        if len(stack) > MAX_DEPTH:
+            what = f"elements are nested more than {MAX_DEPTH} deep"
+            self._add("RD001", element.start, element.start + 1, what, "URDF needs fewer than ten levels")
+            raise _UnreadableError
+        for name in (tag, *values):
+            if ":" in name:
+                self._check_prefix(element, name)
+        if self._may_have_xacro and not self._in_extension():
+            self._check_expressions(element)
+
+    def _end(self, tag: str) -> None:
+        self._stack.pop().text = "".join(self._texts.pop())
+
+    def _text(self, text: str) -> None:
+        self._texts[-1].append(text)
+
+    def _in_extension(self) -> bool:
+        """Return whether this is inside an element that is not URDF's own (gazebo, ...) and is therefore not read."""
+        return len(self._stack) > 2 and self._stack[1].tag not in OWN_TAGS
+
+    def _check_prefix(self, element: Element, name: str) -> None:
+        prefix = name.partition(":")[0]
+        if prefix == "xacro":
+            self._needs_xacro |= not self._in_extension()
+            code, what, remedy = "RD004", f"{shown(name)} is left over from xacro", _RUN_XACRO
+        else:
+            declared = prefix in ("xml", "xmlns") or any(f"xmlns:{prefix}" in outer.values for outer in self._stack)
+            if declared or self._in_extension():
+                return
+            code, what = "RD003", f"the prefix of {shown(name)} is not declared"
+            remedy = f'add xmlns:{prefix}="{_NAMESPACES.get(prefix, "...")}" to <robot>'
+        start = element.start + 1 if name == element.tag else element.attributes[name].span.start
+        self._add(code, start, start + len(name.encode()), what, remedy)
+
+    def _check_expressions(self, element: Element) -> None:
+        part = self._stack[1] if self._stack[1:] else None
+        name = None if part is None or part.tag not in OWN_TAGS else part.get("name")
+        owner = "" if part is None or not name else f"{part.tag} {shown(name)}: "
+        for attribute, value in element.values.items():
+            if unexpanded(value):
+                span = element.attributes[attribute].value_span
+                what = f"{owner}{attribute}={shown(value)} is left over from xacro"
+                self._add("RD004", span.start, span.end, what, _RUN_XACRO)
 
 
-def _unread(file: str, data: bytes, start: int, end: int, kind: str) -> Document:
-    """Return a file with a token that is too long: its data end soon after that has begun."""
-    what = f"{kind} of {end - start} bytes; more than {LONGEST} from one tag to the next are not read"
-    remedy = "shorten it; no robot needs as much"
-    seen = data[: min(start + _SHOWN, end)]
-    at = SourcePositions(seen, "utf-8").span(start, len(seen))
-    error = DescriptionError(what, remedy=remedy, file=file, line=at.line)
-    return Document(file, seen, "utf-8", (TextFault("RD001", at, what, remedy, error),), None)
+def _tag(element: Element) -> str:
+    return f"<{element.tag if len(element.tag) <= 60 else element.tag[:60] + '...'}>"
+
+
+def _invalid_token(data: bytes, start: int) -> tuple[str, str] | None:
+    """Return why expat takes what begins here for no token of XML, and the remedy, where that can be told."""
+    if data[start : start + 1] >= b"\x80":
+        try:
+            data[start : start + 4].decode()
+        except UnicodeDecodeError as error:
+            if error.start == 0:
+                what = f"the byte 0x{data[start]:02X} is not of a text in UTF-8"
+                return what, 'save the file as UTF-8, or name its encoding in <?xml version="1.0" encoding="..."?>'
+    if data[start - 2 : start] == b"--" and data.rfind(b"<!--", 0, start - 2) > data.rfind(b"-->", 0, start):
+        return "two hyphens in a comment, where only its end has them", "write one hyphen, or a blank between them"
+    return None

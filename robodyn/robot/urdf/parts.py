@@ -106,19 +106,11 @@ class Transmission:
 
 
 @dataclass(frozen=True, slots=True)
-class Note:
-    """A default that was taken for what the file leaves out, or a warning."""
-
-    line: int
-    what: str
-    kind: Literal["default", "warning"]
-
-
-@dataclass(frozen=True, slots=True)
 class Description:
-    """A robot: links and joints in the order of the file, forming one tree that hangs on the link `root`.
+    """A robot: links and joints in the order of the file, forming one tree with the root link `root`.
 
     Attributes:
+        notes: doubts, each with its line.
         search: where the files are that it names.
         data: the bytes that it was read from.
     """
@@ -129,7 +121,7 @@ class Description:
     joints: tuple[Joint, ...]
     transmissions: tuple[Transmission, ...]
     root: str
-    notes: tuple[Note, ...]
+    notes: tuple[tuple[int, str], ...]
     search: Search
     data: bytes = b""
 

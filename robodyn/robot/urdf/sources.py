@@ -69,7 +69,7 @@ def _existing(path: str) -> str:
     return "check the name" if os.path.isdir(folder) else "check the folder"
 
 
-def as_utf8(file: str, data: bytes) -> tuple[bytes, bool]:
+def as_utf8(data: bytes) -> tuple[bytes, bool]:
     """Return UTF-16 transcoded to UTF-8, everything else as it is; and whether it was transcoded."""
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
         encoding = "utf-16"
@@ -79,10 +79,7 @@ def as_utf8(file: str, data: bytes) -> tuple[bytes, bool]:
         encoding = "utf-16-be"
     else:
         return data, False
-    try:
-        return data.decode(encoding).encode(), True
-    except UnicodeError as error:
-        raise DescriptionError(f"broken UTF-16: {error}", remedy="save it as UTF-8", file=file, line=1) from None
+    return data.decode(encoding).encode(), True
 
 
 LONGEST = 1 << 21

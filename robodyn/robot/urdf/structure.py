@@ -1,4 +1,4 @@
-"""One tree: every link but the root hangs on exactly one joint, and mimic joints follow joints that lead somewhere."""
+"""One tree: every link but the root is the child of one joint, and each mimic joint has a leader in the end."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def root_link(links: Mapping[str, Link], joints: Sequence[Joint], strict: Strict
         first = min((above[link] for link in cycle), key=lambda joint: joint.line)
         start = cycle.index(first.parent)
         downward = [*cycle[start::-1], *cycle[:start:-1]]
-        what = f"links hang on each other in a cycle: {_round(downward)}"
+        what = f"links are children of each other in a cycle: {_round(downward)}"
         raise strict.error(first.line, what, "a URDF must be a tree")
     roots = [link for link in links if link not in above]
     if len(roots) > 1:
@@ -55,20 +55,20 @@ def root_link(links: Mapping[str, Link], joints: Sequence[Joint], strict: Strict
 
 def check_mimics(joints: Mapping[str, Joint], lines: Mapping[str, int], strict: Strict) -> None:
     """Check that mimic joints follow joints that lead somewhere; `lines` are those of the <mimic> elements."""
-    masters = {joint.name: joint.mimic.joint for joint in joints.values() if joint.mimic is not None}
-    for name, master in masters.items():
-        if master not in joints:
-            what = f"joint {shown(name)} mimics joint {shown(master)}, which does not exist"
-            raise strict.error(lines[name], what, alternatives(master, joints, "joints"))
-        if master == name:
+    leaders = {joint.name: joint.mimic.joint for joint in joints.values() if joint.mimic is not None}
+    for name, leader in leaders.items():
+        if leader not in joints:
+            what = f"joint {shown(name)} mimics joint {shown(leader)}, which does not exist"
+            raise strict.error(lines[name], what, alternatives(leader, joints, "joints"))
+        if leader == name:
             raise strict.error(lines[name], f"joint {shown(name)} mimics itself", "name another joint")
-    for cycle in cycles(masters):
+    for cycle in cycles(leaders):
         what = f"joints mimic each other in a cycle: {_round(cycle)}"
         raise strict.error(min(lines[name] for name in cycle), what, "let one of them be free")
 
 
 def _joint_above(links: Mapping[str, Link], joints: Iterable[Joint], strict: Strict) -> dict[str, Joint]:
-    """Return for each link but the roots the joint that it hangs on."""
+    """Return for each link but the roots the joint that it is a child of."""
     above: dict[str, Joint] = {}
     for joint in joints:
         for role, link in (("parent", joint.parent), ("child", joint.child)):
@@ -76,7 +76,7 @@ def _joint_above(links: Mapping[str, Link], joints: Iterable[Joint], strict: Str
                 raise _dangling(joint, role, link, links, strict)
         first = above.setdefault(joint.child, joint)
         if first is not joint:
-            what = f"link {shown(joint.child)} hangs on two joints: {shown(first.name)} (line {first.line})"
+            what = f"link {shown(joint.child)} is a child of two joints: {shown(first.name)} (line {first.line})"
             raise strict.error(joint.line, f"{what} and {shown(joint.name)}", "a link has one parent; remove one joint")
     return above
 

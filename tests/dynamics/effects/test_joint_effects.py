@@ -108,7 +108,7 @@ AT_FOLLOWER = [{"spring": Spring(2.0, -0.2)}, {"rotor": Rotor(5e-4, 12.0)}, {"fr
 
 @pytest.mark.parametrize("scene", AT_FOLLOWER, ids=lambda scene: next(iter(scene)))
 def test_at_a_mimic_joint_is_reflected_onto_its_master(scene):
-    """The follower moves by -2.5 q + 0.3; the work of its own torque is done by the master."""
+    """The follower moves by -2.5 q + 0.3; the work of its own torque is done by the leader."""
     model = busy_robot()
     (table, value), *_ = scene.items()
     rng = np.random.default_rng(2)

@@ -50,8 +50,8 @@ def explicit(free=False):
         I = spin.inertia * np.outer(a, a)
         name, moments = f"rotor {spin.joint.name}", I[np.triu_indices(3)]
         ratio = spin.gear * spin.joint.multiplier
-        master = spin.joint.mimics or spin.joint.name
-        mimic = f'<mimic joint="{master}" multiplier="{ratio!r}"/>'
+        leader = spin.joint.mimics or spin.joint.name
+        mimic = f'<mimic joint="{leader}" multiplier="{ratio!r}"/>'
         parts += [link(name, 0.0, inertia=moments), joint(f"spin {name}", spin.link, name, "continuous", a, more=mimic)]
         taken.append(robodyn.Payload(spin.link, 0.0, inertia=tuple(-moments)))
     scene = replace(BUSY_SCENE, rotor={}, payloads=(*BUSY_SCENE.payloads, *taken))

@@ -11,9 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.errors import DescriptionError
-from robodyn.robot.urdf.document import Document, read, read_document
+from robodyn.robot.urdf.document import MAX_DEPTH, Document, read, read_document
 from robodyn.robot.urdf.elements import Element, Span
-from robodyn.robot.urdf.xml_reader import MAX_DEPTH
 
 GAP = st.text(" \t\r\n", min_size=1, max_size=3)
 SPACE = st.text(" \t\r\n", max_size=2)
@@ -200,7 +199,7 @@ def test_one_parse_finds_every_fault_and_strict_reading_raises_the_first(text: s
     assert [fault.code for fault in faults] == codes
     with pytest.raises(DescriptionError) as caught:
         read_document(text.encode())
-    assert str(caught.value) == str(faults[0].error)
+    assert str(caught.value) == str(faults[0].error("<stdin>"))
 
 
 def test_a_file_without_faults_has_a_document_in_both_readings() -> None:
