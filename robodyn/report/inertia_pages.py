@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from robodyn.checks.check import Checked
     from robodyn.robot.masses.declared import LinkInertia, RobotInertia
     from robodyn.robot.masses.shapes import Comparison, Difference, LinkComparison, LinkShapes
-    from robodyn.robot.urdf.geometry import Shape
+    from robodyn.robot.urdf.description import Shape
     from robodyn.robot.urdf.parts import Description
     from robodyn.solids.mass_properties import Combination
     from robodyn.solids.mesh.tessellation import Bars, Tessellation

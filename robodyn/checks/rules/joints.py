@@ -7,11 +7,11 @@ from math import degrees, hypot
 from robodyn.checks.bodies.limit_units import of_numbers
 from robodyn.checks.examples import LIMIT, arm, longer_arm
 from robodyn.checks.rule import Context, Edit, Fault, Faults, Fix, Severity, rule
+from robodyn.robot.urdf.description import cycles
 from robodyn.robot.urdf.document import unexpanded
 from robodyn.robot.urdf.elements import Span
 from robodyn.robot.urdf.numbers import value_span
 from robodyn.robot.urdf.parts import WITH_AXIS, WITH_RANGE
-from robodyn.robot.urdf.structure import cycles
 from robodyn.robot.urdf.view import JointView
 from robodyn.support.wording import alternatives, listed, shown
 

@@ -15,7 +15,7 @@ from robodyn.programs.vectors import length, product
 from robodyn.robot.load import placement
 from robodyn.robot.masses.shapes import mesh_file
 from robodyn.robot.model import Model
-from robodyn.robot.urdf.geometry import Shape, link_shapes, missing_mesh
+from robodyn.robot.urdf.description import Shape, link_shapes, missing_mesh
 from robodyn.robot.urdf.parts import Description
 from robodyn.solids.inertia.laws import Inertia, inertia_matrix, parallel_axis, second_moments, symmetric
 from robodyn.solids.inertia.validity import Box, around, half_size

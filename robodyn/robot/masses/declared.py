@@ -10,7 +10,7 @@ from robodyn.programs.vectors import IDENTITY, ZERO
 from robodyn.robot.configuration import Values, beyond_limits, configuration, coordinates, link_poses
 from robodyn.robot.kinematics import Pose
 from robodyn.robot.load import assemble, placement
-from robodyn.robot.urdf.geometry import link_named
+from robodyn.robot.urdf.description import link_named
 from robodyn.robot.urdf.parts import Description, Link
 from robodyn.solids.inertia.laws import symmetric
 from robodyn.solids.inertia.properties import MassProperties, composite, from_inertia

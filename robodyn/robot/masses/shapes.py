@@ -16,7 +16,7 @@ from robodyn.robot.load import placement
 from robodyn.robot.masses.declared import LinkInertia, declared
 from robodyn.robot.masses.inertia_mistakes import Given
 from robodyn.robot.masses.mistake_posterior import Uniform, mistake_posterior
-from robodyn.robot.urdf.geometry import Shape, link_named, link_shapes, missing_mesh
+from robodyn.robot.urdf.description import Shape, link_named, link_shapes, missing_mesh
 from robodyn.robot.urdf.parts import Description, Inertial, Kind, Link, Vector
 from robodyn.solids.inertia.properties import MassProperties, composite
 from robodyn.solids.inertia.solids import SHAPES, WATER

@@ -1,24 +1,32 @@
-"""The strict reading of a URDF: what it says, in SI units."""
+"""The strict reading of a URDF: what it says, in SI units, checked to be one tree; and the shapes of its links."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Collection, Hashable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import islice
+from pathlib import Path
+from typing import TypeVar
 
+from robodyn.errors import DescriptionError, InputError
 from robodyn.robot.urdf.document import Document, read_document
 from robodyn.robot.urdf.elements import Element
 from robodyn.robot.urdf.numbers import TEXT, Numbers, numbers
-from robodyn.robot.urdf.packages import Search
-from robodyn.robot.urdf.parts import Description, Transmission
+from robodyn.robot.urdf.packages import Search, package_of
+from robodyn.robot.urdf.parts import Description, Geometry, Joint, Kind, Link, Transmission
 from robodyn.robot.urdf.sources import content_of
 from robodyn.robot.urdf.strict import Strict
-from robodyn.robot.urdf.structure import by_name, check_mimics, root_link
 from robodyn.robot.urdf.view import JointView, LinkView, View
-from robodyn.support.wording import shown
+from robodyn.support.wording import alternatives, listed, shown
 
 _REDUCTIONS = ("mechanicalReduction", "mechanical_reduction", "drake:gear_ratio")
 _ROTOR_INERTIAS = ("rotorInertia", "rotor_inertia", "motorInertia", "motor_inertia", "drake:rotor_inertia")
+_MOST_SHOWN = 6
+"""Names of a cycle."""
+
+N = TypeVar("N", Link, Joint)
+K = TypeVar("K", bound=Hashable)
 
 
 def load_description(
@@ -110,3 +118,150 @@ def _value(places: Collection[Element], tags: Collection[str], owner: str, stric
 def _number(element: Element) -> Numbers:
     """Return the number in the element's text, or in its attribute `value`, as Drake writes it."""
     return numbers(element, TEXT if element.get("value") is None else "value", 1)
+
+
+def by_name(parts: Iterable[N], kind: str, strict: Strict) -> dict[str, N]:
+    """Return the parts by name; no name may stand for two."""
+    named: dict[str, N] = {}
+    for part in parts:
+        first = named.setdefault(part.name, part)
+        if first is not part:
+            what = f"a second {kind} {shown(part.name)}, the first is in line {first.line}"
+            raise strict.error(part.line, what, "rename one of them")
+    return named
+
+
+def root_link(links: Mapping[str, Link], joints: Sequence[Joint], strict: Strict) -> str:
+    """Return the name of the one link without a parent, after checking that the joints make a tree of the links."""
+    if not links:
+        raise strict.error(1, "the robot has no links", "add a <link>")
+    above = _joint_above(links, joints, strict)
+    for cycle in cycles({child: joint.parent for child, joint in above.items()}):
+        first = min((above[link] for link in cycle), key=lambda joint: joint.line)
+        start = cycle.index(first.parent)
+        downward = [*cycle[start::-1], *cycle[:start:-1]]
+        what = f"links are children of each other in a cycle: {_round(downward)}"
+        raise strict.error(first.line, what, "a URDF must be a tree")
+    roots = [link for link in links if link not in above]
+    if len(roots) > 1:
+        what = f"{len(roots)} links have no parent: {listed(roots)}"
+        raise strict.error(links[roots[1]].line, what, "join them to one tree; a URDF has one root link")
+    return roots[0]
+
+
+def check_mimics(joints: Mapping[str, Joint], lines: Mapping[str, int], strict: Strict) -> None:
+    """Check that mimic joints follow joints that lead somewhere; `lines` are those of the <mimic> elements."""
+    leaders = {joint.name: joint.mimic.joint for joint in joints.values() if joint.mimic is not None}
+    for name, leader in leaders.items():
+        if leader not in joints:
+            what = f"joint {shown(name)} mimics joint {shown(leader)}, which does not exist"
+            raise strict.error(lines[name], what, alternatives(leader, joints, "joints"))
+        if leader == name:
+            raise strict.error(lines[name], f"joint {shown(name)} mimics itself", "name another joint")
+    for cycle in cycles(leaders):
+        what = f"joints mimic each other in a cycle: {_round(cycle)}"
+        raise strict.error(min(lines[name] for name in cycle), what, "let one of them be free")
+
+
+def _joint_above(links: Mapping[str, Link], joints: Iterable[Joint], strict: Strict) -> dict[str, Joint]:
+    """Return for each link but the roots the joint that it is a child of."""
+    above: dict[str, Joint] = {}
+    for joint in joints:
+        for role, link in (("parent", joint.parent), ("child", joint.child)):
+            if link not in links:
+                raise _dangling(joint, role, link, links, strict)
+        first = above.setdefault(joint.child, joint)
+        if first is not joint:
+            what = f"link {shown(joint.child)} is a child of two joints: {shown(first.name)} (line {first.line})"
+            raise strict.error(joint.line, f"{what} and {shown(joint.name)}", "a link has one parent; remove one joint")
+    return above
+
+
+def _dangling(joint: Joint, role: str, link: str, links: Collection[str], strict: Strict) -> Exception:
+    what = f"the {role} of joint {shown(joint.name)} is link {shown(link)}, which does not exist"
+    return strict.error(joint.line, what, alternatives(link, links, "links"))
+
+
+def cycles(successor: Mapping[K, K]) -> Iterator[list[K]]:
+    """Yield every cycle of a graph in which each node has at most one successor. Each node is visited twice at most."""
+    walk_of: dict[K, int] = {}
+    for walk, start in enumerate(successor):
+        node = start
+        while node in successor and node not in walk_of:
+            walk_of[node] = walk
+            node = successor[node]
+        if walk_of.get(node) == walk:
+            cycle = [node]
+            while (node := successor[node]) != cycle[0]:
+                cycle.append(node)
+            yield cycle
+
+
+def _round(cycle: Sequence[str]) -> str:
+    names = [shown(name) for name in islice(cycle, _MOST_SHOWN)]
+    if len(cycle) > _MOST_SHOWN:
+        names.append(f"... ({len(cycle)} in all)")
+    return " -> ".join([*names, names[0]])
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """A shape of a link.
+
+    Attributes:
+        geometry: as described: kind, pose, sizes, file name, scale, and the line.
+        path: the file of a mesh; None where it is not found, and of other shapes.
+    """
+
+    geometry: Geometry
+    path: Path | None = None
+
+    @property
+    def missing(self) -> bool:
+        """Whether this is a mesh without a file."""
+        return self.geometry.filename is not None and self.path is None
+
+
+def link_named(description: Description, name: str) -> Link:
+    """Return the link of this name.
+
+    Raises:
+        InputError: there is none.
+    """
+    links = {link.name: link for link in description.links}
+    if name not in links:
+        raise InputError(
+            f"there is no link {shown(name)}", remedy=alternatives(name, links, "links"), file=description.file
+        )
+    return links[name]
+
+
+def link_shapes(description: Description, link: str, kind: Kind | None = None) -> tuple[Shape, ...]:
+    """Return the shapes of a link in the order of the file.
+
+    Args:
+        kind: "visual" or "collision"; both if None.
+
+    Raises:
+        InputError: there is no such link.
+    """
+    find = description.search.find
+    return tuple(
+        Shape(geometry, None if geometry.filename is None else find(geometry.filename))
+        for geometry in link_named(description, link).geometries
+        if kind is None or geometry.kind == kind
+    )
+
+
+def missing_mesh(description: Description, geometry: Geometry) -> DescriptionError:
+    """Return the error of a mesh whose file is not found."""
+    name = geometry.filename or ""
+    package = package_of(name)
+    remedy = "names are relative to the description's folder"
+    if package is not None and package[0]:
+        remedy = f"--package-path DIR names the package {shown(package[0])} or the folder it is in"
+    elif "://" in name and not name.startswith("file://"):
+        remedy = "files are not fetched; save it beside the description"
+    return DescriptionError(
+        f"the mesh {shown(name)} is not found", remedy=remedy, file=description.file, line=geometry.line
+    )

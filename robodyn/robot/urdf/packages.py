@@ -75,12 +75,12 @@ class Search:
         """Return the folder of a package for those who ask for no file in it: the first with a package.xml, or the
         first."""
         found = [path for path in self.packages(name) if os.path.isdir(path)]
-        return next((path for path in found if _manifest(path) is not None), found[0] if found else None)
+        return next((path for path in found if package_name(path) is not None), found[0] if found else None)
 
     @property
     def home(self) -> Path | None:
         """The package that the description is in: the nearest folder above it with a package.xml."""
-        return next((path for path in self._above() if _manifest(path) is not None), None)
+        return next((path for path in self._above() if package_name(path) is not None), None)
 
     @property
     def knows_packages(self) -> bool:
@@ -107,10 +107,10 @@ class Search:
         for path in self._above():
             yield from _here(path, name)
         if self.home is not None:
-            yield from (path for path in _folders_in(self.home.parent) if _manifest(path) == name.encode())
+            yield from (path for path in _folders_in(self.home.parent) if package_name(path) == name)
         workspace = next((path for path in self._above() if path.name == "src" or (path / ".git").exists()), None)
         if workspace is not None:
-            yield from (path for path in _below(workspace, name) if _manifest(path) is not None)
+            yield from (path for path in _below(workspace, name) if package_name(path) is not None)
 
     def _above(self) -> Iterator[Path]:
         for folder in (*self.folders, *self._entered):
@@ -150,7 +150,7 @@ def _below(root: Path, name: str) -> Iterator[Path]:
     """Yield packages of this name below a folder, the nearest first; none is within another."""
     level, seen = [root], 0
     for _ in range(_DEEPEST):
-        level = [sub for folder in level if _manifest(folder) is None for sub in _folders_in(folder)]
+        level = [sub for folder in level if package_name(folder) is None for sub in _folders_in(folder)]
         seen += len(level)
         yield from (folder for folder in level if _is_package(folder, name))
         if seen > _MOST_FOLDERS:
@@ -167,14 +167,19 @@ def _folders_in(folder: Path) -> list[Path]:
 
 
 def _is_package(folder: Path, name: str) -> bool:
-    manifest = _manifest(folder)
-    return folder.name == name if manifest is None else manifest == name.encode()
+    manifest = package_name(folder)
+    return folder.name == name if manifest is None else manifest == name
 
 
-def _manifest(folder: Path) -> bytes | None:
+def package_name(folder: Path) -> str | None:
     """Return the name in the package.xml of a folder, empty where it says none; None without one."""
     try:
         found = _NAME.search(read_input(folder / _MANIFEST, _MOST_READ))
     except (OSError, ValueError):
         return None
-    return b"" if found is None else found[1]
+    return "" if found is None else found[1].decode(errors="replace")
+
+
+def home_of(folder: Path) -> Path | None:
+    """Return the package that a folder is in: the nearest above it with a package.xml."""
+    return next((path for path in (folder, *folder.parents) if package_name(path) is not None), None)

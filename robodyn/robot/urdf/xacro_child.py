@@ -1,7 +1,9 @@
 """What expands xacro files, in a process of its own: xacro, with expressions, files and variables that are bounded.
 
 xacro keeps what it is at in variables of its modules, prints, and computes expressions by Python's `eval`. So each file
-is expanded by a process of its own, in which others stand for some of xacro's functions.
+is expanded by a process of its own, in which others stand for some of xacro's functions. It copies elements as it
+expands macros, and forgets where they came from. So each gets an attribute when its file is parsed, which is copied
+with it, and is taken away again at the end.
 """
 
 from __future__ import annotations
@@ -16,13 +18,13 @@ from contextlib import redirect_stdout, suppress
 from io import StringIO
 from types import SimpleNamespace
 from typing import Any
+from xml.dom.expatbuilder import ExpatBuilderNS
 from xml.parsers import expat
 
 from robodyn.robot.urdf.packages import VARIABLES
 from robodyn.robot.urdf.xacro_expressions import Evaluator
-from robodyn.robot.urdf.xacro_places import Places
 from robodyn.robot.urdf.xacro_reach import Reach
-from robodyn.robot.urdf.xacro_values import MOST_ITEMS, MOST_TEXT, RefusedError
+from robodyn.robot.urdf.xacro_values import ADDRESS, MOST_ITEMS, RefusedError, checked
 
 MEMORY = 1 << 30
 """Bytes that an expansion may take, where the system can bound them."""
@@ -34,6 +36,9 @@ _LONGEST = 500
 """Characters of what is said of an error, which may quote the file."""
 _DEEPEST = 3_000
 """Calls within each other, of which a macro within another takes about eight."""
+
+_MARK = "robodyn-place"
+_PREFIX = "xacro:"
 
 
 def serve() -> None:
@@ -85,6 +90,8 @@ def answer(
             document = xacro.process_file(path, mappings=given)
             places = marks.taken(document.documentElement)
             text = document.toprettyxml(indent="  ")
+        if not trusted and ADDRESS.search(text):
+            raise RefusedError("the address of a function")
         if len(text) > MOST_OUTPUT:
             raise RefusedError(f"an expansion of more than {MOST_OUTPUT} characters")
     except (Exception, SystemExit) as error:
@@ -197,8 +204,8 @@ class _Bounded:
         self._depth += 1
         try:
             value = self._eval_text(text, symbols)
-            if isinstance(value, str) and len(value) > MOST_TEXT:
-                raise RefusedError(f"a text of more than {MOST_TEXT} characters")
+            if isinstance(value, str):
+                checked(value)
         except BaseException:
             self._failed = self._failed if self._failed is not None else text
             raise
@@ -312,3 +319,63 @@ class _Arguments(dict[str, Any]):
     def __getitem__(self, name: str) -> Any:
         self.known[name] = None
         return super().__getitem__(name)
+
+
+class Places:
+    """What stands in for xacro's parser: `parse`, and what it has noted.
+
+    Args:
+        read: returns the bytes of a file.
+        parse: xacro's own, for what is no file, and for what is said of one that cannot be read.
+
+    Attributes:
+        files: those that were parsed.
+        sources: their bytes.
+    """
+
+    def __init__(self, read: Callable[[str], bytes], parse: Callable[..., Any]) -> None:
+        self._read, self._parse = read, parse
+        self.files: list[str] = []
+        self.sources: dict[str, bytes] = {}
+
+    def parse(self, given: Any, filename: str | None = None) -> Any:
+        """Return the document of a file, with marks."""
+        if given is not None or filename is None:
+            return self._parse(given, filename)
+        try:
+            data = self._read(filename)
+        except OSError:
+            return self._parse(None, filename)
+        self.files.append(os.path.abspath(filename))
+        self.sources[self.files[-1]] = data
+        return _Marking(len(self.files) - 1).parseString(data)
+
+    def taken(self, root: Any) -> list[tuple[int, int]]:
+        """Return the file and the byte of each element in their order, and take the marks away."""
+        places: list[tuple[int, int]] = []
+        waiting = [(root, (0, 0))]
+        while waiting:
+            element, around = waiting.pop()
+            mark = element.getAttribute(_MARK)
+            if mark:
+                element.removeAttribute(_MARK)
+                number, _, start = mark.partition(" ")
+                around = int(number), int(start)
+            places.append(around)
+            inner = [child for child in element.childNodes if child.nodeType == child.ELEMENT_NODE]
+            waiting += [(child, around) for child in reversed(inner)]
+        return places
+
+
+class _Marking(ExpatBuilderNS):
+    """Python's builder of documents, which marks each element but xacro's own."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__()
+        self._number = number
+
+    def start_element_handler(self, name: str, attributes: Any) -> None:
+        super().start_element_handler(name, attributes)
+        element: Any = self.curNode
+        if not element.tagName.startswith(_PREFIX):
+            element.setAttribute(_MARK, f"{self._number} {self.getParser().CurrentByteIndex}")

@@ -8,12 +8,11 @@ import os
 import re
 import stat
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
-from robodyn.robot.urdf.packages import VARIABLES, Search
+from robodyn.robot.urdf.packages import VARIABLES, Search, home_of, package_name
 from robodyn.robot.urdf.xacro_values import RefusedError
 from robodyn.support.input_file import read_input
 from robodyn.support.wording import shown, shown_path
@@ -26,7 +25,6 @@ MOST_YAML = 1 << 20
 """Of a file of YAML, of which Python reads a megabyte in some seconds."""
 _PACKAGE = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.+-]*")
 _MANIFEST = "package.xml"
-_LONGEST_MANIFEST = 1 << 16
 
 
 class Reach:
@@ -49,12 +47,12 @@ class Reach:
     ) -> None:
         self._search = Search(file, tuple(package_paths))
         self._arguments, self._trusted = arguments, trusted
-        homes = [_home(folder.absolute()) or folder for folder in self._search.folders]
+        homes = [home_of(folder.absolute()) or folder for folder in self._search.folders]
         above = [str(home) for home in homes if os.path.realpath(home) != os.path.realpath(os.sep)]
         named = [value for value in arguments.values() if os.path.isabs(value) and os.path.isfile(value)]
         roots = [file, *above, *package_paths, *named]
         self._roots = set(map(os.path.realpath, roots))
-        self._names = {name for name in map(_name, homes) if name}
+        self._names = {name for name in map(package_name, homes) if name}
         self._read = 0
 
     def read(self, path: str, most: int = MOST_BYTES) -> bytes:
@@ -99,7 +97,7 @@ class Reach:
             raise LookupError(f"the package {shown(name)} is not found")
         folder = os.path.realpath(found)
         if not self._trusted and not self._within(folder):
-            if _name(found) is None:
+            if package_name(found) is None:
                 what = f"taking {shown_path(folder)}, without a {_MANIFEST}, for the package {shown(name)}"
                 raise RefusedError(what, _NAMED)
             self._roots.add(folder)
@@ -124,8 +122,8 @@ class Reach:
         real = os.path.realpath(path or os.curdir)
         if self._trusted or self._within(real):
             return
-        home = _home(Path(real).parent)
-        if home is not None and _name(home) in self._names and _shows(str(home), real):
+        home = home_of(Path(real).parent)
+        if home is not None and package_name(home) in self._names and _shows(str(home), real):
             return
         leads = "" if real == os.path.abspath(path) else f", which leads to {shown_path(real)}"
         within = any(Path(real).is_relative_to(root) for root in self._roots)
@@ -143,18 +141,3 @@ def _shows(root: str, real: str) -> bool:
     """Return whether a file is a folder, or below it without a name that begins with a dot on the way."""
     inner = Path(real)
     return inner.is_relative_to(root) and not any(part.startswith(".") for part in inner.relative_to(root).parts)
-
-
-def _home(folder: Path) -> Path | None:
-    """Return the package that a folder is in."""
-    return next((path for path in (folder, *folder.parents) if (path / _MANIFEST).is_file()), None)
-
-
-def _name(folder: Path) -> str | None:
-    """Return the name that the package.xml of a folder says; None without one."""
-    if not (folder / _MANIFEST).is_file():
-        return None
-    with suppress(OSError):
-        found = re.search(rb"<name>\s*([^<]*?)\s*</name>", read_input(folder / _MANIFEST, _LONGEST_MANIFEST))
-        return "" if found is None else found[1].decode(errors="replace")
-    return None

@@ -20,6 +20,9 @@ _WIDEST = 1_000
 DOTTED = "YamlDictWrapper"
 """xacro's type of dictionaries whose items are attributes as well."""
 
+ADDRESS = re.compile(r"(?:<|&lt;)[^<>]{0,200} at 0x[0-9a-fA-F]")
+"""What Python writes of an object that has no text of its own: another one in each process."""
+
 
 class RefusedError(Exception):
     """Something asks for what no description needs, or for too much of it.
@@ -64,6 +67,8 @@ def measured(value: Any) -> int:
         inner: list[Any] = []
         if isinstance(one, str):
             text += len(one)
+            if ADDRESS.search(one):
+                raise RefusedError("the address of a function")
         elif isinstance(one, (bytes, bytearray)):
             raise RefusedError("binary data")
         elif isinstance(one, int):
@@ -184,8 +189,9 @@ def _multiple(*values: Any) -> int:
 _ITERATORS = (enumerate, zip, reversed)
 PLAIN: list[tuple[Any, Callable[..., Any]]] = [
     *((each, each) for each in (list, dict, tuple, set, frozenset, len, str, float, int, bool, complex, slice, repr)),
-    *((each, each) for each in (abs, all, any, divmod, hash, isinstance, issubclass, ord)),
+    *((each, each) for each in (abs, all, any, divmod, isinstance, issubclass, ord)),
     *((each, lambda *given, _each=each, **named: list(_each(*given, **named))) for each in _ITERATORS),
+    (hash, lambda value: hash(value) if checked(repr(value)) else 0),
     (range, _counted),
     (round, _rounded),
     (sum, _total),

@@ -11,8 +11,7 @@ import yourdfpy
 from helpers.example_robots import path_of
 
 from robodyn.errors import InputError
-from robodyn.robot.urdf.description import load_description
-from robodyn.robot.urdf.geometry import link_shapes, missing_mesh
+from robodyn.robot.urdf.description import link_shapes, load_description, missing_mesh
 from robodyn.robot.urdf.packages import VARIABLES, Search
 
 ROBOTS = Path(__file__).parents[3] / "robots"

@@ -102,6 +102,15 @@ def test_fails_with_one_line(folder: Path, name: str) -> None:
     assert FAILED[name] in refusal(f"{name}.xacro")
 
 
+@pytest.mark.parametrize(
+    "expression",
+    ["a${xacro.load_yaml}", "${f}", "${python.repr(f)}", "${'%.30s' % [f]}", "${python.hash(f)}"],
+)
+def test_no_address_comes_out(folder: Path, expression: str) -> None:
+    own = written(folder, f'<xacro:property name="f" value="${{xacro.load_yaml}}"/>\n<link name="{expression}"/>')
+    assert "the address of a function is refused" in refusal(own.name)
+
+
 def test_mappings_that_are_merged_stay_small(folder: Path) -> None:
     """Newer versions of PyYAML merge each key once; in older ones there would be 9**9."""
     try:
