@@ -32,7 +32,7 @@ def subjects(stem: str, code: str) -> set[str]:
     return {finding.subject.name for finding in named(stem) if finding.code == code and finding.subject}
 
 
-@pytest.mark.parametrize("path", sampled(PATHS), ids=name_of)
+@pytest.mark.parametrize("path", sampled(PATHS, 16), ids=name_of)
 def test_every_file_is_read_and_each_finding_has_a_place(path: Path) -> None:
     for finding in found(path):
         assert finding.file == str(path) or finding.file.endswith(".srdf")
