@@ -138,6 +138,8 @@ class Misfits:
 ENTRIES = 2_000_000
 """Of J in one piece of a block: some 50 MB of work."""
 
+ROUNDING = 1e-12
+"""Of the largest sum of terms in a sample: what is smaller is what rounding leaves of a rate that is 0."""
 BACK = 1e-4
 """Ratio of `pseudo_inverse` where a row that is not reached is one at which what follows turns back."""
 
@@ -287,9 +289,9 @@ class Follow:
             inverse, ratio = pseudo_inverse(own)
             self._watch(time, ratio, own, first_row)
             change = -einsum("ndm,nmg->ndg", inverse, others)
-            part.qd[:, branch.followed] = einsum("ndg,ng->nd", change, part.qd[:, branch.given])
+            part.qd[:, branch.followed] = _times(change, part.qd[:, branch.given])
             right = equations.bias(part.q, part.qd) + einsum("nmg,ng->nm", others, part.qdd[:, branch.given])
-            part.qdd[:, branch.followed] = -einsum("ndm,nm->nd", inverse, right)
+            part.qdd[:, branch.followed] = -_times(inverse, right)
             for bar in part.bars:
                 squares = einsum("ndg,ng->nd", change**2, bar[:, branch.given] ** 2)
                 bar[:, branch.followed] = np.sqrt(squares)
@@ -306,6 +308,12 @@ class Follow:
             times = np.append(self._time, time)
             self._crossed += [float(0.5 * (times[k] + times[k + 1])) for k in np.flatnonzero(signs[1:] != signs[:-1])]
             self._sign, self._time = float(sign[-1]), float(time[-1])
+
+
+def _times(A: Floats, x: Floats) -> Floats:
+    """Return A x of each sample; what rounding leaves of nothing beside the largest sum of its terms is 0."""
+    found, terms = einsum("nij,nj->ni", A, x), einsum("nij,nj->ni", np.abs(A), np.abs(x))
+    return np.where(np.abs(found) <= ROUNDING * terms.max(axis=1, keepdims=True, initial=0.0), 0.0, found)
 
 
 def _where(row: int, time: float) -> str:
