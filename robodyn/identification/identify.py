@@ -1,4 +1,12 @@
-"""Logs -> a description that explains them: the door to this package."""
+"""Parameters of bodies and motors that explain logs: what `robodyn identify` finds.
+
+1. `log/log.py` reads logs; `log/rows.py` puts motion and torques through one filter.
+2. `passes.py` goes over them: a first fit, what is wrong with the logs (`faults/`), rows of all columns.
+3. `parameters/regressor_columns.py` has the columns, `parameters/qr_accumulation.py` keeps their triangular factors.
+4. `model_selection.py` chooses coupled motors, breakaway, friction under load, the strength of the prior.
+5. `parameters/consistent.py` fits bodies that can exist, `parameters/base.py` the base parameters.
+6. `summary.py` tells errors, intervals and warnings; `result.py` holds what was found, `calibrated.py` writes it.
+"""
 
 from __future__ import annotations
 

@@ -41,21 +41,15 @@ STRENGTHS = (0.01, 0.1, 1.0, 10.0, 100.0, 1000.0)
 """Of the prior, in units of one standard deviation, that are compared."""
 
 
-def joint_motors(model: Model, largest: Floats) -> list[Motor]:
-    """Return the motor of every joint; `largest` (n,) is its largest speed."""
-    axes = np.eye(model.n)
-    return [
-        Motor(name, axes[j], float(largest[j]), tuple(part * float(largest[j]) for part in SPEEDS if largest[j]))
-        for j, name in enumerate(model.rates)
-    ]
+def joint_motors(model: Model) -> list[Motor]:
+    """The motor of every joint."""
+    return [Motor(name, axis, 0.0) for name, axis in zip(model.rates, np.eye(model.n), strict=True)]
 
 
 def scene_motors(model: Model, scene: Scene) -> list[Motor]:
-    """Return the coupled motors of a scene."""
-    return [
-        Motor(motor.name, np.array([motor.joints.get(name, 0.0) for name in model.rates]), 0.0)
-        for motor in scene.coupled
-    ]
+    """The coupled motors of a scene."""
+    turns = ((motor.name, [motor.joints.get(name, 0.0) for name in model.rates]) for motor in scene.coupled)
+    return [Motor(name, np.array(direction), 0.0) for name, direction in turns]
 
 
 def coupled_motors(model: Model, measured: Sequence[int], known: Sequence[Motor]) -> list[Motor]:

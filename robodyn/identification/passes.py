@@ -85,7 +85,7 @@ def begun(logs: Sequence[Log], validate: Sequence[Log], scene: Scene, split: flo
     cutoff = min(log.cutoff for log in every) if cutoff is None else cutoff
     check_files(every, cutoff)
     known = scene_motors(model, scene)
-    candidates = [*joint_motors(model, np.zeros(model.n)), *known, *coupled_motors(model, measured, known)]
+    candidates = [*joint_motors(model), *known, *coupled_motors(model, measured, known)]
     largest = np.zeros(len(candidates))
     slip = scene.slip_speed
     for log in every:
@@ -97,13 +97,11 @@ def begun(logs: Sequence[Log], validate: Sequence[Log], scene: Scene, split: flo
             slip = max(slip, _SLOW * float(top[: model.n].max()), _NOISE * _speed_noise(log, cutoff))
         largest = np.maximum(largest, top)
     if largest[: model.n].max() <= max(RESTS, 2.0 * slip if slip != scene.slip_speed else 0.0):
-        what = "; ".join(
-            (
-                "no joint moves: the log shows nothing of masses and friction",
-                *(caveat.text for caveat in every[0].caveats),
-            )
+        why = (
+            "no joint moves: the log shows nothing of masses and friction",
+            *(each.text for each in every[0].caveats),
         )
-        raise InputError(what, remedy="log an exciting motion, see robodyn excite", file=every[0].path)
+        raise InputError("; ".join(why), remedy="log an exciting motion, see robodyn excite", file=every[0].path)
     motors = {each.name: with_speeds(each, float(top), slip) for each, top in zip(candidates, largest, strict=True)}
     ends = [log.start + (log.stop - log.start) * split * np.arange(1, FOLDS + 1) / FOLDS for log in logs]
     edges = (*(tuple(each.tolist()) for each in ends), *((-np.inf,) * FOLDS for _ in validate))

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
 
 from robodyn.dynamics.regressor import INERTIAL
 from robodyn.identification.log.rows import kernel
-from robodyn.identification.parameters.prior import Prior, PriorBody, pseudo_inertia
+from robodyn.identification.parameters.prior import Prior, pseudo_inertia
 from robodyn.identification.parameters.qr_accumulation import Gathered
 from robodyn.identification.parameters.structure import Structure, counts, least_squares, squares, without_one
 from robodyn.identification.passes import FOLDS, RESTS, First, Run
@@ -27,11 +27,9 @@ _RANK, _ALIKE = 1e-8, 0.35
 
 
 def _errors(run: Run, off: Floats, of: Floats) -> Errors:
-    """Return relative errors of sums of squares by joint."""
-    joints = {
-        run.model.rates[j]: _ratio(*pair) for j, *pair in zip(run.measured, off.tolist(), of.tolist(), strict=True)
-    }
-    return Errors(_ratio(float(off.sum()), float(of.sum())), joints)
+    """Relative errors of sums of squares by joint."""
+    rates = [run.model.rates[j] for j in run.measured]
+    return Errors(_ratio(off.sum(), of.sum()), dict(zip(rates, map(_ratio, off, of), strict=True)))
 
 
 def _ratio(off: float, of: float) -> float:
@@ -93,7 +91,7 @@ def identified(
         strength=chosen,
         cutoff=run.cutoff,
         slip_speed=run.slip_speed,
-        consistent=_possible(shown, theta),
+        consistent=all(np.linalg.eigvalsh(pseudo_inertia(theta[body.columns])).min() > 0.0 for body in shown),
         unseen=tuple(body.name for body in prior.bodies if body not in shown),
         rows=int(counts(plain, range(FOLDS + 1)).sum()),
         samples=sum(log.samples for log in run.logs),
@@ -107,7 +105,9 @@ def identified(
             *(_worse(fitted_errors[0], held[0], errors([FOLDS])[2]) if held[0] else ()),
             *left.words([run.model.rates[j] for j in run.measured]),
             *alike,
-            *_warnings(run, prior, first.coupled, (fitted_errors[0], fitted_errors[1]), held[0] is not None),
+            *_assumed(run, first.coupled, *fitted_errors[:2]),
+            *(() if held[0] else ("nothing is held out: the errors are of what was fitted",)),
+            *prior.notes,
             *_offsets(motors),
             _GAIN,
         ),
@@ -148,11 +148,6 @@ def _told_by_description(structure: Structure, theta: Floats) -> Floats:
     return np.array([found[name] for name in structure.names])
 
 
-def _possible(bodies: Sequence[PriorBody], theta: Floats) -> bool:
-    """Return whether the pseudo-inertia of every body that is shown is positive definite."""
-    return all(np.linalg.eigvalsh(pseudo_inertia(theta[body.columns])).min() > 0.0 for body in bodies)
-
-
 def _offsets(motors: Mapping[str, MotorFit]) -> Iterator[str]:
     """Yield a warning for each motor with an offset that is no friction."""
     for name, fit in motors.items():
@@ -182,29 +177,22 @@ def like_weight(structure: Structure, R: Floats) -> list[str]:
     return [f"{what}: an offset of the sensor may be taken for mass"]
 
 
-def _warnings(
-    run: Run, prior: Prior, ratios: dict[str, float], off: tuple[Errors, Errors], held: bool
-) -> tuple[str, ...]:
-    """Return what was assumed and what cannot be told, a line each."""
-    lines = [f"{log.path}: {note}" for log in run.logs for note in log.notes]
-    names = run.model.rates
+def _assumed(run: Run, ratios: Mapping[str, float], fitted: Errors, bound: Errors) -> Iterator[str]:
+    """Yield what was assumed and what cannot be told, a line each."""
+    yield from (f"{log.path}: {note}" for log in run.logs for note in log.notes)
     still = {name for log in run.logs for name in log.held}
-    resting = [name for name in names if run.directions[name].scale <= RESTS and name not in still]
-    lines += [f"joint {name} rests: nothing is shown of its friction" for name in resting]
+    for name in run.model.rates:
+        if run.directions[name].scale <= RESTS and name not in still:
+            yield f"joint {name} rests: nothing is shown of its friction"
     if still:
-        lines.append("no interval counts what bodies and friction are of joints that the log has not")
+        yield "no interval counts what bodies and friction are of joints that the log has not"
     for name, part in ratios.items():
-        lines.append(
-            f"a motor that turns with {name} explains {100.0 * (1.0 - part):.0f} % of what is left of both joints"
+        yield f"a motor that turns with {name} explains {100.0 * (1.0 - part):.0f} % of what is left of both joints"
+    if fitted.relative_error > _COSTLY * bound.relative_error + _SMALL:
+        yield (
+            f"least squares fit {100.0 * bound.relative_error:.2f}%, bodies and motors that can exist no better than "
+            f"{100.0 * fitted.relative_error:.2f}%: an effect is missing, or a torque has the wrong sign or joint"
         )
-    if off[0].relative_error > _COSTLY * off[1].relative_error + _SMALL:
-        lines.append(
-            f"least squares fit {100.0 * off[1].relative_error:.2f}%, bodies and motors that can exist no better than "
-            f"{100.0 * off[0].relative_error:.2f}%: an effect is missing, or a torque has the wrong sign or joint"
-        )
-    if not held:
-        lines.append("nothing is held out: the errors are of what was fitted")
-    return (*lines, *prior.notes)
 
 
 _ABSORBED = 3.0
@@ -253,7 +241,8 @@ def misfit(run: Run, structure: Structure, plain: Gathered, weighted: Gathered, 
     for fold, (R, z) in enumerate(without_one(weighted, folds, structure, sigma)):
         parts.append((fold, least_squares(R, z)))
     off, least = [], np.zeros(len(sigma))
-    noise = _noise(run)
+    passed = [np.linalg.norm(kernel(run.cutoff, log.step)) * log.loud for log in run.logs]
+    noise = np.min(passed, axis=0)[list(run.measured)]
     for fold, values in (*parts, (FOLDS, theta)):
         rows = counts(plain, [fold])
         if rows.all():
@@ -263,9 +252,3 @@ def misfit(run: Run, structure: Structure, plain: Gathered, weighted: Gathered, 
     size = np.sqrt(plain.squares.sum(axis=0) / np.maximum(counts(plain, range(FOLDS + 1)), 1.0))
     deviation = np.hypot(_ABSORBED * np.sqrt(np.maximum(left**2 - least**2, 0.0)), _LEAST * size)
     return Misfit(left, noise, deviation)
-
-
-def _noise(run: Run) -> Floats:
-    """Return (joints,) the standard deviation of filtered noise, of the log with least."""
-    passed = [np.linalg.norm(kernel(run.cutoff, log.step)) * log.loud for log in run.logs]
-    return np.asarray(np.min(passed, axis=0)[list(run.measured)])

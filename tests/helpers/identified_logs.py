@@ -79,7 +79,7 @@ class Bench:
         self.rng = np.random.default_rng(seed)
         self.taps, self.every = kernel(self.CUTOFF, self.STEP), decimation(self.CUTOFF, self.STEP)
         self.model, joints = model, range(model.n)
-        self.regressor = RegressorColumns(model, DEFAULT, joints, joint_motors(model, np.zeros(model.n)), 0.0)
+        self.regressor = RegressorColumns(model, DEFAULT, joints, joint_motors(model), 0.0)
         self.structure = Structure(self.regressor, dict.fromkeys(joints, PLAIN))
         self.theta = self._truth()
         self.columns = self.filtered(motion)

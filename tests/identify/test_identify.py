@@ -171,7 +171,7 @@ def test_what_is_kept_does_not_grow(tmp_path):
         path = tmp_path / f"{count}.csv"
         time = 0.01 * np.arange(count)
         model, _, _ = logged(path, SPATIAL, waves, DEFAULT, np.random.default_rng(6), noise=0.01, time=time)
-        regressor = RegressorColumns(model, DEFAULT, range(model.n), joint_motors(model, np.ones(model.n)), 0.0)
+        regressor = RegressorColumns(model, DEFAULT, range(model.n), joint_motors(model), 0.0)
         guess = Guess(regressor, np.zeros(len(regressor.names)), np.ones(model.n))
         plain, weighted = Gathered(2, regressor), Gathered(2, regressor)
         gather(read_log(str(path), model), 2.0, regressor, (count / 200,), plain, weighted, guess)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -133,7 +133,10 @@ def read_log(path: str, model: Model, scene: Scene = DEFAULT, *, cutoff: float |
             scan.add(block)
         notes, derived = reader.notes, bool(reader.missing)
     derive = derived and options.get("derivatives", "auto") == "auto"
-    noise = _noise(scan.seen[0]) if derive else 0.0
+    noise = 0.0
+    if derive:
+        first = scan.seen[0]
+        noise = max(estimate([(first.time[:_NOISE], *[q[:_NOISE, None]] * 2)]).sigma for q in first.q.T)
     if noise:
         options["derivatives"] = "none"
     measured, constant = scan.measured(path)
@@ -152,8 +155,7 @@ def read_log(path: str, model: Model, scene: Scene = DEFAULT, *, cutoff: float |
         ),
         *(f"the torque of {model.rates[i]} is {tau[0, i]:.6g} throughout: it is left out" for i in constant),
         *(f"the torque of {model.rates[i]} has spikes, which are left out" for i in measured if spikes[i] < np.inf),
-        *(_clipped(model.rates[i], tau[:, i], clipped[:, i]) for i in measured if np.isfinite(clipped[:, i]).any()),
-        *_in_steps([(model.rates[i], tau[:, i]) for i in measured]),
+        *_of_torques({model.rates[i]: (tau[:, i], clipped[:, i]) for i in measured}),
     )
     return Log(
         path=path,
@@ -179,25 +181,18 @@ def read_log(path: str, model: Model, scene: Scene = DEFAULT, *, cutoff: float |
     )
 
 
-def _clipped(name: str, tau: Floats, ends: Floats) -> str:
-    share = 100.0 * float(np.mean((tau <= ends[0]) | (tau >= ends[1])))
-    where = " and ".join(f"{end:.4g}" for end in ends if np.isfinite(end))
-    return (
-        f"the torque of {name} stands at {where} in {share:.2g} % of the rows, as if it were clipped: they are left out"
-    )
-
-
-def _in_steps(torques: Sequence[tuple[str, Floats]]) -> list[str]:
-    """Return a line if torques have few values."""
-    coarse = [f"{each:.3g} ({name})" for name, tau in torques if (each := step_of(tau)) > _COARSE * np.ptp(tau)]
-    return [f"torques are in steps of {', '.join(coarse)}: what is smaller cannot be told"] if coarse else []
-
-
-def _noise(block: Trajectory) -> float:
-    """Return the standard deviation of the noise of the noisiest position, as the first rows tell."""
-    rows = slice(0, _NOISE)
-    time, q = block.time[rows], block.q[rows]
-    return max(estimate([(time, column, column)]).sigma for column in np.split(q, q.shape[1], axis=1))
+def _of_torques(torques: Mapping[str, tuple[Floats, Floats]]) -> Iterator[str]:
+    """Yield lines on torques that are clipped between ends, or come in steps."""
+    coarse = []
+    for name, (tau, ends) in torques.items():
+        if np.isfinite(ends).any():
+            share = 100.0 * float(np.mean((tau <= ends[0]) | (tau >= ends[1])))
+            what = f"the torque of {name} stands at {' and '.join(f'{end:.4g}' for end in ends if np.isfinite(end))}"
+            yield f"{what} in {share:.2g} % of the rows, as if it were clipped: they are left out"
+        if (step := step_of(tau)) > _COARSE * np.ptp(tau):
+            coarse.append(f"{step:.3g} ({name})")
+    if coarse:
+        yield f"torques are in steps of {', '.join(coarse)}: what is smaller cannot be told"
 
 
 GAP = 4.5
