@@ -52,11 +52,11 @@ def test_links_alike_are_weighed_and_their_moments_found_once(count: Callable[[A
     """Of nine links of two kinds, which differ in the mass."""
     bodies._verdict.cache_clear()
     masses.principal_moments.cache_clear()
-    count(masses, "eigen")
+    count(masses.np.linalg, "eigvalsh")
     counts = count(bodies, "mistake_posterior")
     check_one(chain(9, lambda k: 2.0 + k % 2), Options(select=("ALL",)))
     assert counts["mistake_posterior"] == 2
-    assert counts["eigen"] <= 2
+    assert counts["eigvalsh"] <= 3
 
 
 def test_a_shape_is_put_along_its_link_once(count: Callable[[Any, str], Counter[str]]) -> None:

@@ -10,9 +10,7 @@ import numpy as np
 from robodyn.checks.context import Context
 from robodyn.programs.vectors import arctan2, length, product, rotation_about, skew
 from robodyn.robot.model import Body, Joint, Model
-from robodyn.solids.inertia.laws import about_centre
 from robodyn.support.floats import Floats, first_largest
-from robodyn.support.sums import einsum
 
 
 @dataclass(frozen=True, eq=False)
@@ -360,8 +358,8 @@ def reflected_inertias(context: Context) -> tuple[tuple[Joint, float], ...]:
 def inverse_of_definite(M: Floats) -> Floats | None:
     """Return the inverse of a symmetric positive definite matrix; None where it is not.
 
-    Method: the sweep operator, Gauss-Jordan in place. LAPACK's threads wait for each other on a busy machine, where
-    they take a hundred times as long.
+    Method: the sweep operator, Gauss-Jordan in place: links of next to no inertia leave only rounding of some entries,
+    which is printed, and is the same everywhere so.
 
     Accuracy: 1e-12 of the largest entry times the condition number.
     """
@@ -379,7 +377,7 @@ def inverse_of_definite(M: Floats) -> Floats | None:
 
 
 def joint_space_inertia(model: Model, q: Floats) -> Floats:
-    """Return M(q) = sum of m J_v^T J_v + J_w^T I_c J_w over the bodies, with rotor inertias on the diagonal.
+    """M(q) = sum of m J_v^T J_v + J_w^T I_c J_w over the bodies, with rotor inertias on the diagonal.
 
     For one pose this is ready long before the recursion of `robodyn.mass_matrix` is traced.
 
@@ -388,53 +386,27 @@ def joint_space_inertia(model: Model, q: Floats) -> Floats:
 
     Accuracy: 1e-12 of the largest entry.
     """
-    count, n = len(model.bodies), model.n
-    R, p = np.zeros((count, 3, 3)), np.zeros((count, 3))
-    axes, spin, slide = np.zeros((count, 3)), np.zeros(count), np.zeros(count)
-    M = np.zeros((n, n))
-    for i, body in enumerate(model.bodies):
-        joint, above = body.joint, body.parent
-        R0, p0 = (R[above], p[above]) if above >= 0 else (np.eye(3), np.zeros(3))
-        R[i], p[i] = product(R0, joint.R), p0 + product(R0, joint.p)
-        axes[i] = product(R[i], joint.axis)
+    M = np.zeros((model.n, model.n))
+    placed: list[tuple[Floats, Floats, Floats]] = []
+    for body in model.bodies:
+        joint = body.joint
+        still = np.eye(3), np.zeros((3, model.n)), np.zeros((3, model.n))
+        R, J_w, J_v = placed[body.parent] if body.parent >= 0 else still
+        J_v = J_v - product(skew(product(R, joint.p)), J_w)
+        R, J_w = product(R, joint.R), J_w.copy()
+        axis = product(R, joint.axis)
         if joint.kind == "revolute":
-            R[i] = product(R[i], rotation_about(joint.axis, joint.multiplier * q[joint.coordinate] + joint.offset))
-            spin[i] = joint.multiplier
+            R = product(R, rotation_about(joint.axis, joint.multiplier * q[joint.coordinate] + joint.offset))
+            J_w[:, joint.rate] += joint.multiplier * axis
         elif joint.kind == "prismatic":
-            p[i] += axes[i] * (joint.multiplier * q[joint.coordinate] + joint.offset)
-            slide[i] = joint.multiplier
+            J_v -= product(skew((joint.multiplier * q[joint.coordinate] + joint.offset) * axis), J_w)
+            J_v[:, joint.rate] += joint.multiplier * axis
         if joint.kind != "fixed":
             M[joint.rate, joint.rate] += joint.multiplier**2 * joint.reduction**2 * joint.rotor_inertia
-    return M + _kinetic(model, R, p, axes * spin[:, None], axes * slide[:, None])
-
-
-def _kinetic(model: Model, R: Floats, p: Floats, spins: Floats, slides: Floats) -> Floats:
-    """Return the sum over the bodies, from the bodies' places and each joint's angular and linear velocity per rate."""
-    on, rates = _carries(model), [max(body.joint.rate, 0) for body in model.bodies]
-    centres = np.array([body.inertia.centre_of_mass for body in model.bodies])
-    c = p + product(R, centres[:, :, None])[:, :, 0]
-    masses = np.array([body.inertia.m for body in model.bodies])
-    inertias = np.array(
-        [about_centre(b.inertia.I, b.inertia.m, centre) for b, centre in zip(model.bodies, centres, strict=True)]
-    )
-    turned = product(R, inertias, R.transpose(0, 2, 1))
-    J_w, J_v = np.zeros((2, model.n, len(p), 3))
-    np.add.at(J_w, rates, (on[:, :, None] * spins[None]).transpose(1, 0, 2))
-    arms = np.cross(spins[None], c[:, None] - p[None]) + slides[None]
-    np.add.at(J_v, rates, (on[:, :, None] * arms).transpose(1, 0, 2))
-    weighed = einsum("kab,jkb->jka", turned, J_w)
-    # einsum and not @, whose threads wait for each other on a busy machine
-    both: Floats = einsum("ika,jka->ij", J_v * masses[:, None], J_v) + einsum("ika,jka->ij", J_w, weighed)
-    return both
-
-
-def _carries(model: Model) -> Floats:
-    """Return (bodies, joints) 1 where a joint carries a body; the base's joint stands still."""
-    on = np.eye(len(model.bodies))
-    for i, body in enumerate(model.bodies):
-        if body.parent >= 0:
-            on[i] += on[body.parent]
-    return on
+        placed.append((R, J_w, J_v))
+        J_c = J_v - product(skew(product(R, body.inertia.centre_of_mass)), J_w)
+        M += body.inertia.m * product(J_c.T, J_c) + product(J_w.T, R, body.inertia.about_centre, R.T, J_w)
+    return M
 
 
 def _damped(model: Model) -> Iterator[Joint]:

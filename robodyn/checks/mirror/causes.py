@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 
 from robodyn.checks.bodies.bodies import given, weighed
-from robodyn.checks.bodies.masses import Tensor, nearest, principal_moments
+from robodyn.checks.bodies.masses import Tensor, is_physical, nearest
 from robodyn.checks.bodies.shapes import own_box, shaped
 from robodyn.checks.context import Context
 from robodyn.checks.mirror.pairs import Pair, link_inertia, pairs, reflected
@@ -27,6 +27,7 @@ from robodyn.robot.masses.inertia_mistakes import (
     nine_as_six,
     tensors,
 )
+from robodyn.robot.masses.mistake_posterior import Cause as NamedCause
 from robodyn.robot.masses.mistake_posterior import Posterior
 from robodyn.robot.masses.mistake_posterior import apart as from_shapes
 from robodyn.robot.urdf.parts import INERTIA
@@ -41,7 +42,6 @@ SAME = 0.02
 """How near a correction must come to the twin's mirror image."""
 _BEYOND = 1.05
 """A second moment this many times the most that the link's shapes allow is beyond them."""
-_MARGIN = 1e-9
 
 
 class Symptom(Enum):
@@ -53,96 +53,74 @@ class Symptom(Enum):
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """What a tensor is measured against, in the axes of the inertial.
+    """What a link's tensor is measured against, in the axes of the inertial: the laws of bodies, the link's shapes, and
+    its mirror twin.
 
     Attributes:
-        possible: whether a body can have a tensor, by the thresholds of RD206 and RD207.
+        given: what is said of the link, with its twin's tensor, if it has one.
         image: the mirror image of the twin's tensor, scaled to this link's mass; None without a twin to believe.
-        bound: finds `most`.
     """
 
-    possible: Callable[[Floats], bool]
+    context: Context
+    link: LinkView
+    given: Given
     image: Floats | None = None
-    bound: Callable[[], Floats | None] = lambda: None
 
     @cached_property
     def most(self) -> Floats | None:
-        """(3,) the most that the second moments can be in the box around the link's shapes; None where a shape of it is
-        not known."""
-        return self.bound()
+        """(3,) m (hi - c)(c - lo), the most that the second moments can be in the box around the link's shapes by
+        Bhatia and Davis, 0 of a centre that is outside; None where a shape of it is not known."""
+        box, c = own_box(self.context, self.link, self.given.R), self.given.c
+        if box is None:
+            return None
+        most: Floats = self.given.mass * np.maximum(box.hi - c, 0.0) * np.maximum(c - box.lo, 0.0)
+        return most
+
+    def possible(self, I: Floats) -> bool:
+        """Whether a body can have a tensor, by the thresholds of RD206 and RD207."""
+        return is_physical(tuple(I[UPPER].tolist()), self.context.thresholds)
 
     def symptom(self, I: Floats) -> Symptom | None:
-        """Return what is wrong with the tensor; None if nothing is seen."""
+        """What is wrong with the tensor; None if nothing is seen."""
         if not self.possible(I):
             return Symptom.IMPOSSIBLE
-        if self.image is not None and apart(I, self.image) > DIFFERENT:
-            return Symptom.NO_IMAGE
-        return None
+        return Symptom.NO_IMAGE if self.image is not None and apart(I, self.image) > DIFFERENT else None
 
     def explains(self, I: Floats) -> bool:
-        """Return whether nothing is left to explain about a corrected tensor."""
-        if self.image is not None and apart(I, self.image) > SAME:
-            return False
-        return self.possible(I) and self.allows(I)
+        """Whether nothing is left to explain about a corrected tensor."""
+        mirrored = self.image is None or apart(I, self.image) <= SAME
+        return mirrored and self.possible(I) and self.allows(I)
 
     def allows(self, I: Floats, now: Floats | None = None) -> bool:
-        """Return whether mass inside the link's shapes may have a tensor; or one that goes no farther beyond them than
-        it does now."""
+        """Whether mass inside the link's shapes may have a tensor; or one that goes no farther beyond them than it does
+        now."""
         if self.most is None:
             return True
         most = _BEYOND * self.most if now is None else np.maximum(_BEYOND * self.most, _second(now))
         return bool((_second(I) <= most).all())
 
 
-def evidence_of(context: Context, link: LinkView, given: Given, twin: Pair | None) -> tuple[Evidence, Given]:
-    """Return the evidence on a link's tensor, and what is given of the link with its twin's tensor, if it has one."""
-    limits = context.thresholds
-
-    def possible(I: Floats) -> bool:
-        if clearly_possible(*I[UPPER].tolist()):
-            return True
-        small, middle, large = principal_moments(tuple(I[UPPER].tolist()))
-        return small > limits.positive_definite * large and small + middle >= (1 - limits.triangle) * large
-
-    evidence = Evidence(possible, bound=partial(_most, context, link, given))
+def evidence_of(context: Context, link: LinkView, given: Given, twin: Pair | None) -> Evidence:
+    """Return the evidence on a link's tensor."""
+    alone = Evidence(context, link, given)
     if twin is None or twin.left.inertial is None or not twin.left.inertial.mass > 0:
-        return evidence, given
+        return alone
     _, I = reflected(twin, twin.left.inertial)
-    if not possible(I):
-        return evidence, given
+    if not alone.possible(I):
+        return alone
     scale = given.mass / twin.left.inertial.mass
     image, copy = (product(given.R.T, tensor, given.R) for tensor in (I, link_inertia(twin.left.inertial)[1]))
-    return replace(evidence, image=scale * image), replace(given, copy=copy)
+    return Evidence(context, link, replace(given, copy=copy), scale * image)
 
 
-def _most(context: Context, link: LinkView, given: Given) -> Floats | None:
-    """Return m (hi - c)(c - lo), the bound of Bhatia and Davis along each axis; 0 of a centre that is outside."""
-    box = own_box(context, link, given.R)
-    if box is None:
-        return None
-    most: Floats = given.mass * np.maximum(box.hi - given.c, 0.0) * np.maximum(given.c - box.lo, 0.0)
-    return most
-
-
-def leads_away(context: Context, link: LinkView, correction: Tensor | None) -> bool:
-    """Return whether the entries of a correction are farther from the inertia of the link's shapes than those that it
-    has."""
+def _leads_away(context: Context, link: LinkView, correction: Tensor | None) -> bool:
+    """Whether a correction is farther from the inertia of the link's shapes than the tensor that it has."""
     said, shapes = given(link), {} if context.tree_or_none is None else context.once(shaped)
     if correction is None or said is None or link.name not in shapes:
         return False
     solid = shapes[link.name].solid.along(said.R)
     now, then = (from_shapes(I, said.mass, solid) for I in (said.tensor, symmetric(correction)))
     return now < then
-
-
-def clearly_possible(xx: float, xy: float, xz: float, yy: float, yz: float, zz: float) -> bool:
-    """Return whether the second moments are positive definite by a margin, by Sylvester's criterion; False may be
-    unclear."""
-    half = (xx + yy + zz) / 2.0
-    a, b, c = half - xx, half - yy, half - zz
-    minor = a * b - xy * xy
-    determinant = c * minor - a * yz * yz - b * xz * xz - 2.0 * xy * xz * yz
-    return bool(a > 0.0 and minor > _MARGIN * half**2 and determinant > _MARGIN * half**3)
 
 
 def _second(I: Floats) -> Floats:
@@ -201,7 +179,7 @@ def causes(context: Context) -> Mapping[str, Cause]:
     for link in context.view.links:
         twin, wrong = twins.get(link.name), link
         cause = _cause(context, link, twin)
-        if twin is not None and cause is not None and cause.by_image and leads_away(context, link, cause.tensor):
+        if twin is not None and cause is not None and cause.by_image and _leads_away(context, link, cause.tensor):
             wrong = context.view.link[twin.left.name]
             cause = _cause(context, wrong, twin.turned)
         if cause is not None:
@@ -221,23 +199,21 @@ def explained(context: Context, fault: Fault, link: LinkView) -> Fault:
     said = given(link)
     if said is None:
         return fault
-    evidence, said = evidence_of(context, link, said, None)
-    fault = replace(fault, cause=_may_be(context, link, said, evidence))
+    evidence = evidence_of(context, link, said, None)
+    verdict = _weighed(context).get(link.name)
+    may_be: Sequence[Mistake | NamedCause] = (
+        [mistake for mistake, _ in _explained(evidence) if mistake.code not in _HIDDEN]
+        if verdict is None
+        else verdict.causes
+    )
+    if verdict is not None or len(may_be) <= _MOST_LISTED:
+        fault = replace(fault, cause=one_of([one.what for one in may_be]))
     near = nearest(said.tensor)
     if near is None or not evidence.allows(near, said.tensor):
         return fault
     change = float(length(near - said.tensor) / length(said.tensor))
     what = f"the nearest one that a body can have, {figure(100 * change, 2)} % away"
     return replace(fault, fix=_fix(link, _entries(near, said), what))
-
-
-def _may_be(context: Context, link: LinkView, said: Given, evidence: Evidence) -> str | None:
-    """Return what may explain a tensor that no body has: by its shapes, or else whatever makes it possible."""
-    verdict = _weighed(context).get(link.name)
-    if verdict is not None:
-        return one_of([one.what for one in verdict.causes])
-    found = [mistake for mistake, _ in _explained(said, evidence) if mistake.code not in _HIDDEN]
-    return one_of([mistake.what for mistake in found]) if len(found) <= _MOST_LISTED else None
 
 
 def faults(context: Context, code: str) -> Iterator[Fault]:
@@ -248,7 +224,8 @@ def faults(context: Context, code: str) -> Iterator[Fault]:
         if cause is None or cause.code != code or not cause.physical:
             continue
         assert link.inertial is not None, "it has a tensor"
-        at = link.inertial.entries[_first_changed(link, cause)].span
+        changed = [k for k in range(6) if cause.tensor and link.tensor and cause.tensor[k] != link.tensor[k]]
+        at = link.inertial.entries[changed[0] if changed else 0].span
         yield Fault(at, cause.what, _remedy(cause), fix=cause.fix, kind=code)
 
 
@@ -262,12 +239,6 @@ def _remedy(cause: Cause) -> str:
     return ("write " if cause.fix else "correct its twin or write ") + " ".join(
         f'{name}="{value:.6g}"' for name, value in zip(INERTIA, cause.tensor, strict=True)
     )
-
-
-def _first_changed(link: LinkView, cause: Cause) -> int:
-    if cause.tensor is None or link.tensor is None:
-        return 0
-    return next((k for k in range(6) if cause.tensor[k] != link.tensor[k]), 0)
 
 
 def _weighed(context: Context) -> Mapping[str, Posterior]:
@@ -284,20 +255,21 @@ def _cause(context: Context, link: LinkView, twin: Pair | None) -> Cause | None:
         return None
     if twin is not None and twin.left.name in verdicts and verdicts[twin.left.name].named:
         twin = None
-    evidence, said = evidence_of(context, link, said, twin)
+    evidence = evidence_of(context, link, said, twin)
+    said = evidence.given
     if verdict is not None and verdict.named:
-        return _by_shapes(link, said, evidence, verdict)
+        return _by_shapes(evidence, verdict)
     symptom = evidence.symptom(said.tensor)
     if symptom is Symptom.IMPOSSIBLE and nine_as_six(said):
         return Cause("RD310", NINE, None, None, physical=False)
     if symptom is None or evidence.image is None:
         return None
-    return _by_twin(link, said, evidence, symptom)
+    return _by_twin(evidence, symptom)
 
 
-def _by_shapes(link: LinkView, said: Given, evidence: Evidence, verdict: Posterior) -> Cause:
+def _by_shapes(evidence: Evidence, verdict: Posterior) -> Cause:
     """Return the cause that the shapes name, with its correction if there is one only."""
-    first = verdict.named[0]
+    link, said, first = evidence.link, evidence.given, verdict.named[0]
     alike = [one for one in verdict.named if _same(one.I, first.I)]
     share = sum(one.probability for one in alike) / sum(one.probability for one in verdict.named)
     physical = evidence.possible(said.tensor)
@@ -317,12 +289,12 @@ def _percent(part: float) -> str:
     return f"{figure(round(100 * part, 2), 2)} %"
 
 
-def _by_twin(link: LinkView, said: Given, evidence: Evidence, symptom: Symptom) -> Cause | None:
+def _by_twin(evidence: Evidence, symptom: Symptom) -> Cause | None:
     """Return the cause that the mirror twin names."""
-    physical = symptom is not Symptom.IMPOSSIBLE
+    link, said, physical = evidence.link, evidence.given, symptom is not Symptom.IMPOSSIBLE
     if physical and copied(said):
         return Cause("RD313", COPIED, None, None, physical)
-    explained = _explained(said, evidence)
+    explained = _explained(evidence)
     if len(explained) > 1 and {mistake.code for mistake, _ in explained} == {"RD310"}:
         return Cause("RD310", " or ".join(mistake.what for mistake, _ in explained), None, None, physical)
     if len(explained) != 1:
@@ -334,10 +306,10 @@ def _by_twin(link: LinkView, said: Given, evidence: Evidence, symptom: Symptom) 
     return Cause(mistake.code, f"{mistake.what}: {symptom.value}", tensor, fix, physical, physical)
 
 
-def _explained(said: Given, evidence: Evidence) -> list[tuple[Mistake, Floats]]:
+def _explained(evidence: Evidence) -> list[tuple[Mistake, Floats]]:
     """Return the mistakes that explain the tensor, each with its correction; of one kind and correction the first."""
     kept: list[tuple[Mistake, Floats]] = []
-    mistakes, entries = corrections(said)
+    mistakes, entries = corrections(evidence.given)
     for mistake, I in zip(mistakes, tensors(entries), strict=True):
         asked = mistake.common or evidence.image is not None
         if asked and evidence.explains(I) and not any(mistake.code == other.code and _same(I, J) for other, J in kept):

@@ -10,10 +10,9 @@ from itertools import combinations
 
 import numpy as np
 
-from robodyn.checks.bodies.masses import POINT, principal_moments
+from robodyn.checks.bodies.masses import POINT, is_physical, principal_moments
 from robodyn.checks.context import Context, Thresholds
 from robodyn.checks.mirror.pairs import Pair, Symmetry, is_square, link_inertia, pairs, reflected, row_of, symmetry
-from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import length, product, rotation_from_rpy
 from robodyn.robot.urdf.parts import Inertial, Joint
 from robodyn.robot.urdf.view import InertialView, LinkView
@@ -123,14 +122,13 @@ def _twins(context: Context) -> Iterator[Twins]:
 
 
 def _is_real(inertial: Inertial, limits: Thresholds) -> bool:
-    """Return whether a body of more than a point's size can have the tensor, as RD204, RD206 and RD207 have it."""
-    small, middle, large = principal_moments(inertial.inertia)
-    real = small > limits.positive_definite * large and small + middle >= (1 - limits.triangle) * large
-    return real and large > POINT * POINT * inertial.mass
+    """Whether a body of more than a point's size can have the tensor, as RD204, RD206 and RD207 have it."""
+    largest = principal_moments(inertial.inertia)[2]
+    return is_physical(inertial.inertia, limits) and largest > POINT * POINT * inertial.mass
 
 
 def _ascending(I: Floats) -> Floats:
-    return eigen(I)[0][::-1]
+    return np.linalg.eigvalsh(I).astype(float)
 
 
 def _apart(one: Floats, other: Floats) -> float:

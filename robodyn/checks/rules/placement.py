@@ -52,12 +52,11 @@ _LONG_ARM = arm(more="".join(a_link(child) + a_joint(f"on_{parent}", parent, chi
 def odd_parent(context: Context) -> Faults:
     """A link has the parent that its namesakes tell.
 
-    Of links whose names differ in one word, left_hand and right_hand, FL_calf and RR_calf, each is a child of the
-    namesake of the other's parent, and link_5 of link_4. Where at least three others do so, and all but one
-    in ten, one that does not has the wrong parent: by a copied line that was not changed, or changed twice.
-    The words that go in pairs are those that the robot's own names show. Which one of two is wrong is told by those
-    that differ from several, by the side that a name and its parent's name say, and by shapes that do not touch
-    those of the parent; where nothing tells, both are named.
+    Of links whose names differ in left and right, left_hand and right_hand, FL_calf and FR_calf, each is a child of
+    the namesake of the other's parent, and link_5 is a child of link_4. Where others do so, and all but one in ten,
+    one that does not has the wrong parent: by a copied line that was not changed, or changed twice. Which one of
+    two is wrong is told by the links in front of them and behind them, by the side that a name and its parent's name
+    say, and by shapes that do not touch those of the parent; where nothing tells, both are named.
     """
     for odd in context.once(odd_parents):
         joint = context.tree.above[odd.link]

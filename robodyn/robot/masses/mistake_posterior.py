@@ -97,33 +97,11 @@ def inertia_distance(I: Floats, mass: float, shapes: Uniform) -> InertiaDistance
     with np.errstate(all="ignore"):
         second = IDENTITY - I / sums[:, None, None]
         size = np.log(sums / mass / shapes.spread)
-        measured = _left_times(_inverse(form + _THIN * IDENTITY), second - form)
+        measured = np.linalg.inv(form + _THIN * IDENTITY) @ (second - form)
         form = np.maximum((measured * np.swapaxes(measured, 1, 2)).sum(axis=(1, 2)), 0.0)
-        possible = (sums > 0.0) & np.isfinite(size) & _positive(second + _NEGATIVE * IDENTITY)
+        possible = (sums > 0.0) & np.isfinite(size) & np.isfinite(second).all(axis=(1, 2))
+        possible[possible] = np.linalg.eigvalsh(second[possible])[:, 0] > -_NEGATIVE
     return InertiaDistance(np.where(possible, size, 0.0), np.where(possible, form, 0.0), possible)
-
-
-def _inverse(S: Floats) -> Floats:
-    """Return the inverse of a symmetric positive definite matrix (3, 3), by its cofactors."""
-    (xx, xy, xz), (_, yy, yz), (_, _, zz) = S.tolist()
-    a, b, c = yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy
-    d, e, f = xx * zz - xz * xz, xy * xz - xx * yz, xx * yy - xy * xy
-    found: Floats = np.array(((a, b, c), (b, d, e), (c, e, f))) / (xx * a + xy * b + xz * c)
-    return found
-
-
-def _left_times(P: Floats, X: Floats) -> Floats:
-    """Return P X for (k, 3, 3) matrices X, in the same order of operations everywhere."""
-    found: Floats = (P[None, :, :, None] * X[:, None, :, :]).sum(axis=2)
-    return found
-
-
-def _positive(S: Floats) -> Truths:
-    """Return whether (k, 3, 3) symmetric matrices are positive definite, by Sylvester's criterion."""
-    xx, xy, xz, yy, yz, zz = (S[:, i, j] for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)))
-    minor = xx * yy - xy * xy
-    whole: Truths = (xx > 0.0) & (minor > 0.0) & (zz * minor - xx * yz * yz - yy * xz * xz + 2.0 * xy * xz * yz > 0.0)
-    return whole
 
 
 def formed(size: Floats, form: Floats, mixture: Mixture = FORM) -> Floats:
