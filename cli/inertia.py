@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 from os.path import isfile
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -269,16 +270,16 @@ def _measured(
         rows: file, density [kg/m^3], mass [kg] and unit of each.
         accuracy: relative error that is wanted; how: of `mass_properties`.
     """
-    from robodyn.cli.progress import metered
+    from robodyn.cli.progress import counted
     from robodyn.measure.accuracy.meshes import needs_rationals, with_promise
 
     if accuracy is not None and needs_rationals(accuracy):
         how = {**how, "exact": True}
     outcomes: list[Part | MeshError] = []
-    with metered([name for name, *_ in rows]) as (on_progress, done):
+    with counted([Path(name) for name, *_ in rows]) as done:
         for name, rho, m, unit in rows:
             try:
-                part = mass_properties(name, density=rho, mass=m, unit=unit, on_progress=on_progress, **how)
+                part = mass_properties(name, density=rho, mass=m, unit=unit, **how)
                 outcomes.append(part if accuracy is None else with_promise(part, accuracy))
             except MeshError as error:
                 outcomes.append(error)
