@@ -11,12 +11,15 @@ import numpy as np
 import pytest
 from helpers.command_line import ROBOTS, run
 from helpers.faulty_logs import Bench
+from helpers.identified_logs import write_log
 from helpers.random_faulty_logs import OTHERS, Draw
 
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.identification.faults.channels import channels, rerouted
+from robodyn.identification.faults.compare import evidence_of
 from robodyn.identification.faults.faults import OWN, ROTOR, explain
 from robodyn.identification.faults.noise import score_covariance
+from robodyn.identification.log.log import read_log
 from robodyn.robot.load import load
 from robodyn.scene.parts import Friction
 from robodyn.scene.scene import Scene
@@ -257,3 +260,19 @@ def test_less_friction_than_a_scene_says_is_possible(tmp_path: Path) -> None:
         x["parameters"][0]["value"] for x in found["diagnosis"] if (x["kind"], x["joint"]) == ("viscous", "waist")
     ]
     assert values == [pytest.approx(-4.0, abs=1.0)]  # other inertias stand in its way
+
+
+def test_a_joint_at_rest_has_no_friction(tmp_path):
+    """Speeds of smoothed positions are rounding there, whose sign depends on the processor."""
+    model, rng = load(str(ROBOT)), np.random.default_rng(0)
+    time = np.arange(0.0, 16.0, 0.004)
+    moving = (time < 10.0)[:, None]
+    q = 0.3 * np.sin(np.where(moving, time[:, None], 10.0) * (2.0, 3.0, 5.0))
+    q += 1e-5 * moving * rng.normal(size=q.shape)
+    tau = q + 0.01 * rng.normal(size=q.shape)
+    write_log(tmp_path / "log.csv", model, time, q, tau)
+    log = read_log(str(tmp_path / "log.csv"), model)
+    evidence, at, _, _ = evidence_of(log)
+    assert log.noisy
+    assert not evidence.own[at > 13.0, :, 1].any()
+    assert (np.abs(evidence.own[at < 9.0, :, 1]) > 0.5).mean() > 0.5

@@ -250,7 +250,8 @@ def evidence_of(log: Log) -> tuple[Evidence, Floats, tuple[int, ...], list[str]]
 def _columns(log: Log, samples: Samples) -> Floats:
     """Return (k, n, 4 + 10) computed torque, columns of friction and rotor, and those of a payload."""
     model = log.model
-    Y, theta, names, rest = regressor(model, samples.q, samples.qd, samples.qdd, scene=log.scene)
+    qd = np.where(np.abs(samples.qd) > _STILL, samples.qd, 0.0)  # the sign of rounding is none
+    Y, theta, names, rest = regressor(model, samples.q, qd, samples.qdd, scene=log.scene)
     place = {name: k for k, name in enumerate(names)}
     found = np.zeros((*rest.shape, 4 + len(INERTIAL)))
     found[..., 0] = einsum("kip,p->ki", Y, theta) + rest
