@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import numpy as np
@@ -43,10 +42,6 @@ def read_table(path: Path) -> dict[str, np.ndarray]:
     header, *lines = path.read_text().splitlines()
     rows = np.array([[float(cell) for cell in line.split(",")] for line in lines])
     return dict(zip(header.split(","), rows.T, strict=True))
-
-
-def element(name: str) -> ET.Element:
-    return ET.parse(FOLDER / f"{name}.urdf").getroot()
 
 
 def model(name: str, root: pin.JointModel | None = None) -> pin.Model:

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.driven_chains import MIDDLE, moving, still, swinging
-from helpers.jets import Jet, cos, sin, sqrt
 from helpers.virtual_work import energy
 
 import robodyn
@@ -105,16 +104,3 @@ def test_the_power_of_the_motors_is_the_rate_of_energy(name):
     )
     power = (middle.torques * middle.state[1]).sum(axis=1)
     np.testing.assert_allclose(power, rate, rtol=0, atol=1e-10 * np.abs(middle.torques * middle.state[1]).max())
-
-
-def test_jets_follow_the_rules_of_differentiation():
-    t = np.linspace(0.3, 1.1, 5)
-    u = Jet(t, 1.0, 0.0)
-    f = sin(u * u) / sqrt(1 + cos(u)) - 2
-    x = f.x
-    h = 1e-3
-    at = [(np.sin(v * v) / np.sqrt(1 + np.cos(v)) - 2) for v in (t - 2 * h, t - h, t, t + h, t + 2 * h)]
-    np.testing.assert_array_equal(x, at[2])
-    np.testing.assert_allclose(f.v, (at[0] - 8 * at[1] + 8 * at[3] - at[4]) / (12 * h), rtol=0, atol=1e-10)
-    slope = (-at[0] + 16 * at[1] - 30 * at[2] + 16 * at[3] - at[4]) / (12 * h * h)
-    np.testing.assert_allclose(f.a, slope, rtol=0, atol=1e-8)

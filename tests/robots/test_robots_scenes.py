@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 import pytest
 from helpers.robot_files import FOLDER, read_csv
-from helpers.scene_files import read_scene
 
-from robodyn.robot.urdf.description import load_description
+from robodyn.robot.load import load
+from robodyn.scene.fit import check_scene
+from robodyn.scene.parts import Friction, Rotor, Spring
+from robodyn.scene.read import load_scene
+from robodyn.scene.scene import DEFAULT
 
 SCENES = {
     "puma560_motors": ("puma560", "puma560_sweep"),
@@ -40,21 +45,6 @@ SCENES = {
     "quadruped_crouch": ("quadruped", "quadruped_crouch"),
     "quadruped_trot": ("quadruped", "quadruped_trot"),
 }
-KEYS = {
-    "friction": {"viscous", "coulomb", "stribeck", "stribeck_velocity"},
-    "rotor": {"inertia", "gear"},
-    "motor": {"gear", "inertia", "speed_unit", "continuous", "peak", "max_speed"},
-    "spring": {"stiffness", "rest"},
-    "payload": {"link", "mass", "com", "inertia"},
-    "wrench": {"link", "point", "frame", "force", "moment"},
-    "drive": {"torque", "kp", "kd", "reference", "speed"},
-    "limit_spring": {"stiffness", "damping"},
-    "initial": {"q", "qd"},
-    "loop": {"name", "link", "point", "to", "to_point", "kind", "axis", "to_axis", "rpy", "directions"},
-    "uncertainty": {"mass", "com", "inertia", "friction", "link", "joint"},
-    "contact": {"name", "link", "point", "polygon", "normal", "friction", "on"},
-}
-SINGLE = {"gravity", "base", "slip_speed", "joint_limits", "actuated"}
 
 
 def test_every_scene_is_listed():
@@ -62,45 +52,24 @@ def test_every_scene_is_listed():
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_scene_names_joints_links_and_columns_that_exist(name):
+def test_a_scene_fits_its_robot_and_its_table_and_says_what_it_exercises(name):
     robot, motion = SCENES[name]
-    scene, columns = read_scene(name), set(read_csv(motion) if motion else ())
-    description = load_description(FOLDER / f"{robot}.urdf")
-    assert set(scene) <= {*SINGLE, *KEYS}
-    for part in ("friction", "rotor", "spring", "drive", "motor"):
-        assert set(scene.get(part, {})) <= {joint.name for joint in description.joints if joint.type != "fixed"}
-        assert all(set(entry) <= KEYS[part] for entry in scene.get(part, {}).values())
-    for part in ("payload", "wrench", "loop", "contact"):
-        for entry in scene.get(part, []):
-            assert set(entry) <= KEYS[part]
-            assert entry["link"] in {link.name for link in description.links}
-    assert set(scene.get("actuated", [])) <= {joint.name for joint in description.joints if joint.type != "fixed"}
-    assert {contact["on"] for contact in scene.get("contact", [])} <= {"always", *columns}
-    for wrench in scene.get("wrench", []):
-        named = [x for x in [*wrench.get("force", []), *wrench.get("moment", [])] if isinstance(x, str)]
-        assert set(named) <= columns
-    tables = [*scene.get("drive", {}).values(), *scene.get("initial", {}).values()]
-    assert {entry for values in tables for entry in values.values() if isinstance(entry, str)} <= columns
-
-
-@pytest.mark.parametrize("name", SCENES)
-def test_scene_says_what_it_exercises(name):
+    scene = load_scene(FOLDER / f"{name}.toml")
+    check_scene(scene, load(FOLDER / f"{robot}.urdf", moving_base=scene.moving_base))
+    assert {*scene.motion_columns, *scene.table_columns} <= set(read_csv(motion) if motion else ())
     assert "# Exercises:" in (FOLDER / f"{name}.toml").read_text()
 
 
 def test_every_effect_appears():
-    used = set()
-    for name in SCENES:
-        scene = read_scene(name)
-        used |= set(scene) | {f"base {scene['base']['motion']}" for _ in scene if "base" in scene}
-        used |= {
-            key for part in ("friction", "rotor", "spring") for entry in scene.get(part, {}).values() for key in entry
-        }
-        used |= {f"{part} {key}" for part in ("payload", "wrench") for entry in scene.get(part, []) for key in entry}
-        used |= {f"frame {entry.get('frame', 'link')}" for entry in scene.get("wrench", [])}
-        used |= {
-            "column" for entry in scene.get("wrench", []) if any(isinstance(x, str) for x in entry.get("force", []))
-        }
-    wanted = set().union(*(KEYS[part] for part in ("friction", "rotor", "spring")))
-    wanted |= {f"{part} {key}" for part in ("payload", "wrench") for key in KEYS[part]}
-    assert used >= wanted | {"gravity", "base fixed", "base moving", "frame link", "frame base", "column"}
+    scenes = [load_scene(FOLDER / f"{name}.toml") for name in SCENES]
+    for part, kind in (("friction", Friction), ("rotor", Rotor), ("spring", Spring)):
+        used = [each for scene in scenes for each in getattr(scene, part).values()]
+        wanted = {field.name for field in fields(kind)} - {"load", "axis", "on"}
+        assert wanted == {name for name in wanted if any(getattr(each, name) not in (None, 0.0) for each in used)}
+    wrenches = [wrench for scene in scenes for wrench in scene.wrenches]
+    assert {wrench.frame for wrench in wrenches} >= {"link", "base"}
+    assert any(wrench.columns for wrench in wrenches)
+    assert any(any(wrench.point) for wrench in wrenches)
+    assert any(any(load.com) and any(load.inertia) for scene in scenes for load in scene.payloads)
+    assert {scene.moving_base for scene in scenes} == {False, True}
+    assert any(scene.gravity != DEFAULT.gravity for scene in scenes)

@@ -43,11 +43,6 @@ def test_numbers_are_the_shortest_that_read_back(name):
     assert not any(0 < abs(float(cell)) < 1e-20 for cell in cells)
 
 
-def test_scara_has_the_thousand_rows_of_the_start_up_benchmark():
-    time = read_csv("scara_pick_and_place")["time"]
-    np.testing.assert_array_equal(time, np.arange(1000) / 1000)
-
-
 @pytest.mark.parametrize("name", MOVED_BY_JOINTS)
 def test_within_position_and_velocity_limits_and_every_joint_moves(name):
     table, limits = read_csv(name), _limits(name)
@@ -83,15 +78,15 @@ def _friction_and_rotors(scene, names, qd, qdd):
     return np.column_stack(columns)
 
 
-def test_gripper_masters_carry_their_followers_within_effort():
+def test_gripper_leaders_carry_their_followers_within_effort():
     table, robot = read_csv("gripper_pick"), model("gripper")
     follow = {"right_jaw": ("jaw", -1), "pinion": ("jaw", 50)}
-    masters = [follow.get(joint, (joint, 1)) for joint in list(robot.names)[1:]]
-    q, qd, qdd = (np.column_stack([k * table[f"{level}_{j}"] for j, k in masters]) for level in ("q", "qd", "qdd"))
+    leaders = [follow.get(joint, (joint, 1)) for joint in list(robot.names)[1:]]
+    q, qd, qdd = (np.column_stack([k * table[f"{level}_{j}"] for j, k in leaders]) for level in ("q", "qd", "qdd"))
     tau = torques(robot, q, qd, qdd)
     limits = _limits("gripper_pick")
     for joint in ("lift", "wrist", "jaw"):
-        peak = np.abs(sum(k * tau[:, i] for i, (master, k) in enumerate(masters) if master == joint)).max()
+        peak = np.abs(sum(k * tau[:, i] for i, (leader, k) in enumerate(leaders) if leader == joint)).max()
         assert peak <= limits[joint].limit.effort
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import fields
 from pathlib import Path
 
 import pytest
@@ -10,42 +11,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.errors import SceneError
+from robodyn.scene import parts
 from robodyn.scene.read import parse_scene
 from robodyn.scene.scene import Scene
+from robodyn.scene.toml_table import OF_THE_SCENE
+from robodyn.scene.uncertainty import Uncertainty
 
-KEYS = [
-    "gravity",
-    "friction",
-    "rotor",
-    "spring",
-    "payload",
-    "wrench",
-    "fluid",
-    "base",
-    "link",
-    "mass",
-    "com",
-    "inertia",
-]
-KEYS += ["motor", "efficiency", "continuous", "peak", "max_speed", "speed_unit", "gear_peak"]
-KEYS += [
-    "viscous",
-    "coulomb",
-    "stribeck",
-    "stribeck_velocity",
-    "load",
-    "gear",
-    "stiffness",
-    "rest",
-    "force",
-    "moment",
-    "point",
-]
-KEYS += ["slip_speed", "initial", "drive", "joint_limits", "q", "qd", "torque", "kp", "kd", "reference", "contact"]
-KEYS += ["speed", "between_rows", "limit_spring", "damping"]
-KEYS += ["loop", "name", "kind", "to", "to_point", "axis", "to_axis", "rpy", "directions", "baumgarte"]
-KEYS += ["coupled", "joints", "on", "uncertainty", "joint", "covariance"]
-KEYS += ["frame", "motion", "density", "velocity", "volume", "centre", "drag_area", "", "é", "a b"]
+KINDS = (parts.Friction, parts.Rotor, parts.CoupledMotor, parts.Spring, parts.Payload, parts.ExternalWrench)
+KINDS += (parts.Immersed, parts.Drive, parts.LimitSpring, parts.Motor, parts.Loop, parts.Contact, parts.ContactCost)
+KEYS = sorted({*OF_THE_SCENE, *(field.name for kind in (*KINDS, Uncertainty) for field in fields(kind))})
+KEYS += ["coulomb", "speed_unit", "q", "qd", "polygon", "motion", "held", "density", "velocity", "", "é", "a b"]
 WORDS = ["5 %", "3 mm", "link", "base", "world", "moving", "fixed", "tool0", "fx", "", "\n", "\u202e"]
 DAMAGE = [b"[", b"]", b"{", b"=", b"'", b"1e999"]
 EXAMPLES = sorted((Path(__file__).parents[2] / "robots").glob("*.toml"))

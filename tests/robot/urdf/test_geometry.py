@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import numpy as np
@@ -82,26 +81,6 @@ def test_names_without_a_file(uri, tmp_path):
     touched(tmp_path / "a" / "m.stl")
     touched(tmp_path / "m.stl")
     assert resolve(uri, tmp_path, [tmp_path]) is None
-
-
-def test_packages_are_looked_for_in_this_order(tmp_path, monkeypatch):
-    named = touched(tmp_path / "named" / "arm" / "m.stl")
-    ros = touched(tmp_path / "ros" / "arm" / "m.stl")
-    above = touched(tmp_path / "home" / "arm" / "m.stl")
-    folder = above.parent / "urdf" / "more"
-    monkeypatch.setenv("ROS_PACKAGE_PATH", os.pathsep.join(("", str(tmp_path / "none"), str(tmp_path / "ros"))))
-    assert resolve("package://arm/m.stl", folder, [tmp_path / "none", tmp_path / "named"]) == named
-    assert resolve("model://arm/m.stl", folder, [tmp_path / "named" / "arm"]) == named
-    assert resolve("package://arm/m.stl", folder) == ros
-    monkeypatch.delenv("ROS_PACKAGE_PATH")
-    assert resolve("package://arm/m.stl", folder) == above
-    assert resolve("package://arm/m.stl", tmp_path / "home" / "other") == above
-
-
-def test_a_workspace_of_repositories(tmp_path):
-    mesh = touched(tmp_path / "repository" / "arm" / "m.stl")
-    assert resolve("package://arm/m.stl", tmp_path / "far", [tmp_path]) == mesh
-    assert resolve("package://*/m.stl", tmp_path / "far", [tmp_path]) is None
 
 
 def test_the_manifest_names_the_package_and_not_its_folder(tmp_path):
