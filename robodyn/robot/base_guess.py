@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-import numpy as np
-
-from robodyn.programs.vectors import length, product
+from robodyn.programs.vectors import length
+from robodyn.robot.configuration import configuration, link_poses
 from robodyn.robot.model import Model
-from robodyn.support.floats import Floats
 from robodyn.support.wording import shown
 
 GROUNDS = frozenset({"world", "ground", "earth", "floor", "wall", "ceiling", "table"})
@@ -79,12 +77,8 @@ def _legs(model: Model) -> list[str]:
     level = [each.foot for each in below if each.height < lowest + 0.2 * each.length]
     if len(level) > 1 and model.bodies[0].inertia.m > 0.0:
         return level
-    named = ([name for name in each.links if _leg(name)] for each in branches)
+    named = ([name for name in each.links if _words(name) & LEGS] for each in branches)
     return [names[-1] for names in named if names]
-
-
-def _leg(name: str) -> bool:
-    return bool(_words(name) & LEGS)
 
 
 def _branches(model: Model) -> Iterator[_Branch]:
@@ -94,7 +88,7 @@ def _branches(model: Model) -> Iterator[_Branch]:
         first.append(first[body.parent] or i)
         depth.append(depth[body.parent] + (body.joint.mimics is None))
         reach.append(reach[body.parent] + (length(body.joint.p) if body.parent else 0.0))
-    places = _origins(model)
+    places = {name: pose.p for name, pose in link_poses(model, configuration(model)).items()}
     for hip in dict.fromkeys(first[1:]):
         links = [name for name, frame in model.links.items() if first[frame.body] == hip]
         if ends := [name for name in links if depth[model.links[name].body] > 1]:
@@ -109,12 +103,3 @@ def _bottom(model: Model) -> float:
     base = model.bodies[0].inertia
     own = (frame.p[2] for name, frame in model.links.items() if frame.body == 0 and "footprint" not in _words(name))
     return float(min(own, default=0.0)) if not base.m > 0.0 else float(min(base.mc[2] / base.m, *own, 0.0))
-
-
-def _origins(model: Model) -> Mapping[str, Floats]:
-    """Return where the links are in the base's frame, all joints at 0 [m]."""
-    R, p = [np.eye(3)], [np.zeros(3)]
-    for body in model.bodies[1:]:
-        R.append(product(R[body.parent], body.joint.R))
-        p.append(p[body.parent] + product(R[body.parent], body.joint.p))
-    return {name: p[frame.body] + product(R[frame.body], frame.p) for name, frame in model.links.items()}

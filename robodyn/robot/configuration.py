@@ -9,13 +9,14 @@ import numpy as np
 from robodyn.errors import InputError
 from robodyn.programs.vectors import narrowed
 from robodyn.robot.kinematics import REST, Pose, motions, poses
-from robodyn.robot.model import Frame, Joint, Model
+from robodyn.robot.model import Model
 from robodyn.support.floats import Floats
 from robodyn.support.wording import alternatives, count, listed, shown
 
 Values = Sequence[float] | Mapping[str, float]
 
 _ATTITUDE = (0.0, 0.0, 0.0, 1.0)
+_UNITS = {"revolute": "rad", "prismatic": "m"}
 
 
 def coordinates(model: Model) -> tuple[str, ...]:
@@ -39,7 +40,9 @@ def configuration(model: Model, values: Values = ()) -> Floats:
     place = {name: k for k, name in enumerate(model.coordinates)}
     for name, value in named(model, values, coordinates(model)).items():
         q[place[name]] = value
-    _check_attitudes(model, q)
+    for joint in model.independent:
+        if joint.kind == "floating" and not q[joint.coordinate + 3 : joint.coordinate + 7].any():
+            raise InputError(f"the quaternion of joint {shown(joint.name)} is zero", remedy="give four numbers, w last")
     return q
 
 
@@ -72,54 +75,28 @@ def named(model: Model, values: Values, names: tuple[str, ...]) -> Mapping[str, 
         InputError: there are more or fewer values than names, or a name is none.
     """
     if not isinstance(values, Mapping):
-        values = _by_order(model, names, values)
+        if len(values) not in (0, len(names)):
+            what = f"{count(len(values), 'value')} for {len(names)} coordinates"
+            remedy = f"in the order: {listed(names)}" if names else "no joint moves"
+            raise InputError(what, remedy=remedy, file=model.file)
+        return dict(zip(names, values, strict=False))
     for name in values:
         if name not in names:
-            raise InputError(f"no joint {shown(name)} to set", remedy=_instead(model, name, names), file=model.file)
+            leaders = (body.joint.mimics for body in model.bodies if body.joint.name == name and body.joint.mimics)
+            remedy = next((f"it follows {shown(leader)}" for leader in leaders), alternatives(name, names, "joints"))
+            raise InputError(f"no joint {shown(name)} to set", remedy=remedy, file=model.file)
     return values
-
-
-def _by_order(model: Model, names: tuple[str, ...], values: Sequence[float]) -> dict[str, float]:
-    if not len(values):
-        return {}
-    if len(values) != len(names):
-        what = f"{count(len(values), 'value')} for {len(names)} coordinates"
-        raise InputError(what, remedy=f"in the order: {listed(names)}" if names else "no joint moves", file=model.file)
-    return dict(zip(names, values, strict=True))
-
-
-def _instead(model: Model, name: str, names: tuple[str, ...]) -> str:
-    for body in model.bodies:
-        if body.joint.name == name and body.joint.mimics is not None:
-            return f"it follows {shown(body.joint.mimics)}"
-    return alternatives(name, names, "joints")
-
-
-def _check_attitudes(model: Model, q: Floats) -> None:
-    for joint in model.independent:
-        if joint.kind == "floating" and not q[joint.coordinate + 3 : joint.coordinate + 7].any():
-            raise InputError(f"the quaternion of joint {shown(joint.name)} is zero", remedy="give four numbers, w last")
 
 
 def beyond_limits(model: Model, q: Floats) -> tuple[str, ...]:
     """Return what is outside its limits, mimic joints included, in words."""
     found = []
-    for body in model.bodies:
-        joint = body.joint
-        if joint.kind in ("revolute", "prismatic"):
-            value = joint.multiplier * float(q[joint.coordinate]) + joint.offset
-            found += _beyond(joint, value)
+    for joint in (body.joint for body in model.bodies if body.joint.kind in ("revolute", "prismatic")):
+        value, unit = joint.multiplier * float(q[joint.coordinate]) + joint.offset, _UNITS[joint.kind]
+        for name, limit, side in (("lower", joint.lower, "below"), ("upper", joint.upper, "above")):
+            if limit is not None and (value < limit if side == "below" else value > limit):
+                found.append(f"joint {shown(joint.name)} at {value:.6g} {unit} is {side} its {name} limit {limit:.6g}")
     return tuple(found)
-
-
-def _beyond(joint: Joint, value: float) -> list[str]:
-    unit = "m" if joint.kind == "prismatic" else "rad"
-    out = []
-    for name, limit, outside in (("lower", joint.lower, -1), ("upper", joint.upper, 1)):
-        if limit is not None and outside * (value - limit) > 0:
-            side = "below" if outside < 0 else "above"
-            out.append(f"joint {shown(joint.name)} at {value:.6g} {unit} is {side} its {name} limit {limit:.6g}")
-    return out
 
 
 def link_poses(model: Model, q: Floats) -> dict[str, Pose]:
@@ -128,14 +105,14 @@ def link_poses(model: Model, q: Floats) -> dict[str, Pose]:
     Accuracy: 4 eps for each joint between, of rotations and of the robot's size.
     """
     bodies = body_poses(model, q)
-    return {name: _placed(bodies[frame.body], frame) for name, frame in model.links.items()}
+    placed = {}
+    for name, frame in model.links.items():
+        R, p = bodies[frame.body]
+        placed[name] = Pose(narrowed(R @ frame.R), narrowed(p + R @ frame.p))
+    return placed
 
 
 def body_poses(model: Model, q: Floats) -> list[Pose]:
     """Return rotation and origin of every body's frame in the frame of the base; see `link_poses`."""
     still = [0.0] * model.n
     return poses(model.parents, [REST, *motions(model, q.tolist(), still, still)[1:]])
-
-
-def _placed(body: Pose, frame: Frame) -> Pose:
-    return Pose(narrowed(body.R @ frame.R), narrowed(body.p + body.R @ frame.p))

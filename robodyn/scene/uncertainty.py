@@ -21,6 +21,7 @@ from robodyn.support.input_file import parse_json, read_input
 
 _KEYS = ("parameters", "values", "covariance")
 _ROUNDING = 1e-9
+_REMEDY = "give a file that robodyn identify has written"
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,12 +102,8 @@ class Uncertainty(FrozenValue):
     def of_link(self, name: str) -> LinkUncertainty:
         """Return what holds of a link."""
         own = self.link.get(name, LinkUncertainty())
-        return LinkUncertainty(
-            *(
-                general if special is None else special
-                for special, general in ((own.mass, self.mass), (own.com, self.com), (own.inertia, self.inertia))
-            )
-        )
+        pairs = (own.mass, self.mass), (own.com, self.com), (own.inertia, self.inertia)
+        return LinkUncertainty(*(general if special is None else special for special, general in pairs))
 
     def of_joint(self, name: str) -> Deviation | None:
         """Return what holds of the friction of a joint or a coupled motor."""
@@ -132,41 +129,34 @@ def read_covariance(path: str | os.PathLike[str]) -> Covariance:
         raise unreadable(error, file) from None
     except (ValueError, RecursionError) as error:
         raise SceneError(f"is not JSON: {error}", remedy=_REMEDY, file=file) from None
-    names, values, covariance = _parts(content, file)
-    wrong = _fault(names, values, covariance)
-    if wrong:
-        raise SceneError(wrong, remedy=_REMEDY, file=file)
-    return Covariance(names, values, covariance)
-
-
-_REMEDY = "give a file that robodyn identify has written"
-
-
-def _parts(content: Any, file: str) -> tuple[tuple[str, ...], Floats, Floats]:
-    if not isinstance(content, Mapping) or set(content) != set(_KEYS):
-        raise SceneError(f"has not just the keys {', '.join(_KEYS)}", remedy=_REMEDY, file=file)
-    names, values, covariance = (content[key] for key in _KEYS)
-    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
-        raise SceneError('"parameters" is no list of names', remedy=_REMEDY, file=file)
     try:
-        return tuple(names), np.array(values, dtype=float), np.array(covariance, dtype=float)
+        return _covariance(content)
+    except ValueError as error:
+        raise SceneError(str(error), remedy=_REMEDY, file=file) from None
+
+
+def _covariance(content: Any) -> Covariance:
+    """Return what JSON holds; ValueError if that is no covariance."""
+    if not isinstance(content, Mapping) or set(content) != set(_KEYS):
+        raise ValueError(f"has not just the keys {', '.join(_KEYS)}")
+    names = content["parameters"]
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        raise ValueError('"parameters" is no list of names')
+    try:
+        values, C = (np.array(content[key], dtype=float) for key in _KEYS[1:])
     except (ValueError, TypeError):
-        raise SceneError('"values" or "covariance" are no numbers', remedy=_REMEDY, file=file) from None
-
-
-def _fault(names: tuple[str, ...], values: Floats, C: Floats) -> str:
-    """Return why these are no values with their covariance; empty if they are."""
+        raise ValueError('"values" or "covariance" are no numbers') from None
     p = len(names)
     if values.shape != (p,) or C.shape != (p, p):
-        return f"has {p} parameters, values of shape {values.shape} and a covariance of shape {C.shape}"
+        raise ValueError(f"has {p} parameters, values of shape {values.shape} and a covariance of shape {C.shape}")
     if len(set(names)) < p:
-        return f"names {p - len(set(names))} parameters twice"
+        raise ValueError(f"names {p - len(set(names))} parameters twice")
     if not (np.isfinite(values).all() and np.isfinite(C).all()):
-        return "has numbers that are not finite"
+        raise ValueError("has numbers that are not finite")
     errors = np.sqrt(np.maximum(np.diagonal(C), 0.0))
     scaled = C / np.where(errors > 0.0, errors, 1.0) / np.where(errors > 0.0, errors, 1.0)[:, None]
     if (np.diagonal(C) < 0.0).any() or np.abs(scaled - scaled.T).max(initial=0.0) > _ROUNDING:
-        return "has a covariance that is not symmetric, or negative on its diagonal"
+        raise ValueError("has a covariance that is not symmetric, or negative on its diagonal")
     if p and float(np.linalg.eigvalsh((scaled + scaled.T) / 2).min()) < -_ROUNDING * p:
-        return "has a covariance that is not positive semidefinite"
-    return ""
+        raise ValueError("has a covariance that is not positive semidefinite")
+    return Covariance(tuple(names), values, C)

@@ -199,7 +199,7 @@ def test_a_scene_says_that_the_base_is_held(files: tuple[str, str], tmp_path: Pa
     (tmp_path / "bolts.toml").write_text('[base]\nheld = "yes"\n')
     outcome = run("torques", *files, "--scene", str(tmp_path / "bolts.toml"))
     assert outcome.status == 2
-    assert "\"held\" is 'yes' (true if something carries the base, else leave it out)" in outcome.err
+    assert "\"held\" is 'yes', not true or false" in outcome.err
 
 
 def test_batches_say_what_is_assumed(files: tuple[str, str], tmp_path: Path) -> None:

@@ -60,6 +60,7 @@ _COMPARED: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
     ast.In: lambda left, right: left in right,
     ast.NotIn: lambda left, right: left not in right,
 }
+_MADE: dict[type[ast.expr], Callable[[list[Any]], Any]] = {ast.List: list, ast.Tuple: tuple, ast.Set: set}
 _SET = "copy difference intersection isdisjoint issubset issuperset symmetric_difference union"
 _NAMED: dict[type, str] = {
     str: "capitalize casefold center count endswith find format format_map index isalnum isalpha isascii isdecimal "
@@ -174,14 +175,10 @@ class Evaluator:
     def _IfExp(self, node: ast.IfExp, scopes: list[Any]) -> Any:
         return self._of(node.body if self._of(node.test, scopes) else node.orelse, scopes)
 
-    def _List(self, node: ast.List, scopes: list[Any]) -> Any:
-        return checked(self._each(node.elts, scopes))
+    def _List(self, node: ast.List | ast.Tuple | ast.Set, scopes: list[Any]) -> Any:
+        return checked(_MADE[type(node)](self._each(node.elts, scopes)))
 
-    def _Tuple(self, node: ast.Tuple, scopes: list[Any]) -> Any:
-        return checked(tuple(self._each(node.elts, scopes)))
-
-    def _Set(self, node: ast.Set, scopes: list[Any]) -> Any:
-        return checked(set(self._each(node.elts, scopes)))
+    _Tuple = _Set = _List
 
     def _Dict(self, node: ast.Dict, scopes: list[Any]) -> Any:
         found: dict[Any, Any] = {}
