@@ -68,12 +68,3 @@ def test_what_a_model_was_made_of_can_change_without_it():
     np.testing.assert_array_equal(model.bodies[0].joint.axis, [0.0, 0.0, 1.0])
     np.testing.assert_array_equal(model.bodies[0].inertia.I, np.eye(3))
     np.testing.assert_array_equal(model.links["base"].p, np.zeros(3))
-
-
-def test_a_copied_model_gives_the_same_torques():
-    model = busy_robot()
-    twin = pickle.loads(pickle.dumps(model))
-    q, qd, qdd = np.random.default_rng(5).normal(size=(3, 20, model.n))
-    expected = robodyn.inverse_dynamics(model, q, qd, qdd, executor="numpy")
-    np.testing.assert_array_equal(robodyn.inverse_dynamics(twin, q, qd, qdd, executor="numpy"), expected)
-    assert list(twin.links) == list(model.links)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers.busy_robot import busy_parts, busy_robot
 from helpers.oracles import EPS, random_state, run, worst
 from helpers.sampled import sampled
 from helpers.small_robots import body_numbers, joint, link, random_tree_parts, urdf
@@ -59,19 +58,6 @@ def test_a_link_split_in_two_by_a_fixed_joint(turn):
     _agree(load(urdf(link("l1", total, mean, whole), *rest)), load(urdf(*halves, *rest)))
 
 
-def test_joints_carried_by_the_second_half():
-    """The same joint hangs on a link or on an empty frame fixed to it."""
-    rng = np.random.default_rng(3)
-    parts = [link("l0"), link("l1", *body_numbers(rng)), link("l2", *body_numbers(rng)), joint("j1", "l0", "l1")]
-    direct = joint("j2", "l1", "l2", axis=(1, 0, 0), xyz=(0.5, 0.25, -0.75), rpy=(0, 0, np.pi / 2))
-    frame = [link("frame"), joint("mount", "l1", "frame", "fixed", xyz=(0.5, 0.25, -0.75), rpy=(0, 0, np.pi / 2))]
-    first, second = load(urdf(*parts, direct)), load(urdf(*parts, *frame, joint("j2", "frame", "l2", axis=(1, 0, 0))))
-    tau, other, M, M_other = _pair(first, second)
-    np.testing.assert_array_equal(other, tau)
-    np.testing.assert_array_equal(M_other, M)
-    assert second.links["frame"].body == second.links["l1"].body
-
-
 @pytest.mark.parametrize("seed", sampled(range(5), 3))
 def test_the_order_of_the_file(seed):
     """Links and joints shuffled: the same torques joint by joint, in the order in which the file names the joints."""
@@ -83,12 +69,6 @@ def test_the_order_of_the_file(seed):
     assert list(second.joint_names) == named
     assert sorted(named) == sorted(first.joint_names)
     _agree(first, second)
-
-
-def test_the_order_of_the_file_with_mimic_joints_and_transmissions():
-    for seed in range(3):
-        order = np.random.default_rng(seed).permutation(len(busy_parts()))
-        _agree(busy_robot(), load(urdf(*(busy_parts()[k] for k in order))))
 
 
 def test_bodies_stand_after_their_parents():
@@ -111,31 +91,3 @@ def test_the_whole_robot_turned_with_gravity(turn):
     assert worst(two[:, :n], one[:, :n]) <= 8 * EPS
     assert worst(two[:, n : n + 3], one[:, n : n + 3] @ R.T) <= 8 * EPS
     assert worst(two[:, n + 3 :], one[:, n + 3 :] @ R.T) <= 8 * EPS
-
-
-def test_a_free_base_turned_with_gravity():
-    """Rotating the ground's axes changes no torque but the force on the base, which turns with them."""
-    model = busy_robot(True)
-    q, qd, qdd = random_state(model, np.random.default_rng(6), 10)
-    turn = np.array([0.3, -0.7, 2.9])
-    R = rotation_from_rpy(*turn)
-    s, c = np.sin(turn / 2), np.cos(turn / 2)
-    h = _product(_product([0, 0, s[2], c[2]], [0, s[1], 0, c[1]]), [s[0], 0, 0, c[0]])
-    turned = [x.copy() for x in (q, qd, qdd)]
-    turned[0][:, :3] = q[:, :3] @ R.T
-    turned[0][:, 3:7] = [_product(h, row) for row in q[:, 3:7]]
-    for x, other in zip(turned[1:], (qd, qdd), strict=True):
-        x[:, 3:6] = other[:, 3:6] @ R.T
-    tau = inverse_dynamics(model, q, qd, qdd)
-    expected = tau.copy()
-    expected[:, 3:6] = tau[:, 3:6] @ R.T
-    gravity = tuple((R @ [0, 0, -9.81]).tolist())
-    assert worst(inverse_dynamics(model, *turned, scene=Scene(gravity)), expected) <= 16 * EPS
-
-
-def _product(a, b):
-    """Hamilton's product of quaternions x y z w."""
-    x, y, z, w = a
-    i, j, k, r = b
-    vector = [w * i + x * r + y * k - z * j, w * j + y * r + z * i - x * k, w * k + z * r + x * j - y * i]
-    return [*vector, w * r - x * i - y * j - z * k]

@@ -42,13 +42,6 @@ def test_our_reader_has_nothing_to_warn_of(name):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_the_header_says_parameters_and_purpose(name):
-    header = (FOLDER / f"{name}.urdf").read_text().split("-->")[0]
-    for word in ("Parameters:", "Exercises:", "Frames"):
-        assert word in header
-
-
-@pytest.mark.parametrize("name", NAMES)
 def test_joints_that_move_have_limits(name):
     for joint in load_description(FOLDER / f"{name}.urdf").joints:
         if joint.type in ("fixed", "floating"):
@@ -112,9 +105,3 @@ def test_gripper_follows_one_leader():
 def test_gripper_reductions():
     reductions = {item.joint: item.reduction for item in load_description(FOLDER / "gripper.urdf").transmissions}
     assert reductions == {"lift": 2 * np.pi / 0.01, "wrist": 100, "jaw": 1000}
-
-
-def test_published_puma_inertias_are_kept_though_no_body_can_have_them():
-    diagonals = [np.diag(inertia.inertia) for inertia in model("puma560").inertias[1:]]
-    broken = [i for i, diagonal in enumerate(diagonals) if 2 * diagonal.max() > diagonal.sum() * (1 + 1e-15)]
-    assert broken == [0, 2]

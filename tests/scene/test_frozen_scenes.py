@@ -8,13 +8,11 @@ from dataclasses import FrozenInstanceError, fields, is_dataclass, replace
 
 import numpy as np
 import pytest
-from helpers.busy_robot import BUSY_SCENE, busy_robot
+from helpers.busy_robot import BUSY_SCENE
 from helpers.oracles import robot
 
-import robodyn
-from robodyn.dynamics.forward import acceleration_runner
 from robodyn.dynamics.mass import mass_runner
-from robodyn.dynamics.plan import plan, torque_runner
+from robodyn.dynamics.plan import plan
 from robodyn.programs.run.llvm.build import code_key
 from robodyn.scene.parts import (
     Contact,
@@ -31,7 +29,6 @@ from robodyn.scene.parts import (
 )
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.scene.uncertainty import Deviation, LinkUncertainty, Uncertainty
-from robodyn.simulation.run import simulate
 
 EVERYTHING = replace(
     BUSY_SCENE,
@@ -85,14 +82,6 @@ def test_nothing_in_a_scene_can_be_edited():
         hash(value)
 
 
-def test_the_default_scene_cannot_change_torques():
-    model = robot("puma560")
-    before = robodyn.inverse_dynamics(model, 0.3, 0.2, 0.1)
-    with pytest.raises(TypeError):
-        DEFAULT.friction["waist"] = Friction(1000.0)
-    np.testing.assert_array_equal(robodyn.inverse_dynamics(model, 0.3, 0.2, 0.1), before)
-
-
 def test_what_a_scene_was_made_of_can_change_without_it():
     friction, gravity, curve = {"waist": Friction(2.0)}, np.array([0.0, 0.0, -9.81]), [[0.0, 2.0], [100.0, 1.0]]
     loads = [Payload("flange", 1.0, com=[0.1, 0.0, 0.0])]
@@ -105,15 +94,6 @@ def test_what_a_scene_was_made_of_can_change_without_it():
     assert scene.gravity == (0.0, 0.0, -9.81)
     assert scene.friction == {"waist": Friction(2.0)}
     assert scene.motor["waist"].peak == ((0.0, 2.0), (100.0, 1.0))
-
-
-def test_another_friction_by_replace_counts():
-    """What a user who wants to edit does instead."""
-    model, scene = robot("puma560"), Scene(friction={"waist": Friction(2.0)})
-    before = robodyn.inverse_dynamics(model, 0.3, 0.2, 0.1, scene=scene)
-    edited = replace(scene, friction={**scene.friction, "waist": Friction(5.0)})
-    after = robodyn.inverse_dynamics(model, 0.3, 0.2, 0.1, scene=edited)
-    np.testing.assert_allclose(after - before, [0.6, 0, 0, 0, 0, 0], atol=1e-14)
 
 
 @pytest.mark.parametrize("again", [copy.copy, copy.deepcopy, lambda x: pickle.loads(pickle.dumps(x)), replace])
@@ -170,33 +150,6 @@ def test_equal_scenes_share_programs():
     assert plan(model, one) is plan(model, other)
     assert mass_runner(model, one) is mass_runner(model, other)
     assert plan(model, one) is not plan(model, replace(one, spring={}))
-
-
-def test_runners_outlive_plans():
-    """A plan that was dropped from its cache and made again finds what was made for its like."""
-    model, scene = robot("puma560"), Scene(friction={"waist": Friction(2.5)})
-    first = plan(model, scene)
-    runners = torque_runner(model, scene), acceleration_runner(model, scene)
-    plan.cache_clear()
-    again = plan(model, scene)
-    assert again is not first
-    assert again == first
-    scene = Scene(friction={"waist": Friction(2.5)})
-    assert (torque_runner(model, scene), acceleration_runner(model, scene)) == runners
-
-
-@pytest.mark.slow
-def test_orders_of_drives_give_the_same_motion():
-    """A program that was made for one order finds its columns in a table that was read for another."""
-    model = busy_robot()
-    time = np.linspace(0.0, 0.05, 6)
-    table = {"time": time, "push": 3 * time, "lift": 2 - time}
-    drives = {"j1": Drive("push"), "slide": Drive("lift"), "j4": Drive(1.0)}
-    motions = [
-        simulate(model, Scene(drive=dict(items)), 0.05, table=table, step=0.01, executor="numpy").q
-        for items in (drives.items(), reversed(drives.items()))
-    ]
-    np.testing.assert_array_equal(*motions)
 
 
 def test_keys_of_machine_code_are_those_of_equal_scenes():

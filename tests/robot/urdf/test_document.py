@@ -146,16 +146,6 @@ def test_text_children_and_unknown_parts_are_kept() -> None:
     assert root.find("nothing") is None
 
 
-def test_files_and_names_in_messages(tmp_path: object) -> None:
-    path = f"{tmp_path}/robot.urdf"
-    with open(path, "wb") as stream:
-        stream.write(b"<robot/>")
-    assert read_document(path).file == path
-    assert read_document(path, name="shown").file == "shown"
-    assert read_document(b"<robot/>").file == "<stdin>"
-    assert read_document(b"<robot/>", name="given").file == "given"
-
-
 def test_prefixes_need_a_declaration_only_outside_extensions() -> None:
     for text in (
         "<robot xmlns:p='u'><p:x/><link p:a='1'/></robot>",
@@ -200,9 +190,3 @@ def test_one_parse_finds_every_fault_and_strict_reading_raises_the_first(text: s
     with pytest.raises(DescriptionError) as caught:
         read_document(text.encode())
     assert str(caught.value) == str(faults[0].error("<stdin>"))
-
-
-def test_a_file_without_faults_has_a_document_in_both_readings() -> None:
-    text = b"<robot><link name='a'/></robot>"
-    assert not read(text).faults
-    assert read(text).root.children[0].values == read_document(text).root.children[0].values == {"name": "a"}
