@@ -271,10 +271,12 @@ def _measured(
         accuracy: relative error that is wanted; how: of `mass_properties`.
     """
     from robodyn.cli.progress import counted
-    from robodyn.measure.accuracy.meshes import needs_rationals, with_promise
 
-    if accuracy is not None and needs_rationals(accuracy):
-        how = {**how, "exact": True}
+    if accuracy is not None:
+        from robodyn.measure.accuracy.meshes import needs_rationals, with_promise
+
+        if needs_rationals(accuracy):
+            how = {**how, "exact": True}
     outcomes: list[Part | MeshError] = []
     with counted([Path(name) for name, *_ in rows]) as done:
         for name, rho, m, unit in rows:

@@ -249,14 +249,6 @@ def by_columns(mesh: Indexed) -> Quadrature | None:
     return _quadrature(totals.mean(axis=0), _spread(totals), signed.reference, "columns")
 
 
-def as_given(mesh: Indexed) -> Quadrature:
-    """Moments of the region where the winding number of a closed surface is positive, or if turned inside out."""
-    if mesh.volume(mesh.middle) < 0:
-        mesh = replace(mesh, faces=mesh.faces[:, ::-1])
-    signed = integrate(MemoryTriangles("bodies", mesh.corners))
-    return by_columns(mesh) or _quadrature(_moments(signed), np.zeros((4, 4)), signed.reference, "columns")
-
-
 def by_winding_numbers(mesh: Indexed, caps: Numbers) -> Quadrature | None:
     """Moments of the region where the winding number of an open surface is above 1/2; None if that is not definite.
 

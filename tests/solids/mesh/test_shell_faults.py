@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from helpers.mesh_samples import box, flipped, moved, torus, uv_sphere
 
-from robodyn.solids.mesh.inside import shell_faults
 from robodyn.solids.mesh.read.load import from_array
 from robodyn.solids.mesh.repair import repair
+from robodyn.solids.mesh.union import shell_faults
 
 ROUND = uv_sphere()
 CASES = {

@@ -265,7 +265,6 @@ _READERS: dict[str, Callable[[Source, BinaryIO], Asset]] = {
     "dae": _dae,
     "3mf": _3mf,
     "zae": _zae,
-    "3dxml": _zip,
     "glb": _glb,
     "gltf": _gltf,
 }
