@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
 from typing import NamedTuple
@@ -150,10 +150,13 @@ class Sides:
         self.boxes = {name: box for name, box in self.shaped.items() if box is not None}
         self.poses = context.once(rest_poses)
         self._fixed: dict[str, list[str]] = {}
-        self._next_shaped: dict[int, Group] = {}
         for joint in context.view.joints:
             if not joint.moves:
                 self._fixed.setdefault(joint.parent, []).append(joint.child)
+        self._next_shaped: dict[Group, Group] = {}
+        for group in context.tree.groups:
+            shaped = group.parent is None or any(link.name in self.shaped for link in group.links)
+            self._next_shaped[group] = group if shaped or group.parent is None else self._next_shaped[group.parent]
 
     def contact(self, joint: JointView, child: Pose | None) -> Contact | None:
         """Return the contact of a joint, the child standing at this pose in the root's frame; None where a pose or a
@@ -164,36 +167,23 @@ class Sides:
         return self._nearest(joint, below, above, child)
 
     def _sides(self, joint: JointView) -> tuple[list[str], list[str]]:
-        """Return the links with shapes below and above; of large groups those that the joint joins, if they have any,
-        so that time grows with the links and not with their square."""
+        """Links with shapes that are fixed to the child, and to the parent or to the next group above that has such; of
+        large groups those that the joint joins, so that time grows with the links and not with their square."""
         if max(len(self._tree.group[name].links) for name in (joint.parent, joint.child)) > _LARGE:
-            below, above = [joint.child], [joint.parent]
-            return [name for name in below if name in self.shaped], [name for name in above if name in self.shaped]
-        return [name for name in self._branch(joint) if name in self.shaped], self._above(joint)
-
-    def _branch(self, joint: JointView) -> list[str]:
-        names = [joint.child]
-        for name in names:
-            names += self._fixed.get(name, ())
-        return names
-
-    def _above(self, joint: JointView) -> list[str]:
-        """Return the links with shapes that are fixed to the parent, or to the next group above that has such."""
-        branch, group = set(self._branch(joint)), self._shaped_from(self._tree.group[joint.parent])
+            return self._shaped_of([joint.child]), self._shaped_of([joint.parent])
+        branch = [joint.child]
+        for name in branch:
+            branch += self._fixed.get(name, ())
+        inside, group = set(branch), self._tree.group[joint.parent]
         while True:
-            names = [link.name for link in group.links if link.name in self.shaped and link.name not in branch]
-            if names or group.parent is None:
-                return names
-            group = self._shaped_from(group.parent)
+            group = self._next_shaped[group]
+            above = self._shaped_of(link.name for link in group.links if link.name not in inside)
+            if above or group.parent is None:
+                return self._shaped_of(branch), above
+            group = group.parent
 
-    def _shaped_from(self, group: Group) -> Group:
-        """Return the group, or the next one above, in which a link has a shape; without one the root's."""
-        passed = []
-        while (above := group.parent) is not None and not any(link.name in self.shaped for link in group.links):
-            passed.append(group)
-            group = self._next_shaped.get(id(group), above)
-        self._next_shaped.update((id(below), group) for below in passed)
-        return group
+    def _shaped_of(self, names: Iterable[str]) -> list[str]:
+        return [name for name in names if name in self.shaped]
 
     def _nearest(self, joint: JointView, below: Sequence[str], above: Sequence[str], child: Pose) -> Contact | None:
         """Return the contact with the least gap, the child standing at this pose in the root's frame."""

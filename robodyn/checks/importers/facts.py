@@ -385,13 +385,13 @@ def _facts(
     source: str,
     rejects: Mapping[str, Find] = MappingProxyType({}),
     alters: Mapping[str, Find] = MappingProxyType({}),
-    **options: bool,
+    rejects_files: Mapping[str, Find] = MappingProxyType({}),
 ) -> tuple[Fact, ...]:
-    verdicts = (Verdict.REJECTS, rejects), (Verdict.ALTERS, alters)
+    columns = (Verdict.REJECTS, rejects, False), (Verdict.ALTERS, alters, False), (Verdict.REJECTS, rejects_files, True)
     return tuple(
-        Fact(target, verdict, does, source, find, **options)
-        for verdict, each in verdicts
-        for does, find in each.items()
+        Fact(target, verdict, does, source, find, files)
+        for verdict, column, files in columns
+        for does, find in column.items()
     )
 
 
@@ -421,16 +421,11 @@ FACTS = (
             "ignores limits unless lower < upper, both given": _joints(_unlimited),
             "makes mimic a soft equality constraint": _MIMIC,
         },
-    ),
-    *_facts(
-        "mujoco",
-        "MuJoCo 4.0, run; its XML reference, compiler",
-        rejects={
+        rejects_files={
             "reads meshes in .stl, .obj and .msh only": _unread_meshes("mujoco"),
             "requires meshes to be there": _missing_meshes("collision"),
             'opens no URI without <mujoco><compiler strippath="true" meshdir="..."/>': _uris,
         },
-        files=True,
     ),
     *_facts(
         "drake",
@@ -448,15 +443,10 @@ FACTS = (
             "lets the root float unless it is called world": _root(lambda link: link.name != "world"),
             "leaves the child of a floating joint free of its parent": _FLOATING,
         },
-    ),
-    *_facts(
-        "drake",
-        "Drake 1.51, run",
-        rejects={
+        rejects_files={
             "collides with meshes in .obj, .vtk and .gltf only": _unread_meshes("drake"),
             "requires meshes to be there": _missing_meshes("visual", "collision"),
         },
-        files=True,
     ),
     *_facts(
         "gz",
@@ -483,7 +473,6 @@ FACTS = (
         "gz",
         "gz-common 6, MeshManager",
         alters={"leaves out meshes in formats that it does not read": _unread_meshes("gz")},
-        files=True,
     ),
     *_facts(
         "kdl",

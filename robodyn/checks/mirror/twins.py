@@ -14,7 +14,7 @@ from robodyn.checks.bodies.masses import POINT, is_physical, principal_moments
 from robodyn.checks.context import Context, Thresholds
 from robodyn.checks.mirror.pairs import Pair, Symmetry, is_square, link_inertia, pairs, reflected, row_of, symmetry
 from robodyn.programs.vectors import length, product, rotation_from_rpy
-from robodyn.robot.urdf.parts import Inertial, Joint
+from robodyn.robot.urdf.parts import Joint
 from robodyn.robot.urdf.view import InertialView, LinkView
 from robodyn.support.floats import Floats
 from robodyn.support.wording import shown
@@ -63,20 +63,21 @@ class Twins:
     @property
     def moments(self) -> tuple[Floats, Floats]:
         """(3,) principal moments by mass of the left and the right link, ascending [m^2]."""
-        return _ascending(self.I), _ascending(self.I_right)
+        left, right = np.linalg.eigvalsh(np.stack((self.I, self.I_right)))
+        return left, right
 
     @property
     def real(self) -> bool:
         """Whether bodies can have both of the tensors; where they cannot, other rules say so."""
-        both = self.pair.left.inertial, self.pair.right.inertial
-        return all(one is not None and _is_real(one, self.limits) for one in both)
+        both = [one for one in (self.pair.left.inertial, self.pair.right.inertial) if one is not None]
+        sizes = [principal_moments(one.inertia)[2] for one in both]
+        points = any(size <= POINT * POINT * one.mass for size, one in zip(sizes, both, strict=True))
+        return not points and all(is_physical(one.inertia, self.limits) for one in both)
 
     @cached_property
     def moments_apart(self) -> float:
-        """By mass or as they stand, so that a wrong mass alone sets no moments apart; at most three times what the
-        tensors are, so that they are not computed where that is no more than they may be."""
-        bound = 3.0 * self.tensors_apart
-        return bound if bound <= MOMENTS else self._apart(*self.moments)
+        """By mass or as they stand, so that a wrong mass alone sets no moments apart."""
+        return self._apart(*self.moments)
 
     @cached_property
     def tensors_apart(self) -> float:
@@ -106,29 +107,16 @@ class Twins:
 
 def twins(context: Context) -> tuple[Twins, ...]:
     """Return the pairs of which both links have mass. From stage MODEL on."""
-    return tuple(_twins(context))
-
-
-def _twins(context: Context) -> Iterator[Twins]:
+    found = []
     for pair in context.once(pairs):
         left, right = pair.left.inertial, pair.right.inertial
         link = context.view.link[pair.right.name]
-        if left is None or right is None or link.inertial is None or not (left.mass > 0 and right.mass > 0):
-            continue
-        (c, I), (c_right, I_right) = reflected(pair, left), link_inertia(right)
-        masses = left.mass, right.mass
-        limits = context.thresholds
-        yield Twins(pair, link, link.inertial, masses, c, I / left.mass, c_right, I_right / right.mass, limits)
-
-
-def _is_real(inertial: Inertial, limits: Thresholds) -> bool:
-    """Whether a body of more than a point's size can have the tensor, as RD204, RD206 and RD207 have it."""
-    largest = principal_moments(inertial.inertia)[2]
-    return is_physical(inertial.inertia, limits) and largest > POINT * POINT * inertial.mass
-
-
-def _ascending(I: Floats) -> Floats:
-    return np.linalg.eigvalsh(I).astype(float)
+        if left is not None and right is not None and link.inertial is not None and left.mass > 0 and right.mass > 0:
+            (c, I), (c_right, I_right) = reflected(pair, left), link_inertia(right)
+            by_mass, masses = (I / left.mass, I_right / right.mass), (left.mass, right.mass)
+            limits = context.thresholds
+            found.append(Twins(pair, link, link.inertial, masses, c, by_mass[0], c_right, by_mass[1], limits))
+    return tuple(found)
 
 
 def _apart(one: Floats, other: Floats) -> float:
@@ -138,8 +126,6 @@ def _apart(one: Floats, other: Floats) -> float:
 
 _LIGHT = 1e-3
 """Sensors and marks that weigh no more [kg] are put where there is room."""
-_AXES = "xyz"
-_ANGLES = ("roll", "pitch", "yaw")
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,10 +196,10 @@ def _judged(found: Symmetry, left: Joint, right: Joint, pair: Pair | None) -> Mi
         return None
     if off > found.near:
         flips = [signs for signs, flipped in _flips(right.origin.xyz) if length(flipped - p) <= found.near]
-        return Misplaced(left, right, p, off, _first(flips, _AXES))
+        return Misplaced(left, right, p, off, _first(flips, "xyz"))
     turned = product(found.R[over].T, found.plane.H, found.R[left.child])
     square = [signs for signs, rpy in _flips(right.origin.rpy) if is_square(product(rotation_from_rpy(*rpy).T, turned))]
-    return Misplaced(left, right, None, off, _first(square, _ANGLES)) if square else None
+    return Misplaced(left, right, None, off, _first(square, ("roll", "pitch", "yaw"))) if square else None
 
 
 def _flips(values: tuple[float, ...]) -> Iterator[tuple[tuple[int, ...], Floats]]:
@@ -237,7 +223,6 @@ _OTHERS = 2
 
 Of 86 published robots 31 have such limbs, and none of these a joint that is turned otherwise.
 """
-_LIMBED = ("revolute", "prismatic")
 
 
 def directions(pair: Pair, context: Context) -> Iterator[int]:
@@ -302,25 +287,19 @@ def unlike_their_limb(context: Context) -> Mapping[str, tuple[Pair, ...]]:
 def _lying_alike(found: Symmetry) -> list[list[Pair]]:
     """Return the pairs of joints of each limb whose axes lie in the mirror plane, and those whose axes are across it.
 
-    A limb goes as far as each of its links carries one other that has mass: a hand or a gripper is not part of it.
+    A limb is a chain of twins, as far as each of them carries one other link that has mass: no hand is part of an arm.
     """
     heavy = heavy_links(found)
     carried = Counter(joint.parent for name, joint in found.above.items() if name in heavy)
     alike: dict[tuple[str, bool], list[Pair]] = defaultdict(list)
     for pair in found.pairs:
         joint = pair.right_joint
-        if joint.type not in _LIMBED:
-            continue
-        axis = product(found.R[joint.child], np.array(joint.axis))
-        across = abs(float(product(found.plane.normal, axis))) / length(axis)
-        if min(across, abs(1.0 - across)) <= _AXIS:
-            alike[_limb(pair, found, carried), across > 0.5].append(pair)
+        if joint.type in ("revolute", "prismatic"):
+            axis = product(found.R[joint.child], np.array(joint.axis))
+            across = abs(float(product(found.plane.normal, axis))) / length(axis)
+            first = pair
+            while (over := found.by_right.get(first.right_joint.parent)) is not None and carried[over.right.name] == 1:
+                first = over
+            if min(across, abs(1.0 - across)) <= _AXIS:
+                alike[first.right.name, across > 0.5].append(pair)
     return list(alike.values())
-
-
-def _limb(pair: Pair, found: Symmetry, carried: Mapping[str, int]) -> str:
-    """Return the name of the right link that a pair's limb begins with."""
-    over = found.by_right.get(pair.right_joint.parent)
-    while over is not None and carried[over.right.name] == 1:
-        pair, over = over, found.by_right.get(over.right_joint.parent)
-    return pair.right.name
