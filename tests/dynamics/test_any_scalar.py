@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import ast
-import inspect
-from pathlib import Path
-
 import mpmath
 import numpy as np
 import pytest
 import sympy
 from helpers.oracles import golden_model, random_state, reference, worst
 
-import robodyn
 from robodyn.dynamics.effects.catalogue import EFFECTS
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.plan import applied, loads
@@ -109,29 +104,3 @@ def test_dual_scalars():
         values = [float(x) for x in at(mpmath.mpf(0))]
     assert worst([x.rate for x in found], expected) <= 1e-14
     assert worst([x.value for x in found], values) <= 1e-14
-
-
-def _defined(name):
-    package = Path(robodyn.__file__).parent
-    folders = (package / "dynamics" / "recursions", package / "robot")
-    sources = (package / "dynamics" / "plan.py", *(path for folder in folders for path in folder.glob("*.py")))
-    trees = [ast.parse(path.read_text()) for path in sources]
-    return sum(isinstance(node, ast.FunctionDef) and node.name == name for tree in trees for node in tree.body)
-
-
-@pytest.mark.parametrize("name", ["newton_euler", "joint_torques", "joint_motion", "euler", "momenta", "loads"])
-def test_is_written_once(name):
-    assert _defined(name) == 1
-
-
-def test_is_as_short_as_the_textbook_and_asks_no_types():
-    source = inspect.getsource(newton_euler)
-    tree = ast.parse(source).body[0]
-    assert isinstance(tree.body[0], ast.Expr)
-    statements = tree.body[1:]
-    code = source.splitlines()[statements[0].lineno - 1 :]
-    assert len([line for line in code if line.strip()]) <= 30
-    names = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
-    assert not names & {"isinstance", "type", "hasattr", "float", "Traced", "Dual"}
-    branches = [node for node in ast.walk(tree) if isinstance(node, ast.If)]
-    assert [ast.unparse(node.test) for node in branches] == ["(j := parents[i]) >= 0"]

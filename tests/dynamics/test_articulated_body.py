@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import ast
-import inspect
 from dataclasses import replace
-from types import MappingProxyType
 
 import mpmath
 import numpy as np
 import pytest
-import sympy
 from helpers.busy_robot import busy_robot
 from helpers.factorised import forward_by_factorisation
 from helpers.oracles import EPS, golden_model, random_state, reference, robot, worst
@@ -22,16 +18,11 @@ from robodyn.dynamics.forward import accelerations, forward_dynamics
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import applied, loads
-from robodyn.dynamics.recursions.articulated_body import articulated_body
 from robodyn.dynamics.recursions.elimination import aligned
-from robodyn.dynamics.recursions.newton_euler import inertial_wrenches
 from robodyn.errors import InputError
-from robodyn.programs.vectors import vector
-from robodyn.robot.kinematics import REST, joint_motion
-from robodyn.robot.model import Body, Joint, Model
 from robodyn.scene.parts import Rotor
 from robodyn.scene.scene import Scene
-from robodyn.solids.inertia.laws import MASSLESS, Inertia
+from robodyn.solids.inertia.laws import Inertia
 
 MODELS = reference("golden_inverse_dynamics")["models"]
 
@@ -74,45 +65,6 @@ def test_fifty_digits(name, free):
         q, qd, tau = ([mpmath.mpf(float(x)) for x in row[0]] for row in state)
         found = _tau(model, q, qd, _qdd(model, q, qd, tau, scene), scene)
         assert max(abs(a - b) for a, b in zip(found, tau, strict=True)) <= mpmath.mpf(10) ** -45
-
-
-def _chain_of_two(kinds, places):
-    """A model of two bodies on a base, for inertias that are not numbers."""
-    hinges = [
-        Joint(f"j{k}", kind, np.eye(3), np.array(place), np.array([0.0, 0.0, 1.0]), k, k)
-        for k, (kind, place) in enumerate(zip(kinds, places, strict=True))
-    ]
-    base = Joint("base", "fixed", np.eye(3), np.zeros(3), np.zeros(3))
-    bodies = [Body(f"l{k}", k - 1, one, MASSLESS) for k, one in enumerate((base, *hinges))]
-    return Model("two", "", tuple(bodies), MappingProxyType({}))
-
-
-def test_symbols():
-    """Point masses at the ends of two links: the solution of Craig's closed form, lengths and masses being symbols."""
-    l1, l2, m1, m2, g = sympy.symbols("l1 l2 m1 m2 g", positive=True)
-    q1, q2, w1, w2, t1, t2 = sympy.symbols("q1 q2 w1 w2 t1 t2", real=True)
-    model = _chain_of_two(("revolute", "revolute"), ([0, 0, 0], [1, 0, 0]))
-    hinges = [
-        joint_motion(body.joint, [q], [w], [sympy.Integer(0)])
-        for body, q, w in zip(model.bodies[1:], (q1, q2), (w1, w2), strict=True)
-    ]
-    hinges[1] = hinges[1]._replace(p=vector(l1, 0, 0))
-    masses = [Inertia(m, m * vector(r, 0, 0), m * r**2 * np.diag([0, 1, 1])) for m, r in ((m1, l1), (m2, l2))]
-    joints, inertias = (REST, *hinges), (MASSLESS, *masses)
-    biases = inertial_wrenches(model.parents, joints, inertias, vector(0, -g, 0))
-    found = articulated_body(model, joints, inertias, biases, [t1, t2], {})
-    s2, c2 = sympy.sin(q2), sympy.cos(q2)
-    M12 = l2**2 * m2 + l1 * l2 * m2 * c2
-    M = sympy.Matrix([[M12 + l1 * l2 * m2 * c2 + l1**2 * (m1 + m2), M12], [M12, l2**2 * m2]])
-    weight = m2 * l2 * g * sympy.cos(q1 + q2)
-    b1 = -m2 * l1 * l2 * s2 * (w2**2 + 2 * w1 * w2) + weight + (m1 + m2) * l1 * g * sympy.cos(q1)
-    b2 = m2 * l1 * l2 * s2 * w1**2 + weight
-    expected = M.LUsolve(sympy.Matrix([t1 - b1, t2 - b2]))
-    symbols = l1, l2, m1, m2, g, q1, q2, w1, w2, t1, t2
-    for k in range(3):
-        at = {symbol: sympy.Rational(7 + 3 * i + k, 11 + i) for i, symbol in enumerate(symbols)}
-        for a, b in zip(found, expected, strict=True):
-            assert abs(a.subs(at).evalf(40) - b.subs(at).evalf(40)) <= 1e-12
 
 
 def test_a_pendulum():
@@ -289,12 +241,3 @@ def test_massless_links_between_joints_are_no_trouble():
 def test_unphysical_inertia_is_computed():
     model = built(link("base"), link("arm", 2, (0.5, 0, 0), (0.1, 0, 0, 0.1, 0, -0.7)), joint("j", "base", "arm"))
     assert worst(forward_dynamics(model, 0.0, 0.0, 1.0), [1 / (0.5 - 0.7)]) <= 4 * EPS
-
-
-def test_is_as_short_as_the_textbook_and_asks_for_no_effect():
-    source = inspect.getsource(articulated_body)
-    tree = ast.parse(source).body[0]
-    code = source.splitlines()[tree.body[1].lineno - 1 :]
-    assert len([line for line in code if line.strip()]) <= 30
-    names = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
-    assert not names & {"isinstance", "type", "hasattr", "Traced", "Dual"}

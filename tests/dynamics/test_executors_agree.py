@@ -7,7 +7,7 @@ import pytest
 from helpers.busy_robot import BUSY_SCENE, busy_robot
 from helpers.compiled_programs import bits, needs_compiler
 from helpers.example_robots import cases
-from helpers.oracles import EPS, golden_model, random_state, reference, robot, worst
+from helpers.oracles import EPS, golden_model, random_state, robot, worst
 from helpers.robot_catalogue import names
 from helpers.sampled import sampled
 
@@ -24,7 +24,6 @@ pytestmark = needs_compiler
 SAMPLES = 130
 APART = {False: 4 * EPS, True: 8 * EPS}
 """Of the largest torque, for fixed and free bases: the rotation from a quaternion costs some roundings more."""
-MODELS = reference("golden_inverse_dynamics")["models"]
 
 
 def sources(model, scene, samples=SAMPLES):

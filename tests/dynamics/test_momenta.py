@@ -101,16 +101,6 @@ def test_a_payload_counts():
     assert worst(found.com, [(0.5 * m + 3) / (m + 3), 0, 0]) <= 4 * EPS
 
 
-def test_executors_agree_and_shapes_broadcast():
-    model = robot("scara")
-    q, qd, _ = random_state(model, np.random.default_rng(3), 20)
-    one, other = (robodyn.momenta(model, q, qd, executor=name) for name in ("numpy", "compiled"))
-    for name in ("com", "linear", "angular", "kinetic", "potential"):
-        assert worst(getattr(one, name), getattr(other, name)) <= 8 * EPS
-    grid = robodyn.momenta(model, q.reshape(4, 5, 3), qd[0])
-    assert (grid.angular.shape, grid.kinetic.shape) == ((4, 5, 3), (4, 5))
-
-
 @pytest.mark.parametrize(
     ("how", "line"),
     [

@@ -71,28 +71,6 @@ def test_a_robot_with_everything_floats_freely_too():
     assert worst(np.concatenate((P_rate, H_rate)), np.zeros(6), np.abs(tau).max()) <= 1e-13
 
 
-def test_held_bus_needs_only_the_arrays_own_inertia():
-    model = robot("satellite")
-    q, qd, qdd = random_state(model, np.random.default_rng(8), 20)
-    tau = inverse_dynamics(model, q, qd, qdd, scene=frictionless(model, gravity=(0.0, 0.0, 0.0)))
-    assert worst(tau, 0.5 * qdd) <= 1e-14
-
-
-def test_inertia_of_the_satellite_about_its_bus_frame():
-    model = robot("satellite", True)
-    q = random_state(model, np.random.default_rng(9), 20)[0]
-    bus = model.bodies[0].inertia
-    for row, M in zip(q, mass_matrix(model, q), strict=True):
-        s, c = np.sin(row[7:]), np.cos(row[7:])
-        expected = bus.I.copy()
-        expected[0, 0] += np.sum(20 * 1.5**2 + 8 * c**2 + 8.4 * s**2)
-        expected[1, 1] += 2 * 0.5
-        expected[2, 2] += np.sum(20 * 1.5**2 + 8 * s**2 + 8.4 * c**2)
-        expected[[0, 2], [2, 0]] += np.sum(0.4 * s * c)
-        assert worst(M[:3, :3], expected) <= 16 * EPS
-        assert worst(M[3:6, 3:6], 100 * np.eye(3)) <= 16 * EPS
-
-
 @pytest.mark.parametrize("seed", range(3))
 def test_momenta_and_energy_against_pinocchio(seed):
     model = busy_robot(True)
