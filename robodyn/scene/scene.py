@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from robodyn.scene.parts import (
     LEAST_FORCES,
@@ -26,9 +26,11 @@ from robodyn.scene.parts import (
     Vector,
     one_of,
 )
-from robodyn.scene.uncertainty import Uncertainty
 from robodyn.support.frozen import FrozenValue
 from robodyn.support.wording import call_of
+
+if TYPE_CHECKING:
+    from robodyn.scene.uncertainty import Uncertainty
 
 Names = Annotated[
     tuple[str, ...], Rule(lambda names: len(set(names)) == len(names), 'names of joints, each once: ["a", "b"]')

@@ -284,4 +284,5 @@ class TomlTable:
 
 @cache
 def _hints(kind: type) -> dict[str, Any]:
-    return get_type_hints(kind, include_extras=True)
+    unread = {"Uncertainty": Any}  # which a scene has, and cold starts without one do not import
+    return get_type_hints(kind, localns=unread, include_extras=True)
