@@ -68,7 +68,7 @@ def test_a_chain_below_one_shape() -> None:
     body = links(count).replace('<link name="0"/>', ball) + joints([(k, k + 1) for k in range(count - 1)], "floating")
     context = Context(read(f'<robot name="r">{body}</robot>'.encode()))
     sides = Sides(context)
-    assert all(sides._above(joint) == ["0"] for joint in context.view.joints)
+    assert all(sides._sides(joint)[1] == ["0"] for joint in context.view.joints)
 
 
 @pytest.mark.parametrize("text", ["1 " * 1_000_000, "9" * 1_000_000, "x" * 1_000_000])

@@ -11,7 +11,7 @@ import pytest
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.report.document import text
 from robodyn.report.inertia import comparison_sections
-from robodyn.robot.masses.shapes import Reading, compare, mistakes_in_words, relative
+from robodyn.robot.masses.shapes import Reading, compare, mistakes_in_words
 from robodyn.robot.urdf.description import load_description
 from robodyn.robot.urdf.parts import Inertial, Origin
 from robodyn.solids.inertia.properties import inertial_element
@@ -221,7 +221,3 @@ def test_a_product_of_the_wrong_sign_counts_at_any_size(part):
     (found,) = mistakes_in_words(inertial(wrong, com=np.zeros(3)), shapes)
     assert "wrong sign" in found
     assert mistakes_in_words(inertial(shapes.inertia, com=np.zeros(3)), shapes) == ()
-
-
-def test_relative():
-    assert relative(np.eye(3), 2 * np.eye(3)) == 0.5
