@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cached_property
+from math import floor, log10
 
 import numpy as np
 
@@ -213,6 +214,8 @@ def explained(context: Context, fault: Fault, link: LinkView) -> Fault:
         return fault
     change = float(length(near - said.tensor) / length(said.tensor))
     what = f"the nearest one that a body can have, {figure(100 * change, 2)} % away"
+    known = _DIGITS - 1 - floor(log10(np.abs(near).max()))  # decimals below the largest entry's digits are rounding
+    near = np.array([[round(entry, known) for entry in row] for row in near.tolist()])
     return replace(fault, fix=_fix(link, _entries(near, said), what))
 
 
