@@ -108,7 +108,7 @@ class _Gap:
 
     @property
     def share(self) -> float:
-        return self.area / (self.area + self.own)
+        return self.area / ((self.area + self.own) or 1.0)
 
     @property
     def patch(self) -> bool:
