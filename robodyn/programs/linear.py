@@ -5,10 +5,14 @@ from __future__ import annotations
 import sys
 from itertools import combinations
 from math import copysign, hypot, sqrt
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robodyn.support.floats import Floats
+
+Complexes = NDArray[np.complex128]
 
 _EPS = sys.float_info.epsilon
 _SWEEPS = 30
@@ -97,3 +101,42 @@ def _annihilate(a: list[list[float]], v: list[list[float]], p: int, q: int) -> b
             a[k][p], a[k][q] = a[p][k], a[q][k]
         v[p][k], v[q][k] = c * v[p][k] - s * v[q][k], s * v[p][k] + c * v[q][k]
     return True
+
+
+class Eigen(NamedTuple):
+    """A right_k = value_k right_k and left_k^H A = value_k left_k^H, for the columns of right and left.
+
+    Attributes:
+        values: (n,), not sorted.
+        right, left: (n, n) unit columns.
+        conditions: (n,) |left_k| |right_k| / |left_k^H right_k|: how far a change of the scaled matrix moves value_k.
+        size: of the scaled matrix, Frobenius's norm.
+    """
+
+    values: Complexes
+    right: Complexes
+    left: Complexes
+    conditions: Floats
+    size: float
+
+
+def general_eigen(A: Floats) -> Eigen:
+    """Return eigenvalues and eigenvectors of a real matrix (n, n), by LAPACK, scaled by powers of two (Osborne 1960).
+
+    Raises:
+        numpy.linalg.LinAlgError: an eigenvalue does not converge, or A is not finite.
+
+    Accuracy: those of a matrix that differs from the scaled one by 8 n eps of its size; so values within 8 n eps size
+        conditions_k where that is small.
+    """
+    from scipy.linalg import eig, matrix_balance
+
+    if not np.isfinite(A).all():
+        raise np.linalg.LinAlgError("the matrix is not finite")
+    B, (scale, _) = matrix_balance(A, permute=False, separate=True)
+    values, left, right = (np.asarray(each, complex) for each in eig(B, left=True))
+    with np.errstate(divide="ignore"):
+        conditions = 1.0 / np.abs((left.conj() * right).sum(axis=0))
+    right, left = right * scale[:, None], left / scale[:, None]
+    lengths = [np.linalg.norm(each, axis=0) for each in (right, left)]
+    return Eigen(values, right / lengths[0], left / lengths[1], conditions, float(np.linalg.norm(B)))

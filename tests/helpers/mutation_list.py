@@ -155,9 +155,9 @@ MUTATIONS = {
         ("programs/run/llvm/functions.py", 'wide.whole("sub", integer, half)', "half"),
         ("programs/run/llvm/kernel.py", '"ugt"', '"ogt"'),
         ("programs/run/llvm/driver_text.py", "%byte = udiv i64 %start, 8", "%byte = udiv i64 %start, 16"),
-        ("programs/run/team.py", '"little"', '"big"'),
-        ("programs/run/team.py", "-(-samples // (threads * block)) * block", "-(-samples // threads)"),
-        ("programs/run/team.py", "self._common[:] = self._begin", "self._common[1:] = self._begin[1:]"),
+        ("programs/run/compiled_blocks.py", '"little"', '"big"'),
+        ("programs/run/compiled_blocks.py", "-(-samples // (threads * block)) * block", "-(-samples // threads)"),
+        ("programs/run/compiled_blocks.py", "self._common[:] = self._begin", "self._common[1:] = self._begin[1:]"),
         ("programs/run/llvm/driver_text.py", "%turn = add i64 %me, %k", "%turn = add i64 %me, 0"),
         (
             "programs/run/llvm/driver_text.py",
@@ -375,13 +375,10 @@ MUTATIONS = {
         ("programs/scalar.py", "(op, a, b)", "(op, a)"),
         ("programs/scalar.py", "-(self * -other)", "self * -other"),
     ],
-    "programs/test_eigenvalues.py": [
-        ("programs/eigenvalues.py", "2.0 ** round(0.5 * float(np.log2(row / column)))", "1.0"),
-        ("programs/eigenvalues.py", "A * scale / scale[:, None]", "A / scale * scale[:, None]"),
-        ("programs/eigenvalues.py", "c * x + s * y", "c * x - s * y"),
-        ("programs/eigenvalues.py", "T[j][i].conjugate()", "T[j][i]"),
-        ("programs/eigenvalues.py", "right * scale[:, None]", "right"),
-        ("programs/eigenvalues.py", "left / scale[:, None]", "left"),
+    "programs/test_linear.py": [
+        ("programs/linear.py", "left.conj() * right", "left * right"),
+        ("programs/linear.py", "right * scale[:, None]", "right"),
+        ("programs/linear.py", "left / scale[:, None]", "left"),
     ],
     "equations/linearized/test_linearize.py": [
         ("equations/linearized/linearize.py", "given.dq + np.diag(robot.drives.kp)", "given.dq"),

@@ -12,7 +12,7 @@ from robodyn.equations.linearized.modes import Mode, Modes
 from robodyn.equations.linearized.small_motion import SmallMotion
 from robodyn.equations.linearized.unheld import Split, split
 from robodyn.errors import InputError
-from robodyn.programs.eigenvalues import Complexes, general_eigen
+from robodyn.programs.linear import Complexes, general_eigen
 from robodyn.programs.vectors import length, product
 from robodyn.support.floats import Floats
 

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from functools import cache, cached_property
-from typing import Any
+import ctypes
+import os
+from array import array
+from collections.abc import Callable, Mapping, Sequence
+from ctypes import c_int64, c_void_p
+from functools import cache, cached_property, partial
+from itertools import chain
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,15 +19,17 @@ from robodyn.programs.run.llvm.build import built
 from robodyn.programs.run.llvm.driver import driver
 from robodyn.programs.run.llvm.kernel import kernel
 from robodyn.programs.run.llvm.machine import Function
-from robodyn.programs.run.llvm.team import LINE
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
-from robodyn.programs.run.small_batches import FEW, SmallBatches
-from robodyn.programs.run.team import Fields, Job
 from robodyn.support.threads import cores
+
+if TYPE_CHECKING:
+    from concurrent.futures import ThreadPoolExecutor
 
 SCALARS = {"float64": "double", "float32": "float"}
 LANES = {"double": 8, "float": 16}
 """Samples worked on at a time: one register of AVX-512. Half or twice as many were slower or equal, on AVX2 too."""
+FEW = 16
+"""Samples that small batches have room for: one or two groups of a kernel."""
 BLOCK = 128
 """Samples gathered at a time where an array's columns are not contiguous: their rows stay in the first cache."""
 LONG_BLOCK = 512
@@ -35,6 +42,9 @@ MOST_KEPT = 1 << 22
 """Bytes of results that are written into the caches: more would drive each other out before they are read."""
 THREAD_WORK = 1 << 21
 """Operations that are worth a thread of their own: some 50 microseconds."""
+
+LINE = 8
+"""Numbers of 64 bits in a line of the cache."""
 
 Numbers = NDArray[np.floating[Any]]
 
@@ -150,10 +160,9 @@ class CompiledBlocks:
         contiguous = all(each.strides[0] == each.itemsize for each in (*given, out))
         block = LONG_BLOCK if contiguous and samples >= 8 * LONG_BLOCK else BLOCK
         threads = max(1, min(threads, samples * self.program.size // THREAD_WORK, samples // block))
-        functions = self._share.address, self._kernel.address
         # No power of two apart, or gathered columns would share sets of the cache.
         pitch = block * self.dtype.itemsize + 8 * LINE
-        job = Job(functions, fields, self.rows, pitch, STEP, block, samples, threads)
+        job = Job(self._share, self._kernel.address, fields, self.rows, pitch, STEP, block, samples, threads)
 
         def run() -> None:
             if job():
@@ -197,4 +206,163 @@ def _address(given: NDArray[Any]) -> int:
 @cache
 def _driver(scalar: str) -> Function:
     lanes = LANES[scalar]
-    return built("share", ("driver", scalar, lanes), lambda: driver(scalar, lanes))
+    return built("share", ("driver", scalar, lanes), lambda: driver(scalar, lanes), c_void_p, c_int64)
+
+
+_KERNEL = ctypes.PYFUNCTYPE(ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64)
+
+
+class _Parts(NamedTuple):
+    """The parts of the rows that some number of samples fill."""
+
+    inputs: Sequence[tuple[str, Numbers, tuple[int, ...]]]
+    outputs: Numbers
+
+
+class SmallBatches:
+    """Room in which a kernel works on few samples, kept ready from call to call: rows for all sources and outputs.
+
+    For one call at a time. The kernel sees groups of samples as in any other run, so the results are the same to the
+    bit; Python's lock is kept, for to hand it over and get it back may take longer than the work.
+    """
+
+    def __init__(
+        self,
+        kernel: int,
+        first_row: Mapping[str, int],
+        widths: Mapping[str, int],
+        rows: int,
+        dtype: Any,
+        lanes: int,
+        homes: NDArray[np.int64],
+    ) -> None:
+        """
+        Args:
+            kernel: the address of what `robodyn.programs.run.llvm.kernel` writes.
+            first_row: where the rows of each source begin, and under "" those of the outputs.
+            widths: how many columns the array of each source has.
+            rows: of all sources and outputs.
+            lanes: samples in a group.
+            homes: the row of each output, from the first of them on.
+        """
+        memory, first = np.zeros((rows, FEW), dtype), first_row[""]
+        self._table = memory.ctypes.data + memory.strides[0] * np.repeat(np.arange(rows), 2)  # no memory ahead
+        self._flags = np.zeros(FEW // 8, np.uint8)
+        self._places = c_void_p(self._table.ctypes.data), c_void_p(self._flags.ctypes.data)
+        self._kernel, self._lanes, self._dtype = _KERNEL(kernel), lanes, memory.dtype
+        starts = ((source, start, widths[source]) for source, start in first_row.items() if source)
+        self._inputs = [(source, memory[start : start + width].T) for source, start, width in starts]
+        self._outputs = memory[first:].T
+        self._homes = homes if len(homes) > rows - first else None  # None: each row is one output, in their order
+        self._parts: dict[int, _Parts] = {}
+
+    def __call__(self, sources: Mapping[str, Numbers], samples: int, out: Numbers) -> bool:
+        """Write the outputs of up to FEW samples to `out`, which may overlap the sources.
+
+        Returns:
+            Whether that is done; if not, an array is of other numbers, or a sample is flagged, and this is to be used
+            no more.
+
+        Raises:
+            ValueError: a source has another shape than (samples, width).
+        """
+        inputs, outputs = self._parts.get(samples) or self._part(samples)
+        for source, rows, shape in inputs:
+            given = sources[source]
+            if given.shape != shape:
+                raise ValueError(f"{source} has shape {given.shape}, not {shape}")
+            if given.dtype != self._dtype:
+                return False
+            rows[...] = given
+        if self._kernel(*self._places, -(-samples // self._lanes)):
+            return False
+        out[...] = outputs if self._homes is None else outputs.take(self._homes, 1)
+        return True
+
+    def _part(self, samples: int) -> _Parts:
+        """Return what so many samples fill."""
+        inputs = [(source, rows[:samples], (samples, rows.shape[1])) for source, rows in self._inputs]
+        parts = _Parts(inputs, self._outputs[:samples])
+        return self._parts.setdefault(samples, parts)
+
+
+Fields = tuple[int, int, int, int, int, bool, bool]
+"""Of an array, as `robodyn.programs.run.llvm.driver.FIELDS` names them."""
+
+
+class Job:
+    """A run of machine code over all samples of some arrays, which may be repeated as what they hold changes."""
+
+    def __init__(
+        self,
+        share: Function,
+        kernel: int,
+        fields: Sequence[Fields],
+        rows: int,
+        pitch: int,
+        step: int,
+        block: int,
+        samples: int,
+        threads: int,
+    ) -> None:
+        """
+        Args:
+            share: the driver; kernel: the address of the kernel.
+            fields: of the arrays, which the caller keeps; the last is written to.
+            rows: columns of all of them.
+            pitch: bytes from one gathered column to the next; whole lines of the cache.
+            step: samples that a thread takes at a time; block: that it gathers.
+        """
+        self._samples, self._share = samples, share
+        self._flags = array("B", bytes(-(-samples // block) * block // 8))
+        each = -(-samples // (threads * block)) * block
+        parts = range(0, samples, each)
+        self._threads = len(parts)
+        self._begin = array("q", (0, *parts))
+        self._common, self._fields = self._begin[:], array("q", chain.from_iterable(fields))
+        table = -(-2 * rows // LINE) * 8 * LINE
+        room = table + rows * pitch
+        self._rooms = np.empty(self._threads * room + 8 * LINE, np.uint8)
+        rooms = int(self._rooms.__array_interface__["data"][0])
+        rooms += -rooms % (8 * LINE)
+        places = (kernel, _place(self._fields), rooms, _place(self._flags), _place(self._common))
+        numbers = len(fields), room, table, pitch, step, block, samples, each, self._threads
+        self._job = array("q", (*places, *numbers))
+
+    def __call__(self) -> bool:
+        """Run; whether a sample is flagged."""
+        self._common[:] = self._begin
+        in_pool(partial(self._share, _place(self._job)), self._threads)
+        return bool(self._common[0])
+
+    def flagged(self) -> NDArray[np.int64]:
+        """Return the samples that are flagged; every run writes all flags anew."""
+        flags = np.unpackbits(np.frombuffer(self._flags, np.uint8), bitorder="little")
+        found: NDArray[np.int64] = np.flatnonzero(flags[: self._samples])
+        return found
+
+
+def _place(numbers: array[int]) -> int:
+    return numbers.buffer_info()[0]
+
+
+def in_pool(part: Callable[[int], object], threads: int) -> None:
+    """Call part(0), part(1) and so on at a time, the first in this thread; the first leaves nothing for later ones.
+
+    So those that have not begun when it ends need not begin at all: nobody waits for a thread that is late.
+    """
+    others = [_pool(os.getpid()).submit(part, number) for number in range(1, threads)]
+    try:
+        part(0)
+    finally:
+        for other in others:
+            if not other.cancel():
+                other.result()
+
+
+@cache
+def _pool(process: int) -> ThreadPoolExecutor:
+    """Return the threads of a process; a fork, another process, has its own."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    return ThreadPoolExecutor(cores(), thread_name_prefix="robodyn")

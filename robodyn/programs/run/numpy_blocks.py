@@ -9,32 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.programs.program import Program
-from robodyn.programs.run.llvm.functions import EXPONENTIAL, LOG2_E, LOG_2
 from robodyn.programs.scalar import ADD, CONSTANT, COS, DIV, EXP, INPUT, MUL, NEG, SIGN, SIN, SQRT, SUB
 
 Numbers = NDArray[np.floating[Any]]
-
-
-def exponential(x: Numbers, out: Numbers | None = None) -> Numbers:
-    """Return exp(x) of float64 or float32, written to `out` if given.
-
-    Step by step as machine code computes it, but for fused multiply-add: NumPy's own ends in other digits with AVX-512.
-
-    Accuracy: 1 ulp; 0 and infinity where the result leaves the range of the type.
-    """
-    y = np.clip(np.asarray(x, dtype=np.float64), -746.0, 710.0)
-    power = np.rint(y * LOG2_E)
-    rest = (y - power * LOG_2[0]) - power * LOG_2[1]  # the first product is exact
-    bend = np.full_like(rest, EXPONENTIAL[-1])
-    for coefficient in reversed(EXPONENTIAL[:-1]):
-        bend = bend * rest + coefficient
-    main = 1.0 + rest
-    value = main + (rest * rest * bend + ((1.0 - main) + rest))
-    found = np.ldexp(value, np.nan_to_num(power).astype(np.int64)).astype(x.dtype)
-    if out is None:
-        return found
-    out[...] = found
-    return out
 
 
 COPY = "copy"
@@ -49,7 +26,7 @@ UFUNCS: dict[str, Any] = {
     SIN: np.sin,
     COS: np.cos,
     SIGN: np.sign,
-    EXP: exponential,
+    EXP: np.exp,
     COPY: np.positive,
 }
 
@@ -97,8 +74,8 @@ class NumpyBlocks:
         Returns:
             (samples, outputs); where `out` is not given each column is contiguous.
 
-        Accuracy: each operation is rounded once; sine and cosine are NumPy's (within 1 ulp in float64, 3 in float32),
-        the exponential is within 1 ulp.
+        Accuracy: each operation is rounded once; sine, cosine and exponential are NumPy's (within 1 ulp in float64,
+        3 in float32).
         """
         if out is not None and any(np.may_share_memory(out, sources[source]) for source in self.first_row):
             out[...] = self(sources, samples)

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import os
 from concurrent.futures import ThreadPoolExecutor
-from ctypes import CFUNCTYPE, c_int64, c_void_p
+from pathlib import Path
+from threading import Event
+from time import sleep
 
 import numpy as np
 import pytest
 from helpers.array_layouts import LAYOUTS, PROGRAM, WIDTHS, expected, ready, state
 from helpers.compiled_programs import bits, needs_compiler
 from helpers.oracles import EPS, golden_model, random_state, worst
+from helpers.processes import python
 
 from robodyn.dynamics.plan import Plan
 from robodyn.programs.run import compiled_blocks
-from robodyn.programs.run import team as team_module
 from robodyn.programs.run.compiled_blocks import BLOCK, CompiledBlocks
 from robodyn.programs.run.llvm import build, machine
 from robodyn.programs.run.llvm.machine import host
@@ -143,7 +146,7 @@ def test_many_threads_at_once():
 def test_work_is_shared_among_threads(monkeypatch):
     """No more threads than asked for, and each has work enough."""
     started = []
-    monkeypatch.setattr(team_module, "the_team", lambda: lambda job, threads: started.append(threads))
+    monkeypatch.setattr(compiled_blocks, "in_pool", lambda part, threads: started.append(threads))
     for shares, asked, threads in ((4, 1, 1), (4, 2, 2), (4, 9, 4), (1, 9, 1), (0.1, 9, 1)):
         samples = int(shares * compiled_blocks.THREAD_WORK / PROGRAM.size) + 1
         ready()(state(samples), samples, None, asked)
@@ -154,16 +157,73 @@ def test_work_is_shared_among_threads(monkeypatch):
 def test_a_thread_takes_over_what_others_leave(begin, busy_threads, monkeypatch):
     """Its own part first, then those after it and before it; a number that has no part does nothing."""
 
-    def some(job, threads):
+    def some(part, threads):
         assert threads == 3
-        share = CFUNCTYPE(c_int64, c_void_p, c_int64)(c_int64.from_address(job).value)
         for number in begin:
-            share(job, number)
+            part(number)
 
     arrays = state(4097)
     right = expected(arrays)
-    monkeypatch.setattr(team_module, "the_team", lambda: some)
+    monkeypatch.setattr(compiled_blocks, "in_pool", some)
     np.testing.assert_array_equal(bits(ready()(arrays, 4097, None, 3)), bits(right))
+
+
+def test_threads_inside_are_waited_for_and_those_that_are_late_do_not_begin():
+    inside, done = Event(), []
+
+    def slow(number):
+        if number == 0:
+            assert inside.wait(10)
+        else:
+            inside.set()
+            sleep(0.05)
+            done.append(number)
+
+    compiled_blocks.in_pool(slow, 2)
+    assert done == [1]
+    with ThreadPoolExecutor(1) as busy, pytest.MonkeyPatch.context() as patch:
+        patch.setattr(compiled_blocks, "_pool", lambda process: busy)
+        inside.clear()
+        busy.submit(inside.wait, 10)
+        compiled_blocks.in_pool(done.append, 3)
+        inside.set()
+    assert done == [1, 0]
+
+
+def test_an_error_in_another_thread_is_raised():
+    begun = Event()
+
+    def part(number):
+        if number == 0:
+            assert begun.wait(10)
+        else:
+            begun.set()
+            raise OverflowError
+
+    with pytest.raises(OverflowError):
+        compiled_blocks.in_pool(part, 2)
+
+
+ROBOT = Path(__file__).parents[3] / "robots" / "puma560.urdf"
+TWO_THREADS = """
+import numpy as np, os, robodyn, warnings
+warnings.simplefilter("ignore", DeprecationWarning)  # of a fork where threads run
+model = robodyn.load({robot!r})
+q = np.random.default_rng(0).uniform(-1, 1, (50_000, model.n))
+def torques(): return robodyn.inverse_dynamics(model, q, q, q, executor="compiled", threads=2)
+before = torques()
+child = os.fork() if {fork} else 1
+assert (torques() == before).all()
+if child == 0: os._exit(0)
+assert not {fork} or os.waitpid(child, 0)[1] == 0
+"""
+
+
+@pytest.mark.parametrize(
+    "fork", [False, pytest.param(True, marks=pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork"))]
+)
+def test_a_process_and_its_fork_have_threads_of_their_own_and_end(fork):
+    assert python(TWO_THREADS.format(robot=str(ROBOT), fork=fork)).stderr == ""
 
 
 @pytest.mark.parametrize("most_streams", [0, compiled_blocks.MOST_STREAMS], ids=["gathered", "in place"])

@@ -9,8 +9,7 @@ import pytest
 from helpers.compiled_programs import needs_compiler, program_of
 
 from robodyn.programs.run import compiled_blocks
-from robodyn.programs.run.compiled_blocks import CompiledBlocks
-from robodyn.programs.run.small_batches import FEW
+from robodyn.programs.run.compiled_blocks import FEW, CompiledBlocks
 
 pytestmark = needs_compiler
 PROGRAM = program_of(lambda x, y: [x.sin() * y + x, y.cos() / x, x * y, 2.0 * y], 2)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Sequence
+from collections.abc import Sequence
 
 from robodyn.programs.run.llvm.code import BYTES, SUFFIXES
 from robodyn.programs.run.llvm.copies_text import COPIES, VALID
@@ -15,9 +15,9 @@ FIELDS = ("address", "homes", "sample_stride", "column_stride", "columns", "dire
 contiguous columns themselves; `stream`: 1 where results are copied to contiguous columns past the caches.
 """
 
-POINTERS = ("share", "kernel", "arrays", "rooms", "flags", "common", "address", "homes")
+POINTERS = ("kernel", "arrays", "rooms", "flags", "common", "address", "homes")
 NUMBERS = ("count", "room_bytes", "table_bytes", "pitch", "step", "size", "samples", "each", "parts")
-JOB = ("share", "kernel", "arrays", "rooms", "flags", "common", *NUMBERS)
+JOB = ("kernel", "arrays", "rooms", "flags", "common", *NUMBERS)
 """What a job is, in 64 bits each, in this order."""
 
 AHEAD = 512
@@ -25,7 +25,7 @@ AHEAD = 512
 
 
 def driver(scalar: str, lanes: int) -> str:
-    """Return the LLVM IR of `i64 share(job, me)`: thread `me`'s part of a job of `robodyn.programs.run.llvm.team`.
+    """Return the LLVM IR of `i64 share(job, me)`: thread `me`'s part of a job.
 
     Runs a kernel of `robodyn.programs.run.llvm.kernel`, at the address `kernel`, over samples in blocks of `size`, a
     multiple of 16. The `samples` are in `parts` of `each`. A thread takes the next `step` samples of its own part, a
@@ -55,15 +55,14 @@ def driver(scalar: str, lanes: int) -> str:
         "mask": f"<{lanes} x i1>",
         "numbers": f"<{', '.join(f'i64 {k}' for k in range(lanes))}>",
     }
-    array, job = _loaded("array", FIELDS), _loaded("job", JOB, {"share"})
+    array, job = _loaded("array", FIELDS), _loaded("job", JOB)
     return (COPIES + TEXT).format(**names, array=array, job=job, block=BLOCK, home=HOME, valid=VALID.format(**names))
 
 
-def _loaded(struct: str, fields: Sequence[str], unused: Container[str] = ()) -> str:
+def _loaded(struct: str, fields: Sequence[str]) -> str:
     """Loads what a struct of 64-bit fields holds."""
     lines = []
     for k, name in enumerate(fields):
-        if name not in unused:
-            lines.append(f"  %{name}_at = getelementptr i64, ptr %{struct}, i64 {k}")
-            lines.append(f"  %{name} = load {'ptr' if name in POINTERS else 'i64'}, ptr %{name}_at")
+        lines.append(f"  %{name}_at = getelementptr i64, ptr %{struct}, i64 {k}")
+        lines.append(f"  %{name} = load {'ptr' if name in POINTERS else 'i64'}, ptr %{name}_at")
     return "\n".join(lines)

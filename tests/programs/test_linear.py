@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from helpers.oracles import EPS
 
-from robodyn.programs.eigenvalues import general_eigen
+from robodyn.programs.linear import general_eigen
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 8, 24])
