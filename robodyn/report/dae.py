@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from robodyn.equations.dae.connections import Connection
-from robodyn.equations.dae.counts import Counts
-from robodyn.equations.dae.dae import Dae
-from robodyn.equations.dae.equations import Across
+from robodyn.equations.dae.constraints import Across, Connection, Equation
+from robodyn.equations.dae.dae import Counts, Dae
 from robodyn.programs.linear import eigen
 from robodyn.report.document import Paragraph, Section, Table, encode, paragraphs, remarks, select, written
 from robodyn.report.equations import base_text
@@ -18,12 +16,6 @@ from robodyn.report.sizes import sizes
 from robodyn.report.table import Content, axis_text, gravity_text, number, printable, relative_text
 from robodyn.support.floats import first_largest
 from robodyn.support.wording import count
-
-if TYPE_CHECKING:
-    from robodyn.equations.dae.connections import Connection
-    from robodyn.equations.dae.dae import Dae
-    from robodyn.equations.dae.equations import Equation
-
 
 MOST = 16
 """Rows of a table."""
@@ -48,7 +40,7 @@ def numbers_sections(found: Dae) -> Iterator[Section]:
 
 
 def _state_table(found: Dae) -> Content:
-    model, qdd = found.robot.model, found.qdd
+    model, qdd = found.system.model, found.qdd
     at = dict(zip(model.coordinates, found.q.tolist(), strict=True))
     rows = []
     for k, name in enumerate(model.rates):
@@ -61,14 +53,14 @@ def _state_table(found: Dae) -> Content:
 def _fastest(found: Dae) -> float:
     """Return the largest acceleration, of bodies and of free fall too, beside which others vanish."""
     assert found.solution is not None
-    return float(np.abs([*found.solution.a, *found.robot.scene.gravity]).max())
+    return float(np.abs([*found.solution.a, *found.system.scene.gravity]).max())
 
 
 def _consistent(found: Dae) -> Iterator[str]:
     off, rate = found.residuals
     if not len(off):
         return
-    turns = np.array([isinstance(equation, Across) for equation in found.robot.system.equations])
+    turns = np.array([isinstance(equation, Across) for equation in found.system.equations])
     points = float(np.abs(off[~turns]).max(initial=0.0))
     angles = float(np.abs(off[turns]).max(initial=0.0))
     yield (
@@ -83,7 +75,7 @@ def _accelerations(found: Dae) -> Content:
     scale = _fastest(found)
     rows = [
         (f"{i} {body.name}", *(number(x, scale) for x in row))
-        for i, (body, row) in enumerate(zip(found.robot.model.bodies, each.tolist(), strict=True))
+        for i, (body, row) in enumerate(zip(found.system.model.bodies, each.tolist(), strict=True))
     ]
     return ("body", "wd x [rad/s^2]", "y", "z", "dv/dt x [m/s^2]", "y", "z"), rows
 
@@ -92,13 +84,12 @@ def _reactions(found: Dae) -> Content:
     assert found.solution is not None
     values = iter(found.solution.reactions.tolist())
     own = [
-        (connection, {name: next(values) for name in connection.reactions})
-        for connection in found.robot.system.connections
+        (connection, {name: next(values) for name in connection.reactions}) for connection in found.system.connections
     ]
     names = sorted({name for _, part in own for name in part}, key=_place)
     forces, moments = ([x for _, part in own for name, x in part.items() if name[0] == kind] for kind in "FM")
-    weight = found.robot.model.total_mass * float(np.abs(found.robot.scene.gravity).max())
-    scales = dict(zip("FM", sizes([*forces, weight], moments, found.robot.model.reach).values(), strict=True))
+    weight = found.system.model.total_mass * float(np.abs(found.system.scene.gravity).max())
+    scales = dict(zip("FM", sizes([*forces, weight], moments, found.system.model.reach).values(), strict=True))
     rows = [
         (connection.name, *(number(part[name], scales[name[0]]) if name in part else "-" for name in names))
         for connection, part in own
@@ -114,7 +105,7 @@ def _place(name: str) -> tuple[str, int]:
 
 def elimination_lines(found: Dae) -> Iterator[str]:
     """Yield every step with its identity and its residual."""
-    n = found.robot.model.n
+    n = found.system.model.n
     yield f"Elimination of the reactions, to the ODE form with {n} velocities qd"
     for k, step in enumerate(found.steps, 1):
         yield from (f"{k}  {step.title}", f"   {step.formula}", f"   {step.checks}: within {relative_text(step.error)}")
@@ -126,7 +117,7 @@ def both_lines(found: Dae) -> tuple[str, ...]:
     both = found.comparison
     if both is None:
         return (f'hardly anything resists "{_weakest(found)}": accelerations and reactions are not defined',)
-    loops = bool(found.robot.scene.loops)
+    loops = bool(found.system.scene.loops)
     other = "the closed chain in joint coordinates" if loops else "the ODE form's recursions"
     return (
         f"Both forms: against {other} accelerations qdd differ by {relative_text(both.accelerations)} of the largest,",
@@ -137,7 +128,7 @@ def both_lines(found: Dae) -> tuple[str, ...]:
 def _weakest(found: Dae) -> str:
     """Return the rate that moves most in the motion that the mass matrix resists least."""
     sizes, motions = eigen(found.reduced.M)
-    return printable(found.robot.model.rates[first_largest(np.abs(motions[first_largest(-np.abs(sizes))]))])
+    return printable(found.system.model.rates[first_largest(np.abs(motions[first_largest(-np.abs(sizes))]))])
 
 
 class Acting(NamedTuple):
@@ -150,7 +141,7 @@ class Acting(NamedTuple):
 
 def acting(found: Dae, i: int) -> list[Acting]:
     """Return what acts on body i: its own joint i, those of the bodies that it carries, and L1, L2 ... for loops."""
-    model, system = found.robot.model, found.robot.system
+    model, system = found.system.model, found.system
     felt = [k for k, joint in enumerate(system.joints) if joint.kind != "floating" or _driven(found, k)]
     own = [Acting("", str(i))] if i in felt else []
     carried = [Acting("-", str(k)) for k in felt if model.parents[k] == i]
@@ -165,7 +156,7 @@ def acting(found: Dae, i: int) -> list[Acting]:
 
 def _driven(found: Dae, i: int) -> bool:
     """Return whether something drives the floating joint of body i."""
-    rate = found.robot.model.bodies[i].joint.rate
+    rate = found.system.model.bodies[i].joint.rate
     return bool(found.tau[rate : rate + 6].any())
 
 
@@ -199,10 +190,10 @@ FEW = 5
 
 def dae_sections(found: Dae) -> Iterator[Section]:
     """Yield the report; long tables are cut after `MOST` rows, and say so."""
-    robot, counts = found.robot, found.counts
+    system, counts = found.system, found.counts
     several = count(counts.bodies, "body", "bodies")
-    head = f"{robot.model.name}: DAE form, {several}, {base_text(robot.model.floating)}, "
-    head += gravity_text(robot.scene.gravity)
+    head = f"{system.model.name}: DAE form, {several}, {base_text(system.model.floating)}, "
+    head += gravity_text(system.scene.gravity)
     yield paragraphs([head, "M a = f + G^T lambda,  g = 0,  G v = 0,  G a = gamma"])
     yield [Table("Unknowns and equations", *_unknowns(counts)), *paragraphs(_ranks(counts))]
     yield _bodies(found)
@@ -255,13 +246,13 @@ def _redundant(counts: Counts) -> str:
 
 
 def _bodies(found: Dae) -> Section:
-    model, system = found.robot.model, found.robot.system
-    pushed = {i for i, _ in found.robot.terms.wrenches}
+    model, system = found.system.model, found.system
+    pushed = {i for i, _ in found.system.terms.wrenches}
     rows = []
     for i, (body, inertia) in enumerate(zip(model.bodies, system.inertias, strict=True)):
         forces, moments = law_of(found, i)
         outside = ["E"] if i in pushed else []
-        weight = [f"m{i} g"] if inertia.m and any(found.robot.scene.gravity) else []
+        weight = [f"m{i} g"] if inertia.m and any(found.system.scene.gravity) else []
         newton, euler = _sum(weight + forces + outside), _sum(moments + outside)
         rows.append((f"{i} {body.name}", f"{number(float(inertia.m))} kg", newton, euler))
     head = ("body", "mass", "m dv/dt =", "I_c wd + w x I_c w =")
@@ -286,7 +277,7 @@ def _sum(terms: Sequence[str]) -> str:
 
 
 def _connections(found: Dae) -> Section:
-    model, system = found.robot.model, found.robot.system
+    model, system = found.system.model, found.system
     names = [body.name for body in model.bodies] + ["ground"]
     numbered = [(str(i), joint) for i, joint in enumerate(system.joints)]
     numbered += [("", mimic) for mimic in system.mimics]
@@ -315,11 +306,11 @@ def _connections(found: Dae) -> Section:
 
 def _along(found: Dae) -> list[str]:
     """Return what the letters of directions mean, and what acts where a joint does not hold."""
-    system = found.robot.system
+    system = found.system
     oblique = any(name.endswith("a") for connection in system.connections for name in connection.reactions)
     lines = ["1, 2 and a are perpendicular, a along an oblique axis"] * oblique
-    if system.rotors or found.robot.matrices.along.any():
-        taken = ", less friction and springs" if found.robot.terms.at_joint else ""
+    if system.rotors or found.system.matrices.along.any():
+        taken = ", less friction and springs" if found.system.terms.at_joint else ""
         rotors = "; a rotor J adds S^T J S to M" if system.rotors else ""
         lines.append(
             f"along its own coordinates, whose velocity is S v, a joint passes on tau{taken}: S^T tau in f{rotors}"
@@ -330,12 +321,12 @@ def _along(found: Dae) -> list[str]:
 def _axis(found: Dae, connection: Connection, label: str) -> str:
     if not label.isdigit() or connection.kind not in ("revolute", "prismatic"):
         return "-"
-    axis = axis_text(found.robot.model.bodies[int(label)].joint.axis)
+    axis = axis_text(found.system.model.bodies[int(label)].joint.axis)
     return f"a = {axis}" if axis[0] == "(" else axis
 
 
 def _levels(found: Dae) -> list[str]:
-    equations = found.robot.system.equations
+    equations = found.system.equations
     kinds = {type(equation).__name__ for equation in equations}
     text = (
         (ALONG if "Along" in kinds else "") + (ACROSS if "Across" in kinds else "") + (MIMIC if "Sum" in kinds else "")
@@ -348,7 +339,7 @@ def _levels(found: Dae) -> list[str]:
 
 def dae_json(found: Dae) -> str:
     """Return the DAE form; what is not defined where nothing resists some motion is null."""
-    robot, both = found.robot, found.comparison
+    system, both = found.system, found.comparison
     steps = [select(step, "title formula check:checks error scale") for step in found.steps]
     elimination = select(
         found.reduced,
@@ -358,10 +349,10 @@ def dae_json(found: Dae) -> str:
     )
     return written(
         {
-            "robot": robot.model.name,
+            "robot": system.model.name,
             "form": "dae",
-            "gravity": robot.scene.gravity,
-            **select(robot.model, "coordinates rates"),
+            "gravity": system.scene.gravity,
+            **select(system.model, "coordinates rates"),
             **select(found, "q qd tau"),
             "counts": _counts_json(found),
             "bodies": [_body_json(found, i) for i in range(found.counts.bodies)],
@@ -391,19 +382,19 @@ def _counts_json(found: Dae) -> dict[str, Any]:
 
 def _body_json(found: Dae, i: int) -> dict[str, Any]:
 
-    robot, solution = found.robot, found.solution
-    inertia, place = robot.system.inertias[i], robot.at.places[i]
+    system, solution = found.system, found.solution
+    inertia, place = system.inertias[i], system.at.places[i]
     a = None if solution is None else solution.a[6 * i : 6 * i + 6]
     wrench = found.wrenches[i] if found.wrenches else None
     return {
-        "name": robot.model.bodies[i].name,
+        "name": system.model.bodies[i].name,
         "mass": float(inertia.m),
         "com": inertia.centre_of_mass,
         "inertia": inertia.about_centre,
         "rotation": place.R,
-        "centre": place.c - robot.at.places[-1].c,
-        **select(robot.at.speeds[i], "w v"),
-        "f": robot.matrices.f[6 * i : 6 * i + 6],
+        "centre": place.c - system.at.places[-1].c,
+        **select(system.at.speeds[i], "w v"),
+        "f": system.matrices.f[6 * i : 6 * i + 6],
         "wd": None if a is None else a[:3],
         "vd": None if a is None else a[3:],
         "joint_wrench": wrench and select(wrench, "force:f moment:n"),
@@ -412,8 +403,8 @@ def _body_json(found: Dae, i: int) -> dict[str, Any]:
 
 def _connections_json(found: Dae) -> list[dict[str, Any]]:
     out, row, free = [], 0, 0
-    names = dict(enumerate(body.name for body in found.robot.model.bodies))
-    for connection in found.robot.system.connections:
+    names = dict(enumerate(body.name for body in found.system.model.bodies))
+    for connection in found.system.connections:
         held = [_held_json(found, connection, j, row + j) for j in range(len(connection.equations))]
         own = [_free_json(found, equation, k) for k, equation in enumerate(connection.free, free)]
         row, free = row + len(held), free + len(own)
@@ -429,7 +420,7 @@ def _held_json(found: Dae, connection: Connection, j: int, k: int) -> dict[str, 
     return {
         "reaction": name,
         "rows": _rows_json(found, connection.equations[j]),
-        "gamma": float(found.robot.matrices.gamma[k]),
+        "gamma": float(found.system.matrices.gamma[k]),
         "g": float(found.residuals.places[k]),
         "Gv": float(found.residuals.speeds[k]),
         "lambda": None if found.solution is None else float(found.solution.reactions[k]),
@@ -439,7 +430,7 @@ def _held_json(found: Dae, connection: Connection, j: int, k: int) -> dict[str, 
 
 
 def _free_json(found: Dae, equation: Equation, k: int) -> dict[str, Any]:
-    matrices = found.robot.matrices
+    matrices = found.system.matrices
     along = {"sigma": matrices.sigma[k], "along": matrices.along[k], "rotor": np.diag(matrices.armature)[k]}
     return {"rows": _rows_json(found, equation), **{key: float(value) for key, value in along.items()}}
 
@@ -447,7 +438,7 @@ def _free_json(found: Dae, equation: Equation, k: int) -> dict[str, Any]:
 def _rows_json(found: Dae, equation: Equation) -> list[dict[str, Any]]:
     """Return entries of a row of G or S by number of the body: three for w, three for v."""
     entries: dict[int, Any] = {}
-    for body, row in equation.row(found.robot.at):
+    for body, row in equation.row(found.system.at):
         if body >= 0:
             entries[body] = entries.get(body, 0.0) + row
     return [{"body": body, "row": encode(row)} for body, row in entries.items()]

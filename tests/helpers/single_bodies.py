@@ -6,8 +6,8 @@ import numpy as np
 
 from helpers.oracles import random_state
 from helpers.small_robots import body_numbers, built, chain, joint, link
+from robodyn.equations.dae.constraints import STILL, Place, Speed, State
 from robodyn.equations.dae.dae import dae_at
-from robodyn.equations.dae.state import STILL, Place, Speed, State
 from robodyn.programs.dual import Dual
 from robodyn.programs.vectors import rotation_about, skew
 from robodyn.scene.parts import Loop
@@ -25,13 +25,6 @@ def random_bodies(rng, count):
     places = [Place(turned(rng), rng.normal(size=3)) for _ in range(count)] + [Place(np.eye(3), np.zeros(3))]
     speeds = [Speed(rng.normal(size=3), rng.normal(size=3)) for _ in range(count)]
     return State(tuple(places), (*speeds, STILL))
-
-
-def disturbed(rng, at, size):
-    """The state with every body moved and turned a little."""
-    places = [Place(p.R @ turned(rng, size), p.c + size * rng.uniform(-1, 1, 3)) for p in at.places[:-1]]
-    speeds = [Speed(s.w + size * rng.normal(size=3), s.v + size * rng.normal(size=3)) for s in at.speeds[:-1]]
-    return State((*places, at.places[-1]), (*speeds, STILL))
 
 
 def _duals(values, rates):

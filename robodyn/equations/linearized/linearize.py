@@ -11,7 +11,7 @@ from robodyn.dynamics.derivatives import inverse_dynamics_derivatives
 from robodyn.dynamics.effects.friction import joints_with_friction
 from robodyn.dynamics.effects.motors import coupled_motors
 from robodyn.dynamics.inverse import bias_forces
-from robodyn.equations.dae.closed import begun, closed_state
+from robodyn.equations.dae.dae import begun, closed_state
 from robodyn.equations.linearized.doubt import stiffness_in_doubt
 from robodyn.equations.linearized.drives import following, positions
 from robodyn.equations.linearized.equilibrium import equilibrium_near

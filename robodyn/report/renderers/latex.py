@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from robodyn.equations.closed import Closed, decimal
-from robodyn.equations.dae.connections import Connection
+from robodyn.equations.dae.constraints import Connection
 from robodyn.equations.dae.dae import Dae
 from robodyn.programs.run.symbolic import module
 from robodyn.report.dae import acting
@@ -182,11 +182,11 @@ HELD = {
 
 def dae_latex(found: Dae) -> str:
     """Return Newton's and Euler's laws of every body, constraints of every joint, the system, and what is left."""
-    system, counts = found.robot.system, found.counts
-    x, y, z = found.robot.scene.gravity
+    system, counts = found.system, found.counts
+    x, y, z = found.system.scene.gravity
     several = count(counts.bodies, "body", "bodies")
     title = (
-        f"The equations of motion of {escaped(found.robot.model.name)}, {several}, in DAE form,\n"
+        f"The equations of motion of {escaped(found.system.model.name)}, {several}, in DAE form,\n"
         f"with gravity $g = ({x:g}, {y:g}, {z:g})$\\,m/s$^2$.\n"
     )
     held = [line for i, joint in enumerate(system.joints) if (line := _held(joint, str(i)))]
@@ -210,8 +210,8 @@ def _law(found: Dae, i: int) -> str:
         forces.append(f"{sign}F_{{{name}}}")
         arm = "s" if sign else "r"
         moments += [f"{sign}M_{{{name}}}"] * moment + [f"{sign}{arm}_{{{name}}} \\times F_{{{name}}}"]
-    weight = [f"m_{{{i}}} g"] if found.robot.system.inertias[i].m and any(found.robot.scene.gravity) else []
-    if any(body == i for body, _ in found.robot.terms.wrenches):
+    weight = [f"m_{{{i}}} g"] if found.system.inertias[i].m and any(found.system.scene.gravity) else []
+    if any(body == i for body, _ in found.system.terms.wrenches):
         forces.append(f"F^e_{{{i}}}")
         moments.append(f"M^e_{{{i}}}")
     spin = f"I_{{{i}}} \\dot{{\\omega}}_{{{i}}} + \\omega_{{{i}}} \\times I_{{{i}}} \\omega_{{{i}}}"

@@ -19,7 +19,7 @@ import robodyn
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.plan import applied, loads, plan
 from robodyn.equations.dae.dae import dae, dae_at
-from robodyn.equations.dae.posed import own_rates, posed
+from robodyn.equations.dae.system import system_at
 from robodyn.errors import InputError
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.solids.inertia.laws import Inertia
@@ -30,7 +30,7 @@ STILL_BUSY = replace(BUSY_SCENE, wrenches=BUSY_SCENE.wrenches[::2])
 
 def agrees(found, bar=1e-12):
     both = found.comparison
-    assert found.counts.freedom == found.robot.model.n
+    assert found.counts.freedom == found.system.model.n
     assert max(both.accelerations, both.forces, both.moments) <= bar
 
 
@@ -138,11 +138,11 @@ def test_fifty_digits(name):
         )
         model = replace(model, bodies=bodies)
         q, qd, tau = map(exact, (q, qd, tau))
-        single = posed(model, scene, q, qd, tau)
+        single = system_at(model, scene, q, qd, tau)
         M, f, G, gamma, S, sigma, *_ = single.matrices
         K = np.block([[M, G.T], [G, np.zeros((len(G), len(G)))]])
         a = np.array(list(mpmath.lu_solve(mpmath.matrix(K), mpmath.matrix([*f, *gamma])))[: len(f)])
-        sample = Sample(model, tuple(q), tuple(qd), tuple(own_rates(model, single.system, list(S @ a + sigma))))
+        sample = Sample(model, tuple(q), tuple(qd), tuple(single.own_rates(list(S @ a + sigma))))
         again = loads(sample, applied(plan(model, scene).effects, sample, scene)).tau
         assert max(abs(again - tau)) <= mpmath.mpf("1e-40") * max(abs(tau))
 

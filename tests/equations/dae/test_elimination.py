@@ -13,9 +13,8 @@ from helpers.single_bodies import taken_apart
 from helpers.small_robots import built, joint, link, random_tree
 
 from robodyn.equations.dae import elimination
-from robodyn.equations.dae import solve as reduction
-from robodyn.equations.dae.posed import own_rates, posed
-from robodyn.equations.dae.solve import reduced
+from robodyn.equations.dae.elimination import reduced
+from robodyn.equations.dae.system import system_at
 from robodyn.scene.parts import Rotor
 from robodyn.scene.scene import Scene
 
@@ -51,18 +50,15 @@ def test_every_step_holds(case):
 
 def test_speeds_are_those_of_the_joints():
     found = taken_apart(random_tree(2, 8))
-    system, matrices = found.robot.system, found.robot.matrices
-    for k, column in enumerate(found.reduced.J.T):
-        assert worst(own_rates(found.robot.model, system, list(matrices.S @ column)), np.eye(8)[k][: len(found.q)]) <= (
-            1e-14
-        )
+    for column, unit in zip(found.reduced.J.T, np.eye(len(found.q)), strict=True):
+        assert worst(found.system.own_rates(list(found.system.matrices.S @ column)), unit) <= 1e-14
 
 
 @pytest.mark.parametrize(("what", "first"), [("velocity_transformation", 0), ("accelerations_at_rest", 1)])
 def test_a_wrong_transformation_would_show(monkeypatch, what, first):
     """Each step can fail: 1e-6 more of J or of Jdot qd is seen."""
-    right = getattr(reduction, what)
-    monkeypatch.setattr(reduction, what, lambda given: right(given) + 1e-6 * np.arange(right(given).size).reshape(
+    right = getattr(elimination, what)
+    monkeypatch.setattr(elimination, what, lambda given: right(given) + 1e-6 * np.arange(right(given).size).reshape(
         right(given).shape))  # fmt: skip
     errors = [step.error for step in taken_apart(random_tree(0, 6)).steps]
     assert errors[first] > 1e-9
@@ -84,7 +80,7 @@ def test_the_pendulum_in_symbols():
     """The same functions for SymPy: M = m l^2, tau - m g l sin q, and the rope's pull m (g cos q + l w^2)."""
     model = built(link("frame"), link("bob", 2.0, (0, 0, -0.5)), joint("rope", "frame", "bob", "continuous", (0, 1, 0)))
     q, w, tau = sympy.symbols("q w tau", real=True)
-    single = posed(model, Scene(gravity=(0.0, 0.0, -10.0)), [q], [w], [tau])
+    single = system_at(model, Scene(gravity=(0.0, 0.0, -10.0)), [q], [w], [tau])
     left = reduced(single)
     assert vanishes(left.M[0, 0] - 0.5)
     assert vanishes(left.free[0] - (tau - 10 * sympy.sin(q)))

@@ -4,16 +4,26 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from helpers.busy_robot import busy_robot
 from helpers.oracles import EPS, random_state, robot, worst
 from helpers.single_bodies import in_motion, random_bodies
 from helpers.small_robots import random_tree
 
-from robodyn.equations.dae.connections import Anchors, directions, hinge, point, slide, weld
-from robodyn.equations.dae.consistent import flat_speeds
-from robodyn.equations.dae.equations import Across, Along, Sum, Turn, drifts, stacked, values
-from robodyn.equations.dae.posed import joint_connections
-from robodyn.equations.dae.state import state_of
+from robodyn.equations.dae.constraints import (
+    Across,
+    Along,
+    Anchors,
+    Sum,
+    Turn,
+    connect,
+    drifts,
+    stacked,
+    state_of,
+    values,
+)
+from robodyn.equations.dae.system import joint_connections, system_at
 from robodyn.programs.dual import rate_of, value_of
+from robodyn.scene.scene import DEFAULT
 
 
 def unit(rng):
@@ -35,10 +45,10 @@ def test_rows_and_drifts_are_derivatives(seed, body, other):
     moving = in_motion(at, a)
     for equation in every_kind(rng, body, other):
         (row,) = stacked([equation], at)
-        speed = row @ flat_speeds(at)
+        speed = row @ at.v
         if isinstance(equation, (Along, Across)):
             assert abs(rate_of(equation.value(moving)) - speed) <= 64 * EPS
-        in_duals = stacked([equation], moving)[0] @ flat_speeds(moving)
+        in_duals = stacked([equation], moving)[0] @ moving.v
         assert abs(value_of(in_duals) - speed) <= 64 * EPS
         assert abs(rate_of(in_duals) - (row @ a + equation.drift(at))) <= 128 * EPS
 
@@ -55,6 +65,16 @@ def test_what_acts_on_a_body_acts_oppositely_on_the_other(seed):
             forces += force
             moments += place.R @ moment + np.cross(place.c, force)
         assert max(np.abs(forces).max(), np.abs(moments).max()) <= 64 * EPS
+
+
+def test_mimic_joints_hold_with_their_offsets():
+    model = busy_robot()
+    (q,), (qd,), (tau,) = random_state(model, np.random.default_rng(0), 1)
+    system = system_at(model, DEFAULT, q, qd, tau)
+    rules = [equation for mimic in system.mimics for equation in mimic.equations]
+    assert any(rule.constant for rule in rules)
+    assert np.abs(values(rules, system.at)).max() <= 16 * EPS
+    assert np.abs(stacked(rules, system.at) @ system.at.v).max() <= 64 * EPS
 
 
 def test_a_hinge_counts_turns():
@@ -74,7 +94,7 @@ def test_joints_leave_their_own_rates_and_hold_the_rest(seed, moving_base):
     (q,), (qd,), _ = random_state(model, np.random.default_rng(seed), 1)
     centres = [body.inertia.centre_of_mass for body in model.bodies]
     joints, at = joint_connections(model, centres, q), state_of(model, centres, q, qd)
-    v = flat_speeds(at)
+    v = at.v
     held = [equation for joint in joints for equation in joint.equations]
     size = np.abs(v).max()
     assert np.abs(values(held, at)).max() <= 64 * EPS
@@ -88,7 +108,7 @@ def test_joints_leave_their_own_rates_and_hold_the_rest(seed, moving_base):
             assert np.abs(drifts(joint.free, at)).max() <= 64 * EPS * size**2
 
 
-COUNTS = {"weld": 6, "hinge": 5, "slide": 5, "point": 3}
+COUNTS = {"weld": 6, "hinge": 5, "prismatic": 5, "point": 3}
 
 
 @pytest.mark.parametrize("axis", [(0, 0, 1), (0, -1, 0), (1, 0, 0), (0.48, 0.6, -0.64)])
@@ -99,7 +119,7 @@ def test_connections_hold_six_less_their_freedom(axis):
     point_of, R = rng.normal(size=3), at.places[1].R.T @ at.places[0].R
     to = at.places[1].R.T @ (at.places[0].c + at.places[0].R @ point_of - at.places[1].c)
     anchors = Anchors(0, 1, point_of, to, R)
-    made = (weld("a", anchors), hinge("b", anchors, axis), slide("c", anchors, axis), point("d", anchors))
+    made = [connect(kind, kind, anchors, axis if kind in ("hinge", "prismatic") else None) for kind in COUNTS]
     for connection in made:
         assert len(connection.equations) == len(set(connection.reactions)) == COUNTS[connection.kind]
         assert np.abs(values(connection.equations, at)).max() <= 16 * EPS
@@ -109,7 +129,7 @@ def test_connections_hold_six_less_their_freedom(axis):
         assert worst(both @ both.T, np.eye(len(both))) <= 32 * EPS
         freedom = np.hstack((moments @ axis * (connection.kind == "hinge"), 0.0))
         assert np.abs(freedom).max() <= 16 * EPS
-    along = directions("e", anchors, [np.array((0, 3.0, 0)), np.array((0, 0, 0.1))])
+    along = connect("e", "directions", anchors, along=[np.array((0, 3.0, 0)), np.array((0, 0, 0.1))])
     assert np.abs(np.linalg.norm(stacked(along.equations, at)[:, 3:6], axis=1) - 1.0).max() <= 8 * EPS
 
 
@@ -118,7 +138,7 @@ def test_a_moment_keeps_its_place_in_the_other_body_while_a_hinge_turns():
     at = random_bodies(np.random.default_rng(7), 2)
     anchors = Anchors(0, 1, np.zeros(3), np.zeros(3), at.places[1].R.T @ at.places[0].R)
     axis = np.array((0.0, 0.0, 1.0))
-    joint = hinge("h", anchors, axis)
+    joint = connect("h", "hinge", anchors, axis)
     c, s = np.cos(0.7), np.sin(0.7)
     spun = at.places[0]._replace(R=at.places[0].R @ np.array(((c, -s, 0), (s, c, 0), (0, 0, 1.0))))
     later = at._replace(places=(spun, *at.places[1:]))
