@@ -261,8 +261,7 @@ def _function(a_plan: Plan, kind: str) -> Function:
 def _compiled(slow: Function) -> Function:
     """Return the same function by machine code: an instance of a class of its own, whose call is that code."""
     from robodyn.programs.run.llvm.build import built
-    from robodyn.programs.run.llvm.one_sample import sample_kernel
-    from robodyn.programs.run.llvm.python_call import callable_of
+    from robodyn.programs.run.llvm.python_call import callable_of, sample_kernel
 
     program, widths = slow._program, slow.arguments
     content = ("one sample", program.operations, program.outputs, tuple(widths.items()))

@@ -9,8 +9,7 @@ from robodyn.dynamics.regressor import parameters
 from robodyn.equations.export.description import description, title
 from robodyn.equations.export.job import Job
 from robodyn.equations.ode import identifier, identifiers
-from robodyn.programs.export.c import c_function, comment, prototype
-from robodyn.programs.export.statements import literal
+from robodyn.programs.export import c_function, comment, literal, prototype
 from robodyn.robot.model import Model
 
 

@@ -15,7 +15,7 @@ from robodyn.equations.export.c_file import c_file
 from robodyn.equations.export.job import Job
 from robodyn.equations.export.python_file import python_file
 from robodyn.errors import InputError
-from robodyn.programs.export.python import LIBRARIES
+from robodyn.programs.export import LIBRARIES
 from robodyn.robot.model import Model
 from robodyn.scene.fit import check_moves, refuse_others
 from robodyn.scene.scene import DEFAULT, Scene

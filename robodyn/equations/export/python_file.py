@@ -8,8 +8,7 @@ from robodyn.dynamics.plan import Plan
 from robodyn.dynamics.regressor import parameters
 from robodyn.equations.export.description import description, title
 from robodyn.equations.export.job import Job
-from robodyn.programs.export.python import Library, docstring, python_function, wrapped
-from robodyn.programs.export.statements import literal
+from robodyn.programs.export import Library, docstring, literal, python_function, wrapped
 
 
 def python_file(plan: Plan, jobs: Sequence[Job], library: Library) -> str:

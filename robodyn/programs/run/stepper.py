@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from ctypes import addressof, c_int64, c_void_p
 from functools import cache
 from typing import NamedTuple
@@ -12,9 +13,171 @@ from robodyn.programs.program import Program
 from robodyn.programs.run.llvm.build import built
 from robodyn.programs.run.llvm.kernel import kernel
 from robodyn.programs.run.llvm.machine import Function
-from robodyn.programs.run.llvm.rollout import DONE, NEAR, rollout
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
 from robodyn.support.floats import Floats
+
+ROLLOUT = """\
+define internal i64 @apply(ptr %kernel, ptr %from, ptr %to, ptr %table, ptr %flags, i64 %rows, i64 %more, i64 %pitch,
+    i64 %groups) nounwind {{
+entry:
+  %outputs = getelementptr ptr, ptr %table, i64 %rows
+  %writes = add i64 %rows, %more
+  br label %fill
+fill:
+  %k = phi i64 [ 0, %entry ], [ %k1, %filled ]
+  %away = mul i64 %k, %pitch
+  %target = getelementptr i8, ptr %to, i64 %away
+  %target_place = getelementptr ptr, ptr %outputs, i64 %k
+  store ptr %target, ptr %target_place
+  %reads = icmp slt i64 %k, %rows
+  br i1 %reads, label %read, label %filled
+read:
+  %source = getelementptr i8, ptr %from, i64 %away
+  %source_place = getelementptr ptr, ptr %table, i64 %k
+  store ptr %source, ptr %source_place
+  br label %filled
+filled:
+  %k1 = add i64 %k, 1
+  %again = icmp slt i64 %k1, %writes
+  br i1 %again, label %fill, label %call
+call:
+  %some = call i64 %kernel(ptr %table, ptr %flags, i64 %groups)
+  ret i64 %some
+}}
+
+define internal double @largest(ptr %row, i64 %count) nounwind {{
+entry:
+  br label %loop
+loop:
+  %k = phi i64 [ 0, %entry ], [ %k1, %loop ]
+  %best = phi double [ 0.0, %entry ], [ %better, %loop ]
+  %place = getelementptr double, ptr %row, i64 %k
+  %x = load double, ptr %place
+  %less = fcmp olt double %x, %best
+  %better = select i1 %less, double %best, double %x
+  %k1 = add i64 %k, 1
+  %more = icmp slt i64 %k1, %count
+  br i1 %more, label %loop, label %done
+done:
+  ret double %better
+}}
+
+define i64 @rollout(ptr %sweep, ptr %step, ptr %slots, ptr %spare, ptr %table, ptr %flags, i64 %rows, i64 %pitch,
+    i64 %groups, i64 %records, i64 %every, i64 %sweeps, ptr %columns, i64 %extra, ptr %swept) nounwind {{
+entry:
+  %twice = mul i64 %rows, 2
+  %past = add i64 %twice, 1
+  %given = getelementptr ptr, ptr %table, i64 %past
+  %given_slot = mul i64 %extra, %pitch
+  %driven = icmp sgt i64 %extra, 0
+  %slot = mul i64 %rows, %pitch
+  %spare_slot = add i64 %slot, %pitch
+  %steps = mul i64 %records, %every
+  %samples = mul i64 %groups, {lanes}
+  %implicit = icmp ne ptr %sweep, null
+  br label %loop
+loop:
+  %k = phi i64 [ 0, %entry ], [ %k1, %next ]
+  %from = phi ptr [ %slots, %entry ], [ %to, %next ]
+  %so_far = phi i64 [ 0, %entry ], [ %in_all, %next ]
+  %k1 = add i64 %k, 1
+  %whole = urem i64 %k1, %every
+  %record = udiv i64 %k1, %every
+  %records_on = icmp eq i64 %whole, 0
+  %odd = and i64 %k, 1
+  %spare_at = mul i64 %odd, %spare_slot
+  %spare_to = getelementptr i8, ptr %spare, i64 %spare_at
+  %slot_at = mul i64 %record, %slot
+  %slot_to = getelementptr i8, ptr %slots, i64 %slot_at
+  %to = select i1 %records_on, ptr %slot_to, ptr %spare_to
+  %third_at = mul i64 %spare_slot, 2
+  %third = getelementptr i8, ptr %spare, i64 %third_at
+  %fourth_at = mul i64 %spare_slot, 3
+  %fourth = getelementptr i8, ptr %spare, i64 %fourth_at
+  %now_at = mul i64 %k, %given_slot
+  %now = getelementptr i8, ptr %columns, i64 %now_at
+  br i1 %driven, label %give, label %begin
+give:
+  %j = phi i64 [ 0, %loop ], [ %j1, %give ]
+  %j_at = mul i64 %j, %pitch
+  %column = getelementptr i8, ptr %now, i64 %j_at
+  %place = getelementptr ptr, ptr %given, i64 %j
+  store ptr %column, ptr %place
+  %j1 = add i64 %j, 1
+  %yet = icmp slt i64 %j1, %extra
+  br i1 %yet, label %give, label %begin
+begin:
+  br i1 %implicit, label %iterate, label %end
+iterate:
+  %s = phi i64 [ 0, %begin ], [ %s1, %judged ]
+  %have = phi ptr [ %from, %begin ], [ %want, %judged ]
+  %before = phi double [ 0x7FF0000000000000, %begin ], [ %change, %judged ]
+  %s_odd = and i64 %s, 1
+  %s_even = icmp eq i64 %s_odd, 0
+  %want = select i1 %s_even, ptr %third, ptr %fourth
+  %lost = call i64 @apply(ptr %sweep, ptr %have, ptr %want, ptr %table, ptr %flags, i64 %rows, i64 1, i64 %pitch,
+    i64 %groups)
+  %is_lost = icmp ne i64 %lost, 0
+  br i1 %is_lost, label %stop, label %judge
+judge:
+  %s1 = add i64 %s, 1
+  %change_row = getelementptr i8, ptr %want, i64 %slot
+  %change = call double @largest(ptr %change_row, i64 %samples)
+  %small = fcmp ole double %change, {done}
+  %near = fcmp ole double %change, {near}
+  %grows = fcmp oge double %change, %before
+  %stays = and i1 %near, %grows
+  %settled = or i1 %small, %stays
+  %tired = icmp sge i64 %s1, %sweeps
+  br i1 %settled, label %end, label %maybe
+maybe:
+  br i1 %tired, label %fail, label %judged
+judged:
+  br label %iterate
+end:
+  %ready = phi ptr [ %from, %begin ], [ %want, %judge ]
+  %took = phi i64 [ 0, %begin ], [ %s1, %judge ]
+  %in_all = add i64 %so_far, %took
+  %bad = call i64 @apply(ptr %step, ptr %ready, ptr %to, ptr %table, ptr %flags, i64 %rows, i64 0, i64 %pitch,
+    i64 %groups)
+  %is_bad = icmp ne i64 %bad, 0
+  br i1 %is_bad, label %stop, label %next
+next:
+  %more = icmp slt i64 %k1, %steps
+  br i1 %more, label %loop, label %finished
+finished:
+  store i64 %in_all, ptr %swept
+  ret i64 %steps
+stop:
+  ret i64 %k
+fail:
+  %failed = sub i64 -1, %k
+  ret i64 %failed
+}}
+"""
+
+DONE, NEAR = 2.0**-106, 2.0**-86
+"""Of a sweep's squared relative change: small enough; and small enough to stop when it no longer falls."""
+
+
+def rollout(lanes: int) -> str:
+    """Return the LLVM IR of `i64 rollout(...)`, a loop of kernels; its arguments are those of ROLLOUT, in that order.
+
+    `slots` holds `records + 1` states of `rows` columns of doubles, `pitch` bytes from one column to the next; the
+    first is given, and each of the others is written `every` steps after the one before it. A step calls `sweep` (if
+    not null), at most `sweeps` times, until the last of its outputs is small, then `step`. `columns` holds `extra`
+    columns for each step, which both read besides. `spare` has room for four states and a column each, `table` for
+    2 rows + 1 + extra pointers; `swept` is told how many sweeps there were, if all steps are done.
+
+    Returns:
+        The number of steps done, all of them unless a sample is flagged; or -1 - steps where sweeps do not settle.
+    """
+    return ROLLOUT.format(lanes=lanes, done=_hexadecimal(DONE), near=_hexadecimal(NEAR))
+
+
+def _hexadecimal(value: float) -> str:
+    return f"0x{struct.unpack('<Q', struct.pack('<d', value))[0]:016X}"
+
 
 LANES = 8
 """Rollouts worked on at a time."""

@@ -12,7 +12,7 @@ from helpers.oracles import worst
 from helpers.random_programs import random_program
 
 from robodyn.errors import InputError
-from robodyn.programs.export.c import c_function, comment
+from robodyn.programs.export import c_function, comment
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
 from robodyn.programs.vectors import cos, exp, sign, sin
 

@@ -7,8 +7,15 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from robodyn.programs.program import Program
-from robodyn.programs.run.llvm.code import BYTES, Code
-from robodyn.programs.run.llvm.functions import LARGEST_QUARTER, exponential, reduced, sign, sine_and_cosine
+from robodyn.programs.run.llvm.functions import (
+    BYTES,
+    LARGEST_QUARTER,
+    Code,
+    exponential,
+    reduced,
+    sign,
+    sine_and_cosine,
+)
 from robodyn.programs.scalar import ADD, CONSTANT, COS, DIV, EXP, INPUT, MUL, NEG, SIGN, SIN, SQRT, SUB
 
 

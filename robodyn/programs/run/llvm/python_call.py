@@ -1,4 +1,4 @@
-"""A function of machine code as a callable of Python, without a layer of Python in between.
+"""A program as one LLVM function of a single sample, called from Python without a layer of Python in between.
 
 CPython calls `call` as a method with fast arguments. It looks whether every argument is the array that is expected,
 hands the arrays' memory to the kernel and returns the array of results; whatever else it is given goes to a slower
@@ -9,16 +9,260 @@ from __future__ import annotations
 
 import ctypes
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from importlib import import_module
 from typing import Any
 
 import numpy as np
 
+from robodyn.programs.program import Program
 from robodyn.programs.run.llvm.build import built
+from robodyn.programs.run.llvm.functions import Code
+from robodyn.programs.run.llvm.kernel import Writer, fused_products
 from robodyn.programs.run.llvm.machine import Function
-from robodyn.programs.run.llvm.python_call_text import TEXT
+from robodyn.programs.scalar import CONSTANT, COS, INPUT, SIN
+
+FRAME = """\
+{declared}
+define i64 @sample({arguments}, ptr %to) #0 {{
+entry:
+{body}
+  ret i64 0
+{refused}
+}}
+define i64 @arrays(ptr %all) #0 {{
+entry:
+{loads}
+  %flag = call i64 @sample({given}, ptr %to)
+  ret i64 %flag
+}}
+attributes #0 = {{ nounwind }}
+"""
+
+
+def sample_kernel(program: Program, widths: Mapping[str, int]) -> str:
+    """Return the LLVM IR of `i64 sample(const double *source..., double *to)`, and of `i64 arrays(double **all)`.
+
+    There is an argument for every source of `widths`, in this order, and the outputs come last. All inputs are read
+    before the first output is written, so the arrays may overlap. The function returns 0, or 1 and writes nothing where
+    an angle is too large to be reduced accurately or is not finite. `arrays` is the same with the addresses of all
+    arrays in one.
+
+    Args:
+        widths: the numbers in the array of each source; the program may leave some alone.
+    """
+    writer = _Sample(program, widths)
+    writer.write()
+    names = [f"%source{k}" for k in range(len(widths))]
+    loads = (
+        f"  {name}_at = getelementptr ptr, ptr %all, i64 {k}\n  {name} = load ptr, ptr {name}_at"
+        for k, name in enumerate([*names, "%to"])
+    )
+    given = ", ".join(f"ptr {name}" for name in names)
+    return FRAME.format(
+        declared="\n".join(sorted(writer.code.declared)),
+        arguments=given,
+        given=given,
+        loads="\n".join(loads),
+        body="\n".join(writer.code.lines),
+        refused="refused:\n  ret i64 1" if writer.quarters else "",
+    )
+
+
+class _Sample(Writer):
+    """Writes a program that works on one sample."""
+
+    def __init__(self, program: Program, widths: Mapping[str, int]) -> None:
+        super().__init__(program, program.rows(widths), Code("double", 1), fused_products(program), False)
+        self.early: dict[int, str] = {}
+        self.homes = {
+            self.first_row[source] + column: (f"%source{k}", column)
+            for k, (source, width) in enumerate(widths.items())
+            if source in self.first_row
+            for column in range(width)
+        }
+        self.homes |= {self.first_row[""] + place: ("%to", place) for place in range(len(program.outputs))}
+        rows = (self.first_row[source] + column for source, column in sorted(program.inputs))
+        self.inputs = {row: self.code.new(f"load <1 x double>, ptr {self._address(row, 0)}, align 8") for row in rows}
+
+    def write(self) -> None:
+        """Writes the angles, a way out where they are too large, and the rest."""
+        self.values = [""] * len(self.program.operations)
+        for k in self._below_angles():
+            self.early[k] = self.values[k] = self._value(k, *self.program.operations[k])
+            self._divide()
+        if self.quarters:
+            self.code.lines.append(f"  br i1 {self.too_large()}, label %refused, label %fine\nfine:")
+        self.values = []
+        super().write()
+
+    def _below_angles(self) -> list[int]:
+        """Return the positions of all sines and cosines, and of what they are computed from, in order."""
+        operations, needed = self.program.operations, set[int]()
+        for k in reversed(range(len(operations))):
+            op, a, b = operations[k]
+            if op is SIN or op is COS or k in needed:
+                needed.add(k)
+                needed.update(() if op in (INPUT, CONSTANT) else (x for x in (a, b) if x is not None))
+        return sorted(needed - set(self.fused.values()))
+
+    def _value(self, k: int, op: str, a: Any, b: Any) -> str:
+        return self.early[k] if k in self.early else super()._value(k, op, a, b)
+
+    def _input(self, row: int) -> str:
+        return self.inputs[row]
+
+    def _address(self, row: int, writes: int) -> str:
+        array, place = self.homes[row]
+        return self.code.new(f"getelementptr double, ptr {array}, i64 {place}")
+
+
+TEXT = """\
+define internal ptr @memory(ptr %o, ptr %table, i32 %dimensions, ptr %shape, i32 %flags) #0 {
+entry:
+  %type_at = getelementptr i8, ptr %o, i64 $TYPE
+  %type = load ptr, ptr %type_at
+  %array_type_at = getelementptr i64, ptr %table, i64 $array_type
+  %array_type = load ptr, ptr %array_type_at
+  %is_array = icmp eq ptr %type, %array_type
+  br i1 %is_array, label %array, label %other
+array:
+  %dtype_at = getelementptr i8, ptr %o, i64 $DTYPE
+  %dtype = load ptr, ptr %dtype_at
+  %double_at = getelementptr i64, ptr %table, i64 $dtype
+  %double = load ptr, ptr %double_at
+  %is_double = icmp eq ptr %dtype, %double
+  %flags_at = getelementptr i8, ptr %o, i64 $FLAGS
+  %given_flags = load i32, ptr %flags_at
+  %common = and i32 %given_flags, %flags
+  %plain = icmp eq i32 %common, %flags
+  %dimensions_at = getelementptr i8, ptr %o, i64 $DIMENSIONS
+  %given_dimensions = load i32, ptr %dimensions_at
+  %as_many = icmp eq i32 %given_dimensions, %dimensions
+  %fits = and i1 %is_double, %plain
+  %fits_all = and i1 %fits, %as_many
+  br i1 %fits_all, label %sizes, label %other
+sizes:
+  %shape_at = getelementptr i8, ptr %o, i64 $SHAPE
+  %given_shape = load ptr, ptr %shape_at
+  br label %size
+size:
+  %k = phi i32 [ 0, %sizes ], [ %k1, %next ]
+  %given_at = getelementptr i64, ptr %given_shape, i32 %k
+  %given = load i64, ptr %given_at
+  %wanted_at = getelementptr i64, ptr %shape, i32 %k
+  %wanted = load i64, ptr %wanted_at
+  %same = icmp eq i64 %given, %wanted
+  br i1 %same, label %next, label %other
+next:
+  %k1 = add i32 %k, 1
+  %more = icmp slt i32 %k1, %dimensions
+  br i1 %more, label %size, label %found
+found:
+  %data_at = getelementptr i8, ptr %o, i64 $DATA
+  %data = load ptr, ptr %data_at
+  ret ptr %data
+other:
+  ret ptr null
+}
+
+define ptr @call(ptr %self, ptr %given, i64 %count, ptr %names) #0 {
+entry:
+  %arrays = alloca [$ARRAYS x ptr]
+  %table_at = getelementptr i8, ptr %self, i64 $DATA
+  %table = load ptr, ptr %table_at
+  %count_at = getelementptr i64, ptr %table, i64 $count
+  %wanted = load i64, ptr %count_at
+  %as_many = icmp eq i64 %count, %wanted
+  br i1 %as_many, label %each, label %otherwise
+each:
+  %k = phi i64 [ 0, %entry ], [ %k1, %got ]
+  %one_at = getelementptr ptr, ptr %given, i64 %k
+  %one = load ptr, ptr %one_at
+  %place = add i64 %k, $WIDTHS
+  %width_at = getelementptr i64, ptr %table, i64 %place
+  %memory = call ptr @memory(ptr %one, ptr %table, i32 1, ptr %width_at, i32 $ALIGNED_ROWS)
+  %none = icmp eq ptr %memory, null
+  br i1 %none, label %otherwise, label %got
+got:
+  %array_at = getelementptr ptr, ptr %arrays, i64 %k
+  store ptr %memory, ptr %array_at
+  %k1 = add i64 %k, 1
+  %more = icmp slt i64 %k1, %count
+  br i1 %more, label %each, label %target
+target:
+  %to_at = getelementptr ptr, ptr %arrays, i64 %count
+  %dimensions_at = getelementptr i64, ptr %table, i64 $dimensions
+  %dimensions_64 = load i64, ptr %dimensions_at
+  %dimensions = trunc i64 %dimensions_64 to i32
+  %shape = getelementptr i64, ptr %table, i64 $shape
+  %keep_at = getelementptr i64, ptr %table, i64 $keep
+  %keep = load ptr, ptr %keep_at
+  %unnamed = icmp eq ptr %names, null
+  br i1 %unnamed, label %new, label %named
+named:
+  %length_at = getelementptr i8, ptr %names, i64 $DATA
+  %length = load i64, ptr %length_at
+  %single = icmp eq i64 %length, 1
+  br i1 %single, label %name, label %otherwise
+name:
+  %name_at = getelementptr i8, ptr %names, i64 $DIMENSIONS
+  %word = load ptr, ptr %name_at
+  %out_at = getelementptr i64, ptr %table, i64 $out
+  %out = load ptr, ptr %out_at
+  %is_out = icmp eq ptr %word, %out
+  br i1 %is_out, label %old, label %otherwise
+old:
+  %old_at = getelementptr ptr, ptr %given, i64 %count
+  %old_array = load ptr, ptr %old_at
+  %old_memory = call ptr @memory(ptr %old_array, ptr %table, i32 %dimensions, ptr %shape, i32 $WRITEABLE_ROWS)
+  %unfit = icmp eq ptr %old_memory, null
+  br i1 %unfit, label %otherwise, label %kept
+kept:
+  call void %keep(ptr %old_array)
+  br label %run
+new:
+  %dtype_at = getelementptr i64, ptr %table, i64 $dtype
+  %dtype = load ptr, ptr %dtype_at
+  call void %keep(ptr %dtype)
+  %empty_at = getelementptr i64, ptr %table, i64 $empty
+  %empty = load ptr, ptr %empty_at
+  %new_array = call ptr %empty(i32 %dimensions, ptr %shape, ptr %dtype, i32 0)
+  %failed = icmp eq ptr %new_array, null
+  br i1 %failed, label %nothing, label %made
+made:
+  %new_memory_at = getelementptr i8, ptr %new_array, i64 $DATA
+  %new_memory = load ptr, ptr %new_memory_at
+  br label %run
+run:
+  %result = phi ptr [ %old_array, %kept ], [ %new_array, %made ]
+  %result_memory = phi ptr [ %old_memory, %kept ], [ %new_memory, %made ]
+  store ptr %result_memory, ptr %to_at
+  %kernel = load ptr, ptr %table
+  %flag = call i64 %kernel(ptr %arrays)
+  %fine = icmp eq i64 %flag, 0
+  br i1 %fine, label %done, label %flagged
+flagged:
+  %drop_at = getelementptr i64, ptr %table, i64 $drop
+  %drop = load ptr, ptr %drop_at
+  call void %drop(ptr %result)
+  br label %otherwise
+otherwise:
+  %slow_at = getelementptr i64, ptr %table, i64 $otherwise
+  %slow = load ptr, ptr %slow_at
+  %vectorcall_at = getelementptr i64, ptr %table, i64 $vectorcall
+  %vectorcall = load ptr, ptr %vectorcall_at
+  %answer = call ptr %vectorcall(ptr %slow, ptr %given, i64 %count, ptr %names)
+  ret ptr %answer
+done:
+  ret ptr %result
+nothing:
+  ret ptr null
+}
+attributes #0 = { nounwind }
+"""
+
 
 MOST_ARGUMENTS, MOST_DIMENSIONS = 8, 3
 _ALIGNED_ROWS, _WRITEABLE = 0x101, 0x400
