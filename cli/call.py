@@ -109,7 +109,6 @@ class Loads:
 
     momentum: View | None
     sizing: bool | None
-    samples: int
     reactions: bool
     explain: bool
     executor: str

@@ -43,7 +43,6 @@ if TYPE_CHECKING:
     from robodyn.trajectory.reader import TrajectoryReader
 
 _TABLES = (".csv", ".tsv", ".txt", ".dat", ".parquet", ".pq", ".npz")
-_SAMPLES = "Of a scene's [uncertainty]: run the motion again with N draws of parameters, to compare."
 _MOMENTUM = "Mass centre, momenta, energies, power: report them, and write them to --out."
 
 
@@ -56,7 +55,7 @@ class TorquesCommand(Grouped):
             *("--example", "--hold", "--map", "--time-unit", "--angle-unit", "--derivatives", "--topic"),
             *("--encoder-error", "--ignore-extra"),
         ),
-        "What is computed": ("--sizing", "--momentum", "--about", "--frame", "--explain", "--samples", "--accuracy"),
+        "What is computed": ("--sizing", "--momentum", "--about", "--frame", "--explain", "--accuracy"),
         "A log with measured torques": ("--measured", "--cutoff"),
         "What is written": ("--out", "--reactions", "--report", "--format", "--fail-on-limits"),
         "How it is computed": ("--executor", "--threads", "--jobs", "--dask"),
@@ -83,7 +82,6 @@ class TorquesCommand(Grouped):
     click.option("--cutoff", type=POSITIVE, metavar="HZ", help="With --measured: of the filter; default by the noise."),
     click.option("--fail-on-limits", is_flag=True, help="Exit with 1 if a limit of robot or motor is exceeded."),
     click.option("--accuracy", type=POSITIVE, metavar="E", help="Take the cheapest arithmetic of this relative error."),
-    click.option("--samples", type=click.IntRange(min=2), metavar="N", help=_SAMPLES),
     click.option("--example", is_flag=True, help="First write an example motion to TRAJECTORY, within all limits."),
     REPORT,
     click.option(
@@ -111,7 +109,6 @@ def command(
     cutoff: float | None,
     fail_on_limits: bool,
     accuracy: float | None,
-    samples: int | None,
     example: bool,
     jobs: int | None,
     dask: str | None,
@@ -137,7 +134,7 @@ def command(
             "sizing": sizing,
         }
         alone |= {"momentum": momentum, "explain": explain, "accuracy": accuracy, "example": example}
-        alone |= {"samples": samples, "jobs": jobs, "dask": dask}
+        alone |= {"jobs": jobs, "dask": dask}
         if asked := [name for name, value in alone.items() if value]:
             refuse(f"--{asked[0]} does not go with --measured")
         if len(trajectories) > 1:
@@ -148,7 +145,7 @@ def command(
         refuse("--cutoff goes with --measured")
     if reactions and not out:
         refuse("--reactions goes to a file, and --out names none")
-    options = Loads(_view(momentum, about, frame), sizing or None, samples or 0, reactions, explain, executor, threads)
+    options = Loads(_view(momentum, about, frame), sizing or None, reactions, explain, executor, threads)
     if _is_batch(trajectories, out):
         from robodyn.cli.torques_batch import run_batch
 

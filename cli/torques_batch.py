@@ -72,7 +72,7 @@ def _setup(call: Call, urdf: str, options: Loads) -> tuple[Setup, str]:
     """Return what all trajectories have in common, which is checked here once; and the robot's name."""
     model, scene = robot_in_scene(call, urdf, loops=True, contacts=True)
     assert model.description is not None, "it is read from a file"
-    check_uncertain(scene, options.samples)
+    check_uncertain(scene)
     if options.momentum is not None:
         options.momentum.check(model, scene)
     executor = options.executor

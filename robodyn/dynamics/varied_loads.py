@@ -44,13 +44,6 @@ def derivative_runner(plan: Plan, found: Variations, rows: Sequence[Row]) -> Run
     return runner_of(trace(outputs), plan, {"theta": len(found.jacobian)})
 
 
-def varied_runner(plan: Plan, found: Variations, rows: Sequence[Row]) -> Runner:
-    """Return sums of loads for a given `theta`, by which parameters are off."""
-    refuse_constraints(plan.scene)
-    program = trace(lambda tape: summed(rows, _loads(plan, tape, _theta(tape, found), found)))
-    return runner_of(program, plan, {"theta": len(found.jacobian)})
-
-
 def _theta(tape: Tape, found: Variations) -> list[Traced]:
     return [tape.input("theta", k) for k, _ in enumerate(found.jacobian)]
 

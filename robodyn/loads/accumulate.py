@@ -44,7 +44,6 @@ class Options(NamedTuple):
     momentum: View | None = None
     sizing: bool = False
     history: bool = False
-    samples: int = 0
 
 
 @lru_cache(maxsize=16)
@@ -105,7 +104,7 @@ class TorqueAccumulator:
         if scene.uncertainty is not None:
             from robodyn.loads.uncertain import UncertainLoads
 
-            self.uncertain = UncertainLoads(model, scene, self.rates, self.sizing, options.samples, options[1:3])
+            self.uncertain = UncertainLoads(model, scene, self.rates, self.sizing, options[1:3])
 
     @np.errstate(all="ignore")
     def take(self, block: Trajectory, left: int) -> Floats:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.loads.uncertainty_result import Bar, Interval
+from robodyn.loads.uncertainty_result import Bar
 from robodyn.support.floats import BEYOND, Floats
 
 NEAR = 1.959963984540054
@@ -29,15 +29,14 @@ class Drawn(NamedTuple):
     parts: Floats
     curved: Floats | None = None
 
-    def bar(self, sampled: Floats | None = None) -> Bar:
-        """Return the error bar; sampled: magnitudes of motions that were run again."""
+    def bar(self) -> Bar:
+        """Return the error bar."""
         sign = -1.0 if self.value < 0.0 else 1.0
-        other = None if sampled is None else _interval(sampled, sign)
         if self.curved is None:
             reach = NEAR * self.error
-            return Bar(self.value, self.error, self.value - reach, self.value + reach, "linear", other)
-        found = _interval(self.curved, sign)
-        return Bar(self.value, found.standard_error, found.low, found.high, "draws", other)
+            return Bar(self.value, self.error, self.value - reach, self.value + reach, "linear")
+        low, high = np.quantile(sign * self.curved, (0.025, 0.975)).tolist()
+        return Bar(self.value, float(self.curved.std(ddof=1)), low, high, "draws")
 
     def within(self, limit: float) -> float:
         """Return the probability that the magnitude is within a limit."""
@@ -46,12 +45,6 @@ class Drawn(NamedTuple):
         if self.error <= 1e-12 * max(abs(self.value), abs(limit)):
             return float(abs(self.value) <= BEYOND * limit)
         return normal((limit - abs(self.value)) / self.error)
-
-
-def _interval(draws: Floats, sign: float) -> Interval:
-    """Return standard error and interval of a figure whose magnitudes were drawn."""
-    low, high = np.quantile(sign * draws, (0.025, 0.975)).tolist()
-    return Interval(float(draws.std(ddof=1)) if len(draws) > 1 else 0.0, low, high)
 
 
 def normal(u: float) -> float:

@@ -41,7 +41,6 @@ def torques(
     momentum: View | None = None,
     sizing: bool | None = None,
     history: bool = False,
-    samples: int = 0,
 ) -> Result:
     """Return what every joint of a robot carries along a motion, with self-checks.
 
@@ -59,7 +58,6 @@ def torques(
         executor, threads: as for `inverse_dynamics`.
         sizing: also compute what motors, gears, bearings and the foundation bear; None: where the scene has motors.
         history: keep the course of the motion for plots, in memory that does not depend on its length.
-        samples: where the scene has uncertain parameters, run the motion again with so many draws of them, to compare.
         momentum: also compute mass centre, momenta, energies and power, seen in this way, for sinks and the result.
 
     Raises:
@@ -72,10 +70,10 @@ def torques(
     Accuracy: torques as `inverse_dynamics`; shares add up to the peak within 1e-12 of the largest torque.
     """
     refuse_others(model, scene)
-    check_uncertain(scene, samples)
+    check_uncertain(scene)
     with _opened(trajectory, model, scene) as motion:
         sized = bool(scene.motor) if sizing is None else sizing
-        options = Options(reactions, executor, threads, momentum, sized, history, samples)
+        options = Options(reactions, executor, threads, momentum, sized, history)
         held = _constraints(model, scene, options, motion)
         run = TorqueAccumulator(model, held.tree if held else scene, options, getattr(motion, "file", None), held)
         last: Trajectory | None = None
@@ -91,16 +89,11 @@ def torques(
     return gathered_result(run, last, explain)
 
 
-def check_uncertain(scene: Scene, samples: int) -> None:
+def check_uncertain(scene: Scene) -> None:
     """Raise where error bars are asked for that are not computed."""
-    if scene.uncertainty is None and samples:
-        raise InputError("samples are drawn of uncertain parameters, and the scene has none", remedy=_UNCERTAIN)
     if scene.uncertainty is not None and scene.constrained:
         what = "[uncertainty] gives error bars of open trees alone, and the scene has loops, contacts or passive joints"
         raise SceneError(what, remedy="leave [uncertainty] out")
-
-
-_UNCERTAIN = 'write [uncertainty] mass = "5 %" in a scene'
 
 
 def _constraints(

@@ -1,4 +1,4 @@
-"""Error bars beside the loads of a motion: derivatives, and motions run again, block by block."""
+"""Error bars beside the loads of a motion: derivatives, block by block."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from robodyn.dynamics.uncertain_parameters import misfits
 from robodyn.loads.result import JointLoad
 from robodyn.loads.sizing_result import Sizing
 from robodyn.loads.uncertain_report import uncertain
-from robodyn.loads.uncertain_samples import SamplePass
 from robodyn.loads.uncertainty import Pass, UncertaintyPass
 from robodyn.loads.uncertainty_result import Uncertain
 from robodyn.robot.model import Model
@@ -38,14 +37,12 @@ class UncertainLoads:
         scene: Scene,
         rates: slice,
         sizing: SizingPass | None,
-        samples: int,
         by: tuple[str, int | None],
     ) -> None:
-        """Args: samples: motions that are run again; by: executor and threads."""
+        """Args: by: executor and threads."""
         trains = list(zip(sizing.driven, sizing.motors.trains, strict=True)) if sizing else []
         self.rates, self.by, self.notes = rates, by, (*misfits(model, scene), *_beyond(scene))
         self.linear = UncertaintyPass(model, scene, rates, trains, sizing is not None)
-        self.samples = SamplePass(self.linear, samples) if samples else None
 
     def take(
         self,
@@ -59,12 +56,10 @@ class UncertainLoads:
         """Take in a block; see `UncertaintyPass.take`. loads: perhaps with joints' wrenches that are not needed."""
         qd, qdd = (np.ascontiguousarray(each[:, self.rates].T) for each in (block.qd, block.qdd))
         self.linear.take(block.time, block.first_row, sources, loads, (qd, qdd), off, Pass(*self.by, expected), zero)
-        if self.samples is not None:
-            self.samples.take(block.time, sources, (qd, qdd), *self.by)
 
     def report(self, joints: Sequence[JointLoad], sizing: Sizing | None) -> Uncertain:
         """Return everything gathered."""
-        return uncertain(self.linear, self.samples, joints, sizing)
+        return uncertain(self.linear, joints, sizing)
 
 
 GROWING = 0.1
@@ -77,4 +72,4 @@ def _beyond(scene: Scene) -> tuple[str, ...]:
     if not names:
         return ()
     what = f"friction of {', '.join(map(shown, names))} grows with more than {100 * GROWING:.3g} % of the load"
-    return (f"{what}: where that load is about zero, error bars may be off by more than 5 %; compare with --samples",)
+    return (f"{what}: where that load is about zero, error bars may be off by more than 5 %",)

@@ -13,10 +13,9 @@ from robodyn.loads.result import JointLoad
 from robodyn.loads.sizing_result import JointSizing, MotorLoad, Sizing
 from robodyn.loads.uncertain_figures import DRAWS, Figures
 from robodyn.loads.uncertain_quantities import DRIVE
-from robodyn.loads.uncertain_samples import SamplePass
 from robodyn.loads.uncertainty import UncertaintyPass
 from robodyn.loads.uncertainty_result import Bar, Uncertain, UncertainJoint, UncertainLimit, UncertainLoad
-from robodyn.support.floats import BEYOND, Floats, ranked
+from robodyn.support.floats import BEYOND, ranked
 
 
 class _Limit(NamedTuple):
@@ -26,20 +25,18 @@ class _Limit(NamedTuple):
     kept: NDArray[np.bool_]
 
 
-def uncertain(
-    gathered: UncertaintyPass, samples: SamplePass | None, joints: Sequence[JointLoad], sizing: Sizing | None
-) -> Uncertain:
+def uncertain(gathered: UncertaintyPass, joints: Sequence[JointLoad], sizing: Sizing | None) -> Uncertain:
     """Return everything gathered.
 
     Args:
-        samples: motions that were run again; None without. joints: loads, with limits; sizing: of motors, if asked for.
+        joints: loads, with limits; sizing: of motors, if asked for.
     """
-    return _Report(gathered, samples).uncertain(joints, sizing)
+    return _Report(gathered).uncertain(joints, sizing)
 
 
 class _Report:
-    def __init__(self, gathered: UncertaintyPass, samples: SamplePass | None) -> None:
-        self.gathered, self.samples, self.figures = gathered, samples, Figures(gathered)
+    def __init__(self, gathered: UncertaintyPass) -> None:
+        self.gathered, self.figures = gathered, Figures(gathered)
         self.places = {(figure.owner, figure.name): k for k, figure in enumerate(gathered.of.figures)}
 
     def uncertain(self, joints: Sequence[JointLoad], sizing: Sizing | None) -> Uncertain:
@@ -54,7 +51,6 @@ class _Report:
         return Uncertain(
             parameters={variation.name: variation.deviation for variation in each},
             draws=DRAWS,
-            samples=len(self.samples.theta) if self.samples else 0,
             joints=tuple(found),
             base=base,
             bearings=self._bearings(),
@@ -84,13 +80,13 @@ class _Report:
 
     def _load(self, name: str, k: int, unit: str, signed: float = 0.0) -> UncertainLoad:
         """Return peak and RMS of figure k; signed: its peak, where the sign is not in its columns."""
-        peak, rms, again = self.figures.peak(k), self.figures.rms(k), self.samples
+        peak, rms = self.figures.peak(k), self.figures.rms(k)
         peak = peak._replace(value=-peak.value) if signed < 0.0 < peak.value else peak
         return UncertainLoad(
             name,
             unit,
-            peak.bar(again.peaks[k] if again else None),
-            rms.bar(again.rms(k) if again else None),
+            peak.bar(),
+            rms.bar(),
             self._shares(peak),
             self._shares(rms),
         )
@@ -116,7 +112,7 @@ class _Report:
             yield from self._motor_limits(joint, sizing.motor)
 
     def _motor_limits(self, joint: JointLoad, motor: MotorLoad) -> Iterator[_Limit]:
-        again, figures = self.samples, self.figures
+        figures = self.figures
         names = [self.gathered.of.joints[k] for k, _ in self.gathered.of.trains]
         i = names.index(joint.name)
         given = self.gathered.of.trains[i][1].motor
@@ -126,19 +122,17 @@ class _Report:
         if motor.speed_limit is not None:
             yield _sure("motor speed", motor.max_speed, motor.speed_limit, motor.speed_unit)
         if motor.continuous_limit is not None:
-            drawn = again.rms(shaft) if again else None
-            yield self._limit("RMS motor torque", figures.rms(shaft), motor.continuous_limit, motor.unit, drawn)
+            yield self._limit("RMS motor torque", figures.rms(shaft), motor.continuous_limit, motor.unit)
         if given.gear_peak is not None:
             yield self._peak_limit("gear torque", gear, given.gear_peak, joint.unit)
         if given.gear_average is not None:
-            drawn = again.cubic(i) if again else None
-            yield self._limit("mean gear torque", figures.cubic(i), given.gear_average, joint.unit, drawn)
+            yield self._limit("mean gear torque", figures.cubic(i), given.gear_average, joint.unit)
 
     def _peak_limit(self, quantity: str, k: int, limit: float, unit: str) -> _Limit:
-        return self._limit(quantity, self.figures.peak(k), limit, unit, self.samples.peaks[k] if self.samples else None)
+        return self._limit(quantity, self.figures.peak(k), limit, unit)
 
-    def _limit(self, quantity: str, figure: Drawn, limit: float, unit: str, sampled: Floats | None) -> _Limit:
-        shown = UncertainLimit(quantity, figure.bar(sampled), limit, unit, figure.within(limit))
+    def _limit(self, quantity: str, figure: Drawn, limit: float, unit: str) -> _Limit:
+        shown = UncertainLimit(quantity, figure.bar(), limit, unit, figure.within(limit))
         return _Limit(shown, self.figures.magnitudes(figure) <= BEYOND * limit)
 
 

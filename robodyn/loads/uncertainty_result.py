@@ -12,24 +12,14 @@ Method = Literal["linear", "draws"]
 
 
 @dataclass(frozen=True)
-class Interval:
-    """Standard error, and an interval that holds the figure in 95 % of cases."""
-
-    standard_error: float
-    low: float
-    high: float
-
-
-@dataclass(frozen=True)
 class Bar:
     """A figure and how sure it is.
 
     Attributes:
         value: for the parameters as given, with its sign; a figure is compared by its magnitude.
-        standard_error, low, high: as `Interval` has them.
+        standard_error; low, high: an interval that holds the figure in 95 % of cases.
         method: "linear": by the derivatives of the figure; "draws": of the linear loads at all samples that may become
             the figure's, for the derivatives alone would mislead.
-        sampled: of motions run again with drawn parameters; None where that was not asked for.
     """
 
     value: float
@@ -37,7 +27,6 @@ class Bar:
     low: float
     high: float
     method: Method
-    sampled: Interval | None = None
 
 
 @dataclass(frozen=True)
@@ -101,7 +90,6 @@ class Uncertain:
     Attributes:
         parameters: by name the standard deviation of each that varies [SI; of factors as shares].
         draws: of parameters, for figures that are not linear and for probabilities.
-        samples: motions that were run again; 0 if that was not asked for.
         base: components of the base wrench.
         bearings: by joint, components of its bearing's load and the resultants radial and tilting; {} without sizing.
         suffices: the probability that all joints keep to all their limits; None without any.
@@ -110,7 +98,6 @@ class Uncertain:
 
     parameters: Mapping[str, float]
     draws: int
-    samples: int
     joints: tuple[UncertainJoint, ...]
     base: tuple[UncertainLoad, ...]
     bearings: Mapping[str, tuple[UncertainLoad, ...]]

@@ -28,7 +28,7 @@ def uncertainty_sections(result: Result) -> Iterator[Section]:
     shares = [each.load for each in found.joints]
     if shares:
         yield [Table("Which parameters matter most, by their share of the variance", *_ranks(shares))]
-    notes = [*_drawn(found), *_again(found), *_unnamed(found)]
+    notes = [*_drawn(found), *_unnamed(found)]
     if notes:
         yield [Paragraph(line) for line in notes]
     limited = [joint for joint in found.joints if joint.suffices is not None]
@@ -70,17 +70,14 @@ def _groups(found: Uncertain) -> Iterator[tuple[str, list[tuple[str, UncertainLo
 
 
 def _bars(loads: Sequence[tuple[str, UncertainLoad]], size: Sizes) -> Content:
-    again = any(load.peak.sampled for _, load in loads)
     rows = []
     for name, load in loads:
         row = [name]
         for bar, unit in ((load.peak, f" {load.unit}"), (load.rms, "")):
             row += [f"{size.number(bar.value, load.unit)}{unit}", _error(bar.standard_error, size[load.unit])]
             row += [f"{size.number(bar.low, load.unit)} to {size.number(bar.high, load.unit)}"]
-            if again:
-                row.append(_error(bar.sampled.standard_error, size[load.unit]) if bar.sampled else "")
         rows.append(row)
-    each = ("std error", "95 %", *(["run again"] if again else []))
+    each = ("std error", "95 %")
     return ("", "peak", *each, "RMS", *each), rows
 
 
@@ -114,11 +111,6 @@ def _drawn(found: Uncertain) -> Iterator[str]:
             f"By {found.draws} draws of the parameters, for they are not linear in them: {most}. The other error bars "
             "are by derivatives."
         )
-
-
-def _again(found: Uncertain) -> Iterator[str]:
-    if found.samples:
-        yield f"Run again: standard errors of {count(found.samples, 'motion')} with drawn parameters."
 
 
 def _unnamed(found: Uncertain) -> Iterator[str]:

@@ -33,7 +33,7 @@ JSON = """
 torques robots/scara.urdf robots/scara_pick_and_place.csv
 torques robots/satellite.urdf robots/satellite_slew.csv --scene robots/satellite.toml
 torques robots/puma560.urdf robots/puma560_sweep.csv --scene robots/puma560_sizing.toml --sizing --momentum
-torques robots/puma560.urdf robots/puma560_sweep.csv --scene robots/puma560_uncertain.toml --samples 20
+torques robots/puma560.urdf robots/puma560_sweep.csv --scene robots/puma560_uncertain.toml
 check robots/scara.urdf --trajectory robots/scara_pick_and_place.csv
 torques robots/crank_slider.urdf robots/crank_slider_turn.csv --scene robots/crank_slider_turn.toml
 torques robots/planar_3rrr.urdf robots/planar_3rrr_circle.csv --scene robots/planar_3rrr_circle.toml --sizing

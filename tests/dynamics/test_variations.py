@@ -7,13 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.busy_robot import BUSY_SCENE, busy_robot
+from helpers.drawn_motions import varied_runner
 from helpers.oracles import random_state, robot, worst
 from helpers.small_robots import body_numbers, built, joint, link
 
 import robodyn
 from robodyn.dynamics.plan import plan
 from robodyn.dynamics.uncertain_parameters import variations
-from robodyn.dynamics.varied_loads import derivative_runner, varied_runner
+from robodyn.dynamics.varied_loads import derivative_runner
 from robodyn.scene.parts import Friction
 from robodyn.scene.scene import Scene
 from robodyn.scene.uncertainty import Covariance, Deviation, LinkUncertainty, Uncertainty

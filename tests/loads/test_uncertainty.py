@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from helpers.drawn_motions import run_again
 from helpers.example_robots import real
 from helpers.motions import Pieces
 from helpers.oracles import ROBOTS, robot
@@ -14,7 +15,7 @@ from helpers.small_robots import built, joint, link
 
 import robodyn
 from robodyn.dynamics.uncertain_parameters import variations
-from robodyn.errors import InputError, SceneError
+from robodyn.errors import SceneError
 from robodyn.loads.drawn import normal
 from robodyn.robot.model import Model
 from robodyn.scene.parts import CoupledMotor, Friction, Motor, Rotor
@@ -86,12 +87,14 @@ def test_a_peak_that_may_be_at_another_sample():
     model = built(link("base"), link("arm", 2.0, (0.5, 0, 0.5)), joint("hinge", "base", "arm", axis=(0, -1, 0)))
     q = np.array([[0.0], [-np.pi / 2]])
     scene = Scene(uncertainty=Uncertainty(com=Deviation(0.05, relative=False)))
-    result = robodyn.torques(model, robodyn.motion(model, time, q, 0 * q, 0 * q), scene, samples=4000)
+    motion = robodyn.motion(model, time, q, 0 * q, 0 * q)
+    result = robodyn.torques(model, motion, scene)
+    again = run_again(model, [motion], scene, 4000, bearings=False)["hinge", "tau", "peak"]
     peak, size = result.uncertainty.joints[0].load.peak, 2 * G * 0.05
     assert peak.method == "draws"
     expected = size * math.sqrt(1 - 1 / math.pi)
     assert peak.standard_error == pytest.approx(expected, rel=0.03)
-    assert peak.sampled.standard_error == pytest.approx(expected, rel=0.05)
+    assert again.std() == pytest.approx(expected, rel=0.05)
 
 
 def test_correlated_parameters():
@@ -147,10 +150,11 @@ def test_a_covariance_of_loads_and_coupled_motors():
     at = dict(zip(regressor.names, regressor.theta.tolist(), strict=True))
     known = Covariance(names, np.array([at.get(name, 0.2) for name in names]), rows)
     scene = replace(scene, uncertainty=Uncertainty(covariance=known))
-    found = robodyn.torques(model, waves(model), scene, samples=400).uncertainty.joints
-    for load in (load for each in found for load in (each.load, each.motor)):
-        for bar in (load.peak, load.rms):
-            sampled = bar.sampled.standard_error
+    result = robodyn.torques(model, waves(model), scene).uncertainty
+    found, again = result.joints, run_again(model, [waves(model)], scene, 400)
+    for name, bar in bars(result):
+        if name[1] in ("tau", "motor"):
+            sampled = again[name].std(ddof=1)
             assert bar.standard_error == pytest.approx(sampled, rel=0.05 + 5 / math.sqrt(800), abs=1e-12)
     shares = {each.load.name: each.load.shares for each in found}
     assert shares["elbow"]["elbow.load"] > 0.01
@@ -238,32 +242,46 @@ def scene_of(model, friction=RUBBING, efficiency=0.8, **more):
     )
 
 
+OF_LIMITS = {
+    "effort": ("tau", "peak"),
+    "motor torque": ("use", "peak"),
+    "RMS motor torque": ("motor", "rms"),
+    "gear torque": ("gear", "peak"),
+    "mean gear torque": ("gear", "cubic"),
+}
+
+
 def bars(found):
-    """Every bar with its name."""
+    """Every bar by joint, quantity and kind."""
     for each in found.joints:
-        for load in (each.load, *([each.motor] if each.motor else [])):
-            yield f"{load.name} {load.unit} peak", load.peak
-            yield f"{load.name} {load.unit} rms", load.rms
+        for load, name in ((each.load, "tau"), *([(each.motor, "motor")] if each.motor else [])):
+            yield (each.load.name, name, "peak"), load.peak
+            yield (each.load.name, name, "rms"), load.rms
         for limit in each.limits:
-            yield f"{each.load.name} {limit.quantity}", limit.figure
-    for owner, loads in (("base", found.base), *found.bearings.items()):
+            if limit.quantity in OF_LIMITS:
+                yield (each.load.name, *OF_LIMITS[limit.quantity]), limit.figure
+    for owner, loads in (("", found.base), *found.bearings.items()):
         for load in loads:
-            yield f"{owner} {load.name} peak", load.peak
-            yield f"{owner} {load.name} rms", load.rms
+            yield (owner, load.name, "peak"), load.peak
+            yield (owner, load.name, "rms"), load.rms
 
 
-def compare(result, share=0.05):
+def compare(result, again, share=0.05):
     """Assert that bars are those of motions that are run again: errors within a share, ends within it of the width."""
     found = list(bars(result.uncertainty))
     assert len(found) > 30
     for name, bar in found:
-        again = bar.sampled
-        if again is None:
-            continue
-        size, width = max(abs(bar.value), 1e-3), again.high - again.low
-        assert abs(bar.standard_error - again.standard_error) <= share * again.standard_error + 1e-12 * size, name
-        assert abs(bar.low - again.low) <= share * width + 1e-12 * size, name
-        assert abs(bar.high - again.high) <= share * width + 1e-12 * size, name
+        signed = again[name] if bar.value >= 0.0 else -again[name]
+        error, (low, high) = signed.std(ddof=1), np.quantile(signed, (0.025, 0.975))
+        size, width = max(abs(bar.value), 1e-3), high - low
+        assert abs(bar.standard_error - error) <= share * error + 1e-12 * size, name
+        assert abs(bar.low - low) <= share * width + 1e-12 * size, name
+        assert abs(bar.high - high) <= share * width + 1e-12 * size, name
+
+
+def check_bars(model, trajectory, scene, count):
+    """Assert that the bars of a motion are those of so many motions with drawn parameters."""
+    compare(robodyn.torques(model, trajectory, scene), run_again(model, [trajectory], scene, count))
 
 
 LOSSY = {"friction": Friction(), "efficiency": 0.5}
@@ -273,7 +291,7 @@ LOSSY = {"friction": Friction(), "efficiency": 0.5}
 @pytest.mark.parametrize(("name", "more"), [("scara", {}), ("puma560", LOSSY)])
 def test_bars_are_those_of_motions_that_are_run_again(name, more):
     model = robot(name)
-    compare(robodyn.torques(model, moves(model, trapezoid, 16), scene_of(model, **more), samples=20_000))
+    check_bars(model, moves(model, trapezoid, 16), scene_of(model, **more), 20_000)
 
 
 @pytest.mark.slow
@@ -293,7 +311,7 @@ def test_bars_within_a_twentieth_of_a_hundred_thousand_motions(name, profile, mo
     model = robot(name) if (ROBOTS / f"{name}.urdf").exists() else real(name)
     assert isinstance(model, Model)
     motion = moves(model, profile, 20) if profile else waves(model, 20)
-    compare(robodyn.torques(model, motion, scene_of(model, **more), samples=100_000))
+    check_bars(model, motion, scene_of(model, **more), 100_000)
 
 
 @pytest.mark.slow
@@ -302,7 +320,7 @@ def test_bars_of_a_long_motion(more):
     """More samples than are kept: 900, in 15 moves."""
     model = robot("scara")
     given = replace(moves(model, quintic, 60, 15), caveats=())  # positions far beyond the limits are meant
-    compare(robodyn.torques(model, given, scene_of(model, **more), samples=10_000))
+    check_bars(model, given, scene_of(model, **more), 10_000)
 
 
 def limited(model, trajectory, scene, share):
@@ -364,30 +382,29 @@ def test_blocks_threads_and_executors_agree():
     model = robot("two_link_spatial")
     scene, trajectory = scene_of(model), waves(model, 500)
 
-    whole = list(bars(robodyn.torques(model, trajectory, scene, samples=3, executor="numpy").uncertainty))
-    again = list(bars(robodyn.torques(model, trajectory, scene, samples=3, executor="compiled", threads=2).uncertainty))
-    parts = list(bars(robodyn.torques(model, Pieces(trajectory, [130, 1, 269, 100]), scene, samples=3).uncertainty))
+    whole = list(bars(robodyn.torques(model, trajectory, scene, executor="numpy").uncertainty))
+    again = list(bars(robodyn.torques(model, trajectory, scene, executor="compiled", threads=2).uncertainty))
+    parts = list(bars(robodyn.torques(model, Pieces(trajectory, [130, 1, 269, 100]), scene).uncertainty))
     for (name, a), (_, b), (_, c) in zip(whole, again, parts, strict=True):
         assert a.standard_error == pytest.approx(b.standard_error, rel=1e-9, abs=1e-12), name
         assert a.low == pytest.approx(b.low, rel=1e-9, abs=1e-9), name
         assert a.standard_error == pytest.approx(c.standard_error, rel=1e-9, abs=1e-12), name
         assert a.method == b.method == c.method, name
-        assert a.sampled.low == pytest.approx(c.sampled.low, rel=1e-9, abs=1e-9) if a.sampled else True, name
 
 
 def test_a_floating_base():
     model = robot("satellite", moving_base=True)
     scene = Scene(moving_base=True, gravity=(0.0, 0.0, 0.0), uncertainty=Uncertainty(Deviation(0.05)))
     with robodyn.read_motion(ROBOTS / "satellite_slew.csv", model, scene) as reader:
-        compare(robodyn.torques(model, reader, scene, samples=4000, sizing=True))
+        result = robodyn.torques(model, reader, scene, sizing=True)
+    with robodyn.read_motion(ROBOTS / "satellite_slew.csv", model, scene) as reader:
+        compare(result, run_again(model, reader.blocks(), scene, 4000))
 
 
 def test_what_bars_do_not_cover_is_refused():
     model = robot("puma560")
     with pytest.raises(SceneError, match="error bars of open trees alone"):
         held(model, Scene(passive=("waist",), uncertainty=KNOWN))
-    with pytest.raises(InputError, match="the scene has none"):
-        held(model, Scene(), samples=10)
 
 
 def test_without_uncertainty_there_is_nothing():

@@ -18,7 +18,6 @@ from robodyn.report.uncertainty import parameter, probability, ranks
 
 ARM, MOTION = str(ROBOTS / "puma560.urdf"), str(ROBOTS / "puma560_sweep.csv")
 SCENE = str(ROBOTS / "puma560_uncertain.toml")
-BARE = str(ROBOTS / "puma560_sizing.toml")
 
 
 @pytest.mark.parametrize(
@@ -56,19 +55,18 @@ def numbers_of(text, title, joint):
 
 
 def test_text_says_what_json_says():
-    text = run("torques", ARM, MOTION, "--scene", SCENE, "--samples", "5").out
+    text = run("torques", ARM, MOTION, "--scene", SCENE).out
     data = json.loads(run("torques", ARM, MOTION, "--scene", SCENE, "--format", "json").out)["uncertainty"]
     for joint in data["joints"]:
         peak, rms = joint["load"]["peak"], joint["load"]["rms"]
         found = numbers_of(text, "Joints: error bars", joint["load"]["name"])
-        assert len(found) == 10, "with the errors of motions that are run again"
+        assert len(found) == 8
         expected = [peak["value"], peak["standard_error"], peak["low"], peak["high"]]
         assert found[:4] == pytest.approx(expected, rel=0.05)
-        assert found[5:9] == pytest.approx([rms["value"], rms["standard_error"], rms["low"], rms["high"]], rel=0.05)
+        assert found[4:8] == pytest.approx([rms["value"], rms["standard_error"], rms["low"], rms["high"]], rel=0.05)
         assert sum(joint["load"]["shares"].values()) == pytest.approx(1.0)
     assert data["suffices"] < 0.95
     assert f"all joints   suffice with {100 * data['suffices']:.0f} %" in text
-    assert "Run again: standard errors of 5 motions" in text
     assert "with the parameters as they are given" in text
     assert "probability of" in text
 
@@ -79,12 +77,6 @@ def test_the_page_has_it_too(tmp_path):
     text = page.read_text(encoding="utf-8")
     for said in ("Uncertain parameters", "All limits are kept with", "Which parameters matter most", "mass of forearm"):
         assert said in text
-
-
-def test_samples_need_uncertain_parameters():
-    outcome = run("torques", ARM, MOTION, "--scene", BARE, "--samples", "10")
-    assert (outcome.status, len(outcome.err.splitlines())) == (2, 1)
-    assert 'write [uncertainty] mass = "5 %" in a scene' in outcome.err
 
 
 @pytest.mark.parametrize(

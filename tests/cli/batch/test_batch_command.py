@@ -51,24 +51,13 @@ def test_results_are_those_of_single_runs(monkeypatch: pytest.MonkeyPatch) -> No
 def test_error_bars_are_those_of_single_runs() -> None:
     scene = Path("unsure.toml")
     scene.write_text('[uncertainty]\nmass = "5 %"\n')
-    outcome = batch("--scene", "unsure.toml", "--samples", "20")
+    outcome = batch("--scene", "unsure.toml")
     assert (outcome.status, outcome.err) == (0, "")
-    how = ("--scene", "unsure.toml", "--samples", "20", "--executor", "compiled", "--format", "json")
+    how = ("--scene", "unsure.toml", "--executor", "compiled", "--format", "json")
     for name in NAMES:
         single = json.loads(run("torques", "arm.urdf", f"runs/{name}.csv", *how).out)
         assert document(Path(f"results/{name}.json")) == single
-        assert single["uncertainty"]["samples"] == 20
-        assert single["uncertainty"]["joints"][0]["load"]["peak"]["sampled"]["standard_error"] > 0.0
-    again = batch("--scene", "unsure.toml", "--samples", "30")
-    assert "3 files, 3 computed" in again.out
-
-
-def test_samples_of_what_is_sure_are_refused_once() -> None:
-    outcome = batch("--samples", "20")
-    assert (outcome.status, outcome.out) == (2, "")
-    assert outcome.err.count("\n") == 1
-    assert "samples are drawn of uncertain parameters, and the scene has none" in outcome.err
-    assert not Path("results").exists()
+        assert single["uncertainty"]["joints"][0]["load"]["peak"]["standard_error"] > 0.0
 
 
 def test_what_is_finished_is_not_computed_again() -> None:

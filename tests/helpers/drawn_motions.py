@@ -6,19 +6,28 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from robodyn.dynamics.plan import plan
-from robodyn.dynamics.varied_loads import varied_runner
+from robodyn.dynamics.plan import plan, runner_of
+from robodyn.dynamics.varied_loads import _loads, _theta, summed
+from robodyn.loads.motors import train_of
 from robodyn.loads.statistics import Integrals
 from robodyn.loads.uncertain_figures import cube_roots
 from robodyn.loads.uncertain_quantities import Quantities
 from robodyn.loads.uncertainty import UncertaintyPass
+from robodyn.programs.program import trace
 from robodyn.support.floats import Floats
+from robodyn.trajectory.read import sources_of
 
 SEED = 1905
 TOGETHER = 200
 """Draws that are run together."""
 ROOM = 4_000_000
 """Numbers of loads that are held at a time."""
+
+
+def varied_runner(plan, found, rows):
+    """Return sums of loads for a given `theta`, by which parameters are off."""
+    program = trace(lambda tape: summed(rows, _loads(plan, tape, _theta(tape, found), found)))
+    return runner_of(program, plan, {"theta": len(found.jacobian)})
 
 
 class SamplePass:
@@ -83,3 +92,21 @@ class SamplePass:
         totals = [each.totals for _, each in self._integrals]
         travel = float(totals[0]["travel"][i])
         return cube_roots(np.concatenate([each["wear"][i] for each in totals]) / (travel or 1.0))
+
+
+def run_again(model, blocks, scene, count, bearings=True):
+    """Return magnitudes (count,) of every figure of a motion with drawn parameters, by joint, quantity and kind."""
+    rates = slice(6 if model.floating else 0, model.n)
+    joints = [joint for joint in model.independent if joint.kind != "floating"]
+    trains = [(k, train) for k, joint in enumerate(joints) if (train := train_of(joint, scene)) is not None]
+    again = SamplePass(UncertaintyPass(model, scene, rates, trains, bearings), count)
+    for block in blocks:
+        motion = tuple(np.ascontiguousarray(each[:, rates].T) for each in (block.qd, block.qdd))
+        again.take(block.time, sources_of(block, scene), motion, "auto", None)
+    found, gears = {}, 0
+    for k, figure in enumerate(again.of.figures):
+        found[figure.owner, figure.name, "peak"] = again.peaks[k]
+        found[figure.owner, figure.name, "rms"] = again.rms(k)
+        if figure.name == "gear":
+            found[figure.owner, "gear", "cubic"], gears = again.cubic(gears), gears + 1
+    return found
