@@ -111,7 +111,7 @@ def test_simulation(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     plot = tmp_path / "front.svg"
     outcome = run("accuracy", *PLANAR, "--duration", "0.05", "--plot", str(plot), "--target", "1e-5")
     assert (outcome.status, outcome.err) == (0, "")
-    assert "two_link_planar, 0.05 s: simulation, errors against power series of orders 16 and 24" in outcome.out
+    assert "two_link_planar, 0.05 s: simulation, errors against gauss6 and dop853, which agree to" in outcome.out
     assert outcome.out.endswith(f"\nwritten: {plot}\n")
     picture = plot.read_text()
     assert all(f">{text}<" in picture for text in ("rk4", "dop853", "front", "target 1e-05", "largest error"))

@@ -25,7 +25,7 @@ CALLS: list[tuple[tuple[str, ...], str]] = [
     (
         ("zebra",),
         "there is no command 'zebra'; commands: 'torques', 'simulate', 'inertia', 'check', 'fbd', "
-        "'equations', 'linearize', 'export', ... (16 in all) (try: robodyn --help)",
+        "'equations', 'linearize', 'export', ... (15 in all) (try: robodyn --help)",
     ),
     (("--verson",), "no such option '--verson'; did you mean '--version'? (try: robodyn --help)"),
     (("torques",), "missing argument 'URDF' (try: robodyn torques --help)"),

@@ -36,6 +36,7 @@ def answer(context: Context, target: str) -> Answer | None:
     from tempfile import TemporaryDirectory
 
     from robodyn.support.children import start_python
+    from robodyn.support.input_file import read_input
 
     if (installed := _version(INSTALLABLE[target])) is None:
         return Answer(None)
@@ -44,7 +45,7 @@ def answer(context: Context, target: str) -> Answer | None:
     packages = {name: str(share.resolve()) for name, share in shares.items() if share is not None}
     with TemporaryDirectory() as folder:
         file = Path(context.reading.file).resolve()
-        if not file.is_file() or file.read_bytes() != context.reading.data:
+        if not file.is_file() or read_input(file) != context.reading.data:
             file = Path(folder) / "robot.urdf"
             file.write_bytes(context.reading.data)
         child = start_python(

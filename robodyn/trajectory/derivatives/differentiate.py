@@ -14,6 +14,7 @@ from typing import Literal
 import numpy as np
 
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 from robodyn.trajectory.derivatives.polynomials import at_samples, orthonormal
 
 ORDER = 4
@@ -114,7 +115,7 @@ def _filter(spline: bool, width: int, degree: int) -> Floats:
     if not spline:
         u = np.arange(width, dtype=np.float64) - (width - 1) / 2
         basis = orthonormal(u, u, degree)
-        return np.stack([np.einsum("ki,kj->ij", each, basis.on) for each in (basis.slope, basis.curve)])
+        return np.stack([einsum("ki,kj->ij", each, basis.on) for each in (basis.slope, basis.curve)])
     knots = np.concatenate((np.zeros(6), np.arange(3.0, width - 3), np.full(6, width - 1.0)))  # not-a-knot
     at = np.arange(width, dtype=np.float64)[:, None]
     piece = np.minimum(np.searchsorted(knots, at[:, 0], "right"), width) - 1
@@ -145,8 +146,8 @@ def _filtered(steps: Floats, turns: Floats | None, operator: Floats) -> tuple[Fl
     inner = count - width + 1
     found, part = np.empty((2, steps.shape[1], count)), np.empty(inner)
     for k, column in enumerate(np.ascontiguousarray(steps.T)):
-        found[:, k, :half] = np.einsum("dij,j->di", of_steps[:, :half], column[: width - 1])
-        found[:, k, inner - 1 + half :] = np.einsum("dij,j->di", of_steps[:, half:], column[inner - 1 :])
+        found[:, k, :half] = einsum("dij,j->di", of_steps[:, :half], column[: width - 1])
+        found[:, k, inner - 1 + half :] = einsum("dij,j->di", of_steps[:, half:], column[inner - 1 :])
         if inner > 1:
             middle = found[:, k, half : half + inner]
             middle[:] = 0.0
