@@ -115,7 +115,7 @@ def files(out: str, executor: str, *more: str, **environment: str) -> dict[str, 
 
 
 def agree(found: dict[str, bytes], expected: dict[str, bytes]) -> bool:
-    """Whether files have the same words, and numbers within 1e-9 of the largest of their column, or of their own or 0.1."""
+    """Whether files have the same words, and numbers within 1e-9 of the largest of their column, their own or 0.1."""
     return found.keys() == expected.keys() and all(_same(name, found[name], expected[name]) for name in expected)
 
 
