@@ -30,7 +30,9 @@ def test_lapack(n, spread):
 def test_exact_ones():
     assert not general_eigen(np.zeros((3, 3))).values.any()
     assert (general_eigen(np.eye(4)).values == 1).all()
-    turn = general_eigen(np.roll(np.eye(4), 1, axis=0)).values
+    found = general_eigen(np.roll(np.eye(4), 1, axis=0))
+    assert np.abs(found.conditions - 1).max() <= 8 * EPS
+    turn = found.values
     assert np.abs(np.sort_complex(turn) - np.array([-1, -1j, 1j, 1])).max() <= 8 * EPS
 
 
