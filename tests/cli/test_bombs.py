@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from helpers.bombs import MOST, TABLES, TOML, WAIVERS, Bounded, bounded
+from helpers.bombs import FEWER, MOST, TABLES, TOML, WAIVERS, Bounded, bounded
 from helpers.command_line import write_arm
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="needs limits of the system")
@@ -25,21 +26,38 @@ def refused(outcome: Bounded, name: str) -> None:
     assert outcome.memory < MOST, f"{outcome.memory >> 20} MB: {outcome.err}"
 
 
+COUNTED = {"values.yaml", "documents.yaml", "records.mcap", "lines.csv", "publishers.json", "values.json"}
+"""What is refused only after much of it is counted: beyond fewer by default, beyond the usual limits under `slow`."""
+
+
 @pytest.mark.parametrize("name", TABLES)
 def test_tables(name: str, tmp_path: Path) -> None:
     TABLES[name](tmp_path / name)
-    outcome = bounded("torques", "arm.urdf", name, cwd=tmp_path)
-    refused(outcome, name)
+    refused(bounded("torques", "arm.urdf", name, cwd=tmp_path, limits=FEWER if name in COUNTED else ""), name)
 
 
-@pytest.mark.parametrize("name", TOML)
-def test_scenes_and_settings(name: str, tmp_path: Path) -> None:
-    (tmp_path / "x.toml").write_bytes(TOML[name])
-    refused(bounded("torques", "arm.urdf", "arm.csv", "--scene", "x.toml", cwd=tmp_path), "x.toml")
-    (tmp_path / "robodyn.toml").write_bytes(TOML[name])
-    refused(bounded("check", "arm.urdf", cwd=tmp_path), "")
-    (tmp_path / "robodyn.toml").unlink()
-    refused(bounded("torques", "arm.urdf", "arm.csv", "--map", "x.toml", cwd=tmp_path), "invalid value for '--map'")
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted(COUNTED))
+def test_tables_beyond_the_usual_limits(name: str, tmp_path: Path) -> None:
+    TABLES[name](tmp_path / name)
+    refused(bounded("torques", "arm.urdf", name, cwd=tmp_path), name)
+
+
+def _uses() -> Iterator[object]:
+    """Every file as a scene; as settings and as a map two of them, the others under `slow`."""
+    for use in ("scene", "settings", "map"):
+        for name in TOML:
+            yield pytest.param(name, use, marks=() if use == "scene" or name in {"keys", "size"} else pytest.mark.slow)
+
+
+@pytest.mark.parametrize(("name", "use"), list(_uses()))
+def test_scenes_and_settings(name: str, use: str, tmp_path: Path) -> None:
+    (tmp_path / ("robodyn.toml" if use == "settings" else "x.toml")).write_bytes(TOML[name])
+    if use == "settings":
+        refused(bounded("check", "arm.urdf", cwd=tmp_path), "")
+    else:
+        said = {"scene": "x.toml", "map": "invalid value for '--map'"}[use]
+        refused(bounded("torques", "arm.urdf", "arm.csv", f"--{use}", "x.toml", cwd=tmp_path), said)
 
 
 def test_settings_of_others(tmp_path: Path) -> None:
@@ -48,7 +66,7 @@ def test_settings_of_others(tmp_path: Path) -> None:
     assert bounded("check", "arm.urdf", cwd=tmp_path).status == 0
 
 
-@pytest.mark.parametrize("command", ["check", "info"])
+@pytest.mark.parametrize("command", ["check", pytest.param("info", marks=pytest.mark.slow)])
 def test_waivers_on_one_line(command: str, tmp_path: Path) -> None:
     """Time grows with their number, not with its square."""
     (tmp_path / "r.urdf").write_text(WAIVERS)

@@ -141,7 +141,10 @@ CALLS = {
 }
 
 
-@pytest.mark.parametrize("call", CALLS)
+SLOW = {"doctor", "check r.xacro --trust-xacro", "torques arm.urdf a.csv b.csv c.csv --out results --jobs 1"}
+
+
+@pytest.mark.parametrize("call", [pytest.param(call, marks=pytest.mark.slow if call in SLOW else ()) for call in CALLS])
 def test_modules_beside_the_files_are_not_imported(hostile: Path, call: str) -> None:
     script = Path(sys.executable).with_name("robodyn")
     done = subprocess.run([script, *call.split()], capture_output=True, text=True, check=False)

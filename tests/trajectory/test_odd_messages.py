@@ -73,16 +73,17 @@ def _yaml(value: Any) -> str:
     return {None: "null", True: "true", "": '""'}.get(value, str(value)) if value.__hash__ else str(value)
 
 
+@pytest.mark.parametrize("every", [6, pytest.param(1, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("odd", ODD, ids=lambda odd: repr(odd)[:20])
-def test_anything_anywhere(kind: str, odd: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The second message has it at every third place, beginning at another for each, in either form in turn."""
+def test_anything_anywhere(kind: str, odd: Any, every: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The second message has it at every sixth place, beginning at another for each, in either form in turn."""
     write_arm(tmp_path)
     monkeypatch.chdir(tmp_path)
     turn = list(map(id, ODD)).index(id(odd))
     first = len(list(_places(KINDS[kind]()[0]))) if kind != "plan" else 0
-    for number in range(first + turn % 3, min(first + 24, _count(kind)), 3):
-        form = ("json", "yaml")[(number + turn) % 2]
+    for number in range(first + turn % every, min(first + 24, _count(kind)), every):
+        form = ("json", "yaml")[(number // every + turn) % 2]
         path = Path(f"x.{form}")
         document = deepcopy(KINDS[kind]())
         holder, key = list(_places(document))[number]

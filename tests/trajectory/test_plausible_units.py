@@ -87,11 +87,15 @@ def limited(model: Model) -> bool:
     return any(joint.lower is not None and joint.lower < joint.upper < 100.0 for joint in turning)
 
 
+SEEDS = [range(2), pytest.param(range(2, 8), marks=pytest.mark.slow)]
+
+
+@pytest.mark.parametrize("seeds", SEEDS, ids=["first", "others"])
 @pytest.mark.parametrize("name", ["puma560", "scara"])
-def test_motions_at_any_speed_are_not_doubted(name: str) -> None:
+def test_motions_at_any_speed_are_not_doubted(name: str, seeds: range) -> None:
     """From a ten-thousandth of the limits of speed to five times these, densely sampled, and with glitches of a row."""
     model = load(str(FOLDER / f"{name}.urdf"))
-    for seed in range(8):
+    for seed in seeds:
         rng = np.random.default_rng(seed)
         time, *given = random_motion(model, rng, waypoints=False)
         factor = 10.0 ** rng.uniform(-4.0, 0.7)
@@ -106,12 +110,13 @@ def test_motions_at_any_speed_are_not_doubted(name: str) -> None:
         assert of_units(motion(model, stretched, glitch)) == []
 
 
+@pytest.mark.parametrize("seeds", SEEDS, ids=["first", "others"])
 @pytest.mark.parametrize("name", ["puma560", "scara"])
 @pytest.mark.parametrize("order", [1, 2], ids=["qd", "qdd"])
-def test_rates_in_another_unit_than_positions(name: str, order: int) -> None:
+def test_rates_in_another_unit_than_positions(name: str, order: int, seeds: range) -> None:
     """Velocities or accelerations alone are in degrees or millimetres, with noise of a hundredth or without."""
     model = load(str(FOLDER / f"{name}.urdf"))
-    for seed in range(8):
+    for seed in seeds:
         rng = np.random.default_rng(seed)
         time, *given = random_motion(model, rng, waypoints=False)
         if (np.abs(np.diff(given[0], axis=0)).max(axis=0) > 0.15 * np.ptp(given[0], axis=0)).any():
@@ -132,7 +137,13 @@ def test_rates_in_another_unit_than_positions(name: str, order: int) -> None:
 OWN = [*map(str, sorted(FOLDER.glob("*.urdf")))]
 
 
-@pytest.mark.parametrize("path", [path for path in OWN if limited(load(path))], ids=lambda path: Path(path).stem)
+def _own_with_limits() -> list[object]:
+    """Our robots whose joints have limits; the two that take seconds under `slow`."""
+    slow = {str(FOLDER / f"{name}.urdf"): pytest.mark.slow for name in ("delta", "quadruped")}
+    return [pytest.param(path, id=Path(path).stem, marks=slow.get(path, ())) for path in OWN if limited(load(path))]
+
+
+@pytest.mark.parametrize("path", _own_with_limits())
 def test_units_of_our_robots(path: str) -> None:
     assert found(load(path), range(3)) == {"sane": 0, "ms": 3, "us": 3, "ns": 3, "deg": 3}
 
@@ -145,7 +156,7 @@ def test_units_of_other_robots(path: Path) -> None:
     assert found(model, range(9)) == {**dict.fromkeys(SLIPS, told), "sane": 0, "deg": told if limited(model) else 0}
 
 
-@pytest.mark.parametrize("path", [*OWN, *map(str, PATHS[::7])], ids=lambda path: Path(path).stem)
+@pytest.mark.parametrize("path", [*OWN, *map(str, PATHS[::14])], ids=lambda path: Path(path).stem)
 def test_example_motions_are_not_doubted(path: str) -> None:
     model = load(path)
     _, time, columns = example_motion(model)
