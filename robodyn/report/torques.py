@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from robodyn.dynamics.momenta import GROUND
 from robodyn.loads.result import ComponentLoad, EffectReport, JointLoad, MomentumReport, Result
 from robodyn.report.document import Paragraph, Section, Table, paragraphs, remarks
 from robodyn.report.limits import (
@@ -343,6 +342,8 @@ def _named(methods: Iterable[str]) -> list[str]:
 
 def momentum_table(report: MomentumReport) -> tuple[str, Content]:
     """Return a title that says about what and in which frame, and for each quantity its least and its greatest."""
+    from robodyn.dynamics.momenta import GROUND
+
     owner = "the ground" if report.frame == GROUND else printable(report.frame)
     about = {"origin": "the origin", "com": "the mass centre"}.get(str(report.about)) or "({:g}, {:g}, {:g}) m".format(
         *report.about

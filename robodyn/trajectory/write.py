@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import io
 import os
 from abc import ABC, abstractmethod
@@ -14,7 +13,6 @@ import numpy as np
 
 from robodyn.errors import InputError
 from robodyn.support.extras import need
-from robodyn.support.files import cannot_be_written, whole_file
 from robodyn.support.floats import Floats
 from robodyn.support.threads import in_threads
 from robodyn.trajectory.readers.table import FILE_TYPES
@@ -78,6 +76,8 @@ class Writer(ABC):
         """
         if columns.shape != (len(time), len(self._names) - 1):
             raise ValueError(f"columns {columns.shape} do not fit {len(self._names) - 1} names and {len(time)} times")
+        from robodyn.support.files import cannot_be_written
+
         with cannot_be_written(self._path):
             self.add(time, columns)
 
@@ -103,6 +103,8 @@ class CsvWriter(Writer):
 
     def begin(self) -> None:
         header = io.StringIO()
+        import csv
+
         csv.writer(header, lineterminator="\n").writerow(self._names)
         self._stream.write(header.getvalue().encode())
 
@@ -252,6 +254,8 @@ def open_writer(path: str | os.PathLike[str], names: Sequence[str]) -> AbstractC
 
 @contextmanager
 def _written(path: str, names: Sequence[str], form: type[Writer]) -> Iterator[Writer]:
+    from robodyn.support.files import cannot_be_written, whole_file
+
     with whole_file(path) as stream:
         writer = form(path, names, stream)
         try:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+from robodyn.errors import TrajectoryError
 from robodyn.support.wording import alternatives
 from robodyn.trajectory.columns.header import Header, listing
 from robodyn.trajectory.columns.signals import MEASURED, TIME_NAMES, Meaning, Place, Signals
 from robodyn.trajectory.columns.units import ANGLES, RATES, AngleUnit, Clock, clocks, split_unit, unit_of
-from robodyn.trajectory.columns.unknown_columns import is_of_message, placed, refuse_loops, unknown_error
 from robodyn.trajectory.reading import DEFAULT, Reading
 
 ABSENT = -1
@@ -69,13 +69,17 @@ def resolve(header: Header, signals: Signals, extra: Sequence[str] = (), reading
     measured = _measured(header, signals, meanings) if reading.measured else {}
     unused = times | {i for i, meaning in meanings.items() if meaning and _idle(meaning)} - {*measured.values()}
     if strange:
+        from robodyn.trajectory.columns.unknown_columns import is_of_message, refuse_loops
+
         refuse_loops(header, signals, strange)
         unused |= {i for i in strange if reading.ignore_extra or is_of_message(header, i)}
-    held, followed = placed(header, signals, places, strange, reading)
+    held, followed = _placed(header, signals, places, strange, reading)
     if absent := [name for name in extra if name not in called and name not in header.names]:
         remedy = alternatives(absent[0], header.names, "columns")
         raise header.error(f"no column {listing(absent)}, which the scene names", remedy)
     if unknown := [i for i in strange if i not in unused]:
+        from robodyn.trajectory.columns.unknown_columns import unknown_error
+
         raise unknown_error(header, signals, {meaning.place for meaning in meanings.values() if meaning}, unknown)
     units = {i: _unit(header, i, signals, place, meanings[i], reading.angle_unit) for place, i in places.items()}
     return Layout(
@@ -187,3 +191,54 @@ def _own_unit(name: str, kind: str) -> str | None:
         if name[-1] in "])" or (unit and unit.dimension == kind):
             return text
     return None
+
+
+def _placed(
+    header: Header, signals: Signals, places: Mapping[Place, int], unknown: Sequence[int], reading: Reading
+) -> tuple[dict[int, float], tuple[str, ...]]:
+    """What no column places: index in q -> position of what is held, and the joints that follow from loops.
+
+    Joints of loops are held where they are named, and not where all are.
+
+    Args:
+        places: (quantity, index) -> column; unknown: columns without a meaning, which may be meant for what is missing.
+
+    Raises:
+        TrajectoryError: a scalar joint has no position and is not held, a floating joint has no column at all or part
+            of a quaternion, or a column moves what is to be held.
+    """
+    try:
+        held = reading.hold.positions(signals, reading.angle_unit or "rad")
+    except TrajectoryError as error:
+        raise header.error(error.what, error.remedy or "") from None
+    found: dict[int, float] = {}
+    missing: list[str] = []
+    followed: list[str] = []
+    for name, (q, qd) in signals.spans.items():
+        given = {i: header.names[places["q", i]] for i in q if ("q", i) in places}
+        moved = [header.names[i] for (quantity, k), i in places.items() if quantity != "q" and k in qd]
+        still = held.keys() & set(q)
+        floating = len(q) > 1
+        turn = [given[i] for i in q[3:] if i in given]
+        if 0 < len(turn) < len(q) - 3:
+            remedy = f"give {name}_qx, _qy, _qz and _qw, or none of them"
+            raise header.error(f"the orientation of {name!r} is incomplete: only {listing(turn)}", remedy)
+        if given or (floating and moved):  # of a floating joint one column will do
+            still &= {i for i in q if {name, signals.positions[i]} & reading.hold.named.keys()}
+        elif name in signals.looped and name not in reading.hold.named:
+            if moved:
+                what = f"column {moved[0]!r} moves joint {name!r}, and no column says where it is"
+                raise header.error(what, f"give q_{name}, or leave it out: it follows from the loops")
+            followed.append(name)
+            still = set()
+        elif not still:
+            missing.append(name)
+        if still and (both := [given[i] for i in sorted(still) if i in given] or ([] if floating else moved)):
+            what = f"joint {name!r} is to be held, and column {both[0]!r} moves it"
+            raise header.error(what, "leave one of them out")
+        found |= {i: held[i] for i in sorted(still)}
+    if missing:
+        from robodyn.trajectory.columns.unknown_columns import incomplete
+
+        raise incomplete(header, signals, missing, unknown)
+    return found, tuple(followed)

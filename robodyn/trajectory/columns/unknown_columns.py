@@ -13,7 +13,7 @@ from robodyn.errors import TrajectoryError
 from robodyn.trajectory.columns.header import Header, listing
 from robodyn.trajectory.columns.signals import COMPONENTS, POSE, Place, Quantity, Signals, worded
 from robodyn.trajectory.columns.units import split_unit
-from robodyn.trajectory.reading import REST, Reading
+from robodyn.trajectory.reading import REST
 
 _HEADER = re.compile(r"(?:.*[./_])?header[./_](?:seq|frame_id)")
 """Fields of a message of ROS that no motion needs."""
@@ -119,56 +119,8 @@ def _plain(name: str) -> str:
     return "".join(filter(str.isalnum, name)).lower()
 
 
-def placed(
-    header: Header, signals: Signals, places: Mapping[Place, int], unknown: Sequence[int], reading: Reading
-) -> tuple[dict[int, float], tuple[str, ...]]:
-    """What no column places: index in q -> position of what is held, and the joints that follow from loops.
-
-    Joints of loops are held where they are named, and not where all are.
-
-    Args:
-        places: (quantity, index) -> column; unknown: columns without a meaning, which may be meant for what is missing.
-
-    Raises:
-        TrajectoryError: a scalar joint has no position and is not held, a floating joint has no column at all or part
-            of a quaternion, or a column moves what is to be held.
-    """
-    try:
-        held = reading.hold.positions(signals, reading.angle_unit or "rad")
-    except TrajectoryError as error:
-        raise header.error(error.what, error.remedy or "") from None
-    found: dict[int, float] = {}
-    missing: list[str] = []
-    followed: list[str] = []
-    for name, (q, qd) in signals.spans.items():
-        given = {i: header.names[places["q", i]] for i in q if ("q", i) in places}
-        moved = [header.names[i] for (quantity, k), i in places.items() if quantity != "q" and k in qd]
-        still = held.keys() & set(q)
-        floating = len(q) > 1
-        turn = [given[i] for i in q[3:] if i in given]
-        if 0 < len(turn) < len(q) - 3:
-            remedy = f"give {name}_qx, _qy, _qz and _qw, or none of them"
-            raise header.error(f"the orientation of {name!r} is incomplete: only {listing(turn)}", remedy)
-        if given or (floating and moved):  # of a floating joint one column will do
-            still &= {i for i in q if {name, signals.positions[i]} & reading.hold.named.keys()}
-        elif name in signals.looped and name not in reading.hold.named:
-            if moved:
-                what = f"column {moved[0]!r} moves joint {name!r}, and no column says where it is"
-                raise header.error(what, f"give q_{name}, or leave it out: it follows from the loops")
-            followed.append(name)
-            still = set()
-        elif not still:
-            missing.append(name)
-        if still and (both := [given[i] for i in sorted(still) if i in given] or ([] if floating else moved)):
-            what = f"joint {name!r} is to be held, and column {both[0]!r} moves it"
-            raise header.error(what, "leave one of them out")
-        found |= {i: held[i] for i in sorted(still)}
-    if missing:
-        raise _incomplete(header, signals, missing, unknown)
-    return found, tuple(followed)
-
-
-def _incomplete(header: Header, signals: Signals, missing: Sequence[str], unknown: Sequence[int]) -> TrajectoryError:
+def incomplete(header: Header, signals: Signals, missing: Sequence[str], unknown: Sequence[int]) -> TrajectoryError:
+    """What is raised where no column places joints that are not held."""
     there = f"there is {listing(header.names)}"
     if free := [name for name in missing if len(signals.spans[name][0]) > 1]:
         name = free[0]

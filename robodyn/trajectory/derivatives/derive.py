@@ -7,7 +7,6 @@ by the noise in it (`noise.py`); `estimates.py` derives with error bars, from `d
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -17,7 +16,7 @@ from robodyn.errors import TrajectoryError
 from robodyn.support.floats import Floats, median
 from robodyn.trajectory.derivatives.derivative_selection import Selection, select
 from robodyn.trajectory.derivatives.estimates import NOISY, Rate, estimated
-from robodyn.trajectory.derivatives.groups import Group
+from robodyn.trajectory.derivatives.groups import Group, source, straight, turns_ahead
 from robodyn.trajectory.motion import FEW, Derivation, JointDerivation, Sampling, Trajectory
 
 
@@ -96,8 +95,8 @@ def derive(samples: Trajectory, plan: Plan) -> tuple[Trajectory, Floats, Floats]
 
 def _rates(group: Group, samples: Trajectory, selection: Selection) -> tuple[Rate, Rate]:
     """The first and second derivatives of the source of a group; of quaternions those in body axes."""
-    values = _source(group, samples)
-    turns = _turns(values) if group.kind == "continuous" else None
+    values = source(group, samples)
+    turns = turns_ahead(values) if group.kind == "continuous" else None
     first, second = estimated(samples.time, values, turns, selection, samples.first_row - 1)
     return (_of_body(values, first), _of_body(values, second)) if group.kind == "quaternion" else (first, second)
 
@@ -111,31 +110,6 @@ def _refuse_pauses(samples: Trajectory, selections: Sequence[Selection]) -> None
         row = samples.first_row + int(np.argmax(steps)) + 1
         what = f"row {row}: a pause of {steps.max():.6g} s is longer than the window that smooths the noise"
         raise TrajectoryError(what, remedy="split the trajectory there, or use --derivatives central")
-
-
-def _source(group: Group, samples: Trajectory) -> Floats:
-    """The columns to differentiate (N, c), quaternions with continuous sign."""
-    values: Floats = getattr(samples, group.source)[:, group.rows]
-    if group.kind == "quaternion":
-        flips = (values[1:] * values[:-1]).sum(axis=1) < 0.0
-        sign = np.where(np.concatenate(([0], np.cumsum(flips))) % 2, -1.0, 1.0)
-        return values * sign[:, None]
-    return values
-
-
-def straight(group: Group, samples: Trajectory) -> Floats:
-    """The same with turns of 2 pi undone."""
-    values = _source(group, samples)
-    return values - 2.0 * math.pi * _turns(values) if group.kind == "continuous" else values
-
-
-def _turns(angles: Floats) -> Floats:
-    """Whole turns that angles (N, c) are ahead of the shorter way from each to the next.
-
-    Angles that are made to add up would depend on the turns before, and on where a block begins, in their last digits.
-    """
-    jumps = np.rint(np.diff(angles, axis=0) / (2.0 * math.pi))
-    return np.concatenate((np.zeros((1, angles.shape[1])), np.cumsum(jumps, axis=0)))
 
 
 def _of_body(Q: Floats, rate: Rate) -> Rate:

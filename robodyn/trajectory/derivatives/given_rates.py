@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +12,11 @@ from numpy.typing import NDArray
 from robodyn.support.caveats import Caveat
 from robodyn.support.floats import Floats, median
 from robodyn.support.wording import figure, shown
-from robodyn.trajectory.derivatives.derive import Plan, derive, plan, straight
-from robodyn.trajectory.derivatives.groups import Group
-from robodyn.trajectory.derivatives.noise import estimate
+from robodyn.trajectory.derivatives.groups import Group, straight
 from robodyn.trajectory.motion import NOISE, Sampling, Trajectory, cut
+
+if TYPE_CHECKING:
+    from robodyn.trajectory.derivatives.derive import Plan
 
 PIECES, ROWS = 4, 1024
 """Of a table, that are compared."""
@@ -100,6 +102,8 @@ class GivenRates:
         off, noise = np.maximum(known.off, self.open), np.maximum(known.noise, self.noise)
         if not self.halo:
             return replace(known, off=off, noise=noise)
+        from robodyn.trajectory.derivatives.derive import derive
+
         mine, _, bars = derive(samples, self.own)
         off[:, self.wrong] = np.maximum(known.off, bars[rows])[:, self.wrong]
         return replace(known, off=off, noise=noise, other=(mine.qd[rows], mine.qdd[rows]))
@@ -114,6 +118,9 @@ def against_positions(
         groups: of `groups.given`; pieces: runs of consecutive samples that stand for the table.
         lacking: how what is not given is derived.
     """
+    from robodyn.trajectory.derivatives.derive import derive, plan
+    from robodyn.trajectory.derivatives.noise import estimate
+
     picked = np.unique(np.linspace(0, len(pieces) - 1, PIECES).astype(int))
     some = [cut(pieces[k], 0, min(ROWS, len(pieces[k]))) for k in picked]
     theirs = [piece if lacking is None else derive(piece, lacking)[0] for piece in some]

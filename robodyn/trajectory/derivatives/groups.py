@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
+import numpy as np
+
+from robodyn.support.floats import Floats
 from robodyn.trajectory.columns.layout import ABSENT, Layout
 from robodyn.trajectory.columns.signals import Signals
+from robodyn.trajectory.motion import Trajectory
 
 Targets = tuple[tuple[int, int], ...]
 _AXES = "xyz"
@@ -39,6 +44,31 @@ class Group:
 def samples_needed(groups: Sequence[Group]) -> int:
     """Samples without which the derivatives mean nothing: one more than the highest derivative."""
     return 1 + max((group.order for group in groups), default=0)
+
+
+def source(group: Group, samples: Trajectory) -> Floats:
+    """The columns to differentiate (N, c), quaternions with continuous sign."""
+    values: Floats = getattr(samples, group.source)[:, group.rows]
+    if group.kind == "quaternion":
+        flips = (values[1:] * values[:-1]).sum(axis=1) < 0.0
+        sign = np.where(np.concatenate(([0], np.cumsum(flips))) % 2, -1.0, 1.0)
+        return values * sign[:, None]
+    return values
+
+
+def straight(group: Group, samples: Trajectory) -> Floats:
+    """The columns to differentiate with turns of 2 pi undone."""
+    values = source(group, samples)
+    return values - 2.0 * math.pi * turns_ahead(values) if group.kind == "continuous" else values
+
+
+def turns_ahead(angles: Floats) -> Floats:
+    """Whole turns that angles (N, c) are ahead of the shorter way from each to the next.
+
+    Angles that are made to add up would depend on the turns before, and on where a block begins, in their last digits.
+    """
+    jumps = np.rint(np.diff(angles, axis=0) / (2.0 * math.pi))
+    return np.concatenate((np.zeros((1, angles.shape[1])), np.cumsum(jumps, axis=0)))
 
 
 def missing(signals: Signals, layout: Layout) -> tuple[tuple[Group, ...], tuple[str, ...]]:
