@@ -100,8 +100,8 @@ def mesh_facts(path: Path) -> MeshFacts:
     from robodyn.solids.mesh.indexed import merged
     from robodyn.solids.mesh.integrals import measure
     from robodyn.solids.mesh.read.load import load_triangles
+    from robodyn.solids.mesh.shell_faults import shell_faults
     from robodyn.solids.mesh.shells import wound
-    from robodyn.solids.mesh.union import shell_faults
 
     try:
         triangles = load_triangles(path)

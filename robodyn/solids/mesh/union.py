@@ -8,13 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from robodyn.errors import MeshError
 from robodyn.programs.vectors import IDENTITY, ZERO, rotation_from_rpy
-from robodyn.solids.mesh.indexed import Edges, Indexed, Mask, Numbers, in_parts, merged
+from robodyn.solids.mesh.indexed import Edges, Indexed, Mask, Numbers, in_parts
 from robodyn.solids.mesh.inside import manifold, may_cross, triangle_boxes
-from robodyn.solids.mesh.nesting import Nesting, nested
-from robodyn.solids.mesh.shells import wound
-from robodyn.solids.mesh.triangles import Triangles
+from robodyn.solids.mesh.nesting import Nesting
 from robodyn.support.floats import Floats
 from robodyn.support.input_limits import limits
 
@@ -159,16 +156,3 @@ def _joined(parts: list[Indexed]) -> Indexed:
     firsts = np.cumsum([0, *(len(part.vertices) for part in parts)])
     faces = [part.faces + first for part, first in zip(parts, firsts[:-1], strict=True)]
     return Indexed(np.concatenate([part.vertices for part in parts]), np.concatenate(faces))
-
-
-def shell_faults(triangles: Triangles) -> tuple[int, bool]:
-    """Return how many shells of a closed surface are wound inwards without being cavities, and whether two overlap.
-
-    Shells are too many to be placed, or no manifolds: then nothing is said of what they may share.
-    """
-    shells, _ = wound(merged(triangles.array()))
-    try:
-        nesting = nested(shells)
-    except MeshError:
-        return 0, False
-    return nesting.bodies, bool(nesting.within.any()) or united(nesting).bodies > 0

@@ -8,7 +8,7 @@ from helpers.mesh_samples import box, flipped, moved, torus, uv_sphere
 
 from robodyn.solids.mesh.read.load import from_array
 from robodyn.solids.mesh.repair import repair
-from robodyn.solids.mesh.union import shell_faults
+from robodyn.solids.mesh.shell_faults import shell_faults
 
 ROUND = uv_sphere()
 CASES = {
