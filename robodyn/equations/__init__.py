@@ -1,1 +1,1 @@
-"""Equations of motion on paper: closed form, C, ODE; dae/, free_body/."""
+"""Equations of motion on paper: closed form, ODE; DAE form, free bodies, source code (export/), near a state (linearized/)."""

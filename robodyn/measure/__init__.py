@@ -1,1 +1,1 @@
-"""What accuracy costs (accuracy/), how fast executors are (speed/), what is installed (doctor)."""
+"""What accuracy costs (accuracy/), and what is installed (doctor)."""

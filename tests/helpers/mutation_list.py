@@ -324,7 +324,7 @@ MUTATIONS = {
             "kept <= (len(states) if end is None else end.step)",
         ),
         ("simulation/events.py", "-self._gain", "self._gain"),
-        ("measure/accuracy/refined.py", "0.5 * speed * speed / braked", "0.5 * speed / braked"),
+        ("measure/accuracy/simulate_within.py", "0.5 * speed * speed / braked", "0.5 * speed / braked"),
     ],
     "simulation/test_rows_of_tables.py": [
         ("simulation/rows.py", "NEAR", "0.0"),
