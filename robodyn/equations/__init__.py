@@ -1,1 +1,1 @@
-"""Equations of motion on paper: closed form, ODE; DAE form, free bodies, source code (export/), near a state (linearized/)."""
+"""Equations of motion on paper: closed form, ODE, DAE form (dae/), free bodies, source code, and near a state."""
