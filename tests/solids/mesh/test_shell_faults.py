@@ -16,6 +16,7 @@ CASES = {
     "inside out": ([flipped(box())], 1, False),
     "apart": ([box(), moved(box(), (2.0, 0.0, 0.0))], 0, False),
     "a cavity": ([box(), flipped(box((0.5, 0.5, 0.5)))], 0, False),
+    "a hole that pierces a wall": ([box(), moved(flipped(box((0.3, 0.3, 0.5))), (0.0, 0.0, 0.4))], 0, False),
     "a body in a cavity": ([box(), flipped(box((0.8, 0.8, 0.8))), box((0.5, 0.5, 0.5))], 0, False),
     "one of two inside out": ([box(), moved(flipped(box()), (2.0, 0.0, 0.0))], 1, False),
     "both inside out": ([flipped(box()), moved(flipped(box()), (2.0, 0.0, 0.0))], 2, False),
