@@ -15,14 +15,13 @@ from robodyn.errors import InputError
 from robodyn.support.extras import need
 from robodyn.support.input_file import read_input
 from robodyn.support.wording import count
-from robodyn.trajectory.columns.units import AngleUnit, TimeUnit
-from robodyn.trajectory.reading import MODES
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
     from robodyn.dynamics.momenta import View
     from robodyn.scene.parts import Payload
+    from robodyn.trajectory.columns.units import AngleUnit, TimeUnit
 
 Callback = Callable[..., Any]
 T = TypeVar("T")
@@ -396,44 +395,6 @@ SCENE = together(
 BASE_HELD = click.option(
     "--base-held", is_flag=True, help="The base is bolted down, or something carries it: do not warn."
 )
-TABLE = together(
-    click.option(
-        "--map",
-        "columns",
-        type=Parsed("file", _columns),
-        metavar="OURS=THEIRS|FILE",
-        multiple=True,
-        help="The table's name of a column, as q_elbow='Elbow angle'; or a TOML file of these; repeatable.",
-    ),
-    click.option(
-        "--time-unit",
-        type=click.Choice(get_args(TimeUnit)),
-        help="Of stamps whose columns do not tell; default s.",
-    ),
-)
-"""Those options of `READING` that hold for any table."""
-READING = together(
-    click.option(
-        "--hold",
-        metavar="rest|POSITION|...",
-        multiple=True,
-        help="Joints without columns: at rest (near zero), a position, or JOINT=POSITION,...; repeatable.",
-    ),
-    TABLE,
-    click.option(
-        "--angle-unit", type=click.Choice(get_args(AngleUnit)), help="Of joints whose columns do not tell; default rad."
-    ),
-    click.option("--derivatives", type=click.Choice(MODES), default="auto", help="Of missing columns; anew: of all."),
-    click.option(
-        "--encoder-error",
-        type=click.FloatRange(min=0.0),
-        default=0.0,
-        metavar="RAD",
-        help="Largest error of encoders that repeats with the angle (m of slides): into the error bars.",
-    ),
-    click.option("--topic", metavar="NAME", help="Of a ROS bag, if several topics are about joints."),
-    click.option("--ignore-extra", is_flag=True, help="Leave out columns that the robot does not know."),
-)
 REPORT = click.option(
     "--report",
     type=Output("a report", _report),
@@ -445,6 +406,62 @@ QD = click.option("--qd", type=VALUES, metavar="QD", help="Velocities, likewise;
 FORMAT = click.option(
     "--format", "form", type=click.Choice(["text", "json"]), default="text", help="Form of the report; default text."
 )
+
+
+def TABLE(command: Callback) -> Callback:
+    """Return those options of `READING` that hold for any table."""
+    from robodyn.trajectory.columns.units import TimeUnit
+
+    decorated: Callback = together(
+        click.option(
+            "--map",
+            "columns",
+            type=Parsed("file", _columns),
+            metavar="OURS=THEIRS|FILE",
+            multiple=True,
+            help="The table's name of a column, as q_elbow='Elbow angle'; or a TOML file of these; repeatable.",
+        ),
+        click.option(
+            "--time-unit",
+            type=click.Choice(get_args(TimeUnit)),
+            help="Of stamps whose columns do not tell; default s.",
+        ),
+    )(command)
+    return decorated
+
+
+def READING(command: Callback) -> Callback:
+    """Return the options that tell how a motion is read."""
+    from robodyn.trajectory.columns.units import AngleUnit
+    from robodyn.trajectory.reading import MODES
+
+    decorated: Callback = together(
+        click.option(
+            "--hold",
+            metavar="rest|POSITION|...",
+            multiple=True,
+            help="Joints without columns: at rest (near zero), a position, or JOINT=POSITION,...; repeatable.",
+        ),
+        TABLE,
+        click.option(
+            "--angle-unit",
+            type=click.Choice(get_args(AngleUnit)),
+            help="Of joints whose columns do not tell; default rad.",
+        ),
+        click.option(
+            "--derivatives", type=click.Choice(MODES), default="auto", help="Of missing columns; anew: of all."
+        ),
+        click.option(
+            "--encoder-error",
+            type=click.FloatRange(min=0.0),
+            default=0.0,
+            metavar="RAD",
+            help="Largest error of encoders that repeats with the angle (m of slides): into the error bars.",
+        ),
+        click.option("--topic", metavar="NAME", help="Of a ROS bag, if several topics are about joints."),
+        click.option("--ignore-extra", is_flag=True, help="Leave out columns that the robot does not know."),
+    )(command)
+    return decorated
 
 
 def EXECUTION(command: Callback) -> Callback:

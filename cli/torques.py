@@ -216,12 +216,13 @@ def _single(
     from robodyn.report.limits import verdict_section
     from robodyn.report.torques import torques_sections
     from robodyn.trajectory.read import read_motion
-    from robodyn.trajectory.write import format_of
 
     check_names()
     expect(ROBOT, urdf)
     expect(TABLE, trajectory)
     if out:
+        from robodyn.trajectory.write import format_of
+
         format_of(out)
     get_ready(call)
     model, scene = robot_in_scene(call, urdf, loops=True, contacts=True)
@@ -262,11 +263,12 @@ def sinks(out: str | None, names: Sequence[str], reader: TrajectoryReader) -> It
     """Yield functions to call with the time and the columns of each block; a file is there whole when all ends well."""
     from robodyn.cli.progress import watched
     from robodyn.support.threads import write_behind
-    from robodyn.trajectory.write import open_writer
 
     with ExitStack() as stack:
         writers: list[Sink] = []
         if out is not None:
+            from robodyn.trajectory.write import open_writer
+
             writer = stack.enter_context(open_writer(out, names))
             writers.append(stack.enter_context(write_behind(writer.write)))
         yield [*writers, stack.enter_context(watched(reader))]
