@@ -35,7 +35,7 @@ def _copied(folder: Path) -> Path:
 
 def _tests(runs: Preloaded, folder: Path, names: Iterable[str]) -> tuple[int, str]:
     """What pytest ends with, and writes, for these tests against the package in a folder, up to the first failure."""
-    options = ["-x", "-q", "-p", "no:cacheprovider", "--no-header", "--tb=no", "--hypothesis-seed=0"]
+    options = ["-x", "-q", "-n", "0", "-p", "no:cacheprovider", "--no-header", "--tb=no", "--hypothesis-seed=0"]
     status, output = runs.run(folder, [*options, *(str(ROOT / "tests" / name) for name in names)])
     assert output.startswith(str(folder)), output
     return status, output

@@ -6,8 +6,6 @@ import re
 import subprocess
 from pathlib import Path
 
-import pytest
-
 ROOT = Path(__file__).parents[2]
 RUN = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -33,13 +31,12 @@ def test_what_the_documentation_does_not_run_is_run() -> None:
     """Its examples leave out what installs, tests and builds."""
     assert re.search(r'^pip install .*"\.\[[\w,-]+\]"$', RUN, re.M)
     assert re.search(r"^sphinx-build .*-W", RUN, re.M)
-    assert re.search(r"suite slow pytest -m slow", RUN)
+    assert re.search(r"suite slow pytest .*-m slow", RUN)
 
 
-@pytest.mark.parametrize("name", ["any_processor", "numeric"])
-def test_the_tests_that_are_named_are_there(name: str) -> None:
-    found = re.search(rf"^{name}=\(.*?\)$", RUN, re.M | re.S)
+def test_the_tests_that_are_named_are_there() -> None:
+    found = re.search(r"^numeric=\(.*?\)$", RUN, re.M | re.S)
     assert found
-    paths = bash(f'{found[0]}\nprintf "%s\\n" "${{{name}[@]}}"')
+    paths = bash(f'{found[0]}\nprintf "%s\\n" "${{numeric[@]}}"')
     assert len(paths) > 5
     assert [path for path in paths if not (ROOT / path).exists()] == []
