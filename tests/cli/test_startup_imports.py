@@ -14,9 +14,9 @@ HEAVY = (
     *("sympy", "matplotlib", "pandas", "numpy.ma"),
 )
 SCARA = (str(ROBOTS / "scara.urdf"), str(ROBOTS / "scara_pick_and_place.csv"))
-OURS = 113
+OURS = 114
 """Modules of robodyn that one job may import. Most are small, 0.2 ms each from cached bytecode."""
-MESH_OURS = 46
+MESH_OURS = 45
 """As many for one mesh."""
 BEYOND = 40
 """Modules that are neither ours nor come with `import numpy, click`: expat, csv, threads, json, dataclasses."""
