@@ -5,7 +5,7 @@ from __future__ import annotations
 from cmath import phase
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from math import inf, pi
+from math import ceil, inf, log10, pi
 from typing import Any
 
 from robodyn.equations.linearized.linearized import Linearized
@@ -30,6 +30,7 @@ from robodyn.report.document import (
 )
 from robodyn.report.limits import exceeded_words
 from robodyn.report.table import number
+from robodyn.support.floats import first_largest
 from robodyn.support.wording import count
 
 _MOVES = 0.05
@@ -129,7 +130,7 @@ def _held(found: Linearized) -> list[str]:
         return []
     if not found.motion.at_rest:
         return ["the torques added keep its speeds constant; they stay as they are in the linear equations"]
-    k = int(abs(found.held).argmax())
+    k = first_largest(abs(found.held))
     most = f"{found.held[k]:.4g} {units_of(found.model)[k]} at {found.model.rates[k]}"
     return [
         f"it is no equilibrium: constant torques are added that hold it, {most} the largest; "
@@ -206,9 +207,14 @@ def _phase(entry: complex) -> str:
     return f" {'ahead' if angle > 0 else 'behind'} by {abs(angle) * 180 / pi:.0f} deg"
 
 
+def _up(error: float) -> str:
+    """Return the power of ten above an error of rounding, whose digits are the processor's."""
+    return f"1e{ceil(log10(error)):03d}" if error else "0"
+
+
 def _note(modes: Modes) -> str:
     error = max((mode.error for mode in modes.modes), default=0.0)
-    return f"Eigenvalues are within {error:.1g} /s. What moves: rad or m of each joint per 1 of the first."
+    return f"Eigenvalues are within {_up(error)} /s. What moves: rad or m of each joint per 1 of the first."
 
 
 def linearized_json(found: Linearized) -> str:

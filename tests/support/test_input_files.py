@@ -22,7 +22,7 @@ ROOT = Path(__file__).parents[2]
 OPENS = {
     *("open", "io.open", "os.open", "codecs.open", "fdopen", "os.fdopen", "read_text", "read_bytes", "fromfile"),
     *("memmap", "loadtxt", "genfromtxt", "np.load", "numpy.load", "OSFile", "memory_map", "ParquetFile", "AnyReader"),
-    *("ZipFile", "is_zipfile", "connect", "TarFile", "fileinput", "linecache", "copyfile", "copy2", "copytree"),
+    *("ZipFile", "is_zipfile", "sqlite3.connect", "TarFile", "fileinput", "linecache", "copyfile", "copy2", "copytree"),
     *(
         "read_csv",
         "scan_csv",

@@ -17,6 +17,8 @@ from robodyn.programs.vectors import length, product
 from robodyn.support.floats import Floats
 
 _ROUNDINGS = 16.0
+_DEPENDENT = 1e-8
+"""Squared part of a row that is left, below which the columns are one space less."""
 
 
 def modes_of(found: SmallMotion) -> Modes:
@@ -36,7 +38,8 @@ def modes_of(found: SmallMotion) -> Modes:
     with np.errstate(all="ignore"):
         try:
             parts = split(found)
-            out = [_mode(found, 0j, 0.0, (parts.scale * row).astype(complex)) for row in parts.drift]
+            drift = _sparse((parts.drift * parts.scale).T.astype(complex)).T
+            out = [_mode(found, 0j, 0.0, row) for row in drift]
             if len(parts.rest):
                 out += _held(found, parts)
         except np.linalg.LinAlgError:
@@ -58,8 +61,35 @@ def _held(found: SmallMotion, parts: Split) -> list[Mode]:
     meet = np.abs((pairs.left.conj() * pairs.right).sum(axis=0))
     errors = np.maximum(lost * pairs.conditions, (soft + 2.0 * cuts * _lengths(product(parts.basis, right))) / meet)
     errors = np.minimum(errors, np.sqrt(lost * (pairs.size + lost) + soft + cuts))
-    n = len(found.M)
-    return [_mode(found, value, error, whole[:n, k]) for k, value, error in _paired(pairs.values, errors)]
+    shapes, kept = whole[: len(found.M)], _paired(pairs.values, errors)
+    out = []
+    while kept:
+        _, first, close = kept[0]
+        alike = [each for each in kept if abs(each[1] - first) <= each[2] + close]
+        columns = _sparse(shapes[:, [k for k, _, _ in alike]])
+        out += [_mode(found, value, error, column) for (_, value, error), column in zip(alike, columns.T, strict=True)]
+        kept = [each for each in kept if each not in alike]
+    return out
+
+
+def _sparse(columns: Complexes) -> Complexes:
+    """Return the basis of the same space (n, k) in which k of its entries are one in a column and zero in the others.
+
+    The entries are those with the largest parts of the space, the first of equals: no rounding chooses the basis. One
+    whose columns are dependent within rounding, of a defective eigenvalue, stays as it is.
+    """
+    if columns.shape[1] < 2:
+        return columns
+    left = np.linalg.qr(columns / _lengths(columns))[0]
+    rows: list[int] = []
+    for _ in range(columns.shape[1]):
+        sizes = (left.real**2 + left.imag**2).sum(axis=1)
+        if sizes.max() < _DEPENDENT:
+            return columns
+        rows.append(int(np.argmax(sizes >= sizes.max() * (1.0 - 1e-6))))
+        pivot = left[rows[-1]] / np.sqrt(sizes[rows[-1]])
+        left = left - np.outer((left * pivot.conj()).sum(axis=1), pivot)
+    return np.asarray(np.linalg.solve(columns[rows].T, columns.T).T)
 
 
 def _softness(found: SmallMotion, parts: Split, inner: Complexes, right: Complexes) -> Floats:
@@ -124,8 +154,14 @@ def _ordered(modes: Sequence[Mode]) -> Iterator[Mode]:
     while left:
         first = left[0]
         alike = [mode for mode in left if size(mode) - size(first) <= 2.0 * min(first.error, mode.error)]
-        yield from sorted(alike, key=lambda mode: mode.real)
+        close = 2.0 * max(mode.error for mode in alike)
+        yield from sorted(alike, key=lambda mode: (mode.real > close, mode.real >= -close, _leader(mode)))
         left = [mode for mode in left if mode not in alike]
+
+
+def _leader(mode: Mode) -> int:
+    """Return the coordinate whose share is one."""
+    return next((k for k, each in enumerate(mode.shape) if each == 1.0), 0)
 
 
 def _marked(modes: Sequence[Mode]) -> list[Mode]:

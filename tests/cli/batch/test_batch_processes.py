@@ -27,7 +27,7 @@ def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def setup():
-    return _setup(Call(), "arm.urdf", Loads(None, False, 0, False, False, "numpy", None))[0]
+    return _setup(Call(), "arm.urdf", Loads(None, False, False, False, "numpy", None))[0]
 
 
 def kill_writers(name: str, times: int, children: list[subprocess.Popen[bytes]]) -> None:
