@@ -98,9 +98,9 @@ def mesh_facts(path: Path) -> MeshFacts:
     from robodyn.solids.mesh.closed import is_one_shell
     from robodyn.solids.mesh.holes import gaps
     from robodyn.solids.mesh.indexed import merged
+    from robodyn.solids.mesh.inside import shell_faults
     from robodyn.solids.mesh.integrals import measure
     from robodyn.solids.mesh.read.load import load_triangles
-    from robodyn.solids.mesh.shell_faults import shell_faults
     from robodyn.solids.mesh.shells import wound
 
     try:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from heapq import heapify, heappop, heappush
 from math import sqrt
 
 import numpy as np
 
-from robodyn.solids.mesh.indexed import Numbers, areas, merged
-from robodyn.solids.mesh.shells import Shells, one_sided, without_degenerate, without_duplicates, wound
+from robodyn.solids.mesh.indexed import Edges, Numbers, areas, merged
+from robodyn.solids.mesh.shells import Shells, welded, without_degenerate, without_duplicates, wound
 from robodyn.solids.mesh.triangles import Triangles
 from robodyn.support.floats import Floats
 
@@ -37,7 +38,7 @@ class Filling:
     Attributes:
         shells: with the filled ones closed.
         holes, seams: gaps that were filled; a seam has no area to speak of.
-        triangles: that fill them.
+        triangles: that fill them. area: of these.
         doubt: volume by which the surface that was missing may differ from what fills it.
         left: gaps of shells that stay open, too large to be filled.
         missing: the share of the surface, of those shells with their gaps filled, that is missing.
@@ -53,6 +54,7 @@ class Filling:
     holes: int
     seams: int
     triangles: int
+    area: float
     doubt: float
     left: int
     missing: float
@@ -70,10 +72,10 @@ def filled(shells: Shells) -> Filling:
     loose = [gap for gap in gaps if gap.share > LARGEST_OF_SHELL]
     if sum(gap.area for gap in loose) <= LARGEST_OF_ALL * float(face_areas.sum()):
         loose = []
-    fill = [gap for gap in gaps if not loose or gap.share <= LARGEST_OF_SHELL]
+    fill = [gap for gap in gaps if gap not in loose]
     caps = [cap for gap in fill for cap in gap.caps]
     sizes = [size for gap in fill for size in gap.sizes]
-    around = [_perimeter(mesh.vertices, loop) for gap in fill for loop in gap.loops]
+    around = perimeters(mesh.vertices, [loop for gap in fill for loop in gap.loops])
     seams = sum(size <= _SEAM * length**2 for size, length in zip(sizes, around, strict=True))
     after = _with(shells, fill, [gap.caps for gap in fill], fill)
     apex = next((gap.loops[0][0] for gap in loose if gap.patch), -1)
@@ -86,6 +88,7 @@ def filled(shells: Shells) -> Filling:
         holes=len(caps) - seams,
         seams=seams,
         triangles=sum(map(len, caps)),
+        area=sum(sizes),
         doubt=_BULGE * sum(size**1.5 for size in sizes),
         left=sum(len(gap.caps) for gap in loose),
         missing=missing / (missing + present) if missing else 0.0,
@@ -108,7 +111,7 @@ class _Gap:
 
     @property
     def share(self) -> float:
-        return self.area / ((self.area + self.own) or 1.0)
+        return self.area / (self.area + self.own)
 
     @property
     def patch(self) -> bool:
@@ -123,21 +126,44 @@ class _Gap:
 
 
 def _gaps(shells: Shells, face_areas: Floats) -> list[_Gap]:
-    mesh, found = shells.mesh, []
+    mesh = shells.mesh
     own = np.bincount(shells.label, face_areas, shells.count).tolist()
+    loops = _loops(shells)
+    caps = {shell: [cap_of(mesh.vertices, loop) for loop in around] for shell, around in loops.items()}
+    every = [cap for each in caps.values() for cap in each]
+    whole = areas(mesh.vertices[np.concatenate([np.zeros((0, 3), np.int64), *every])])
+    sizes = iter(_sums(whole, map(len, every)))
+    return [_Gap(k, loops[k], caps[k], [next(sizes) for _ in caps[k]], own[k]) for k in loops]
+
+
+def _loops(shells: Shells) -> dict[int, list[list[int]]]:
+    """Return the boundary loops of each open shell."""
     shell_of, starts, stops = shells.rim.T
+    found = {}
     for shell in np.flatnonzero(~shells.closed).tolist():
         first, last = np.searchsorted(shell_of, [shell, shell + 1])
-        loops = _followed(starts[first:last].tolist(), stops[first:last].tolist())
-        caps = [cap_of(mesh.vertices, loop) for loop in loops]
-        sizes = [float(areas(mesh.vertices[cap]).sum()) for cap in caps]
-        found.append(_Gap(shell, loops, caps, sizes, own[shell]))
+        found[shell] = _followed(starts[first:last].tolist(), stops[first:last].tolist())
     return found
 
 
-def _perimeter(vertices: Floats, loop: list[int]) -> float:
-    around = vertices[loop]
-    return float(np.linalg.norm(around - np.roll(around, 1, axis=0), axis=1).sum())
+def perimeters(vertices: Floats, loops: Sequence[Sequence[int]]) -> list[float]:
+    """Return how long each loop is."""
+    many = [len(loop) for loop in loops]
+    of = np.repeat(np.arange(len(loops)), many)
+    here = np.array([vertex for loop in loops for vertex in loop], np.int64)
+    next_one = np.array([vertex for loop in loops for vertex in (*loop[1:], loop[0])], np.int64)
+    lower, higher = np.minimum(here, next_one), np.maximum(here, next_one)
+    order = np.lexsort((higher, lower, of))
+    return _sums(np.linalg.norm(vertices[lower[order]] - vertices[higher[order]], axis=1), many)
+
+
+def _sums(values: Floats, many: Iterable[int]) -> list[float]:
+    """Return the sums of so many values each."""
+    found, first = [], 0
+    for count in many:
+        found.append(float(values[first : first + count].sum()))
+        first += count
+    return found
 
 
 def _with(shells: Shells, gaps: list[_Gap], caps: list[list[Numbers]], closed: list[_Gap]) -> Shells:
@@ -148,6 +174,11 @@ def _with(shells: Shells, gaps: list[_Gap], caps: list[list[Numbers]], closed: l
     labels = [np.full(sum(map(len, each)), gap.shell, np.int64) for gap, each in zip(gaps, caps, strict=True)]
     rim = shells.rim[~done[shells.rim[:, 0]]]
     return replace(shells, mesh=mesh, label=np.concatenate([shells.label, *labels]), closed=done, rim=rim)
+
+
+def boundary_loops(faces: Numbers) -> list[list[int]]:
+    """The boundary as loops of vertices that pass none twice, in the direction that triangles filling them have."""
+    return _followed(*Edges.between(faces).boundary()[1].T.tolist())
 
 
 def _followed(starts: list[int], stops: list[int]) -> list[list[int]]:
@@ -216,7 +247,7 @@ class Gaps:
 
 def gaps(triangles: Triangles) -> Gaps:
     """Return the gaps of a surface without its superfluous faces."""
-    mesh = without_duplicates(without_degenerate(merged(triangles.array())))
+    mesh, _ = without_duplicates(without_degenerate(merged(triangles.array())))
     if not len(mesh.faces):
         return Gaps()
     shells, _ = wound(mesh)
@@ -225,3 +256,14 @@ def gaps(triangles: Triangles) -> Gaps:
         return Gaps(one_sided=twisted)
     filling = filled(shells)
     return Gaps(filling.holes + filling.seams, filling.left, filling.missing)
+
+
+def one_sided(shells: Shells) -> int:
+    """Return how many faces are in surfaces that cannot be wound, whose inside and outside are not told apart.
+
+    Open ones with rims put together where they nearly meet: caps on those of a Klein bottle would give it two sides.
+    """
+    if not shells.closed.all():
+        whole = welded(shells.mesh, shells.lone)
+        shells = shells if whole is shells.mesh else wound(whole)[0]
+    return shells.twisted

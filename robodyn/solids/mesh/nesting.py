@@ -34,6 +34,8 @@ class Nesting:
 
     Attributes:
         shells: bodies wound outwards, cavities inwards.
+        uneven: whether faces of one shell were given more often than others, where there are cavities.
+        copies: (k,) how often each shell counts, cavities not more often than the bodies around.
         cuts: the cavities that are cut out of each body, by its shell, where cavities do not cross each other.
         inward: (k,) which are wound inwards.
         within: (k,) which bound nothing, as far as no two cross: they lie in a body and are wound as it is.
@@ -43,6 +45,8 @@ class Nesting:
     """
 
     shells: Shells
+    uneven: bool
+    copies: Numbers
     cuts: dict[int, list[int]]
     inward: Mask
     within: Mask
@@ -52,35 +56,48 @@ class Nesting:
     less: float
 
 
-def nested(shells: Shells, caps: int = 0, cavities: bool = False, name: str | None = None) -> Nesting:
+def nested(
+    shells: Shells, copies: Numbers | None = None, caps: int = 0, cavities: bool = False, name: str | None = None
+) -> Nesting:
     """Decide by winding numbers which closed shells are bodies and which cavities.
 
     A shell that lies in no body is one, and turned outwards if need be, with all that is in it. In a body, one wound
     against it takes one off the winding number, which is 1 there; where none is left is a cavity. One wound as the body
-    is adds one, and so bounds nothing: two bodies of which one lies in the other are as much as their union.
+    is adds one, and so bounds nothing: two bodies of which one lies in the other are as much as their union. A shell
+    counts as often as it was given: a body given as a solid and once more with a cavity is solid.
 
     A shell is in another if its box is, none of a few of its points is outside, but one is inside, and it has no volume
     outside. Open shells taken together count as one, wound outwards by its volume with caps, and around others by its
     winding number.
 
     Args:
+        copies: (m,) how often each of the first faces was given.
         caps: so many of the last faces are none of the surface; with them it is closed.
-        cavities: a shell in a body is a cavity, however it is wound.
+        cavities: a shell in a body is a cavity, however it is wound and however often it was given.
         name: of the mesh, for the error.
 
     Raises:
         MeshError: there are too many shells to be placed.
     """
+    often = np.ones(len(shells.label), np.int64)
+    if copies is not None:
+        often[: len(copies)] = copies
+    least, most = np.full(shells.count, often.max(initial=1)), np.ones(shells.count, np.int64)
+    np.minimum.at(least, shells.label, often)
+    np.maximum.at(most, shells.label, often)
     volumes, flat = _volumes(shells)
     closed = shells.closed & ~flat
     around, order = _containers(shells, volumes, closed, _open(shells, caps), name)
-    inside_out = bool(volumes[~shells.closed].sum() < 0 and not flat[~shells.closed].all())
+    patches = volumes[~shells.closed].sum()
+    inside_out = bool(patches < 0 and not flat[~shells.closed].all())
     ways = np.where(volumes < 0, -1, 1)
-    state, other = (_States(around, order, ways, -1 if inside_out else 1, each) for each in (cavities, True))
+    state, other = (_States(around, order, ways, least, -1 if inside_out else 1, each) for each in (cavities, True))
     wrong = np.where(shells.closed, state.turned, inside_out)
     return Nesting(
         shells=replace(shells, mesh=shells.mesh.turned(wrong[shells.label])),
+        copies=state.copies,
         cuts=state.cuts,
+        uneven=bool((least < most).any() and state.inward.any()),
         inward=state.inward,
         within=state.within,
         proper=closed & ~state.patched,
@@ -94,33 +111,41 @@ class _States:
     """What shells are, decided from the outermost ones inwards.
 
     Attributes:
-        cuts: see `Nesting`.
+        copies, cuts: see `Nesting`.
         turned, inward, within, patched: (k,) whether each has to be turned, is wound inwards then, bounds nothing, and
             lies in what open shells enclose.
     """
 
-    def __init__(self, around: list[list[int]], order: list[int], ways: Numbers, patches: int, cavities: bool) -> None:
+    def __init__(
+        self, around: list[list[int]], order: list[int], ways: Numbers, copies: Numbers, patches: int, cavities: bool
+    ) -> None:
         """
         Args:
             around: (k) shells around each, the smallest first, and `IN_PATCHES`. order: of closed shells, outer ones
                 first.
             ways: (k,) 1 for a positive volume, otherwise -1. patches: the same of open shells together.
+            copies: (k,) how often each was given.
             cavities: see `nested`.
         """
         self.turned, self.inward, self.within, self.patched = np.zeros((4, len(ways)), np.bool_)
         self.cuts: dict[int, list[int]] = {}
-        taken: set[tuple[int, int]] = set()
+        self.copies = np.ones_like(copies) if cavities else copies.copy()
+        taken: dict[tuple[int, int], int] = {}
         winding, sense = {IN_PATCHES: 1}, {IN_PATCHES: patches}
         for shell in order:
             before, way = sum(winding[outer] for outer in around[shell]), int(ways[shell])
             sense[shell] = sense[around[shell][0]] if before > 0 else way
             inward = before > 0 and (cavities or way != sense[shell])
-            winding[shell] = -1 if inward else 1
-            bodies = [each for each in around[shell] if inward and each >= 0 and not self.inward[each]]
-            body = next((each for each in bodies if not any((outer, each) in taken for outer in around[shell])), None)
-            if body is not None:
-                taken.add((shell, body))
-                self.cuts.setdefault(body, []).append(shell)
+            if inward:
+                self.copies[shell] = min(self.copies[shell], before)
+            often = int(self.copies[shell])
+            winding[shell] = -often if inward else often
+            for body in (each for each in around[shell] if inward and each >= 0 and not self.inward[each]):
+                room = int(self.copies[body]) - sum(taken.get((outer, body), 0) for outer in around[shell])
+                taken[shell, body] = min(often, room)
+                often -= taken[shell, body]
+                if taken[shell, body] == room > 0:
+                    self.cuts.setdefault(body, []).append(shell)
             self.patched[shell] = IN_PATCHES in around[shell]
             self.inward[shell] = inward
             self.within[shell] = before > 0 and before + winding[shell] > 0

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import product
 
 import numpy as np
 
 from robodyn.solids.mesh.indexed import Edges, Indexed, Mask, Numbers, components, distinct, numbered
 from robodyn.solids.mesh.inside import winding_numbers
 from robodyn.support.floats import Floats
+
+_MOST_COPIES = 32
 
 _MOST_ANGLES = 50_000_000
 """Solid angles of faces that are taken to tell whether walls lie in bodies; where it takes more, they stay."""
@@ -24,50 +27,54 @@ def without_degenerate(mesh: Indexed) -> Indexed:
     """
     a, b, c = mesh.faces.T
     mesh = mesh.keep((a != b) & (b != c) & (c != a))
-    return mesh.keep(~_superfluous(mesh.faces, collinear(mesh.corners)))
+    return mesh.keep(~_superfluous(mesh.faces, collinear(mesh.corners), alone=True))
 
 
-def without_duplicates(mesh: Indexed) -> Indexed:
-    """Return the mesh with one face of those between the same corners.
+def without_duplicates(mesh: Indexed) -> tuple[Indexed, Numbers]:
+    """Return the mesh with one face of those between the same corners, and (m,) for how many wound alike each stands.
 
     Faces wound alike stay where one of them alone would open the surface: two bodies that are flush. Faces wound both
-    ways are a wall between two bodies, or between a cavity and the insert that fills it, and go. But one of them stays
-    if it is part of a surface that would be open without it, or of one that is given from both sides and lies in no
-    other.
+    ways cancel: a wall between two bodies, or between a cavity and the insert that fills it. But one stays if it is
+    part of a surface that would be open without it, or if nothing else is near or around it: a surface that is given
+    from both sides.
     """
     which, even = _corner_sets(mesh.faces)
-    if which.max(initial=-1) + 1 == len(which):
-        return mesh
-    closed = not Edges.between(mesh.faces).balance.any()
-    rows = np.flatnonzero(~_superfluous(mesh.faces, _ranks(2 * which + even) > 0, closed))
-    which, even = which[rows], even[rows].astype(np.int64)
-    ways = np.bincount(2 * which + even, minlength=2 * len(mesh.faces)).reshape(-1, 2)
-    surplus = ways[which, even] - ways[which, 1 - even]
-    wall = surplus == 0
-    once = (_ranks(2 * which + even) < surplus) | (wall & (_ranks(which) == 0))
-    rows, wall = rows[once], wall[once]
-    stays = ~_superfluous(mesh.faces[rows], wall, closed)
-    lone = rows[stays & wall]
-    inside = _enclosed(mesh.keep(lone), mesh.keep(rows[~wall]))
-    kept = np.concatenate([rows[stays & ~wall], lone[~inside]])
-    return mesh.keep(np.sort(kept) if len(kept) else rows)
+    sets = int(which.max(initial=-1)) + 1
+    if sets == len(which):
+        return mesh, np.ones(sets, np.int64)
+    sided = 2 * which + even
+    copies = np.bincount(sided, minlength=2 * sets)
+    rows = np.flatnonzero(_few_copies(sided, copies))
+    rows = rows[~_superfluous(mesh.faces[rows], ~_first_of(sided[rows]), alone=True)]
+    if Edges.between(mesh.faces).balance.any():
+        copies[:] = 1
+    else:
+        copies //= np.maximum(np.bincount(sided[rows], minlength=2 * sets), 1)
+        rows = rows[_uncancelled(sided[rows], sets)]
+    both: Mask = np.logical_and(*(np.bincount(sided[rows], minlength=2 * sets).reshape(-1, 2).T > 0))[which]
+    surplus = (copies[1::2] - copies[::2])[which]
+    often = np.where(both, np.abs(surplus), copies[sided])
+    more = np.where(surplus[rows] == 0, _first_of(which[rows]), even[rows] == (surplus[rows] > 0))
+    rows = rows[~both[rows] | more]
+    rows = rows[~_superfluous(mesh.faces[rows], both[rows], alone=False)]
+    within = _enclosed(mesh.keep(rows), often[rows])
+    rows = rows[~_superfluous(mesh.faces[rows], within, alone=True)]
+    return mesh.keep(rows), np.maximum(often[rows], 1)
 
 
-def _enclosed(walls: Indexed, others: Indexed) -> Mask:
-    """(m,) which faces touch no others, but lie in what those enclose, told by one of each connected group."""
-    found: Mask = np.zeros(len(walls.faces), np.bool_)
-    if not len(walls.faces) or not len(others.faces):
+def _enclosed(mesh: Indexed, copies: Numbers) -> Mask:
+    """(m,) which of the faces that count for nothing lie in what all others enclose, told for each connected group."""
+    found: Mask = copies == 0
+    others = mesh.keep(np.repeat(np.arange(len(copies)), copies))
+    if found.any() and len(others.faces):
+        a, b, c = mesh.faces[found].T
+        group = components(len(mesh.vertices), np.concatenate([a, a]), np.concatenate([b, c]))[a]
+        _, first, of = np.unique(group, return_index=True, return_inverse=True)
+        if len(first) * len(others.faces) > _MOST_ANGLES:
+            return np.zeros_like(found)
+        found[found] = (np.abs(winding_numbers(mesh.corners[found][first].mean(axis=1), others)) > 0.5)[of]
         return found
-    a, b, c = walls.faces.T
-    group = components(len(walls.vertices), np.concatenate([a, a]), np.concatenate([b, c]))[a]
-    _, first, of = np.unique(group, return_index=True, return_inverse=True)
-    used = np.zeros(len(walls.vertices), np.bool_)
-    used[others.faces] = True
-    apart = np.flatnonzero(np.bincount(of, used[walls.faces].any(axis=1)) == 0)
-    if 0 < len(apart) * len(others.faces) <= _MOST_ANGLES:
-        winding = winding_numbers(walls.corners[first[apart]].mean(axis=1), others)
-        found = np.isin(of, apart[np.abs(winding) > 0.5])
-    return found
+    return np.zeros_like(found)
 
 
 def _corner_sets(faces: Numbers) -> tuple[Numbers, Mask]:
@@ -81,11 +88,38 @@ def _corner_sets(faces: Numbers) -> tuple[Numbers, Mask]:
     return which, np.less(second, third)
 
 
-def _ranks(names: Numbers) -> Numbers:
-    """(m,) how often a name was there before."""
+def _uncancelled(sided: Numbers, sets: int) -> Mask:
+    """(m,) which faces are left of those between the same corners when opposite ones cancel, but for the last two.
+
+    Args:
+        sided: (m,) twice the number of the set of corners, and one more where they go up; there are so many sets.
+    """
+    count = np.bincount(sided, minlength=2 * sets)
+    ways = count.reshape(-1, 2)
+    pairs = ways.min(axis=1) - (ways[:, 0] == ways[:, 1])
+    stays: Mask = _ranks(sided, count) >= pairs[sided // 2]
+    return stays
+
+
+def _few_copies(sided: Numbers, count: Numbers) -> Mask:
+    """(m,) some of faces wound alike that are given very often, an odd number of them if they are an odd number."""
+    most = np.where(count > _MOST_COPIES, _MOST_COPIES - (count - _MOST_COPIES) % 2, count)
+    few: Mask = _ranks(sided, count) < most[sided]
+    return few
+
+
+def _ranks(names: Numbers, count: Numbers) -> Numbers:
+    """(m,) how often a name was there before; count: of each name."""
     rank, order = np.empty_like(names), np.argsort(names, kind="stable")
-    rank[order] = np.arange(len(names)) - np.searchsorted(names[order], names[order])
+    rank[order] = np.arange(len(names)) - (np.cumsum(count) - count)[names[order]]
     return rank
+
+
+def _first_of(names: Numbers) -> Mask:
+    """(m,) whether a name was not there before."""
+    first: Mask = np.zeros(len(names), np.bool_)
+    first[distinct(names).first] = True
+    return first
 
 
 def collinear(corners: Floats) -> Mask:
@@ -106,13 +140,13 @@ def _collinear_exactly(triangle: Floats) -> bool:
     return all(e[i - 2] * f[i - 1] == e[i - 1] * f[i - 2] for i in range(3))
 
 
-def _superfluous(faces: Numbers, doubtful: Mask, directed: bool = False) -> Mask:
+def _superfluous(faces: Numbers, doubtful: Mask, alone: bool) -> Mask:
     """(m,) which of the doubtful faces leave no more edges with an odd number of faces if they go.
 
-    This is decided for each connected group of them; one that touches no other face stays if it is closed.
+    This is decided for each connected group of them.
 
     Args:
-        directed: it is by how much more often edges are passed one way than the other that counts.
+        alone: whether a group that touches no other face goes.
     """
     rows = np.flatnonzero(doubtful)
     if not rows.size:
@@ -122,20 +156,56 @@ def _superfluous(faces: Numbers, doubtful: Mask, directed: bool = False) -> Mask
     most = len(edges.count)
     nodes = np.repeat(np.arange(len(rows)), 3)
     group = components(len(rows) + most, nodes, len(rows) + own.ravel())[: len(rows)]
-    others = edges.count - np.bincount(own.ravel(), minlength=most)
-    open_now, open_then = edges.count % 2, others % 2
-    if directed:
-        lost = np.bincount(own.ravel(), edges.way[rows].ravel(), most).astype(np.int64)
-        open_now, open_then = np.abs(edges.balance), np.abs(edges.balance - lost)
+    within = np.bincount(own.ravel(), minlength=most)
+    others = edges.count - within
     touched, first = np.unique(own, return_index=True)
     of_edge = np.repeat(group, 3)[first]
     groups = int(group.max()) + 1
-    stays = np.bincount(of_edge, open_now[touched], groups)
-    goes = np.bincount(of_edge, open_then[touched], groups)
+    stays = np.bincount(of_edge, (within + others)[touched] % 2, groups)
+    goes = np.bincount(of_edge, others[touched] % 2, groups)
     near = np.bincount(of_edge, others[touched] > 0, groups)
     found = np.zeros_like(doubtful)
-    found[rows] = ((goes < stays) | ((goes == stays) & (near > 0)))[group]
+    found[rows] = ((goes <= stays) & (alone | (near > 0)))[group]
     return found
+
+
+_NEAR = 1e-6
+"""Distance of corners that rounding may have parted, over the size of the surface."""
+
+_CELL = 4.0
+"""Times this distance, the side of the cells in which near corners are sought."""
+
+
+def welded(mesh: Indexed, rim: Numbers) -> Indexed:
+    """The mesh with corners on its rims made one where rounding may have parted them, without faces that vanish then.
+
+    The same object where there are none. `rim`: (v,) these corners.
+
+    Corners within 1e-6 of the surface's size share a cell of at least one of eight lattices, shifted by half a cell.
+    """
+    used = np.zeros(len(mesh.vertices), np.bool_)
+    used[mesh.faces] = True
+    points = mesh.vertices[rim]
+    cell = _CELL * _NEAR * float(np.ptp(mesh.vertices[used], axis=0).max())
+    if not len(rim) or not cell > 0:
+        return mesh
+    links = [_neighbours(points / cell + shift) for shift in product((0.0, 0.5), repeat=3)]
+    label = components(len(rim), *np.concatenate(links, axis=1))
+    _, first = np.unique(label, return_index=True)
+    if len(first) == len(rim):
+        return mesh
+    name = np.arange(len(mesh.vertices))
+    name[rim] = rim[first[label]]
+    a, b, c = faces = name[mesh.faces].T
+    return replace(mesh, faces=faces.T[(a != b) & (b != c) & (c != a)])
+
+
+def _neighbours(points: Floats) -> np.ndarray[tuple[int, int], np.dtype[np.int64]]:
+    """(2, n) pairs of points that follow each other in the same unit cell."""
+    cells = np.floor(points)
+    order = np.lexsort(cells.T)
+    same = (np.diff(cells[order], axis=0) == 0).all(axis=1)
+    return np.stack([order[:-1][same], order[1:][same]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,6 +218,7 @@ class Shells:
         closed: (k,) whether the boundary of each shell vanishes.
         rim: (b, 3) the shell, the start and the end of each edge that is missing to close it, in this order of shells
             and of edges.
+        lone: (v,) vertices of edges with one face, when shells were wound.
         twisted: faces of patches that have one side only, like a Moebius strip, and so no winding.
     """
 
@@ -155,11 +226,22 @@ class Shells:
     label: Numbers
     closed: Mask
     rim: Numbers
+    lone: Numbers
     twisted: int = 0
+
+    @property
+    def tangled(self) -> bool:
+        """Whether there are some that have no boundary, but edges of so many faces that their sides cannot be told."""
+        return len(np.setdiff1d(np.flatnonzero(~self.closed), self.rim[:, 0])) > 0
 
     @property
     def count(self) -> int:
         return len(self.closed)
+
+    def faces(self, shell: int) -> Numbers:
+        """Return the faces (n, 3) of a shell."""
+        chosen: Numbers = self.mesh.faces[self.label == shell]
+        return chosen
 
 
 def wound(mesh: Indexed) -> tuple[Shells, int]:
@@ -172,9 +254,10 @@ def wound(mesh: Indexed) -> tuple[Shells, int]:
     label = np.full(len(mesh.faces), -1, np.int64)
     turned = np.zeros(len(mesh.faces), np.bool_)
     rows = np.arange(len(mesh.faces))
-    shells = 0
+    shells, lone = 0, np.zeros(0, np.int64)
     while rows.size:
         edges = Edges.between(mesh.faces[rows])
+        lone = lone if shells else np.unique(edges.ends[edges.count == 1])
         patch, turn, twisted = _patches(edges, len(rows))
         done = _closed(edges, patch, turn, twisted)
         turned[rows] = turn
@@ -192,7 +275,7 @@ def wound(mesh: Indexed) -> tuple[Shells, int]:
         closed = np.append(closed, np.zeros(count, np.bool_))
         rim = _rim(edges, turn, label[open_rows])
         one_sided = int(twisted[patch].sum())
-    return Shells(mesh.turned(turned), label, closed, rim, one_sided), int(turned.sum())
+    return Shells(mesh.turned(turned), label, closed, rim, lone, one_sided), int(turned.sum())
 
 
 def _patches(edges: Edges, faces: int) -> tuple[Numbers, Mask, Mask]:
@@ -242,26 +325,3 @@ def _over_edges(edges: Edges) -> tuple[int, Numbers]:
     faces, most = len(edges.of), len(edges.of) + len(edges.count)
     nodes = np.repeat(np.arange(faces), 3)
     return numbered(components(most, nodes, faces + edges.of.ravel())[:faces], most)
-
-
-_NEAR = 1e-6
-"""Distance of corners that rounding may have parted, over the size of the surface."""
-
-
-def one_sided(shells: Shells) -> int:
-    """Return how many faces are in surfaces that cannot be wound, whose inside and outside are not told apart.
-
-    Of open ones corners on the rims are made one where rounding may have parted them: caps on the rims of a Klein
-    bottle would give it two sides.
-    """
-    rim = np.unique(shells.rim[:, 1:])
-    if not rim.size:
-        return shells.twisted
-    points, faces = shells.mesh.vertices, shells.mesh.faces
-    places = np.rint(points[rim] / (_NEAR * np.ptp(points[faces], axis=(0, 1)).max()))
-    _, first, of = np.unique(places, axis=0, return_index=True, return_inverse=True)
-    name = np.arange(len(points))
-    name[rim] = rim[first[of.ravel()]]
-    a, b, c = name[faces].T
-    whole = Indexed(points, name[faces][(a != b) & (b != c) & (c != a)])
-    return wound(whole)[0].twisted if len(first) < len(rim) else shells.twisted

@@ -8,10 +8,9 @@ from helpers.mesh_samples import box, cylinder, flipped, moved, sheet, tetrahedr
 from helpers.repaired_meshes import R, repaired, taken
 
 from robodyn.solids.mesh.columns import by_winding_numbers
-from robodyn.solids.mesh.holes import _gaps
+from robodyn.solids.mesh.holes import boundary_loops, cap_of
 from robodyn.solids.mesh.indexed import merged
 from robodyn.solids.mesh.integrals import integrate
-from robodyn.solids.mesh.shells import wound
 from robodyn.solids.mesh.triangles import MemoryTriangles
 
 
@@ -21,9 +20,10 @@ def volume(triangles):
 
 def by_winding(triangles):
     """The region of an open surface, none of whose holes is filled."""
-    shells, _ = wound(merged(triangles))
-    caps = [cap for gap in _gaps(shells, shells.mesh.areas) for cap in gap.caps]
-    return by_winding_numbers(shells.mesh, np.concatenate(caps))
+    mesh = merged(triangles)
+    return by_winding_numbers(
+        mesh, np.concatenate([cap_of(mesh.vertices, loop) for loop in boundary_loops(mesh.faces)])
+    )
 
 
 def patches(body, gap, seed=0):

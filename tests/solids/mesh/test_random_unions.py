@@ -68,6 +68,7 @@ def test_inserts_in_inserts_and_two_in_one_cavity():
     left = volume(repaired(hole))
     assert volume(repaired(hollow, insert)) == pytest.approx(64 - left, rel=1e-12)
     assert volume(repaired(hollow, insert, hole)) == pytest.approx(64, rel=1e-12)
+    assert volume(repaired(hollow, insert, cavity)) == pytest.approx(64, rel=1e-12)
     assert volume(repaired(hollow, hollow, insert, insert)) == pytest.approx(64 - left, rel=1e-12)
 
 

@@ -265,6 +265,7 @@ _READERS: dict[str, Callable[[Source, BinaryIO], Asset]] = {
     "dae": _dae,
     "3mf": _3mf,
     "zae": _zae,
+    "3dxml": _zip,
     "glb": _glb,
     "gltf": _gltf,
 }

@@ -10,13 +10,13 @@ from numpy.typing import ArrayLike
 
 from robodyn.errors import MeshError
 from robodyn.solids.mesh.read.source import Source, open_source, scale_of
-from robodyn.solids.mesh.read.stl import is_complete, open_binary, read_stl_text
+from robodyn.solids.mesh.read.stl import OnProgress, is_complete, open_binary, read_stl_text
 from robodyn.solids.mesh.triangles import MemoryTriangles, Triangles, check_finite
 from robodyn.support.input_file import LFS_POINTER
 
 _HEAD = 4096
 _CONTROLS = bytes(set(range(32)) - set(b"\t\n\v\f\r"))
-SCENES = ("dae", "zae", "glb", "gltf", "3mf")
+SCENES = ("dae", "zae", "glb", "gltf", "3mf", "3dxml", "xaml")
 """Types that trimesh reads."""
 KINDS = ("stl", "obj", "ply", "off", *SCENES)
 """All types of meshes; also the suffixes of their names."""
@@ -29,6 +29,7 @@ def load_triangles(
     *,
     file_type: str | None = None,
     unit: str | None = None,
+    on_progress: OnProgress | None = None,
     typed: bool = False,
 ) -> Triangles:
     """Return the triangles of a mesh.
@@ -40,6 +41,7 @@ def load_triangles(
         source: name of a file; `-` is standard input; or the bytes themselves.
         file_type: one of KINDS; by the suffix, or by how the file begins, if None.
         unit: "m", "mm", "cm" or "in"; what the file says if None, metres if it says nothing.
+        on_progress: called with how many triangles of a binary STL have been read, whenever some have.
         typed: the user gave this very name, which may be that of a pipe then; see `open_input`.
 
     Raises:
@@ -55,7 +57,7 @@ def load_triangles(
         return read_scene(found, kind, unit)
     scale, note = scale_of(unit, None, found.name)
     if kind == "stl":
-        return _read_stl(found, scale, (note,))
+        return _read_stl(found, scale, (note,), on_progress)
     if kind == "ply":
         from robodyn.solids.mesh.read.ply import read_ply
 
@@ -89,11 +91,11 @@ def from_array(corners: ArrayLike, *, name: str = "<array>", unit: str = "m") ->
     return MemoryTriangles(name, values, significand=24 if values.dtype == np.float32 else 53, scale=scale)
 
 
-def _read_stl(source: Source, scale: float, notes: tuple[str, ...]) -> Triangles:
+def _read_stl(source: Source, scale: float, notes: tuple[str, ...], on_progress: OnProgress | None) -> Triangles:
     """Binary if the size says so, even where the header begins with `solid`, or if there are bytes that no text has."""
     head = source.data(_HEAD)
     if is_complete(head, source.size) or head.translate(None, _CONTROLS) != head:
-        return open_binary(source, head, scale, notes)
+        return open_binary(source, head, scale, notes, on_progress)
     if b"solid" not in head.lower() and b"facet" not in head.lower():
         raise source.error("is text without 'solid' or 'facet', no STL", remedy="is its type another?")
     return read_stl_text(source, scale, notes)
@@ -117,7 +119,7 @@ def kind_of(source: Source, file_type: str | None) -> str:
     suffix = os.path.splitext(source.path or "")[1].lower().removeprefix(".")
     found = _begins_as(head, source.size)
     if suffix in KINDS:
-        if found and found != suffix:
+        if found and found != suffix and {found, suffix} != {"dae", "xaml"}:
             raise source.error(
                 f"is named .{suffix} but begins as {found.upper()} does", remedy=f"rename it to .{found}"
             )

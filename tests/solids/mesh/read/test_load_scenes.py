@@ -172,6 +172,7 @@ BAD = [
     (three_mf(BALL, unit='unit="furlong"'), "3mf", "unknown unit 'furlong'"),
     (three_mf(BALL)[:-30], "3mf", "cannot be read as 3MF"),
     (b"PK\x03\x04", "3mf", "cannot be read as 3MF"),
+    (b"<xml/>", "xaml", "cannot be read as XAML"),
 ]
 
 
