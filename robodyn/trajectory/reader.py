@@ -121,7 +121,7 @@ class TrajectoryReader:
         Raises:
             TrajectoryError: a cell, a row or the time is wrong, or there are too few rows to differentiate.
 
-        Accuracy: the limits of blocks change a derivative by at most 1e-11 of the largest.
+        Accuracy: the limits of blocks change a derivative by at most 3e-11 of the largest.
         """
         try:
             yield from self._blocks()
