@@ -71,7 +71,7 @@ def test_many_processes_at_once(tmp_path):
     ends = [(*child.communicate(), child.returncode) for child in children]
     assert set(ends) == {(ends[0][0], "", 0)}
     assert len(ends[0][0]) == 65
-    assert len(files(tmp_path)) == 3, "the program, what drives it, and what threads do"
+    assert len(files(tmp_path)) == 2, "the program, and what drives it"
 
 
 def test_nothing_is_lost_or_said_where_nothing_can_be_kept(tmp_path):

@@ -33,9 +33,9 @@ def tables(monkeypatch):
         return 0
 
     class Job(compiled_blocks.Job):
-        def __init__(self, functions, *arguments):
+        def __init__(self, share, _, *arguments):
             kept.append(kernel)
-            super().__init__((functions[0], c_int64.from_buffer(kernel).value), *arguments)
+            super().__init__(share, c_int64.from_buffer(kernel).value, *arguments)
 
     monkeypatch.setattr(compiled_blocks, "Job", Job)
     return told
