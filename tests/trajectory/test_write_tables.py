@@ -144,7 +144,7 @@ except InputError as error:
 def test_a_file_that_may_not_grow(tmp_path: Path, suffix: str) -> None:
     path = tmp_path / f"t.{suffix}"
     path.write_bytes(b"old")
-    done = subprocess.run([sys.executable, "-c", PROGRAM, str(path)], capture_output=True, text=True, check=True)
+    done = subprocess.run([sys.executable, "-B", "-c", PROGRAM, str(path)], capture_output=True, text=True, check=True)
     assert done.stdout.startswith(f"{path}: cannot be written: ")
     assert "file too large" in done.stdout
     assert done.stdout.count("\n") == 1
