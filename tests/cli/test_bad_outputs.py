@@ -18,7 +18,7 @@ SMALL_DISK = 20_000
 """Bytes: less than the table of `ROWS` rows takes in every format."""
 LIMITED = (
     "import os, resource as r, sys; n = int(sys.argv[1]); r.setrlimit(r.RLIMIT_FSIZE, (n, n)); "
-    "os.execvp(sys.argv[2], sys.argv[2:])"
+    "os.environ['PYTHONDONTWRITEBYTECODE'] = '1'; os.execvp(sys.argv[2], sys.argv[2:])"
 )
 """Runs a command whose files may have so many bytes."""
 OLD = {"csv": b"time,older\n", "parquet": b"PAR1 older", "npz": b"PK older"}

@@ -60,7 +60,10 @@ x = np.linspace(-3.0, 3.0, 1000)[:, None]
 run = CompiledBlocks(trace(lambda tape: [tape.input("x", 0).sin() * 0.3 + 1.7]), {"x": 1})
 print(hashlib.sha256(run({"x": x}, len(x)).tobytes()).hexdigest())
 """
-SMALL_FILES = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (100, resource.RLIM_INFINITY))"
+SMALL_FILES = (
+    "import resource, sys; sys.dont_write_bytecode = True; "
+    "resource.setrlimit(resource.RLIMIT_FSIZE, (100, resource.RLIM_INFINITY))"
+)
 """As on a disk that fills up: no file grows beyond 100 bytes."""
 
 
