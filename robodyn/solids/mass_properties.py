@@ -31,7 +31,6 @@ from robodyn.solids.inertia.validity import Box, around, counted_twice
 from robodyn.solids.mesh.integrals import Integrals
 from robodyn.solids.mesh.measured import Measured, Shape, measured, shape, sheet, solid
 from robodyn.solids.mesh.read.load import from_array, load_triangles
-from robodyn.solids.mesh.read.stl import OnProgress
 from robodyn.solids.mesh.triangles import Triangles, scaled
 from robodyn.support.floats import Floats
 
@@ -102,7 +101,6 @@ def mass_properties(
     symmetry: bool | None = False,
     symmetrize: bool = False,
     tessellation: bool | None = False,
-    on_progress: OnProgress | None = None,
 ) -> Part:
     """Mass, centre of mass and inertia of what a mesh encloses, as a body of uniform density.
 
@@ -126,8 +124,6 @@ def mass_properties(
         symmetry, tessellation: whether to seek symmetry, and to ask what facets leave out; None, as the command has it:
             where triangles are few.
         symmetrize: average the body over the planes and axes of symmetry that hold (see `symmetrized`).
-        on_progress: called with how many triangles of a binary STL have been read, whenever some have; it is read
-            several times.
 
     Raises:
         InputError: density, mass or thickness is not positive, or both of the first two are given.
@@ -139,7 +135,7 @@ def mass_properties(
     _check(density, mass, shell)
     if cavities and not repair:
         raise InputError("cavities are told from bodies by repair", remedy="leave out --cavities or --no-repair")
-    triangles = scaled(_triangles(source, unit, file_type, on_progress), scale)
+    triangles = scaled(_triangles(source, unit, file_type), scale)
     found = measured(triangles, exact=exact, repair=repair and shell is None, strict=strict, cavities=cavities)
     triangles, integrals = found.triangles, found.integrals
     weight = WATER if density is None else density
@@ -181,12 +177,11 @@ def _triangles(
     source: str | os.PathLike[str] | bytes | ArrayLike | Triangles,
     unit: str | None,
     file_type: str | None,
-    on_progress: OnProgress | None,
 ) -> Triangles:
     if isinstance(source, Triangles):
         return source
     if isinstance(source, (str, os.PathLike, bytes)):
-        return load_triangles(source, file_type=file_type, unit=unit, on_progress=on_progress, typed=True)
+        return load_triangles(source, file_type=file_type, unit=unit, typed=True)
     return from_array(source, unit=unit or "m")
 
 

@@ -139,7 +139,7 @@ _PIECE = 1 << 18
 _SPARE = 1 << 12
 
 
-def readings(count: int) -> int:
+def _readings(count: int) -> int:
     """Return how often `is_one_shell` reads a mesh of so many triangles, if all goes well."""
     return 1 << (3 * count // HELD).bit_length()
 
@@ -168,7 +168,7 @@ def _is_linked(triangles: Triangles, bits: int) -> bool | None:
     """`is_one_shell` where numbers of strips have so many bits; None if they have more."""
     low, mask = np.uint64(bits), np.uint64((1 << bits) - 1)
     shells, ambiguous = np.zeros(0, np.int64), False
-    for part in range(readings(triangles.count)):
+    for part in range(_readings(triangles.count)):
         found = _sides(triangles, bits, part)
         if found is None:
             return None
@@ -192,7 +192,7 @@ def _is_linked(triangles: Triangles, bits: int) -> bool | None:
 
 def _two_on_each(triangles: Triangles) -> bool:
     """Return whether every edge has two sides, by all bits of its hash."""
-    for part in range(readings(triangles.count)):
+    for part in range(_readings(triangles.count)):
         found = _sides(triangles, 0, part)
         if found is None:
             return False
@@ -208,7 +208,7 @@ def _sides(triangles: Triangles, bits: int, part: int) -> tuple[Words, int] | No
     The hash is without the bits that name the part, and without those that strips take. None if strips have more bits,
     or sides take more room than chance would have them take.
     """
-    split = readings(triangles.count).bit_length() - 1
+    split = _readings(triangles.count).bit_length() - 1
     drop, high = np.uint64(_HASH - split), np.uint64((1 << 64) - (1 << bits))
     room, filled, strips = np.empty((3 * triangles.count >> split) + split * _SPARE, np.uint64), 0, 0
     for sides, strip in _sided(triangles):

@@ -298,7 +298,7 @@ def _beyond_caps(closed: Floats, caps: Indexed, direction: Floats) -> list[Float
     """
     count = _MOST
     while True:
-        lattice = Lattice.over(closed, direction, count=count)
+        lattice = _lattice(closed, direction, count)
         cells = _cut(pieces(_with_margins(lattice.hits(closed))), lattice.step)
         cost = len(cells.start) * len(caps.faces) / _ANGLES
         if cost <= 1 or (count == _FEWEST and cost <= _TOO_MANY):
@@ -373,20 +373,20 @@ def _excess(corners: Floats) -> Floats:
     """(3, 4, 4) in each direction, the moments of what a closed surface counts too often."""
     found = []
     for direction in directions():
-        lattice = _lattice(corners, direction)
+        lattice = _lattice(corners, direction, _UNION_COLUMNS)
         every = pieces(lattice.hits(corners))
         wrong = every.of((every.weight != 0) & (every.weight != 1))
         found.append(wrong._replace(weight=wrong.weight - (wrong.weight > 0)).moments(lattice))
     return np.array(found)
 
 
-def _lattice(corners: Floats, direction: Floats) -> Lattice:
-    """Return _UNION_COLUMNS columns, or as many as meet the triangles (m, 3, 3) not too often."""
+def _lattice(corners: Floats, direction: Floats, count: int) -> Lattice:
+    """Return about so many columns, or as many as meet the triangles (m, 3, 3) not too often."""
     a, b, c = corners.transpose(1, 0, 2)
     shadows = float(np.abs(product(np.cross(b - a, c - a), direction)).sum()) / 2
-    lattice = Lattice.over(corners, direction, count=_UNION_COLUMNS)
-    most = int(_UNION_COLUMNS * lattice.cell * _HITS / shadows) if shadows else _UNION_COLUMNS
-    return lattice if most >= _UNION_COLUMNS else Lattice.over(corners, direction, count=max(most, 1))
+    lattice = Lattice.over(corners, direction, count=count)
+    most = int(count * lattice.cell * _HITS / shadows) if shadows else count
+    return lattice if most >= count else Lattice.over(corners, direction, count=max(most, 1))
 
 
 def _moments(signed: Integrals) -> Floats:

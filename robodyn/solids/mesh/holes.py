@@ -72,7 +72,7 @@ def filled(shells: Shells) -> Filling:
     loose = [gap for gap in gaps if gap.share > LARGEST_OF_SHELL]
     if sum(gap.area for gap in loose) <= LARGEST_OF_ALL * float(face_areas.sum()):
         loose = []
-    fill = [gap for gap in gaps if gap not in loose]
+    fill = [gap for gap in gaps if not loose or gap.share <= LARGEST_OF_SHELL]
     caps = [cap for gap in fill for cap in gap.caps]
     sizes = [size for gap in fill for size in gap.sizes]
     around = perimeters(mesh.vertices, [loop for gap in fill for loop in gap.loops])
@@ -111,7 +111,7 @@ class _Gap:
 
     @property
     def share(self) -> float:
-        return self.area / (self.area + self.own)
+        return self.area / ((self.area + self.own) or 1.0)
 
     @property
     def patch(self) -> bool:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from robodyn.errors import MeshError
 from robodyn.solids.mesh.read.source import Source, open_source, scale_of
-from robodyn.solids.mesh.read.stl import OnProgress, is_complete, open_binary, read_stl_text
+from robodyn.solids.mesh.read.stl import is_complete, open_binary, read_stl_text
 from robodyn.solids.mesh.triangles import MemoryTriangles, Triangles, check_finite
 from robodyn.support.input_file import LFS_POINTER
 
@@ -29,7 +29,6 @@ def load_triangles(
     *,
     file_type: str | None = None,
     unit: str | None = None,
-    on_progress: OnProgress | None = None,
     typed: bool = False,
 ) -> Triangles:
     """Return the triangles of a mesh.
@@ -41,7 +40,6 @@ def load_triangles(
         source: name of a file; `-` is standard input; or the bytes themselves.
         file_type: one of KINDS; by the suffix, or by how the file begins, if None.
         unit: "m", "mm", "cm" or "in"; what the file says if None, metres if it says nothing.
-        on_progress: called with how many triangles of a binary STL have been read, whenever some have.
         typed: the user gave this very name, which may be that of a pipe then; see `open_input`.
 
     Raises:
@@ -57,7 +55,7 @@ def load_triangles(
         return read_scene(found, kind, unit)
     scale, note = scale_of(unit, None, found.name)
     if kind == "stl":
-        return _read_stl(found, scale, (note,), on_progress)
+        return _read_stl(found, scale, (note,))
     if kind == "ply":
         from robodyn.solids.mesh.read.ply import read_ply
 
@@ -91,11 +89,11 @@ def from_array(corners: ArrayLike, *, name: str = "<array>", unit: str = "m") ->
     return MemoryTriangles(name, values, significand=24 if values.dtype == np.float32 else 53, scale=scale)
 
 
-def _read_stl(source: Source, scale: float, notes: tuple[str, ...], on_progress: OnProgress | None) -> Triangles:
+def _read_stl(source: Source, scale: float, notes: tuple[str, ...]) -> Triangles:
     """Binary if the size says so, even where the header begins with `solid`, or if there are bytes that no text has."""
     head = source.data(_HEAD)
     if is_complete(head, source.size) or head.translate(None, _CONTROLS) != head:
-        return open_binary(source, head, scale, notes, on_progress)
+        return open_binary(source, head, scale, notes)
     if b"solid" not in head.lower() and b"facet" not in head.lower():
         raise source.error("is text without 'solid' or 'facet', no STL", remedy="is its type another?")
     return read_stl_text(source, scale, notes)

@@ -248,36 +248,45 @@ def _read_binary(source: Source, header: Header, wanted: Mapping[str, Sequence[s
     Raises:
         MeshError: fewer bytes follow than the header promises.
     """
-    data = source.data()
+    data, at, missing = source.data(), header.size, set(wanted)
     found: Columns = {}
-    at, missing = header.size, set(wanted)
     for element in header.elements:
-        if not missing:
-            break
-        names = wanted.get(element.name, ())
-        at, columns = _element(source, data, at, element, header.encoding, names)
-        found.update({(element.name, name): column for name, column in columns.items()})
+        if missing and element.properties and element.count:
+            at, columns = _element(source, data, at, element, header.encoding)
+            found.update({(element.name, name): columns[name] for name in wanted.get(element.name, ())})
+        elif element.name in missing:
+            found.update({(element.name, name): (np.empty(0, np.int64),) * 2 for name in wanted[element.name]})
         missing -= {element.name}
     return found
 
 
 def _element(
-    source: Source, data: bytes, at: int, element: Element, order: str, wanted: Sequence[str]
+    source: Source, data: bytes, at: int, element: Element, order: str
 ) -> tuple[int, dict[str, tuple[Indices, NDArray[Any]]]]:
-    """Return where the next element begins, and the wanted properties."""
-    if not element.properties:
-        return at, {}
+    """Return where the next element begins, and the properties: rows of one length at once, others one by one."""
     least = sum(np.dtype(known.length or known.type).itemsize for known in element.properties)
     if element.count * least > len(data) - at:
         raise _too_short(source, element, (len(data) - at) // least)
-    lengths = _first_lengths(data, at, element, order) if element.count else None
-    if lengths is not None:
-        row = _row(element, order, lengths)
-        if element.count * row.itemsize <= len(data) - at:
-            rows = np.frombuffer(data, row, element.count, at)
-            if all((rows[f"length {i}"] == length).all() for i, length in enumerate(lengths) if length is not None):
-                return at + element.count * row.itemsize, _uniform(element, rows, lengths, wanted)
-    return _walked(source, data, at, element, order, wanted)
+    _, places = _walked(source, data, at, element, order, 1)
+    fields: list[tuple[str, str, tuple[int]]] = []
+    for i, (known, (_, lengths)) in enumerate(zip(element.properties, places, strict=True)):
+        if known.length:
+            fields.append((f"length {i}", order + known.length, (1,)))
+        fields.append((f"value {i}", order + known.type, (lengths[0],)))
+    row = np.dtype(fields)
+    if element.count * row.itemsize <= len(data) - at:
+        rows = np.frombuffer(data, row, element.count, at)
+        lists = [f"length {i}" for i, known in enumerate(element.properties) if known.length]
+        if all((rows[name] == rows[name][0]).all() for name in lists):
+            return at + element.count * row.itemsize, {
+                known.name: (np.full(len(rows), lengths[0]), _native(rows[f"value {i}"].reshape(-1)))
+                for i, (known, (_, lengths)) in enumerate(zip(element.properties, places, strict=True))
+            }
+    end, places = _walked(source, data, at, element, order, element.count)
+    return end, {
+        known.name: _gathered(data, starts, lengths, order + known.type)
+        for known, (starts, lengths) in zip(element.properties, places, strict=True)
+    }
 
 
 def _too_short(source: Source, element: Element, there: int) -> MeshError:
@@ -285,74 +294,27 @@ def _too_short(source: Source, element: Element, there: int) -> MeshError:
     return source.error(what, remedy=TRUNCATED)
 
 
-def _first_lengths(data: bytes, at: int, element: Element, order: str) -> list[int | None] | None:
-    """Return the lengths of the lists in the first row, None for numbers; None altogether if the row does not fit."""
-    lengths: list[int | None] = []
-    for known in element.properties:
-        length = None
-        if known.length:
-            length = _integer(data, at, known.length, order)
-            at += np.dtype(known.length).itemsize
-            if length < 0:
-                return None
-        lengths.append(length)
-        at += (1 if length is None else length) * np.dtype(known.type).itemsize
-        if at > len(data):
-            return None
-    return lengths
-
-
-def _integer(data: bytes, at: int, kind: str, order: str) -> int:
-    size = np.dtype(kind).itemsize
-    return int.from_bytes(data[at : at + size], "big" if order == ">" else "little", signed=kind.startswith("i"))
-
-
-def _row(element: Element, order: str, lengths: list[int | None]) -> np.dtype[np.void]:
-    fields: list[tuple[str, str, int]] = []
-    for i, (known, length) in enumerate(zip(element.properties, lengths, strict=True)):
-        if known.length:
-            fields.append((f"length {i}", order + known.length, 1))
-        fields.append((f"value {i}", order + known.type, 1 if length is None else length))
-    return np.dtype([(name, kind, (count,)) for name, kind, count in fields])
-
-
-def _uniform(
-    element: Element, rows: NDArray[np.void], lengths: list[int | None], wanted: Sequence[str]
-) -> dict[str, tuple[Indices, NDArray[Any]]]:
-    found = {}
-    for i, (known, length) in enumerate(zip(element.properties, lengths, strict=True)):
-        if known.name in wanted:
-            sizes = np.full(len(rows), 1 if length is None else length)
-            found[known.name] = sizes, _native(rows[f"value {i}"].reshape(-1))
-    return found
-
-
 def _walked(
-    source: Source, data: bytes, at: int, element: Element, order: str, wanted: Sequence[str]
-) -> tuple[int, dict[str, tuple[Indices, NDArray[Any]]]]:
-    """Row by row, because a row says by its lists where the next one begins."""
-    places = {name: (array("q"), array("q")) for name in wanted}
+    source: Source, data: bytes, at: int, element: Element, order: str, rows: int
+) -> tuple[int, list[tuple[array[int], array[int]]]]:
+    """Return where some rows end, and where the values of each property stand in them, and how many they are."""
+    endian: Literal["big", "little"] = "big" if order == ">" else "little"
     steps = [
-        (places.get(known.name), known.length, np.dtype(known.length or "u1").itemsize, np.dtype(known.type).itemsize)
+        (array("q"), array("q"), known.length, np.dtype(known.length or "u1").itemsize, np.dtype(known.type).itemsize)
         for known in element.properties
     ]
-    for row in range(element.count):
-        for place, kind, width, item in steps:
+    for row in range(rows):
+        for starts, lengths, kind, width, item in steps:
             length = 1
             if kind:
-                length = data[at] if kind == "u1" and at < len(data) else _integer(data, at, kind, order)
+                length = int.from_bytes(data[at : at + width], endian, signed=kind.startswith("i"))
                 at += width
-            if place:
-                place[0].append(at)
-                place[1].append(length)
+            starts.append(at)
+            lengths.append(length)
             at += length * item
             if at > len(data) or length < 0:
                 raise _too_short(source, element, row)
-    found = {}
-    for known in element.properties:
-        if known.name in wanted:
-            found[known.name] = _gathered(data, *places[known.name], order + known.type)
-    return at, found
+    return at, [(starts, lengths) for starts, lengths, *_ in steps]
 
 
 def _gathered(data: bytes, starts: array[int], lengths: array[int], kind: str) -> tuple[Indices, NDArray[Any]]:

@@ -7,7 +7,7 @@ Binary: 80 bytes of header, the number of triangles, then 50 bytes for each of t
 from __future__ import annotations
 
 from array import array
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,8 +17,6 @@ from robodyn.solids.mesh.read.source import Source
 from robodyn.solids.mesh.triangles import BLOCK, Corners, MemoryTriangles, Triangles, checked
 
 START, RECORD = 84, 50
-OnProgress = Callable[[int], object]
-"""Called with how many triangles have been read, after each block of them."""
 
 _TYPE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
@@ -42,7 +40,6 @@ class StlTriangles(Triangles):
 
     source: Source
     promised: int
-    on_progress: OnProgress | None = None
 
     @property
     def count(self) -> int:
@@ -52,12 +49,6 @@ class StlTriangles(Triangles):
         return checked(map(_columns, self.records(rows)), self.name)
 
     def records(self, rows: int = BLOCK) -> Iterator[Corners]:
-        for block in self._records(rows):
-            yield block
-            if self.on_progress is not None:
-                self.on_progress(len(block))
-
-    def _records(self, rows: int) -> Iterator[Corners]:
         held = self.source.memory()
         if held is not None:
             corners = np.frombuffer(held, _TYPE, self.count, START)["corners"]
@@ -80,9 +71,7 @@ def _columns(corners: Corners) -> Corners:
     return found.transpose(2, 0, 1)
 
 
-def open_binary(
-    source: Source, head: bytes, scale: float, notes: tuple[str, ...], on_progress: OnProgress | None = None
-) -> StlTriangles:
+def open_binary(source: Source, head: bytes, scale: float, notes: tuple[str, ...]) -> StlTriangles:
     """Return the triangles of a file that begins with `head`.
 
     Raises:
@@ -109,7 +98,7 @@ def open_binary(
     elif extra:
         notes = (*notes, f"{extra} bytes after the last triangle are left out")
     labels: dict[str, Any] = {"significand": 24, "scale": scale, "notes": notes, "warnings": warnings}
-    return StlTriangles(source.name, source, count, on_progress, **labels)
+    return StlTriangles(source.name, source, count, **labels)
 
 
 _FACET = (b"facet", b"outer", b"vertex", b"vertex", b"vertex", b"endloop", b"endfacet")

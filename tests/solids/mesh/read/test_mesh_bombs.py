@@ -1,6 +1,6 @@
 """Small files that ask for much: refused within a table of limits, or read without it.
 
-Nothing here is timed; an alarm after a minute stands for what would never end.
+Hardly anything here is timed; an alarm after a minute stands for what would never end.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ import io
 import json
 import os
 import signal
+import time
 import zipfile
 
 import numpy as np
@@ -226,6 +227,25 @@ def test_lines_that_are_continued_without_end():
 def test_a_polygon_that_names_few_corners_often(corners):
     text = f"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf {corners * 2000}\n"
     with pytest.raises(MeshError, match=r"no volume|no triangle with an area|not closed"):
+        mass_properties(text.encode(), file_type="obj")
+
+
+@pytest.mark.parametrize("count", [30, 3000])
+def test_a_polygon_that_crosses_itself(count):
+    """A star whose fan and caps fold over each other as often as it has corners: few winding numbers are taken."""
+    turn = 6.28 * 0.49 * np.arange(count)
+    places = np.stack([np.cos(turn) * (1 + np.arange(count) % 2), np.sin(turn), np.arange(count) % 5], axis=1)
+    text = "".join(f"v {x} {y} {z}\n" for x, y, z in places) + f"f {' '.join(map(str, range(1, count + 1)))}\n"
+    before = time.process_time()
+    with pytest.raises(MeshError, match="not closed"):
+        mass_properties(text.encode(), file_type="obj")
+    assert time.process_time() - before < 5
+
+
+def test_a_polygon_along_a_line_back_and_forth():
+    text = "".join(f"v {k % 7} {k % 3} 0\n" for k in range(1500))
+    text += f"f {' '.join(str(1 + k % 3) for k in range(1500))}\n"
+    with pytest.raises(MeshError, match=r"no volume|no triangle with an area"):
         mass_properties(text.encode(), file_type="obj")
 
 
