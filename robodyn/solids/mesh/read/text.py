@@ -23,7 +23,33 @@ _MARK = b"\xef\xbb\xbf"
 _OFF = re.compile(rb"\s*(?:ST)?C?N?OFF\s+(\d{1,18})[ \t]+(\d{1,18})([ \t]+\d{1,18})?[ \t]*(?=[\r\n])")
 _COMMENT = re.compile(rb"#[^\r\n]*")
 _HEAD = 1 << 16
+_REST = re.compile(rb"/[^ \t\n]*")
+"""Indices of texture coordinates and normals, behind that of a vertex."""
 TRUNCATED = "the file is cut short: get it again"
+
+
+def _parts(source: Source, start: int = 0) -> Iterator[tuple[int, bytes]]:
+    """Whole lines of a file from a byte on, some hundred kB at a time, with the number of the first.
+
+    Raises:
+        MeshError: a line is longer than 16 MB.
+    """
+    with source.opened() as stream:
+        before = stream.read(start)
+        number = len(before.splitlines()) + (before[-1:] in (b"", b"\n", b"\r"))
+        rest = b""
+        while data := stream.read(_PART):
+            text = rest + data
+            if number == 1 and text.startswith(_MARK):
+                text = text[len(_MARK) :]
+            end = text.rfind(b"\n") + 1 or text.rfind(b"\r", 0, -1) + 1
+            rest = text[end:]
+            if end:
+                yield number, text[:end]
+                number += len(text[:end].splitlines())
+            if len(rest) > _LONGEST_LINE:
+                raise _too_long(source, number)
+        yield number, rest
 
 
 def lines(source: Source, start: int = 0) -> Iterator[tuple[int, bytes]]:
@@ -32,24 +58,8 @@ def lines(source: Source, start: int = 0) -> Iterator[tuple[int, bytes]]:
     Raises:
         MeshError: one is longer than 16 MB.
     """
-    with source.opened() as stream:
-        before = stream.read(start)
-        number = len(before.splitlines()) - (before[-1:] not in (b"", b"\n", b"\r"))
-        rest = b""
-        while data := stream.read(_PART):
-            text = rest + data
-            if not number and text.startswith(_MARK):
-                text = text[len(_MARK) :]
-            end = text.rfind(b"\n") + 1 or text.rfind(b"\r", 0, -1) + 1
-            for line in text[:end].splitlines():
-                number += 1
-                yield number, line
-            rest = text[end:]
-            if len(rest) > _LONGEST_LINE:
-                raise _too_long(source, number + 1)
-        for line in rest.splitlines():
-            number += 1
-            yield number, line
+    for first, text in _parts(source, start):
+        yield from enumerate(text.splitlines(), first)
 
 
 def _too_long(source: Source, line: int) -> MeshError:
@@ -120,6 +130,11 @@ class Digits:
         self._lines += 1
 
     @property
+    def enough(self) -> bool:
+        """Whether no more words are looked at."""
+        return self._words >= self._MOST
+
+    @property
     def significand(self) -> int:
         """Bits of the numbers.
 
@@ -152,6 +167,27 @@ class _Polygons:
         self._coordinates.extend(point(self._source, line, words))
         self._digits.see(words[:3])
 
+    def add_vertices(self, text: bytes) -> bool:
+        """Take lines of `v x y z`; return whether all are numbers, and take nothing if they are not."""
+        try:
+            coordinates = array("d", map(float, text.replace(b"v", b" ").split()))
+        except ValueError:
+            return False
+        self._coordinates.extend(coordinates)
+        if not self._digits.enough:
+            for line in text.splitlines():
+                self._digits.see(line.split()[1:])
+        return True
+
+    def add_triangles(self, text: bytes) -> bool:
+        """Take lines of `f i/t/n j/t/n k/t/n`; return whether no index is 0, and take nothing if one is."""
+        corners = np.array([*map(int, _REST.sub(b"", text).replace(b"f", b" ").split())], dtype=np.int64)
+        if not corners.all():
+            return False
+        self._corners.frombytes((corners - 1).tobytes())
+        self._sizes.extend([3] * (len(corners) // 3))
+        return True
+
     def add_face(self, corners: list[int]) -> None:
         """Take the numbers of its vertices, from 0 on."""
         self._corners.extend(corners)
@@ -179,41 +215,63 @@ def read_obj(source: Source, scale: float, notes: tuple[str, ...]) -> IndexedTri
         MeshError: a line of a vertex or a face is malformed, a face names a vertex that does not exist, there are none.
     """
     found = _Polygons(source)
-    for line, words in _obj_words(source):
-        if words[0] == b"v":
-            found.add_vertex(line, words[1:])
-        elif words[0] == b"f":
-            if len(words) < 4:
-                what = f"a face with {len(words) - 1} corners"
-                raise source.error(what, "a face needs three; leave it out", line)
-            found.add_face(_obj_corners(source, line, words[1:], found.points))
+    begun, parts, size = 0, list[bytes](), 0
+    for first, text, kind in _obj_runs(source):
+        if kind == _OTHERS or (kind == _VERTICES and found.add_vertices(text)):
+            continue
+        if kind == _TRIANGLES and found.add_triangles(text):
+            continue
+        for line, said in enumerate(text.splitlines(), first):
+            begun = begun or line
+            words = said.partition(b"#")[0].split()
+            if said[-1:] == b"\\" and b"#" not in said:  # the next line goes on with this one
+                size += len(said) + 1
+                if size > _LONGEST_LINE:
+                    raise _too_long(source, begun)
+                parts += said[:-1].split()
+                continue
+            _take_obj_line(found, source, begun, parts + words)
+            begun, parts, size = 0, [], 0
+    _take_obj_line(found, source, begun, parts)
     if not found.points and not found.faces:
         raise source.error("no line begins with 'v' or 'f'", remedy="this is no OBJ; is its type another?")
     return found.triangles(scale, notes)
 
 
-def _obj_words(source: Source) -> Iterator[tuple[int, list[bytes]]]:
-    """The words of lines without comments; of lines that a backslash joins together, under the number of the first."""
-    begun, parts, size = 0, list[bytes](), 0
-    for line, text in lines(source):
-        if not begun and text.startswith((b"vn", b"vt")) and not text.endswith(b"\\"):
-            continue
-        begun = begun or line
-        said = text.partition(b"#")[0] if b"#" in text else text
-        if text[-1:] == b"\\" == said[-1:]:
-            size += len(said) + 1
-            if size > _LONGEST_LINE:
-                raise _too_long(source, begun)
-            parts += said[:-1].split()
-            continue
-        words = said.split()
-        if parts:
-            words = parts + words
-        if words:
-            yield begun, words
-        begun, parts, size = 0, [], 0
-    if parts:
-        yield begun, parts
+_VERTICES, _TRIANGLES, _OTHERS = 1, 2, 3
+_RUN = re.compile(
+    rb"((?:v(?:[ \t]+[-+.\deE]+){3}[ \t]*\n)+)"
+    rb"|((?:f(?:[ \t]+\d{1,18}(?:/\d*){0,2}){3}[ \t]*\n)+)"
+    rb"|((?:v[nt][^\n\\]*\n)+)"
+)
+"""Lines of plain vertices, of triangles whose indices count from 1, and of normals and texture coordinates."""
+
+
+def _obj_runs(source: Source) -> Iterator[tuple[int, bytes, int]]:
+    """Runs of lines of one kind, each with the number of its first line, and other lines one by one with kind 0."""
+    joined = False
+    for first, part in _parts(source):
+        text, line, at = part.replace(b"\r\n", b"\n"), first, 0
+        if b"\r" in text:
+            text = b"\n".join(text.splitlines()) + b"\n"
+        while at < len(text):
+            run = None if joined else _RUN.match(text, at)
+            end = run.end() if run else text.find(b"\n", at) + 1 or len(text)
+            piece = text[at:end]
+            yield line, piece, (run.lastindex or 0) if run else 0
+            joined = piece.rstrip(b"\n")[-1:] == b"\\"
+            line, at = line + (piece.count(b"\n") if run else 1), end
+
+
+def _take_obj_line(found: _Polygons, source: Source, line: int, words: list[bytes]) -> None:
+    """Take the vertex or the face that a line is, if it is one."""
+    if words[:1] == [b"v"]:
+        found.add_vertex(line, words[1:])
+    elif words[:1] == [b"f"]:
+        if len(words) < 4:
+            what = f"a face with {len(words) - 1} corners"
+            raise source.error(what, "a face needs three; leave it out", line)
+        found.add_face(_obj_corners(source, line, words[1:], found.points))
 
 
 def _obj_corners(source: Source, line: int, words: list[bytes], before: int) -> list[int]:
