@@ -12,11 +12,11 @@ from robodyn.dynamics.effects.friction import joints_with_friction
 from robodyn.dynamics.effects.motors import coupled_motors
 from robodyn.dynamics.inverse import bias_forces
 from robodyn.equations.dae.dae import begun, closed_state
-from robodyn.equations.linearized.doubt import stiffness_in_doubt
-from robodyn.equations.linearized.drives import following, positions
+from robodyn.equations.linearized.equilibrium import stiffness_in_doubt
+from robodyn.equations.linearized.static_balance import following, positions
 from robodyn.equations.linearized.equilibrium import equilibrium_near
 from robodyn.equations.linearized.linearized import Linearized, in_steps
-from robodyn.equations.linearized.small_motion import SmallMotion
+from robodyn.equations.linearized.modes import SmallMotion
 from robodyn.equations.linearized.static_balance import Standing, overflow, standing
 from robodyn.equations.ode import check_equations
 from robodyn.errors import InputError

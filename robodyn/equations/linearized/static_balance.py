@@ -1,7 +1,15 @@
-"""A robot at rest: the torques that are missing for it to stay so, and how they change with its configuration."""
+"""Torques that hold a robot at rest, with its drives closed by their gains."""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
+import numpy as np
+
+from robodyn.robot.model import Model
+from robodyn.scene.parts import Entry
+from robodyn.scene.scene import Scene
+from robodyn.support.floats import Floats
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import hypot
@@ -16,7 +24,6 @@ from robodyn.dynamics.loops.closed_chain import ClosedChain
 from robodyn.dynamics.loops.closed_start import FEW, closed_near, independent_equations
 from robodyn.dynamics.loops.closure import moved, unit
 from robodyn.dynamics.plan import plan
-from robodyn.equations.linearized.drives import Drives, drives_of, positions
 from robodyn.equations.ode import units_of
 from robodyn.errors import InputError
 from robodyn.programs.dual import Dual, rate_of
@@ -26,6 +33,54 @@ from robodyn.robot.model import Model
 from robodyn.scene.parts import Loop
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
+
+
+class Drives(NamedTuple):
+    """tau = torque + kp (reference - q) + kd (speed - qd), by rate: (n,) each, zero where nothing drives."""
+
+    torque: Floats
+    kp: Floats
+    kd: Floats
+    reference: Floats
+    speed: Floats
+
+    def at(self, positions: Floats, qd: Floats) -> Floats:
+        """Return the torques [N m or N] at these positions (n,) of joints by rate."""
+        return self.torque + self.kp * (self.reference - positions) + self.kd * (self.speed - qd)
+
+
+def drives_of(model: Model, scene: Scene, q: Floats) -> Drives:
+    """Return the drives of a scene. There is no table: a reference that follows one is where the joint stands at q, a
+    torque or a speed that does is zero."""
+    found = Drives(*(np.zeros(model.n) for _ in Drives._fields))
+    for joint in model.independent:
+        drive = scene.drive.get(joint.name)
+        if drive is not None:
+            k, here = joint.rate, float(q[joint.coordinate])
+            found.torque[k] = _number(drive.torque, 0.0)
+            found.kp[k], found.kd[k] = drive.kp, drive.kd
+            found.reference[k] = _number(drive.reference, here)
+            found.speed[k] = _number(drive.speed, 0.0)
+    return found
+
+
+def following(scene: Scene) -> list[str]:
+    """Return the joints whose drives follow a table."""
+    return [name for name, drive in scene.drive.items() if drive.columns]
+
+
+def _number(entry: Entry | None, otherwise: float) -> float:
+    return otherwise if entry is None or isinstance(entry, str) else float(entry)
+
+
+def positions(model: Model, q: Floats) -> Floats:
+    """Return (n,) the positions of hinges and slides by rate, zero for a floating base."""
+    out = np.zeros(model.n)
+    for joint in model.independent:
+        if joint.kind != "floating":
+            out[joint.rate] = q[joint.coordinate]
+    return out
+
 
 _ROUNDED = 4.0 * float(np.finfo(float).eps) / 1e-10
 """Four roundings of q are no more than 1e-10 of the torque that they change."""
