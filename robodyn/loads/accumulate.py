@@ -11,11 +11,9 @@ import numpy as np
 from robodyn.dynamics.arrays import zero_columns, zero_sources
 from robodyn.dynamics.effects.effect import ZeroColumns
 from robodyn.dynamics.plan import Plan, plan, runner_of, torque_runner
-from robodyn.loads.columns import output_names
 from robodyn.loads.error_bars import ErrorBars
-from robodyn.loads.figures import check_loads, joint_of_rates, position_of_rates
 from robodyn.loads.self_checks import SelfChecks
-from robodyn.loads.statistics import Statistics
+from robodyn.loads.statistics import Statistics, check_loads, joint_of_rates, output_names, position_of_rates
 from robodyn.programs.run.choice import Choice
 from robodyn.programs.run.runner import Run, Runner
 from robodyn.robot.limits import binding

@@ -1,21 +1,186 @@
-"""Figures of a motion under constraints, gathered block by block: loops, passive joints, ranks."""
+"""Figures of a motion under constraints, gathered block by block: loops, passive joints, ranks, contacts."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
-from robodyn.dynamics.constraints.constraint_jacobian import closures
+from robodyn.dynamics.constraints.constraint_jacobian import closures, normal_of
 from robodyn.dynamics.constraints.solve import ConstraintSolver, Found
+from robodyn.dynamics.constraints.torque_distribution import Mask
+from robodyn.dynamics.contacts.diagnosis import centre_of_pressure, friction_used, kinds, least_friction
+from robodyn.dynamics.contacts.problem import Forces, Problem
 from robodyn.dynamics.loops.closed_chain import Dropped
 from robodyn.dynamics.loops.closed_start import independent_equations
-from robodyn.loads.constraint_result import Constraints, LoopLoad, Peak, Unbalanced
-from robodyn.loads.contact_figures import ContactFigures
+from robodyn.loads.constraint_result import Constraints, ContactLoad, LoopLoad, Missing, Peak, Unbalanced
 from robodyn.loads.statistics import Greatest, Integrals
+from robodyn.programs.vectors import length, product
+from robodyn.scene.parts import Contact, Vector
 from robodyn.scene.scene import Scene
-from robodyn.support.floats import Floats, steady
+from robodyn.support.floats import Floats, first_of_ties, steady
 from robodyn.support.sums import einsum
+
+MOST_SPANS = 20
+"""Spans without contact forces that are told one by one."""
+ROUNDING = 1e-9
+"""A smaller distance from an edge [m], or from all of the friction, is none."""
+NOTHING = 1e-9
+"""Of the largest force at any point: a point with less bears nothing but rounding."""
+
+
+class ContactFigures:
+    """Gathers what contacts bear.
+
+    Attributes:
+        missing: the first spans without contact forces, of `spans` in all.
+        friction: the least coefficient so far that suffices; None where none does.
+        beyond: the first time [s] at which forces balance the motion, and none that keep the effort limits.
+    """
+
+    def __init__(self, solver: ConstraintSolver) -> None:
+        scene = solver.plan.scene
+        self.executor = solver.executor
+        self.each = [_ContactFigures(contact, normal_of(contact, scene)) for contact in scene.contacts]
+        self.missing: list[Missing] = []
+        self.spans, self._kind = 0, ""
+        self.friction: float | None = 0.0
+        self.beyond: float | None = None
+
+    def update(self, time: Floats, row: int, found: Found) -> None:
+        """Take in a piece: time (N,) s, the row of the data that it begins with, and what was found."""
+        problem, solved = found.problem, found.solved
+        assert problem is not None
+        assert solved is not None
+        touching, at = np.ones(found.forces.shape[:2], dtype=bool), 0
+        sizes = np.sqrt((found.forces * found.forces).sum(axis=2, keepdims=True))
+        forces = np.where(sizes > NOTHING * sizes.max(axis=1, initial=0.0, keepdims=True), found.forces, 0.0)
+        for each in self.each:
+            k = slice(at, at + len(each.contact.points))
+            on = touching[:, k] if problem.active is None else problem.active[:, k]
+            each.update(time, row, on, forces[:, k], found.contacts.arms[:, k])
+            at = k.stop
+        self._note_missing(time, row, problem, solved, found.tau)
+        beyond = np.flatnonzero(solved.feasible & ~solved.within_limits)
+        if len(beyond) and self.beyond is None:
+            self.beyond = float(time[beyond[0]])
+        if self.friction is not None:
+            self.friction = least_friction(problem, self.friction, self.executor)
+
+    def _note_missing(self, time: Floats, row: int, problem: Problem, solved: Forces, tau: Floats) -> None:
+        """Extend or begin the spans in which no forces balance the motion."""
+        lost = np.flatnonzero(~solved.feasible)
+        if not len(lost):
+            self._kind = ""
+            return
+        names = dict(zip(lost.tolist(), kinds(problem.chosen(lost), solved.chosen(lost), self.executor), strict=True))
+        if problem.active is not None:
+            names |= {i: "fly" for i in lost.tolist() if not problem.active[i].any()}
+        for i in range(len(time)):
+            self._extend(names.get(i, ""), float(time[i]), row + i, tau[i, :6])
+
+    def _extend(self, kind: str, time: float, row: int, wrench: Floats) -> None:
+        """Take in one sample; wrench: (6,) what is missing, moment and force."""
+        if kind:
+            here = Missing(kind, time, time, Peak(length(wrench[3:]), time, row), Peak(length(wrench[:3]), time, row))
+            if kind != self._kind:
+                self.spans += 1
+                self.missing += [here] if self.spans <= MOST_SPANS else []
+            elif self.spans <= MOST_SPANS:
+                last = self.missing[-1]
+                worse = _worse(last.force, here.force), _worse(last.moment, here.moment)
+                self.missing[-1] = Missing(kind, last.start, time, *worse)
+        self._kind = kind
+
+    def report(self) -> tuple[ContactLoad, ...]:
+        """Return what each contact bears, so far."""
+        return tuple(each.report() for each in self.each)
+
+
+class _ContactFigures:
+    """Gathers what one contact bears."""
+
+    def __init__(self, contact: Contact, normal: Floats) -> None:
+        self.contact, self.normal = contact, normal
+        self.samples = self.on = 0
+        self.force, self.press, self.least, self.used, self.margin = (_Most() for _ in range(5))
+        self.centre: Vector | None = None
+
+    def update(self, time: Floats, row: int, touching: Mask, forces: Floats, arms: Floats) -> None:
+        """Take in a piece.
+
+        Args:
+            touching: (N, points); forces, arms: (N, points, 3) from the middle, in the axes of the ground.
+        """
+        on = touching.any(axis=1)
+        self.samples, self.on = self.samples + len(time), self.on + int(on.sum())
+        if not on.any():
+            return
+        rows, time, forces, arms = row + np.flatnonzero(on), time[on], forces[on], arms[on]
+        total = forces.sum(axis=1)
+        press = product(total, self.normal)
+        used = friction_used(forces, self.normal, self.contact.friction)
+        self.force.update(time, rows, np.sqrt((total * total).sum(axis=1)))
+        self.press.update(time, rows, press)
+        self.least.update(time, rows, -press)
+        self.used.update(time, rows, np.where(np.abs(used - 1.0) < ROUNDING, 1.0, np.where(np.isnan(used), 0.0, used)))
+        if len(self.contact.points) > 2:
+            centre, margin = centre_of_pressure(arms, self.normal, forces)
+            pressing = ~np.isnan(margin)
+            margin = np.where(np.abs(margin) < ROUNDING, 0.0, margin)
+            at = self.margin.update(time[pressing], rows[pressing], -margin[pressing])
+            if at is not None:
+                x, y, z = centre[pressing][at].tolist()
+                self.centre = x, y, z
+
+    def report(self) -> ContactLoad:
+        """Return the figures so far."""
+        contact, least, margin = self.contact, self.least.peak, self.margin.peak
+        nothing = Peak(0.0, 0.0, 0)
+        return ContactLoad(
+            name=contact.name,
+            link=contact.link,
+            points=len(contact.points),
+            friction=contact.friction,
+            on=self.on / self.samples if self.samples else 0.0,
+            force=self.force.peak or nothing,
+            normal=self.press.peak or nothing,
+            least_normal=_negative(least) or nothing,
+            friction_used=self.used.peak,
+            margin=_negative(margin),
+            centre=self.centre,
+        )
+
+
+class _Most:
+    """The greatest of a quantity, of ties the first.
+
+    Attributes:
+        peak: None where there was nothing yet.
+    """
+
+    def __init__(self) -> None:
+        self.peak: Peak | None = None
+
+    def update(self, time: Floats, rows: NDArray[np.intp], values: Floats) -> int | None:
+        """Take in values (N,) of some rows; return which of them is the greatest so far, None if none is."""
+        if not len(values):
+            return None
+        at = int(first_of_ties(values[None])[0])
+        if self.peak is not None and not steady(values[at]) > steady(np.float64(self.peak.value)):
+            return None
+        self.peak = Peak(float(values[at]), float(time[at]), int(rows[at]))
+        return at
+
+
+def _negative(peak: Peak | None) -> Peak | None:
+    return None if peak is None else peak._replace(value=-peak.value + 0.0)
+
+
+def _worse(a: Peak, b: Peak) -> Peak:
+    return b if b.value > a.value else a
+
 
 TOLD = 1e-6
 """Of the largest torque of the motion: less than that at a passive joint is not told."""

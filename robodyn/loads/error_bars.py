@@ -1,23 +1,230 @@
-"""By how much torques may be off that come of derived accelerations."""
+"""Why loads may be off: too few samples, energy that does not balance, a base that nothing holds; and by how much."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from math import hypot
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robodyn.dynamics.effects.friction import joints_with_friction
 from robodyn.dynamics.mass import mass_matrix
-from robodyn.loads.caveats import Openness
+from robodyn.loads.result import ComponentLoad, EnergyBalance, JointLoad
 from robodyn.programs.vectors import length
+from robodyn.robot.base_guess import untouched
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
-from robodyn.support.floats import Floats
-from robodyn.trajectory.motion import NOISE
+from robodyn.support.caveats import TOO_FEW, Caveat
+from robodyn.support.floats import BEYOND, Floats, steady
+from robodyn.support.wording import count, figure, shown
+from robodyn.trajectory.motion import FEW, NOISE, Trajectory
 
 if TYPE_CHECKING:
     from robodyn.loads.constraints import ConstraintPass
+    from robodyn.loads.sizing_result import Sizing
+
+
+OPEN = 0.5
+"""Of the rms of derived accelerations: what is open above it is not an error of some rows but of the motion."""
+COUNTS = 0.1
+"""Of a joint's peak: what is open of accelerations and makes less of a torque does not count."""
+COARSE = 1e-2
+"""Of the energy that goes in and out: where sampling explains more, it may explain all."""
+NEGLIGIBLE = 1e-3
+"""Of the largest torque: a joint whose peak is smaller is judged as if it had this one."""
+TINY = 1e-300
+RATE = 100.0
+"""Hz that is asked for, and more where there are more samples than that already."""
+
+
+class Openness:
+    """What is open of derived accelerations, gathered block by block."""
+
+    def __init__(self, rates: int) -> None:
+        self.off_squares, self.squares = np.zeros(rates), np.zeros(rates)
+        self.guessed = self.unknown = False
+
+    def update(self, block: Trajectory) -> tuple[Floats, Floats]:
+        """Return (N, n) the noise of accelerations of a block, and by how much they may be off."""
+        found = block.sampling
+        self.unknown |= found is None or found.unknown or len(found.off) != len(block)
+        if found is None or len(found.off) != len(block):
+            return np.zeros_like(block.qdd), np.zeros_like(block.qdd)
+        self.guessed = found.guessed
+        self.off_squares, self.squares = self.off_squares + found.off_squares, self.squares + found.squares
+        return found.noise, found.off
+
+    def bar(self, inertia: Floats, off: Floats, shares: Mapping[str, float]) -> float:
+        """Return what is open of a torque: sqrt(sum (M_kj off_j)^2), of guesses the sum, which nothing exceeds.
+
+        Way-points may be places of rest, so that all that their derived speeds make of the torque is open too.
+
+        Args:
+            inertia: (n,) the torque's row of the mass matrix; off: (n,) of its sample.
+            shares: of the torque, by effect.
+        """
+        if not self.guessed:
+            return length(inertia * off)
+        of_speed = sum(abs(shares.get(name, 0.0)) for name in ("coriolis", "viscous friction"))
+        return float((np.abs(inertia) * off).sum()) + of_speed
+
+    def caveats(
+        self,
+        joints: Sequence[JointLoad],
+        bars: Sequence[float],
+        balance: EnergyBalance,
+        samples: int,
+        duration: float,
+    ) -> tuple[Caveat, ...]:
+        """Return what is in doubt for want of samples, or because the energy does not balance.
+
+        Args:
+            bars: what is open of the joints' peaks.
+        """
+        at_large = bool((self.off_squares > OPEN**2 * self.squares).any())
+        too_few = sampling_caveat(joints, bars, samples, duration) if at_large else None
+        energy = energy_caveat(balance, samples, duration)
+        if too_few is not None:
+            return (too_few,) if energy is None or _coarse(balance, samples) else (too_few, energy)
+        return () if energy is None else (energy,)
+
+
+def sampling_caveat(joints: Sequence[JointLoad], bars: Sequence[float], samples: int, duration: float) -> Caveat | None:
+    """Return the caveat about torques whose accelerations are open at large, None where that does not count.
+
+    Args:
+        bars: what is open of the joints' peaks.
+    """
+    if not joints:
+        return None
+    least = NEGLIGIBLE * max(abs(joint.peak) for joint in joints)
+    open_most = max(zip(bars, joints, strict=True), key=lambda pair: pair[0] / max(abs(pair[1].peak), least, TINY))
+    bar, joint = open_most
+    if bar <= COUNTS * max(abs(joint.peak), least):
+        return None
+    said = (
+        f"{_how_many(samples, duration)} too few to derive accelerations: the peak of {shown(joint.name)}, "
+        f"{figure(joint.peak)} {joint.unit}, may be off by {figure(bar, 2)} {joint.unit}; "
+        f"{_remedy(samples, duration)}, or give velocities and accelerations"
+    )
+    return Caveat(TOO_FEW, said)
+
+
+def energy_caveat(balance: EnergyBalance, samples: int, duration: float) -> Caveat | None:
+    """Return the caveat about a motion whose energy does not balance, None if it does."""
+    if balance.consistent:
+        return None
+    off = f"energy balance is off by {balance.worst:.3g} J of {balance.turnover:.3g} J"
+    if not _coarse(balance, samples):
+        said = f"{off}: velocities or accelerations are not the rates of the positions"
+        return Caveat("by torques that are not trusted (energy does not balance)", said)
+    said = (
+        f"{off}: {_how_many(samples, duration)} too few to tell whether velocities and accelerations are the rates of "
+        f"the positions, or what happens between the samples; {_remedy(samples, duration)}"
+    )
+    return Caveat("at the samples given (too few for the energy check)", said)
+
+
+def _coarse(balance: EnergyBalance, samples: int) -> bool:
+    """Return whether the trapezoidal rule cannot tell a wrong rate from too few samples."""
+    return balance.explained > COARSE * balance.turnover or samples < FEW
+
+
+def bar_caveats(joints: Sequence[JointLoad], sizing: Sizing | None) -> Iterator[Caveat]:
+    """Yield the caveats about limits that are within the error bars of peaks.
+
+    What a motor's torque is in doubt by is taken for the same share of it as of its joint's.
+    """
+    bars = [(joint, joint.error_bar or 0.0) for joint in joints]
+    of_joints = [(joint, bar, abs(joint.peak), joint.effort_limit, "") for joint, bar in bars]
+    of_motors = [
+        (joint, bar * near.torque / max(abs(joint.peak), TINY), near.torque, near.limit, "the motor of ")
+        for (joint, bar), own in zip(bars, sizing.joints if sizing else (), strict=False)
+        if own.motor and (near := own.motor.nearest)
+    ]
+    for beyond, what in ((False, "may be beyond its limit"), (True, "may be within its limit")):
+        near_it = [
+            (abs(peak - limit) / bar, joint, bar, peak, limit, whose)
+            for joint, bar, peak, limit, whose in (*of_joints, *of_motors)
+            if limit is not None and bar and (peak > BEYOND * limit) is beyond and abs(peak - limit) < bar
+        ]
+        if near_it:
+            _, joint, bar, peak, limit, whose = min(near_it, key=lambda each: steady(each[0]))
+            who = f"{whose}{shown(joint.name)}{f', and {len(near_it) - 1} more,' if len(near_it) > 1 else ''}"
+            said = f"the peak of {who} {what}: {figure(peak)} within {figure(bar, 2)} {joint.unit}, limit {limit:g}"
+            yield Caveat(f"unless within the error bar of {who.rstrip(',')}", f"{said} {joint.unit}")
+
+
+def _how_many(samples: int, duration: float) -> str:
+    return f"{count(samples, 'sample')} over {figure(duration)} s are"
+
+
+def _remedy(samples: int, duration: float) -> str:
+    """Four times as many samples, and not fewer than RATE."""
+    rate = 4.0 * (samples - 1) / duration if duration > 0.0 else 0.0
+    return f"give samples at {figure(max(RATE, rate), 1)} Hz or more"
+
+
+VANISHING = 0.01
+"""Of the weight, or of the largest force that balances: a base wrench below it is rounding or noise."""
+
+
+def carried(
+    model: Model,
+    scene: Scene,
+    base: Sequence[ComponentLoad],
+    joints: Sequence[JointLoad],
+    largest_force: float,
+    largest_moment: float,
+    looped: bool = False,
+) -> tuple[Caveat, ...]:
+    """Return what is in doubt about what carries the base, and what carries the robot at floating joints.
+
+    Nothing where the scene says that the base is held, where no wrench is left, where a base that does not move may
+    well be bolted down, and where loops hold the base: what they leave is told of its rates.
+
+    Args:
+        base, joints: their loads.
+        largest_force, largest_moment: that balance along the motion [N, N m].
+        looped: whether loops to the ground hold the base.
+    """
+    weight = model.total_mass * hypot(*scene.gravity)
+    least = VANISHING * max(weight, largest_force), VANISHING * max(weight * model.reach, largest_moment)
+    parts = {part.name: part.rms for part in base}
+    wrench = [hypot(*(parts[f"{kind}{axis}"] for axis in "xyz")) for kind in "fm"]
+    found = [_base_caveat(model, scene, *wrench)] if _left(wrench, least) and not looped else []
+    loads = {joint.name: joint.rms for joint in joints}
+    for name in (body.joint.name for body in model.bodies[1:] if body.joint.kind == "floating"):
+        wrench = [hypot(*(loads[f"{name}_{kind}{axis}"] for axis in "xyz")) for kind in "vw"]
+        if _left(wrench, least):
+            what = f"nothing drives the floating joint {shown(name)}, whose motion takes {_wrench(*wrench)}"
+            found.append(Caveat("as long as what floats is carried (assumed)", f"{what}; give it as [[wrench]]"))
+    return tuple(caveat for caveat in found if caveat is not None)
+
+
+def _left(wrench: Sequence[float], least: Sequence[float]) -> bool:
+    return any(size > most for size, most in zip(wrench, least, strict=True))
+
+
+def _wrench(force: float, moment: float) -> str:
+    return f"{figure(force)} N and {figure(moment)} N m (RMS)"
+
+
+def _base_caveat(model: Model, scene: Scene, force: float, moment: float) -> Caveat | None:
+    alone = "the wrenches of the scene do not carry it" if scene.wrenches else "there is no contact that carries it"
+    why = alone if model.floating else untouched(model)
+    told = any(wrench.cause == "contact" for wrench in scene.wrenches)
+    if scene.held or told or not why:
+        return None
+    loads = "which a robot that floats cannot have" if model.floating else "loads of a robot that hangs by its base"
+    free = "" if model.floating else 'let the base move ([base] motion = "moving", base_ columns) and '
+    said = (
+        f"the ground holds the base with {_wrench(force, moment)}, {loads}: {why}; "
+        f"if something carries the base, such as bolts or a vehicle, say so (--base-held, or [base] held = true), "
+        f"otherwise {free}say where its feet stand ([[contact]])"
+    )
+    return Caveat("as long as the base is held (assumed)", said)
 
 
 class ErrorBars:

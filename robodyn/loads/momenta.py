@@ -9,9 +9,8 @@ import numpy as np
 from robodyn.dynamics.effects.effect import ZeroColumns
 from robodyn.dynamics.momenta import COLUMNS, View, momentum_runner
 from robodyn.dynamics.plan import plan
-from robodyn.loads.figures import check_loads
 from robodyn.loads.result import MomentumReport, Range
-from robodyn.loads.statistics import Extremes
+from robodyn.loads.statistics import Extremes, check_loads
 from robodyn.programs.run.runner import Runner
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene

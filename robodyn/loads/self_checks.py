@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from robodyn.dynamics.balance import LawResiduals, energy, laws, losses
 from robodyn.dynamics.effects.effect import ZeroColumns
 from robodyn.dynamics.plan import Plan, plan, runner_of
-from robodyn.loads.checks_result import Checks, EnergyBalance
+from robodyn.loads.result import Checks, EnergyBalance
 from robodyn.programs.run.runner import Run, Runner
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene

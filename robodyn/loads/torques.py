@@ -1,21 +1,34 @@
-"""The main job: what every joint carries along a motion."""
+"""The main job: what every joint carries along a motion.
+
+The room: `accumulate` takes block after block through the recursion, `statistics` gathers peaks and integrals,
+`error_bars` tells by how much derived accelerations put them off, `constraints` and `constraint_figures` add loops and
+contacts, `sizing` and `motors` what motors and bearings bear, `uncertainty` and `uncertain_report` what parameters that
+are uncertain do; `self_checks` holds the laws against them, and here all becomes a `Result`.
+"""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
+from dataclasses import astuple
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from robodyn.dynamics.plan import Plan, plan
 from robodyn.errors import InputError, SceneError
 from robodyn.loads.accumulate import Options, TorqueAccumulator
-from robodyn.loads.gathered_result import gathered_result
-from robodyn.loads.result import Result
+from robodyn.loads.error_bars import bar_caveats, carried
+from robodyn.loads.result import Checks, JointLoad, Result
+from robodyn.loads.statistics import base_loads, check_figures, effect_reports, joint_load, shares_at_peaks
+from robodyn.robot.limits import coverage
 from robodyn.robot.model import Model
 from robodyn.scene.fit import refuse_others
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 from robodyn.support.threads import prefetch
+from robodyn.support.wording import shown
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.plausible import refuse_units
 from robodyn.trajectory.read import read_motion
@@ -24,6 +37,7 @@ from robodyn.trajectory.reader import TrajectoryReader
 if TYPE_CHECKING:
     from robodyn.dynamics.momenta import View
     from robodyn.loads.constraints import ConstraintPass
+
 
 Sink = Callable[[Floats, Floats], None]
 
@@ -132,3 +146,117 @@ def _expected_samples(trajectory: TrajectoryReader, block: Trajectory) -> int:
     before = block.first_row - 1
     whole = (before + len(block)) * trajectory.size_bytes // trajectory.position_bytes
     return max(whole - before, len(block))
+
+
+@np.errstate(all="ignore")
+def gathered_result(run: TorqueAccumulator, last: Trajectory, explain: bool) -> Result:
+    """Return everything gathered, with shares and uncertainty at the peaks.
+
+    Args:
+        last: its last block. explain: as `torques` has it.
+    """
+    assert run.choice is not None
+    whole = plan(run.model, run.scene, run.zero_columns or frozenset())
+    total, checks = run.statistics.integrals, run.checks.report()
+    _check(run, checks)
+    joints, left = _joints(run, whole)
+    base = base_loads(run.statistics)
+    constraints = run.constraints.report() if run.constraints else None
+    sizing = run.sizing.report(joints, _inertias(run, run.sizing.driven)) if run.sizing else None
+    unsure = run.uncertain.report(joints, sizing) if run.uncertain else None
+    looped = run.constraints is not None and run.constraints.holds_base
+    caveats = (
+        *last.caveats,
+        *(constraints.caveats if constraints else ()),
+        *carried(run.model, run.scene, base, joints, checks.largest_force, checks.largest_moment, looped),
+        *run.bars.openness.caveats(joints, left, checks.energy_balance, total.samples, total.duration),
+        *bar_caveats(joints, sizing),
+        *(unsure.caveats if unsure else ()),
+    )
+    about = (*(run.uncertain.notes if run.uncertain else ()), *_added(run))
+    idle = (
+        f"nothing drives {shown(joints[k].name)}, so that its [motor] is judged by its speed alone" for k in _idle(run)
+    )
+    return Result(
+        robot=run.model.name,
+        samples=total.samples,
+        duration=total.duration,
+        gravity=run.scene.gravity,
+        joints=joints,
+        base_wrench=base,
+        effects=effect_reports(whole, explain),
+        checks=checks,
+        operations=whole.torques().size,
+        executor=run.choice.executor,
+        reason=run.choice.reason,
+        derivation=last.derivation,
+        warnings=(*(caveat.text for caveat in caveats), *about, *idle, *run.model.notes, *last.notes),
+        momentum=run.momentum.report() if run.momentum else None,
+        history=run.history.history(run.statistics.at_peak) if run.history else None,
+        sizing=sizing,
+        limits=coverage(run.joints),
+        caveats=caveats,
+        origin=last.origin,
+        held=last.held,
+        constraints=constraints,
+        uncertainty=unsure,
+    )
+
+
+def _added(run: TorqueAccumulator) -> Iterator[str]:
+    """Yield which links have several payloads, as of a scene and of the command line, and what these add up to."""
+    payloads = run.scene.payloads
+    for link in dict.fromkeys(payload.link for payload in payloads):
+        masses = [payload.mass for payload in payloads if payload.link == link]
+        if len(masses) > 1:
+            parts = " + ".join(f"{mass:g}" for mass in masses)
+            yield f"{len(masses)} payloads on link {shown(link)} add up: {parts} = {sum(masses):g} kg"
+
+
+def _check(run: TorqueAccumulator, checks: Checks) -> None:
+    """Raise where a square, a power or an integral overflows."""
+    peaks = np.concatenate((run.statistics.torque.kept["value"], run.statistics.base.kept["value"]))
+    laws = checks.first_law, checks.second_law, checks.power
+    more = run.sizing.figures if run.sizing else ()
+    totals = run.statistics.integrals.totals.values()
+    check_figures((*totals, astuple(checks.energy_balance), laws, *more), peaks, run.file)
+
+
+def _joints(run: TorqueAccumulator, whole: Plan) -> tuple[tuple[JointLoad, ...], list[float]]:
+    """Return the loads of the joints, and what is open of their peaks."""
+    gathered = run.statistics
+    shares = shares_at_peaks(whole, gathered.at_peak, run.rates.start)
+    bars = [_bar(run, k, shares[k]) for k in range(len(run.joints))]
+    joints = tuple(
+        joint_load(gathered, k, joint, name, run.scene, shares[k], bars[k])
+        for k, (joint, name) in enumerate(zip(run.joints, run.model.rates[run.rates], strict=True))
+    )
+    return joints, [bar or 0.0 for _, bar in bars]
+
+
+def _bar(run: TorqueAccumulator, k: int, shares: Mapping[str, float]) -> tuple[float, float | None]:
+    """Return what noise does to joint k at its peak, and by how much its largest torque may be off."""
+    if run.bars.openness.unknown:
+        return 0.0, None
+    gathered = run.statistics
+    noise, guessed = run.bars.at_peak(k, gathered.at_peak.get(k), shares)
+    peak = abs(float(gathered.torque.kept["value"][k]))
+    bar = max(float(gathered.most[k]) - peak, peak - float(gathered.least[k]))
+    return noise, max(bar, guessed) if run.bars.openness.guessed else bar
+
+
+def _inertias(run: TorqueAccumulator, joints: Sequence[int]) -> dict[int, float | None]:
+    """Return what some joints accelerate at their peaks, by their own torque alone [kg m^2 or kg]; None of those that
+    nothing drives."""
+    rates, idle = {k: run.rates.start + k for k in joints}, _idle(run)
+    states = {k: run.statistics.at_peak[k] for k in joints if k not in idle}
+    found = {k: float(run.bars.response(state, own=True)[rates[k], rates[k]]) for k, state in states.items()}
+    return {k: found.get(k) for k in joints}
+
+
+def _idle(run: TorqueAccumulator) -> list[int]:
+    """Return the joints with motors that nothing drives."""
+    if run.sizing is None or run.constraints is None:
+        return []
+    passive = run.constraints.solver.actuation.passive[run.rates]
+    return [k for k in run.sizing.driven if passive[k]]

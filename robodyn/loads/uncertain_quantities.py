@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.dynamics.varied_loads import Row
-from robodyn.loads.bearings import NAMES, frame
 from robodyn.loads.motors import LEAST, Train, allowed, load_torque, motor_torque, points
+from robodyn.loads.sizing import NAMES, frame
 from robodyn.robot.model import Joint, Model
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum

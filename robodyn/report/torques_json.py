@@ -10,9 +10,8 @@ from robodyn.report.limits import torques_verdict
 from robodyn.robot.limits import Coverage
 
 if TYPE_CHECKING:
-    from robodyn.loads.checks_result import Checks
     from robodyn.loads.many import Batch, Outcome
-    from robodyn.loads.result import EffectReport, JointLoad, Result
+    from robodyn.loads.result import Checks, EffectReport, JointLoad, Result
     from robodyn.loads.sizing_result import BearingLoad, Sizing
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from robodyn.dynamics.constraints.constraint_jacobian import tree_scene
 from robodyn.equations.free_body.types import FreeBodies, FreeBody
 from robodyn.errors import RobodynError
-from robodyn.loads.caveats import energy_caveat
+from robodyn.loads.error_bars import energy_caveat
 from robodyn.loads.history import SPANS, Curves, History
 from robodyn.loads.result import Result
 from robodyn.report.document import (

@@ -10,8 +10,8 @@ from robodyn.dynamics.plan import plan, runner_of
 from robodyn.dynamics.varied_loads import _loads, _theta, summed
 from robodyn.loads.motors import train_of
 from robodyn.loads.statistics import Integrals
-from robodyn.loads.uncertain_figures import cube_roots
 from robodyn.loads.uncertain_quantities import Quantities
+from robodyn.loads.uncertain_report import cube_roots
 from robodyn.loads.uncertainty import UncertaintyPass
 from robodyn.programs.program import trace
 from robodyn.support.floats import Floats

@@ -243,7 +243,7 @@ MUTATIONS = {
     "loads/test_sizing_figures.py": [
         ("loads/statistics.py", "weights[0] += before", "weights[0] += 0.0"),
         ("loads/statistics.py", "np.abs(power)", "power"),
-        ("loads/figures.py", "1 / 3", "1 / 2"),
+        ("loads/statistics.py", "1 / 3", "1 / 2"),
     ],
     "dynamics/loops/test_closed_chain.py": [
         ("dynamics/loops/closed_chain.py", "c * lower - s * upper", "c * lower + s * upper"),
@@ -356,7 +356,7 @@ MUTATIONS = {
         ("simulation/steps.py", "[h * x for x in mean]", "[h * x for x in qd]"),
     ],
     "loads/test_bearings.py": [
-        ("loads/bearings.py", "(f[:2], m)", "(f[:2], m[::-1])"),
+        ("loads/sizing.py", "(f[:2], m)", "(f[:2], m[::-1])"),
     ],
     "loads/test_motor_torque.py": [
         ("loads/motors.py", "driving > 0", "driving < 0"),

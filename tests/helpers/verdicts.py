@@ -10,8 +10,8 @@ import numpy as np
 import robodyn
 from robodyn.dynamics.regressor import INERTIAL
 from robodyn.identification.result import carriers
-from robodyn.loads import uncertain_figures
-from robodyn.loads.uncertain_figures import Figures
+from robodyn.loads import uncertain_report as uncertain_figures
+from robodyn.loads.uncertain_report import Figures
 from robodyn.loads.uncertainty import Pass, UncertaintyPass
 from robodyn.scene.parts import Friction, Motor, Rotor
 from robodyn.scene.scene import Scene

@@ -7,7 +7,7 @@ import pytest
 from helpers.oracles import EPS, random_state
 from helpers.small_robots import random_tree
 
-from robodyn.loads.bearings import frame
+from robodyn.loads.sizing import frame
 from robodyn.loads.torques import torques
 from robodyn.trajectory.read import motion
 

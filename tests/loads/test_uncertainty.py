@@ -16,7 +16,7 @@ from helpers.small_robots import built, joint, link
 import robodyn
 from robodyn.dynamics.uncertain_parameters import variations
 from robodyn.errors import SceneError
-from robodyn.loads.drawn import normal
+from robodyn.loads.uncertain_report import normal
 from robodyn.robot.model import Model
 from robodyn.scene.parts import CoupledMotor, Friction, Motor, Rotor
 from robodyn.scene.scene import Scene

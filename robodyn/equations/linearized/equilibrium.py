@@ -9,12 +9,6 @@ from robodyn.errors import InputError
 from robodyn.programs.linear import eigen, min_norm_solution, range_basis
 from robodyn.programs.vectors import length, product
 from robodyn.support.floats import Floats, first_largest
-import numpy as np
-
-from robodyn.equations.linearized.static_balance import Balance, Standing
-from robodyn.programs.vectors import product
-from robodyn.support.floats import Floats
-
 
 _STEPS, _HALVINGS = 60, 12
 _NEAR, _NEARLY = 1e-12, 1e-10
@@ -157,10 +151,10 @@ def _downhill(robot: Standing, here: Balance, longest: float) -> Floats:
     return np.asarray(product(D, along))
 
 
-_STEPS = 4.0
+_NEWTON_STEPS = 4.0
 """Of Newton's, to be on the far side of an equilibrium: where two meet, at a fold, each of his goes half the way."""
 _ROUNDED = 4.0 * float(np.finfo(float).eps)
-_LONGEST = 0.1
+_LONGEST_STEP = 0.1
 """rad, or the same part of the robot's reach [m]."""
 
 
@@ -174,8 +168,8 @@ def stiffness_in_doubt(robot: Standing, q: Floats, here: Balance, own: list[int]
     """Return how the stiffness (k, k) changes on the way to where the equilibrium may be, which is off by what is
     missing and by rounding: next to nothing, but near a fold, where a stable equilibrium meets an unstable one."""
     missing = np.where(np.abs(here.missing) < _ROUNDED * here.scale, _ROUNDED * here.scale, here.missing)
-    step = _STEPS * newton_step(robot, here._replace(missing=missing))
-    step /= max(1.0, float(np.abs(step / robot.lengths).max(initial=0.0)) / _LONGEST)
+    step = _NEWTON_STEPS * newton_step(robot, here._replace(missing=missing))
+    step /= max(1.0, float(np.abs(step / robot.lengths).max(initial=0.0)) / _LONGEST_STEP)
     if (there := robot.moved(q, step)) is None:
         return np.zeros((len(own), len(own)))
     other = robot.balance(there)

@@ -12,12 +12,10 @@ from robodyn.dynamics.effects.friction import joints_with_friction
 from robodyn.dynamics.effects.motors import coupled_motors
 from robodyn.dynamics.inverse import bias_forces
 from robodyn.equations.dae.dae import begun, closed_state
-from robodyn.equations.linearized.equilibrium import stiffness_in_doubt
-from robodyn.equations.linearized.static_balance import following, positions
-from robodyn.equations.linearized.equilibrium import equilibrium_near
+from robodyn.equations.linearized.equilibrium import equilibrium_near, stiffness_in_doubt
 from robodyn.equations.linearized.linearized import Linearized, in_steps
 from robodyn.equations.linearized.modes import SmallMotion
-from robodyn.equations.linearized.static_balance import Standing, overflow, standing
+from robodyn.equations.linearized.static_balance import Standing, following, overflow, positions, standing
 from robodyn.equations.ode import check_equations
 from robodyn.errors import InputError
 from robodyn.programs.linear import eigen

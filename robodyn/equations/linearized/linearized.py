@@ -8,9 +8,7 @@ from math import inf
 
 import numpy as np
 
-from robodyn.equations.linearized.modes import modes_of
-from robodyn.equations.linearized.modes import Modes
-from robodyn.equations.linearized.modes import SmallMotion
+from robodyn.equations.linearized.modes import Modes, SmallMotion, modes_of
 from robodyn.errors import InputError
 from robodyn.programs.vectors import product
 from robodyn.robot.limits import Excess, held_beyond

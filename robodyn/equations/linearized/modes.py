@@ -2,26 +2,15 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
-from robodyn.support.floats import Floats
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from math import hypot, inf, pi
 from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.programs.linear import null_space, range_basis
-from robodyn.programs.vectors import length, product
-from robodyn.support.floats import Floats
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
-from math import hypot
-
-import numpy as np
-
 from robodyn.errors import InputError
-from robodyn.programs.linear import Complexes, general_eigen
+from robodyn.programs.linear import Complexes, general_eigen, null_space, range_basis
 from robodyn.programs.vectors import length, product
 from robodyn.support.floats import Floats
 

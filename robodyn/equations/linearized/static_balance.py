@@ -2,14 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
-import numpy as np
-
-from robodyn.robot.model import Model
-from robodyn.scene.parts import Entry
-from robodyn.scene.scene import Scene
-from robodyn.support.floats import Floats
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import hypot
@@ -30,7 +22,7 @@ from robodyn.programs.dual import Dual, rate_of
 from robodyn.programs.linear import min_norm_solution, null_space
 from robodyn.programs.vectors import product
 from robodyn.robot.model import Model
-from robodyn.scene.parts import Loop
+from robodyn.scene.parts import Entry, Loop
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
 

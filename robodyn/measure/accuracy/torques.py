@@ -13,8 +13,8 @@ from numpy.typing import DTypeLike, NDArray
 
 from robodyn.dynamics.plan import Plan, plan, runner_of
 from robodyn.errors import InputError
-from robodyn.loads.figures import REMEDY
 from robodyn.loads.result import Promise, Result
+from robodyn.loads.statistics import REMEDY
 from robodyn.measure.accuracy.ladder import Accuracy, EffectPrice, Ladder, Price, Rung, Spread, timed
 from robodyn.programs.program import Program
 from robodyn.programs.run.compiled_blocks import CompiledBlocks, kernel_of

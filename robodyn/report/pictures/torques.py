@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robodyn.loads.checks_result import EnergyBalance
 from robodyn.loads.constraint_result import ContactLoad
 from robodyn.loads.history import Curves, History
-from robodyn.loads.result import ComponentLoad, JointLoad
+from robodyn.loads.result import ComponentLoad, EnergyBalance, JointLoad
 from robodyn.report.document import Figure
 from robodyn.report.pictures.figures import (
     BAD,

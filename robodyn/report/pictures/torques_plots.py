@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robodyn.loads.figures import joint_of_rates
 from robodyn.loads.history import Curves, History
 from robodyn.loads.motors import load_torque, motor_torque, train_of
 from robodyn.loads.result import JointLoad, Result
 from robodyn.loads.sizing_result import MotorLoad, Sizing
+from robodyn.loads.statistics import joint_of_rates
 from robodyn.report.document import Figure
 from robodyn.report.limits import effort_use, offenders, worst_joint
 from robodyn.report.pictures.figures import BAD, SERIES, WIDE, dots, few_ticks, plot, zero_lines
