@@ -17,8 +17,8 @@ from typing import Any, NamedTuple
 import robodyn
 from robodyn.cli.files import refuse_foreign
 from robodyn.errors import InputError, RobodynError
+from robodyn.loads.accumulate import output_names
 from robodyn.loads.many import JointPeak, Outcome, Status
-from robodyn.loads.statistics import output_names
 from robodyn.loads.torques import torques
 from robodyn.report.torques_json import torques_json
 from robodyn.robot.limits import Coverage, Quantity, Unchecked

@@ -211,7 +211,7 @@ def _single(
     example: bool,
 ) -> Result:
     """Return what was found, after it is shown and written."""
-    from robodyn.loads.statistics import output_names
+    from robodyn.loads.accumulate import output_names
     from robodyn.loads.torques import torques
     from robodyn.report.limits import verdict_section
     from robodyn.report.torques import torques_sections

@@ -14,7 +14,8 @@ from helpers.small_robots import built, joint, link
 
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.errors import InputError
-from robodyn.loads.statistics import Extremes, Greatest, output_names
+from robodyn.loads.accumulate import output_names
+from robodyn.loads.statistics import Extremes, Greatest
 from robodyn.loads.torques import torques
 from robodyn.programs.run import choice
 from robodyn.trajectory.read import motion
