@@ -230,7 +230,7 @@ def _held(found: SmallMotion, parts: Split) -> list[Mode]:
     out = []
     while kept:
         _, first, close = kept[0]
-        alike = [each for each in kept if abs(each[1] - first) <= each[2] + close]
+        alike = [kept[0], *(each for each in kept[1:] if abs(each[1] - first) <= each[2] + close)]
         columns = _sparse(shapes[:, [k for k, _, _ in alike]])
         out += [_mode(found, value, error, column) for (_, value, error), column in zip(alike, columns.T, strict=True)]
         kept = [each for each in kept if each not in alike]
@@ -318,7 +318,7 @@ def _ordered(modes: Sequence[Mode]) -> Iterator[Mode]:
     left = sorted(modes, key=size)
     while left:
         first = left[0]
-        alike = [mode for mode in left if size(mode) - size(first) <= 2.0 * min(first.error, mode.error)]
+        alike = [first, *(mode for mode in left[1:] if size(mode) - size(first) <= 2.0 * min(first.error, mode.error))]
         close = 2.0 * max(mode.error for mode in alike)
         yield from sorted(alike, key=lambda mode: (mode.real > close, mode.real >= -close, _leader(mode)))
         left = [mode for mode in left if mode not in alike]
