@@ -100,7 +100,7 @@ def _unmeasured(command: str, status: int, out: str, err: str) -> list[object]:
 
 
 def _agree(one: Any, other: Any) -> bool:
-    """Whether values are the same, floats within 1e-9 of the largest of their list, of themselves or of 1."""
+    """Whether values are the same, floats within 1e-12 of the largest of their list, of themselves or of 1."""
     if isinstance(one, dict):
         return isinstance(other, dict) and one.keys() == other.keys() and all(_agree(one[k], other[k]) for k in one)
     if isinstance(one, list):
@@ -108,10 +108,10 @@ def _agree(one: Any, other: Any) -> bool:
             return False
         if one and all(isinstance(each, float) for each in (*one, *other)):
             scale = max(1.0, *map(abs, one))
-            return all(abs(a - b) <= 1e-9 * scale for a, b in zip(one, other, strict=True))
+            return all(abs(a - b) <= 1e-12 * scale for a, b in zip(one, other, strict=True))
         return all(map(_agree, one, other))
     if isinstance(one, float) and isinstance(other, (int, float)):
-        return abs(one - other) <= 1e-9 * max(1.0, abs(one))
+        return abs(one - other) <= 1e-12 * max(1.0, abs(one))
     return bool(one == other)
 
 
