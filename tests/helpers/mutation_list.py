@@ -421,7 +421,7 @@ MUTATIONS = {
             "(few + doubt) * _softness(found, parts, pairs.left, right)",
             "doubt * _softness(found, parts, pairs.left, right)",
         ),
-        ("equations/linearized/modes.py", "value.imag * one", "0.0 * one"),
+        ("equations/linearized/modes.py", "value * np.eye(len(own)) - own", "value.real * np.eye(len(own)) - own"),
         ("equations/linearized/modes.py", "mode.real > mode.error", "mode.real > 0.0"),
         ("equations/linearized/modes.py", "abs(self.real) <= self.error", "self.real == 0.0"),
         ("equations/linearized/static_balance.py", "masses[model.parents[k]] += masses[k]", "None"),

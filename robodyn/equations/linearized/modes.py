@@ -292,11 +292,8 @@ def _completed(A: Floats, parts: Split, values: Complexes, inner: Complexes) -> 
     if len(parts.basis):
         own = product(parts.basis, A, parts.basis.T)
         given = product(product(parts.basis, A, parts.rest.T), inner)
-        one = np.eye(len(own))
         for k, value in enumerate(values.tolist()):
-            a, b = value.real * one - own, value.imag * one
-            along = np.linalg.solve(np.block([[a, -b], [b, a]]), np.concatenate((given[:, k].real, given[:, k].imag)))
-            out[:, k] += product(parts.basis.T, along[: len(own)] + 1j * along[len(own) :])
+            out[:, k] += product(parts.basis.T, np.linalg.solve(value * np.eye(len(own)) - own, given[:, k]))
     return np.asarray(out)
 
 
