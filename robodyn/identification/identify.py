@@ -106,7 +106,7 @@ def identify(
         loose, sigma = fitted(weighted, folds, structure)
     on_progress("choosing the strength of the prior")
     prior = _prior(run, structure, shapes)
-    chosen = strength(weighted, plain, folds, structure, prior, sigma).value
+    chosen = strength(weighted, plain, folds, structure, prior, sigma)
     R, z = system(weighted, folds, structure, sigma)
     fit = consistent_parameters(R, z, prior, chosen)
     theta = fit.theta
@@ -134,14 +134,14 @@ def identify(
     of_train, held = errors(train), errors([FOLDS]) if holds else [None] * 3
     alone, of = _told_by_description(structure, theta), [FOLDS] if holds else train
     motors = motor_fits(structure, theta)
-    found = outcome(run.model, run.scene, structure, theta, run.slip_speed)
+    names, described, calibrated, after = outcome(run.model, run.scene, structure, theta, run.slip_speed)
     shown = [body for body in prior.bodies if base.matrix[:, body.columns].any()]
     return Identified(
         model=run.model,
-        scene=found.scene,
-        names=found.names,
-        described=found.described,
-        theta=found.theta,
+        scene=after,
+        names=names,
+        described=described,
+        theta=calibrated,
         base=BaseFit(base, base.estimate(R, z).values, np.sqrt(einsum("ii->i", C)), base.values(theta), C),
         motors=motors,
         coupled=first.coupled,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -53,13 +52,10 @@ def scene_motors(model: Model, scene: Scene) -> list[Motor]:
 
 
 def coupled_motors(model: Model, measured: Sequence[int], known: Sequence[Motor]) -> list[Motor]:
-    """Return motors that turn with the sum or the difference of two joints, one after another in a chain.
-
-    Args:
-        known: coupled motors that are there already: none is tried that acts on a joint of theirs.
+    """Return motors that turn with the sum or the difference of two joints, one after another in a chain, of which no
+    known coupled motor turns with one.
     """
-    found = []
-    axes = np.eye(model.n)
+    found, axes = [], np.eye(model.n)
     taken = {int(j) for motor in known for j in np.flatnonzero(motor.direction)}
     open_rates = set(measured) - taken
     order = [body.joint.rate for body in model.bodies[1:]]
@@ -87,8 +83,11 @@ def coupled(gathered: Gathered, folds: Sequence[int], plain: Structure) -> list[
             other = plain.reshaped({k: PLAIN})
             joints = [place for place, j in enumerate(measured) if motor.direction[j]]
             part = float((left_out(gathered, folds, other, sigma) / before)[joints].mean())
-            if part < _COUPLED and _resists(gathered, folds, other, motor, sigma):
-                ranked.append((part, motor))
+            if part < _COUPLED:
+                values = least_squares(*system(gathered, folds, other, sigma))
+                theta = dict(zip(other.names, values.tolist(), strict=True))
+                if theta[f"{motor.name}.viscous"] > 0.0 and theta[f"{motor.name}.coulomb"] > 0.0:
+                    ranked.append((part, motor))
     found: list[tuple[Motor, float]] = []
     taken = np.zeros(plain.regressor.model.n)
     for part, motor in sorted(ranked, key=lambda pair: pair[0]):
@@ -98,20 +97,13 @@ def coupled(gathered: Gathered, folds: Sequence[int], plain: Structure) -> list[
     return found
 
 
-def _resists(gathered: Gathered, folds: Sequence[int], structure: Structure, motor: Motor, sigma: Floats) -> bool:
-    """Return whether a motor's friction, as least squares find it, slows it down."""
-    theta = dict(zip(structure.names, least_squares(*system(gathered, folds, structure, sigma)).tolist(), strict=True))
-    return bool(theta[f"{motor.name}.viscous"] > 0.0 and theta[f"{motor.name}.coulomb"] > 0.0)
-
-
 def with_stribeck(gathered: Gathered, folds: Sequence[int], plain: Structure) -> Structure:
     """Return the structure with Stribeck's excess of those motors whose joint it explains, each at its best speed."""
-    tried = []
-    for step in range(1, len(SPEEDS) + 1):
-        motors = ((k, plain.regressor.motors[k].stribeck) for k in plain.shapes)
-        tried.append(
-            {k: replace(plain.shapes[k], stribeck=speeds[-step]) for k, speeds in motors if step <= len(speeds)}
-        )
+    speeds = {k: plain.regressor.motors[k].stribeck for k in plain.shapes}
+    tried = [
+        {k: replace(plain.shapes[k], stribeck=each[-step]) for k, each in speeds.items() if step <= len(each)}
+        for step in range(1, len(SPEEDS) + 1)
+    ]
     return _best(gathered, folds, plain, tried)
 
 
@@ -151,27 +143,20 @@ def _best(gathered: Gathered, folds: Sequence[int], plain: Structure, tried: Seq
     return plain.reshaped({k: shape for k, (_, shape) in best.items()})
 
 
-class Strength(NamedTuple):
-    """How strongly the description draws, and the relative error of what was left out for each strength."""
-
-    value: float
-    errors: dict[float, float]
-
-
 def strength(
     gathered: Gathered, plain: Gathered, folds: Sequence[int], structure: Structure, prior: Prior, sigma: Floats
-) -> Strength:
+) -> float:
     """Return the strength whose fits of all folds but one explain that one best."""
-    errors: dict[float, float] = {}
     rows = without_one(gathered, folds, structure, sigma)
-    total = float((plain.squares[list(folds)] / sigma**2).sum())
-    for value in STRENGTHS:
-        off = 0.0
-        for fold, (R, z) in zip(folds, rows, strict=True):
-            theta = consistent_parameters(R, z, prior, value).theta
-            off += float((squares(plain, fold, structure, theta) / sigma**2).sum())
-        errors[value] = float(np.sqrt(off / total))
-    return Strength(min(errors, key=lambda each: errors[each]), errors)
+
+    def error(value: float) -> float:
+        left = (
+            squares(plain, fold, structure, consistent_parameters(R, z, prior, value).theta)
+            for fold, (R, z) in zip(folds, rows, strict=True)
+        )
+        return sum(float((each / sigma**2).sum()) for each in left)
+
+    return min(STRENGTHS, key=error)
 
 
 def with_speeds(motor: Motor, largest: float, slip_speed: float) -> Motor:

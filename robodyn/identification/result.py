@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -19,8 +18,6 @@ from robodyn.scene.scene import Scene
 from robodyn.scene.uncertainty import Covariance
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
-
-_HALF = 0.5
 
 
 @dataclass(frozen=True)
@@ -126,7 +123,7 @@ class Identified:
     @property
     def explains(self) -> bool:
         """Whether less than half of held-out torques (of all, where none are held out) is left."""
-        return (self.held_out or self.train).relative_error < _HALF
+        return (self.held_out or self.train).relative_error < 0.5
 
     @property
     def better(self) -> bool:
@@ -134,15 +131,6 @@ class Identified:
         and by zero."""
         new, old = self.held_out or self.train, self.original_held_out or self.original_train
         return new.relative_error < min(old.relative_error, 1.0)
-
-
-class Outcome(NamedTuple):
-    """Parameters of `robodyn.regressor` in `scene` before and after, and the scene with what was found."""
-
-    names: tuple[str, ...]
-    described: Floats
-    theta: Floats
-    scene: Scene
 
 
 def motor_fits(structure: Structure, theta: Floats) -> dict[str, MotorFit]:
@@ -159,8 +147,10 @@ def motor_fits(structure: Structure, theta: Floats) -> dict[str, MotorFit]:
     return fits
 
 
-def outcome(model: Model, scene: Scene, structure: Structure, theta: Floats, slip_speed: float) -> Outcome:
-    """Return what was found, as `robodyn.regressor` names it, in the scene without its payloads.
+def outcome(
+    model: Model, scene: Scene, structure: Structure, theta: Floats, slip_speed: float
+) -> tuple[tuple[str, ...], Floats, Floats, Scene]:
+    """Return names and values before and after of what was found, as `robodyn.regressor` has them, and the scene.
 
     Args:
         theta: of `structure.names`.
@@ -170,8 +160,7 @@ def outcome(model: Model, scene: Scene, structure: Structure, theta: Floats, sli
     friction, coupled = dict(scene.friction), {motor.name: motor for motor in scene.coupled}
     for name, fit in motors.items():
         if name in joints:
-            old = friction_of(joints[name], scene)
-            friction[name] = _as_shaped(old, fit)
+            friction[name] = _as_shaped(friction_of(joints[name], scene), fit)
         else:
             before = coupled.get(name, CoupledMotor(name, fit.joints))
             coupled[name] = replace(before, friction=_as_shaped(before.friction, fit))
@@ -189,7 +178,7 @@ def outcome(model: Model, scene: Scene, structure: Structure, theta: Floats, sli
             values[f"{name}.stribeck"] = fit.stribeck
     after = np.array([values[name] for name in found.names])
     whole = calibrated(model, found.names, after, bare)
-    return Outcome(found.names, found.theta, after, replace(whole, slip_speed=slip_speed, payloads=scene.payloads))
+    return found.names, found.theta, after, replace(whole, slip_speed=slip_speed, payloads=scene.payloads)
 
 
 def _as_shaped(old: Friction, fit: MotorFit) -> Friction:
@@ -225,15 +214,10 @@ def carriers(base: Base, names: Sequence[str]) -> Floats:
     places = {name: k for k, name in enumerate(names)}
     carried = np.zeros((len(names), base.rank))
     for column, k in enumerate(base.independent):
-        for name, part in _meant(base.names[k]):
-            if name in places:
-                carried[places[name], column] = part
+        motor, _, kind = base.names[k].rpartition(".")
+        parts = {base.names[k]: 1.0}
+        if kind in ("coulomb", "offset"):
+            parts = {f"{motor}.forward": 1.0, f"{motor}.backward": 1.0 if kind == "offset" else -1.0}
+        for name in parts.keys() & places.keys():
+            carried[places[name], column] = parts[name]
     return carried
-
-
-def _meant(name: str) -> tuple[tuple[str, float], ...]:
-    """Return the parameters of `robodyn.regressor` that one of a motor stands for, and how much of each."""
-    motor, _, kind = name.rpartition(".")
-    if kind in ("coulomb", "offset"):
-        return (f"{motor}.forward", 1.0), (f"{motor}.backward", 1.0 if kind == "offset" else -1.0)
-    return ((name, 1.0),)

@@ -8,9 +8,8 @@ from helpers.command_line import ROBOTS
 
 import robodyn
 from robodyn.errors import TrajectoryError
-from robodyn.identification.log.log import read_log
+from robodyn.identification.log.log import noise_cutoff, read_log
 from robodyn.identification.log.rows import convolved, filtered, kernel, rates, states
-from robodyn.identification.log.torques import noise_cutoff
 
 ARM = ROBOTS / "two_link_planar.urdf"
 STEP = 0.004

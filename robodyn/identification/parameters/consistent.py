@@ -9,7 +9,7 @@ import numpy as np
 
 from robodyn.dynamics.regressor import INERTIAL
 from robodyn.errors import InputError
-from robodyn.identification.parameters.prior import Prior, divergence, parameters_of, pseudo_inertia
+from robodyn.identification.parameters.prior import Prior, parameters_of, pseudo_inertia
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
 
@@ -25,15 +25,10 @@ _STEPS, _LAST = 400, 12
 """Newton's steps at most, and those at the end of the path after which what is left is rounding."""
 
 
-def _basis() -> Floats:
-    E = np.zeros((10, 4, 4))
-    for k, (i, j) in enumerate(zip(*np.triu_indices(4), strict=True)):
-        E[k, i, j] = E[k, j, i] = 1.0 if i == j else 0.5**0.5
-    return E
-
-
-BASIS = _basis()
+BASIS = np.zeros((10, 4, 4))
 """An orthonormal basis (10, 4, 4) of the symmetric matrices."""
+for _k, (_i, _j) in enumerate(zip(*np.triu_indices(4), strict=True)):
+    BASIS[_k, _i, _j] = BASIS[_k, _j, _i] = 1.0 if _i == _j else 0.5**0.5
 _ONE = einsum("kii->k", BASIS)
 """The coordinates of the identity."""
 
@@ -50,16 +45,12 @@ class ConsistentFit(NamedTuple):
     Attributes:
         theta: (p,).
         error: ||R theta - z||^2 / 2.
-        divergence: D, by body that the rows show.
         gap: by how much the objective exceeds its minimum at most; infinite if that could not be found.
-        steps: of Newton's method.
     """
 
     theta: Floats
     error: float
-    divergence: dict[str, float]
     gap: float
-    steps: int
 
 
 def consistent_parameters(R: Floats, z: Floats, prior: Prior, strength: float = 0.0) -> ConsistentFit:
@@ -86,33 +77,19 @@ def consistent_parameters(R: Floats, z: Floats, prior: Prior, strength: float = 
         strength: in the unit of ||z||^2.
 
     Raises:
-        InputError: shapes do not fit, a number is not finite, or the strength is negative.
+        InputError: a number is not finite.
 
     Accuracy: the objective is within 2e-12 (k + 1) ||z||^2 of its minimum, with k bounds; `gap` says it.
     """
-    _check(R, z, prior, strength)
-    path = _Path(R, z, prior, strength)
-    if not path.seen.any():
-        return ConsistentFit(prior.described.copy(), float(einsum("i,i->", z, z)) / 2.0, {}, 0.0, 0)
-    gap, steps = path.follow()
-    theta = path.theta()
-    residual = einsum("ij,j->i", R, theta) - z
-    error = float(einsum("i,i->", residual, residual)) / 2.0
-    far = {
-        body.name: float(divergence(*(pseudo_inertia(each[body.columns]) for each in (theta, prior.theta))))
-        for body in path.bodies
-    }
-    return ConsistentFit(theta, error, far, gap * path.size**2, steps)
-
-
-def _check(R: Floats, z: Floats, prior: Prior, strength: float) -> None:
-    p = len(prior.names)
-    if np.ndim(R) != 2 or np.shape(R)[1] != p or np.shape(z) != (len(R),):
-        raise InputError(f"rows of shape {np.shape(R)} and {np.shape(z)} for {p} parameters")
     if not (np.isfinite(R).all() and np.isfinite(z).all()):
         raise InputError("the rows have numbers that are not finite", remedy="look for gaps in the log")
-    if not 0.0 <= strength < np.inf:
-        raise InputError(f"the strength {strength:g} is not positive or zero")
+    path = _Path(R, z, prior, strength)
+    if not path.seen.any():
+        return ConsistentFit(prior.described.copy(), float(einsum("i,i->", z, z)) / 2.0, 0.0)
+    gap = path.follow()
+    theta = path.theta()
+    residual = einsum("ij,j->i", R, theta) - z
+    return ConsistentFit(theta, float(einsum("i,i->", residual, residual)) / 2.0, gap * path.size**2)
 
 
 class _Path:
@@ -169,19 +146,19 @@ class _Path:
         theta: Floats = self.offset + self.T @ y
         return theta
 
-    def follow(self) -> tuple[float, int]:
-        """Go to the end of the path; return by how much the objective exceeds its minimum at most, and the steps."""
+    def follow(self) -> float:
+        """Go to the end of the path; return by how much the objective exceeds its minimum at most."""
         error = self.A @ self.y - self.b
         mu, at_end = max(1e-2, float(error @ error)), 0
-        for steps in range(1, _STEPS + 1):
+        for _ in range(_STEPS):
             squared = self._step(mu)
             if mu > _FLOOR:
                 mu = max(_FLOOR, _NEXT * mu) if squared < _CENTRED * mu else mu
                 continue
             at_end += 1
             if squared < min(_SETTLED * self.lam, _FLOOR) or at_end > _LAST:
-                return squared + len(self.slack) * _FLOOR, steps
-        return inf, _STEPS
+                return squared + len(self.slack) * _FLOOR
+        return inf
 
     def _step(self, mu: float) -> float:
         """Go by Newton's direction to where the objective is least along it; return the square of the decrement.

@@ -22,7 +22,6 @@ from robodyn.solids.inertia.validity import Box, around, half_size
 from robodyn.solids.mesh.read.load import load_triangles
 from robodyn.solids.mesh.triangles import scaled
 from robodyn.support.floats import Floats
-from robodyn.support.sums import einsum
 from robodyn.support.wording import listed, shown
 
 _FLAT = 1e-6
@@ -158,24 +157,6 @@ def _sizes(model: Model, boxes: Mapping[str, Box]) -> dict[str, float]:
     return {body.name: size or length(body.joint.p) or 1.0 for body, size in zip(model.bodies, sizes, strict=True)}
 
 
-def _map() -> Floats:
-    """Return (10, 4, 4): the pseudo-inertia of each parameter alone, in the order of the regressor."""
-    P = np.zeros((10, 4, 4))
-    P[0, 3, 3] = 1.0
-    for i in range(3):
-        P[1 + i, i, 3] = P[1 + i, 3, i] = 1.0
-    for k, (i, j) in zip(range(4, 10), ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)), strict=True):
-        if i == j:
-            P[k, :3, :3] = 0.5 * np.eye(3)
-            P[k, i, i] = -0.5
-        else:
-            P[k, i, j] = P[k, j, i] = -1.0
-    return P
-
-
-_OF_PARAMETERS = _map()
-
-
 def pseudo_inertia(parameters: ArrayLike) -> Floats:
     """P = [[S, m c], [m c^T, m]] with S = tr(I) / 2 1 - I, the integral of (x, 1) (x, 1)^T dm about the frame's origin.
 
@@ -190,8 +171,10 @@ def pseudo_inertia(parameters: ArrayLike) -> Floats:
 
     Accuracy: each entry within 2 eps of the largest of its kind; `parameters_of` undoes it likewise.
     """
-    P: Floats = einsum("...k,kij->...ij", np.asarray(parameters, dtype=float), _OF_PARAMETERS)
-    return P
+    m, mx, my, mz, xx, xy, xz, yy, yz, zz = np.moveaxis(np.asarray(parameters, dtype=float), -1, 0)
+    half = 0.5 * (xx + yy + zz)
+    rows = (half - xx, -xy, -xz, mx), (-xy, half - yy, -yz, my), (-xz, -yz, half - zz, mz), (mx, my, mz, m)
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 
 def parameters_of(P: ArrayLike) -> Floats:
@@ -201,21 +184,6 @@ def parameters_of(P: ArrayLike) -> Floats:
     first = (P[..., 3, 3], P[..., 0, 3], P[..., 1, 3], P[..., 2, 3])
     moments = (yy + zz, -P[..., 0, 1], -P[..., 0, 2], xx + zz, -P[..., 1, 2], xx + yy)
     return np.stack((*first, *moments), axis=-1)
-
-
-def divergence(P: Floats, P0: Floats) -> Floats:
-    """D(P || P0) = tr(P0^-1 P) - log det(P0^-1 P) - 4, zero for P = P0 alone (Lee, Wensing, Park 2020).
-
-    It does not depend on units, axes or origin: D(T P T^T || T P0 T^T) = D(P || P0).
-
-    Args:
-        P, P0: (..., 4, 4) positive definite.
-    """
-    L = np.linalg.cholesky(P0)
-    half = np.linalg.solve(L, P)
-    values = np.linalg.eigvalsh(np.linalg.solve(L, np.swapaxes(half, -1, -2)))
-    found: Floats = np.sum(values - 1.0 - np.log(values), axis=-1)
-    return found
 
 
 def body_boxes(model: Model) -> tuple[dict[str, Box], tuple[str, ...]]:

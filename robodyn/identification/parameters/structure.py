@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.identification.parameters.base import Base, shown
 from robodyn.identification.parameters.qr_accumulation import LAGS, Gathered, Moments, stacked
@@ -19,6 +18,11 @@ _RIDGE = 1e-4
 _ROUNDS = 6
 _LEAST = 1e-13
 """Of a joint's torques: residuals are not taken for smaller."""
+_LAG = np.arange(LAGS + 1)
+_TAPER = np.where(2 * _LAG < LAGS + 1, 1.0 - 6.0 * (x := _LAG / (LAGS + 1.0)) ** 2 * (1.0 - x), 2.0 * (1.0 - x) ** 3)
+"""Parzen's, of each lag."""
+_BOTH = np.where(_LAG > 0, 2.0, 1.0) * _TAPER
+"""How often each lag counts, forwards and backwards, times its taper."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,61 +167,27 @@ def covariance(moments: Moments, structure: Structure, base: Base, R: Floats, si
     _, size, axes = np.linalg.svd(A / lengths, full_matrices=False)
     inverse = axes.T / size / lengths[:, None]
     shape = structure.shape[:, base.independent] @ inverse
-    C = [
-        _symmetric(einsum("ar,lab,bs->lrs", own, sums, own, optimize=True))
-        for own, sums in zip(
-            (shape[used] / scale for used, scale in zip(structure.regressor.used, sigma, strict=True)),
-            moments.columns,
-            strict=True,
-        )
-    ]
-    rho, n = _correlations(moments), moments.count
+    C = []
+    for used, scale, sums in zip(structure.regressor.used, sigma, moments.columns, strict=True):
+        own = shape[used] / scale
+        products = einsum("ar,lab,bs->lrs", own, sums, own, optimize=True)
+        C.append((products + products.swapaxes(1, 2)) / 2.0)
+    rows = moments.count - _LAG.astype(float)
+    first = np.where(moments.residuals[0] > 0.0, moments.residuals[0], 1.0)
+    rho = moments.residuals / first * moments.count / np.maximum(rows, 1.0)[:, None]
     W = _meat(C, rho)
     for j, own in enumerate(C):
-        expected = np.diag(n - np.arange(LAGS + 1.0)) - 2.0 * _lost(einsum("lrr->l", own)) * _taper()
-        left = rho[:, j] * (n - np.arange(LAGS + 1.0)) - einsum("lrs,rs->l", own[: LAGS + 1], W)
-        rho[:, j] = np.linalg.solve(expected, left)
+        traces = einsum("lrr->l", own)  # what is fitted of the correlation at one lag from the products at another
+        lost = (traces[_LAG[:, None] + _LAG] + traces[np.abs(_LAG[:, None] - _LAG)]) * np.where(_LAG > 0, 1.0, 0.5)
+        left = rho[:, j] * rows - einsum("lrs,rs->l", own[: LAGS + 1], W)
+        rho[:, j] = np.linalg.solve(np.diag(rows) - 2.0 * lost * _TAPER, left)
     values, axes = np.linalg.eigh(_meat(C, rho))
-    low, high = _spectrum(rho)
-    half = inverse @ axes * np.sqrt(np.clip(values, low, high))
+    # W lies between the least and the largest power of all joints' residuals, but for rounding.
+    power = np.cos(np.outer(np.linspace(0.0, np.pi, 8 * LAGS), _LAG)) @ (_BOTH[:, None] * rho)
+    half = inverse @ axes * np.sqrt(np.clip(values, max(float(power.min()), 0.0), max(float(power.max()), 0.0)))
     return np.asarray(half @ half.T)
 
 
-def _symmetric(C: Floats) -> Floats:
-    return np.asarray((C + C.swapaxes(1, 2)) / 2.0)
-
-
-def _correlations(moments: Moments) -> Floats:
-    """Return (LAGS + 1, joints) the mean products of residuals, as they are, in parts of those at lag 0."""
-    first = np.where(moments.residuals[0] > 0.0, moments.residuals[0], 1.0)
-    rows = moments.count - np.arange(LAGS + 1.0)[:, None]
-    return np.asarray(moments.residuals / first * moments.count / np.maximum(rows, 1.0))
-
-
-def _taper() -> NDArray[np.float64]:
-    x = np.arange(LAGS + 1) / (LAGS + 1.0)
-    return np.where(x < 0.5, 1.0 - 6.0 * x * x * (1.0 - x), 2.0 * (1.0 - x) ** 3)
-
-
-def _both() -> NDArray[np.float64]:
-    """Return how often each lag counts, forwards and backwards, times its taper."""
-    return np.where(np.arange(LAGS + 1) > 0, 2.0, 1.0) * _taper()
-
-
 def _meat(C: Sequence[Floats], rho: Floats) -> Floats:
-    parts = [einsum("l,lrs->rs", _both() * rho[:, j], own[: LAGS + 1]) for j, own in enumerate(C)]
+    parts = [einsum("l,lrs->rs", _BOTH * rho[:, j], own[: LAGS + 1]) for j, own in enumerate(C)]
     return np.asarray(np.sum(parts, axis=0))
-
-
-def _lost(traces: Floats) -> Floats:
-    """Return (LAGS + 1, LAGS + 1) how much of the correlation at one lag was fitted from the products at another."""
-    lag = np.arange(LAGS + 1)
-    half = np.where(lag > 0, 1.0, 0.5)
-    return np.asarray((traces[lag[:, None] + lag] + traces[np.abs(lag[:, None] - lag)]) * half)
-
-
-def _spectrum(rho: Floats) -> tuple[float, float]:
-    """Return the least and the largest power of all joints' residuals, between which W lies but for rounding."""
-    angles = np.linspace(0.0, np.pi, 8 * LAGS)
-    power = np.cos(np.outer(angles, np.arange(LAGS + 1))) @ (_both()[:, None] * rho)
-    return max(float(power.min()), 0.0), max(float(power.max()), 0.0)
