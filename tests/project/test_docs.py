@@ -44,6 +44,10 @@ TABLES_OF_SCENE = (
 )
 
 
+LONG = ("identify", "feet_on_the_ground", "reports", "many_trajectories", "measured_logs", "export")
+"""How-tos whose examples compute for seconds."""
+
+
 def having(*languages: str) -> list[str]:
     """Return the pages that have blocks of one of these languages."""
     return [name for name, text in PAGES.items() if any(blocks(text, language) for language in languages)]
@@ -70,7 +74,13 @@ def test_every_robot_that_a_page_names_is_there():
     assert not [path for path in sorted(named) if not (ROOT / path).exists()]
 
 
-@pytest.mark.parametrize("page", having("console", "pycon", "sh"))
+@pytest.mark.parametrize(
+    "page",
+    [
+        pytest.param(page, marks=[pytest.mark.slow] * (Path(page).stem in LONG))
+        for page in having("console", "pycon", "sh")
+    ],
+)
 def test_every_example_prints_what_is_shown(page, tmp_path):
     for library in re.findall(r"^>>> import (casadi|jax)$", PAGES[page], re.MULTILINE):
         peer(library)
