@@ -8,16 +8,14 @@ for them at first, so that the mesh is made by a process of its own.
 
 from __future__ import annotations
 
-import os
-import subprocess
 import sys
 import tempfile
-import time
 from importlib.util import find_spec
 from multiprocessing import get_context
 from pathlib import Path
 from statistics import median
 
+from benchmarks.timing import of_process
 from helpers.machine import machine
 from helpers.markdown_tables import main, table
 from helpers.mesh_samples import binary_stl, torus
@@ -42,24 +40,11 @@ def write(path: Path, rings: int, sectors: int) -> None:
     path.write_bytes(binary_stl(torus(2.0, 0.5, rings, sectors)))
 
 
-def run(call: tuple[str, ...], path: Path) -> tuple[float, float]:
-    """Wall time [s] and peak memory [MB] of a new process."""
-    environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
-    start = time.perf_counter()
-    command = [sys.executable, "-c", *call, str(path)]
-    process = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL)
-    _, status, usage = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)
-    spent = time.perf_counter() - start
-    if process.returncode:
-        raise RuntimeError(f"{command} failed")
-    return spent, usage.ru_maxrss / (1 << 20 if sys.platform == "darwin" else 1 << 10)
-
-
 def medians(path: Path, turns: int) -> dict[str, tuple[float, float]]:
     """Median time [s] and memory [MB] of every process that can run here."""
     calls = {name: call for name, call in CALLS.items() if "igl" not in call[0] or find_spec("igl")}
-    rounds = [{name: run(call, path) for name, call in calls.items()} for _ in range(turns + 1)][1:]
+    commands = {name: [sys.executable, "-c", *call, str(path)] for name, call in calls.items()}
+    rounds = [{name: of_process(command) for name, command in commands.items()} for _ in range(turns + 1)][1:]
     return {name: tuple(median(each[name][k] for each in rounds) for k in (0, 1)) for name in calls}
 
 

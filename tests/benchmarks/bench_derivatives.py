@@ -10,13 +10,11 @@ the entries that are not always zero.
 
 from __future__ import annotations
 
-from functools import cache, partial
+from functools import partial
 
 import numpy as np
 import pinocchio as pin
-from benchmarks.bench_executors import nanoseconds
-from benchmarks.executors import random_sources
-from benchmarks.peer_tasks import bare_description, bare_scene
+from benchmarks.pinocchio_runs import bare_description, described, each, nanoseconds, random_sources
 from benchmarks.timing import taking_turns
 from helpers.example_robots import path_of
 from helpers.machine import machine
@@ -45,15 +43,9 @@ HEAD = (
 )
 
 
-@cache
-def described(name: str) -> tuple[robodyn.Model, robodyn.Scene]:
-    model = robodyn.load(path_of(ROBOTS[name]))
-    return model, bare_scene(model)
-
-
 def sizes(name: str) -> tuple[int, int]:
     """Operations per sample of both gradients."""
-    a_plan = Plan(*described(name))
+    a_plan = Plan(*described(ROBOTS[name]))
     return inverse_derivatives(a_plan).size, forward_derivatives(a_plan).size
 
 
@@ -63,23 +55,13 @@ def peers(model):
     data, rng = other.createData(), np.random.default_rng(1)
     q = [pin.randomConfiguration(other, -np.ones(other.nq), np.ones(other.nq)) for _ in range(CALLS)]
     v, a = rng.uniform(-1, 1, (2, CALLS, other.nv))
-
-    def each(algorithm):
-        def run():
-            for state in zip(q, v, a, strict=True):
-                algorithm(other, data, *state)
-
-        return run
-
-    return {
-        "ID": each(pin.rnea),
-        "dID": each(pin.computeRNEADerivatives),
-        "dFD": each(pin.computeABADerivatives),
-    }
+    algorithms = {"ID": pin.rnea, "dID": pin.computeRNEADerivatives, "dFD": pin.computeABADerivatives}
+    states = list(zip(q, v, a, strict=True))
+    return {name: each(partial(algorithm, other, data), states) for name, algorithm in algorithms.items()}
 
 
 def agreement(name: str) -> float:
-    model, scene = described(name)
+    model, scene = described(ROBOTS[name])
     other, sources = PinocchioRobot(path_of(ROBOTS[name])), random_sources(model, scene, 5)
     state = [sources[source] for source in ("q", "qd", "qdd")]
     found = robodyn.inverse_dynamics_derivatives(model, *state, scene=scene)
@@ -89,7 +71,7 @@ def agreement(name: str) -> float:
 
 
 def row(name: str, samples: int) -> tuple[str, ...]:
-    model, scene = described(name)
+    model, scene = described(ROBOTS[name])
     n, sources = model.n, random_sources(model, scene, samples)
     state = [sources[source] for source in ("q", "qd", "qdd")]
     count = len(robodyn.inverse_dynamics_derivative_entries(model, *(x[0] for x in state), scene=scene).row)

@@ -11,10 +11,7 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
-import pinocchio as pin
-from benchmarks.bench_executors import ROBOTS, described, joints, nanoseconds
-from benchmarks.executors import random_sources
-from benchmarks.peer_tasks import bare_description, following
+from benchmarks.pinocchio_runs import ROBOTS, described, in_parallel, joints, nanoseconds, random_sources
 from benchmarks.timing import taking_turns
 from helpers.machine import machine
 from helpers.markdown_tables import main, table
@@ -37,22 +34,6 @@ def operations(name: str) -> tuple[int, int]:
     return acceleration_program(Plan(model, scene)).size, acceleration_program(Plan(model, scene, still)).size
 
 
-def peer(model, q, qd, tau):
-    """`abaInParallel` of the same samples, and a function for its accelerations in the order of ours."""
-    other = pin.buildModelFromXML(bare_description(model))
-    S, offset = following(model)
-    moving = [body.joint.name for body in model.bodies if body.joint.kind != "fixed"]
-    places = [other.joints[other.getJointId(name)] for name in moving]
-    Q = np.asfortranarray(np.tile(pin.neutral(other)[:, None], len(q)))
-    V, T, out = (np.zeros((other.nv, len(q)), order="F") for _ in range(3))
-    for joint, angle in zip(places, (q @ S.T + offset).T, strict=True):
-        Q[joint.idx_q : joint.idx_q + joint.nq] = angle if joint.nq == 1 else (np.cos(angle), np.sin(angle))
-    rows = [joint.idx_v for joint in places]
-    V[rows], T[rows] = (qd @ S.T).T, (tau @ np.linalg.pinv(S)).T
-    run = partial(pin.abaInParallel, 1, pin.ModelPool(other, 1), Q, V, T, out)
-    return run, lambda: out[rows].T @ np.linalg.pinv(S).T
-
-
 def row(name: str, samples: int) -> tuple[str, ...]:
     model, scene = described(name)
     sources = random_sources(model, scene, samples)
@@ -64,7 +45,7 @@ def row(name: str, samples: int) -> tuple[str, ...]:
             robodyn.forward_dynamics, model, *state, scene=scene, out=out, executor=executor, threads=threads
         )
 
-    run, found = peer(model, *state)
+    run, found = in_parallel(model, "abaInParallel", state)
     acts = {"numpy": ours("numpy"), "compiled": ours("compiled", 1), "threads": ours("compiled", 2), "pinocchio": run}
     times = {way: time.per(samples) for way, time in taking_turns(acts).items()}
     shared = any(body.joint.mimics for body in model.bodies)

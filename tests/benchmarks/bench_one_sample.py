@@ -15,9 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from benchmarks.bench_derivatives import described
-from benchmarks.executors import random_sources
-from benchmarks.peer_tasks import bare_description
+from benchmarks.pinocchio_runs import bare_description, described, each, random_sources
 from benchmarks.timing import taking_turns
 from helpers.example_robots import path_of
 from helpers.machine import machine
@@ -50,13 +48,13 @@ HEAD = (
 
 
 def states_of(name: str, calls: int) -> list[tuple[np.ndarray, ...]]:
-    sources = random_sources(*described(name), calls)
+    sources = random_sources(*described(ROBOTS[name]), calls)
     return list(zip(*(np.ascontiguousarray(sources[x]) for x in ("q", "qd", "qdd")), strict=True))
 
 
 def agreement(name: str, algorithm: str) -> float:
     """The largest difference from Pinocchio's results; of accelerations from the torques that they take there."""
-    model, scene = described(name)
+    model, scene = described(ROBOTS[name])
     other, states = PinocchioRobot(path_of(ROBOTS[name])), states_of(name, 5)
     one = robodyn.function(model, ALGORITHMS[algorithm].name, scene=scene)
     found = np.array([one(*state[: ALGORITHMS[algorithm].arrays]) for state in states])
@@ -68,18 +66,8 @@ def agreement(name: str, algorithm: str) -> float:
     return worst(other.torques(model, q, qd, found), last)
 
 
-def each(function: Callable[..., Any], states: list[tuple[np.ndarray, ...]]) -> Callable[[], None]:
-    """Call a function with each state."""
-
-    def run() -> None:
-        for state in states:
-            function(*state)
-
-    return run
-
-
 def row(name: str, algorithm: str, calls: int) -> tuple[str, ...]:
-    model, scene = described(name)
+    model, scene = described(ROBOTS[name])
     ours, arrays, peer = ALGORITHMS[algorithm]
     other = pin.buildModelFromXML(bare_description(model))
     data, rng = other.createData(), np.random.default_rng(1)

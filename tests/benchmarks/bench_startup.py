@@ -6,14 +6,12 @@ temporary folder, as that of an installed package is; the first round writes it 
 
 from __future__ import annotations
 
-import os
-import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 from statistics import median
 
+from benchmarks.timing import of_process
 from helpers.machine import machine
 from helpers.markdown_tables import main, table
 
@@ -21,7 +19,7 @@ ROBOTS = Path(__file__).parent.parent.parent / "robots"
 JOB = (
     "import sys; from robodyn.cli.start import start; "
     f"sys.argv = ['robodyn', 'torques', {str(ROBOTS / 'scara.urdf')!r}, "
-    f"{str(ROBOTS / 'scara_pick_and_place.csv')!r}, '--out', 'tau.csv']; start()"
+    f"{str(ROBOTS / 'scara_pick_and_place.csv')!r}, '--out', sys.argv[1]]; start()"
 )
 REFERENCE = 'python -c "import numpy, click"'
 CODES = {
@@ -31,19 +29,16 @@ CODES = {
 }
 
 
-def seconds(code: str, folder: str) -> float:
-    """Wall time of a new interpreter that runs this code."""
-    variables = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
-    variables["PYTHONPYCACHEPREFIX"] = folder
-    start = time.perf_counter()
-    subprocess.run([sys.executable, "-c", code], cwd=folder, env=variables, stdout=subprocess.DEVNULL, check=True)
-    return time.perf_counter() - start
-
-
 def medians(turns: int) -> dict[str, float]:
     """Median time [s] of every command."""
     with tempfile.TemporaryDirectory() as folder:
-        rounds = [{name: seconds(code, folder) for name, code in CODES.items()} for _ in range(turns + 1)]
+        rounds = [
+            {
+                name: of_process([sys.executable, "-c", code, f"{folder}/tau.csv"], PYTHONPYCACHEPREFIX=folder)[0]
+                for name, code in CODES.items()
+            }
+            for _ in range(turns + 1)
+        ]
     return {name: median(each[name] for each in rounds[1:]) for name in CODES}
 
 

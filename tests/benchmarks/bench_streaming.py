@@ -9,17 +9,13 @@ Each is a process of its own, the two take turns, and the medians count.
 
 from __future__ import annotations
 
-import os
-import shutil
-import subprocess
 import sys
 import tempfile
-import time
-from collections.abc import Sequence
 from pathlib import Path
 from statistics import median
 
 import numpy as np
+from benchmarks.timing import installed, of_process
 from helpers.machine import machine
 from helpers.markdown_tables import main, table
 from helpers.oracles import ROBOTS, robot
@@ -52,30 +48,16 @@ def write_motion(path: Path, rows: int, with_rates: bool) -> None:
             file.write(pl.DataFrame(columns).write_csv(include_header=start == 0).encode())
 
 
-def run(command: Sequence[str], target: Path) -> tuple[float, float]:
-    """Wall time [s] and largest memory [MB] of a process that writes `target`, which is removed afterwards."""
-    start = time.perf_counter()
-    process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
-    _, status, usage = os.wait4(process.pid, 0)
-    spent = time.perf_counter() - start
-    process.returncode = os.waitstatus_to_exitcode(status)
-    assert process.returncode == 0, command
-    assert target.stat().st_size > 0
-    target.unlink()
-    return spent, usage.ru_maxrss / (1e6 if sys.platform == "darwin" else 1e3)
-
-
 def measured(title: str, with_rates: bool, rows: int, turns: int) -> tuple[str, ...]:
     """A row of the report."""
-    robodyn = shutil.which("robodyn", path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
     with tempfile.TemporaryDirectory() as folder:
         source, target = Path(folder) / "motion.csv", Path(folder) / "out.csv"
         write_motion(source, rows, with_rates)
         size = source.stat().st_size / 1e6
-        ours = [str(robodyn), "torques", str(ROBOTS / f"{ROBOT}.urdf"), str(source), "--out", str(target)]
+        ours = [installed(), "torques", str(ROBOTS / f"{ROBOT}.urdf"), str(source), "--out", str(target)]
         alone = [sys.executable, "-c", ALONE, str(source), str(target)]
-        run(alone, target)
-        spent = [(run(ours, target), run(alone, target)) for _ in range(turns)]
+        of_process(alone)
+        spent = [(of_process(ours), of_process(alone)) for _ in range(turns)]
     (mine, my_memory), (raw, raw_memory) = (
         [median(numbers) for numbers in zip(*each, strict=True)] for each in zip(*spent, strict=True)
     )

@@ -10,11 +10,10 @@ publish, `python -m benchmarks.peak_bar_coverage --half publish --write` in `tes
 from __future__ import annotations
 
 import argparse
-import inspect
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -118,20 +117,6 @@ def largest(model: robodyn.Model, rates: Sequence[Array]) -> Array:
     return np.asarray(np.abs(robodyn.inverse_dynamics(model, *rates)).max(axis=0))
 
 
-def option(call: Callable[..., Any], name: str, value: float | None) -> dict[str, float]:
-    """The option, where it is given and this function takes it."""
-    return {name: value} if value is not None and name in inspect.signature(call).parameters else {}
-
-
-def computed(model: robodyn.Model, table: Table) -> Callable[[robodyn.Model], Any]:
-    """What computes the torques of the table for a model with these joints; the motion is read once."""
-    declared = table.declared
-    motion = robodyn.motion(
-        model, table.time, table.q, table.qd, table.qdd, **option(robodyn.motion, "encoder_error", declared)
-    )
-    return partial(robodyn.torques, trajectory=motion, **option(robodyn.torques, "encoder_error", declared))
-
-
 def case(kind: str, draw: int, half: str) -> Case:
     """One draw of a class of motions, everything else random."""
     rng = np.random.default_rng([HALVES[half], list(MOTIONS).index(kind), draw])
@@ -146,8 +131,8 @@ def case(kind: str, draw: int, half: str) -> Case:
     true, between = truths(model, path, table, exact=given == "both")
     labels = (kind, reading, given, f"{hz} Hz")
     try:
-        torques = computed(model, table)
-        printed = torques(model).joints
+        motion = robodyn.motion(model, table.time, table.q, table.qd, table.qdd, encoder_error=table.declared or 0.0)
+        printed = robodyn.torques(model, motion).joints
     except robodyn.RobodynError as error:
         return Case(labels, file.stem, draw, refused=str(error))
     scale = float(true.max())
@@ -158,7 +143,7 @@ def case(kind: str, draw: int, half: str) -> Case:
     heavy = [load for load in loads if load.true > 1e-3 * scale]
     limits = (BELOW, float(rng.uniform(0.9, 0.99)), ABOVE)
     verdicts = tuple(
-        (load, share, torques(robot_of(file, load.joint, share * load.true)).within_limits)
+        (load, share, robodyn.torques(robot_of(file, load.joint, share * load.true), motion).within_limits)
         for load in (heavy[k] for k in rng.permutation(len(heavy))[:JUDGED])
         for share in limits
     )

@@ -1,9 +1,14 @@
-"""Measuring time of several things in turn, on a machine that others use too."""
+"""Measuring time of several things in turn, on a machine that others use too; time and memory of processes."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from statistics import median
 from time import perf_counter
 from typing import TypeVar
@@ -74,3 +79,23 @@ def _turn(act: Callable[[], object]) -> list[float]:
         before, now = now, perf_counter()
         times.append(now - before)
     return times
+
+
+def of_process(command: Sequence[str], **variables: str) -> tuple[float, float]:
+    """Wall time [s] and peak memory [MB] of a new process, which writes bytecode as that of an installed package is."""
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"} | variables
+    start = perf_counter()
+    process = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    spent = perf_counter() - start
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode:
+        raise RuntimeError(f"{command} failed")
+    return spent, usage.ru_maxrss / (1 << 20 if sys.platform == "darwin" else 1 << 10)
+
+
+def installed() -> str:
+    """The command `robodyn` beside this Python, or that of the path."""
+    found = shutil.which("robodyn", path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
+    assert found is not None
+    return found

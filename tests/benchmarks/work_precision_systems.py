@@ -16,7 +16,7 @@ from typing import Any
 import mujoco
 import numpy as np
 import pinocchio as pin
-from benchmarks.peer_tasks import bare_description
+from benchmarks.pinocchio_runs import bare_description
 from helpers.example_robots import path_of
 from helpers.oracles import ROBOTS
 from helpers.series_reference import motion_reference

@@ -10,8 +10,7 @@ import pytest
 from helpers.command_line import Outcome, run
 
 from robodyn.measure import doctor
-from robodyn.measure.doctor import Line, healthy
-from robodyn.programs.run.self_test import TOLERANCE, SelfTest, self_test
+from robodyn.measure.doctor import TOLERANCE, Line, SelfTest, healthy, self_test
 from robodyn.report.accuracy import doctor_sections
 from robodyn.report.document import text
 from robodyn.robot.urdf.packages import VARIABLES

@@ -9,15 +9,10 @@ from typing import Any
 
 import numpy as np
 
-SPREAD_BUDGET = 1.0
-"""Seconds for which rounds are repeated."""
-SPREAD_ROUNDS = 5
-"""So many at least, and at most 200 times as many."""
-SLOW = 0.5
-"""Seconds from which one run has to do."""
-
-CACHED = 0.01
-"""Seconds below which what stands in the caches matters."""
+SPREAD_BUDGET, SPREAD_ROUNDS = 1.0, 5
+"""Seconds for which rounds are repeated; so many at least, and at most 200 times as many."""
+SLOW, CACHED = 0.5, 0.01
+"""Seconds from which one run has to do, and below which what stands in the caches matters."""
 
 
 @dataclass(frozen=True)
@@ -103,11 +98,7 @@ class Rung:
 
 @dataclass(frozen=True)
 class Price:
-    """What something costs that changes no digit of the result.
-
-    Attributes:
-        time: seconds.
-    """
+    """What something costs that changes no digit of the result [s]."""
 
     name: str
     time: Spread

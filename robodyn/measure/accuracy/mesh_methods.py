@@ -1,7 +1,8 @@
-"""Ways to find the moments of a solid, from the crudest to the exact one; and of surfaces in place of the given one."""
+"""Ways to find the moments of a solid, from the crudest to the exact one, and how many operations they take."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from robodyn.solids.mesh.indexed import merged
 from robodyn.solids.mesh.inside import manifold, winding_numbers
 from robodyn.solids.mesh.integrals import Moments, integrate, swept
 from robodyn.solids.mesh.kernel import symmetric, volume_kernel
-from robodyn.solids.mesh.triangles import MemoryTriangles, Triangles
+from robodyn.solids.mesh.triangles import CHUNK, MemoryTriangles, Triangles, workspace
 from robodyn.support.floats import Floats
 
 _TESTS = 1 << 18
@@ -185,3 +186,57 @@ def _about_origin(corners: Floats) -> Moments:
     first = found.first + V * r
     mixed = np.outer(found.first, r)
     return Moments(V, first, found.S + mixed + mixed.T + V * np.outer(r, r))
+
+
+_RECENTRING = 9
+"""Subtractions that take the three corners of a triangle to the point of reference."""
+
+
+def counted(act: Callable[[Array], object], numbers: Array) -> int:
+    """Element operations of NumPy's functions that an act does on an array and on what comes of it.
+
+    A matrix product counts its multiplications and additions; sorting, indexing and running sums count nothing.
+    """
+    total = 0
+
+    class Counted(np.ndarray):  # type: ignore[type-arg,unused-ignore]
+        __array_priority__ = 1.0
+
+        def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
+            nonlocal total
+            plain = [_plain(value) for value in inputs]
+            if "out" in options:
+                options["out"] = tuple(_plain(value) for value in options["out"])
+            result = getattr(ufunc, method)(*plain, **options)
+            if ufunc is np.matmul:
+                total += 2 * np.size(result) * plain[0].shape[-1]
+            else:
+                total += max(np.size(value) for value in (*plain, *_several(result)))
+            several = _several(result)
+            wrapped = tuple(each.view(Counted) if isinstance(each, np.ndarray) else each for each in several)
+            return wrapped if isinstance(result, tuple) else wrapped[0]
+
+    act(numbers.view(Counted))
+    return total
+
+
+def integral_operations(triangles: int) -> int:
+    """Of the exact integral over so many triangles, in floats of any width."""
+    kernel = volume_kernel(workspace(12, CHUNK).reshape(4, 3, CHUNK))
+    total = 0
+    for function, arguments in kernel.steps:
+        if function is np.matmul:
+            total += 2 * arguments[0].size
+        elif function == np.add.reduce:
+            total += arguments[0].size
+        elif function is not np.copyto:
+            total += arguments[-1].size
+    return triangles * (_RECENTRING + round(total / CHUNK))
+
+
+def _plain(value: Any) -> Any:
+    return np.asarray(value) if isinstance(value, np.ndarray) else value
+
+
+def _several(result: Any) -> tuple[Any, ...]:
+    return result if isinstance(result, tuple) else (result,)

@@ -21,16 +21,17 @@ from robodyn.measure.accuracy.mesh_methods import (
     by_triangles,
     by_voxels,
     by_winding_numbers,
+    counted,
     inertia,
+    integral_operations,
     union_with_a_copy,
 )
-from robodyn.measure.accuracy.operations import counted, integral_operations
 from robodyn.solids.inertia.laws import exact, fraction
 from robodyn.solids.mass_properties import Part
 from robodyn.solids.mesh.asymmetry import CentredBody
 from robodyn.solids.mesh.closed import fingerprint, is_one_shell
 from robodyn.solids.mesh.integrals import LIMIT, Integrals, Moments, integrate
-from robodyn.solids.mesh.measured import SYMMETRY_TRIANGLES, Measured, measured
+from robodyn.solids.mesh.measured import SYMMETRY_TRIANGLES, measured
 from robodyn.solids.mesh.repair import repair
 from robodyn.solids.mesh.symmetry import symmetry
 from robodyn.solids.mesh.tessellation import tessellation
@@ -59,7 +60,12 @@ def mesh_accuracy(triangles: Triangles) -> Accuracy:
 
     Accuracy: of errors, 1e-15 of themselves; those of exact rationals are 2^-53 or less.
     """
-    found = _measured(triangles)
+    try:
+        found = measured(triangles, exact=True)
+    except MeshError as error:
+        elsewhere = error.remedy and error.remedy.startswith("--")
+        remedy = f"robodyn inertia: {error.remedy}" if elsewhere else error.remedy
+        raise MeshError(error.what, remedy=remedy, file=error.file) from None
     if not found.defined:
         raise MeshError(
             "what the surface encloses is not the sum over its triangles: there is no exact reference",
@@ -81,15 +87,6 @@ def mesh_accuracy(triangles: Triangles) -> Accuracy:
             notes.append(f"{name}: finds no volume")
     ladder = Ladder("volume and inertia", MEASURES, "exact rationals", "mesh", tuple(rungs))
     return Accuracy(triangles.name, (ladder,), _prices(triangles, surface, whole, corners), notes=tuple(notes))
-
-
-def _measured(triangles: Triangles) -> Measured:
-    try:
-        return measured(triangles, exact=True)
-    except MeshError as error:
-        elsewhere = error.remedy and error.remedy.startswith("--")
-        remedy = f"robodyn inertia: {error.remedy}" if elsewhere else error.remedy
-        raise MeshError(error.what, remedy=remedy, file=error.file) from None
 
 
 def _crude(corners: Floats) -> tuple[dict[str, Callable[[Floats], Moments]], list[str]]:
@@ -121,7 +118,10 @@ def _acts(
 ) -> tuple[dict[str, Act], dict[str, float]]:
     """Methods ready to be called, and operations of those whose operations can be counted."""
     acts: dict[str, Act] = {name: partial(way, corners) for name, way in crude.items()}
-    counts: dict[str, float] = {name: counted(way, corners) for name, way in crude.items() if _countable(way)}
+    uncounted = by_hull, by_decimation, by_winding_numbers  # whose arithmetic is not all NumPy's
+    counts: dict[str, float] = {
+        name: counted(way, corners) for name, way in crude.items() if getattr(way, "func", way) not in uncounted
+    }
     floats: dict[str, type] = {"float32": np.float32, "float64": np.float64}
     if np.finfo(np.longdouble).nmant > np.finfo(np.float64).nmant:
         floats["long double"] = np.longdouble
@@ -131,12 +131,6 @@ def _acts(
     acts[f"integral, escalated to {integrate(triangles).method}"] = lambda: integrate(triangles).moments
     acts["integral, exact rationals"] = lambda: integrate(triangles, exact=True).moments
     return acts, counts
-
-
-def _countable(way: Callable[[Floats], Moments]) -> bool:
-    """Return whether all its arithmetic is NumPy's."""
-    whole = getattr(way, "func", way)
-    return whole not in (by_hull, by_decimation, by_winding_numbers)
 
 
 def _errors(moments: Moments, whole: Integrals) -> tuple[float, float]:
@@ -149,12 +143,8 @@ def _errors(moments: Moments, whole: Integrals) -> tuple[float, float]:
     I = inertia(expected)
     off = float(abs((volume - expected.volume) / expected.volume))
     scale = max(abs(I).ravel())
-    return off, _norm((matrix - I) / scale) / _norm(I / scale)
-
-
-def _norm(matrix: Floats) -> float:
-    """Frobenius."""
-    return sqrt(sum(float(x) ** 2 for x in matrix.ravel()))
+    norms = (sqrt(sum(float(x) ** 2 for x in (part / scale).ravel())) for part in (matrix - I, I))
+    return off, next(norms) / next(norms)
 
 
 def _prices(given: Triangles, triangles: Triangles, whole: Integrals, corners: Floats) -> tuple[Price, ...]:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 from math import inf
 from typing import Any, NamedTuple, NoReturn
 
@@ -61,10 +61,6 @@ class Effort:
     steps: int = 0
 
     @cached_property
-    def _run(self) -> Callable[..., Simulation]:
-        return partial(simulate, self.model, self.scene, self.duration, **self.given)
-
-    @cached_property
     def _evaluation(self) -> float:
         """Seconds of work for the equations of motion once."""
         size = Equations(plan(self.model, with_friction(self.model, self.scene)[0])).derivatives().size
@@ -86,15 +82,10 @@ class Effort:
             InputError: no method can do it.
         """
         try:
-            return self._counted(self._run(most=FIRST)).method.name == "radau"
+            return self._counted(most=FIRST).method.name == "radau"
         except TooMuchError as error:
             self.left -= FIRST * SCIPY if error.time else 0.0
             return error.time > 0.0
-
-    @property
-    def share(self) -> float:
-        """Seconds of work for each way."""
-        return ALLOWED / SHARES
 
     def next_way(self, share: float) -> None:
         """Give another way so many seconds of work, or what is left."""
@@ -110,12 +101,13 @@ class Effort:
         cost = self.cost(method_named(name))
         most = int(max(self.left - self.floor, 0.0) / cost)
         try:
-            return self._counted(self._run(method=name, most=most, **options))
+            return self._counted(method=name, most=most, **options)
         except TooMuchError as error:
             self.left -= cost * most if error.time else 0.0
             raise
 
-    def _counted(self, motion: Simulation) -> Simulation:
+    def _counted(self, **options: Any) -> Simulation:
+        motion = simulate(self.model, self.scene, self.duration, **self.given, **options)
         self.left -= self.work(motion)
         self.steps += motion.steps
         return motion
@@ -158,7 +150,7 @@ def refined(effort: Effort, name: str, target: float) -> Settled:
         UnsettledError: the changes stop falling above the target, or the work is done.
     """
     before, change, problem = None, inf, "one motion alone tells no error"
-    effort.next_way(effort.share)
+    effort.next_way(ALLOWED / SHARES)
     finer: dict[str, float] | None = {"rtol": 0.2 * target} if method_named(name).adaptive else {"step": FIRST_STEP}
     while finer:
         options, motion = finer, None
@@ -283,8 +275,8 @@ HALVED, TIGHTENED = ("rk4", "gauss6"), ("radau",)
 """Methods whose steps are halved, or whose tolerance is tightened."""
 CONFIRMING = {"rk4": ("dop853", "gauss6", "radau"), "gauss6": ("dop853", "rk4", "radau"), "radau": ("bdf",)}
 """Methods of which one has to agree; those with fixed steps where SciPy's are too much work, as with many rows."""
-TIGHTER = 30.0, 1000.0
-"""Parts of the target to which a motion is refined once more, where another method does not agree."""
+TIGHTER = 1.0, 30.0, 1000.0
+"""Parts of the target to which a motion is refined, one after the other where another method does not agree."""
 ROUNDING = 2.0**-51
 """Of the largest number of a motion: no error is below."""
 APART = 'move the limit or the start, or write joint_limits = "spring" or "ignore" in the scene'
@@ -345,24 +337,20 @@ def _within(effort: Effort, target: float, stiff: bool) -> tuple[Settled, Settle
     Raises:
         InputError: no two agree to within the target.
     """
-    settled, checked, error = _pair(effort, target, target, stiff)
+    what, error = "", inf
     for tighter in TIGHTER:
+        try:
+            settled = _settled(effort, target, target / tighter, stiff)
+            checked = _confirmed(effort, settled, target)
+        except InputError:
+            if not what:
+                raise
+            break
+        error = settled.error + checked.error + ROUNDING
         if error <= target:
             return settled, checked, error
-        try:
-            settled, checked, error = _pair(effort, target, target / tighter, stiff)
-        except InputError:
-            break
-    if error > target:
         what = f"{settled.motion.method.name} and {checked.motion.method.name} differ by {checked.error:.0e}"
-        _refuse(effort, target, what, error)
-    return settled, checked, error
-
-
-def _pair(effort: Effort, target: float, wanted: float, stiff: bool) -> tuple[Settled, Settled, float]:
-    settled = _settled(effort, target, wanted, stiff)
-    checked = _confirmed(effort, settled, target)
-    return settled, checked, settled.error + checked.error + ROUNDING
+    _refuse(effort, target, what, error)
 
 
 def _settled(effort: Effort, target: float, wanted: float, stiff: bool) -> Settled:

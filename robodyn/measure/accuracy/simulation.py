@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import lru_cache, partial
+from functools import partial
 from math import inf
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -137,32 +137,27 @@ def simulation_accuracy(
     a_plan = plan(model, replace(scene, joint_limits="ignore"))
     run = partial(followed, a_plan.scene)
     reference = motion_reference(model, duration, run)
-    tries: list[_Try] = []
-    start = start_of(a_plan)
+    acts, ready, start = {}, {}, start_of(a_plan)
     for method in METHODS:
         found, lost = _tries(a_plan, run, method, duration, reference)
-        tries += found
+        for how, rung in found:
+            acts[rung.name] = partial(integrated, a_plan, *how, signal, start)
+            ready[rung.name] = rung
         notes += lost
-    times = timed({each.name: partial(integrated, a_plan, *each.how, signal, start) for each in tries})
-    rungs = tuple(each.rung(times[each.name][1]) for each in tries)
+    rungs = tuple(replace(ready[name], time=time) for name, (_, time) in timed(acts).items())
     ladder = Ladder("simulation", ("end", "way"), reference.how, "motion", rungs)
     name = f"{model.name}, {duration:g} s"
     return Accuracy(name, (ladder,), _prices(a_plan), notes=(*assumed, *notes))
 
 
-class _Try(NamedTuple):
-    """What `integrated` is given for a rung, and the rung but for its time."""
-
-    name: str
-    how: tuple[MethodOptions, float, str]
-    rung: Callable[[Spread], Rung]
-
-
 def _tries(
     a_plan: Plan, run: Run, method: Method, duration: float, reference: Reference
-) -> tuple[list[_Try], list[str]]:
-    """Return a method at ever shorter steps or tolerances as long as that helps, and what failed."""
-    found: list[_Try] = []
+) -> tuple[list[tuple[tuple[MethodOptions, float, str], Rung]], list[str]]:
+    """Return a method at ever shorter steps or tolerances as long as that helps, and what failed.
+
+    Of each that gets through what `integrated` is given, and its rung with the time of one run.
+    """
+    found: list[tuple[tuple[MethodOptions, float, str], Rung]] = []
     failed: list[str] = []
     why, before = "", inf
     executor = "auto" if method.adaptive or compiler().problem else "compiled"
@@ -181,9 +176,9 @@ def _tries(
         if not np.isfinite(errors[1]):
             failed, why = [*failed, name], "a number overflows"
             continue
-        work, drift = _operations(a_plan, method, motion), drift_of(motion)
-        rung = partial(Rung, name, errors, operations=work, evaluations=motion.evaluations, drift=drift)
-        found.append(_Try(name, (options, duration, executor), rung))
+        drift = motion.energy_drift / (float(motion.figures.kinetic.max()) or 1.0)
+        once, work = Spread(took, took, took, 1), _operations(a_plan, method, motion)
+        found.append(((options, duration, executor), Rung(name, errors, once, work, motion.evaluations, drift)))
         if took > LONGEST / 4 or errors[1] > GAIN * before:
             break
         before = errors[1]
@@ -213,13 +208,6 @@ def state_errors(motion: Simulation, reference: Reference) -> tuple[float, float
     return float(errors[-1]) + reference.bound_at_end, float(errors.max()) + reference.bound
 
 
-def drift_of(motion: Simulation) -> float:
-    """max |E - E_0 - work| over the largest kinetic energy."""
-    kinetic = float(motion.figures.kinetic.max())
-    return motion.energy_drift / kinetic if kinetic else motion.energy_drift
-
-
-@lru_cache(maxsize=32)
 def _operations(a_plan: Plan, method: Method, motion: Simulation) -> float:
     """Of all steps of a motion, with the sweeps of implicit ones, or of all evaluations of an adaptive method."""
     equations = Equations(a_plan)
@@ -232,7 +220,10 @@ def _operations(a_plan: Plan, method: Method, motion: Simulation) -> float:
 
 def _until_limit(run: Run, duration: float) -> tuple[float, list[str]]:
     """Return how long the motion is, and notes about it."""
-    motion = settled(run, duration)
+    try:
+        motion = run(duration)
+    except InputError:
+        motion = run(duration, method="radau", rtol=1e-8)
     if not motion.ended:
         return duration, []
     until = float(f"{BEFORE_LIMIT * motion.time[-1]:.6g}")
@@ -240,18 +231,6 @@ def _until_limit(run: Run, duration: float) -> tuple[float, list[str]]:
         remedy = 'write joint_limits = "ignore" in the scene'
         raise InputError(f"the motion is over at once: {motion.ended}", remedy=remedy)
     return until, [f"compared up to {until:g} s: {motion.ended}"]
-
-
-def settled(run: Run, duration: float) -> Simulation:
-    """Return the motion by the first method that gets through.
-
-    Raises:
-        InputError: none does.
-    """
-    try:
-        return run(duration)
-    except InputError:
-        return run(duration, method="radau", rtol=1e-8)
 
 
 def _prices(a_plan: Plan) -> tuple[Price, ...]:

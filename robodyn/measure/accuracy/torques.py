@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
@@ -32,30 +32,8 @@ from robodyn.trajectory.motion import Derivation, Trajectory
 from robodyn.trajectory.read import motion, read_motion, sources_of
 from robodyn.trajectory.reading import MODES
 
-
-class Executor(NamedTuple):
-    """A way to run programs.
-
-    Attributes:
-        ready: from a program and widths to what runs.
-    """
-
-    name: str
-    dtype: Any
-    ready: Callable[[Program, Mapping[str, int]], Any]
-
-    @property
-    def compiles(self) -> bool:
-        return self.name != "numpy"
-
-
-def available() -> tuple[Executor, ...]:
-    """Return the executors that run here; the first is NumPy in double precision."""
-    plain = Executor("numpy", np.float64, NumpyBlocks)
-    if compiler().problem:
-        return (plain,)
-    single = partial(CompiledBlocks, dtype=np.float32)
-    return (plain, Executor("compiled", np.float64, CompiledBlocks), Executor("compiled float32", np.float32, single))
+Ways = dict[str, tuple[Any, Callable[..., Any]]]
+"""By its name each executor that runs here, its type of numbers, and what makes it ready from a program and widths."""
 
 
 def compile_anew(program: Program, widths: Mapping[str, int], dtype: Any = np.float64) -> None:
@@ -91,7 +69,12 @@ def torque_accuracy(model: Model, samples: Trajectory, scene: Scene = DEFAULT) -
     a_plan = plan(model, scene)
     program, sources = a_plan.torques(), laid_out(sources_of(samples, scene), "F", np.float64)
     widths = runner_of(program, a_plan).widths
-    ways = (Executor("numpy float32", np.float32, NumpyBlocks), *available())
+    ways: Ways = {"numpy float32": (np.float32, NumpyBlocks), "numpy float64": (np.float64, NumpyBlocks)}
+    acts: dict[str, Callable[[], object]] = {"tracing the recursion": a_plan.torques}
+    if not compiler().problem:
+        for name, dtype in (("compiled", np.float64), ("compiled float32", np.float32)):
+            ways[name if name.endswith("32") else "compiled float64"] = dtype, CompiledBlocks
+            acts[f"machine code, {name}"] = partial(compile_anew, program, widths, dtype)
     executors, notes = _executor_ladder(program, widths, ways, sources, len(samples))
     ladders = [executors]
     try:
@@ -100,10 +83,6 @@ def torque_accuracy(model: Model, samples: Trajectory, scene: Scene = DEFAULT) -
         notes.append(f"derivatives: {error.what}")
     if len(samples) >= FEWEST * 2:
         ladders.append(rate_ladder(a_plan, samples))
-    acts: dict[str, Callable[[], object]] = {"tracing the recursion": a_plan.torques}
-    for way in ways:
-        if way.ready is not NumpyBlocks:
-            acts[f"machine code, {way.name}"] = partial(compile_anew, program, widths, way.dtype)
     prices = tuple(Price(name, time) for name, (_, time) in timed(acts).items())
     return Accuracy(model.name, tuple(ladders), prices, _effects(a_plan, sources, len(samples)), tuple(notes))
 
@@ -126,16 +105,14 @@ def file_accuracy(model: Model, scene: Scene, trajectory: str, **reading: Any) -
 
 
 def _executor_ladder(
-    program: Program, widths: Mapping[str, int], ways: tuple[Executor, ...], sources: Sources, count: int
+    program: Program, widths: Mapping[str, int], ways: Ways, sources: Sources, count: int
 ) -> tuple[Ladder, list[str]]:
     """Return the ladder, and which executors are left out, and why."""
     reference, digits = (Multiprecision(program, digits=digits) for digits in (DIGITS, FEWER_DIGITS))
     acts: dict[str, Callable[[], Any]] = {}
-    for way in ways:
-        run, given = way.ready(program, widths), laid_out(sources, "F", way.dtype)
-        out = np.empty((count, len(program.outputs)), way.dtype, "F")
-        name = way.name if "float" in way.name else f"{way.name} float64"
-        acts[name] = partial(run, given, count, out, *(() if way.ready is NumpyBlocks else (1,)))
+    for name, (dtype, ready) in ways.items():
+        run, given = ready(program, widths, dtype=dtype), laid_out(sources, "F", dtype)
+        acts[name] = partial(run, given, count, np.empty((count, len(program.outputs)), dtype, "F"))
     results = timed(acts, 1 / count)
     if not np.isfinite(results["numpy float64"][0]).all():
         raise InputError("the torques of some samples overflow", remedy=REMEDY)

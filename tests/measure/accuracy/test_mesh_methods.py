@@ -15,11 +15,12 @@ from robodyn.measure.accuracy.mesh_methods import (
     by_hull,
     by_voxels,
     by_winding_numbers,
+    counted,
     inertia,
+    integral_operations,
     union_with_a_copy,
 )
 from robodyn.measure.accuracy.meshes import mesh_accuracy
-from robodyn.measure.accuracy.operations import counted, integral_operations
 from robodyn.solids.mesh.read.load import from_array, load_triangles
 
 TETRAHEDRON = np.array([(0, 0, 0), (5, 0, 0), (0, 4, 0), (0, 0, 3)], float)[
