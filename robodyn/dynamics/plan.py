@@ -15,7 +15,7 @@ From a model and a scene to numbers:
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from types import MappingProxyType
@@ -23,12 +23,13 @@ from typing import NamedTuple
 
 from robodyn.dynamics.effects.catalogue import EFFECTS
 from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
-from robodyn.dynamics.recursions.newton_euler import along_joint, joint_torques, newton_euler
+from robodyn.dynamics.effects.friction import load_torques
+from robodyn.dynamics.recursions.newton_euler import joint_torques, newton_euler
 from robodyn.programs.program import Program, trace
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
-from robodyn.programs.vectors import Scalar, sign
-from robodyn.robot.kinematics import Motion, Wrench, motions
+from robodyn.programs.vectors import Scalar
+from robodyn.robot.kinematics import Wrench, motions
 from robodyn.robot.model import Frame, Model
 from robodyn.scene.fit import check_scene, refuse_constraints
 from robodyn.scene.scene import Scene
@@ -36,8 +37,6 @@ from robodyn.solids.inertia.laws import Inertia
 
 
 class Loads(NamedTuple):
-    """What the recursion yields for one sample: torques, and the wrench at every joint."""
-
     tau: list[Scalar]
     reactions: list[Wrench]
 
@@ -61,7 +60,6 @@ class Plan:
 
     @cached_property
     def effects(self) -> tuple[Effect, ...]:
-        """The effects that are on."""
         return tuple(effect for effect, verdict in self.verdicts if verdict.active)
 
     @cached_property
@@ -87,7 +85,7 @@ class Plan:
         return Sample(self._scalars, of("q", self.model.nq), of("qd", self.model.n), of("qdd", self.model.n), columns)
 
     def torques(self) -> Program:
-        """Return the program of tau alone, all effects together."""
+        """The program of tau alone, all effects together."""
         refuse_constraints(self.scene)
         return trace(lambda tape: loads(*self.terms(tape)).tau, self.model.tips_first)
 
@@ -106,9 +104,9 @@ class Plan:
         """Return the program of the part of tau that one effect makes: the same recursion with nothing else on."""
 
         def outputs(tape: Tape) -> Iterable[Scalar]:
-            sample = self.sample(tape)
             if effect.by_load:
                 return self.missing_without(tape, effect)
+            sample = self.sample(tape)
             terms = effect.add(effect.background(at_rest(sample), sample, self.scene), sample, self.scene)
             return loads(sample, terms).tau
 
@@ -120,16 +118,16 @@ class Plan:
 
     def torques_without(self, tape: Tape, but: Effect | None = None) -> list[Scalar]:
         """Return tau of all effects but one."""
-        return loads(*self.terms(tape, [effect for effect in self.effects if effect is not but])).tau
+        return loads(*self.terms(tape, but)).tau
 
     def missing_without(self, tape: Tape, effect: Effect) -> list[Scalar]:
         """Return what an effect adds to tau where all others are on."""
         return [a - b for a, b in zip(self.torques_without(tape), self.torques_without(tape, effect), strict=True)]
 
-    def terms(self, tape: Tape, effects: Iterable[Effect] | None = None) -> tuple[Sample, Terms]:
-        """Return the sample of `tape`, and what some effects add up to in it; all that are on if None are named."""
+    def terms(self, tape: Tape, but: Effect | None = None) -> tuple[Sample, Terms]:
+        """Return the sample of `tape`, and what all effects but one add up to in it."""
         sample = self.sample(tape)
-        return sample, applied(self.effects if effects is None else effects, sample, self.scene)
+        return sample, applied((effect for effect in self.effects if effect is not but), sample, self.scene)
 
 
 def at_rest(sample: Sample) -> Terms:
@@ -149,18 +147,10 @@ def applied(effects: Iterable[Effect], sample: Sample, scene: Scene) -> Terms:
 def loads(sample: Sample, terms: Terms) -> Loads:
     """Return torques and joint wrenches of one sample, in whatever scalar it is made of."""
     model = sample.model
-    joints: list[Motion] = motions(model, sample.q, terms.qd, terms.qdd)
+    joints = motions(model, sample.q, terms.qd, terms.qdd)
     reactions = newton_euler(model.parents, joints, terms.inertias, terms.gravity, terms.wrenches)
-    return Loads(joint_torques(model, joints, reactions, _at_joint(terms, model, reactions)), reactions)
-
-
-def _at_joint(terms: Terms, model: Model, reactions: list[Wrench]) -> Mapping[int, Scalar]:
-    """Return what acts at the joints, `load |tau_l|` of the torque through each gear included."""
-    at_joint = dict(terms.at_joint)
-    for i, share in terms.load.items():
-        passed = along_joint(model.bodies[i].joint, reactions[i]) + terms.through_gear.get(i, 0.0)
-        at_joint[i] = at_joint.get(i, 0.0) + share * (passed * sign(passed))
-    return at_joint
+    at_joint = terms.with_torques(load_torques(terms, model, reactions)).at_joint
+    return Loads(joint_torques(model, joints, reactions, at_joint), reactions)
 
 
 @lru_cache(maxsize=16)
@@ -179,6 +169,12 @@ def torque_runner(model: Model, scene: Scene, zero_columns: ZeroColumns = frozen
     """Return tau of their plan, ready to run."""
     a_plan = plan(model, scene, zero_columns)
     return runner_of(a_plan.torques(), a_plan)
+
+
+@lru_cache(maxsize=32)
+def ready(program: Callable[[Plan], Program], a_plan: Plan) -> Runner:
+    """Return a program of a plan, ready to run; the same one for the same arguments."""
+    return runner_of(program(a_plan), a_plan)
 
 
 def runner_of(program: Program, a_plan: Plan, more: Mapping[str, int] = MappingProxyType({})) -> Runner:

@@ -18,12 +18,7 @@ ZeroColumns = frozenset[tuple[str, int]]
 
 @dataclass(frozen=True)
 class Sample:
-    """One sample of a motion, in any scalar.
-
-    Attributes:
-        q, qd, qdd: in the model's order.
-        columns: further columns of the trajectory that the scene names.
-    """
+    """One sample of a motion, in any scalar; `columns` are those that the scene names."""
 
     model: Model
     q: tuple[Scalar, ...]
@@ -32,7 +27,6 @@ class Sample:
     columns: Mapping[str, Scalar] = field(default_factory=dict)
 
     def motions(self) -> list[Motion]:
-        """Return how every joint moves in this sample."""
         return motions(self.model, self.q, self.qd, self.qdd)
 
     def position(self, joint: Joint) -> Scalar:
@@ -83,21 +77,19 @@ class Terms:
 
 
 class Verdict(NamedTuple):
-    """Whether an effect is on, and why."""
-
     active: bool
     reason: str
 
     @classmethod
     def of(cls, acting: object, none: str, some: str) -> Verdict:
-        """Return that an effect is on, as something acts, or off as nothing does."""
+        """On, as something acts, or off as nothing does."""
         return cls(bool(acting), some if acting else none)
 
     @classmethod
     def of_joints(
         cls, joints: list[Joint], moving: tuple[str, ZeroColumns], none: str, still: str, some: str
     ) -> Verdict:
-        """Return whether there are joints of a kind, and columns of `moving` that are not zero for one of them."""
+        """On where there are joints of a kind, and columns of `moving` that are not zero for one of them."""
         source, zero_columns = moving
         at_rest = all((source, joint.rate) in zero_columns for joint in joints)
         return cls.of(joints and not at_rest, still if joints else none, f"{len(joints)} {some}")

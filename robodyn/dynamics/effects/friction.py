@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
 from robodyn.dynamics.recursions.newton_euler import along_joint, newton_euler
 from robodyn.programs.vectors import Scalar, exp, sign, sqrt, total
-from robodyn.robot.kinematics import Motion
+from robodyn.robot.kinematics import Motion, Wrench
 from robodyn.robot.kinematics import motions as motions_of
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.parts import Friction
@@ -23,7 +23,7 @@ def friction_of(joint: Joint, scene: Scene) -> Friction:
 
 
 def joints_with_friction(model: Model, scene: Scene) -> Iterator[tuple[int, Joint, Friction]]:
-    """Yield every hinge and slide with its friction, and the body that it carries."""
+    """Every hinge and slide with its friction, and the body that it carries."""
     for i, body in enumerate(model.bodies):
         if body.joint.kind in ("revolute", "prismatic"):
             yield i, body.joint, friction_of(body.joint, scene)
@@ -50,7 +50,7 @@ class ViscousFriction(Effect):
 
 
 def direction(qd: Scalar, slip_speed: float = 0.0) -> Scalar:
-    """sign(qd), or `qd / sqrt(qd^2 + slip_speed^2)`."""
+    """sign(qd), or `qd / sqrt(qd^2 + slip_speed^2)`, which leaves rest without a jump."""
     square = slip_speed * slip_speed
     return qd / sqrt(qd * qd + square) if square else sign(qd)
 
@@ -58,15 +58,8 @@ def direction(qd: Scalar, slip_speed: float = 0.0) -> Scalar:
 def coulomb_torque(friction: Friction, qd: Scalar, slip_speed: float = 0.0) -> Scalar:
     """`forward` for qd > 0, `backward` for qd < 0, 0 at rest; with Stribeck's excess towards `stribeck` at low speed.
 
-    With s = sign(qd): `(forward - backward) / 2 s + (forward + backward) / 2 s^2`, and
-    `(stribeck - Coulomb) exp(-(qd / v_s)^2)` with the same sign.
-
-    Args:
-        qd: the joint's speed [rad/s].
-        slip_speed: if not 0, s is `qd / sqrt(qd^2 + slip_speed^2)`, which leaves rest without a jump [rad/s].
-
-    Returns:
-        N m, along the motion: what the actuator must supply.
+    What the actuator must supply [N m or N], s being `direction`: `(forward - backward) / 2 s + (forward + backward) /
+    2 s^2`, and `(stribeck - Coulomb) exp(-(qd / v_s)^2)` with the same sign.
     """
     s = direction(qd, slip_speed)
     odd, even = 0.5 * (friction.forward - friction.backward), 0.5 * (friction.forward + friction.backward)
@@ -129,12 +122,16 @@ class LoadFriction(Effect):
         model = sample.model
         joints = motions_of(model, sample.q, terms.qd, terms.qdd)
         reactions = newton_euler(model.parents, joints, terms.inertias, terms.gravity, terms.wrenches)
-        power = []
-        for i, share in terms.load.items():
-            joint = model.bodies[i].joint
-            passed = along_joint(joint, reactions[i]) + terms.through_gear.get(i, 0.0)
-            power.append(share * (passed * sign(passed)) * sample.speed(joint))
-        return total(power)
+        return total(
+            torque * sample.speed(model.bodies[i].joint) for i, torque in load_torques(terms, model, reactions)
+        )
+
+
+def load_torques(terms: Terms, model: Model, reactions: Sequence[Wrench]) -> Iterator[tuple[int, Scalar]]:
+    """(body, `load |tau_l|`) of the torque tau_l through each gear."""
+    for i, share in terms.load.items():
+        passed = along_joint(model.bodies[i].joint, reactions[i]) + terms.through_gear.get(i, 0.0)
+        yield i, share * (passed * sign(passed))
 
 
 VISCOUS, COULOMB, LOAD = ViscousFriction(), CoulombFriction(), LoadFriction()

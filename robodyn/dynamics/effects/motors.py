@@ -22,7 +22,7 @@ from robodyn.scene.scene import Scene
 
 
 def rotor_of(joint: Joint, scene: Scene) -> tuple[float, float]:
-    """Return the rotor inertia [kg m^2] and the gear ratio of a joint: the scene's word, else its transmission's."""
+    """The rotor inertia [kg m^2] and the gear ratio of a joint: the scene's word, else its transmission's."""
     rotor = scene.rotor.get(joint.name)
     inertia, gear = (None, None) if rotor is None else (rotor.inertia, rotor.gear)
     return joint.rotor_inertia if inertia is None else inertia, joint.reduction if gear is None else gear
@@ -63,14 +63,10 @@ Turned = tuple[int, Joint, float]
 
 
 def coupled_motors(model: Model, scene: Scene) -> Iterator[tuple[CoupledMotor, list[Turned]]]:
-    """Yield every coupled motor with the joints that it turns with."""
+    """Every coupled motor with the joints that it turns with."""
+    joints = [(i, body.joint) for i, body in enumerate(model.bodies)]
     for motor in scene.coupled:
-        turned = [
-            (i, body.joint, motor.joints[body.joint.name])
-            for i, body in enumerate(model.bodies)
-            if body.joint.name in motor.joints
-        ]
-        yield motor, turned
+        yield motor, [(i, joint, motor.joints[joint.name]) for i, joint in joints if joint.name in motor.joints]
 
 
 def reflected(model: Model, scene: Scene) -> dict[tuple[int, int], float]:
@@ -157,24 +153,19 @@ class Spin(NamedTuple):
 
     Attributes:
         body, joint: that it drives.
-        gear, inertia: of the rotor [kg m^2].
-        carrier: the body that carries it.
-        link: that it is fixed to.
+        carrier, link: the body that carries it, and the link that it is fixed to.
         axis: (3,) unit vector in the carrier's axes.
+        gear: its speed per speed of the joint.
+        share: J G, its angular momentum per speed of the joint [kg m^2].
     """
 
     body: int
     joint: Joint
-    gear: float
-    inertia: float
     carrier: int
     link: str
     axis: Array
-
-    @property
-    def share(self) -> float:
-        """J G: its angular momentum per speed of the joint [kg m^2]."""
-        return self.inertia * self.gear
+    gear: float
+    share: float
 
 
 def spins(model: Model, scene: Scene) -> Iterator[Spin]:
@@ -192,7 +183,7 @@ def spins(model: Model, scene: Scene) -> Iterator[Spin]:
             axis = product(R, along / length(along))
         else:
             axis = joint.axis if carrier == i else product(joint.R, joint.axis)
-        yield Spin(i, joint, gear, inertia, carrier, link, axis)
+        yield Spin(i, joint, carrier, link, axis, gear, inertia * gear)
 
 
 def mass_entries(sample: Sample, scene: Scene) -> Mapping[tuple[int, int], Scalar]:
@@ -204,19 +195,13 @@ def mass_entries(sample: Sample, scene: Scene) -> Mapping[tuple[int, int], Scala
         joints = joints or sample.motions()
         rate, moment, k = spin.joint.rate, spin.axis * (spin.share * spin.joint.multiplier), spin.carrier
         while k >= 0:
-            for other, along in _turning(model.bodies[k].joint, moment):
+            joint = model.bodies[k].joint
+            turning = {"revolute": [joint.multiplier * (joint.axis @ moment)], "floating": moment}.get(joint.kind, [])
+            for other, along in enumerate(turning, joint.rate):
                 pair = min(rate, other), max(rate, other)
                 entries[pair] = entries.get(pair, 0.0) + (2.0 * along if other == rate else along)
             moment, k = joints[k].R @ moment, model.parents[k]
     return entries
-
-
-def _turning(joint: Joint, moment: Array) -> Iterator[tuple[int, Scalar]]:
-    """Yield the rates by which a joint turns its body, and what a moment on the body does along them."""
-    if joint.kind == "revolute":
-        yield joint.rate, joint.multiplier * (joint.axis @ moment)
-    elif joint.kind == "floating":
-        yield from enumerate(moment, joint.rate)
 
 
 def with_spins(terms: Terms, sample: Sample, each: Iterable[tuple[Spin, Scalar]]) -> Terms:
@@ -263,14 +248,13 @@ class GyroscopicMoment(Effect):
     adds = "J G (qdd a + w x qd a) to the link that carries a rotor, and J G (a . wd) to its joint, where a is said"
 
     def why(self, model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
-        acting = [spin.joint.name for spin in spins(model, scene) if spin.inertia]
+        acting = [spin.joint.name for spin in spins(model, scene) if spin.share]
         still = all((source, rate) in zero_columns for rate in range(model.n) for source in ("qd", "qdd"))
         none = "nothing moves" if acting else "the scene says no rotor's axis"
         return Verdict.of(acting and not still, none, f"rotors with an axis: {', '.join(acting)}")
 
     def add(self, terms: Terms, sample: Sample, scene: Scene) -> Terms:
-        found = ((spin, spin.share) for spin in spins(sample.model, scene) if spin.inertia)
-        return with_spins(terms, sample, found)
+        return with_spins(terms, sample, ((s, s.share) for s in spins(sample.model, scene) if s.share))
 
     def stored(self, sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> Scalar:
         """sum J G qd (a . w) [J]."""

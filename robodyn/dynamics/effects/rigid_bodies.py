@@ -97,7 +97,7 @@ class Payload(Effect):
         return replace(terms, inertias=tuple(inertias))
 
     def background(self, terms: Terms, sample: Sample, scene: Scene) -> Terms:
-        """Return the whole motion and gravity, on a robot without mass: what a payload needs to be felt."""
+        """The whole motion and gravity, on a robot without mass: what a payload needs to be felt."""
         massless = tuple(MASSLESS for _ in terms.inertias)
         return GRAVITY.add(replace(terms, inertias=massless, qd=sample.qd, qdd=sample.qdd), sample, scene)
 

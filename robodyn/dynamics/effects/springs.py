@@ -23,10 +23,8 @@ class JointSpring(Effect):
         return Verdict.of(names, "the scene has no spring", f"springs at {', '.join(names)}")
 
     def add(self, terms: Terms, sample: Sample, scene: Scene) -> Terms:
-        torques = (
-            (i, spring.stiffness * (sample.position(joint) - spring.rest))
-            for i, joint, spring in _sprung(sample.model, scene)
-        )
+        each = _sprung(sample.model, scene)
+        torques = ((i, spring.stiffness * (sample.position(joint) - spring.rest)) for i, joint, spring in each)
         return terms.with_torques(torques, through_gear=True)
 
     def stored(self, sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> Scalar:
@@ -43,7 +41,7 @@ def _sprung(model: Model, scene: Scene) -> Iterator[tuple[int, Joint, Spring]]:
 
 
 class Stop(NamedTuple):
-    """A limit with its spring: the body that the joint carries, the joint, -1 or 1, and the joint's position."""
+    """A limit with its spring; `side` is -1 or 1, `value` the joint's position there."""
 
     body: int
     joint: Joint

@@ -8,14 +8,14 @@ import numpy as np
 
 from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
 from robodyn.programs.vectors import Array, cross, sign
-from robodyn.robot.kinematics import Pose, Velocity, Wrench, poses, velocities
+from robodyn.robot.kinematics import Pose, Wrench, poses, velocities
 from robodyn.robot.model import Model
-from robodyn.scene.parts import Entry, ExternalWrench, Immersed
+from robodyn.scene.parts import Entry, ExternalWrench
 from robodyn.scene.scene import Scene
 
 
 def acting(scene: Scene, cause: str) -> list[ExternalWrench]:
-    """Return the wrenches of one cause that are not nothing."""
+    """The wrenches of one cause that are not nothing."""
     return [each for each in scene.wrenches if each.cause == cause and (any(each.force) or any(each.moment))]
 
 
@@ -63,37 +63,28 @@ class Fluid(Effect):
         return Verdict.of(scene.fluid_density and links, "the scene has no fluid", some)
 
     def add(self, terms: Terms, sample: Sample, scene: Scene) -> Terms:
+        """Buoyancy and drag -rho/2 C_d A_k |u_k| u_k along each axis k of a link, both at its centre of volume.
+
+        u is the centre's velocity relative to the fluid, in the link's axes.
+        """
         joints = sample.motions()
         where, moving = poses(sample.model.parents, joints), velocities(sample.model.parents, joints)
         acting = []
         for immersed in scene.immersed:
-            body = sample.model.links[immersed.link].body
-            acting.append(_in_fluid(immersed, sample, scene, where[body], moving[body]))
-        return replace(terms, wrenches=terms.wrenches + tuple(acting))
+            body, R, p = sample.model.links[immersed.link]
+            to_body, (w, v) = where[body].R.T, moving[body]
+            centre = p + R @ np.array(immersed.centre)
+            u = R.T @ (v + cross(w, centre) - to_body @ np.array(scene.fluid_velocity, dtype=float))
+            area = 0.5 * scene.fluid_density * np.array(immersed.drag_area)
+            drag = np.array([-(c * (sign(x) * (x * x))) for c, x in zip(area, u, strict=True)])
+            weight = scene.fluid_density * immersed.volume * np.array(scene.gravity, dtype=float)
+            f = R @ drag + to_body @ -weight
+            acting.append((body, Wrench(f, cross(centre, f))))
+        return replace(terms, wrenches=(*terms.wrenches, *acting))
 
 
-def _in_fluid(immersed: Immersed, sample: Sample, scene: Scene, pose: Pose, moving: Velocity) -> tuple[int, Wrench]:
-    """Buoyancy -rho V g and drag -rho/2 C_d A_k |u_k| u_k along each axis k of the link, both at the centre of volume.
-
-    u is the centre's velocity relative to the fluid, in the link's axes.
-    """
-    body, R, p = sample.model.links[immersed.link]
-    centre = p + R @ np.array(immersed.centre)
-    streaming = pose.R.T @ np.array(scene.fluid_velocity, dtype=float)
-    u = R.T @ (moving.v + cross(moving.w, centre) - streaming)
-    area = 0.5 * scene.fluid_density * np.array(immersed.drag_area)
-    drag = np.array([-(c * (sign(x) * (x * x))) for c, x in zip(area, u, strict=True)])
-    buoyancy = pose.R.T @ (-scene.fluid_density * immersed.volume * np.array(scene.gravity, dtype=float))
-    f = R @ drag + buoyancy
-    return body, Wrench(f, cross(centre, f))
-
-
-EXTERNAL = WrenchEffect(
-    "external wrench",
-    "surroundings",
-    "the scene has no external wrench",
-    "-J^T w for a force and a moment that act on a link",
-)
+_ADDS = "-J^T w for a force and a moment that act on a link"
+EXTERNAL = WrenchEffect("external wrench", "surroundings", "the scene has no external wrench", _ADDS)
 LOOPS = WrenchEffect("loop forces", "loop", "no loop is closed", "-J^T lambda of the forces that close loops")
 CONTACTS = WrenchEffect("contact forces", "contact", "no link stands on anything", "-J^T f of what links stand on")
 FLUID = Fluid()

@@ -68,7 +68,7 @@ def applied_wrenches(effects: tuple[Effect, ...], sample: Sample, scene: Scene) 
     """Return wrenches of the surroundings, of loops, of contacts and of spinning rotors, where they act on links."""
     places = {
         **{name: [(w.link, w.point) for w in acting(scene, cause)] for name, cause in _CAUSES.items()},
-        SPINNING: [(spin.link, (0.0, 0.0, 0.0)) for spin in spins(sample.model, scene) if spin.inertia],
+        SPINNING: [(spin.link, (0.0, 0.0, 0.0)) for spin in spins(sample.model, scene) if spin.share],
         "fluid": [(immersed.link, immersed.centre) for immersed in scene.immersed],
     }
     out = []
