@@ -26,7 +26,7 @@ _OTHERS = {"c": "complex ones", "U": "text", "S": "text", "O": "other objects", 
 
 
 def zero_columns(sources: Mapping[str, Floats]) -> ZeroColumns:
-    """Return the (source, column) pairs that are zero in every sample."""
+    """The (source, column) pairs that are zero in every sample."""
     out = []
     for source, values in sources.items():
         rows = _different(values)
@@ -52,7 +52,7 @@ _NONE_ZERO: ZeroColumns = frozenset()
 
 @lru_cache
 def _whole(sources: tuple[tuple[str, int], ...]) -> ZeroColumns:
-    """Return all columns of sources with so many; the same object, for its hash is looked up at every call."""
+    """All columns of sources with so many; the same object, for its hash is looked up at every call."""
     return frozenset((source, column) for source, count in sources for column in range(count))
 
 
@@ -68,11 +68,7 @@ def arrays_of(
     columns: Mapping[str, ArrayLike] = MappingProxyType({}),
     dtype: DTypeLike = np.float64,
 ) -> tuple[dict[str, Floats], tuple[int, ...]]:
-    """Return the arrays as (samples, columns) matrices, and the shape of the samples.
-
-    Args:
-        given: q, and what else there is by coordinate.
-    """
+    """Return arrays by coordinate as (samples, columns) matrices, and the shape of the samples."""
     refuse_others(model, scene)
     kind = DOUBLE if dtype is np.float64 else _offered(dtype)
     arrays = {}
@@ -102,11 +98,7 @@ def arrays_of(
 
 
 def numbers(name: str, values: ArrayLike, dtype: np.dtype[Any]) -> Floats:
-    """Return an array of this dtype.
-
-    Raises:
-        InputError: these are other things than real numbers, or rows of different lengths.
-    """
+    """An array of this dtype; InputError where these are no real numbers, or rows of different lengths."""
     if type(values) is np.ndarray and values.dtype == dtype:
         return values
     try:
@@ -139,11 +131,7 @@ def results(
     threads: int | None = None,
     dtype: DTypeLike = np.float64,
 ) -> Floats:
-    """Return what a program computes of all samples, (*shape, *outputs), written to `out` if given.
-
-    Raises:
-        InputError: `out` does not fit.
-    """
+    """Return what a program computes of all samples, (*shape, *outputs), written to `out` if given."""
     samples, whole = prod(shape), (*shape, *outputs)
     if out is None:
         values: Floats = runner.run(sources, samples, executor=executor, threads=threads, dtype=dtype).values
@@ -157,11 +145,7 @@ def results(
 
 
 def check_out(out: object, shape: tuple[int, ...], dtype: DTypeLike) -> None:
-    """Raise unless results of this shape and dtype can be written to an array.
-
-    Raises:
-        InputError: it is no array, another one, or read-only.
-    """
+    """Raise InputError unless `out` is an array of this shape and dtype that can be written to."""
     if not isinstance(out, np.ndarray):
         raise InputError(f"out is no array but of type {type(out).__name__}")
     if out.shape != shape or out.dtype != dtype or not out.flags.writeable:
@@ -170,7 +154,6 @@ def check_out(out: object, shape: tuple[int, ...], dtype: DTypeLike) -> None:
 
 
 def _common_shape(given: Mapping[str, Floats], columns: Mapping[str, Floats]) -> tuple[int, ...]:
-    """Return the shape of the samples."""
     shapes = [array.shape[:-1] for array in given.values()]
     if columns:
         shapes += [array.shape for array in columns.values()]

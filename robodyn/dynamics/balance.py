@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from robodyn.programs.dual import rate_of, value_of
 from robodyn.programs.program import traced
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Array, Scalar, cross
-from robodyn.robot.kinematics import Motion, motions, poses, velocities
+from robodyn.robot.kinematics import Motion, poses, velocities
 from robodyn.support.floats import Floats
 
 
@@ -32,8 +33,8 @@ def laws(plan: Plan, tape: Tape) -> Iterable[Scalar]:
     """
     sample, terms = plan.terms(tape)
     q, qd = dual_state(sample.model, sample.q, sample.qd, sample.qdd)
-    dual = Sample(sample.model, tuple(q), tuple(qd), sample.qdd, sample.columns)
-    joints = motions(sample.model, q, qd, sample.qdd)
+    dual = replace(sample, q=tuple(q), qd=tuple(qd))
+    joints = dual.motions()
     power = rate_of(stored_energy(plan, dual, terms, joints))
     return [*_base_wrench(dual, terms, joints), power, *_magnitudes(sample, terms, joints)]
 

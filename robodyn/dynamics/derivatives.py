@@ -13,10 +13,10 @@ from robodyn.dynamics.arrays import arrays_of, results
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.forward import acceleration_program
 from robodyn.dynamics.mass import mass_runner
-from robodyn.dynamics.plan import Plan, loads, plan, runner_of
+from robodyn.dynamics.plan import Plan, loads, plan, ready, runner_of
 from robodyn.errors import InputError
 from robodyn.programs.derivative import Direction, Row, again, jacobian
-from robodyn.programs.program import Program, trace, traced
+from robodyn.programs.program import Program, trace
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import CONSTANT, Tape
 from robodyn.programs.vectors import Scalar, total
@@ -85,7 +85,7 @@ def inverse_dynamics_derivatives(
     Accuracy: 1e-13 of the largest entry of each matrix. In float32, 1e-5; on a free base 1e-4, as weights cancel.
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "qdd": qdd}, scene, columns or {}, dtype)
-    runner = inverse_runner(plan(model, scene))
+    runner = ready(inverse_derivatives, plan(model, scene))
     whole = results(runner, sources, shape, (3, model.n, model.n), out, executor, threads, dtype)
     return InverseDerivatives(*(whole[..., k, :, :] for k in range(3)))
 
@@ -118,21 +118,9 @@ def forward_dynamics_derivatives(
     Accuracy: cond(M) times 1e-13 of the largest entry of each matrix.
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "tau": tau}, scene, columns or {}, dtype)
-    runner = forward_runner(plan(model, scene))
+    runner = ready(forward_derivatives, plan(model, scene))
     whole = results(runner, sources, shape, (3, model.n, model.n), out, executor, threads, dtype)
     return ForwardDerivatives(*(whole[..., k, :, :] for k in range(3)))
-
-
-@lru_cache(maxsize=16)
-def inverse_runner(a_plan: Plan) -> Runner:
-    """Return d tau / dq, d tau / d qd and M row by row, ready to run."""
-    return runner_of(inverse_derivatives(a_plan), a_plan)
-
-
-@lru_cache(maxsize=16)
-def forward_runner(a_plan: Plan) -> Runner:
-    """Return d qdd / dq, d qdd / d qd and M^-1 row by row, ready to run."""
-    return runner_of(forward_derivatives(a_plan), a_plan)
 
 
 @lru_cache(maxsize=16)
@@ -145,18 +133,15 @@ def inverse_derivatives(plan: Plan) -> Program:
     n = plan.model.n
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
-        mass = _by_accelerations(plan, tape)
+        if plan.scene.loaded:
+            sample, terms = plan.terms(tape)
+            by_qdd = jacobian(loads(sample, terms).tau, [{each: 1.0} for each in sample.qdd])
+            mass = [x for row in by_qdd for x in row]
+        else:
+            mass = again(mass_runner(plan.model, plan.scene).program, tape)
         return [*_joined(_rates_of_torques(plan, tape), n), *mass]
 
     return trace(outputs, [(k * n + i) * n + j for i in range(n) for j in range(n) for k in range(3)])
-
-
-def _by_accelerations(plan: Plan, tape: Tape) -> Iterable[Scalar]:
-    """Return d tau / d qdd, row by row."""
-    if not plan.scene.loaded:
-        return again(mass_runner(plan.model, plan.scene).program, tape)
-    sample, terms = plan.terms(tape)
-    return [x for row in jacobian(loads(sample, terms).tau, [{each: 1.0} for each in sample.qdd]) for x in row]
 
 
 @lru_cache(maxsize=16)
@@ -172,18 +157,13 @@ def forward_derivatives(plan: Plan) -> Program:
         qdd = again(acceleration_program(plan), tape)
         lower = jacobian(qdd, [{tape.input("tau", i): 1.0} for i in range(n)])
         inverse = [[lower[max(i, j)][min(i, j)] for j in range(n)] for i in range(n)]
-        rates = again(_program_of_rates(plan), tape, {("qdd", i): each for i, each in enumerate(qdd)})
+        torques = trace(lambda own: [x for row in _rates_of_torques(plan, own) for x in row])
+        rates = again(torques, tape, {("qdd", i): each for i, each in enumerate(qdd)})
         rows = [rates[2 * n * i : 2 * n * (i + 1)] for i in range(n)]
         solved = [[-total(inverse[i][k] * rows[k][j] for k in range(n)) for j in range(2 * n)] for i in range(n)]
         return [*_joined(solved, n), *(x for row in inverse for x in row)]
 
     return trace(outputs, [(k * n + i) * n + j for j in reversed(range(n)) for k in (2, 1, 0) for i in range(n)])
-
-
-@traced
-def _program_of_rates(plan: Plan, tape: Tape) -> Iterable[Scalar]:
-    """The program of (d tau / dq, d tau / d qd), n rows of 2 n."""
-    return [x for row in _rates_of_torques(plan, tape) for x in row]
 
 
 def _joined(rows: list[Row], n: int) -> list[Scalar]:
@@ -222,8 +202,7 @@ class Entries(NamedTuple):
     Attributes:
         values: (..., k).
         matrix: (k,) 0 for d tau / dq, 1 for d tau / d qd, 2 for M, of which the upper triangle is given.
-        row, column: (k,) as in `InverseDerivatives`.
-        n: rows and columns of the matrices.
+        row, column: (k,) of the matrix, which is (n, n).
     """
 
     values: Floats
@@ -338,36 +317,25 @@ def inverse_dynamics_second_derivatives(
     Accuracy: 1e-13 of the largest entry of each tensor. In float32, 1e-5; on a free base 1e-4, as weights cancel.
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "qdd": qdd}, scene, columns or {}, dtype)
-    n, runner = model.n, _second_runner(plan(model, scene))
+    n, runner = model.n, ready(_second_derivatives, plan(model, scene))
     whole = results(runner, sources, shape, (4, n, n, n), out, executor, threads, dtype)
     return SecondDerivatives(*(whole[..., k, :, :, :] for k in range(4)))
 
 
-@lru_cache(maxsize=8)
-def _second_runner(a_plan: Plan) -> Runner:
-    return runner_of(second_derivatives(a_plan), a_plan)
-
-
-def second_derivatives(a_plan: Plan) -> Program:
-    """Return the program of d^2 tau / (dq dq, dqd dq, dqd dqd) and dM / dq, row by row.
-
-    Raises:
-        InputError: it is too long.
-    """
+def _second_derivatives(a_plan: Plan) -> Program:
+    """Return the program of d^2 tau / (dq dq, dqd dq, dqd dqd) and dM / dq, row by row, unless it is too long."""
     refuse_load(a_plan.scene)
-    first = inverse_derivatives(a_plan)
-    program = _differentiated(a_plan) if first.size <= MOST_BEFORE else None
+    first, n = inverse_derivatives(a_plan), a_plan.model.n
+
+    def outputs(tape: Tape) -> Iterable[Scalar]:
+        entries, (sample, _) = again(first, tape), a_plan.terms(tape)
+        by_q = jacobian(entries, moves(sample))
+        by_qd = jacobian(entries[n * n : 2 * n * n], [{rate: 1.0} for rate in sample.qd])
+        return [x for row in (*by_q[: 2 * n * n], *by_qd, *by_q[2 * n * n :]) for x in row]
+
+    program = trace(outputs) if first.size <= MOST_BEFORE else None
     if program is None or program.size > MOST_OPERATIONS:
         needed = f"those of its first need {first.size}" if program is None else f"they need {program.size}"
         what = f"second derivatives of {a_plan.model.name} need more than {MOST_OPERATIONS} operations ({needed})"
         raise InputError(what, remedy="fix joints that stay at rest, or take differences of the first derivatives")
     return program
-
-
-@traced
-def _differentiated(plan: Plan, tape: Tape) -> Iterable[Scalar]:
-    first, n = again(inverse_derivatives(plan), tape), plan.model.n
-    sample, _ = plan.terms(tape)
-    by_q = jacobian(first, moves(sample))
-    by_qd = jacobian(first[n * n : 2 * n * n], [{rate: 1.0} for rate in sample.qd])
-    return [x for row in (*by_q[: 2 * n * n], *by_qd, *by_q[2 * n * n :]) for x in row]

@@ -48,11 +48,7 @@ class Loaded(NamedTuple):
 
 
 def repetitions(scene: Scene, names: Sequence[str]) -> int:
-    """Return how often accelerations are found again for joints of these names, which have rotors.
-
-    Raises:
-        InputError: the load of one is so large that there would be too many.
-    """
+    """Return how often accelerations are found again for joints with rotors; InputError where a load is too large."""
     largest = max((scene.friction[name].load for name in names), default=0.0)
     if largest > STEEPEST:
         name = max(names, key=lambda each: scene.friction[each].load)
@@ -73,36 +69,26 @@ def loaded_accelerations(
         joints: those with such friction; rotors do not couple them.
         passes: of `repetitions`.
     """
+
+    def solved(torques: Sequence[Scalar], scales: Sequence[Scalar]) -> list[Scalar]:
+        """Return qdd with these torques through the gears, and rotors times a scale."""
+        through, scaled = list(forces), dict(rotors)
+        for (rate, _, springs), torque, scale in zip(joints, torques, scales, strict=True):
+            through[rate] = torque - springs
+            if (rate, rate) in rotors:
+                scaled[rate, rate] = rotors[rate, rate] * scale
+        return solve(through, scaled)
+
     before = [forces[rate] + springs for rate, _, springs in joints]
     own = [rotors.get((rate, rate), 0.0) for rate, _, _ in joints]
     left = list(before)
     for _ in range(passes):
-        torques, scales = [], []
-        for (_, m, _), c, y in zip(joints, before, left, strict=True):
-            scales.append(1.0 / (1.0 - m * m))
-            torques.append((c - m * (y * sign(y))) * scales[-1])
-        qdd = _solved(solve, forces, rotors, joints, torques, scales)
+        scales = [1.0 / (1.0 - m * m) for _, m, _ in joints]
+        parts = zip(joints, before, left, scales, strict=True)
+        qdd = solved([(c - m * (y * sign(y))) * scale for (_, m, _), c, y, scale in parts], scales)
         left = [c - A * qdd[rate] for (rate, _, _), c, A in zip(joints, before, own, strict=True)]
     scales = [1.0 / (1.0 + m * sign(y)) for (_, m, _), y in zip(joints, left, strict=True)]
-    torques = [c * scale for c, scale in zip(before, scales, strict=True)]
-    return _solved(solve, forces, rotors, joints, torques, scales)
-
-
-def _solved(
-    solve: Solve,
-    forces: Sequence[Scalar],
-    rotors: Rotors,
-    joints: Sequence[Loaded],
-    torques: Sequence[Scalar],
-    scales: Sequence[Scalar],
-) -> list[Scalar]:
-    """Return qdd with other torques through the gears, and rotors times a scale."""
-    through, scaled = list(forces), dict(rotors)
-    for (rate, _, springs), torque, scale in zip(joints, torques, scales, strict=True):
-        through[rate] = torque - springs
-        if (rate, rate) in rotors:
-            scaled[rate, rate] = rotors[rate, rate] * scale
-    return solve(through, scaled)
+    return solved([c * scale for c, scale in zip(before, scales, strict=True)], scales)
 
 
 @traced
@@ -155,7 +141,7 @@ def floating_turns(model: Model, joints: Sequence[Motion]) -> list[tuple[slice, 
 
 
 def turned(values: Sequence[Scalar], turns: list[tuple[slice, Array]], back: bool = False) -> list[Scalar]:
-    """Return rates or forces, those of floating joints' positions turned to the axes of the parent, or back."""
+    """Rates or forces, those of floating joints' positions turned to the axes of the parent, or back."""
     out = list(values)
     for place, turn in turns:
         out[place] = (turn.T if back else turn) @ vector(*out[place])
@@ -177,19 +163,12 @@ def forward_dynamics(
 ) -> Floats:
     """qdd = M(q)^-1 (tau - c(q, qd) - g(q) - friction - springs + J^T w), M with payloads and rotors.
 
-    The articulated-body algorithm (ABA), traced once per model and scene, and once more
-    without speeds or torques, then run over all samples. Coulomb friction is that of the motion, none at rest, so it
-    holds nothing still.
+    The articulated-body algorithm (ABA). Coulomb friction is that of the motion, none at rest, so it holds nothing
+    still.
 
     Args:
-        model: of `robodyn.load`.
-        q: (..., nq) rad or m; a floating base comes first, as x y z qx qy qz qw.
-        qd: (..., n) per s; of a floating base wx wy wz (body axes) and vx vy vz (ground's axes). Broadcast against q;
-            `0` is a robot at rest.
         tau: (..., n) N m or N, those of `inverse_dynamics`; `0` leaves the robot to itself.
-        scene, columns, executor, threads: as for `inverse_dynamics`.
-        out: (..., n) of `dtype`, written to and returned if given.
-        dtype: float64 or float32, of arrays and arithmetic.
+        model, q, qd, scene, columns, out, executor, threads, dtype: as for `inverse_dynamics`.
 
     Returns:
         (..., n) per s^2, in the order of `model.rates`.
@@ -217,19 +196,14 @@ def acceleration_runner(model: Model, scene: Scene, zero_columns: ZeroColumns = 
 
 
 def _refuse_singular(model: Model, scene: Scene, sources: Mapping[str, Floats], qdd: Floats) -> None:
-    """Raises where finite numbers have led to accelerations that are not."""
+    """Raise where finite numbers have led to accelerations that are not; name the joint that M resists least."""
     if np.count_nonzero(np.isfinite(qdd)) == qdd.size:
         return
     finite = [np.isfinite(values).all(axis=1) for values in sources.values() if values.size]
     bad = np.all(finite, axis=0) & ~np.isfinite(qdd.reshape(-1, model.n)).all(axis=1)
     for k in np.flatnonzero(bad)[:1]:
-        M = mass_matrix(model, sources["q"][k], scene=scene)
-        raise InputError(f"sample {k} has no finite accelerations: {_weakest(model, M[None])}", remedy=RESIST)
-
-
-def _weakest(model: Model, M: Floats) -> str:
-    """Return the joint that moves most in the motion that M resists least."""
-    moments, motions = np.linalg.eigh(M.reshape(-1, model.n, model.n))
-    worst = np.unravel_index(first_largest(-np.abs(moments)), moments.shape)
-    name = model.rates[first_largest(np.abs(motions[worst[0], :, worst[1]]))]
-    return f'hardly anything resists "{name}" (smallest eigenvalue of M {moments[worst]:.1g})'
+        moments, motions = np.linalg.eigh(mass_matrix(model, sources["q"][k], scene=scene))
+        worst = first_largest(-np.abs(moments))
+        weakest = f'"{model.rates[first_largest(np.abs(motions[:, worst]))]}"'
+        why = f"hardly anything resists {weakest} (smallest eigenvalue of M {moments[worst]:.1g})"
+        raise InputError(f"sample {k} has no finite accelerations: {why}", remedy=RESIST)

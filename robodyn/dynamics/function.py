@@ -29,13 +29,7 @@ from robodyn.support.wording import alternatives
 
 
 class Result(NamedTuple):
-    """An array that a function returns.
-
-    Attributes:
-        name: of the array.
-        axes: its dimensions by letters: n of `model.n`, p of the parameters of the regressor.
-        meaning: in words, with units.
-    """
+    """An array that a function returns; `axes` are its dimensions: n of `model.n`, p of the regressor's parameters."""
 
     name: str
     axes: str
@@ -43,15 +37,7 @@ class Result(NamedTuple):
 
 
 class Kind(NamedTuple):
-    """A kind of function.
-
-    Attributes:
-        word: a short name.
-        meaning: what it computes, in words.
-        sources: the arrays that it takes.
-        results: those that it returns.
-        program: from the plan to the entries of all results, one after another, each row by row.
-    """
+    """A kind of function, by a short word; its program has the entries of all results, each row by row."""
 
     word: str
     meaning: str
@@ -60,13 +46,12 @@ class Kind(NamedTuple):
     program: Callable[[Plan], Program]
 
     def widths(self, plan: Plan) -> dict[str, int]:
-        """Return the arguments and how many numbers each has; last the columns that wrenches name, if any do."""
+        """The arguments and how many numbers each has; last the columns that wrenches name, if any do."""
         model, columns = plan.model, plan.scene.columns
         widths = {source: model.nq if source == "q" else model.n for source in self.sources}
         return {**widths, "columns": len(columns)} if columns else widths
 
     def shapes(self, plan: Plan) -> dict[str, tuple[int, ...]]:
-        """Return the shape of each result."""
         sizes = {"n": plan.model.n}
         if any("p" in result.axes for result in self.results):
             sizes["p"] = len(list(parameters(plan)))
@@ -176,9 +161,9 @@ class Function:
     """
 
     def __init__(
-        self, a_plan: Plan, kind: str, arguments: Mapping[str, int], shape: tuple[int, ...], program: Program
+        self, a_plan: Plan, kind: str, arguments: dict[str, int], shape: tuple[int, ...], program: Program
     ) -> None:
-        self.kind, self.arguments, self.shape = kind, dict(arguments), shape
+        self.kind, self.arguments, self.shape = kind, arguments, shape
         self.address: int | None = None
         self._plan, self._program = a_plan, program
         self._code: Callable[..., int] | None = None
@@ -241,10 +226,8 @@ def function(model: Model, kind: str, *, scene: Scene = DEFAULT) -> Function:
     Accuracy: as `robodyn.<kind>`, compiled.
     """
     if not isinstance(kind, str) or kind not in OF_ONE_SAMPLE:
-        raise InputError(
-            f"there is no function {kind!r} of one sample",
-            remedy=alternatives(str(kind), tuple(OF_ONE_SAMPLE), "functions"),
-        )
+        remedy = alternatives(str(kind), tuple(OF_ONE_SAMPLE), "functions")
+        raise InputError(f"there is no function {kind!r} of one sample", remedy=remedy)
     refuse_others(model, scene)
     return _function(plan(model, scene), kind)
 

@@ -61,26 +61,12 @@ def inverse_dynamics(
     coefficient is zero. In float32, 1e-6 of the largest torque.
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "qdd": qdd}, scene, columns or {}, dtype)
-    if scene.constrained:
-        return _constrained(model, (q, qd, qdd), scene, columns, out, executor, threads, dtype)
-    runner = torque_runner(model, scene, zero_sources(sources))
-    return results(runner, sources, shape, (model.n,), out, executor, threads, dtype)
-
-
-def _constrained(
-    model: Model,
-    state: tuple[ArrayLike, ArrayLike, ArrayLike],
-    scene: Scene,
-    columns: Mapping[str, ArrayLike] | None,
-    out: Floats | None,
-    executor: str,
-    threads: int | None,
-    dtype: DTypeLike,
-) -> Floats:
-    """Return the torques of a robot that loops or contacts hold."""
+    if not scene.constrained:
+        runner = torque_runner(model, scene, zero_sources(sources))
+        return results(runner, sources, shape, (model.n,), out, executor, threads, dtype)
     from robodyn.dynamics.constraints.inverse import constraint_forces
 
-    found = constraint_forces(model, *state, scene=scene, columns=columns, executor=executor, threads=threads).tau
+    found = constraint_forces(model, q, qd, qdd, scene=scene, columns=columns, executor=executor, threads=threads).tau
     if out is None:
         return found.astype(dtype, copy=False)
     check_out(out, found.shape, dtype)

@@ -47,7 +47,7 @@ def forward_kinematics(
     Accuracy: 1e-14 of the longest chain of offsets, for chains of up to 100 bodies.
     """
     sources, shape = arrays_of(model, {"q": q})
-    found = results(_pose_runner(model, _known(model, link)), sources, shape, (12,), None, executor, threads)
+    found = results(_pose_runner(model, link), sources, shape, (12,), None, executor, threads)
     return LinkPose(found[..., :9].reshape(*shape, 3, 3), found[..., 9:])
 
 
@@ -81,19 +81,18 @@ def jacobian(
     if len(at) != 3 or not np.isfinite(at).all():
         raise InputError(f"{at} is no point", remedy="three finite coordinates in metres")
     sources, shape = arrays_of(model, {"q": q})
-    runner = _jacobian_runner(model, _known(model, link), at)
-    return results(runner, sources, shape, (6, model.n), None, executor, threads)
+    return results(_jacobian_runner(model, link, at), sources, shape, (6, model.n), None, executor, threads)
 
 
-def _known(model: Model, link: str) -> str:
+def _check_link(model: Model, link: str) -> None:
     if link not in model.links:
         remedy = alternatives(link, list(model.links), "links")
         raise InputError(f"no link {shown(link)}", remedy=remedy, file=model.file)
-    return link
 
 
 @lru_cache(maxsize=16)
 def _pose_runner(model: Model, link: str) -> Runner:
+    _check_link(model, link)
     a_plan = plan(model, DEFAULT)
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
@@ -107,6 +106,7 @@ def _pose_runner(model: Model, link: str) -> Runner:
 
 @lru_cache(maxsize=16)
 def _jacobian_runner(model: Model, link: str, point: tuple[float, ...]) -> Runner:
+    _check_link(model, link)
     a_plan = plan(model, DEFAULT)
 
     def outputs(tape: Tape) -> Iterable[Scalar]:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from robodyn.dynamics.arrays import arrays_of, results
 from robodyn.dynamics.effects import motors, rigid_bodies
 from robodyn.dynamics.effects.motors import mass_entries
-from robodyn.dynamics.plan import Plan, applied, loads, plan, runner_of
+from robodyn.dynamics.plan import Plan, applied, loads, plan, ready, runner_of
 from robodyn.dynamics.recursions.newton_euler import mass_matrix as mass_matrix_of
 from robodyn.programs.derivative import again, jacobian
 from robodyn.programs.program import trace, traced
@@ -90,12 +90,8 @@ def coriolis_matrix(
     """
     refuse_others(model, scene)
     sources, shape = arrays_of(model, {"q": q, "qd": qd})
-    return results(_coriolis_runner(plan(model, scene)), sources, shape, (model.n, model.n), None, executor, threads)
-
-
-@lru_cache(maxsize=16)
-def _coriolis_runner(a_plan: Plan) -> Runner:
-    return runner_of(coriolis_program(a_plan), a_plan)
+    runner = ready(coriolis_program, plan(model, scene))
+    return results(runner, sources, shape, (model.n, model.n), None, executor, threads)
 
 
 @traced

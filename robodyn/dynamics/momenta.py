@@ -14,11 +14,11 @@ from robodyn.dynamics.effects import motors
 from robodyn.dynamics.plan import Plan, plan, runner_of
 from robodyn.dynamics.recursions.momentum import momenta as momenta_of
 from robodyn.errors import InputError
-from robodyn.programs.program import Program, trace
+from robodyn.programs.program import trace
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import IDENTITY, ZERO, Scalar, cross
-from robodyn.robot.kinematics import REST, Motion, Pose, poses
+from robodyn.robot.kinematics import REST, poses
 from robodyn.robot.model import Model
 from robodyn.scene.fit import refuse_others
 from robodyn.scene.scene import DEFAULT, Scene
@@ -90,9 +90,8 @@ def momenta(
 ) -> Momenta:
     """Mass centre, linear and angular momentum, kinetic and potential energy: `p = sum m v`, `L = sum r x m v + I w`.
 
-    The recursion of momenta, traced once per model, scene and view, then run
-    over all samples. `L` about a point c is `L_o - c x p`; velocities are always those relative to the ground, also
-    where frame or point move with a link.
+    `L` about a point c is `L_o - c x p`; velocities are those relative to the ground, also where frame or point move
+    with a link.
 
     Args:
         model: of `robodyn.load`.
@@ -108,8 +107,7 @@ def momenta(
     Accuracy: 1e-14 of the sum of the magnitudes that add up to each result.
     """
     refuse_others(model, scene)
-    point = about if isinstance(about, str) else _point(about)
-    view = View(point, frame)
+    view = View(about if isinstance(about, str) else _point(about), frame)
     view.check(model, scene)
     columns = dict.fromkeys(scene.columns, 0.0)  # wrenches carry no momentum
     sources, shape = arrays_of(model, {"q": q, "qd": qd}, scene, columns)
@@ -127,9 +125,8 @@ def _point(about: ArrayLike) -> Point:
     try:
         x, y, z = np.asarray(about, dtype=float).tolist()
     except (TypeError, ValueError):
-        raise InputError(
-            f"{np.asarray(about).tolist()} is no point", remedy="three finite coordinates in metres"
-        ) from None
+        what = f"{np.asarray(about).tolist()} is no point"
+        raise InputError(what, remedy="three finite coordinates in metres") from None
     return x, y, z
 
 
@@ -137,14 +134,20 @@ _KINETIC = (motors.ROTOR, motors.COUPLED, motors.GYROSCOPIC)
 """The effects that store kinetic energy."""
 
 
-def momentum_program(a_plan: Plan, view: View) -> Program:
-    """Return the program of `COLUMNS`: mass centre, p, L, kinetic and potential energy."""
+@lru_cache(maxsize=16)
+def momentum_runner(a_plan: Plan, view: View) -> Runner:
+    """Return `COLUMNS`, ready to run: mass centre, p, L, kinetic and potential energy."""
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
         sample, terms = a_plan.terms(tape)
-        joints = sample.motions()
-        whole = momenta_of(sample.model.parents, joints, terms.inertias)
-        R, p = _from_base(sample.model, joints, view.frame)
+        model, joints = sample.model, sample.motions()
+        whole = momenta_of(model.parents, joints, terms.inertias)
+        if view.frame == GROUND:
+            R, p = joints[0].R.T, -(joints[0].R.T @ joints[0].p)
+        else:
+            body, turn, origin = model.links[view.frame]
+            where = poses(model.parents, [REST._replace(R=IDENTITY, p=ZERO), *joints[1:]])[body]
+            R, p = where.R @ turn, where.p + where.R @ origin
         centre = whole.mc * (1.0 / whole.m)
         about = {"origin": p, "com": centre}[view.about] if isinstance(view.about, str) else p + R @ view.about
         kinetic, potential = whole.T, 0.0
@@ -158,21 +161,4 @@ def momentum_program(a_plan: Plan, view: View) -> Program:
         angular = whole.H + spinning - cross(about, whole.P)
         return [*(R.T @ (centre - p)), *(R.T @ whole.P), *(R.T @ angular), kinetic, potential]
 
-    return trace(outputs)
-
-
-def _from_base(model: Model, joints: list[Motion], frame: str) -> Pose:
-    """Return rotation and origin of the frame as seen from the base."""
-    if frame == GROUND:
-        R, p = joints[0].R, joints[0].p
-        return Pose(R.T, -(R.T @ p))
-    held = REST._replace(R=IDENTITY, p=ZERO)
-    body, R, p = model.links[frame]
-    where = poses(model.parents, [held, *joints[1:]])[body]
-    return Pose(where.R @ R, where.p + where.R @ p)
-
-
-@lru_cache(maxsize=16)
-def momentum_runner(a_plan: Plan, view: View) -> Runner:
-    """Return the plan's momenta and energies, ready to run."""
-    return runner_of(momentum_program(a_plan, view), a_plan)
+    return runner_of(trace(outputs), a_plan)

@@ -19,18 +19,17 @@ from robodyn.dynamics.effects.motors import (
     GYROSCOPIC,
     ROTOR,
     acceleration_of,
+    armatures,
     at_joints,
     coupled_motors,
-    rotor_of,
     speed_of,
     spins,
     with_spins,
 )
 from robodyn.dynamics.effects.rigid_bodies import CORIOLIS, GRAVITY, INERTIA, MOVING_BASE, PAYLOAD
-from robodyn.dynamics.plan import Plan, applied, at_rest, loads, plan, runner_of
+from robodyn.dynamics.plan import Plan, applied, at_rest, loads, plan, ready
 from robodyn.programs.derivative import jacobian
 from robodyn.programs.program import traced
-from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar, vector
 from robodyn.robot.model import Model
@@ -88,17 +87,12 @@ def regressor(
     Accuracy: `Y theta + rest` within 1e-13 of the largest product of an entry of Y and its parameter.
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "qdd": qdd}, scene, columns or {})
-    runner, names, theta = _runner(plan(model, scene))
+    a_plan = plan(model, scene)
+    names, theta = zip(*parameters(a_plan), strict=True)
+    runner = ready(regressor_program, a_plan)
     rows = results(runner, sources, shape, (model.n * (len(names) + 1),), None, executor, threads)
     Y, rest = rows[..., : -model.n], rows[..., -model.n :]
-    return Regressor(Y.reshape(*shape, model.n, len(names)), theta.copy(), names, rest)
-
-
-@lru_cache(maxsize=16)
-def _runner(a_plan: Plan) -> tuple[Runner, tuple[str, ...], Floats]:
-    """Return Y and the rest row by row, ready to run, and the parameters."""
-    names, theta = zip(*parameters(a_plan), strict=True)
-    return runner_of(regressor_program(a_plan), a_plan), names, np.array(theta)
+    return Regressor(Y.reshape(*shape, model.n, len(names)), np.array(theta), names, rest)
 
 
 @lru_cache(maxsize=16)
@@ -125,28 +119,22 @@ _LINEAR = (*_MOTION, PAYLOAD, VISCOUS, COULOMB, ROTOR, COUPLED, GYROSCOPIC)
 """The effects that the parameters stand for."""
 
 
-def parameters(plan: Plan) -> Iterator[tuple[str, float]]:
-    """Yield name and value of every parameter, in the order of the columns of Y."""
-    model, scene = plan.model, plan.scene
+@lru_cache(maxsize=16)
+def parameters(plan: Plan) -> tuple[tuple[str, float], ...]:
+    """Return name and value of every parameter, in the order of the columns of Y."""
+    model, scene, found = plan.model, plan.scene, []
     sample = plan.sample(Tape())
     for body, (m, mc, I) in zip(model.bodies, applied([PAYLOAD], sample, scene).inertias, strict=True):
         moments = (I[0, 0], I[0, 1], I[0, 2], I[1, 1], I[1, 2], I[2, 2])
-        for name, value in zip(INERTIAL, (m, *mc, *moments), strict=True):
-            yield f"{body.name}.{name}", float(value)
-    for _, joint, friction in joints_with_friction(model, scene):
-        rotor, gear = rotor_of(joint, scene)
-        yield from _of_motor(joint.name, friction, rotor * gear * gear)
-    for motor in scene.coupled:
-        yield from _of_motor(motor.name, motor.friction, motor.reflected)
-
-
-def _of_motor(name: str, friction: Friction, rotor: float) -> Iterator[tuple[str, float]]:
-    yield f"{name}.viscous", friction.viscous
-    yield f"{name}.forward", friction.forward
-    yield f"{name}.backward", friction.backward
-    if friction.stribeck is not None:
-        yield f"{name}.stribeck", friction.stribeck
-    yield f"{name}.rotor", rotor
+        found += [(f"{body.name}.{name}", float(x)) for name, x in zip(INERTIAL, (m, *mc, *moments), strict=True)]
+    rotors = {i: inertia for i, _, inertia in armatures(model, scene)}
+    motors = [(joint.name, friction, rotors.get(i, 0.0)) for i, joint, friction in joints_with_friction(model, scene)]
+    motors += [(motor.name, motor.friction, motor.reflected) for motor in scene.coupled]
+    for name, friction, rotor in motors:
+        found += [(f"{name}.{each}", getattr(friction, each)) for each in ("viscous", "forward", "backward")]
+        found += [] if friction.stribeck is None else [(f"{name}.stribeck", friction.stribeck)]
+        found.append((f"{name}.rotor", rotor))
+    return tuple(found)
 
 
 def _torques(plan: Plan, sample: Sample, values: Sequence[Scalar]) -> list[Scalar]:

@@ -196,7 +196,9 @@ def mass_entries(sample: Sample, scene: Scene) -> Mapping[tuple[int, int], Scala
         rate, moment, k = spin.joint.rate, spin.axis * (spin.share * spin.joint.multiplier), spin.carrier
         while k >= 0:
             joint = model.bodies[k].joint
-            turning = {"revolute": [joint.multiplier * (joint.axis @ moment)], "floating": moment}.get(joint.kind, [])
+            turning: list[Scalar] = [*moment] if joint.kind == "floating" else []
+            if joint.kind == "revolute":
+                turning = [joint.multiplier * (joint.axis @ moment)]
             for other, along in enumerate(turning, joint.rate):
                 pair = min(rate, other), max(rate, other)
                 entries[pair] = entries.get(pair, 0.0) + (2.0 * along if other == rate else along)
