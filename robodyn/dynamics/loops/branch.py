@@ -10,19 +10,18 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.dynamics.initial_state import default_pose, initial_state
-from robodyn.dynamics.loops.closed_chain import ClosedChain, independent, tied_chain
+from robodyn.dynamics.loops.closed_chain import ClosedChain, closed_chain, independent
 from robodyn.dynamics.loops.closed_start import closed_by, closed_start, nearby
 from robodyn.dynamics.loops.closure import loops_size, moved, unit
 from robodyn.dynamics.plan import Plan, plan, runner_of
 from robodyn.errors import InputError, TrajectoryError
 from robodyn.programs.linear import null_space, pseudo_inverse, range_basis
-from robodyn.programs.program import traced
+from robodyn.programs.program import trace
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar, product, rotation_from_rpy
 from robodyn.robot.configuration import unit_rows
 from robodyn.robot.limits import coordinate_ranges
-from robodyn.robot.model import Model
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
 from robodyn.support.wording import count
@@ -35,36 +34,26 @@ class BlockEquations:
         chain: its equations, but for those that never change on their own.
         rates: those that move a loop; the columns of J.
         size: the longest offset between joints or points of the loops [m]; 1 where there is none.
-        units: of each equation, "m" or "rad"; names: of its loop.
-        rate_units: "rad" or "m" of each rate of the model, times a second.
-        weights: (n,) by which rates are multiplied to compare them: 1 for rad, 1 / size for m.
+        units: of each equation, "m" or "rad"; names: of its loop; scale: (equations,) `size` or 1 rad.
+        shifts: (n,) which rates are those of lengths; weights: what compares them, 1 for rad, 1 / size for m.
     """
 
     def __init__(self, plan: Plan) -> None:
-        self.plan, self.model, self.chain = plan, plan.model, tied_chain(plan)
+        self.plan, self.model, self.chain = plan, plan.model, closed_chain(plan)
+        self.count = self.chain.count
         rows = self.chain.equations(self.chain.sample(default_pose(self.model).tolist())).J
         self.rates = tuple(sorted({rate for row in rows for rate in row}))
         self.units = tuple(e.unit for closure in self.chain.closures for e in closure.equations)
         self.names = tuple(closure.loop.name for closure in self.chain.closures for _ in closure.equations)
         self.size = loops_size(self.model, self.chain.closures)
         self.scale = np.array([self.size if unit == "m" else 1.0 for unit in self.units])
-        self.rate_units = _units(self.model)
-        self.weights = np.array([1.0 / self.size if unit == "m" else 1.0 for unit in self.rate_units])
-
-    @property
-    def count(self) -> int:
-        """Equations."""
-        return self.chain.count
+        shifts = {"floating": [False] * 3 + [True] * 3, "prismatic": [True]}
+        self.shifts = np.array([x for joint in self.model.independent for x in shifts.get(joint.kind, [False])])
+        self.weights = np.where(self.shifts, 1.0 / self.size, 1.0)
 
     def places(self, q: Floats) -> tuple[Floats, Floats]:
-        """Return phi (N, equations) and J (N, equations, rates).
-
-        Args:
-            q: (N, nq); J is by the rates as `model.rates` has them, those of floating joints' positions along the axes
-                of their parents.
-        """
-        columns = self._places({"q": q}, len(q))
-        m = self.count
+        """Return phi (N, equations) and J (N, equations, rates) at q (N, nq), by `rates` as `model.rates` has them."""
+        columns, m = self._places({"q": q}, len(q)), self.count
         return columns[:, :m], columns[:, m:].reshape(len(q), m, len(self.rates))
 
     def bias(self, q: Floats, qd: Floats) -> Floats:
@@ -79,57 +68,40 @@ class BlockEquations:
 
     @cached_property
     def _places(self) -> Runner:
-        return runner_of(_places_program(self), self.plan)
+        def outputs(tape: Tape) -> Iterable[Scalar]:
+            chain, n = self.chain, self.model.n
+            sample = chain.sample(_inputs(tape, "q", self.model.nq))
+            here = chain.equations(sample)
+            rows = [chain.along_parents(sample, [row.get(k, 0.0) for k in range(n)]) for row in here.J]
+            return [*here.error, *(row[rate] for row in rows for rate in self.rates)]
+
+        return runner_of(trace(outputs), self.plan)
 
     @cached_property
     def _bias(self) -> Runner:
-        return runner_of(_bias_program(self), self.plan)
+        def outputs(tape: Tape) -> Iterable[Scalar]:
+            state = _inputs(tape, "q", self.model.nq), _inputs(tape, "qd", self.model.n)
+            return self.chain.equations(self.chain.sample(*state)).bias
+
+        return runner_of(trace(outputs), self.plan)
 
     @cached_property
     def _moved(self) -> Runner:
-        return runner_of(_moved_program(self), self.plan, {"u": self.model.n})
+        def outputs(tape: Tape) -> Iterable[Scalar]:
+            model = self.model
+            return unit(model, moved(model, _inputs(tape, "q", model.nq), _inputs(tape, "u", model.n)))
+
+        return runner_of(trace(outputs), self.plan, {"u": self.model.n})
+
+
+def _inputs(tape: Tape, source: str, count: int) -> list[Scalar]:
+    return [tape.input(source, k) for k in range(count)]
 
 
 @lru_cache(maxsize=16)
 def block_equations(plan: Plan) -> BlockEquations:
     """Return the equations of a plan, with what has been traced of them so far."""
     return BlockEquations(plan)
-
-
-def _units(model: Model) -> tuple[str, ...]:
-    """Return the unit of each rate, times a second."""
-    found: list[str] = []
-    for joint in model.independent:
-        lengths = {"floating": ["rad"] * 3 + ["m"] * 3, "prismatic": ["m"]}
-        found += lengths.get(joint.kind, ["rad"])
-    return tuple(found)
-
-
-@traced
-def _places_program(equations: BlockEquations, tape: Tape) -> Iterable[Scalar]:
-    chain = equations.chain
-    sample = chain.sample(_inputs(tape, "q", equations.model.nq))
-    here = chain.equations(sample)
-    rows = [chain.along_parents(sample, [row.get(k, 0.0) for k in range(equations.model.n)]) for row in here.J]
-    return [*here.error, *(row[rate] for row in rows for rate in equations.rates)]
-
-
-@traced
-def _bias_program(equations: BlockEquations, tape: Tape) -> Iterable[Scalar]:
-    chain = equations.chain
-    return chain.equations(
-        chain.sample(_inputs(tape, "q", equations.model.nq), _inputs(tape, "qd", equations.model.n))
-    ).bias
-
-
-@traced
-def _moved_program(equations: BlockEquations, tape: Tape) -> Iterable[Scalar]:
-    model = equations.model
-    return unit(model, moved(model, _inputs(tape, "q", model.nq), _inputs(tape, "u", model.n)))
-
-
-def _inputs(tape: Tape, source: str, count: int) -> list[Scalar]:
-    return [tape.input(source, k) for k in range(count)]
 
 
 LONGEST = 0.5
@@ -187,19 +159,21 @@ class Branch:
 
     def __init__(self, equations: BlockEquations, followed: Sequence[int]) -> None:
         self.equations = equations
-        self.followed = np.array([rate for rate in equations.rates if rate in followed], dtype=int)
-        self.given = np.array([rate for rate in equations.rates if rate not in followed], dtype=int)
-        self.own = np.array([k for k, rate in enumerate(equations.rates) if rate in followed], dtype=int)
-        self.others = np.array([k for k, rate in enumerate(equations.rates) if rate not in followed], dtype=int)
-        self.coordinates = np.array([k for joint in _joints(equations, followed) for k in joint], dtype=int)
+        rates = np.array(equations.rates, dtype=int)
+        follows = np.isin(rates, followed)
+        self.own, self.others = np.flatnonzero(follows), np.flatnonzero(~follows)
+        self.followed, self.given = rates[follows], rates[~follows]
+        coordinates: list[int] = []
+        for joint in equations.model.independent:
+            numbers, count = (7, 6) if joint.kind == "floating" else (1, 1)
+            if any(rate in followed for rate in range(joint.rate, joint.rate + count)):
+                coordinates += range(joint.coordinate, joint.coordinate + numbers)
+        self.coordinates = np.array(coordinates, dtype=int)
 
     def corrected(self, q: Floats, tries: int = TRIES) -> Corrected:
-        """Return samples near the loops with the coordinates that follow on them, by Newton's method.
+        """Return samples near q (N, nq) with the coordinates that follow on the loops, by Newton's method.
 
         Where more is given than needed, |phi| is least.
-
-        Args:
-            q: (N, nq). tries: corrections at most.
         """
         weights = self.equations.weights[self.followed]
         change, u = np.zeros(len(q)), np.zeros((len(q), self.equations.model.n))
@@ -296,23 +270,12 @@ class Branch:
         return moves
 
     def _length(self, moves: Floats) -> Floats:
-        """Return (N,) the sum over the given rates."""
-        total: Floats = np.abs(moves[:, self.given] * self.equations.weights[self.given]).sum(axis=1)
-        return total
-
-
-def _joints(equations: BlockEquations, rates: Sequence[int]) -> list[range]:
-    """Return the coordinates of each joint that has one of these rates."""
-    found = []
-    for joint in equations.model.independent:
-        numbers, count = (7, 6) if joint.kind == "floating" else (1, 1)
-        if any(rate in rates for rate in range(joint.rate, joint.rate + count)):
-            found.append(range(joint.coordinate, joint.coordinate + numbers))
-    return found
+        """(N,) the sum over the given rates."""
+        return np.asarray(np.abs(moves[:, self.given] * self.equations.weights[self.given]).sum(axis=1))
 
 
 def _turn(a: Floats, b: Floats) -> Floats:
-    """Return (N, 3) rotation vectors from unit quaternions a to b, in the axes of a's body."""
+    """(N, 3) rotation vectors from unit quaternions a to b, in the axes of a's body."""
     v = a[:, 3:] * b[:, :3] - b[:, 3:] * a[:, :3] - np.cross(a[:, :3], b[:, :3])
     w = (a * b).sum(axis=1, keepdims=True)
     sine = np.sqrt((v * v).sum(axis=1, keepdims=True))
@@ -329,43 +292,40 @@ SLACK = 1e-6
 """rad or m, that a joint may be beyond its limits."""
 
 
-class Start(NamedTuple):
-    """Closed configurations for one row.
+def search(branch: Branch, q: Floats, near: Floats, tolerance: float) -> tuple[Floats, str]:
+    """Return closed configurations (k, nq) with given coordinates, and in words the least that loops miss by.
 
-    Attributes:
-        places: (k, nq), the first is the one that is taken; none if the loops do not close.
-        missed: the least that they miss by, in words.
-    """
-
-    places: Floats
-    missed: str
-
-
-def search(branch: Branch, q: Floats, near: Floats, tolerance: float) -> Start:
-    """Return closed configurations with given coordinates, those within the limits and nearest first.
+    Those within the limits and nearest come first; there are none if the loops do not close. Newton's method looks from
+    displacements of what follows up to half a turn, or twice the loops' size.
 
     Args:
         q: (nq,), of which only given coordinates count. near: (nq,) from where those that follow are sought.
         tolerance: rad, or of the loops' size.
     """
-    equations = branch.equations
+    equations, own = branch.equations, branch.coordinates
+    reach = np.where(equations.shifts, 2.0 * equations.size, np.pi)
+    moves = np.random.default_rng(0).uniform(-1.0, 1.0, (STARTS, equations.model.n)) * reach
+    moves[0] = 0.0
     guesses = np.repeat(q[None], STARTS, axis=0)
-    around = equations.moved(np.repeat(near[None], STARTS, axis=0), _drawn(branch))
-    guesses[:, branch.coordinates] = around[:, branch.coordinates]
+    guesses[:, own] = equations.moved(np.repeat(near[None], STARTS, axis=0), moves)[:, own]
     found = branch.corrected(guesses, SEARCH_TRIES)
     phi = np.abs(equations.places(found.q)[0]) / equations.scale
     left = phi.max(axis=1, initial=0.0)
     best = int(np.argmin(left))
     worst = int(np.argmax(phi[best]))
     missed = f"{phi[best, worst] * equations.scale[worst]:.3g} {equations.units[worst]}"
-    places = _unwound(branch, found.q[found.closed & (left <= tolerance)], near)
+    places = found.q[found.closed & (left <= tolerance)]
+    for joint in equations.model.independent:
+        k = joint.coordinate
+        if joint.kind == "revolute" and k in own:
+            places[:, k] -= 2.0 * np.pi * np.rint((places[:, k] - near[k]) / (2.0 * np.pi))
     if any(closure.loop.kind == "weld" for closure in equations.chain.closures):
         places = places[[_unturned(equations.chain, place) for place in places]]
-    return Start(_distinct(branch, places, near), f'loop "{equations.names[worst]}" misses by {missed}')
+    return _distinct(branch, places, near), f'loop "{equations.names[worst]}" misses by {missed}'
 
 
 def _unturned(chain: ClosedChain, q: Floats) -> bool:
-    """Return whether no weld is half a turn from where it should be, where its equations hold too."""
+    """Whether no weld is half a turn from where it should be, where its equations hold too."""
     turns = [
         float(np.trace(product(place.B, rotation_from_rpy(*closure.loop.rpy).T)))
         for closure, place in zip(chain.closures, chain.equations(chain.sample(q.tolist())).places, strict=True)
@@ -374,26 +334,8 @@ def _unturned(chain: ClosedChain, q: Floats) -> bool:
     return all(turn > 1.0 for turn in turns)
 
 
-def _drawn(branch: Branch) -> Floats:
-    """Return (STARTS, n) displacements, the first of nothing: up to half a turn, or twice the loops' size."""
-    equations = branch.equations
-    reach = np.array([np.pi if unit == "rad" else 2.0 * equations.size for unit in equations.rate_units])
-    moves: Floats = np.random.default_rng(0).uniform(-1.0, 1.0, (STARTS, equations.model.n)) * reach
-    moves[0] = 0.0
-    return moves
-
-
-def _unwound(branch: Branch, places: Floats, near: Floats) -> Floats:
-    """Return the places with angles that follow less than half a turn away from those near."""
-    for joint in branch.equations.model.independent:
-        k = joint.coordinate
-        if joint.kind == "revolute" and k in branch.coordinates:
-            places[:, k] -= 2.0 * np.pi * np.rint((places[:, k] - near[k]) / (2.0 * np.pi))
-    return places
-
-
 def _distinct(branch: Branch, places: Floats, near: Floats) -> Floats:
-    """Return places that are apart, those within the limits and nearest first; equally near ones as they were found."""
+    """Places that are apart, those within the limits and nearest first; equally near ones as they were found."""
     own = branch.coordinates
     least, largest = coordinate_ranges(branch.equations.model)
     beyond = np.maximum(least[own] - places[:, own], places[:, own] - largest[own]).max(axis=1, initial=0.0) > SLACK
@@ -402,8 +344,7 @@ def _distinct(branch: Branch, places: Floats, near: Floats) -> Floats:
     for k in np.lexsort((np.arange(len(places)), np.round(away, 6), beyond)).tolist():
         if all(np.abs(places[k, own] - places[other, own]).max(initial=0.0) > APART for other in kept):
             kept.append(k)
-    found: Floats = places[kept]
-    return found
+    return np.asarray(places[kept])
 
 
 TRIALS = 6
@@ -419,26 +360,12 @@ CLOSED = 1e-9
 SHOWN = 3
 
 
-def first_pose(equations: BlockEquations) -> tuple[Floats, bool]:
-    """Return (nq,) where a simulation of the scene begins, and whether its loops close there.
-
-    Initial positions that are columns count as nothing said.
-    """
-    model, scene = equations.model, equations.plan.scene
-    numbers = {name: entry for name, entry in scene.initial_q.items() if not isinstance(entry, str)}
-    begun = replace(scene, initial_q=numbers, initial_qd={})
-    state = initial_state(model, begun)
-    try:
-        return closed_start(plan(model, begun), state)[: model.nq], True
-    except InputError:
-        return state[: model.nq], False
-
-
 def begin(branch: Branch, q: Floats, where: str) -> tuple[Floats, list[str]]:
     """Return the closed configuration (nq,) of the first row, and notes.
 
     It is that to which the given coordinates lead from where a simulation of the scene begins, in a straight line; else
-    the one nearest to this. Those within the joints' limits come first.
+    the one nearest to this. Those within the joints' limits come first. Initial positions of the scene that are columns
+    count as nothing said.
 
     Args:
         q: (nq,), of which given coordinates count. where: row and time, as messages have them.
@@ -446,28 +373,32 @@ def begin(branch: Branch, q: Floats, where: str) -> tuple[Floats, list[str]]:
     Raises:
         TrajectoryError: too little is given, the loops do not close, or what follows depends on each other there.
     """
-    equations = branch.equations
-    _refuse_few(branch, _generic(branch))
-    near, closed = first_pose(equations)
-    tolerance = CLOSED if len(branch.followed) == equations.count else OFF
-    led = q[None].copy()
-    if closed and branch.along(near, led) is None:
-        near = led[0]
-    found = search(branch, q, near, tolerance)
-    if not len(found.places):
+    equations, model, scene = branch.equations, branch.equations.model, branch.equations.plan.scene
+    drawn = np.random.default_rng(0).uniform(-1.0, 1.0, (TRIALS, model.nq))
+    _refuse_few(branch, list(equations.places(unit_rows(model, drawn))[1][:, :, branch.own]))
+    numbers = {name: entry for name, entry in scene.initial_q.items() if not isinstance(entry, str)}
+    begun = replace(scene, initial_q=numbers, initial_qd={})
+    near, led = initial_state(model, begun), q[None].copy()
+    try:
+        near = closed_start(plan(model, begun), near)[: model.nq]
+    except InputError:
+        near = near[: model.nq]
+    else:
+        near = led[0] if branch.along(near, led) is None else near
+    places, missed = search(branch, q, near, CLOSED if len(branch.followed) == equations.count else OFF)
+    if not len(places):
         guess = q.copy()
         guess[branch.coordinates] = near[branch.coordinates]
-        place = closed_by(equations.chain, guess, branch.followed.tolist())
-        if place is None:
-            raise TrajectoryError(f"{where}: {found.missed} at least with {given(branch, q)}", remedy=UNREACHED)
-        found = found._replace(places=place[None])
-    place = found.places[0]
-    J = equations.places(place[None])[1][0][:, branch.own]
+        closed = closed_by(equations.chain, guess, branch.followed.tolist())
+        if closed is None:
+            raise TrajectoryError(f"{where}: {missed} at least with {given(branch, q)}", remedy=UNREACHED)
+        places = closed[None]
+    J = equations.places(places[:1])[1][0][:, branch.own]
     if len(range_basis(J, FEW)) < len(branch.own):
-        rows = [equations.places(each[None])[1][0] for each in nearby(equations.chain, place)]
+        rows = [equations.places(each[None])[1][0] for each in nearby(equations.chain, places[0])]
         _refuse_few(branch, [J, *(row[:, branch.own] for row in rows)])
         raise singular(branch, where)
-    return place, _choice(branch, found.places)
+    return places[0], _choice(branch, places)
 
 
 UNREACHED = "correct these columns, the loop's points or the links' lengths"
@@ -475,7 +406,7 @@ UNREACHED = "correct these columns, the loop's points or the links' lengths"
 
 def singular(branch: Branch, where: str) -> TrajectoryError:
     """Return the error about a row at which what follows is not determined."""
-    names = [f"q_{name}" for name in _names(branch)]
+    names = [f"q_{branch.equations.model.rates[rate]}" for rate in branch.followed]
     what = f"{where}: the loops are singular, so that {', '.join(names)} do not follow from the other columns there"
     return TrajectoryError(what, remedy=f"give {' or '.join(names[:SHOWN])} as well, or leave the rows there out")
 
@@ -488,13 +419,6 @@ def given(branch: Branch, q: Floats) -> str:
     return ", ".join(shown) + (" ..." if len(joints) > SHOWN else "") if shown else "the columns given"
 
 
-def _generic(branch: Branch) -> list[Floats]:
-    """Return J_d at some configurations drawn at random."""
-    model = branch.equations.model
-    drawn = np.random.default_rng(0).uniform(-1.0, 1.0, (TRIALS, model.nq))
-    return list(branch.equations.places(unit_rows(model, drawn))[1][:, :, branch.own])
-
-
 def _refuse_few(branch: Branch, matrices: Sequence[Floats]) -> None:
     """Raise if no J_d (equations, followed) determines all that is to follow."""
     best = max(matrices, key=lambda J: len(range_basis(J, FEW)))
@@ -502,7 +426,7 @@ def _refuse_few(branch: Branch, matrices: Sequence[Floats]) -> None:
     if rank == k:
         return
     free = null_space(best, FEW) if rank else np.eye(k)
-    names = _names(branch)
+    names = [branch.equations.model.rates[rate] for rate in branch.followed]
     actuated = branch.equations.plan.scene.actuated or ()
     order = sorted(range(k), key=lambda i: names[i] not in actuated)
     chosen = [order[i] for i in independent(np.ascontiguousarray(free.T[order]), FEW)]
@@ -514,10 +438,6 @@ def _refuse_few(branch: Branch, matrices: Sequence[Floats]) -> None:
     instead = f", or one of {', '.join(f'q_{names[i]}' for i in others[:SHOWN])}" if others else ""
     followed = ", ".join(f"q_{name}" for name in names)
     raise TrajectoryError(f"{what}: {followed} have none", remedy=f"give {columns}{instead}")
-
-
-def _names(branch: Branch) -> list[str]:
-    return [branch.equations.model.rates[rate] for rate in branch.followed]
 
 
 def _choice(branch: Branch, places: Floats) -> list[str]:

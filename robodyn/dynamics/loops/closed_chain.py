@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,7 +32,7 @@ NUDGE = 1e-150
 
 
 class Rotation(NamedTuple):
-    """Of row `row` of A with row `column` of R: ((c, s), (-s, c))."""
+    """Of row `row` of A with row `column` of R, by ((c, s), (-s, c))."""
 
     row: int
     column: int
@@ -122,8 +122,6 @@ CORRECTIONS = 2
 
 
 class Dropped(NamedTuple):
-    """An equation that others of its loop imply wherever the robot stands."""
-
     closure: Closure
     equation: Equation
 
@@ -150,39 +148,46 @@ class ClosedChain:
     Attributes:
         model: of `aligned`; scene: it has these loops.
         closures: with the equations that are kept; `independent_equations` leaves out those that others imply.
-        sizes: by equation, how long its column of C^-1 J^T may be, M being C C^T.
-        dropped: the equations that are not kept.
+        dropped: the equations that are not kept, which others of their loops imply.
     """
 
     model: Model
     scene: Scene
     closures: tuple[Closure, ...]
-    sizes: tuple[float, ...]
     dropped: tuple[Dropped, ...] = ()
 
     @property
     def count(self) -> int:
         """Equations."""
-        return len(self.sizes)
+        return sum(len(closure.equations) for closure in self.closures)
+
+    @cached_property
+    def sizes(self) -> Floats:
+        """(equations,) how long columns of C^-1 J^T may be, M being C C^T; InputError where nothing resists a joint."""
+        longest = np.zeros(self.count)
+        for q in _trials(self.model):
+            sample = self.sample(q)
+            columns = self._columns(self._root(sample, self.inertial(sample)), self.equations(sample).J)
+            longest = np.maximum(longest, np.sqrt([sum(x * x for x in column) for column in columns]))
+        return longest
 
     def sample(self, q: Sequence[Scalar], qd: Sequence[Scalar] | None = None) -> Sample:
-        """Return a sample without accelerations, and without speeds if there are none."""
+        """A sample without accelerations, and without speeds if there are none."""
         nothing = (0.0,) * self.model.n
         return Sample(self.model, tuple(q), nothing if qd is None else tuple(qd), nothing)
 
     def keeping(self, rows: Collection[int]) -> ClosedChain:
-        """Return the chain with these of its equations alone; the others are dropped."""
+        """The chain with these of its equations alone; the others are dropped."""
         closures, dropped, at = [], list(self.dropped), 0
         for closure in self.closures:
             own = list(enumerate(closure.equations, at))
             closures.append(replace(closure, equations=tuple(equation for k, equation in own if k in rows)))
             dropped += [Dropped(closure, equation) for k, equation in own if k not in rows]
             at += len(own)
-        sizes = tuple(size for k, size in enumerate(self.sizes) if k in rows)
-        return replace(self, closures=tuple(closures), sizes=sizes, dropped=tuple(dropped))
+        return replace(self, closures=tuple(closures), dropped=tuple(dropped))
 
     def equations(self, sample: Sample) -> Equations:
-        """Return the equations of all closures, one after another."""
+        """The equations of all closures, one after another."""
         joints = sample.motions()
         parts: list[tuple[Any, ...]] = [
             held(closure, closure.relative(self.model, joints)) for closure in self.closures
@@ -190,7 +195,7 @@ class ClosedChain:
         return Equations(*([x for part in parts for x in part[k]] for k in range(len(Equations._fields))))
 
     def jacobian(self, sample: Sample) -> Floats:
-        """Return (equations, n) J at a sample of floats."""
+        """(equations, n) J at a sample of floats."""
         rows = [[row.get(rate, 0.0) for rate in range(self.model.n)] for row in self.equations(sample).J]
         return np.array(rows, dtype=float).reshape(self.count, self.model.n)
 
@@ -213,12 +218,18 @@ class ClosedChain:
         Raises:
             InputError: nothing resists a joint.
         """
-        n = self.model.n
+        root = self._root(sample, terms)
+        rows = [dict(enumerate(row)) for row in zip(*self._columns(root, J), strict=True)]
+        return Solver(root, GivensProjection(rows, [softness * size for size in self.sizes.tolist()]))
+
+    def _root(self, sample: Sample, terms: Terms) -> Root:
+        """C, M being C C^T."""
         M = composite_body(self.model, sample.motions(), terms.inertias, mass_entries(sample, self.scene))
-        root = Root(M, rates_inward(self.model), self.model.rates)
-        columns = [root.inward([row.get(rate, 0.0) for rate in range(n)]) for row in J]
-        rows = [{k: column[rate] for k, column in enumerate(columns)} for rate in range(n)]
-        return Solver(root, GivensProjection(rows, [softness * size for size in self.sizes]))
+        return Root(M, rates_inward(self.model), self.model.rates)
+
+    def _columns(self, root: Root, J: Sequence[dict[int, Scalar]]) -> list[list[Scalar]]:
+        """C^-1 J^T, column by column."""
+        return [root.inward([row.get(rate, 0.0) for rate in range(self.model.n)]) for row in J]
 
     def accelerations(self, sample: Sample, terms: Terms, tau: Sequence[Scalar]) -> tuple[list[Scalar], list[Scalar]]:
         """qdd, and lambda by equation. Errors decay at the Baumgarte rate b: `J qdd = -J' qd - 2 b phi' - b^2 phi`.
@@ -238,7 +249,6 @@ class ClosedChain:
         return self.along_parents(sample, qdd), multipliers
 
     def inertial(self, sample: Sample) -> Terms:
-        """Return inertias alone."""
         return applied([rigid_bodies.PAYLOAD], sample, self.scene)
 
     def settled(self, q: Sequence[Scalar], qd: Sequence[Scalar]) -> tuple[list[Scalar], list[Scalar]]:
@@ -262,7 +272,7 @@ class ClosedChain:
         return list(q), [rate + more for rate, more in zip(qd, step(here.rate), strict=True)]
 
     def along_parents(self, sample: Sample, rates: Sequence[Scalar]) -> list[Scalar]:
-        """Return the rates, those of a floating joint's position turned from its body's axes to its parent's."""
+        """The rates, those of a floating joint's position turned from its body's axes to its parent's."""
         return turned(rates, self._floating(sample))
 
     def _floating(self, sample: Sample) -> list[tuple[slice, Array]]:
@@ -282,31 +292,18 @@ NOTHING = 1e-8
 def closed_chain(plan: Plan) -> ClosedChain:
     """Return the closed chain of a model in a scene.
 
-    Raises:
-        InputError: nothing resists a joint.
-    """
-    chain = tied_chain(plan)
-    largest = np.max([_sizes(chain, chain.sample(q)) for q in _trials(chain.model)], axis=0)
-    return replace(chain, sizes=tuple(largest.tolist()))
-
-
-@lru_cache(maxsize=16)
-def tied_chain(plan: Plan) -> ClosedChain:
-    """Return the closed chain of a model in a scene as it moves, whatever its masses; its `sizes` tell nothing.
-
     Equations that never change on their own, such as the one across the plane of a planar linkage, are found at
     configurations drawn at random: of the rows of J, side by side for all of them, the largest are kept one after
     another, each without what it has in common with those before it, until nothing is left.
     """
     model, scene = aligned(plan.model), plan.scene
-    every = [closure_of(model, loop) for loop in scene.loops]
-    sizes = [len(closure.equations) for closure in every]
-    whole = ClosedChain(model, scene, tuple(every), (1.0,) * sum(sizes))
-    rows = np.array([whole.jacobian(whole.sample(q)) for q in _trials(model)])
-    kept: set[int] = set()
-    for at, size in zip(np.cumsum([0, *sizes]).tolist(), sizes, strict=False):
+    whole = ClosedChain(model, scene, tuple(closure_of(model, loop) for loop in scene.loops))
+    rows, at = np.array([whole.jacobian(whole.sample(q)) for q in _trials(model)]), 0
+    kept: list[int] = []
+    for size in (len(closure.equations) for closure in whole.closures):
         own = rows[:, at : at + size].transpose(1, 0, 2).reshape(size, -1)
-        kept |= {at + k for k in independent(own)}
+        kept += [at + k for k in independent(own)]
+        at += size
     return whole.keeping(kept)
 
 
@@ -316,18 +313,12 @@ def closure_of(model: Model, loop: Loop) -> Closure:
         model.links[loop.link],
         GROUND_FRAME if loop.to == GROUND and GROUND not in model.links else model.links[loop.to],
     )
-    a, b = (_outward(model, end.body) for end in ends)
-    common = sum(1 for i, j in zip(a, b, strict=False) if i == j)
-    return Closure(loop, ends, (a[common:], b[common:]), equations_of(loop))
-
-
-def _outward(model: Model, i: int) -> tuple[int, ...]:
-    """Bodies from the base to body i; none for the ground."""
-    path = []
-    while i >= 0:
-        path.append(i)
-        i = model.parents[i]
-    return tuple(reversed(path))
+    paths: list[list[int]] = [[end.body] for end in ends]
+    for path in paths:
+        while path[0] >= 0:
+            path.insert(0, model.parents[path[0]])
+    common = sum(1 for i, j in zip(*paths, strict=False) if i == j)
+    return Closure(loop, ends, (tuple(paths[0][common:]), tuple(paths[1][common:])), equations_of(loop))
 
 
 def independent(rows: Floats, nothing: float = NOTHING) -> list[int]:
@@ -344,16 +335,6 @@ def independent(rows: Floats, nothing: float = NOTHING) -> list[int]:
         left -= np.outer(product(left, one), one)
         left[k] = 0.0
     return sorted(found)
-
-
-def _sizes(chain: ClosedChain, sample: Sample) -> Floats:
-    """(equations,) lengths of the columns of C^-1 J^T, M being C C^T."""
-    rows = chain.solver(sample, chain.inertial(sample), chain.equations(sample).J, EXACT).least.A
-    squares = np.zeros(len(chain.sizes))
-    for row in rows:
-        for k, value in row.items():
-            squares[k] += value * value
-    return np.sqrt(squares)
 
 
 def _trials(model: Model) -> list[tuple[float, ...]]:

@@ -14,7 +14,7 @@ from robodyn.dynamics.loops.closed_chain import NOTHING, ClosedChain, closed_cha
 from robodyn.dynamics.loops.closure import moved, unit
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
-from robodyn.programs.linear import min_norm_solution, null_space
+from robodyn.programs.linear import min_norm_solution, null_space, range_basis
 from robodyn.programs.vectors import product, rotation_from_rpy
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
@@ -77,7 +77,7 @@ def start_notes(model: Model, scene: Scene, begun: Floats, asked: Floats) -> lis
 
 
 def _rates_of(model: Model, coordinates: Iterable[str]) -> list[int]:
-    """Return the rates of the joints that these coordinates belong to, in this order."""
+    """The rates of the joints that these coordinates belong to, in this order."""
     owner = {}
     for joint in model.independent:
         numbers, rates = (7, 6) if joint.kind == "floating" else (1, 1)
@@ -101,7 +101,7 @@ def closed_by(chain: ClosedChain, q: Floats, free: Sequence[int]) -> Floats | No
             return q
         moving = _moving(J, free)
         step = np.zeros(model.n)
-        step[moving] = _shortest(J[:, moving], -error)
+        step[moving] = min_norm_solution(J[:, moving], -error, NOTHING)
         step *= min(1.0, LONGEST / (np.abs(step).max(initial=0.0) + 1e-300))
         moves = chain.along_parents(sample, step.tolist())
         q = np.array(unit(model, moved(model, q.tolist(), moves)), dtype=float)
@@ -133,7 +133,7 @@ def _left(chain: ClosedChain, sample: Sample) -> tuple[Floats, Floats]:
 
 
 def _rotation_vector(R: Floats) -> Floats:
-    """Return the vector t with exp([t]) = R, |t| <= pi."""
+    """The vector t with exp([t]) = R, |t| <= pi."""
     R = np.asarray(R, dtype=float)
     v = 0.5 * np.array((R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]))
     sine, cosine = float(np.sqrt(product(v, v))), 0.5 * (float(np.trace(R)) - 1.0)
@@ -151,7 +151,7 @@ def _rolling(chain: ClosedChain, q: Floats, qd: Floats, free: Sequence[int]) -> 
     J, rate = chain.jacobian(sample), np.array(chain.equations(sample).rate, dtype=float)
     moving = _moving(J, free)
     change = np.zeros(chain.model.n)
-    change[moving] = _shortest(J[:, moving], -rate)
+    change[moving] = min_norm_solution(J[:, moving], -rate, NOTHING)
     left = np.abs(product(J, change) + rate).max(initial=0.0)
     if left > CLOSED * _reach(chain) * max(1.0, np.abs(qd).max(initial=0.0)):
         return None
@@ -160,14 +160,9 @@ def _rolling(chain: ClosedChain, q: Floats, qd: Floats, free: Sequence[int]) -> 
 
 
 def _moving(J: Floats, free: Sequence[int]) -> list[int]:
-    """Return those of the free rates that move a loop's point or axes."""
+    """Those of the free rates that move a loop's point or axes."""
     each = np.abs(J).max(axis=0, initial=0.0)
     return [rate for rate in free if each[rate] > NOTHING * each.max(initial=0.0)]
-
-
-def _shortest(J: Floats, right: Floats) -> Floats:
-    """Return the shortest x with J x as near to the right side as it can be."""
-    return min_norm_solution(J, right, NOTHING)
 
 
 def _reach(chain: ClosedChain) -> float:
@@ -178,15 +173,14 @@ def _reach(chain: ClosedChain) -> float:
 
 
 def _open(chain: ClosedChain, q: Floats) -> InputError:
-    """Return which loop is open by how much where the scene begins."""
+    """The error about the loop that is most open where the scene begins."""
     errors = chain.equations(chain.sample(q.tolist())).error
-    rows = [(closure.loop.name, equation) for closure in chain.closures for equation in closure.equations]
+    rows = [(closure.loop.name, equation.unit) for closure in chain.closures for equation in closure.equations]
     worst = int(np.argmax(np.abs(errors)))
-    name, equation = rows[worst]
-    return InputError(
-        f'loop "{name}" does not close: it is open by {abs(errors[worst]):.3g} {equation.unit} at the start',
-        remedy="give [initial] q nearer to where it closes, or leave out coordinates that are to be found",
-    )
+    name, unit = rows[worst]
+    what = f'loop "{name}" does not close: it is open by {abs(errors[worst]):.3g} {unit} at the start'
+    remedy = "give [initial] q nearer to where it closes, or leave out coordinates that are to be found"
+    return InputError(what, remedy=remedy)
 
 
 def check_dropped(chain: ClosedChain, q: Floats) -> None:
@@ -218,23 +212,16 @@ def independent_equations(plan: Plan) -> ClosedChain:
     start alone, as for four-bars that lie flat, all are kept.
     """
     chain = closed_chain(plan)
-    begun = _begun(plan)
-    if begun is None:
+    try:
+        begun = closed_start(plan, initial_state(plan.model, plan.scene))[: plan.model.nq]
+    except InputError:
         return chain
     J = chain.jacobian(chain.sample(begun.tolist()))
-    rank = _rank(J)
+    rank = len(range_basis(J, FEW))
     others = (chain.jacobian(chain.sample(q.tolist())) for q in nearby(chain, begun))
-    if rank == chain.count or any(_rank(other) > rank for other in others):
+    if rank == chain.count or any(len(range_basis(other, FEW)) > rank for other in others):
         return chain
     return chain.keeping(independent(J, FEW))
-
-
-def _begun(plan: Plan) -> Floats | None:
-    """q where the motion begins; None where it cannot."""
-    try:
-        return closed_start(plan, initial_state(plan.model, plan.scene))[: plan.model.nq]
-    except InputError:
-        return None
 
 
 def nearby(chain: ClosedChain, q: Floats) -> list[Floats]:
@@ -243,8 +230,3 @@ def nearby(chain: ClosedChain, q: Floats) -> list[Floats]:
     drawn = product(np.random.default_rng(0).normal(size=(LOOKS, len(free))), free)
     places = [closed_near(chain, q, AWAY * u / max(float(np.abs(u).max(initial=0.0)), 1e-300)) for u in drawn]
     return [place for place in places if place is not None]
-
-
-def _rank(J: Floats) -> int:
-    values = np.linalg.svd(J, compute_uv=False)
-    return int((values > FEW * values.max(initial=0.0)).sum())

@@ -39,11 +39,7 @@ NOTED = 1e-3
 
 
 class Misfit(NamedTuple):
-    """The largest |phi|, or of its first or second derivative.
-
-    Attributes:
-        order: of the derivative. size: in `unit`: m or rad, per s or s^2. loop: its name. time: s.
-    """
+    """The largest |phi| of a loop, or of its derivative of some order [m or rad, per s or s^2], and when [s]."""
 
     order: int
     size: float
@@ -67,11 +63,7 @@ class Misfits:
         return tuple(each for each in self._largest if each is not None)
 
     def refuse(self, phi: Floats, time: Floats, first_row: int, follows: bool) -> None:
-        """Raise if loops are open by more than OFF.
-
-        Args:
-            phi: (N, equations). follows: whether some coordinates follow.
-        """
+        """Raise if loops are open by more than OFF; phi: (N, equations), follows: whether some coordinates follow."""
         if not phi.size:
             return
         shares = np.abs(phi) / self._equations.scale
@@ -94,35 +86,31 @@ class Misfits:
         """
         if not phi.size:
             return
-        rates = list(self._equations.rates)
-        rate = einsum("nmk,nk->nm", J, qd[:, rates])
-        change = einsum("nmk,nk->nm", J, qdd[:, rates]) + bias
-        for order, values in enumerate((phi, rate, change)):
-            self._take(order, values, time)
-        fast = einsum("nmk,nk->nm", np.abs(J), np.abs(qd[:, rates]))
-        turning = fast * np.abs(qd[:, rates]).max(axis=1, keepdims=True, initial=0.0)
-        sums = (fast, einsum("nmk,nk->nm", np.abs(J), np.abs(qdd[:, rates])) + turning)
-        for k, values in enumerate((rate, change)):
-            self._left[k] = np.maximum(self._left[k], np.abs(values).max(axis=0))
-            self._sums[k] = np.maximum(self._sums[k], sums[k].max(axis=0))
-
-    def _take(self, order: int, values: Floats, time: Floats) -> None:
-        shares = np.abs(values) / self._equations.scale
-        k, worst = (int(i) for i in np.unravel_index(int(np.argmax(shares)), shares.shape))
-        if self._largest[order] is None or shares[k, worst] > self._shares[order]:
-            unit, name = f"{self._equations.units[worst]}{RATES[order]}", self._equations.names[worst]
-            self._shares[order] = float(shares[k, worst])
-            self._largest[order] = Misfit(order, float(abs(values[k, worst])), unit, name, float(time[k]))
+        qd, qdd = (each[:, list(self._equations.rates)] for each in (qd, qdd))
+        fast = einsum("nmk,nk->nm", np.abs(J), np.abs(qd))
+        turning = fast * np.abs(qd).max(axis=1, keepdims=True, initial=0.0)
+        sums = (fast, einsum("nmk,nk->nm", np.abs(J), np.abs(qdd)) + turning)
+        left = (phi, einsum("nmk,nk->nm", J, qd), einsum("nmk,nk->nm", J, qdd) + bias)
+        for order, values in enumerate(left):
+            shares = np.abs(values) / self._equations.scale
+            k, worst = (int(i) for i in np.unravel_index(int(np.argmax(shares)), shares.shape))
+            if self._largest[order] is None or shares[k, worst] > self._shares[order]:
+                unit, name = f"{self._equations.units[worst]}{RATES[order]}", self._equations.names[worst]
+                self._shares[order] = float(shares[k, worst])
+                self._largest[order] = Misfit(order, float(abs(values[k, worst])), unit, name, float(time[k]))
+            if order:
+                self._left[order - 1] = np.maximum(self._left[order - 1], np.abs(values).max(axis=0))
+                self._sums[order - 1] = np.maximum(self._sums[order - 1], sums[order - 1].max(axis=0))
 
     def notes(self) -> list[str]:
-        """Return a note on loops that the positions given leave open."""
+        """A note on loops that the positions given leave open."""
         misfit = self._largest[0]
         if misfit is None or self._shares[0] <= NOTED:
             return []
         return [f'loop "{misfit.loop}" is open by up to {misfit.size:.2g} {misfit.unit} ({misfit.time:.4g} s)']
 
     def caveats(self) -> list[Caveat]:
-        """Return the caveat about given rates that the loops do not allow."""
+        """The caveats about given rates that the loops do not allow."""
         found = []
         for order in (1, 2):
             misfit, left, sums = self._largest[order], self._left[order - 1], self._sums[order - 1]
@@ -262,22 +250,17 @@ class Follow:
         self._place = q[-1].copy()
 
     def _lost(self, lost: Lost, q: Floats, where: str) -> TrajectoryError:
-        """Return the error about a row that the branch does not reach."""
+        """The error about a row that the branch does not reach."""
         if lost.singular:
             return singular(self.branch, where)
-        found = search(self.branch, q[lost.row], lost.place, OFF)
+        places, missed = search(self.branch, q[lost.row], lost.place, OFF)
         values = given(self.branch, q[lost.row])
-        if any(self._turns(place) for place in found.places[:1]):
+        if not len(places):
+            return TrajectoryError(f"{where}: {missed} at least with {values}, out of reach", remedy=UNREACHED)
+        if pseudo_inverse(self.equations.places(places[:1])[1][:, :, self.branch.own])[1][0] <= BACK:
             return singular(self.branch, where)
-        if len(found.places):
-            what = f"{where}: the loops close with {values}, but no way leads there from the row before"
-            return TrajectoryError(what, remedy="give more rows, or columns of more joints")
-        return TrajectoryError(f"{where}: {found.missed} at least with {values}, out of reach", remedy=UNREACHED)
-
-    def _turns(self, place: Floats) -> bool:
-        """Return whether what follows turns back at a closed place (nq,), or nearly so."""
-        J = self.equations.places(place[None])[1][:, :, self.branch.own]
-        return bool(pseudo_inverse(J)[1][0] <= BACK)
+        what = f"{where}: the loops close with {values}, but no way leads there from the row before"
+        return TrajectoryError(what, remedy="give more rows, or columns of more joints")
 
     def _rates(self, time: Floats, part: Whole, first_row: int) -> None:
         """Fill in velocities, accelerations and bars, and look at what is left."""
@@ -311,7 +294,7 @@ class Follow:
 
 
 def _times(A: Floats, x: Floats) -> Floats:
-    """Return A x of each sample; what rounding leaves of nothing beside the largest sum of its terms is 0."""
+    """A x of each sample; what rounding leaves of nothing beside the largest sum of its terms is 0."""
     found, terms = einsum("nij,nj->ni", A, x), einsum("nij,nj->ni", np.abs(A), np.abs(x))
     return np.where(np.abs(found) <= ROUNDING * terms.max(axis=1, keepdims=True, initial=0.0), 0.0, found)
 
