@@ -43,7 +43,7 @@ def state_of(
     with read_motion(traj, model, scene, **call.reading) as reader:
         if scene.loops:
             from robodyn.dynamics.plan import plan
-            from robodyn.loads.dependent_joints import Follower
+            from robodyn.loads.constraints import Follower
 
             row = row_at(reader, time, Follower(plan(model, scene), reader.followed, reader.file).take)
         else:

@@ -10,8 +10,7 @@ import numpy as np
 
 from robodyn.dynamics.mass import mass_runner
 from robodyn.equations.ode import bias_plan, check_equations, identifiers
-from robodyn.equations.polynomial import TooLargeError
-from robodyn.equations.trigonometric import Forms, largest
+from robodyn.equations.polynomial import Forms, TooLargeError, largest
 from robodyn.errors import InputError
 from robodyn.programs.program import Program
 from robodyn.programs.run.numpy_blocks import Numbers, NumpyBlocks

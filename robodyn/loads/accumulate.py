@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from robodyn.loads.history import Recorder
     from robodyn.loads.momenta import MomentumPass
     from robodyn.loads.sizing import SizingPass
-    from robodyn.loads.uncertain import UncertainLoads
+    from robodyn.loads.uncertainty import UncertaintyPass
 
 
 class Options(NamedTuple):
@@ -98,11 +98,13 @@ class TorqueAccumulator:
             from robodyn.loads.sizing import SizingPass
 
             self.sizing = SizingPass(model, scene, self.joints, self.rates)
-        self.uncertain: UncertainLoads | None = None
+        self.uncertain: UncertaintyPass | None = None
         if scene.uncertainty is not None:
-            from robodyn.loads.uncertain import UncertainLoads
+            from robodyn.loads.uncertainty import UncertaintyPass
 
-            self.uncertain = UncertainLoads(model, scene, self.rates, self.sizing, options[1:3])
+            trains = self.sizing.trains if self.sizing else []
+            by = options.executor, options.threads
+            self.uncertain = UncertaintyPass(model, scene, self.rates, trains, self.sizing is not None, *by)
 
     @np.errstate(all="ignore")
     def take(self, block: Trajectory, left: int) -> Floats:
@@ -158,7 +160,7 @@ class TorqueAccumulator:
             unsure = unsure + np.abs(tau - self._run(runner, by_positions, self.whole).values.T[self.rates])
         self.statistics.update(block.time, q, qd, tau, base, state, unsure)
         if self.uncertain is not None:
-            self.uncertain.take(block, sources, loads, 0.0, self.sources, self.whole)
+            self.uncertain.take(block, sources, loads, self.sources, self.whole)
 
 
 def output_names(model: Model, reactions: bool, momentum: bool = False, scene: Scene = DEFAULT) -> list[str]:

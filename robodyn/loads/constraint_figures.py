@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.dynamics.constraints.constraint_jacobian import closures, normal_of
 from robodyn.dynamics.constraints.solve import ConstraintSolver, Found
@@ -18,8 +17,7 @@ from robodyn.loads.constraint_result import Constraints, ContactLoad, LoopLoad, 
 from robodyn.loads.statistics import Greatest, Integrals
 from robodyn.programs.vectors import length, product
 from robodyn.scene.parts import Contact, Vector
-from robodyn.scene.scene import Scene
-from robodyn.support.floats import Floats, first_of_ties, steady
+from robodyn.support.floats import Floats, steady
 from robodyn.support.sums import einsum
 
 MOST_SPANS = 20
@@ -71,40 +69,33 @@ class ContactFigures:
     def _note_missing(self, time: Floats, row: int, problem: Problem, solved: Forces, tau: Floats) -> None:
         """Extend or begin the spans in which no forces balance the motion."""
         lost = np.flatnonzero(~solved.feasible)
-        if not len(lost):
-            self._kind = ""
-            return
-        names = dict(zip(lost.tolist(), kinds(problem.chosen(lost), solved.chosen(lost), self.executor), strict=True))
-        if problem.active is not None:
-            names |= {i: "fly" for i in lost.tolist() if not problem.active[i].any()}
-        for i in range(len(time)):
-            self._extend(names.get(i, ""), float(time[i]), row + i, tau[i, :6])
-
-    def _extend(self, kind: str, time: float, row: int, wrench: Floats) -> None:
-        """Take in one sample; wrench: (6,) what is missing, moment and force."""
-        if kind:
-            here = Missing(kind, time, time, Peak(length(wrench[3:]), time, row), Peak(length(wrench[:3]), time, row))
-            if kind != self._kind:
-                self.spans += 1
-                self.missing += [here] if self.spans <= MOST_SPANS else []
-            elif self.spans <= MOST_SPANS:
+        names: dict[int, str] = {}
+        if len(lost):
+            found = kinds(problem.chosen(lost), solved.chosen(lost), self.executor)
+            names = dict(zip(lost.tolist(), found, strict=True))
+            if problem.active is not None:
+                names |= {i: "fly" for i in names if not problem.active[i].any()}
+        for i, now in enumerate(time.tolist()) if names or self._kind else ():
+            kind, before, self._kind = names.get(i, ""), self._kind, names.get(i, "")
+            self.spans += bool(kind) and kind != before
+            if not kind or self.spans > MOST_SPANS:
+                continue
+            moment, force = (Peak(length(part), now, row + i) for part in (tau[i, :3], tau[i, 3:6]))
+            if kind != before:
+                self.missing.append(Missing(kind, now, now, force, moment))
+            else:
                 last = self.missing[-1]
-                worse = _worse(last.force, here.force), _worse(last.moment, here.moment)
-                self.missing[-1] = Missing(kind, last.start, time, *worse)
-        self._kind = kind
-
-    def report(self) -> tuple[ContactLoad, ...]:
-        """Return what each contact bears, so far."""
-        return tuple(each.report() for each in self.each)
+                force, moment = max(last.force, force, key=_value), max(last.moment, moment, key=_value)
+                self.missing[-1] = Missing(kind, last.start, now, force, moment)
 
 
 class _ContactFigures:
-    """Gathers what one contact bears."""
+    """Gathers what one contact bears while it is on."""
 
     def __init__(self, contact: Contact, normal: Floats) -> None:
         self.contact, self.normal = contact, normal
         self.samples = self.on = 0
-        self.force, self.press, self.least, self.used, self.margin = (_Most() for _ in range(5))
+        self.force, self.press, self.least, self.used, self.margin = (Greatest(1) for _ in range(5))
         self.centre: Vector | None = None
 
     def update(self, time: Floats, row: int, touching: Mask, forces: Floats, arms: Floats) -> None:
@@ -113,73 +104,47 @@ class _ContactFigures:
         Args:
             touching: (N, points); forces, arms: (N, points, 3) from the middle, in the axes of the ground.
         """
-        on = touching.any(axis=1)
+        on, total = touching.any(axis=1), forces.sum(axis=1)
         self.samples, self.on = self.samples + len(time), self.on + int(on.sum())
-        if not on.any():
-            return
-        rows, time, forces, arms = row + np.flatnonzero(on), time[on], forces[on], arms[on]
-        total = forces.sum(axis=1)
-        press = product(total, self.normal)
-        used = friction_used(forces, self.normal, self.contact.friction)
-        self.force.update(time, rows, np.sqrt((total * total).sum(axis=1)))
-        self.press.update(time, rows, press)
-        self.least.update(time, rows, -press)
-        self.used.update(time, rows, np.where(np.abs(used - 1.0) < ROUNDING, 1.0, np.where(np.isnan(used), 0.0, used)))
+        press, used = product(total, self.normal), friction_used(forces, self.normal, self.contact.friction)
+        used = np.where(np.abs(used - 1.0) < ROUNDING, 1.0, np.where(np.isnan(used), 0.0, used))
+        figures = {self.force: np.sqrt((total * total).sum(axis=1)), self.press: press, self.least: -press}
+        for figure, values in (figures | {self.used: used}).items():
+            figure.update(time, row, np.where(on, values, -np.inf)[None])
         if len(self.contact.points) > 2:
             centre, margin = centre_of_pressure(arms, self.normal, forces)
-            pressing = ~np.isnan(margin)
-            margin = np.where(np.abs(margin) < ROUNDING, 0.0, margin)
-            at = self.margin.update(time[pressing], rows[pressing], -margin[pressing])
-            if at is not None:
-                x, y, z = centre[pressing][at].tolist()
+            score = np.where(np.abs(margin) < ROUNDING, 0.0, -margin)
+            score = np.where(on & ~np.isnan(margin), score, -np.inf)
+            for _, at in self.margin.update(time, row, score[None]):
+                x, y, z = centre[at].tolist()
                 self.centre = x, y, z
 
     def report(self) -> ContactLoad:
-        """Return the figures so far."""
-        contact, least, margin = self.contact, self.least.peak, self.margin.peak
-        nothing = Peak(0.0, 0.0, 0)
+        contact, nothing, margin = self.contact, Peak(0.0, 0.0, 0), _peak(self.margin, -1.0)
         return ContactLoad(
             name=contact.name,
             link=contact.link,
             points=len(contact.points),
             friction=contact.friction,
             on=self.on / self.samples if self.samples else 0.0,
-            force=self.force.peak or nothing,
-            normal=self.press.peak or nothing,
-            least_normal=_negative(least) or nothing,
-            friction_used=self.used.peak,
-            margin=_negative(margin),
-            centre=self.centre,
+            force=_peak(self.force) or nothing,
+            normal=_peak(self.press) or nothing,
+            least_normal=_peak(self.least, -1.0) or nothing,
+            friction_used=_peak(self.used),
+            margin=margin,
+            centre=self.centre if margin else None,
         )
 
 
-class _Most:
-    """The greatest of a quantity, of ties the first.
-
-    Attributes:
-        peak: None where there was nothing yet.
-    """
-
-    def __init__(self) -> None:
-        self.peak: Peak | None = None
-
-    def update(self, time: Floats, rows: NDArray[np.intp], values: Floats) -> int | None:
-        """Take in values (N,) of some rows; return which of them is the greatest so far, None if none is."""
-        if not len(values):
-            return None
-        at = int(first_of_ties(values[None])[0])
-        if self.peak is not None and not steady(values[at]) > steady(np.float64(self.peak.value)):
-            return None
-        self.peak = Peak(float(values[at]), float(time[at]), int(rows[at]))
-        return at
+def _value(peak: Peak) -> float:
+    return peak.value
 
 
-def _negative(peak: Peak | None) -> Peak | None:
-    return None if peak is None else peak._replace(value=-peak.value + 0.0)
-
-
-def _worse(a: Peak, b: Peak) -> Peak:
-    return b if b.value > a.value else a
+def _peak(found: Greatest, sign: float = 1.0) -> Peak | None:
+    """Return the peak of a quantity, times a sign; None where it never was."""
+    if found.score[0] == -np.inf:
+        return None
+    return Peak(sign * float(found.score[0]) + 0.0, float(found.time[0]), int(found.row[0]))
 
 
 TOLD = 1e-6
@@ -205,11 +170,14 @@ class ConstraintFigures:
 
     def update(self, time: Floats, row: int, found: Found) -> None:
         """Take in a piece: time (N,) s, the row of the data that it begins with, and what was found."""
-        loops = self._loop_sizes(found.wrenches)
-        if len(loops):
+        count = len(self.gaps)
+        if count:
+            parts = found.wrenches[:, : 6 * count].reshape(len(time), 2 * count, 3)
+            loops = np.sqrt(einsum("nki,nki->kn", parts, parts))
             self.loops.update(time, row, loops)
             self.integrals.update(time, {"square": loops * loops})
-            np.maximum.at(self.gaps, self._loop_of_equations(), np.abs(found.gap).max(axis=0))
+            of_equations = [k for k, closure in enumerate(closures(self.solver.plan)) for _ in closure.equations]
+            np.maximum.at(self.gaps, of_equations, np.abs(found.gap).max(axis=0))
         passive = found.tau[:, self.solver.actuation.passive].T
         if len(passive):
             self.passive.update(time, row, np.abs(passive), value=passive)
@@ -217,16 +185,6 @@ class ConstraintFigures:
         self._note_singular(time, found)
         if self.contacts is not None:
             self.contacts.update(time, row, found)
-
-    def _loop_sizes(self, wrenches: Floats) -> Floats:
-        """Return (2 L, N) the magnitudes of forces and moments."""
-        count = len(self.solver.plan.scene.loops)
-        parts = wrenches[:, : 6 * count].reshape(len(wrenches), 2 * count, 3)
-        return np.asarray(np.sqrt(einsum("nki,nki->kn", parts, parts)))
-
-    def _loop_of_equations(self) -> list[int]:
-        found = closures(self.solver.plan) if self.solver.plan.scene.loops else ()
-        return [k for k, closure in enumerate(found) for _ in closure.equations]
 
     def _note_singular(self, time: Floats, found: Found) -> None:
         """Keep the first time of each span in which loops hold less, and times between samples at which they do.
@@ -282,10 +240,15 @@ class ConstraintFigures:
         passive, driven = rates[part.passive].tolist(), rates[part.driven].tolist()
         determined = dict(zip(driven, (~solver.open_drives).tolist(), strict=True))
         undriven = [] if scene.contacts else [n for n, on in zip(passive, shape.undriven_rates, strict=True) if on]
-        count, contacts = len(shape.equation_scale), self.contacts
+        count, contacts, share = len(shape.equation_scale), self.contacts, ""
+        if not all(determined.values()):
+            share = f"the torques with the least {'' if scene.share == 'least' else 'weighted '}sum of squares"
+            if contacts:
+                least = "cost ([contact_cost])" if scene.contact_cost.torques else "sum of squares"
+                share = f"the contact forces with the least {least}"
         return Constraints(
             loops=tuple(self._loops()),
-            contacts=contacts.report() if contacts else (),
+            contacts=tuple(each.report() for each in contacts.each) if contacts else (),
             equations=count + len(self._dropped),
             rank=count - shape.overconstrained,
             freedoms=solver.plan.model.n - count + shape.overconstrained,
@@ -293,7 +256,7 @@ class ConstraintFigures:
             overconstrained=shape.overconstrained + len(self._dropped),
             undriven=tuple(undriven),
             determined=determined,
-            share="" if all(determined.values()) else _share_words(scene),
+            share=share,
             unbalanced=tuple(self._unbalanced(passive)),
             missing=tuple(contacts.missing) if contacts else (),
             spans=contacts.spans if contacts else 0,
@@ -308,10 +271,3 @@ class ConstraintFigures:
         """Equations that others of their loops imply, where these are left out."""
         scene = self.solver.plan.scene
         return independent_equations(self.solver.plan).dropped if scene.loops and scene.contacts else ()
-
-
-def _share_words(scene: Scene) -> str:
-    if scene.contacts:
-        squares = "the least cost ([contact_cost])" if scene.contact_cost.torques else "the least sum of squares"
-        return f"the contact forces with {squares}"
-    return f"the torques with the least {'' if scene.share == 'least' else 'weighted '}sum of squares"

@@ -18,18 +18,57 @@ from robodyn.dynamics.constraints.constraint_jacobian import (
 from robodyn.dynamics.constraints.solve import ConstraintSolver, Found, touching
 from robodyn.dynamics.constraints.torque_distribution import Mask
 from robodyn.dynamics.loops.closed_chain import NOTHING
+from robodyn.dynamics.loops.position_continuation import Follow
 from robodyn.dynamics.mass import mass_matrix
-from robodyn.dynamics.plan import plan, torque_runner
+from robodyn.dynamics.plan import Plan, plan, torque_runner
 from robodyn.loads.constraint_figures import ConstraintFigures
 from robodyn.loads.constraint_result import Constraints
-from robodyn.loads.dependent_joints import Follower
 from robodyn.programs.linear import min_norm_solution, null_space
 from robodyn.programs.vectors import product
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
-from robodyn.trajectory.motion import Trajectory
+from robodyn.trajectory.motion import Sampling, Trajectory
 from robodyn.trajectory.read import sources_of
+
+
+class Follower:
+    """Completes the blocks of a motion whose scene has loops, one after another.
+
+    Attributes:
+        follow: tells which of several branches was chosen, and what makes the motion so far doubtful.
+    """
+
+    def __init__(self, plan: Plan, followed: Sequence[str] = (), file: str | None = None) -> None:
+        """
+        Args:
+            plan: of a scene with loops. followed: joints without columns, as a reader or a trajectory has them.
+            file: as messages name it.
+
+        Raises:
+            TrajectoryError: a joint is in no loop.
+        """
+        self.follow = Follow(plan, followed, file)
+
+    def take(self, block: Trajectory) -> Trajectory:
+        """Return a block with what follows in it, its accelerations with the error bars that theirs come of.
+
+        Accelerations that follow are open where any that they come of are. Errors and accuracy are those of `Follow`.
+        """
+        if not len(block):
+            return replace(block, followed=())
+        found, branch = block.sampling, self.follow.branch
+        bars = () if found is None else (found.off, found.noise)
+        whole = self.follow.take(block.given_time, block.q, block.qd, block.qdd, bars, block.first_row)
+        if found is not None:
+            off, noise = whole.bars
+            off_squares, squares = found.off_squares.copy(), found.squares.copy()
+            if rates := [*branch.followed]:
+                is_open = bool((found.off_squares[branch.given] > 0.0).any())
+                off_squares[rates] = (off[:, rates] ** 2).sum(axis=0) if is_open else 0.0
+                squares[rates] = (whole.qdd[:, rates] ** 2).sum(axis=0)
+            found = Sampling(off, noise, off_squares, squares, found.guessed)
+        return replace(block, q=whole.q, qd=whole.qd, qdd=whole.qdd, sampling=found, followed=())
 
 
 class ConstraintPass:
@@ -64,8 +103,8 @@ class ConstraintPass:
     def take(self, block: Trajectory) -> Trajectory:
         """Return the block with the coordinates that follow from loops, and the wrenches of its constraints."""
         if (follower := self._follower) is not None:
-            block = follower.take(block)
-            block = replace(block, notes=block.notes + follower.notes, caveats=block.caveats + follower.caveats)
+            block, follow = follower.take(block), follower.follow
+            block = replace(block, notes=block.notes + follow.notes, caveats=block.caveats + follow.caveats)
         names = constraint_columns(self.scene)
         self._wrenches, self._tau = np.empty((len(block), len(names))), np.empty((len(block), self.model.n))
         lost = np.zeros(len(block), dtype=bool)
@@ -76,7 +115,8 @@ class ConstraintPass:
                 self.touching[k] = found.problem.active
             self.figures.update(block.time[k], block.first_row + k.start, found)
         if lost.any() and not lost.all():
-            self._tau[lost] = _between(self._tau, block.time, lost)
+            for column in self._tau.T:  # on straight lines between the samples beside
+                column[lost] = np.interp(block.time[lost], block.time[~lost], column[~lost])
         self._lost = lost
         return replace(block, extra={**block.extra, **dict(zip(names, self._wrenches.T, strict=True))})
 
@@ -87,18 +127,14 @@ class ConstraintPass:
             columns: (N, n and more) torques of all rates, and what follows them in tables.
         """
         n, passive = self.model.n, self.solver.actuation.passive
-        return np.hstack((columns[:, :n][:, ~passive], self._wrenches[:, : self._own], columns[:, n:]))
+        own = 6 * len(self.scene.constraint_names)
+        return np.hstack((columns[:, :n][:, ~passive], self._wrenches[:, :own], columns[:, n:]))
 
     @property
     def holds_base(self) -> bool:
         """Whether loops to the ground hold a base that moves."""
         base = 6 if self.model.floating else 0
         return bool(base and not self.scene.contacts and self.solver.actuation.passive[:base].all())
-
-    @property
-    def _own(self) -> int:
-        """Columns of the wrenches of loops on their links, and of contacts."""
-        return 6 * len(self.scene.constraint_names)
 
     @property
     def touch(self) -> tuple[Floats, Floats] | None:
@@ -155,14 +191,10 @@ class ConstraintPass:
         moved = product(self._along(state["q"]) if own else self._following(state["q"]), M)
         q, qd = (np.repeat(sources[name], 2 * len(moved), axis=0) for name in ("q", "qd"))
         touch = np.repeat(state["touching"][None] != 0.0, len(q), axis=0)
-        found = self._alone().solve(q, qd, np.concatenate((tau + moved, tau - moved)), touch).tau
+        alone = ConstraintSolver(self.solver.plan, "numpy")
+        alone.structure = self.solver.structure
+        found = alone.solve(q, qd, np.concatenate((tau + moved, tau - moved)), touch).tau
         return np.asarray(0.5 * (found[: len(moved)] - found[len(moved) :]).T)
-
-    def _alone(self) -> ConstraintSolver:
-        """Return a solver for samples beside the motion, with the motion's ranks."""
-        solver = ConstraintSolver(self.solver.plan, "numpy")
-        solver.structure = self.solver.structure
-        return solver
 
     def _along(self, q: Floats) -> Floats:
         """Return (n, n) accelerations, row by row: a unit of each, and the least of the others that loops ask for."""
@@ -187,9 +219,3 @@ class ConstraintPass:
     def report(self) -> Constraints:
         """Return the figures so far."""
         return replace(self.figures.report(), followed=self.names)
-
-
-def _between(values: Floats, time: Floats, lost: Mask) -> Floats:
-    """Return rows of values (N, n) at lost samples, on straight lines in time (N,) between those beside."""
-    columns = [np.interp(time[lost], time[~lost], column[~lost]) for column in values.T]
-    return np.stack(columns, axis=1)

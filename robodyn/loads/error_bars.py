@@ -10,7 +10,7 @@ import numpy as np
 
 from robodyn.dynamics.effects.friction import joints_with_friction
 from robodyn.dynamics.mass import mass_matrix
-from robodyn.loads.result import ComponentLoad, EnergyBalance, JointLoad
+from robodyn.loads.result import Checks, ComponentLoad, EnergyBalance, JointLoad
 from robodyn.programs.vectors import length
 from robodyn.robot.base_guess import untouched
 from robodyn.robot.model import Model
@@ -77,11 +77,7 @@ class Openness:
         samples: int,
         duration: float,
     ) -> tuple[Caveat, ...]:
-        """Return what is in doubt for want of samples, or because the energy does not balance.
-
-        Args:
-            bars: what is open of the joints' peaks.
-        """
+        """Return what is in doubt for want of samples, or because the energy does not balance; bars: of the peaks."""
         at_large = bool((self.off_squares > OPEN**2 * self.squares).any())
         too_few = sampling_caveat(joints, bars, samples, duration) if at_large else None
         energy = energy_caveat(balance, samples, duration)
@@ -91,11 +87,7 @@ class Openness:
 
 
 def sampling_caveat(joints: Sequence[JointLoad], bars: Sequence[float], samples: int, duration: float) -> Caveat | None:
-    """Return the caveat about torques whose accelerations are open at large, None where that does not count.
-
-    Args:
-        bars: what is open of the joints' peaks.
-    """
+    """Return the caveat about torques whose accelerations are open at large, None where that does not count."""
     if not joints:
         return None
     least = NEGLIGIBLE * max(abs(joint.peak) for joint in joints)
@@ -175,9 +167,8 @@ def carried(
     scene: Scene,
     base: Sequence[ComponentLoad],
     joints: Sequence[JointLoad],
-    largest_force: float,
-    largest_moment: float,
-    looped: bool = False,
+    checks: Checks,
+    looped: bool,
 ) -> tuple[Caveat, ...]:
     """Return what is in doubt about what carries the base, and what carries the robot at floating joints.
 
@@ -186,32 +177,28 @@ def carried(
 
     Args:
         base, joints: their loads.
-        largest_force, largest_moment: that balance along the motion [N, N m].
         looped: whether loops to the ground hold the base.
     """
     weight = model.total_mass * hypot(*scene.gravity)
-    least = VANISHING * max(weight, largest_force), VANISHING * max(weight * model.reach, largest_moment)
-    parts = {part.name: part.rms for part in base}
-    wrench = [hypot(*(parts[f"{kind}{axis}"] for axis in "xyz")) for kind in "fm"]
-    found = [_base_caveat(model, scene, *wrench)] if _left(wrench, least) and not looped else []
-    loads = {joint.name: joint.rms for joint in joints}
-    for name in (body.joint.name for body in model.bodies[1:] if body.joint.kind == "floating"):
-        wrench = [hypot(*(loads[f"{name}_{kind}{axis}"] for axis in "xyz")) for kind in "vw"]
-        if _left(wrench, least):
-            what = f"nothing drives the floating joint {shown(name)}, whose motion takes {_wrench(*wrench)}"
+    least_force = VANISHING * max(weight, checks.largest_force)
+    least_moment = VANISHING * max(weight * model.reach, checks.largest_moment)
+    parts = {joint.name: joint.rms for joint in joints} | {part.name: part.rms for part in base}
+    floating = [body.joint.name for body in model.bodies[1:] if body.joint.kind == "floating"]
+    found = []
+    for name, kinds in (("", ("f", "m")), *((name, (f"{name}_v", f"{name}_w")) for name in floating)):
+        force, moment = (hypot(*(parts[f"{kind}{axis}"] for axis in "xyz")) for kind in kinds)
+        wrench = f"{figure(force)} N and {figure(moment)} N m (RMS)"
+        if force <= least_force and moment <= least_moment:
+            continue
+        if name:
+            what = f"nothing drives the floating joint {shown(name)}, whose motion takes {wrench}"
             found.append(Caveat("as long as what floats is carried (assumed)", f"{what}; give it as [[wrench]]"))
-    return tuple(caveat for caveat in found if caveat is not None)
+        elif not looped and (caveat := _base_caveat(model, scene, wrench)):
+            found.append(caveat)
+    return tuple(found)
 
 
-def _left(wrench: Sequence[float], least: Sequence[float]) -> bool:
-    return any(size > most for size, most in zip(wrench, least, strict=True))
-
-
-def _wrench(force: float, moment: float) -> str:
-    return f"{figure(force)} N and {figure(moment)} N m (RMS)"
-
-
-def _base_caveat(model: Model, scene: Scene, force: float, moment: float) -> Caveat | None:
+def _base_caveat(model: Model, scene: Scene, wrench: str) -> Caveat | None:
     alone = "the wrenches of the scene do not carry it" if scene.wrenches else "there is no contact that carries it"
     why = alone if model.floating else untouched(model)
     told = any(wrench.cause == "contact" for wrench in scene.wrenches)
@@ -220,7 +207,7 @@ def _base_caveat(model: Model, scene: Scene, force: float, moment: float) -> Cav
     loads = "which a robot that floats cannot have" if model.floating else "loads of a robot that hangs by its base"
     free = "" if model.floating else 'let the base move ([base] motion = "moving", base_ columns) and '
     said = (
-        f"the ground holds the base with {_wrench(force, moment)}, {loads}: {why}; "
+        f"the ground holds the base with {wrench}, {loads}: {why}; "
         f"if something carries the base, such as bolts or a vehicle, say so (--base-held, or [base] held = true), "
         f"otherwise {free}say where its feet stand ([[contact]])"
     )
@@ -271,13 +258,13 @@ class ErrorBars:
                 M[..., joint.rate, :] *= 1.0 + friction.load
         return M
 
-    def at_peak(self, k: int, state: Mapping[str, Floats] | None, shares: Mapping[str, float]) -> tuple[float, float]:
+    def at_peak(self, k: int, state: Mapping[str, Floats], shares: Mapping[str, float]) -> tuple[float, float]:
         """Return sqrt(sum (M_kj s_j)^2) of joint k at its peak, what noise of accelerations does there; and its bar.
 
         Args:
-            state: of the peak; None without one. shares: of the torque, by effect.
+            shares: of the torque, by effect.
         """
-        if state is None or not state["off"].any():
+        if not state["off"].any():
             return 0.0, 0.0
         M = self.response(state)[k + self.rates.start]
         return length(M * state["noise"]), self.openness.bar(M, state["off"], shares)

@@ -75,11 +75,7 @@ def example_motion(model: Model, scene: Scene = DEFAULT) -> tuple[tuple[str, ...
 
 
 def overloaded(model: Model, scene: Scene, columns: Floats) -> list[str]:
-    """Return a line for each joint that an example asks for more than its limit of effort, or leaves where it is.
-
-    Args:
-        columns: of `example_motion`.
-    """
+    """Return a line for each joint that the columns of an example overload, or leave where it is."""
     q, qd, qdd, _ = np.split(columns, np.cumsum((model.nq, model.n, model.n)), axis=1)
     efforts = _efforts(model, scene, q, qd, qdd)
     least, largest = _ranges(model)
@@ -100,7 +96,12 @@ def _first(model: Model) -> _Swings:
     """Return swings within the limits of position and speed."""
     least, largest = _ranges(model)
     c, h, w = np.zeros(model.nq), np.zeros(model.nq), np.zeros(model.nq)
-    speed = _speeds(model)
+    speed = np.full(model.nq, np.inf)
+    for body in model.bodies:
+        limit = binding(body.joint.velocity)
+        if limit is not None and body.joint.kind in ("revolute", "prismatic") and body.joint.multiplier:
+            at = body.joint.coordinate
+            speed[at] = min(speed[at], limit / abs(body.joint.multiplier))
     for k, joint in enumerate(model.independent):
         at = joint.coordinate
         if joint.kind == "floating":
@@ -117,17 +118,6 @@ def _ranges(model: Model) -> tuple[Floats, Floats]:
     least, largest = coordinate_ranges(model)
     wrong = least > largest
     return np.where(wrong, -pi, least), np.where(wrong, pi, largest)
-
-
-def _speeds(model: Model) -> Floats:
-    """Return the largest speed of each coordinate (nq,) that limits of all joints that it moves allow."""
-    speeds = np.full(model.nq, np.inf)
-    for body in model.bodies:
-        limit = binding(body.joint.velocity)
-        if limit is not None and body.joint.kind in ("revolute", "prismatic") and body.joint.multiplier:
-            at = body.joint.coordinate
-            speeds[at] = min(speeds[at], limit / abs(body.joint.multiplier))
-    return speeds
 
 
 def _within_effort(swings: _Swings, scene: Scene, time: Floats) -> _Swings:

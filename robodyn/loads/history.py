@@ -76,11 +76,9 @@ class MinMaxDecimation:
         self._kept: dict[int, Floats] = {}
 
     def update(self, time: Floats, values: tuple[Floats, ...], expected_duration: float) -> None:
-        """Take in a block.
+        """Take in a block: time (N,), N > 0, and values (columns, N) for each quantity.
 
         Args:
-            time: (N,) s, N > 0.
-            values: (columns, N) for each quantity.
             expected_duration: about how long the motion goes on from the first of these samples [s].
         """
         if not self._kept:
@@ -94,7 +92,6 @@ class MinMaxDecimation:
             self._add(int(spans[first]), _extreme(part, self._deciding))
 
     def curves(self) -> Curves:
-        """Return what has been gathered."""
         return Curves(self.names, self.quantities, np.stack([self._kept[span] for span in sorted(self._kept)]))
 
     def _add(self, span: int, extreme: Floats) -> None:
@@ -139,10 +136,9 @@ class Recorder:
         expected_samples: float,
         touch: tuple[Floats, Floats] | None = None,
     ) -> None:
-        """Take in a block.
+        """Take in a block: qd, qdd, tau (joints, N) and base (components, N).
 
         Args:
-            time: (N,) s; qd, qdd, tau: (joints, N); base: (components, N).
             energy: (2, k) work done and energy stored since the start [J], at these `rows`.
             expected_samples: how many may come, with these, by how many these are.
             touch: (contacts, N) forces along their normals [N], and where they are on.
@@ -157,7 +153,6 @@ class Recorder:
 
     def history(self, at_peak: Mapping[int, Mapping[str, Floats]]) -> History:
         """Return what has been gathered, with the states at the peaks of the joints."""
-        joints = self.joints.curves() if self.joints.names else None
         states = tuple(at_peak[k] for k in range(len(at_peak)))
-        contacts = self.contacts.curves() if self.contacts.names else None
+        joints, contacts = (each.curves() if each.names else None for each in (self.joints, self.contacts))
         return History(joints, self.base.curves(), self.energy.curves(), states, contacts)

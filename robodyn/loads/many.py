@@ -116,10 +116,9 @@ class Batch:
     def worst(self) -> tuple[Worst, ...]:
         """For every joint the worst over all trajectories; of equal ones the first counts."""
         done = [outcome for outcome in self.outcomes if outcome.joints]
-        return (
-            tuple(_worst([(x.trajectory, x.joints[k]) for x in done]) for k in range(len(done[0].joints)))
-            if done
-            else ()
+        return tuple(
+            _worst(list(zip((outcome.trajectory for outcome in done), each, strict=True)))
+            for each in zip(*(outcome.joints for outcome in done), strict=True)
         )
 
 

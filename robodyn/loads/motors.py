@@ -83,13 +83,17 @@ def points(torque: float | Curve) -> Curve:
     return torque if isinstance(torque, tuple) else ((0.0, torque),)
 
 
-def allowed(torque: float | Curve, speed: Floats) -> Floats:
-    """The torque that a curve allows at these speeds, magnitudes: straight between its points, 0 beyond the last."""
+def allowed(torque: float | Curve | None, speed: Floats | float) -> Floats:
+    """The torque that a curve allows at these speeds, magnitudes: straight between its points, 0 beyond the last.
+
+    Infinite without a curve.
+    """
+    if torque is None:
+        return np.full(np.shape(speed), np.inf)
     if not isinstance(torque, tuple):
         return np.full(np.shape(speed), torque)
     speeds, torques = (np.array(column) for column in zip(*torque, strict=True))
-    found: Floats = np.interp(speed, speeds, torques, right=0.0)
-    return found
+    return np.asarray(np.interp(speed, speeds, torques, right=0.0))
 
 
 LEAST = 1e-9
@@ -113,19 +117,14 @@ class MotorPass:
         self.least = LEAST * np.array(tops)[:, None] + np.finfo(float).tiny
 
     def update(self, time: Floats, first_row: int, tau: Floats, qd: Floats, qdd: Floats) -> None:
-        """Take in a block.
-
-        Args:
-            time: (N,) s; first_row: of the data, from 1.
-            tau, qd, qdd: (k, N) of the joints.
-        """
+        """Take in a block; tau, qd, qdd: (k, N) of the joints."""
         trains = self.trains
         load = np.array([load_torque(train, *x) for train, *x in zip(trains, tau, qdd, strict=True)])
         torque = np.array([motor_torque(train, *x) for train, *x in zip(trains, load, qd, qdd, strict=True)])
         speed = qd * np.array([[train.gear] for train in trains])
         size, pace, carried, power = np.abs(torque), np.abs(speed), np.abs(load), torque * speed
         continuous, peak = (
-            np.array([_allowed(train, name, v) for train, v in zip(trains, pace, strict=True)])
+            np.array([allowed(getattr(train.motor, name), v) for train, v in zip(trains, pace, strict=True)])
             for name in ("continuous", "peak")
         )
         fastest = np.array([[np.inf if train.speed_limit is None else train.speed_limit] for train in trains])
@@ -156,25 +155,29 @@ class MotorPass:
         travel = self.integrals.totals["joint travel"][i]
         return float(self.integrals.totals["wear"][i] / travel) ** (1 / 3) if travel else 0.0
 
-    def load(self, i: int, duration: float, load_inertia: float | None) -> MotorLoad:
+    def load(self, i: int, duration: float, inertia: float | None) -> MotorLoad:
         """Return the figures of motor i.
 
         Args:
             duration: of the motion [s]; a motion without any has its torque as RMS.
-            load_inertia: what the motor accelerates beyond its rotor, at the joint [kg m^2].
+            inertia: what the motor accelerates at the joint, with its rotor [kg m^2].
         """
         train, totals = self.trains[i], {name: values[i] for name, values in self.integrals.totals.items()}
         motor, torque, fast = train.motor, self.torque, self.speed
         still = duration <= 0
         mean_speed = float(fast.score[i] if still else totals["travel"] / duration)
         rotor = train.gear * train.gear * train.inertia
+        nearest = None
+        if motor.peak is not None:
+            near, at = self.near, {name: float(values[i]) for name, values in self.near.kept.items()}
+            nearest = Nearest(at["torque"], at["limit"], at["speed"], float(near.time[i]), int(near.row[i]))
         return MotorLoad(
             unit="N m" if train.rotary else "N",
             speed_unit="rad/s" if train.rotary else "m/s",
             gear=train.gear,
             efficiency=motor.efficiency,
             inertia=train.inertia,
-            inertia_ratio=load_inertia / rotor if rotor and load_inertia is not None else None,
+            inertia_ratio=(inertia - rotor) / rotor if rotor and inertia is not None else None,
             peak=float(torque.kept["torque"][i]),
             peak_time=float(torque.time[i]),
             peak_row=int(torque.row[i]),
@@ -191,27 +194,10 @@ class MotorPass:
             work_negative=float(totals["negative"]),
             continuous=None if motor.continuous is None else points(motor.continuous),
             peak_curve=None if motor.peak is None else points(motor.peak),
-            continuous_limit=_at(train, "continuous", mean_speed),
+            continuous_limit=None if motor.continuous is None else float(allowed(motor.continuous, mean_speed)),
             seconds_above_continuous=float(totals["above continuous"]),
-            nearest=self._nearest(i),
+            nearest=nearest,
             seconds_over_peak=float(totals["over peak"]),
             speed_limit=train.speed_limit,
             seconds_over_speed=float(totals["over speed"]),
         )
-
-    def _nearest(self, i: int) -> Nearest | None:
-        if self.trains[i].motor.peak is None:
-            return None
-        torque, limit, speed = (float(self.near.kept[name][i]) for name in ("torque", "limit", "speed"))
-        return Nearest(torque, limit, speed, float(self.near.time[i]), int(self.near.row[i]))
-
-
-def _allowed(train: Train, name: str, speed: Floats) -> Floats:
-    """Return what a curve of the motor allows; infinite where it has none."""
-    curve = getattr(train.motor, name)
-    return np.full(speed.shape, np.inf) if curve is None else allowed(curve, speed)
-
-
-def _at(train: Train, name: str, speed: float) -> float | None:
-    curve = getattr(train.motor, name)
-    return None if curve is None else float(allowed(curve, np.array([speed]))[0])

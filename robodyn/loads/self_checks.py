@@ -50,8 +50,7 @@ class SelfChecks:
         execute: Execute,
         whole: int,
     ) -> tuple[NDArray[np.int64], Floats]:
-        """Take in a block; return the samples at which energy is computed, and there (2, rows) work done and energy
-        stored since the start [J].
+        """Take in a block; return the samples at which energy is computed, and there what `EnergyLedger.update` does.
 
         Args:
             zero: sources that are zero throughout. tau, base: (N, n), (N, 6). whole: samples of the motion.
@@ -83,15 +82,11 @@ class EnergyLedger:
         self._before: tuple[float, float] | None = None
 
     def update(self, time: Floats, power: Floats, rows: NDArray[np.int64], energy: Floats) -> Floats:
-        """Take in a block.
+        """Take in a block; return (2, k) work done and energy stored since the start [J].
 
         Args:
-            time: (N,) s.
-            power: (N,) power into stored energy [W].
+            power: (N,) into stored energy [W].
             rows: (k,) samples, the first and the last among them, at which `energy` (k,) is given [J].
-
-        Returns:
-            (2, k) work done and energy stored since the start [J].
         """
         carried = 0 if self._before is None else 1
         if self._before is not None:
@@ -122,14 +117,7 @@ class EnergyLedger:
 
 
 def quadrature_errors(steps: Floats, values: Floats) -> Floats:
-    """The error of the trapezoidal rule over each pair of steps, from the rule over both at once: (T_h - T_2h) / 3.
-
-    Args:
-        steps: (N - 1,) s; values: (N,).
-
-    Returns:
-        ((N - 1) // 2,).
-    """
+    """The error of the trapezoidal rule over each pair of steps (N - 1,) with values (N,): (T_h - T_2h) / 3."""
     pairs = len(steps) // 2
     left, right = steps[0 : 2 * pairs : 2], steps[1 : 2 * pairs : 2]
     a, b, c = values[0 : 2 * pairs : 2], values[1 : 2 * pairs : 2], values[2 : 2 * pairs + 1 : 2]

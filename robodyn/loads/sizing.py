@@ -19,7 +19,6 @@ from robodyn.loads.sizing_result import (
     Level,
     MotorLoad,
     Sizing,
-    Vector,
 )
 from robodyn.loads.statistics import Extremes, Greatest, Integrals, resultant
 from robodyn.programs.run.runner import Runner
@@ -45,17 +44,13 @@ class BearingPass:
         self.integrals = Integrals()
 
     def update(self, time: Floats, first_row: int, wrenches: Floats) -> None:
-        """Take in a block.
-
-        Args:
-            time: (N,) s; first_row: of the data, from 1.
-            wrenches: (N, 6 (bodies - 1)) f and m on every body but the base, in its axes.
-        """
-        rows = [
-            _components(joint, turn, wrenches[:, 6 * k : 6 * k + 6])
-            for (k, joint), turn in zip(self.joints, self.frames, strict=True)
-        ]
-        values = np.concatenate(rows) if rows else np.empty((0, len(time)))
+        """Take in a block; wrenches: (N, 6 (bodies - 1)) f and m on every body but the base, in its axes."""
+        rows = [np.empty((0, len(time)))]
+        for (k, joint), turn in zip(self.joints, self.frames, strict=True):
+            f, m = (product(turn, wrenches[:, at : at + 3].T) for at in (6 * k, 6 * k + 3))
+            kept = (f, m[:2]) if joint.kind == "revolute" else (f[:2], m)
+            rows += [*kept, resultant(f[0], f[1])[None], resultant(m[0], m[1])[None]]
+        values = np.concatenate(rows)
         self.peaks.update(time, first_row, np.abs(values), value=values)
         self.integrals.update(time, {"square": values * values})
 
@@ -72,7 +67,7 @@ class BearingPass:
         loads = []
         for i, ((_, joint), turn) in enumerate(zip(self.joints, self.frames, strict=True)):
             parts = [component(_WIDTH * i + k, name) for k, name in enumerate((*NAMES[joint.kind], *_RESULTANTS))]
-            u, v, axis = (_vector(row) for row in turn)
+            u, v, axis = ((float(x) + 0.0, float(y) + 0.0, float(z) + 0.0) for x, y, z in turn)
             loads.append(BearingLoad(joint.name, joint.kind, (u, v, axis), tuple(parts[:5]), parts[5], parts[6]))
         return tuple(loads)
 
@@ -93,77 +88,60 @@ def frame(axis: Floats) -> Floats:
     return np.array([u, np.cross(axis, u), axis])
 
 
-def _components(joint: Joint, turn: Floats, wrench: Floats) -> Floats:
-    """(7, N) the five components, then radial force and tilting moment."""
-    f, m = product(turn, wrench[:, :3].T), product(turn, wrench[:, 3:].T)
-    kept = (f, m[:2]) if joint.kind == "revolute" else (f[:2], m)
-    return np.vstack((*kept, resultant(f[0], f[1]), resultant(m[0], m[1])))
-
-
-def _vector(row: Floats) -> Vector:
-    x, y, z = (float(value) + 0.0 for value in row)
-    return x, y, z
-
-
 PIECE = 8192
 """Samples worked on at a time, so that what belongs to them stays in the cache."""
 FOUNDATION = ("fxy", "fz", "mxy", "mz")
 
 
 class SizingPass:
-    """Gathers what `Sizing` tells, block by block."""
+    """Gathers what `Sizing` tells, block by block.
+
+    Attributes:
+        trains: joints with motors, by their place among the joints whose loads are reported.
+    """
 
     def __init__(self, model: Model, scene: Scene, joints: Sequence[Joint], rates: slice) -> None:
         """Args: joints: those whose loads are reported; rates: their entries of tau."""
         self.model, self.scene, self.rates = model, scene, rates
-        found = [(k, train_of(joint, scene)) for k, joint in enumerate(joints)]
-        self.driven = [k for k, train in found if train is not None]
-        self.motors = MotorPass([train for _, train in found if train is not None])
+        self.trains = [(k, train) for k, joint in enumerate(joints) if (train := train_of(joint, scene)) is not None]
+        self.driven = [k for k, _ in self.trains]
+        self.motors = MotorPass([train for _, train in self.trains])
         self.bearings = BearingPass(model)
         self.static = Greatest(len(joints))
         self.base = Extremes(FOUNDATION)
         self.integrals = Integrals()
         self.slowest = np.zeros(len(joints))
 
-    def take(
-        self,
-        block: Trajectory,
-        loads: Floats,
-        static: Floats,
-    ) -> None:
+    def take(self, block: Trajectory, loads: Floats, static: Floats) -> None:
         """Take in a block.
 
         Args:
             loads: (N, k) tau, the base wrench, and the wrenches of all other bodies.
             static: (N, n) torques that hold its poses at rest.
         """
+        n, rates, driven = self.model.n, self.rates, self.driven
         if block.slowest is not None:
-            self.slowest = block.slowest[self.rates]
+            self.slowest = block.slowest[rates]
         for start in range(0, len(block), PIECE):
-            k = slice(start, start + PIECE)
-            motion = (block.qd[k, self.rates], block.qdd[k, self.rates], static[k, self.rates])
-            self._update(block.time[k], block.first_row + start, loads[k], *motion)
-
-    def _update(self, time: Floats, row: int, loads: Floats, *motion: Floats) -> None:
-        """Take in a few samples: their loads, and qd, qdd and static torques (N, joints)."""
-        n = self.model.n
-        tau, qd, qdd, static = (np.ascontiguousarray(x.T) for x in (loads[:, :n][:, self.rates], *motion))
-        self.static.update(time, row, np.abs(static), value=static)
-        f, m = loads[:, n : n + 3], loads[:, n + 3 : n + 6]
-        base = np.column_stack((resultant(f[:, 0], f[:, 1]), f[:, 2], resultant(m[:, 0], m[:, 1]), m[:, 2]))
-        self.base.update(time, base)
-        pace = np.abs(qd)
-        quantities = {
-            "moving": (pace > self.slowest[:, None]).astype(float),
-            "travel": pace,
-            "static square": static * static,
-            "base": base.T,
-        }
-        self.integrals.update(time, quantities)
-        self.bearings.update(time, row, loads[:, n + 6 :])
-        if self.driven:
-            k = self.driven
-            self.motors.update(time, row, tau[k], qd[k], qdd[k])
+            k, row = slice(start, start + PIECE), block.first_row + start
+            time, each = block.time[k], loads[k]
+            of_joints = (each[:, :n][:, rates], block.qd[k, rates], block.qdd[k, rates], static[k, rates])
+            tau, qd, qdd, still = (np.ascontiguousarray(x.T) for x in of_joints)
+            f, m = each[:, n : n + 3], each[:, n + 3 : n + 6]
+            base = np.column_stack((resultant(f[:, 0], f[:, 1]), f[:, 2], resultant(m[:, 0], m[:, 1]), m[:, 2]))
+            pace = np.abs(qd)
+            self.static.update(time, row, np.abs(still), value=still)
+            self.base.update(time, base)
+            quantities = {
+                "moving": (pace > self.slowest[:, None]).astype(float),
+                "travel": pace,
+                "static square": still * still,
+                "base": base.T,
+            }
+            self.integrals.update(time, quantities)
+            self.bearings.update(time, row, each[:, n + 6 :])
+            if driven:
+                self.motors.update(time, row, tau[driven], qd[driven], qdd[driven])
 
     def static_runner(self) -> Runner:
         """Return the torques of standing still in each pose."""
@@ -184,14 +162,15 @@ class SizingPass:
                 None of those that nothing drives.
         """
         duration = self.integrals.duration
-        motors = {k: self._motor(i, duration, inertias[k]) for i, k in enumerate(self.driven)}
+        motors = {k: self.motors.load(i, duration, inertias[k]) for i, k in enumerate(self.driven)}
         joints = tuple(self._joint(k, load, motors.get(k), duration) for k, load in enumerate(loads))
-        return Sizing(joints, self.bearings.report(), self._foundation())
-
-    def _motor(self, i: int, duration: float, inertia: float | None) -> MotorLoad:
-        train = self.motors.trains[i]
-        own = train.gear * train.gear * train.inertia
-        return self.motors.load(i, duration, None if inertia is None else inertia - own)
+        figures = self.base.figures
+        columns = zip(*(values.tolist() for values in (*figures, self.integrals.mean("base", figures[2]))), strict=True)
+        foundation = [
+            FoundationLoad(name, "N" if name[0] == "f" else "N m", *row)
+            for name, row in zip(FOUNDATION, columns, strict=True)
+        ]
+        return Sizing(joints, self.bearings.report(), tuple(foundation))
 
     def _joint(self, k: int, load: JointLoad, motor: MotorLoad | None, duration: float) -> JointSizing:
         totals = self.integrals.totals
@@ -219,39 +198,28 @@ class SizingPass:
 
     def _limited(self, k: int, load: JointLoad, motor: MotorLoad | None) -> Iterator[Exceeded]:
         """Yield what has a limit, whether that is exceeded or not."""
+        rows: list[tuple[Any, ...]] = []
+        if motor is not None:
+            i, unit = self.driven.index(k), motor.unit
+            given, gear, over_gear = self.motors.trains[i].motor, self.motors.gear, self.motors.integrals.totals
+            if (near := motor.nearest) is not None:
+                at_speed = (near.time, near.row, near.speed, motor.seconds_over_peak)
+                rows.append(("motor torque", near.torque, near.limit, unit, *at_speed))
+            fast = (motor.max_speed_time, motor.max_speed_row, None, motor.seconds_over_speed)
+            when = float(gear.time[i]), int(gear.row[i]), None, float(over_gear["over gear"][i])
+            rows += [
+                ("motor speed", abs(motor.max_speed), motor.speed_limit, motor.speed_unit, *fast),
+                ("RMS motor torque", motor.rms, motor.continuous_limit, unit, None, None, motor.mean_speed),
+                ("gear torque", float(gear.score[i]), given.gear_peak, load.unit, *when),
+                ("mean gear torque", self.motors.mean_gear_torque(i), given.gear_average, load.unit),
+            ]
         when = load.peak_time, load.peak_row, None, load.seconds_over_effort
-        fastest = load.max_speed_time, load.max_speed_row, None, load.seconds_over_velocity
-        unit = "rad/s" if load.unit == "N m" else "m/s"
-        rows: list[tuple[Any, ...]] = [
-            *(() if motor is None else (*_motor_rows(motor), *self._gear_rows(self.driven.index(k), load.unit))),
+        fast = load.max_speed_time, load.max_speed_row, None, load.seconds_over_velocity
+        rows += [
             ("effort", abs(load.peak), load.effort_limit, load.unit, *when),
-            ("velocity", abs(load.max_speed), load.velocity_limit, unit, *fastest),
+            ("velocity", abs(load.max_speed), load.velocity_limit, "rad/s" if load.unit == "N m" else "m/s", *fast),
         ]
         return (Exceeded(*row) for row in rows if row[2] is not None)
-
-    def _gear_rows(self, i: int, unit: str) -> Iterator[tuple[Any, ...]]:
-        motor, gear, seconds = self.motors.trains[i].motor, self.motors.gear, self.motors.integrals.totals["over gear"]
-        when = float(gear.time[i]), int(gear.row[i]), None, float(seconds[i])
-        yield "gear torque", float(gear.score[i]), motor.gear_peak, unit, *when
-        yield "mean gear torque", self.motors.mean_gear_torque(i), motor.gear_average, unit
-
-    def _foundation(self) -> tuple[FoundationLoad, ...]:
-        figures = self.base.figures
-        means = self.integrals.mean("base", figures[2])
-        rows = zip(*(values.tolist() for values in (*figures, means)), strict=True)
-        return tuple(
-            FoundationLoad(name, "N" if name[0] == "f" else "N m", *row)
-            for name, row in zip(FOUNDATION, rows, strict=True)
-        )
-
-
-def _motor_rows(motor: MotorLoad) -> Iterator[tuple[Any, ...]]:
-    near, fastest = motor.nearest, (motor.max_speed_time, motor.max_speed_row, None, motor.seconds_over_speed)
-    if near is not None:
-        at_speed = (near.time, near.row, near.speed, motor.seconds_over_peak)
-        yield "motor torque", near.torque, near.limit, motor.unit, *at_speed
-    yield "motor speed", abs(motor.max_speed), motor.speed_limit, motor.speed_unit, *fastest
-    yield "RMS motor torque", motor.rms, motor.continuous_limit, motor.unit, None, None, motor.mean_speed
 
 
 def _severity(exceeded: Exceeded) -> tuple[bool, float]:

@@ -92,12 +92,7 @@ class Integrals:
         return self.end - self.start
 
     def update(self, time: Floats, quantities: dict[str, Floats]) -> None:
-        """Add a block.
-
-        Args:
-            time: (N,) s, N > 0.
-            quantities: (columns, N) or (N,) integrands.
-        """
+        """Add a block of N > 0 samples; quantities: (columns, N) or (N,) integrands."""
         before = float(time[0] - self.end) if self.samples else 0.0
         after, weights = np.diff(time), np.zeros(len(time))
         weights[:-1] += after
@@ -151,9 +146,7 @@ class Statistics:
         """Take in a block.
 
         Args:
-            time: (N,) s.
-            q, qd, tau: (joints, N).
-            base: (6, N) base wrench f, n.
+            q, qd, tau: (joints, N); base: (6, N) base wrench f, n.
             state: (N, k) arrays of which a peak's sample is kept.
             off: (joints, N) by how much torques may be off.
         """
@@ -190,13 +183,10 @@ REMEDY = "are masses, lengths, times and the motion in SI units?"
 
 
 def check_loads(loads: Floats, names: Sequence[str], first_row: int, file: str | None) -> None:
-    """Raise if a load of some sample is not finite.
-
-    Args:
-        loads: (N, k), column by column of `names`; sample 0 is the data row `first_row`.
+    """Raise if a load (N, k) of some sample is not finite, naming the first row and its load.
 
     Raises:
-        InputError: naming the first row and its load.
+        InputError: as told.
     """
     if not np.isfinite(loads).all():
         row, column = np.argwhere(~np.isfinite(loads))[0]
@@ -234,11 +224,13 @@ def joint_load(
     shares: Mapping[str, float],
     uncertainty: tuple[float, float | None],
 ) -> JointLoad:
-    """Return the figures of joint k.
+    """Figures of joint k.
 
     RMS `sqrt(integral tau^2 dt / T)`, cubic mean `cbrt(integral |qd tau^3| dt / integral |qd| dt)`, work
-    `integral max(+-tau qd, 0) dt`. `uncertainty` is a standard deviation
-    and an error bar. The torque of a motion of one sample is its mean and its RMS.
+    `integral max(+-tau qd, 0) dt`; of one sample its torque is mean and RMS.
+
+    Args:
+        uncertainty: standard deviation and error bar of the peak.
     """
     totals = gathered.integrals.totals
     mean, (torque, speed) = gathered.integrals.mean, (gathered.torque, gathered.speed)

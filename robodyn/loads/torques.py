@@ -9,7 +9,7 @@ are uncertain do; `self_checks` holds the laws against them, and here all become
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import astuple
 from typing import TYPE_CHECKING
@@ -20,7 +20,7 @@ from robodyn.dynamics.plan import Plan, plan
 from robodyn.errors import InputError, SceneError
 from robodyn.loads.accumulate import Options, TorqueAccumulator
 from robodyn.loads.error_bars import bar_caveats, carried
-from robodyn.loads.result import Checks, JointLoad, Result
+from robodyn.loads.result import JointLoad, Result
 from robodyn.loads.statistics import base_loads, check_figures, effect_reports, joint_load, shares_at_peaks
 from robodyn.robot.limits import coverage
 from robodyn.robot.model import Model
@@ -85,22 +85,30 @@ def torques(
     """
     refuse_others(model, scene)
     check_uncertain(scene)
-    with _opened(trajectory, model, scene) as motion:
+    opened: AbstractContextManager[Trajectory | TrajectoryReader] = (
+        read_motion(trajectory, model, scene) if isinstance(trajectory, (str, os.PathLike)) else nullcontext(trajectory)
+    )
+    with opened as motion:
+        file = getattr(motion, "file", None)
         sized = bool(scene.motor) if sizing is None else sizing
+        held: ConstraintPass | None = None
+        if scene.constrained:
+            from robodyn.loads.constraints import ConstraintPass
+
+            held = ConstraintPass(model, scene, executor, threads, motion.followed, file)
         options = Options(reactions, executor, threads, momentum, sized, history)
-        held = _constraints(model, scene, options, motion)
-        run = TorqueAccumulator(model, held.tree if held else scene, options, getattr(motion, "file", None), held)
+        run = TorqueAccumulator(model, held.tree if held else scene, options, file, held)
         last: Trajectory | None = None
         for given, left in prefetch(_blocks(motion)):
             if len(given):
-                refuse_units(given.caveats, getattr(motion, "file", None))
+                refuse_units(given.caveats, file)
                 block = held.take(given) if held else given
                 columns, last = run.take(block, left), block
                 for sink in sinks:
                     sink(block.given_time, held.written(columns) if held else columns)
     if last is None:
         raise InputError("the trajectory has no samples")
-    return gathered_result(run, last, explain)
+    return _gathered(run, last, explain)
 
 
 def check_uncertain(scene: Scene) -> None:
@@ -110,72 +118,49 @@ def check_uncertain(scene: Scene) -> None:
         raise SceneError(what, remedy="leave [uncertainty] out")
 
 
-def _constraints(
-    model: Model, scene: Scene, options: Options, motion: Trajectory | TrajectoryReader
-) -> ConstraintPass | None:
-    """Return what finds the forces of loops and contacts; None for a tree that stands on nothing."""
-    if not scene.constrained:
-        return None
-    from robodyn.loads.constraints import ConstraintPass
-
-    file = getattr(motion, "file", None)
-    return ConstraintPass(model, scene, options.executor, options.threads, motion.followed, file)
-
-
-def _opened(
-    trajectory: Trajectory | TrajectoryReader | str | os.PathLike[str], model: Model, scene: Scene
-) -> AbstractContextManager[Trajectory | TrajectoryReader]:
-    """Return the motion to run over; a file named here is closed afterwards."""
-    if isinstance(trajectory, (str, os.PathLike)):
-        return read_motion(trajectory, model, scene)
-    return nullcontext(trajectory)
-
-
 def _blocks(motion: Trajectory | TrajectoryReader) -> Iterator[tuple[Trajectory, int]]:
     """Yield the blocks, and about how many samples there are from each on: by where the reader is after that one."""
     if isinstance(motion, Trajectory):
         yield motion, len(motion)
         return
     for block in motion.blocks():
-        yield block, _expected_samples(motion, block)
-
-
-def _expected_samples(trajectory: TrajectoryReader, block: Trajectory) -> int:
-    if not trajectory.position_bytes:
-        return len(block)
-    before = block.first_row - 1
-    whole = (before + len(block)) * trajectory.size_bytes // trajectory.position_bytes
-    return max(whole - before, len(block))
+        before, whole = block.first_row - 1, 0
+        if motion.position_bytes:
+            whole = (before + len(block)) * motion.size_bytes // motion.position_bytes
+        yield block, max(whole - before, len(block))
 
 
 @np.errstate(all="ignore")
-def gathered_result(run: TorqueAccumulator, last: Trajectory, explain: bool) -> Result:
-    """Return everything gathered, with shares and uncertainty at the peaks.
-
-    Args:
-        last: its last block. explain: as `torques` has it.
-    """
+def _gathered(run: TorqueAccumulator, last: Trajectory, explain: bool) -> Result:
+    """Return everything gathered up to the last block, with shares and uncertainty at the peaks."""
     assert run.choice is not None
     whole = plan(run.model, run.scene, run.zero_columns or frozenset())
     total, checks = run.statistics.integrals, run.checks.report()
-    _check(run, checks)
+    peaks = np.concatenate((run.statistics.torque.kept["value"], run.statistics.base.kept["value"]))
+    laws, more = (checks.first_law, checks.second_law, checks.power), run.sizing.figures if run.sizing else ()
+    check_figures((*total.totals.values(), astuple(checks.energy_balance), laws, *more), peaks, run.file)
     joints, left = _joints(run, whole)
     base = base_loads(run.statistics)
     constraints = run.constraints.report() if run.constraints else None
-    sizing = run.sizing.report(joints, _inertias(run, run.sizing.driven)) if run.sizing else None
-    unsure = run.uncertain.report(joints, sizing) if run.uncertain else None
+    idle = _idle(run)
+    sizing = run.sizing.report(joints, _inertias(run, run.sizing.driven, idle)) if run.sizing else None
+    unsure = None
+    if run.uncertain is not None:
+        from robodyn.loads.uncertain_report import Figures
+
+        unsure = Figures(run.uncertain).report(joints, sizing)
     looped = run.constraints is not None and run.constraints.holds_base
     caveats = (
         *last.caveats,
         *(constraints.caveats if constraints else ()),
-        *carried(run.model, run.scene, base, joints, checks.largest_force, checks.largest_moment, looped),
+        *carried(run.model, run.scene, base, joints, checks, looped),
         *run.bars.openness.caveats(joints, left, checks.energy_balance, total.samples, total.duration),
         *bar_caveats(joints, sizing),
         *(unsure.caveats if unsure else ()),
     )
     about = (*(run.uncertain.notes if run.uncertain else ()), *_added(run))
-    idle = (
-        f"nothing drives {shown(joints[k].name)}, so that its [motor] is judged by its speed alone" for k in _idle(run)
+    undriven = (
+        f"nothing drives {shown(joints[k].name)}, so that its [motor] is judged by its speed alone" for k in idle
     )
     return Result(
         robot=run.model.name,
@@ -190,7 +175,7 @@ def gathered_result(run: TorqueAccumulator, last: Trajectory, explain: bool) -> 
         executor=run.choice.executor,
         reason=run.choice.reason,
         derivation=last.derivation,
-        warnings=(*(caveat.text for caveat in caveats), *about, *idle, *run.model.notes, *last.notes),
+        warnings=(*(caveat.text for caveat in caveats), *about, *undriven, *run.model.notes, *last.notes),
         momentum=run.momentum.report() if run.momentum else None,
         history=run.history.history(run.statistics.at_peak) if run.history else None,
         sizing=sizing,
@@ -213,45 +198,28 @@ def _added(run: TorqueAccumulator) -> Iterator[str]:
             yield f"{len(masses)} payloads on link {shown(link)} add up: {parts} = {sum(masses):g} kg"
 
 
-def _check(run: TorqueAccumulator, checks: Checks) -> None:
-    """Raise where a square, a power or an integral overflows."""
-    peaks = np.concatenate((run.statistics.torque.kept["value"], run.statistics.base.kept["value"]))
-    laws = checks.first_law, checks.second_law, checks.power
-    more = run.sizing.figures if run.sizing else ()
-    totals = run.statistics.integrals.totals.values()
-    check_figures((*totals, astuple(checks.energy_balance), laws, *more), peaks, run.file)
-
-
 def _joints(run: TorqueAccumulator, whole: Plan) -> tuple[tuple[JointLoad, ...], list[float]]:
     """Return the loads of the joints, and what is open of their peaks."""
-    gathered = run.statistics
-    shares = shares_at_peaks(whole, gathered.at_peak, run.rates.start)
-    bars = [_bar(run, k, shares[k]) for k in range(len(run.joints))]
-    joints = tuple(
-        joint_load(gathered, k, joint, name, run.scene, shares[k], bars[k])
-        for k, (joint, name) in enumerate(zip(run.joints, run.model.rates[run.rates], strict=True))
-    )
-    return joints, [bar or 0.0 for _, bar in bars]
+    gathered, openness, joints = run.statistics, run.bars.openness, []
+    each = zip(run.joints, run.model.rates[run.rates], strict=True)
+    every_share = shares_at_peaks(whole, gathered.at_peak, run.rates.start)
+    for k, ((joint, name), shares) in enumerate(zip(each, every_share, strict=True)):
+        uncertainty: tuple[float, float | None] = 0.0, None
+        if not openness.unknown:
+            noise, guessed = run.bars.at_peak(k, gathered.at_peak[k], shares)
+            peak = abs(float(gathered.torque.kept["value"][k]))
+            bar = max(float(gathered.most[k]) - peak, peak - float(gathered.least[k]))
+            uncertainty = noise, max(bar, guessed) if openness.guessed else bar
+        joints.append(joint_load(gathered, k, joint, name, run.scene, shares, uncertainty))
+    return tuple(joints), [joint.error_bar or 0.0 for joint in joints]
 
 
-def _bar(run: TorqueAccumulator, k: int, shares: Mapping[str, float]) -> tuple[float, float | None]:
-    """Return what noise does to joint k at its peak, and by how much its largest torque may be off."""
-    if run.bars.openness.unknown:
-        return 0.0, None
-    gathered = run.statistics
-    noise, guessed = run.bars.at_peak(k, gathered.at_peak.get(k), shares)
-    peak = abs(float(gathered.torque.kept["value"][k]))
-    bar = max(float(gathered.most[k]) - peak, peak - float(gathered.least[k]))
-    return noise, max(bar, guessed) if run.bars.openness.guessed else bar
-
-
-def _inertias(run: TorqueAccumulator, joints: Sequence[int]) -> dict[int, float | None]:
-    """Return what some joints accelerate at their peaks, by their own torque alone [kg m^2 or kg]; None of those that
-    nothing drives."""
-    rates, idle = {k: run.rates.start + k for k in joints}, _idle(run)
-    states = {k: run.statistics.at_peak[k] for k in joints if k not in idle}
-    found = {k: float(run.bars.response(state, own=True)[rates[k], rates[k]]) for k, state in states.items()}
-    return {k: found.get(k) for k in joints}
+def _inertias(run: TorqueAccumulator, joints: Sequence[int], idle: Sequence[int]) -> dict[int, float | None]:
+    """Return what joints accelerate at their peaks, by their own torque alone [kg m^2 or kg]; None of idle ones."""
+    found: dict[int, float | None] = dict.fromkeys(joints)
+    for k in set(joints).difference(idle):
+        found[k] = float(np.diag(run.bars.response(run.statistics.at_peak[k], own=True))[run.rates.start + k])
+    return found
 
 
 def _idle(run: TorqueAccumulator) -> list[int]:

@@ -140,10 +140,9 @@ class Quantities:
     @staticmethod
     def _most(train: Train, qd: Floats) -> Floats:
         """Return what the motor's peak curve allows, infinite without one."""
-        pace, curve = np.abs(qd * train.gear), train.motor.peak
-        if curve is None:
-            return np.full(pace.shape, np.inf)
-        return np.maximum(allowed(curve, pace), LEAST * max(torque for _, torque in points(curve)))
+        curve = train.motor.peak
+        least = 0.0 if curve is None else LEAST * max(torque for _, torque in points(curve))
+        return np.maximum(allowed(curve, np.abs(qd * train.gear)), least)
 
 
 def _direction(speed: Floats) -> Floats:

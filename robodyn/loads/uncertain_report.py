@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.loads.result import JointLoad
-from robodyn.loads.sizing_result import JointSizing, MotorLoad, Sizing
+from robodyn.loads.sizing_result import MotorLoad, Sizing
 from robodyn.loads.uncertain_quantities import DRIVE, Figure
 from robodyn.loads.uncertainty import UncertaintyPass
 from robodyn.loads.uncertainty_result import Bar, Uncertain, UncertainJoint, UncertainLimit, UncertainLoad
@@ -44,7 +44,6 @@ class Drawn(NamedTuple):
     curved: Floats | None = None
 
     def bar(self) -> Bar:
-        """Return the error bar."""
         sign = -1.0 if self.value < 0.0 else 1.0
         if self.curved is None:
             reach = NEAR * self.error
@@ -62,8 +61,15 @@ class Drawn(NamedTuple):
 
 
 def normal(u: float) -> float:
-    """Return the probability that a standard normal number is below u."""
+    """Probability that a standard normal number is below u."""
     return 0.5 * math.erfc(-u / math.sqrt(2.0))
+
+
+class _Limit(NamedTuple):
+    """A limit with what is held against it; kept: (draws,) whether each draw keeps to it."""
+
+    shown: UncertainLimit
+    kept: NDArray[np.bool_]
 
 
 DRAWS, SEED = 20_000, 19
@@ -87,12 +93,6 @@ class Figures:
         self._peaks: dict[int, Drawn] = {}
         self._rms: dict[int, Drawn] = {}
 
-    def magnitudes(self, figure: Drawn) -> Floats:
-        """Return a figure's magnitude for all draws, the same ones for all figures."""
-        if figure.curved is not None:
-            return figure.curved
-        return np.asarray(abs(figure.value) + product(self._linear, figure.gradient))
-
     def peak(self, k: int) -> Drawn:
         """Return the largest magnitude of figure k."""
         if k not in self._peaks:
@@ -101,13 +101,12 @@ class Figures:
             at = of.at[k][:columns]
             value = at[0, 0] if columns == 1 else figure.size(at[:, 0])
             samples = np.concatenate((at[None], of.rivals[k][:, :columns]))
-            less = np.append(0.0, of.less[k] - float(of.peaks.kept["off"][k]))
             flat, used = _used(samples.reshape(-1, samples.shape[-1]))
 
             def drawn(theta: Floats) -> Floats:
                 loads = flat[:, 0] + product(theta[:, used], flat[:, 1:].T)
                 sizes = figure.size(np.moveaxis(loads.reshape(len(theta), -1, columns), -1, 0))
-                return np.asarray((sizes - less).max(axis=1))
+                return np.asarray(sizes.max(axis=1))
 
             self._peaks[k] = self._figure(float(value), figure.gradient(at[:, 0], at[:, 1:]), at[:, 1:], drawn)
         return self._peaks[k]
@@ -179,6 +178,84 @@ class Figures:
         L = self.of.found.factor
         return np.asarray((along * (along if L is None else product(product(along, L), L.T))).sum(0))
 
+    def report(self, joints: Sequence[JointLoad], sizing: Sizing | None) -> Uncertain:
+        """Return everything gathered.
+
+        Args:
+            joints: loads, with limits; sizing: of motors, if asked for.
+        """
+        places = {(figure.owner, figure.name): k for k, figure in enumerate(self.of.of.figures)}
+        sized = sizing.joints if sizing else (None,) * len(joints)
+        found, kept = [], []
+        for joint, size in zip(joints, sized, strict=True):
+            at = {name: places[joint.name, name] for name in DRIVE if (joint.name, name) in places}
+            motor = size.motor if size else None
+            limits = list(self._limits(joint, motor, at))
+            kept += limits
+            load = self._load(joint.name, at["tau"], joint.unit)
+            shaft = self._load(joint.name, at["motor"], motor.unit, motor.peak) if motor else None
+            found.append(UncertainJoint(load, shaft, tuple(limit.shown for limit in limits), _together(limits)))
+        components: dict[str, list[UncertainLoad]] = {"": []}
+        for k, figure in enumerate(self.of.of.figures):
+            if figure.name not in DRIVE:
+                unit = "N m" if figure.name.startswith(("m", "t")) else "N"
+                components.setdefault(figure.owner, []).append(self._load(figure.name, k, unit))
+        base = tuple(components.pop(""))
+        return Uncertain(
+            parameters={variation.name: variation.deviation for variation in self.of.found.each},
+            draws=DRAWS,
+            joints=tuple(found),
+            base=base,
+            bearings={name: tuple(loads) for name, loads in components.items()},
+            suffices=_together(kept),
+            lasting=_together([limit for limit in kept if abs(limit.shown.figure.value) <= BEYOND * limit.shown.limit]),
+        )
+
+    def _load(self, name: str, k: int, unit: str, signed: float = 0.0) -> UncertainLoad:
+        """Return peak and RMS of figure k; signed: its peak, where the sign is not in its columns."""
+        peak, rms = self.peak(k), self.rms(k)
+        peak = peak._replace(value=-peak.value) if signed < 0.0 < peak.value else peak
+        return UncertainLoad(name, unit, peak.bar(), rms.bar(), self._shares(peak), self._shares(rms))
+
+    def _shares(self, figure: Drawn) -> Mapping[str, float]:
+        """Return the share of each parameter in a variance, largest first; nothing where there is no variance."""
+        whole = float(figure.parts.sum())
+        if not whole > 0.0:
+            return {}
+        found: dict[str, float] = {}
+        for variation, part in zip(self.of.found.each, figure.parts.tolist(), strict=True):
+            found[variation.name] = found.get(variation.name, 0.0) + part / whole
+        return dict(ranked(found.items(), key=lambda item: item[1]))
+
+    def _limits(self, joint: JointLoad, motor: MotorLoad | None, at: Mapping[str, int]) -> Iterator[_Limit]:
+        """Yield the limits of a joint and its motor; speeds are sure. at: places of the figures of `DRIVE`."""
+        if joint.effort_limit is not None:
+            yield self._limit("effort", self.peak(at["tau"]), joint.effort_limit, joint.unit)
+        if joint.velocity_limit is not None:
+            speed = "rad/s" if joint.unit == "N m" else "m/s"
+            yield _sure("velocity", joint.max_speed, joint.velocity_limit, speed)
+        if motor is None:
+            return
+        i = [self.of.of.joints[k] for k, _ in self.of.of.trains].index(joint.name)
+        given = self.of.of.trains[i][1].motor
+        if motor.nearest is not None:
+            yield self._limit("motor torque", self.peak(at["use"]), 1.0, "of the peak curve")
+        if motor.speed_limit is not None:
+            yield _sure("motor speed", motor.max_speed, motor.speed_limit, motor.speed_unit)
+        if motor.continuous_limit is not None:
+            yield self._limit("RMS motor torque", self.rms(at["motor"]), motor.continuous_limit, motor.unit)
+        if given.gear_peak is not None:
+            yield self._limit("gear torque", self.peak(at["gear"]), given.gear_peak, joint.unit)
+        if given.gear_average is not None:
+            yield self._limit("mean gear torque", self.cubic(i), given.gear_average, joint.unit)
+
+    def _limit(self, quantity: str, figure: Drawn, limit: float, unit: str) -> _Limit:
+        shown = UncertainLimit(quantity, figure.bar(), limit, unit, figure.within(limit))
+        sizes = figure.curved
+        if sizes is None:
+            sizes = abs(figure.value) + product(self._linear, figure.gradient)
+        return _Limit(shown, sizes <= BEYOND * limit)
+
 
 def _used(rows: Floats) -> tuple[Floats, NDArray[np.int64]]:
     """Return rows of values and derivatives (n, 1 + m) without those that are all zero, and which of theta are left."""
@@ -203,124 +280,6 @@ def _shares(time: Floats) -> Floats:
     weights = np.gradient(time)
     weights[[0, -1]] *= 0.5
     return np.asarray(weights / weights.sum())
-
-
-class _Limit(NamedTuple):
-    """A limit with what is held against it; kept: whether each draw keeps to it."""
-
-    shown: UncertainLimit
-    kept: NDArray[np.bool_]
-
-
-def uncertain(gathered: UncertaintyPass, joints: Sequence[JointLoad], sizing: Sizing | None) -> Uncertain:
-    """Return everything gathered.
-
-    Args:
-        joints: loads, with limits; sizing: of motors, if asked for.
-    """
-    return _Report(gathered).uncertain(joints, sizing)
-
-
-class _Report:
-    def __init__(self, gathered: UncertaintyPass) -> None:
-        self.gathered, self.figures = gathered, Figures(gathered)
-        self.places = {(figure.owner, figure.name): k for k, figure in enumerate(gathered.of.figures)}
-
-    def uncertain(self, joints: Sequence[JointLoad], sizing: Sizing | None) -> Uncertain:
-        sized = sizing.joints if sizing else (None,) * len(joints)
-        found, kept = [], []
-        for joint, size in zip(joints, sized, strict=True):
-            limits = list(self._limits(joint, size))
-            found.append(self._joint(joint, size.motor if size else None, limits))
-            kept += limits
-        each = self.gathered.found.each
-        base = tuple(self._component(k) for k, figure in enumerate(self.gathered.of.figures) if not figure.owner)
-        return Uncertain(
-            parameters={variation.name: variation.deviation for variation in each},
-            draws=DRAWS,
-            joints=tuple(found),
-            base=base,
-            bearings=self._bearings(),
-            suffices=_together(kept),
-            lasting=_together([limit for limit in kept if abs(limit.shown.figure.value) <= BEYOND * limit.shown.limit]),
-        )
-
-    def _joint(self, joint: JointLoad, motor: MotorLoad | None, limits: Sequence[_Limit]) -> UncertainJoint:
-        return UncertainJoint(
-            load=self._load(joint.name, self.places[joint.name, "tau"], joint.unit),
-            motor=self._load(joint.name, self.places[joint.name, "motor"], motor.unit, motor.peak) if motor else None,
-            limits=tuple(limit.shown for limit in limits),
-            suffices=_together(limits),
-        )
-
-    def _bearings(self) -> dict[str, tuple[UncertainLoad, ...]]:
-        """Return by joint what its bearing transmits."""
-        found: dict[str, tuple[UncertainLoad, ...]] = {}
-        for k, figure in enumerate(self.gathered.of.figures):
-            if figure.owner and figure.name not in DRIVE:
-                found[figure.owner] = (*found.get(figure.owner, ()), self._component(k))
-        return found
-
-    def _component(self, k: int) -> UncertainLoad:
-        name = self.gathered.of.figures[k].name
-        return self._load(name, k, "N m" if name.startswith(("m", "t")) else "N")
-
-    def _load(self, name: str, k: int, unit: str, signed: float = 0.0) -> UncertainLoad:
-        """Return peak and RMS of figure k; signed: its peak, where the sign is not in its columns."""
-        peak, rms = self.figures.peak(k), self.figures.rms(k)
-        peak = peak._replace(value=-peak.value) if signed < 0.0 < peak.value else peak
-        return UncertainLoad(
-            name,
-            unit,
-            peak.bar(),
-            rms.bar(),
-            self._shares(peak),
-            self._shares(rms),
-        )
-
-    def _shares(self, figure: Drawn) -> Mapping[str, float]:
-        """Return the share of each parameter in a variance, largest first; nothing where there is no variance."""
-        whole = float(figure.parts.sum())
-        if not whole > 0.0:
-            return {}
-        found: dict[str, float] = {}
-        for variation, part in zip(self.gathered.found.each, figure.parts.tolist(), strict=True):
-            found[variation.name] = found.get(variation.name, 0.0) + part / whole
-        return dict(ranked(found.items(), key=lambda item: item[1]))
-
-    def _limits(self, joint: JointLoad, sizing: JointSizing | None) -> Iterator[_Limit]:
-        """Yield the limits of a joint and its motor; speeds are sure."""
-        if joint.effort_limit is not None:
-            yield self._peak_limit("effort", self.places[joint.name, "tau"], joint.effort_limit, joint.unit)
-        if joint.velocity_limit is not None:
-            speed = "rad/s" if joint.unit == "N m" else "m/s"
-            yield _sure("velocity", joint.max_speed, joint.velocity_limit, speed)
-        if sizing is not None and sizing.motor is not None:
-            yield from self._motor_limits(joint, sizing.motor)
-
-    def _motor_limits(self, joint: JointLoad, motor: MotorLoad) -> Iterator[_Limit]:
-        figures = self.figures
-        names = [self.gathered.of.joints[k] for k, _ in self.gathered.of.trains]
-        i = names.index(joint.name)
-        given = self.gathered.of.trains[i][1].motor
-        use, shaft, gear = (self.places[joint.name, name] for name in ("use", "motor", "gear"))
-        if motor.nearest is not None:
-            yield self._peak_limit("motor torque", use, 1.0, "of the peak curve")
-        if motor.speed_limit is not None:
-            yield _sure("motor speed", motor.max_speed, motor.speed_limit, motor.speed_unit)
-        if motor.continuous_limit is not None:
-            yield self._limit("RMS motor torque", figures.rms(shaft), motor.continuous_limit, motor.unit)
-        if given.gear_peak is not None:
-            yield self._peak_limit("gear torque", gear, given.gear_peak, joint.unit)
-        if given.gear_average is not None:
-            yield self._limit("mean gear torque", figures.cubic(i), given.gear_average, joint.unit)
-
-    def _peak_limit(self, quantity: str, k: int, limit: float, unit: str) -> _Limit:
-        return self._limit(quantity, self.figures.peak(k), limit, unit)
-
-    def _limit(self, quantity: str, figure: Drawn, limit: float, unit: str) -> _Limit:
-        shown = UncertainLimit(quantity, figure.bar(), limit, unit, figure.within(limit))
-        return _Limit(shown, self.figures.magnitudes(figure) <= BEYOND * limit)
 
 
 def _sure(quantity: str, value: float, limit: float, unit: str) -> _Limit:

@@ -15,7 +15,7 @@ import robodyn
 from robodyn.equations import closed as closed_module
 from robodyn.equations.closed import closed
 from robodyn.equations.ode import ode
-from robodyn.equations.trigonometric import Forms
+from robodyn.equations.polynomial import Forms
 from robodyn.errors import InputError
 from robodyn.scene.scene import Scene
 

@@ -12,11 +12,12 @@ from robodyn.dynamics.regressor import INERTIAL
 from robodyn.identification.result import carriers
 from robodyn.loads import uncertain_report as uncertain_figures
 from robodyn.loads.uncertain_report import Figures
-from robodyn.loads.uncertainty import Pass, UncertaintyPass
+from robodyn.loads.uncertainty import UncertaintyPass
 from robodyn.scene.parts import Friction, Motor, Rotor
 from robodyn.scene.scene import Scene
 from robodyn.scene.uncertainty import Covariance, Uncertainty
 from robodyn.solids.inertia.laws import Inertia, symmetric
+from robodyn.trajectory.motion import Trajectory
 
 
 class Verdicts:
@@ -83,15 +84,14 @@ class Verdicts:
     def direct(self, values, C, limits):
         """Return (2 n) bars and probabilities as `public` does, of loads and derivatives by the regressor."""
         scene = replace(self.scene, uncertainty=Uncertainty(covariance=self.known(values, C)))
-        gathered = UncertaintyPass(self.bench.model, scene, slice(0, self.n), [], False)
+        gathered = UncertaintyPass(self.bench.model, scene, slice(0, self.n), [], False, "numpy")
         at = {name: k for k, name in enumerate(self.names)}
         bodies = [self.bench.model.bodies[k].name for k in gathered.found.bodies]
         changes = [self.Y[:, :, at[f"{body}.{kind}"]] for body in bodies for kind in INERTIAL]
         changes += [self.Y[:, :, at[each.name]] * each.deviation for each in gathered.found.each if not each.moments]
         loads = np.pad(self.Y @ self.parameters(values), ((0, 0), (0, 6)))
         gathered._runners[frozenset()] = _Known(np.pad(np.stack(changes, axis=2), ((0, 0), (0, 6), (0, 0))))
-        motion = tuple(each.T for each in self.states[1:])
-        gathered.take(self.time, 1, {}, loads, motion, 0.0, Pass("numpy", None, 1), frozenset())
+        gathered.take(Trajectory(self.time, *self.states), {}, loads, frozenset(), 1)
         figures = Figures(gathered)
         found = [figures.peak(k) for k in range(self.n)] + [figures.rms(k) for k in range(self.n)]
         pairs = zip(found, limits.tolist(), strict=True)

@@ -13,7 +13,7 @@ from helpers.small_robots import joint, link
 import robodyn
 from robodyn.dynamics.plan import plan
 from robodyn.errors import TrajectoryError
-from robodyn.loads.dependent_joints import Follower
+from robodyn.loads.constraints import Follower
 from robodyn.scene.parts import Contact
 from robodyn.trajectory.motion import join
 

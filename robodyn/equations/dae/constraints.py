@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import atan2, remainder, tau
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
@@ -77,27 +77,14 @@ def accelerations_of(
     """wd (body's axes) and acceleration of the mass centre (ground's axes) of each body in a motion of the joints."""
     joints = motions(model, q, qd, qdd)
     moving, speeding = velocities(model.parents, joints), accelerations(model.parents, joints)
-    out = []
-    for pose, (w, _), (wd, a), r in zip(poses(model.parents, joints), moving, speeding, centres, strict=True):
-        out.append(Acceleration(wd, pose.R @ (acceleration_of_point(a, r, w, wd))))
-    return out
+    return [
+        Acceleration(wd, pose.R @ acceleration_of_point(a, r, w, wd))
+        for pose, (w, _), (wd, a), r in zip(poses(model.parents, joints), moving, speeding, centres, strict=True)
+    ]
 
 
 Row = list[tuple[int, Array]]
 """(body, its six entries) pairs; -1 is the ground, and entries of the same body add up."""
-
-
-class Equation(Protocol):
-    """A scalar function of the places of some bodies."""
-
-    def value(self, at: State) -> Scalar:
-        """Return the function [m, rad, or the cosine of an angle]."""
-
-    def row(self, at: State) -> Row:
-        """Its rate, as a linear function of velocities."""
-
-    def drift(self, at: State) -> Scalar:
-        """Its second derivative where nothing accelerates."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -234,6 +221,14 @@ class Sum:
         return sum(weight * term.drift(at) for weight, term in self.terms)
 
 
+Equation = Along | Across | Turn | Sum
+"""A scalar function of the places of some bodies.
+
+`value` is the function [m, rad, or the cosine of an angle], `row` its rate as a linear function of velocities, and
+`drift` its second derivative where nothing accelerates.
+"""
+
+
 def _turning(w: Array) -> Array:
     return np.concatenate((w, np.zeros(3)))
 
@@ -250,7 +245,6 @@ def stacked(equations: Sequence[Equation], at: State) -> Array:
 
 
 def drifts(equations: Sequence[Equation], at: State) -> Array:
-    """Return the drift of each."""
     return np.array([equation.drift(at) for equation in equations])
 
 
@@ -310,27 +304,22 @@ def connect(
         along: of "directions", in the other's axes.
     """
     body, other, point, to, R = anchors
-    reactions: list[str] = []
-    equations: list[Equation] = []
-    if kind == "directions":
-        reactions = [f"F{k}" for k in range(1, len(along) + 1)]
-        equations = [Along(body, other, point, to, n / length(n)) for n in along]
-        return Connection(name, kind, body, other, tuple(reactions), tuple(equations), tuple(free))
     basis, names, last = basis_about(axis)
     rest = [k for k in range(3) if k != last]
-    for k in rest if kind == "prismatic" else range(3):
-        reactions.append(f"F{names[k]}")
-        equations.append(Along(body, other, point, to, R @ basis[k]))
-    turns = {"point": [], "revolute": rest, "hinge": rest}.get(kind, [0, 1, 2])
+    directions = {names[k]: R @ basis[k] for k in (rest if kind == "prismatic" else range(3))}
+    if kind == "directions":
+        directions = {str(k): n / length(n) for k, n in enumerate(along, 1)}
+    reactions = [f"F{which}" for which in directions]
+    equations: list[Equation] = [Along(body, other, point, to, n) for n in directions.values()]
+    turns = {"point": [], "directions": [], "revolute": rest, "hinge": rest}.get(kind, [0, 1, 2])
     for k in turns:
         # For the moment about k = i x j, direction i of the body stays across direction j of the other. Where the body
         # may turn about j, its direction j stays across -i of the other: the moment keeps its place in the other.
         i, j = (k + 1) % 3, (k + 2) % 3
         reactions.append(f"M{names[k]}")
-        if j in turns or i not in turns:
-            equations.append(Across(body, other, basis[i], R @ basis[j]))
-        else:
-            equations.append(Across(body, other, basis[j], -R @ basis[i]))
+        kept = j in turns or i not in turns
+        pair = (basis[i], R @ basis[j]) if kept else (basis[j], -R @ basis[i])
+        equations.append(Across(body, other, *pair))
     return Connection(name, kind, body, other, tuple(reactions), tuple(equations), tuple(free))
 
 

@@ -95,98 +95,96 @@ class Step:
     scale: float
 
 
-def steps(system: System, left: Reduced, a: Floats | None, reactions: Floats) -> Iterator[Step]:
-    """Yield every step with its identity, held against numbers from elsewhere; without `a` those that need none."""
-    M, f, G, gamma, *_ = system.matrices
-    J, drift, rows = left.J, left.drift, system.tree
-    G_tree, sizes = G[:rows], np.abs(J.T) @ (np.abs(f) + np.abs(M) @ np.abs(drift))
-    yield _step(
+_TREE = (
+    (
         "velocities of the bodies from those of the joints: they fulfil every joint's constraints by themselves",
         "v = J(q) qd",
         "G J = 0",
-        G_tree @ J,
-        0.0,
-        np.abs(G_tree) @ np.abs(J),
-    )
-    yield _step(
-        "accelerations likewise",
-        "a = J qdd + Jdot qd",
-        "G Jdot qd = gamma",
-        G_tree @ drift,
-        gamma[:rows],
-        np.abs(G_tree) @ np.abs(drift) + np.abs(gamma[:rows]),
-    )
-    yield _step(
+    ),
+    ("accelerations likewise", "a = J qdd + Jdot qd", "G Jdot qd = gamma"),
+    (
         "inserted in M a = f + G^T lambda, and multiplied by J^T from the left: the reactions do no work and go",
         "J^T M (J qdd + Jdot qd) = J^T f + J^T G^T lambda",
         "J^T G^T = 0",
-        J.T @ G_tree.T,
-        0.0,
-        np.abs(J.T) @ np.abs(G_tree.T),
-    )
-    model, scene = system.model, replace(system.scene, loops=())
-    q, qd, tau = (np.array(x, dtype=float) for x in (system.sample.q, system.sample.qd, system.tau))
-    yield _step(
+    ),
+    (
         "the masses of the bodies become the mass matrix",
         "J^T M J = M(q)",
         "J^T M J against M(q) of the recursion",
-        left.M,
-        mass_matrix(model, q, scene=scene, executor="numpy"),
-        np.abs(J.T) @ np.abs(M) @ np.abs(J),
-    )
-    yield _step(
+    ),
+    (
         "the forces become torques less the bias",
         "J^T (f - M Jdot qd) = tau - bias(q, qd)",
         "against bias(q, qd) of the recursion",
-        left.free,
-        tau - bias_forces(model, q, qd, scene=scene, executor="numpy"),
-        sizes,
-    )
-    if a is None:
-        return
-    qdd = accelerations_along(system, a)
-    if not system.loops:
-        yield _step(
-            "the ODE form",
-            "M(q) qdd = tau - bias(q, qd)",
-            "with qdd of the DAE",
-            left.M @ qdd,
-            left.free,
-            np.abs(left.M) @ np.abs(qdd) + sizes,
-        )
-    else:
-        carried = reactions[rows:]
-        yield _step(
-            "what is left: loops keep their reactions, with G_l = G J",
-            "M(q) qdd = tau - bias(q, qd) + G_l^T lambda_l,  G_l qdd = gamma_l",
-            "with qdd and lambda of the DAE",
-            left.M @ qdd,
-            left.free + left.G.T @ carried,
-            np.abs(left.M) @ np.abs(qdd) + np.abs(left.G.T) @ np.abs(carried) + sizes,
-        )
-        yield _step(
-            "the motions that the loops leave, G_l N = 0: their reactions go too",
-            "qdd = q_p + N z,  N^T M N z = N^T (tau - bias - M q_p)",
-            "qdd of these against that of the DAE",
-            left.accelerations(),
-            qdd,
-            np.abs(qdd) + np.abs(drift).max(initial=0.0),
-        )
-    again = J @ qdd + drift
-    yield _step(
-        "back to the reactions, where they are asked for",
-        "G^T lambda = M a - f",
-        "with qdd of the ODE form and lambda of the DAE",
-        G.T @ reactions,
-        M @ again - f,
-        np.abs(M) @ np.abs(again) + np.abs(f),
-    )
+    ),
+)
+_OPEN = ("the ODE form", "M(q) qdd = tau - bias(q, qd)", "with qdd of the DAE")
+_LOOPS = (
+    (
+        "what is left: loops keep their reactions, with G_l = G J",
+        "M(q) qdd = tau - bias(q, qd) + G_l^T lambda_l,  G_l qdd = gamma_l",
+        "with qdd and lambda of the DAE",
+    ),
+    (
+        "the motions that the loops leave, G_l N = 0: their reactions go too",
+        "qdd = q_p + N z,  N^T M N z = N^T (tau - bias - M q_p)",
+        "qdd of these against that of the DAE",
+    ),
+)
+_BACK = (
+    "back to the reactions, where they are asked for",
+    "G^T lambda = M a - f",
+    "with qdd of the ODE form and lambda of the DAE",
+)
+"""Title, formula and check of each step."""
+Sides = tuple[Floats, Floats | float, Floats]
+"""What a step says to be equal, and magnitudes that add up to it."""
 
 
-def _step(title: str, formula: str, checks: str, one: Floats, other: Floats | float, sizes: Floats) -> Step:
-    scale = float(np.max(sizes, initial=0.0))
-    difference = float(np.max(np.abs(one - other), initial=0.0))
-    return Step(title, formula, checks, difference / scale if scale > VANISHING else difference, scale)
+def steps(system: System, left: Reduced, a: Floats | None, reactions: Floats) -> Iterator[Step]:
+    """Yield every step with its identity, held against numbers from elsewhere; without `a` those that need none."""
+    sides, words = [*_reduction(system, left)], [*_TREE]
+    if a is not None:
+        sides += _solution(system, left, a, reactions)
+        words += [*(_LOOPS if system.loops else (_OPEN,)), _BACK]
+    for (title, formula, checks), (one, other, sizes) in zip(words, sides, strict=True):
+        scale = float(np.max(sizes, initial=0.0))
+        difference = float(np.max(np.abs(one - other), initial=0.0))
+        yield Step(title, formula, checks, difference / scale if scale > VANISHING else difference, scale)
+
+
+def _reduction(system: System, left: Reduced) -> Iterator[Sides]:
+    """Yield the sides of the identities that lead to mass matrix and bias, which the recursions have too."""
+    M, G, gamma = system.matrices.M, system.matrices.G, system.matrices.gamma
+    J, drift, rows = left.J, left.drift, system.tree
+    G, gamma = G[:rows], gamma[:rows]
+    model, scene = system.model, replace(system.scene, loops=())
+    q, qd, tau = (np.array(x, dtype=float) for x in (system.sample.q, system.sample.qd, system.tau))
+    yield G @ J, 0.0, np.abs(G) @ np.abs(J)
+    yield G @ drift, gamma, np.abs(G) @ np.abs(drift) + np.abs(gamma)
+    yield J.T @ G.T, 0.0, np.abs(J.T) @ np.abs(G.T)
+    recursion = mass_matrix(model, q, scene=scene, executor="numpy")
+    yield left.M, recursion, np.abs(J.T) @ np.abs(M) @ np.abs(J)
+    bias = bias_forces(model, q, qd, scene=scene, executor="numpy")
+    yield left.free, tau - bias, _forces(system, left)
+
+
+def _solution(system: System, left: Reduced, a: Floats, reactions: Floats) -> Iterator[Sides]:
+    """Yield the sides of the identities that accelerations and reactions of the DAE form fulfil."""
+    M, f, G, *_ = system.matrices
+    qdd, carried = accelerations_along(system, a), reactions[system.tree :]
+    sizes = np.abs(left.M) @ np.abs(qdd) + np.abs(left.G.T) @ np.abs(carried) + _forces(system, left)
+    yield left.M @ qdd, left.free + left.G.T @ carried, sizes
+    if system.loops:
+        yield left.accelerations(), qdd, np.abs(qdd) + np.abs(left.drift).max(initial=0.0)
+    again = left.J @ qdd + left.drift
+    yield G.T @ reactions, M @ again - f, np.abs(M) @ np.abs(again) + np.abs(f)
+
+
+def _forces(system: System, left: Reduced) -> Floats:
+    """Return (n,) the magnitudes that add up to J^T (f - M Jdot qd)."""
+    M, f, *_ = system.matrices
+    return np.asarray(np.abs(left.J.T) @ (np.abs(f) + np.abs(M) @ np.abs(left.drift)))
 
 
 def accelerations_along(system: System, a: Floats) -> Floats:

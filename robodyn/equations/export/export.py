@@ -11,9 +11,7 @@ import numpy as np
 
 from robodyn.dynamics.function import KINDS
 from robodyn.dynamics.plan import Plan, plan
-from robodyn.equations.export.c_file import c_file
-from robodyn.equations.export.job import Job
-from robodyn.equations.export.python_file import python_file
+from robodyn.equations.export.files import Job, c_file, python_file
 from robodyn.errors import InputError
 from robodyn.programs.export import LIBRARIES
 from robodyn.robot.model import Model

@@ -3,34 +3,144 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from robodyn.dynamics.arrays import arrays_of, zero_columns
 from robodyn.dynamics.constraints.inverse import as_tree
-from robodyn.dynamics.effects.effect import Sample, Terms
-from robodyn.dynamics.plan import applied, plan
-from robodyn.dynamics.recursions.newton_euler import joint_torques, newton_euler
-from robodyn.equations.free_body.actions import (
-    Applied,
-    applied_wrenches,
-    at_joint,
-    cut,
-    inertial,
-    torques_at_joints,
-    weight,
-)
+from robodyn.dynamics.effects import motors
+from robodyn.dynamics.effects.effect import Effect, Sample, Terms
+from robodyn.dynamics.effects.motors import spins
+from robodyn.dynamics.effects.wrenches import acting
+from robodyn.dynamics.plan import applied, at_rest, plan
+from robodyn.dynamics.recursions.newton_euler import euler, joint_torques, newton_euler
 from robodyn.equations.free_body.types import Action, FreeBodies, FreeBody, JointRow
 from robodyn.errors import InputError
-from robodyn.programs.vectors import narrowed_all
-from robodyn.robot.kinematics import Motion, accelerations, motions, poses, velocities
+from robodyn.programs.vectors import ZERO, narrowed, narrowed_all, product
+from robodyn.robot.kinematics import (
+    Acceleration,
+    Motion,
+    Pose,
+    Velocity,
+    Wrench,
+    acceleration_of_point,
+    accelerations,
+    motions,
+    poses,
+    velocities,
+)
 from robodyn.robot.model import Model
 from robodyn.scene.fit import refuse_load, refuse_others
+from robodyn.scene.parts import GROUND
 from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.solids.inertia.laws import Inertia, about_centre
 from robodyn.support.floats import Floats
 from robodyn.support.wording import figure, shown
+
+SPINNING = motors.GYROSCOPIC.name
+_LETTERS = {
+    "viscous friction": "V",
+    "coulomb friction": "C",
+    "rotor inertia": "J",
+    "coupled motor": "U",
+    SPINNING: "K",
+    "joint spring": "S",
+    "limit spring": "L",
+}
+
+_CAUSES = {"external wrench": "surroundings", "loop forces": "loop", "contact forces": "contact"}
+_OF_WRENCHES = {
+    "external wrench": ("E", "N"),
+    "loop forces": ("F", "G"),
+    "contact forces": ("P", "Q"),
+    "fluid": ("B", ""),
+    SPINNING: ("", "H"),
+}
+
+
+def weight(body: Inertia, pose: Pose, gravity: Floats) -> Action:
+    """m g at the mass centre."""
+    force = body.m * product(pose.R.T, gravity)
+    return Action("weight", "weight", "gravity", ("W", ""), body.centre_of_mass, force, np.zeros(3))
+
+
+def inertial(body: Inertia, moving: Velocity, speeding: Acceleration) -> Action:
+    """-m a_c at the mass centre and -dH_c/dt: what balances the rest, as d'Alembert has it."""
+    c = body.centre_of_mass
+    a_c = acceleration_of_point(speeding.a, c, moving.w, speeding.wd)
+    moment = -euler(about_centre(body.I, body.m, c), moving.w, speeding.wd)
+    return Action("inertial", "inertia", "its motion", ("-ma", "-dH"), c, -(body.m * a_c), moment)
+
+
+def applied_wrenches(effects: tuple[Effect, ...], sample: Sample, scene: Scene) -> list[tuple[int, Action]]:
+    """(body, action) of wrenches of the surroundings, loops, contacts and spinning rotors, where they act on links."""
+    places = {
+        **{name: [(w.link, w.point) for w in acting(scene, cause)] for name, cause in _CAUSES.items()},
+        SPINNING: [(spin.link, (0.0, 0.0, 0.0)) for spin in spins(sample.model, scene) if spin.share],
+        "fluid": [(immersed.link, immersed.centre) for immersed in scene.immersed],
+    }
+    out = []
+    for effect in effects:
+        if effect.name not in places:
+            continue
+        found = effect.add(at_rest(sample), sample, scene).wrenches
+        letters = _OF_WRENCHES[effect.name]
+        for k, ((i, loads), (link, point)) in enumerate(zip(found, places[effect.name], strict=True), 1):
+            wrench = Wrench(*map(narrowed, loads))
+            symbols = (f"{letters[0]}{k}" if letters[0] else "", f"{letters[1]}{k}" if letters[1] else "")
+            _, R, p = sample.model.links[link]
+            where = p + product(R, np.array(point))
+            moment = wrench.n - np.cross(where, wrench.f)
+            what = f"{effect.name} on {link}"
+            by = "rotor" if effect.name == SPINNING else _CAUSES.get(effect.name, "surroundings")
+            out.append((i, Action(effect.name, what, by, symbols, where, wrench.f, moment)))
+    return out
+
+
+def torques_at_joints(effects: tuple[Effect, ...], sample: Sample, scene: Scene) -> dict[str, Mapping[int, float]]:
+    """By effect and body, the torque that the effect asks of the actuator at the body's joint."""
+    found = {effect.name: effect.add(at_rest(sample), sample, scene).at_joint for effect in effects}
+    return {name: torques for name, torques in found.items() if torques}
+
+
+def cut(i: int, model: Model, wrench: Wrench, torques: Mapping[str, Mapping[int, float]]) -> JointRow:
+    """Return the wrench at the joint of body i, taken apart."""
+    joint, parent, (f, n) = model.bodies[i].joint, model.parents[i], wrench
+    drive, others = None, {}
+    if joint.kind == "floating":
+        f, n = np.zeros(3), np.zeros(3)
+    elif joint.kind != "fixed":
+        others = {name: float(by_body[i]) for name, by_body in torques.items() if by_body.get(i, 0.0)}
+        turning = joint.kind == "revolute"
+        along = float(product(joint.axis, n if turning else f))
+        drive = along + sum(others.values())
+        f, n = (f, n - along * joint.axis) if turning else (f - along * joint.axis, n)
+    carrier = model.bodies[parent].name if parent >= 0 else GROUND
+    return JointRow(i, joint.name, carrier, model.bodies[i].name, joint.kind, joint.axis, wrench, f, n, drive, others)
+
+
+def at_joint(at: JointRow, by: str, motion: Motion | None = None, sign: float = 1.0) -> Iterator[Action]:
+    """Yield what a joint does to the body that it carries, or with `motion` and -1 to that body's parent."""
+    R, p = (motion.R, motion.p) if motion is not None else (np.eye(3), np.zeros(3))
+    minus = "" if sign > 0 else "-"
+
+    def action(kind: str, what: str, letters: tuple[str, str], f: Floats, n: Floats) -> Action:
+        symbols = (f"{minus}{letters[0]}{at.number}", f"{minus}{letters[1]}{at.number}")
+        return Action(kind, what, by, symbols, p, sign * product(R, f), sign * product(R, n))
+
+    if at.kind == "floating":
+        yield action("drive", f"what moves {at.name}", ("D", "T"), *at.wrench)
+        return
+    yield action("reaction", f"reaction, {at.name}", ("R", "M"), at.force, at.moment)
+    if at.drive is None:
+        return
+    parts = {"drive": at.drive, **{name: -torque for name, torque in at.others.items()}}
+    for kind, value in parts.items():
+        vector = value * at.axis
+        f, n = (ZERO, vector) if at.kind == "revolute" else (vector, ZERO)
+        letter = _LETTERS.get(kind, "D" if at.kind == "prismatic" else "T")
+        yield action(kind, f"{kind}, {at.name}", (letter, letter), f, n)
 
 
 def free_bodies(
@@ -80,8 +190,23 @@ def free_bodies(
     around = applied_wrenches(a_plan.effects, sample, scene)
     bodies = tuple(_cut_free(model, terms, joints, cuts, around))
     tau = joint_torques(model, joints, wrenches, terms.at_joint)
-    found = _found(scene, sample, bodies, cuts, tau)
-    return replace(found, warnings=(*_not_given(model, missing), *found.warnings))
+    actions = [action for body in bodies for action in body.actions]
+    force = max([np.finfo(float).tiny, *(float(np.abs(action.force).max()) for action in actions)])
+    moment = max([np.finfo(float).tiny, *(float(np.abs(action.at_origin).max()) for action in actions)])
+    return FreeBodies(
+        robot=model.name,
+        file=model.file,
+        q=dict(zip(model.coordinates, sample.q, strict=True)),
+        qd=dict(zip(model.rates, sample.qd, strict=True)),
+        qdd=dict(zip(model.rates, sample.qdd, strict=True)),
+        gravity=scene.gravity,
+        bodies=bodies,
+        joints=tuple(cuts),
+        tau=dict(zip(model.rates, map(float, tau), strict=True)),
+        residual_force=max(float(np.abs(body.force).max()) for body in bodies) / force,
+        residual_moment=max(float(np.abs(body.moment).max()) for body in bodies) / moment,
+        warnings=(*_not_given(model, missing), *model.notes),
+    )
 
 
 def _not_given(model: Model, missing: Floats) -> Iterator[str]:
@@ -98,9 +223,8 @@ def _not_given(model: Model, missing: Floats) -> Iterator[str]:
 
 
 def _cut_free(
-    model: Model, terms: Terms, joints: list[Motion], cuts: list[JointRow], around: list[Applied]
+    model: Model, terms: Terms, joints: list[Motion], cuts: list[JointRow], around: list[tuple[int, Action]]
 ) -> Iterator[FreeBody]:
-    """Yield each body with what acts on it."""
     parents = model.parents
     moving, speeding = narrowed_all(velocities(parents, joints)), narrowed_all(accelerations(parents, joints))
     where, joints = narrowed_all(poses(parents, joints)), narrowed_all(joints)
@@ -118,26 +242,3 @@ def _cut_free(
         ends = tuple((k, joints[k].p) for k in children)
         links = tuple(name for name, frame in model.links.items() if frame.body == i)
         yield FreeBody(i, body.name, links, float(own.m), own.centre_of_mass, where[i], tuple(acting), ends)
-
-
-def _found(
-    scene: Scene, sample: Sample, bodies: tuple[FreeBody, ...], cuts: list[JointRow], tau: list[float]
-) -> FreeBodies:
-    model = sample.model
-    tiny = np.finfo(float).tiny
-    force_scale = max((np.abs(a.force).max() for body in bodies for a in body.actions), default=0.0)
-    moment_scale = max((np.abs(a.at_origin).max() for body in bodies for a in body.actions), default=0.0)
-    return FreeBodies(
-        model.name,
-        model.file,
-        dict(zip(model.coordinates, sample.q, strict=True)),
-        dict(zip(model.rates, sample.qd, strict=True)),
-        dict(zip(model.rates, sample.qdd, strict=True)),
-        scene.gravity,
-        bodies,
-        tuple(cuts),
-        dict(zip(model.rates, map(float, tau), strict=True)),
-        max(float(np.abs(body.force).max()) for body in bodies) / max(float(force_scale), tiny),
-        max(float(np.abs(body.moment).max()) for body in bodies) / max(float(moment_scale), tiny),
-        model.notes,
-    )

@@ -62,9 +62,9 @@ def test_long_chains_and_branching_robots_too():
 
 def test_a_wrong_inertia_would_unbalance_it(monkeypatch):
     """The balance can fail: the inertial forces do not come from the recursion that gives the reactions."""
-    from robodyn.equations.free_body import actions
+    from robodyn.equations.free_body import bodies
 
-    monkeypatch.setattr(actions, "about_centre", lambda I, m, r: 1.001 * I)
+    monkeypatch.setattr(bodies, "about_centre", lambda I, m, r: 1.001 * I)
     assert taken_apart(robot("puma560"))[1].residual_moment > 1e-6
 
 
