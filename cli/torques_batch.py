@@ -22,7 +22,7 @@ from robodyn.cli.screen import complain, show
 from robodyn.errors import InputError
 from robodyn.loads.many import Batch, Outcome
 from robodyn.loads.torques import check_uncertain
-from robodyn.programs.run.llvm.machine import compiler
+from robodyn.programs.run.llvm.machine import compiler_problem
 from robodyn.report.table import printable
 from robodyn.report.torques import batch_sections, outcome_line
 from robodyn.report.torques_json import batch_json
@@ -77,7 +77,7 @@ def _setup(call: Call, urdf: str, options: Loads) -> tuple[Setup, str]:
         options.momentum.check(model, scene)
     executor = options.executor
     if executor == "auto":  # the same everywhere and every time, so that results are equal to the bit
-        executor = "numpy" if compiler().problem else "compiled"
+        executor = "numpy" if compiler_problem() else "compiled"
     setup = Setup(
         robot=zlib.compress(model.description.data),
         scene=zlib.compress(BETWEEN.join(map(read_input, names))) if (names := call.scene_files) else None,

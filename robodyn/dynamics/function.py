@@ -19,7 +19,7 @@ from robodyn.dynamics.plan import Plan, plan
 from robodyn.dynamics.regressor import parameters, regressor_program
 from robodyn.errors import InputError
 from robodyn.programs.program import Program
-from robodyn.programs.run.llvm.machine import compiler
+from robodyn.programs.run.llvm.machine import compiler_problem
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
 from robodyn.robot.model import Model
 from robodyn.scene.fit import refuse_load, refuse_others
@@ -238,7 +238,7 @@ def _function(a_plan: Plan, kind: str) -> Function:
     shapes = list(chosen.shapes(a_plan).values())
     shape = shapes[0] if len(shapes) == 1 else (len(shapes), *shapes[0])
     slow = Function(a_plan, kind, chosen.widths(a_plan), shape, chosen.program(a_plan))
-    return slow if compiler().problem else _compiled(slow)
+    return slow if compiler_problem() else _compiled(slow)
 
 
 def _compiled(slow: Function) -> Function:

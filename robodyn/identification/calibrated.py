@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import fields, replace
 from typing import NamedTuple
 
@@ -15,14 +15,13 @@ from robodyn.errors import InputError
 from robodyn.identification.parameters.prior import parameters_of, pseudo_inertia
 from robodyn.programs.vectors import product
 from robodyn.robot.masses.declared import declared
-from robodyn.robot.model import Joint, Model
-from robodyn.robot.urdf.document import Document, read_document
+from robodyn.robot.model import Model
+from robodyn.robot.urdf.document import read_document
 from robodyn.robot.urdf.edits import Edit, edited, with_attributes, with_comment, with_first_child
-from robodyn.robot.urdf.elements import Element
 from robodyn.robot.urdf.packages import EXPANDED, Search
 from robodyn.robot.urdf.parts import INERTIA, Description, Link
 from robodyn.robot.urdf.view import LinkView, View
-from robodyn.scene.parts import CoupledMotor, Friction, Rotor
+from robodyn.scene.parts import Friction, Rotor
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.solids.inertia.laws import Inertia, symmetric
 from robodyn.solids.inertia.properties import MassProperties, from_inertia, from_moments, inertial_element
@@ -62,12 +61,15 @@ def calibrated_urdf(
 
     Accuracy: bodies of the text have theta within 1e-12 of the largest parameter of a kind, joints exactly.
     """
-    description, document = _source(model)
-    view, found = View(document.root), link_inertias(model, described, theta)
+    description = model.description
+    assert description is not None, "models are made of descriptions"
+    document = read_document(description.data, description.file)
+    if document.data != description.data:
+        raise InputError("the file is UTF-16 and cannot be edited", remedy="save it as UTF-8", file=description.file)
+    view, (bodies, notes) = View(document.root), link_inertias(model, described, theta)
     edits = [with_comment(document.data, comment)] if comment else []
-    for name, body in found.bodies.items():
+    for name, body in bodies.items():
         edits += _inertial(view.link[name], body)
-    notes = list(found.notes)
     if friction:
         changes, lopsided = _dynamics(model, view, dict(zip(names, theta.tolist(), strict=True)))
         edits += changes
@@ -83,25 +85,17 @@ def lost_meshes(description: Description, path: str) -> str | None:
     """Return a line on meshes that a description loses when it is written to another folder; None if none is lost."""
     names = list(dict.fromkeys(g.filename for link in description.links for g in link.geometries if g.filename))
     there = Search(path, description.search.package_paths)
-    lost = [name for name in names if (old := description.search.find(name)) and not _same(old, there.find(name))]
+
+    def is_lost(name: str) -> bool:
+        old, new = description.search.find(name), there.find(name)
+        return old is not None and (new is None or not os.path.samefile(old, new))
+
+    lost = [name for name in names if is_lost(name)]
     if not lost:
         return None
     folder = os.path.dirname(description.file.removesuffix(EXPANDED)) or os.curdir
     what = f"{count(len(lost), 'mesh', 'meshes')} of {len(names)} will not be found beside {shown_path(path)}"
     return f"{what}, by the names that the description has: write it into {shown_path(folder)}"
-
-
-def _same(old: os.PathLike[str], new: os.PathLike[str] | None) -> bool:
-    return new is not None and os.path.samefile(old, new)
-
-
-def _source(model: Model) -> tuple[Description, Document]:
-    description = model.description
-    assert description is not None, "models are made of descriptions"
-    document = read_document(description.data, description.file)
-    if document.data != description.data:
-        raise InputError("the file is UTF-16 and cannot be edited", remedy="save it as UTF-8", file=description.file)
-    return description, document
 
 
 def _inertial(link: LinkView, body: MassProperties) -> Iterator[Edit]:
@@ -136,21 +130,17 @@ def _dynamics(model: Model, view: View, theta: dict[str, float]) -> tuple[list[E
             continue
         viscous, forward, backward = (theta[f"{joint.name}.{part}"] for part in ("viscous", "forward", "backward"))
         dry = (forward - backward) / 2.0
-        edits += _dynamics_edits(view.joint[joint.name].element, joint, viscous, dry)
+        if (viscous, dry) != (joint.damping, joint.friction):
+            element, values = view.joint[joint.name].element, {"damping": _numbers(viscous), "friction": _numbers(dry)}
+            child = element.find("dynamics")
+            if child is None:
+                said = " ".join(f'{name}="{value}"' for name, value in values.items())
+                edits.append(with_first_child(element, [f"<dynamics {said}/>"]))
+            else:
+                edits += with_attributes(child, values)
         if forward != -backward:
             lopsided.append(joint.name)
     return edits, lopsided
-
-
-def _dynamics_edits(element: Element, joint: Joint, viscous: float, dry: float) -> Iterator[Edit]:
-    """Yield the edits that give a joint this damping and friction, if it has others."""
-    if (viscous, dry) == (joint.damping, joint.friction):
-        return
-    child, values = element.find("dynamics"), {"damping": _numbers(viscous), "friction": _numbers(dry)}
-    if child is None:
-        yield with_first_child(element, [f'<dynamics damping="{values["damping"]}" friction="{values["friction"]}"/>'])
-    else:
-        yield from with_attributes(child, values)
 
 
 def _numbers(*values: float) -> str:
@@ -161,20 +151,8 @@ _LEFT = 1e-3
 """The part of a body, in its every direction, that is left to its main link at least."""
 
 
-class LinkInertias(NamedTuple):
-    """What links have that change.
-
-    Attributes:
-        bodies: by link, in its frame.
-        notes: what could not stay as it was, a line each.
-    """
-
-    bodies: Mapping[str, MassProperties]
-    notes: tuple[str, ...]
-
-
-def link_inertias(model: Model, described: Floats, theta: Floats) -> LinkInertias:
-    """Return the inertials of links that give bodies the parameters theta.
+def link_inertias(model: Model, described: Floats, theta: Floats) -> tuple[dict[str, MassProperties], list[str]]:
+    """Return by link, in its frame, the inertials that give bodies theta, and a line each of what could not stay.
 
     Of several links fixed to each other the change goes to the one that the joint carries, or, if that has no mass, to
     the heaviest. The others stay, unless they are more than the body: they are then scaled, masses and inertias alike,
@@ -200,7 +178,7 @@ def link_inertias(model: Model, described: Floats, theta: Floats) -> LinkInertia
         changed, why = _shared(model, k, P)
         bodies |= changed
         notes += why
-    return LinkInertias(bodies, tuple(notes))
+    return bodies, notes
 
 
 def _shared(model: Model, k: int, P: Floats) -> tuple[dict[str, MassProperties], list[str]]:
@@ -212,7 +190,8 @@ def _shared(model: Model, k: int, P: Floats) -> tuple[dict[str, MassProperties],
     others = {name: body for name, body in others.items() if body.mass or body.S_c.any()}
     total = np.zeros((4, 4))
     for name, body in others.items():
-        total += _pseudo(body.placed(model.links[name].R, model.links[name].p).moments)
+        m, mc, I = body.placed(model.links[name].R, model.links[name].p).moments
+        total += pseudo_inertia((m, *mc, *I[np.triu_indices(3)]))
     share, notes, changed = _share(P, total), list[str](), dict[str, MassProperties]()
     if share < 1.0:
         changed = {name: from_inertia(share * b.mass, b.com, share * b.inertia) for name, b in others.items()}
@@ -248,10 +227,6 @@ def _to_link(model: Model, name: str, P: Floats) -> MassProperties:
     return body.placed(frame.R.T, -product(frame.R.T, frame.p))
 
 
-def _pseudo(moments: Inertia) -> Floats:
-    return pseudo_inertia((moments.m, *moments.mc, *moments.I[np.triu_indices(3)]))
-
-
 def calibrated(model: Model, names: Sequence[str], theta: Floats, scene: Scene = DEFAULT) -> Scene:
     """Return the scene with the friction and the rotors of theta, which replace what the description says of them.
 
@@ -274,13 +249,12 @@ def calibrated(model: Model, names: Sequence[str], theta: Floats, scene: Scene =
         if gear and (inertia or reflected):
             before = rotors.get(joint.name, Rotor(None))
             rotors[joint.name] = replace(before, inertia=reflected / gear / gear, gear=gear)
-    coupled = tuple(_coupled(motor, found) for motor in scene.coupled)
-    return replace(scene, friction=friction, rotor=rotors, coupled=coupled)
-
-
-def _coupled(motor: CoupledMotor, found: dict[str, float]) -> CoupledMotor:
-    inertia = found.get(f"{motor.name}.rotor", motor.reflected) / motor.gear / motor.gear
-    return replace(motor, inertia=inertia, friction=_friction_found(motor.name, motor.friction, found))
+    coupled = []
+    for motor in scene.coupled:
+        inertia = found.get(f"{motor.name}.rotor", motor.reflected) / motor.gear / motor.gear
+        of_motor = _friction_found(motor.name, motor.friction, found)
+        coupled.append(replace(motor, inertia=inertia, friction=of_motor))
+    return replace(scene, friction=friction, rotor=rotors, coupled=tuple(coupled))
 
 
 def _friction_found(motor: str, old: Friction, found: dict[str, float]) -> Friction:
@@ -303,22 +277,18 @@ def friction_toml(model: Model, scene: Scene, comment: Sequence[str] = ()) -> st
             blocks.append(_table(f"[friction.{key}]", _entries(friction_of(joint, scene))))
         if joint.name in scene.rotor:
             inertia, gear = rotor_of(joint, scene)
-            values = (("inertia", repr(inertia)), ("gear", repr(gear)))
-            blocks.append(_table(f"[rotor.{key}]", (*values, *_carried(scene.rotor[joint.name]))))
+            values, rotor = [("inertia", repr(inertia)), ("gear", repr(gear))], scene.rotor[joint.name]
+            if rotor.axis is not None:
+                values.append(("axis", repr([float(x) for x in rotor.axis])))
+            if rotor.on:
+                values.append(("on", toml_string(rotor.on)))
+            blocks.append(_table(f"[rotor.{key}]", values))
     for motor in scene.coupled:
         turned = ", ".join(f"{toml_key(name)} = {part!r}" for name, part in motor.joints.items())
-        rotor = ("inertia", repr(motor.inertia)), ("gear", repr(motor.gear))
-        entries = ("name", toml_string(motor.name)), ("joints", f"{{ {turned} }}"), *rotor, *_entries(motor.friction)
+        own = ("inertia", repr(motor.inertia)), ("gear", repr(motor.gear))
+        entries = ("name", toml_string(motor.name)), ("joints", f"{{ {turned} }}"), *own, *_entries(motor.friction)
         blocks.append(_table("[[coupled]]", entries))
     return "\n".join(blocks)
-
-
-def _carried(rotor: Rotor) -> Iterator[tuple[str, str]]:
-    """Yield keys and values of how a rotor stands, as far as it is said."""
-    if rotor.axis is not None:
-        yield "axis", repr([float(x) for x in rotor.axis])
-    if rotor.on:
-        yield "on", toml_string(rotor.on)
 
 
 def _entries(friction: Friction) -> Iterator[tuple[str, str]]:
@@ -332,5 +302,5 @@ def _entries(friction: Friction) -> Iterator[tuple[str, str]]:
             yield field.name, repr(value)
 
 
-def _table(header: str, entries: Iterator[tuple[str, str]] | Sequence[tuple[str, str]]) -> str:
+def _table(header: str, entries: Iterable[tuple[str, str]]) -> str:
     return f"{header}\n" + "".join(f"{key} = {value}\n" for key, value in entries)

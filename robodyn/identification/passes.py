@@ -94,7 +94,9 @@ def begun(logs: Sequence[Log], validate: Sequence[Log], scene: Scene, split: flo
             speeds = einsum("kj,mj->km", samples.qd, np.stack([motor.direction for motor in candidates]))
             top = np.maximum(top, np.abs(speeds).max(axis=0, initial=0.0))
         if log.derived and not scene.slip_speed:
-            slip = max(slip, _SLOW * float(top[: model.n].max()), _NOISE * _speed_noise(log, cutoff))
+            _, first, _ = rates(kernel(min(POSITIONS * cutoff, 0.4 / log.step), log.step), log.step)
+            noise = log.noise * float(np.sqrt((first**2).sum()))  # of the speeds of smoothed positions
+            slip = max(slip, _SLOW * float(top[: model.n].max()), _NOISE * noise)
         largest = np.maximum(largest, top)
     if largest[: model.n].max() <= max(RESTS, 2.0 * slip if slip != scene.slip_speed else 0.0):
         why = (
@@ -107,14 +109,6 @@ def begun(logs: Sequence[Log], validate: Sequence[Log], scene: Scene, split: flo
     edges = (*(tuple(each.tolist()) for each in ends), *((-np.inf,) * FOLDS for _ in validate))
     holds = bool(validate) or split < 1.0
     return Run(every, edges, measured, scene, cutoff, float(f"{slip:.3g}"), motors, holds)
-
-
-def _speed_noise(log: Log, cutoff: float) -> float:
-    """Return the standard deviation of the speeds of smoothed positions."""
-    if not log.noisy:
-        return 0.0
-    _, first, _ = rates(kernel(min(POSITIONS * cutoff, 0.4 / log.step), log.step), log.step)
-    return log.noise * float(np.sqrt((first**2).sum()))
 
 
 class First(NamedTuple):

@@ -14,7 +14,7 @@ from typing import Any, Literal
 import numpy as np
 
 from robodyn.programs.program import trace
-from robodyn.programs.run.llvm.machine import Function, compiler, host, machine_code, one_line
+from robodyn.programs.run.llvm.machine import Function, compiler_problem, host, machine_code, one_line
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
 from robodyn.robot.urdf.packages import VARIABLES, listed
 from robodyn.support.cache import Key, ObjectCache, cache_folder
@@ -72,7 +72,7 @@ def _versions(found: Mapping[str, Installed]) -> Iterator[Line]:
         yield _library("versions", library, found[library.name], "broken")
     here = found[COMPILER.name]
     line = _library("versions", COMPILER, here, "missing")
-    if line.verdict == "ok" and compiler().problem is None:
+    if line.verdict == "ok" and compiler_problem() is None:
         line = Line(line.group, line.name, f"{here.version}, LLVM {'.'.join(map(str, host().llvm))}")
     yield line
     yield _library("versions", SCENES, found[SCENES.name], "missing")
@@ -210,7 +210,7 @@ def self_test() -> SelfTest:
     x = np.asfortranarray(np.stack([np.linspace(-3, 3, _SAMPLES), np.linspace(0.1, 2, _SAMPLES)], axis=1))
     by_numpy = NumpyBlocks(program, widths)
     expected, numpy = _timed(lambda: by_numpy({"x": x}, _SAMPLES))
-    missing = compiler().problem
+    missing = compiler_problem()
     if missing is not None:
         return SelfTest(missing, "does not load" in missing, numpy)
     try:

@@ -12,7 +12,7 @@ import numpy as np
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.programs.run.choice import EXECUTORS, Work, times
-from robodyn.programs.run.llvm.machine import compiler, one_line
+from robodyn.programs.run.llvm.machine import compiler_problem, one_line
 from robodyn.programs.run.stepper import SINGLE, CompiledSteps, NumpySteps
 from robodyn.simulation.equations import STATE, Equations
 from robodyn.simulation.events import Limits, first_passed, hermite_touches
@@ -202,7 +202,7 @@ def stepper(plan: Plan, method: Method, executor: str, steps: int, lanes: int = 
     work = made.step.size + (SWEEPS_USUAL * made.sweep.size if made.sweep else 0)
     by_numpy, by_code = times(Work(work, steps, 1, steps))
     if executor == "compiled" or (executor == "auto" and by_code < by_numpy):
-        problem = compiler().problem
+        problem = compiler_problem()
         try:
             if not problem:
                 return _compiled(plan, method, lanes)

@@ -279,7 +279,7 @@ def test_without_machine_code(case, monkeypatch):
     fast, given, _ = called("inverse_dynamics")
     functions._function.cache_clear()
     if case == "no compiler":
-        monkeypatch.setattr(functions, "compiler", lambda: type("C", (), {"problem": "llvmlite is not installed"}))
+        monkeypatch.setattr(functions, "compiler_problem", lambda: "llvmlite is not installed")
     else:
         monkeypatch.setattr(python_call, "_usual", lambda: False)
     slow, given, _ = called("inverse_dynamics")

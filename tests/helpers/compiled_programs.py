@@ -7,9 +7,9 @@ import pytest
 
 from robodyn.programs.program import trace
 from robodyn.programs.run.compiled_blocks import CompiledBlocks
-from robodyn.programs.run.llvm.machine import compiler
+from robodyn.programs.run.llvm.machine import compiler_problem
 
-needs_compiler = pytest.mark.skipif(compiler().problem is not None, reason=str(compiler().problem))
+needs_compiler = pytest.mark.skipif(compiler_problem() is not None, reason=str(compiler_problem()))
 
 
 def program_of(function, inputs):

@@ -9,7 +9,6 @@ from helpers.simulated_robots import pendulum, tumbling
 
 import robodyn
 from robodyn.errors import InputError
-from robodyn.programs.run.llvm.machine import Compiler
 from robodyn.scene.parts import Friction
 from robodyn.scene.scene import Scene
 from robodyn.simulation.rollouts import TOGETHER, rollouts
@@ -62,7 +61,7 @@ def test_what_does_not_fit(how, what):
 
 
 def test_without_a_compiler(monkeypatch):
-    monkeypatch.setattr("robodyn.simulation.fixed.compiler", lambda: Compiler("llvmlite is not installed", None))
+    monkeypatch.setattr("robodyn.simulation.fixed.compiler_problem", lambda: "llvmlite is not installed")
     scene = Scene(initial_q={"j1": 1.0})
     assert robodyn.simulate(pendulum(), scene, 1.0, step=2e-3).executor == "numpy"
     with pytest.raises(InputError, match="the compiled executor cannot run: llvmlite is not installed"):

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from math import exp
 from typing import NamedTuple
 
@@ -130,7 +129,7 @@ class Excitation:
         gained = self.information.log_determinant - self.plain.log_determinant
         return exp(gained / (2 * self.base.rank)) if gained < float("inf") else gained
 
-    @cached_property
+    @property
     def names(self) -> tuple[str, ...]:
         """The columns of `columns`."""
         return tuple(f"{kind}_{name}" for kind in ("q", "qd", "qdd") for name in self.model.joint_names)
@@ -184,7 +183,7 @@ def excite(
     refuse_constraints(scene)
     refuse_load(scene)
     bounds = bounds_of(model, scene, tuple(joints), max_acceleration)
-    rows, rms = _random_rows(model, scene, bounds)
+    rows, theta, rms = _random_rows(model, scene, bounds)
     base = structural_base(model, scene).within(rows, _APART)
     if not base.rank:
         raise InputError("no parameter shows in the torques of such motions", remedy="move other joints: --joints")
@@ -205,7 +204,7 @@ def excite(
         rate=count / period,
         joints=_swings(model, bounds, found, deviations),
         base=base,
-        values=base.values(_theta(model, scene)),
+        values=base.values(theta),
         information=_information(model, scene, base, found, deviations, count),
         plain=_information(model, scene, base, plain, deviations, count),
         notes=bounds.notes,
@@ -230,8 +229,8 @@ def _check(scene: Scene, period: float, harmonics: int, rate: float) -> None:
         raise InputError(what, remedy=f"{4 * harmonics} rows, four of the fastest wave, to ten million")
 
 
-def _random_rows(model: Model, scene: Scene, bounds: Bounds) -> tuple[Floats, Floats]:
-    """Return rows of the regressor at random states that a motion may have, and the root mean square of the torques."""
+def _random_rows(model: Model, scene: Scene, bounds: Bounds) -> tuple[Floats, Floats, Floats]:
+    """Return rows of the regressor at random states that a motion may have, its parameters, and the RMS of torques."""
     rng = np.random.default_rng(4)
     k = list(bounds.moving)
     samples = 3 * 13 * len(model.bodies) // len(k) + 20
@@ -244,12 +243,7 @@ def _random_rows(model: Model, scene: Scene, bounds: Bounds) -> tuple[Floats, Fl
     tau = einsum("tip,p->ti", found.Y, found.theta) + found.rest
     if not (np.isfinite(tau).all() and np.abs(found.Y).max(initial=0.0) < LARGEST):
         raise InputError("the torques of such motions are beyond all numbers", remedy="check gravity and limits")
-    return _triangle(found.Y.reshape(-1, len(found.names))), np.sqrt((tau * tau).mean(axis=0))
-
-
-def _theta(model: Model, scene: Scene) -> Floats:
-    still = np.zeros(model.n)
-    return regressor(model, still, still, still, scene=scene, executor="numpy").theta
+    return _triangle(found.Y.reshape(-1, len(found.names))), found.theta, np.sqrt((tau * tau).mean(axis=0))
 
 
 def _deviations(

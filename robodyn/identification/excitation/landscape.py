@@ -201,14 +201,14 @@ def search(landscape: Landscape, starts: int, seed: int) -> Floats:
     Raises:
         InputError: no posture that is tried can be held.
     """
-    ends = [_staged(landscape, start, _EARLY) for start in _starts(landscape, starts, seed)]
-    return _staged(landscape, ranked(ends, lambda end: -landscape.height(end, _EARLY[-1])[0])[0], _LATE)
 
+    def staged(y: Floats, pressures: tuple[float, ...]) -> Floats:
+        for pressure in pressures:
+            y = _lowest(landscape, y, pressure)
+        return y
 
-def _staged(landscape: Landscape, y: Floats, pressures: tuple[float, ...]) -> Floats:
-    for pressure in pressures:
-        y = _lowest(landscape, y, pressure)
-    return y
+    ends = [staged(start, _EARLY) for start in _starts(landscape, starts, seed)]
+    return staged(ranked(ends, lambda end: -landscape.height(end, _EARLY[-1])[0])[0], _LATE)
 
 
 def _starts(landscape: Landscape, count: int, seed: int) -> list[Floats]:

@@ -88,7 +88,11 @@ def bounds_of(model: Model, scene: Scene, joints: tuple[str, ...] = (), accelera
     most = np.array([_RANGE[joint.kind] for joint in model.independent])
     least = np.where(np.isfinite(least), least, np.where(np.isfinite(largest), largest - 2.0 * most, -most))
     largest = np.where(np.isfinite(largest), largest, least + 2.0 * most)
-    speed, half = _speeds(model), (0.5 - MARGIN) * (largest - least)
+    half, speed = (0.5 - MARGIN) * (largest - least), np.full(model.n, np.inf)
+    for joint in (body.joint for body in model.bodies):
+        limit = binding(joint.velocity)
+        if limit is not None and limit < MOST_VELOCITY and joint.kind != "fixed" and joint.multiplier:
+            speed[joint.rate] = min(speed[joint.rate], limit / abs(joint.multiplier))
     for kind, assumed in _SPEED.items():
         these = np.isinf(speed) & are[kind]
         say(these, f"no speed limit: {assumed:.4g} {_UNIT[kind]}/s assumed")
@@ -108,16 +112,6 @@ def bounds_of(model: Model, scene: Scene, joints: tuple[str, ...] = (), accelera
     home = np.where((least <= 0.0) & (largest >= 0.0), 0.0, middle)
     fastest = speed / _SPEEDING if acceleration is None else np.full(model.n, acceleration)
     return Bounds(middle, half, speed, fastest, effort, moving, home, tuple(notes))
-
-
-def _speeds(model: Model) -> Floats:
-    """Return the largest speed of each coordinate that all joints which it moves allow."""
-    speeds = np.full(model.n, np.inf)
-    for body in model.bodies:
-        joint, limit = body.joint, binding(body.joint.velocity)
-        if limit is not None and limit < MOST_VELOCITY and joint.kind != "fixed" and joint.multiplier:
-            speeds[joint.rate] = min(speeds[joint.rate], limit / abs(joint.multiplier))
-    return speeds
 
 
 @dataclass(frozen=True)
@@ -171,6 +165,16 @@ class Fourier:
         return 1.0 / cos(pi * self.harmonics / samples)
 
 
+class PlainWaves(Fourier):
+    """A plain wave for each joint: shapes are 1, and -cos(k w t) with k = 1..harmonics."""
+
+    def shapes(self, time: Floats) -> Floats:
+        k = np.arange(1, self.harmonics + 1) * (2.0 * np.pi / self.period)
+        phase = np.outer(time, k)
+        waves = np.array([-np.cos(phase), k * np.sin(phase), k * k * np.cos(phase)])
+        return np.concatenate((_still(time), waves), axis=-1)
+
+
 def _still(time: Floats) -> Floats:
     """Return q, qd and qdd of a joint that stands at 1: (3, N, 1)."""
     still = np.zeros((3, len(time), 1))
@@ -202,12 +206,8 @@ class Motion:
         """Return q, qd and qdd (3, N, n)."""
         motion = np.zeros((3, len(time), self.model.n))
         motion[0] = self.bounds.home
-        motion[:, :, list(self.bounds.moving)] = einsum("kti,ni->ktn", self.shapes(time), self.x)
+        motion[:, :, list(self.bounds.moving)] = einsum("kti,ni->ktn", self.series.shapes(time), self.x)
         return motion
-
-    def shapes(self, time: Floats) -> Floats:
-        """Return q, qd and qdd of every shape: (3, N, size)."""
-        return self.series.shapes(time)
 
     def peaks(self) -> Peaks:
         """Return what it reaches at even samples, times what Ehlich and Zeller's bound adds.
@@ -236,16 +236,6 @@ class Motion:
         ranged = (peaks.least[k] >= low).all() and (peaks.largest[k] <= high).all()
         quick = (peaks.speed <= bounds.speed).all() and (peaks.acceleration <= bounds.acceleration).all()
         return bool(ranged and quick and (peaks.effort <= bounds.effort).all())
-
-
-class PlainWaves(Motion):
-    """Each joint is a plain wave: x has its centre, and amplitudes of 1 - cos(k w t) with k = 1..harmonics."""
-
-    def shapes(self, time: Floats) -> Floats:
-        k = np.arange(1, self.series.harmonics + 1) * (2.0 * np.pi / self.series.period)
-        phase = np.outer(time, k)
-        waves = np.array([-np.cos(phase), k * np.sin(phase), k * k * np.cos(phase)])
-        return np.concatenate((_still(time), waves), axis=-1)
 
 
 def within_limits(motion: Motion) -> Motion:
@@ -279,4 +269,5 @@ def plain_waves(found: Motion) -> Motion:
         room = bounds.half[k] - abs(centre[i] - bounds.middle[k])
         largest = min(room, bounds.speed[k] / w, bounds.acceleration[k] / (w * w))
         x[i, turn + 1] = largest / series.between(PERIOD_SAMPLES * series.harmonics)
-    return within_limits(PlainWaves(found.model, found.scene, bounds, series, x))
+    waves = PlainWaves(series.period, series.harmonics)
+    return within_limits(replace(found, series=waves, x=x))

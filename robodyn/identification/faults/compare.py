@@ -8,7 +8,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
@@ -126,7 +125,12 @@ def compare(
     raw, time, places, notes = evidence_of(log)
     right = channels(raw)
     routed = rerouted(raw, right)
-    found = explain(routed, present_in(model, scene, places))
+    joints = {joint.rate: joint for joint in model.independent}
+    present = np.zeros((len(places), 3))
+    for row, place in zip(present, places, strict=True):
+        friction, (inertia, gear) = friction_of(joints[place], scene), rotor_of(joints[place], scene)
+        row[:] = friction.viscous, 0.5 * (friction.forward - friction.backward), gear * gear * inertia
+    found = explain(routed, present)
     inside, names = raw.inside, [model.rates[place] for place in places]
     total, before = np.linalg.norm(raw.measured[inside]), rms(raw.difference)
     curves = Curves(
@@ -156,20 +160,12 @@ def compare(
     )
 
 
-def present_in(model: Model, scene: Scene, places: Sequence[int]) -> Floats:
-    """Return (n, 3) viscous and Coulomb friction and reflected rotor inertia of joints, by their places in tau."""
-    found = np.zeros((len(places), 3))
-    joints = {joint.rate: joint for joint in model.independent}
-    for row, place in zip(found, places, strict=True):
-        friction, (inertia, gear) = friction_of(joints[place], scene), rotor_of(joints[place], scene)
-        row[:] = friction.viscous, 0.5 * (friction.forward - friction.backward), gear * gear * inertia
-    return found
-
-
 def _joint(model: Model, name: str, raw: Evidence, found: Explained, j: int) -> JointComparison:
     """Return what there is to say of a joint, of the torques that were measured as its."""
     prismatic = any(body.joint.name == name and body.joint.kind == "prismatic" for body in model.bodies)
     measured, computed = raw.measured[raw.inside, j], raw.computed[raw.inside, j]
+    a, b = measured - measured.mean(), computed - computed.mean()
+    spread = float(np.linalg.norm(a) * np.linalg.norm(b))
     size, of_computed, residual, left = (
         float(rms(each[:, None])[0]) for each in (measured, computed, measured - computed, found.residual[:, j])
     )
@@ -183,7 +179,7 @@ def _joint(model: Model, name: str, raw: Evidence, found: Explained, j: int) -> 
         residual=residual,
         left=left,
         relative_error=residual / size,
-        correlation=_correlation(measured, computed),
+        correlation=float(a @ b) / spread if spread > 0.0 else None,
         moves=bool(np.abs(raw.own[:, j, 0]).max() > _STILL),
         effects={kind: (float(found.theta[place]), float(errors[place])) for kind, place in places.items()},
     )
@@ -198,12 +194,6 @@ def _friction(evidence: Evidence, faults: tuple[Fault, ...]) -> Floats:
             size = gains.get(effect.joint, 1.0) * values[0]
             found[:, effect.joint] += size * evidence.own[:, effect.joint, OWN.index(effect.kind) - VISCOUS]
     return found
-
-
-def _correlation(a: Floats, b: Floats) -> float | None:
-    a, b = a - a.mean(), b - b.mean()
-    size = float(np.linalg.norm(a) * np.linalg.norm(b))
-    return float(a @ b) / size if size > 0.0 else None
 
 
 def load_body(model: Model) -> str:

@@ -14,7 +14,7 @@ from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError
 from robodyn.measure.accuracy.motion_error import MotionError, apart, seen
 from robodyn.programs.run.choice import CALL
-from robodyn.programs.run.llvm.machine import compiler
+from robodyn.programs.run.llvm.machine import compiler_problem
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.simulation.balance import DRIFTS
@@ -64,7 +64,7 @@ class Effort:
     def _evaluation(self) -> float:
         """Seconds of work for the equations of motion once."""
         size = Equations(plan(self.model, with_friction(self.model, self.scene)[0])).derivatives().size
-        interpreted = self.given.get("executor") == "numpy" or bool(compiler().problem)
+        interpreted = self.given.get("executor") == "numpy" or bool(compiler_problem())
         return CALLED + size * (CALL if interpreted else CODE)
 
     def cost(self, method: Method) -> float:

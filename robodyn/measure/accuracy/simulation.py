@@ -15,7 +15,7 @@ from robodyn.dynamics.plan import Plan, plan
 from robodyn.errors import InputError
 from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Price, Rung, Spread, timed
 from robodyn.measure.accuracy.motion_error import MotionError, between_records
-from robodyn.programs.run.llvm.machine import compiler
+from robodyn.programs.run.llvm.machine import compiler_problem
 from robodyn.robot.model import Model
 from robodyn.scene.fit import check_moves
 from robodyn.scene.scene import DEFAULT, Scene
@@ -160,7 +160,7 @@ def _tries(
     found: list[tuple[tuple[MethodOptions, float, str], Rung]] = []
     failed: list[str] = []
     why, before = "", inf
-    executor = "auto" if method.adaptive or compiler().problem else "compiled"
+    executor = "auto" if method.adaptive or compiler_problem() else "compiled"
     run = partial(run, method=method.name, executor=executor)
     for name, options, given in _settings(method, duration):
         try:

@@ -19,7 +19,7 @@ from robodyn.measure.accuracy.ladder import Accuracy, EffectPrice, Ladder, Price
 from robodyn.programs.program import Program
 from robodyn.programs.run.compiled_blocks import CompiledBlocks, kernel_of
 from robodyn.programs.run.double_double import BLOCK, DoubleDouble
-from robodyn.programs.run.llvm.machine import Function, compiler, machine_code
+from robodyn.programs.run.llvm.machine import Function, compiler_problem, machine_code
 from robodyn.programs.run.multiprecision import Multiprecision, context_of
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
 from robodyn.programs.run.runner import PAIRS
@@ -71,7 +71,7 @@ def torque_accuracy(model: Model, samples: Trajectory, scene: Scene = DEFAULT) -
     widths = runner_of(program, a_plan).widths
     ways: Ways = {"numpy float32": (np.float32, NumpyBlocks), "numpy float64": (np.float64, NumpyBlocks)}
     acts: dict[str, Callable[[], object]] = {"tracing the recursion": a_plan.torques}
-    if not compiler().problem:
+    if not compiler_problem():
         for name, dtype in (("compiled", np.float64), ("compiled float32", np.float32)):
             ways[name if name.endswith("32") else "compiled float64"] = dtype, CompiledBlocks
             acts[f"machine code, {name}"] = partial(compile_anew, program, widths, dtype)

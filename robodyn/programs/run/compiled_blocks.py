@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from ctypes import c_int64, c_void_p
 from functools import cache, cached_property, partial
 from itertools import chain
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,11 +73,11 @@ class CompiledBlocks:
         first_row = program.rows(widths)
         self.sources = [source for source in first_row if source]
         self.rows = first_row[""] + len(program.distinct.outputs)
-        self._homes = np.array(program.homes, np.int64)
+        self.homes = np.array(program.homes, np.int64)
         self._in_order = np.arange(max(self.widths.values(), default=0), dtype=np.int64)
         content = content_of(program, widths, dtype, fused)
-        self._kernel = built("kernel", content, lambda: kernel_of(program, widths, dtype, fused))
-        self._share = _driver(SCALARS[self.dtype.name])
+        self.kernel = built("kernel", content, lambda: kernel_of(program, widths, dtype, fused))
+        self.share = _driver(SCALARS[self.dtype.name])
         self._rooms: list[SmallBatches] = []
 
     def __call__(
@@ -118,9 +118,7 @@ class CompiledBlocks:
             # Taken out while it is in use, so that two threads never share it.
             room = self._rooms.pop()
         except IndexError:
-            lanes = LANES[SCALARS[self.dtype.name]]
-            first_row = self.program.rows(self.widths)
-            room = SmallBatches(self._kernel.address, first_row, self.widths, self.rows, self.dtype, lanes, self._homes)
+            room = SmallBatches(self)
         done = room(sources, samples, out)
         if done:
             self._rooms.append(room)
@@ -156,13 +154,11 @@ class CompiledBlocks:
     def _bound(self, given: list[Numbers], samples: int, out: Numbers, threads: int) -> Callable[[], None]:
         """Return what runs over the samples."""
         few = len(self.program.distinct.outputs) <= MOST_STREAMS
-        fields = [*(_fields(each, self._in_order) for each in given), _fields(out, self._homes, few)]
+        fields = [*(_fields(each, self._in_order) for each in given), _fields(out, self.homes, few)]
         contiguous = all(each.strides[0] == each.itemsize for each in (*given, out))
         block = LONG_BLOCK if contiguous and samples >= 8 * LONG_BLOCK else BLOCK
         threads = max(1, min(threads, samples * self.program.size // THREAD_WORK, samples // block))
-        # No power of two apart, or gathered columns would share sets of the cache.
-        pitch = block * self.dtype.itemsize + 8 * LINE
-        job = Job(self._share, self._kernel.address, fields, self.rows, pitch, STEP, block, samples, threads)
+        job = Job(self, fields, block, samples, threads)
 
         def run() -> None:
             if job():
@@ -212,13 +208,6 @@ def _driver(scalar: str) -> Function:
 _KERNEL = ctypes.PYFUNCTYPE(ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64)
 
 
-class _Parts(NamedTuple):
-    """The parts of the rows that some number of samples fill."""
-
-    inputs: Sequence[tuple[str, Numbers, tuple[int, ...]]]
-    outputs: Numbers
-
-
 class SmallBatches:
     """Room in which a kernel works on few samples, kept ready from call to call: rows for all sources and outputs.
 
@@ -226,35 +215,19 @@ class SmallBatches:
     bit; Python's lock is kept, for to hand it over and get it back may take longer than the work.
     """
 
-    def __init__(
-        self,
-        kernel: int,
-        first_row: Mapping[str, int],
-        widths: Mapping[str, int],
-        rows: int,
-        dtype: Any,
-        lanes: int,
-        homes: NDArray[np.int64],
-    ) -> None:
-        """
-        Args:
-            kernel: the address of what `robodyn.programs.run.llvm.kernel` writes.
-            first_row: where the rows of each source begin, and under "" those of the outputs.
-            widths: how many columns the array of each source has.
-            rows: of all sources and outputs.
-            lanes: samples in a group.
-            homes: the row of each output, from the first of them on.
-        """
-        memory, first = np.zeros((rows, FEW), dtype), first_row[""]
-        self._table = memory.ctypes.data + memory.strides[0] * np.repeat(np.arange(rows), 2)  # no memory ahead
+    def __init__(self, of: CompiledBlocks) -> None:
+        first_row, homes = of.program.rows(of.widths), of.homes
+        memory, first = np.zeros((of.rows, FEW), of.dtype), first_row[""]
+        self._table = memory.ctypes.data + memory.strides[0] * np.repeat(np.arange(of.rows), 2)  # no memory ahead
         self._flags = np.zeros(FEW // 8, np.uint8)
         self._places = c_void_p(self._table.ctypes.data), c_void_p(self._flags.ctypes.data)
-        self._kernel, self._lanes, self._dtype = _KERNEL(kernel), lanes, memory.dtype
-        starts = ((source, start, widths[source]) for source, start in first_row.items() if source)
+        self._kernel, self._dtype = _KERNEL(of.kernel.address), memory.dtype
+        self._lanes = LANES[SCALARS[of.dtype.name]]
+        starts = ((source, start, of.widths[source]) for source, start in first_row.items() if source)
         self._inputs = [(source, memory[start : start + width].T) for source, start, width in starts]
         self._outputs = memory[first:].T
-        self._homes = homes if len(homes) > rows - first else None  # None: each row is one output, in their order
-        self._parts: dict[int, _Parts] = {}
+        self._homes = homes if len(homes) > of.rows - first else None  # None: each row is one output, in their order
+        self._parts: dict[int, tuple[list[Any], Numbers]] = {}
 
     def __call__(self, sources: Mapping[str, Numbers], samples: int, out: Numbers) -> bool:
         """Write the outputs of up to FEW samples to `out`, which may overlap the sources.
@@ -266,7 +239,10 @@ class SmallBatches:
         Raises:
             ValueError: a source has another shape than (samples, width).
         """
-        inputs, outputs = self._parts.get(samples) or self._part(samples)
+        if samples not in self._parts:
+            parts = [(source, rows[:samples], (samples, rows.shape[1])) for source, rows in self._inputs]
+            self._parts[samples] = parts, self._outputs[:samples]
+        inputs, outputs = self._parts[samples]
         for source, rows, shape in inputs:
             given = sources[source]
             if given.shape != shape:
@@ -279,12 +255,6 @@ class SmallBatches:
         out[...] = outputs if self._homes is None else outputs.take(self._homes, 1)
         return True
 
-    def _part(self, samples: int) -> _Parts:
-        """Return what so many samples fill."""
-        inputs = [(source, rows[:samples], (samples, rows.shape[1])) for source, rows in self._inputs]
-        parts = _Parts(inputs, self._outputs[:samples])
-        return self._parts.setdefault(samples, parts)
-
 
 Fields = tuple[int, int, int, int, int, bool, bool]
 """Of an array, as `robodyn.programs.run.llvm.driver.FIELDS` names them."""
@@ -293,40 +263,23 @@ Fields = tuple[int, int, int, int, int, bool, bool]
 class Job:
     """A run of machine code over all samples of some arrays, which may be repeated as what they hold changes."""
 
-    def __init__(
-        self,
-        share: Function,
-        kernel: int,
-        fields: Sequence[Fields],
-        rows: int,
-        pitch: int,
-        step: int,
-        block: int,
-        samples: int,
-        threads: int,
-    ) -> None:
-        """
-        Args:
-            share: the driver; kernel: the address of the kernel.
-            fields: of the arrays, which the caller keeps; the last is written to.
-            rows: columns of all of them.
-            pitch: bytes from one gathered column to the next; whole lines of the cache.
-            step: samples that a thread takes at a time; block: that it gathers.
-        """
-        self._samples, self._share = samples, share
+    def __init__(self, of: CompiledBlocks, fields: Sequence[Fields], block: int, samples: int, threads: int) -> None:
+        """Args: fields: of the arrays, which the caller keeps; the last is written to. block: samples of a block."""
+        self._samples, self._share = samples, of.share
         self._flags = array("B", bytes(-(-samples // block) * block // 8))
         each = -(-samples // (threads * block)) * block
         parts = range(0, samples, each)
         self._threads = len(parts)
         self._begin = array("q", (0, *parts))
         self._common, self._fields = self._begin[:], array("q", chain.from_iterable(fields))
-        table = -(-2 * rows // LINE) * 8 * LINE
-        room = table + rows * pitch
+        table = -(-2 * of.rows // LINE) * 8 * LINE
+        pitch = block * of.dtype.itemsize + 8 * LINE  # no power of two, or columns would share sets of the cache
+        room = table + of.rows * pitch
         self._rooms = np.empty(self._threads * room + 8 * LINE, np.uint8)
         rooms = int(self._rooms.__array_interface__["data"][0])
         rooms += -rooms % (8 * LINE)
-        places = (kernel, _place(self._fields), rooms, _place(self._flags), _place(self._common))
-        numbers = len(fields), room, table, pitch, step, block, samples, each, self._threads
+        places = (of.kernel.address, _place(self._fields), rooms, _place(self._flags), _place(self._common))
+        numbers = len(fields), room, table, pitch, STEP, block, samples, each, self._threads
         self._job = array("q", (*places, *numbers))
 
     def __call__(self) -> bool:

@@ -36,8 +36,7 @@ class Pair(NamedTuple):
 class DoubleDouble:
     """A program made ready to run on arrays of samples, on pairs of floats."""
 
-    def __init__(self, program: Program, widths: Mapping[str, int] | None = None) -> None:
-        """Args: widths: not needed; other executors have it."""
+    def __init__(self, program: Program) -> None:
         self.program = program
 
     @np.errstate(all="ignore")
@@ -52,19 +51,15 @@ class DoubleDouble:
         """
         found = Pair(*(np.empty((samples, len(self.program.outputs))) for _ in range(2)))
         for start in range(0, samples, BLOCK):
-            block = slice(start, min(start + BLOCK, samples))
-            for part, result in zip(found, self._block(sources, block), strict=True):
-                part[block] = result
+            block = slice(start, start + BLOCK)
+
+            def column(source: str, index: int, block: slice = block) -> Pair:
+                values = np.ascontiguousarray(sources[source][block, index])
+                return Pair(values, np.zeros(len(values)))
+
+            for k, x in enumerate(self.program.evaluated(column, lambda value: Pair(value, 0.0), _FUNCTIONS)):
+                found.high[block, k], found.low[block, k] = x
         return found
-
-    def _block(self, sources: Mapping[str, Floats], block: slice) -> Pair:
-        count = block.stop - block.start
-
-        def column(source: str, index: int) -> Pair:
-            return Pair(np.ascontiguousarray(sources[source][block, index]), np.zeros(count))
-
-        outputs = self.program.evaluated(column, lambda value: Pair(value, 0.0), _FUNCTIONS)
-        return Pair(*(np.column_stack([np.broadcast_to(x[i], count) for x in outputs]) for i in range(2)))
 
 
 def added(a: Pair, b: Pair) -> Pair:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from robodyn.errors import InputError, RobodynWarning
 from robodyn.programs.program import Program
 from robodyn.programs.run.choice import EXECUTORS, Choice, Work, choice
-from robodyn.programs.run.llvm.machine import compiler, one_line
+from robodyn.programs.run.llvm.machine import compiler_problem, one_line
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
 from robodyn.support.threads import cores
 from robodyn.support.wording import alternatives
@@ -153,7 +153,7 @@ class Runner:
         """Makes the compiled executor unless it is there already; what stands against it."""
         if kind in self._compiled:
             return None
-        if problem := compiler().problem:
+        if problem := compiler_problem():
             return problem
         from robodyn.programs.run.compiled_blocks import CompiledBlocks
 

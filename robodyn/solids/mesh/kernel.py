@@ -179,9 +179,9 @@ def kernel_for(count: int) -> Callable[[Array], Kernel]:
         return volume_kernel
     _seen.triangles += count
     if _worth_its_start(_seen.triangles):
-        from robodyn.programs.run.llvm.machine import compiler
+        from robodyn.programs.run.llvm.machine import compiler_problem
 
-        if not compiler().problem:
+        if not compiler_problem():
             with suppress(OSError, RuntimeError):
                 return partial(compiled_kernel, _machine_code())
     return volume_kernel

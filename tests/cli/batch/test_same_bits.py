@@ -21,7 +21,7 @@ from helpers.batch_runs import listing
 from helpers.command_line import run, spawn
 from helpers.other_robots import other_paths
 
-from robodyn.programs.run.llvm.machine import compiler
+from robodyn.programs.run.llvm.machine import compiler_problem
 from robodyn.trajectory.write import open_writer
 
 try:
@@ -74,7 +74,7 @@ KINDS = {
     "AVX2": {**AVX2, "ROBODYN_CPU": "x86-64-v3"},
     "SSE": {**SSE, "ROBODYN_CPU": "x86-64-v3", "OPENBLAS_NUM_THREADS": "1"},
 }
-X86 = compiler().problem is None and "X86" in "".join(__cpu_features__)
+X86 = compiler_problem() is None and "X86" in "".join(__cpu_features__)
 
 
 @pytest.fixture(autouse=True)

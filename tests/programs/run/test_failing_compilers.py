@@ -47,7 +47,7 @@ def run(a_runner, **options):
 def test_processor_without_fused_multiply_add(monkeypatch):
     old = machine.Host("x86_64-unknown-linux-gnu", "sandybridge", "+avx,-fma,-fma4", "0.45", (20,))
     monkeypatch.setattr(machine, "host", lambda: old)
-    monkeypatch.setattr(runner, "compiler", machine.compiler.__wrapped__)
+    monkeypatch.setattr(runner, "compiler_problem", machine.compiler_problem.__wrapped__)
     problem = "the processor (sandybridge) has no fused multiply-add"
     _falls_back(made(), problem)
 
@@ -88,7 +88,7 @@ def test_llvmlite_that_does_not_load(monkeypatch, failure):
         raise failure
 
     monkeypatch.setattr(machine, "host", host)
-    monkeypatch.setattr(runner, "compiler", machine.compiler.__wrapped__)
+    monkeypatch.setattr(runner, "compiler_problem", machine.compiler_problem.__wrapped__)
     _falls_back(made(), f"llvmlite does not load ({str(failure).splitlines()[0]}); pip install llvmlite")
 
 
@@ -111,7 +111,7 @@ def _falls_back(a_runner, problem):
 
 
 def test_warning_as_an_error_leaves_the_runner_usable(monkeypatch):
-    monkeypatch.setattr(runner, "compiler", lambda: machine.Compiler("there is none", None))
+    monkeypatch.setattr(runner, "compiler_problem", lambda: "there is none")
     a_runner = made()
     with warnings.catch_warnings():
         warnings.simplefilter("error")

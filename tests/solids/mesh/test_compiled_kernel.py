@@ -44,7 +44,7 @@ def test_many_meshes_are_worth_what_a_larger_one_is() -> None:
 
 
 def test_without_a_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(machine, "compiler", lambda: machine.Compiler("no llvmlite", None))
+    monkeypatch.setattr(machine, "compiler_problem", lambda: "no llvmlite")
     assert kernel_for(100_000_000) is volume_kernel
 
 

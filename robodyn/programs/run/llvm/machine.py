@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import os
-import sys
 from functools import cache
-from time import perf_counter
 from typing import Any, NamedTuple
 
 from robodyn.errors import InputError
@@ -77,31 +75,18 @@ def _level(triple: str) -> str:
     return level
 
 
-class Compiler(NamedTuple):
-    """Whether machine code can be made here.
-
-    Attributes:
-        problem: why not, with a remedy; None if it can.
-        start: seconds that the import took; None if it was imported before.
-    """
-
-    problem: str | None
-    start: float | None
-
-
 @cache
-def compiler() -> Compiler:
-    """Return the compiler, imported if it can be."""
-    start = None if "llvmlite.binding" in sys.modules else perf_counter()
+def compiler_problem() -> str | None:
+    """Return why no machine code can be made here, with a remedy; None if it can."""
     try:
         here = host()
     except (ImportError, OSError, RuntimeError) as error:
         missing = getattr(error, "name", None) == "llvmlite"
         reason = "llvmlite is not installed" if missing else f"llvmlite does not load ({one_line(error)})"
-        return Compiler(f"{reason}; pip install llvmlite", None)
+        return f"{reason}; pip install llvmlite"
     if not here.fused:
-        return Compiler(f"the processor ({here.cpu}) has no fused multiply-add", None)
-    return Compiler(None, None if start is None else perf_counter() - start)
+        return f"the processor ({here.cpu}) has no fused multiply-add"
+    return None
 
 
 def one_line(error: Exception) -> str:
