@@ -66,7 +66,8 @@ def test_settings_of_others(tmp_path: Path) -> None:
     assert bounded("check", "arm.urdf", cwd=tmp_path).status == 0
 
 
-@pytest.mark.parametrize("command", ["check", pytest.param("info", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("command", ["check", "info"])
 def test_waivers_on_one_line(command: str, tmp_path: Path) -> None:
     """Time grows with their number, not with its square."""
     (tmp_path / "r.urdf").write_text(WAIVERS)

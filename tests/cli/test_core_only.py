@@ -14,6 +14,7 @@ import robodyn
 from robodyn.cli.main import COMMANDS
 from robodyn.support.extras import OPTIONAL
 
+pytestmark = pytest.mark.slow
 PEERS = "pinocchio", "mujoco", "pydrake", "idyntree", "igl"
 WORKS = (
     "torques scara.urdf scara_pick_and_place.csv --out {out}/tau.csv --reactions --sizing --explain",

@@ -33,6 +33,7 @@ def diagnosed(
     return run("doctor")
 
 
+@pytest.mark.slow
 def test_here_in_full() -> None:
     outcome = run("doctor", "--format", "json")
     document = json.loads(outcome.out)

@@ -39,10 +39,10 @@ CALLS: dict[str, tuple[tuple[str, ...], str, int]] = {
 }
 
 
-SLOW = [pytest.param(name, marks=pytest.mark.slow) if name == "accuracy" else name for name in CALLS]
+NAMES = [pytest.param(name, marks=[pytest.mark.slow] * (name in ("accuracy", "identify"))) for name in CALLS]
 
 
-@pytest.mark.parametrize("name", SLOW)
+@pytest.mark.parametrize("name", NAMES)
 def test_page(tmp_path: Path, name: str) -> None:
     call, words, figures = CALLS[name]
     file = tmp_path / "r.html"
@@ -54,7 +54,7 @@ def test_page(tmp_path: Path, name: str) -> None:
     assert len(page.all("figure")) == figures
 
 
-@pytest.mark.parametrize("name", [name for name in CALLS if name not in ("accuracy", "simulate", "meshes")])
+@pytest.mark.parametrize("name", [each for each in NAMES if each.values[0] not in ("accuracy", "simulate", "meshes")])
 def test_markdown_and_data(tmp_path: Path, name: str) -> None:
     """Neither needs pictures; the page's data are those of `--format json`."""
     call, words, _ = CALLS[name]

@@ -24,7 +24,9 @@ from robodyn.scene.scene import Scene
 
 SAMPLES = 2
 EXECUTORS = ("numpy", "compiled")
-bases = pytest.mark.parametrize("moving_base", [False, True], ids=["fixed", "free"])
+bases = pytest.mark.parametrize(
+    "moving_base", [False, pytest.param(True, marks=pytest.mark.slow)], ids=["fixed", "free"]
+)
 
 
 def busy_state(moving_base):
@@ -182,6 +184,7 @@ def test_shapes_and_out(executor):
     assert max(map(worst, in_32, whole)) <= 1e-5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "bound"), [("ur5_robot", 1e-5), ("anymal", 1e-4)])
 def test_single_precision_of_free_robots(name, bound):
     """At rest, d tau / dq of ANYmal's base is the small rest of large weights."""

@@ -43,16 +43,13 @@ COMMANDS = (
     ("linearize", "linearize robots/crank_slider.urdf --scene robots/crank_slider_pump.toml"),
     ("excite", "excite robots/two_link_planar.urdf --joints elbow"),
     (
-        "identify",
-        "identify tests/data/tx40_log/tx40.urdf tests/data/tx40_log/log.parquet --cutoff 40",
-    ),
-    (
         "torques_measured",
         "torques tests/data/tx40_log/tx40.urdf tests/data/tx40_log/log.parquet --measured --cutoff 20",
     ),
 )
 
 SLOW = (
+    ("identify", "identify tests/data/tx40_log/tx40.urdf tests/data/tx40_log/log.parquet --cutoff 40"),
     ("accuracy", "accuracy robots/meshes/torn_block.stl"),
     ("accuracy", "accuracy robots/puma.urdf robots/puma_encoder.csv"),
     ("accuracy", "accuracy robots/pendulum.urdf robots/pendulum_a01.toml --duration 1 --target 1e-6"),

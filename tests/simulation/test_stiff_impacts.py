@@ -83,6 +83,7 @@ def test_tolerances_that_are_too_wide_are_said() -> None:
     assert rebound(1e8, 1.0, 2.0, rtol=1e-9).caveats == ()
 
 
+@pytest.mark.slow
 def test_damped_impacts_lose_what_their_damping_takes() -> None:
     """Their force jumps where they begin, within a step; against steps of 0.002 of a radian of the spring."""
     for stiffness, mass, speed in drawn(6, 2):

@@ -52,7 +52,7 @@ def write(path: Path, columns: dict[str, Array]) -> Path:
 
 DISTURBED = [(0.2, 1e-5), (0.2, 0.0), (0.0, 1e-5), (0.0, 0.0)]
 """How far stamps are off, of a step, and the noise of positions."""
-QUICK = [("csv", mode, *how) for how in (DISTURBED[0], DISTURBED[-1]) for mode in ("spline", "auto")]
+QUICK = [("csv", mode, *how) for how in (DISTURBED[0], DISTURBED[-1]) for mode in ("auto",)]
 CASES = [("csv", mode, *how) for how in DISTURBED for mode in MODES]
 CASES += [(suffix, mode, *how) for suffix in ("parquet", "npz") for mode, how in zip(MODES, DISTURBED, strict=True)]
 """Of files that are not text, which are read as numbers at once, each method and each disturbance once."""

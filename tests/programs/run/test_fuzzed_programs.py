@@ -75,6 +75,7 @@ def test_programs_that_shrink(executor, tame, data):
     assert not outside(executor, program, widths, sources, bounds(program, sources, ROWS, *executor[1:]))
 
 
+@pytest.mark.slow
 @each_executor
 def test_a_program_of_thousands_of_operations(executor):
     program, *rest = drawn(0, 2500, True, *executor[1:])

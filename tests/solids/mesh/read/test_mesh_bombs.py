@@ -213,6 +213,7 @@ def test_trimesh_opens_nothing(folder, monkeypatch):
     assert load_triangles(folder("beside.bin")).count == 12
 
 
+@pytest.mark.slow
 def test_lines_that_are_continued_without_end():
     corners = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3"
     read = load_triangles(corners + b" \\\n" * 2_000_000 + b"\n", file_type="obj")
@@ -264,6 +265,7 @@ def test_faces_given_very_often(copies):
     assert part.body.volume == pytest.approx(10, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_shells_in_each_others_boxes():
     needle = tetrahedron([(0, 0, 0), (1, 1, 1), (1.01, 1, 1), (1, 1.01, 1)])
     needles = [needle * (1 + k / 100) - np.array((6, 5, 4)) * k / 1000 for k in range(3000)]
