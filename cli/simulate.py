@@ -27,7 +27,7 @@ from robodyn.dynamics.initial_state import begun_at
 from robodyn.programs.run.choice import EXECUTORS
 from robodyn.report.simulation import simulation_json, simulation_page, simulation_sections
 from robodyn.simulation.methods import METHODS
-from robodyn.simulation.run import simulate
+from robodyn.simulation.simulate import simulate
 from robodyn.simulation.table import read_table
 from robodyn.trajectory.write import format_of, open_writer
 

@@ -64,7 +64,7 @@ if TYPE_CHECKING:
     from robodyn.scene.uncertainty import LinkUncertainty as LinkUncertainty
     from robodyn.scene.uncertainty import Uncertainty as Uncertainty
     from robodyn.simulation.rollouts import rollouts as rollouts
-    from robodyn.simulation.run import simulate as simulate
+    from robodyn.simulation.simulate import simulate as simulate
     from robodyn.solids.mass_properties import mass_properties as mass_properties
     from robodyn.trajectory.read import motion as motion
     from robodyn.trajectory.read import read_motion as read_motion
@@ -108,7 +108,7 @@ _HOMES = {
     "scene.scene": ("Scene",),
     "scene.uncertainty": ("Covariance", "Deviation", "LinkUncertainty", "Uncertainty"),
     "simulation.rollouts": ("rollouts",),
-    "simulation.run": ("simulate",),
+    "simulation.simulate": ("simulate",),
     "solids.mass_properties": ("mass_properties",),
     "trajectory.read": ("motion", "read_motion"),
 }

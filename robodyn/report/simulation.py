@@ -262,7 +262,7 @@ def _plots(result: Simulation) -> list[Block]:
 
 def simulation_json(result: Simulation) -> str:
     """Return the document of `simulate`; docs/reference/schemas has its keys."""
-    from robodyn.simulation.joint_use import held
+    from robodyn.simulation.result import held
 
     energy, accuracy = result.figures.energy, select(result, "target expected:expected_error")
     stopped = held(result.model, result.scene, result.time, result.qd)
@@ -303,21 +303,21 @@ def _state(result: Simulation, row: int) -> dict[str, dict[str, float]]:
 
 
 def _limit_json(result: Simulation) -> dict[str, Any] | None:
-    from robodyn.simulation.joint_use import deepest
+    from robodyn.simulation.result import deepest
 
     found = deepest(result.model, result.time, result.q, result.qd)
     return found and select(found, "joint:stop.joint.name side:stop.word value:stop.value depth time limits")
 
 
 def _loops_json(loops: LoopFigures) -> dict[str, Any]:
-    from robodyn.simulation.loop_figures import PARTS
+    from robodyn.trajectory.columns.signals import COMPONENTS
 
     rows = zip(loops.names, loops.wrenches[-1].tolist(), loops.gap.tolist(), loops.slip.tolist(), strict=True)
     return select(
         loops,
         "equations dropped rank freedoms usual_freedoms:usual singular stabilised closures",
         closures=[
-            {"name": name, "final": dict(zip(PARTS, wrench, strict=True)), "gap": gap, "slip": slip}
+            {"name": name, "final": dict(zip(COMPONENTS, wrench, strict=True)), "gap": gap, "slip": slip}
             for name, wrench, gap, slip in rows
         ],
     )

@@ -18,8 +18,7 @@ from robodyn.simulation.equations import STATE, Equations
 from robodyn.simulation.events import Limits, dense_touches, first_passed
 from robodyn.simulation.fixed import Motion
 from robodyn.simulation.methods import Method, TooMuchError
-from robodyn.simulation.rows import NEAR
-from robodyn.simulation.table import Signal
+from robodyn.simulation.table import NEAR, Signal
 from robodyn.support.floats import Floats
 
 EXPECTED = 4000
@@ -35,35 +34,8 @@ GENTLER = "give a larger --rtol, or --method radau where friction or a drive is 
 SOFTER = "give a larger --rtol, or softer friction, drives or springs in the scene"
 
 
-def _rows(signal: Signal, duration: float, name: str, most: float, state: Floats) -> Floats:
-    """Return (N,) s, the rows at which steps end within a duration.
-
-    Raises:
-        TooMuchError, InputError: they are too many.
-    """
-    rows, remedy = signal.corners(KNOTS), "give --step instead of --rtol"
-    rows = rows[(rows > 0.0) & (rows < duration * (1.0 - NEAR))]
-    if len(rows) > MOST_ROWS:
-        what = f"steps of {name} would have to end at {len(rows)} rows of the table, more than {MOST_ROWS}"
-        raise InputError(what, remedy=remedy)
-    if LEAST[name] * len(rows) > most:
-        what = f"{len(rows)} rows of the table take more than {most:.3g} evaluations of {name}"
-        raise TooMuchError(what, 0.0, state, remedy)
-    return rows
-
-
-def _apart(inner: Floats, duration: float) -> list[float]:
-    """0, the times within a duration that are apart by more than rounding, and the duration."""
-    times = np.unique([0.0, *inner])
-    return [*times[np.diff(times, prepend=-inf) > NEAR * duration].tolist(), duration]
-
-
 class AdaptiveSteps:
-    """A method of SciPy on one robot in one scene.
-
-    Attributes:
-        executor: that evaluated the equations of motion, and `evaluations` how often.
-    """
+    """A method of SciPy on one robot in one scene."""
 
     def __init__(
         self, plan: Plan, method: Method, rtol: float, executor: str, signal: Signal, most: float = inf
@@ -79,7 +51,7 @@ class AdaptiveSteps:
         self._count, self._most, self._expected = 0, most, EXPECTED if most == inf else int(most)
 
     def motion(self, state: Floats, duration: float, limits: Limits, also: Sequence[float] = ()) -> Motion:
-        """Return the motion from a state (width,), recorded at every step that the method takes.
+        """The motion from a state (width,), recorded at every step that the method takes.
 
         The error of each step is kept below `rtol (1 + |y|)` in q, qd and work. Steps end at rows of a table.
         Quaternions are four numbers here, of any length; those of the record have unit length.
@@ -91,29 +63,36 @@ class AdaptiveSteps:
             TooMuchError: it takes more evaluations than it may.
             InputError: the method gives up.
         """
-        rows = _rows(self.signal, duration, self.name, self._most, state)
+        rows, remedy = self.signal.corners(KNOTS), "give --step instead of --rtol"
+        rows = rows[(rows > 0.0) & (rows < duration * (1.0 - NEAR))]
+        if len(rows) > MOST_ROWS:
+            what = f"steps of {self.name} would have to end at {len(rows)} rows of the table, more than {MOST_ROWS}"
+            raise InputError(what, remedy=remedy)
+        if LEAST[self.name] * len(rows) > self._most:
+            what = f"{len(rows)} rows of the table take more than {self._most:.3g} evaluations of {self.name}"
+            raise TooMuchError(what, 0.0, state, remedy)
+        inner = np.unique([0.0, *rows])
+        corners = [*inner[np.diff(inner, prepend=-inf) > NEAR * duration].tolist(), duration]
         y, reached, wanted = state[:-1], None, np.array(also)
         time, states = [0.0], [y]
-        for begin, end in pairwise(_apart(rows, duration)):
-            for solver in self(begin, y, end):
+        for begin, end in pairwise(corners):
+            for solver in () if reached else self(begin, y, end):
                 reached = self.limit_within(solver, y, limits) if limits.stops else None
-                when, after = (solver.t, solver.y) if reached is None else reached
+                when, after = reached or (solver.t, solver.y)
                 if when > time[-1]:  # else a limit is reached where the motion begins
                     between = wanted[(wanted > solver.t_old) & (wanted < when)].tolist()
                     states += [*self.states(solver, y, between), after]
                     time += [*between, when]
                 y = after
-                if reached is not None:
+                if reached:
                     break
-            if reached is not None:
-                break
         found = np.column_stack((unit_rows(self.model, np.array(states)), np.zeros(len(states))))
-        ended = "" if reached is None else limits.nearest(found[-1]).reached(time[-1])
+        ended = limits.reached(found[-1], time[-1]) if reached else ""
         note = f"steps end at {len(rows)} rows of the table too" if len(rows) else ""
         return Motion(np.array(time), found, len(time) - 1, 1, self.executor, ended, self.evaluations, note)
 
     def rates(self, within: float, time: float, y: Any) -> Any:
-        """Return the rates of states (width,) or (width, N) at a time in the same interval between rows as `within`."""
+        """The rates of states (width,) or (width, N) at a time in the same interval between rows as `within`."""
         columns = y.reshape(len(y), -1)
         samples = columns.shape[1]
         self._count += samples
@@ -128,19 +107,14 @@ class AdaptiveSteps:
         self.executor = found.choice.executor
         return found.values.T.reshape(y.shape)
 
-    def __call__(self, begin: float, y: Floats, end: float, first: float | None = None) -> Iterator[Any]:
+    def __call__(self, begin: float, y: Floats, end: float) -> Iterator[Any]:
         """Yield the solver after each step from a state to a time, between which no row of a table lies.
-
-        Args:
-            first: s, the length of the first step; as the method chooses if None.
 
         Raises:
             InputError: the method gives up.
         """
         with np.errstate(all="ignore"):
-            solver = self.solver(
-                partial(self.rates, 0.5 * (begin + end)), begin, y, end, first_step=first, **self.options
-            )
+            solver = self.solver(partial(self.rates, 0.5 * (begin + end)), begin, y, end, **self.options)
         try:
             while solver.status == "running":
                 message, finite = None, True
@@ -153,16 +127,14 @@ class AdaptiveSteps:
                         finite = False
                 if solver.status == "failed" or not (finite and np.isfinite(solver.y).all()):
                     why = f": {message.lower().rstrip('.')}" if message else ", a number overflows"
-                    raise InputError(
-                        f"{self.name} gives up at {solver.t:.6g} s{why}",
-                        remedy=SOFTER if self.name == "radau" else GENTLER,
-                    )
+                    remedy = SOFTER if self.name == "radau" else GENTLER
+                    raise InputError(f"{self.name} gives up at {solver.t:.6g} s{why}", remedy=remedy)
                 yield solver
         finally:
             self.evaluations += solver.nfev
 
     def limit_within(self, solver: Any, y: Floats, limits: Limits) -> tuple[float, Floats] | None:
-        """Return when, and in what state, the last step of a solver, from y, first reached a limit."""
+        """When, and in what state, the last step of a solver, from y, first reached a limit."""
         begin, length = float(solver.t_old), float(solver.t - solver.t_old)
         dense = solver.dense_output()
         touches = dense_touches(limits, lambda part: dense(begin + length * part).T, solver.y)
@@ -170,7 +142,7 @@ class AdaptiveSteps:
         return None if time is None else (begin + time, self.after(begin, y, begin + time))
 
     def after(self, begin: float, y: Floats, end: float) -> Floats:
-        """Return the state at the end of a part of a step, by steps of the method itself."""
+        """The state at the end of a part of a step, by steps of the method itself."""
         for solver in self(begin, y, end) if end > begin else ():
             y = solver.y
         return y

@@ -1,31 +1,37 @@
-"""The equations of motion that a simulation integrates, and the programs made of them."""
+"""The equations of motion that a simulation integrates, the programs made of them, and what these conserve."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from dataclasses import replace
+from functools import lru_cache
 from typing import NamedTuple
+
+import numpy as np
 
 from robodyn.dynamics.balance import power_lost, stored_energy
 from robodyn.dynamics.effects.effect import Effect, Sample
 from robodyn.dynamics.effects.motors import angular_momentum
+from robodyn.dynamics.effects.rigid_bodies import PAYLOAD
 from robodyn.dynamics.forward import accelerations
-from robodyn.dynamics.loops.closed_chain import ClosedChain
 from robodyn.dynamics.loops.closed_start import independent_equations
 from robodyn.dynamics.loops.closure import local_rates, moved, unit
 from robodyn.dynamics.plan import Plan, applied, runner_of
 from robodyn.dynamics.recursions.elimination import aligned
-from robodyn.dynamics.recursions.momentum import momenta, position_rates
-from robodyn.programs.program import Program, traced
+from robodyn.dynamics.recursions.momentum import Momenta, momenta, position_rates
+from robodyn.errors import InputError
+from robodyn.programs.program import Program, trace, traced
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.run.stepper import COLUMNS
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar, cross
+from robodyn.robot.kinematics import Motion
 from robodyn.robot.model import Model
-from robodyn.scene.parts import Entry
+from robodyn.scene.parts import GROUND, Entry
 from robodyn.scene.scene import Scene
+from robodyn.simulation.methods import Method
 from robodyn.simulation.table import LOAD, RATE, REFERENCE, Curve, curves
+from robodyn.solids.inertia.laws import Inertia
 
 STATE = "state"
 """The source of programs whose columns are q, qd, the work done so far and the step."""
@@ -50,51 +56,32 @@ class State(NamedTuple):
     step: Scalar
 
 
-@dataclass(frozen=True, eq=False)
 class Equations:
-    """`u' = qd`, `qd' = M^-1 (tau - bias)`, `work' = tau qd - losses` of a model in a scene."""
+    """`u' = qd`, `qd' = M^-1 (tau - bias)`, `work' = tau qd - losses` of a model in a scene.
 
-    plan: Plan
+    Attributes:
+        width: numbers in a state; curves: what the scene takes from a table at every moment.
+    """
 
-    @property
-    def model(self) -> Model:
-        return self.plan.model
-
-    @property
-    def scene(self) -> Scene:
-        return self.plan.scene
-
-    @cached_property
-    def width(self) -> int:
-        """Numbers in a state."""
-        return self.model.nq + self.model.n + 2
-
-    @cached_property
-    def _aligned(self) -> Model:
-        return aligned(self.model)
-
-    @cached_property
-    def chain(self) -> ClosedChain | None:
-        """The scene's loops, if it has any."""
-        return independent_equations(self.plan) if self.scene.loops else None
+    def __init__(self, plan: Plan) -> None:
+        self.plan, self.model, self.scene = plan, plan.model, plan.scene
+        self.width = self.model.nq + self.model.n + 2  # of a state
+        self.chain = independent_equations(plan) if self.scene.loops else None
+        self.curves = curves(self.scene)
+        self._aligned = aligned(self.model)
 
     def settled(self, q: Sequence[Scalar], qd: Sequence[Scalar]) -> tuple[list[Scalar], list[Scalar]]:
-        """Return the state after a step, with unit quaternions and on the loops."""
+        """The state after a step, with unit quaternions and on the loops."""
         q = unit(self.model, q)
         return (q, list(qd)) if self.chain is None else self.chain.settled(q, qd)
 
-    @cached_property
-    def curves(self) -> tuple[Curve, ...]:
-        """What the scene takes from a table at every moment."""
-        return curves(self.scene)
-
     def given(self, tape: Tape, node: int = 0) -> Given:
-        """Return the curves at one of the moments for which a program is given them."""
+        """The curves at one of the moments for which a program is given them."""
         first = node * len(self.curves)
         return {curve: tape.input(COLUMNS, k) for k, curve in enumerate(self.curves, first)}
 
     def drives(self, q: Sequence[Scalar], qd: Sequence[Scalar], given: Given) -> list[Scalar]:
-        """Return the torques that the scene's drives apply."""
+        """The torques that the scene's drives apply."""
         tau: list[Scalar] = [0.0] * self.model.n
         for joint in self.model.independent:
             drive = self.scene.drive.get(joint.name)
@@ -112,7 +99,7 @@ class Equations:
         return tau
 
     def rates(self, q: Sequence[Scalar], u: Sequence[Scalar], qd: Sequence[Scalar], given: Given) -> Rates:
-        """Return the rates at a displacement u from q."""
+        """The rates at a displacement u from q."""
         here = moved(self.model, q, u)
         qdd, work = self.accelerations(here, qd, given)
         return Rates(local_rates(self.model, u, qd), qdd, work)
@@ -146,7 +133,7 @@ class Equations:
         return qdd, power
 
     def state(self, tape: Tape) -> State:
-        """Return the state that a program is given."""
+        """The state that a program is given."""
         nq, n = self.model.nq, self.model.n
         values = [tape.input(STATE, k) for k in range(self.width)]
         return State(values[:nq], values[nq : nq + n], values[-2], values[-1])
@@ -160,20 +147,58 @@ class Equations:
 
     @traced
     def figures(self, tape: Tape) -> Iterable[Scalar]:
-        """Return the program of qdd, tau, stored and kinetic energy, linear momentum and that about the centre of mass.
-
-        In the ground's axes: `P = R P_base`, `H_c = R (H_base - c x P_base)`.
-        """
+        """The program of qdd, tau, stored and kinetic energy, linear momentum and that about the centre of mass."""
         state, given = self.state(tape), self.given(tape)
         qdd, _ = self.accelerations(state.q, state.qd, given)
         sample = self.sample(self.model, state.q, state.qd, given)
         terms = applied(self.plan.effects, sample, self.scene)
         joints = sample.motions()
         energy = stored_energy(self.plan, sample, terms, joints)
-        whole, R = momenta(self.model.parents, joints, terms.inertias), joints[0].R
+        whole = self._momentum(sample, joints, terms.inertias)
+        return [*qdd, *self.drives(state.q, state.qd, given), energy, whole.T, *whole.P, *whole.H]
+
+    def _momentum(self, sample: Sample, joints: list[Motion], inertias: Sequence[Inertia]) -> Momenta:
+        """P and H in the ground's axes, H about the centre of mass: `R P_base`, `R (H_base - c x P_base)`."""
+        whole, R = momenta(self.model.parents, joints, inertias), joints[0].R
         spinning = angular_momentum(sample, self.scene, joints)
-        P, H = R @ whole.P, R @ (whole.H + spinning - cross(whole.mc, whole.P) / whole.m)
-        return [*qdd, *self.drives(state.q, state.qd, given), energy, whole.T, *P, *H]
+        return whole._replace(P=R @ whole.P, H=R @ (whole.H + spinning - cross(whole.mc, whole.P) / whole.m))
+
+    def momentum(self, q: Sequence[Scalar], qd: Sequence[Scalar]) -> Momenta:
+        """The momenta of the bodies and payloads in the ground's axes, H about the centre of mass."""
+        sample = self.sample(self.model, q, qd, {})
+        return self._momentum(sample, sample.motions(), applied([PAYLOAD], sample, self.scene).inertias)
+
+    def with_momenta(self, before: State, q: Sequence[Scalar], qd: list[Scalar]) -> list[Scalar]:
+        """qd with other rates of the floating base, so that momenta at q are those before and the weight's impulse.
+
+        Momenta are linear in rates: `A dw + m R_0 dv = dP` and `B dw = dH`, where column k of A and B are the momenta
+        of a unit of the base's angular velocity k alone, and R_0 the axes in which v is given.
+
+        Args:
+            before: at the beginning of the step.
+        """
+        base = next(body for body in self.model.bodies if body.joint.kind == "floating")
+        first, n, step = base.joint.rate, self.model.n, before.step
+        was, now = self.momentum(before.q, before.qd), self.momentum(q, qd)
+        units = [self.momentum(q, [float(i == first + k) for i in range(n)]) for k in range(3)]
+        dP = was.P + np.array(self.scene.gravity) * (now.m * step) - now.P
+        a, b, c = (unit.H for unit in units)
+        normals, dH = (cross(b, c), cross(c, a), cross(a, b)), was.H - now.H
+        dw = [(normal @ dH) / (a @ normals[0]) for normal in normals]
+        dP = dP - sum(unit.P * part for unit, part in zip(units, dw, strict=True))
+        R = base.joint.R if base.parent < 0 else self.model.bodies[0].joint.R @ base.joint.R
+        change = [*dw, *(R.T @ dP * (1.0 / now.m))]
+        return [x + change[i - first] if first <= i < first + 6 else x for i, x in enumerate(qd)]
+
+    def needs_speed(self, effects: Sequence[Effect]) -> bool:
+        """Whether accelerations by these effects, drives and loops depend on speeds."""
+        nq, n = self.model.nq, self.model.n
+
+        def outputs(tape: Tape) -> Iterable[Scalar]:
+            state = self.state(tape)
+            return self.accelerations(state.q, state.qd, self.given(tape), effects)[0]
+
+        return bool({(STATE, nq + i) for i in range(n)} & trace(outputs).inputs)
 
 
 @lru_cache(maxsize=16)
@@ -185,3 +210,33 @@ def state_runner(program: Callable[[Equations], Program], plan: Plan, columns: i
 
 def _value(entry: Entry, kind: str, given: Given) -> Scalar:
     return given[Curve(entry, kind)] if isinstance(entry, str) else entry
+
+
+def is_free(model: Model, scene: Scene) -> bool:
+    """Whether nothing but gravity acts on the robot from outside, so that its momenta are known."""
+    bodies = model.bodies
+    roots = [body for body in bodies if body.parent < 0]
+    if roots[0].joint.kind == "fixed" and not roots[0].inertia.m:
+        roots = [body for body in bodies if body.parent == 0]
+    alone = len(roots) == 1 and roots[0].joint.kind == "floating"
+    tied = any(loop.to == GROUND for loop in scene.loops)
+    return alone and not scene.wrenches and not scene.fluid_density and not tied
+
+
+def check_applies(plan: Plan, method: Method) -> None:
+    """Raise if a method conserves what does not stay: momenta of a robot that is not free, or energy by a leapfrog.
+
+    Raises:
+        InputError: it does; it names the effects by which accelerations depend on speeds.
+    """
+    scene = plan.scene
+    if method.keeps_momenta and not is_free(plan.model, scene):
+        what = f"{method.name} does not apply: the momenta of a robot that is held or pushed from outside change"
+        raise InputError(what, remedy='--method rk4, or [base] motion = "moving" in the scene')
+    if method.leapfrog and Equations(plan).needs_speed(plan.effects):
+        undriven = Equations(replace(plan, scene=replace(scene, drive={})))
+        causes = [effect.name for effect in plan.effects if undriven.needs_speed([effect])]
+        causes = ["loops"] if scene.loops else causes
+        causes += ["drives with kd"] * any(drive.kd for drive in scene.drive.values())
+        what = f"verlet does not apply: accelerations depend on speeds ({', '.join(causes)})"
+        raise InputError(what, remedy="--method gauss2 keeps energy too, whatever forces there are")

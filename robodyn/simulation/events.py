@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from functools import partial
 from math import sqrt
 from typing import NamedTuple
@@ -30,18 +30,14 @@ class Stop(NamedTuple):
         return "upper" if self.side > 0 else "lower"
 
     def met(self, verb: str) -> str:
-        """Return that the joint reaches, passes or misses this limit."""
+        """That the joint reaches, passes or misses this limit."""
         return f'"{self.joint.name}" {verb} its {self.word} limit of {self.value:g} {self.unit}'
-
-    def reached(self, time: float) -> str:
-        return f"{self.met('reaches')} at {time:.6g} s"
 
 
 class Limits:
-    """The limits of a model's joints, followers of mimicked ones among them."""
+    """The limits of a model's joints, followers of mimicked ones among them; none if they are not watched."""
 
     def __init__(self, model: Model, watched: bool) -> None:
-        """Args: watched: False for none."""
         self.model = model
         self.stops = [
             Stop(body.joint, side, value)
@@ -56,11 +52,11 @@ class Limits:
         self._room = np.array([stop.side * (stop.value - stop.joint.offset) for stop in self.stops])
 
     def room(self, q: Floats) -> Floats:
-        """Return (..., stops) rad or m left for q (..., nq); negative beyond a limit."""
+        """(..., stops) rad or m left for q (..., nq); negative beyond a limit."""
         return self._room - self._gain * q[..., self._places]
 
     def rate(self, qd: Floats) -> Floats:
-        """Return (..., stops) rad/s or m/s at which the room grows at speeds qd (..., n)."""
+        """(..., stops) rad/s or m/s at which the room grows at speeds qd (..., n)."""
         return -self._gain * qd[..., self._rates]
 
     def check_start(self, q: Floats) -> None:
@@ -74,9 +70,9 @@ class Limits:
                     remedy='begin within the limits, or write joint_limits = "ignore" in the scene',
                 )
 
-    def nearest(self, q: Floats) -> Stop:
-        """Return the limit that q (nq) is nearest to, or farthest beyond."""
-        return self.stops[first_largest(-self.room(q))]
+    def reached(self, q: Floats, time: float) -> str:
+        """That a joint reaches the limit that q (nq) is nearest to, or farthest beyond."""
+        return f"{self.stops[first_largest(-self.room(q))].met('reaches')} at {time:.6g} s"
 
 
 DEGREE = 7
@@ -102,7 +98,7 @@ class Touch(NamedTuple):
 
 
 def hermite_touches(limits: Limits, q: Floats, qd: Floats, length: Floats) -> list[Touch]:
-    """Return where N steps may pass limits, in order of time: at their ends, or where cubics through them turn.
+    """Where N steps may pass limits, in order of time: at their ends, or where cubics through them turn.
 
     None is looked for after the first step that ends beyond a limit.
 
@@ -143,7 +139,7 @@ def lowest_of_cubic(start: float, slope: float, end: float, after: float) -> tup
 
 
 def dense_touches(limits: Limits, dense: Callable[[Floats], Floats], after: Floats) -> list[Touch]:
-    """Return where one step may pass limits, in order of time: at its end, or at an extremum of its dense output.
+    """Where one step may pass limits, in order of time: at its end, or at an extremum of its dense output.
 
     Args:
         dense: q (N, nq) at fractions (N,) of the step; after: q (nq) at its end.
@@ -166,22 +162,20 @@ def dense_touches(limits: Limits, dense: Callable[[Floats], Floats], after: Floa
 
 
 def first_passed(touches: Iterable[Touch], room: Callable[[float], Floats], length: float) -> float | None:
-    """Return the last moment of a step before a joint is beyond a limit; None if it is nowhere.
+    """The last moment of a step before a joint is beyond a limit; None if it is nowhere.
 
     Args:
         touches: of this step.
         room: of every limit, by the method itself, at a time after the beginning of the step.
     """
-    return min(_passed(touches, room, length), default=None)
-
-
-def _passed(touches: Iterable[Touch], room: Callable[[float], Floats], length: float) -> Iterator[float]:
+    moments = []
     for _, stop, at in touches:
         left = partial(lambda stop, time: float(room(time)[stop]), stop)
         low, high = max(at - ASIDE, 0.0) * length, min(at + ASIDE, 1.0) * length
         time = lowest(left, low, high) if at < 1.0 else length
         if left(time) < 0.0:
-            yield moment(left, time)
+            moments.append(moment(left, time))
+    return min(moments, default=None)
 
 
 def lowest(room: Callable[[float], float], low: float, high: float) -> float:
@@ -202,7 +196,7 @@ def lowest(room: Callable[[float], float], low: float, high: float) -> float:
 
 
 def moment(room: Callable[[float], float], end: float) -> float:
-    """Return the last time in [0, end] before the room is negative, as it is at `end` and not at 0, by bisection."""
+    """The last time in [0, end] before the room is negative, as it is at `end` and not at 0, by bisection."""
     low, high = 0.0, end
     while low < (middle := 0.5 * (low + high)) < high and high - low > 1e-15 * end:
         low, high = (low, middle) if room(middle) < 0.0 else (middle, high)

@@ -17,9 +17,8 @@ from robodyn.programs.run.stepper import SINGLE, CompiledSteps, NumpySteps
 from robodyn.simulation.equations import STATE, Equations
 from robodyn.simulation.events import Limits, first_passed, hermite_touches
 from robodyn.simulation.methods import Method, TooMuchError
-from robodyn.simulation.rows import Piece, pieces
 from robodyn.simulation.steps import Steps
-from robodyn.simulation.table import Signal
+from robodyn.simulation.table import Piece, Signal, pieces
 from robodyn.support.floats import Floats
 from robodyn.support.wording import alternatives
 
@@ -31,6 +30,7 @@ MOST_STEPS = 1e9
 """Some minutes of work for a small robot."""
 MOST_RECORDS = 100_000
 """A longer motion is recorded every so many steps, as the report says."""
+SHORTER = "give a shorter --step, or --method radau where friction or a drive is stiff"
 
 
 class Motion(NamedTuple):
@@ -61,19 +61,17 @@ class FixedSteps:
     def __init__(self, plan: Plan, method: Method, executor: str, steps: int, signal: Signal) -> None:
         """
         Args:
-            executor: "auto", "numpy" or "compiled".
             steps: about how many will be done.
-            signal: what the scene takes from a table.
 
         Raises:
             InputError: the compiled executor cannot run.
         """
-        self.method, self.width, self.signal = method, Equations(plan).width, signal
+        self.method, self.width, self.signal = method, plan.model.nq + plan.model.n + 2, signal
         self.run = stepper(plan, method, executor, steps)
         self._sweeps, self._most = 0, inf
 
     def motion(self, state: Floats, duration: float, step: float, limits: Limits, most: float = inf) -> Motion:
-        """Return the motion from a state (width,), in whole steps that fill the duration, none longer than `step`.
+        """The motion from a state (width,), in whole steps that fill the duration, none longer than `step`.
 
         They end at the rows of a table too; all of these are recorded, and a limit that is reached.
 
@@ -84,7 +82,11 @@ class FixedSteps:
             TooMuchError: it takes more.
             InputError: an implicit method does not settle, or a number is no longer finite.
         """
-        total, every = _whole_steps(duration, step)
+        if duration / step > MOST_STEPS:
+            raise InputError(f"{duration / step:.3g} steps are too many", remedy="give a longer --step")
+        asked = max(int(np.ceil(duration / step * (1.0 - 1e-12))), 1)
+        every = -(-asked // MOST_RECORDS)
+        total = -(-asked // every) * every
         h, corners, self._most = duration / total, self.signal.corners(), most
         if (total + int(np.searchsorted(corners, duration))) * len(self.method.b) > most:
             what = f"{total} steps of {self.method.name} take more than {most:.3g} evaluations"
@@ -105,25 +107,17 @@ class FixedSteps:
                 break
             done, now = done + len(states), states[-1]
         time, states = np.concatenate(times), np.concatenate(records)
-        if end is None:
-            note = f"steps end at rows of the table too: {done} steps instead of {total}" if done > total else ""
-            return Motion(time, states, done, every, self.name, "", self._evaluations(done), note)
-        done, why = done + end.step + 1, limits.nearest(end.state).reached(end.time)
-        if end.time > time[-1]:
-            time, states = np.append(time, end.time), np.vstack((states, end.state[: self.width]))
-        return Motion(time, states, done, every, self.name, why, self._evaluations(done))
-
-    @property
-    def name(self) -> str:
-        """Of the executor."""
-        return "compiled" if isinstance(self.run, CompiledSteps) else "numpy"
-
-    def _evaluations(self, steps: int) -> int:
-        """Of the equations of motion: each sweep of an implicit step takes as many as the method has stages."""
-        return len(self.method.b) * (self._sweeps if self.method.implicit else steps)
+        why, note = "", f"steps end at rows of the table too: {done} steps instead of {total}" if done > total else ""
+        if end is not None:
+            done, why, note = done + end.step + 1, limits.reached(end.state, end.time), ""
+            if end.time > time[-1]:
+                time, states = np.append(time, end.time), np.vstack((states, end.state[: self.width]))
+        name = "compiled" if isinstance(self.run, CompiledSteps) else "numpy"
+        evaluations = len(self.method.b) * (self._sweeps if self.method.implicit else done)
+        return Motion(time, states, done, every, name, why, evaluations, note)
 
     def _advance(self, state: Floats, steps: Piece) -> tuple[Floats, InputError | None]:
-        """Return (N, width) the states after some steps, and why they are not all that were asked for."""
+        """(N, width) the states after some steps, and why they are not all that were asked for."""
         slots = np.empty((len(steps.begin) + 1, self.run.width, self.run.lanes))
         slots[0] = state[:, None]
         slots[0, self.width - 1] = steps.length[0]
@@ -139,14 +133,13 @@ class FixedSteps:
         problem = None
         if count < len(steps.begin):
             at = f"at {steps.begin[count]:.6g} s"
-            what = f"the motion cannot be followed {at}: a number overflows"
-            if not done.settled:
-                what = f"the steps of {self.method.name} do not settle {at}"
+            overflows = f"the motion cannot be followed {at}: a number overflows"
+            what = overflows if done.settled else f"the steps of {self.method.name} do not settle {at}"
             problem = InputError(what, remedy=SHORTER)
         return slots[1 : count + 1, :, 0], problem
 
     def _limit_within(self, state: Floats, states: Floats, steps: Piece, limits: Limits) -> End | None:
-        """Return where a limit is first reached in some steps from a state."""
+        """Where a limit is first reached in some steps from a state."""
         nq, n = limits.model.nq, limits.model.n
         states = np.vstack((state, states))
         touches = hermite_touches(limits, states[:, :nq], states[:, nq : nq + n], steps.length[: len(states) - 1])
@@ -167,18 +160,6 @@ class FixedSteps:
         return None
 
 
-def _whole_steps(duration: float, step: float) -> tuple[int, int]:
-    """Return how many steps, none longer than `step`, fill a duration, and of how many each record is the end."""
-    if duration / step > MOST_STEPS:
-        raise InputError(f"{duration / step:.3g} steps are too many", remedy="give a longer --step")
-    asked = max(int(np.ceil(duration / step * (1.0 - 1e-12))), 1)
-    every = -(-asked // MOST_RECORDS)
-    return -(-asked // every) * every, every
-
-
-SHORTER = "give a shorter --step, or --method radau where friction or a drive is stiff"
-
-
 @lru_cache(maxsize=16)
 def _steps(plan: Plan, method: Method) -> Steps:
     return Steps(Equations(plan), method)
@@ -191,7 +172,7 @@ def _compiled(plan: Plan, method: Method, lanes: int) -> CompiledSteps:
 
 
 def stepper(plan: Plan, method: Method, executor: str, steps: int, lanes: int = SINGLE) -> CompiledSteps | NumpySteps:
-    """Return the programs of a step, made ready by the executor that is asked for or is quicker for so many steps.
+    """The programs of a step, made ready by the executor that is asked for or is quicker for so many steps.
 
     Raises:
         InputError: no such executor, or the compiled one cannot run here.

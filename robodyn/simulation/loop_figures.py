@@ -1,15 +1,17 @@
-"""What the loops of a closed chain carry along a motion, and how far they come apart."""
+"""What the loops of a closed chain carry along a motion, how far they come apart, and where they hold less than
+elsewhere, so that more than one way leads on."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.loops.closed_chain import NOTHING, ClosedChain
-from robodyn.dynamics.loops.closed_start import independent_equations
+from robodyn.dynamics.loops.closed_start import FEW, independent_equations
 from robodyn.dynamics.plan import Plan, applied, runner_of
 from robodyn.errors import InputError
 from robodyn.programs.program import trace, traced
@@ -18,11 +20,24 @@ from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar
 from robodyn.simulation.equations import STATE, Equations, state_runner
 from robodyn.simulation.fixed import Motion
-from robodyn.simulation.singular import Singular, passed
 from robodyn.simulation.table import Signal
+from robodyn.support.caveats import Caveat
 from robodyn.support.floats import Floats
+from robodyn.trajectory.columns.signals import COMPONENTS
 
-PARTS = ("fx", "fy", "fz", "mx", "my", "mz")
+OPEN = 1e-6
+"""m or rad, and per s, by which a given state may miss the loops."""
+KEPT = 1e-4
+"""Of the square of the speeds: what they may miss of staying on the loops, as those typed with six digits do."""
+WORK = 5e8
+"""Operations for the singular values of J along a motion, about; between the records looked at, where they change."""
+
+
+class Singular(NamedTuple):
+    """When [s] the loops leave more degrees of freedom than elsewhere, and how many they leave then."""
+
+    time: float
+    freedoms: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,12 +45,11 @@ class LoopFigures:
     """At the recorded times, N of them, for L loops.
 
     Attributes:
-        names: of the loops.
         wrenches: (N, L, 6) force and moment on each loop's `link` at its point, in the axes of `to` [N, N m].
         gap, slip: the largest |phi| [m and rad] and |phi'| [m/s and rad/s] of each loop along the motion.
         equations: how many the loops have, `dropped` those that others of their loop imply, and `rank` how many of the
             others are independent where the motion begins.
-        freedoms: that are left there.
+        freedoms: that are left there, and `usual` elsewhere.
         stabilised: how the loops are kept closed.
         singular: when they leave more freedoms than elsewhere, at the start or on the way.
     """
@@ -48,13 +62,9 @@ class LoopFigures:
     dropped: tuple[str, ...]
     rank: int
     freedoms: int
+    usual: int
     stabilised: str
     singular: tuple[Singular, ...] = ()
-
-    @property
-    def usual(self) -> int:
-        """Degrees of freedom elsewhere."""
-        return self.freedoms + self.rank - (self.equations - len(self.dropped))
 
     @property
     def drift(self) -> tuple[float, float]:
@@ -64,19 +74,33 @@ class LoopFigures:
     @property
     def columns(self) -> tuple[str, ...]:
         """Names of the entries of the wrenches, loop after loop."""
-        return tuple(f"{part}_{name}" for name in self.names for part in PARTS)
+        return tuple(f"{part}_{name}" for name in self.names for part in COMPONENTS)
+
+    @property
+    def notes(self) -> list[str]:
+        """A line on the configurations on the way in which ways part."""
+        later = [each for each in self.singular if each.time > 0.0]
+        if not later:
+            return []
+        most = max(each.freedoms for each in later)
+        times = ", ".join(f"{each.time:.4g}" for each in later[:4]) + (", ..." if len(later) > 4 else "")
+        return [
+            f"the loops leave up to {most} degrees of freedom, and {self.usual} elsewhere, where the motion passes at "
+            f"{times} s ({len(later)} in all): ways part there, and it is assumed to go straight on"
+        ]
 
 
 def loop_figures(plan: Plan, motion: Motion, executor: str, signal: Signal, projected: bool) -> LoopFigures | None:
-    """Return the figures of a motion; None where the scene has no loops.
+    """The figures of a motion; None where the scene has no loops.
 
     Args:
         projected: whether its steps end with a projection where no Baumgarte rate is given.
     """
     if not plan.scene.loops:
         return None
-    chain, count = independent_equations(plan), len(plan.scene.loops)
-    rank = _rank(chain, motion.states[0])
+    chain, count, n = independent_equations(plan), len(plan.scene.loops), plan.model.n
+    J = chain.jacobian(chain.sample(motion.states[0, : plan.model.nq].tolist()))
+    rank = int(np.linalg.matrix_rank(J, tol=NOTHING * np.linalg.norm(J, 2))) if J.size else 0
     runner = state_runner(loop_program, plan, len(signal.curves))
     sources = {STATE: motion.states, COLUMNS: signal.at(motion.time)}
     columns = runner(sources, len(motion.states), executor=executor)
@@ -95,15 +119,16 @@ def loop_figures(plan: Plan, motion: Motion, executor: str, signal: Signal, proj
         equations=len(of) + len(chain.dropped),
         dropped=tuple(f"{closure.loop.name} {equation.about}" for closure, equation in chain.dropped),
         rank=rank,
-        freedoms=plan.model.n - rank,
+        freedoms=n - rank,
+        usual=n - len(of),
         stabilised=kept,
-        singular=passed(plan, motion),
+        singular=_passed(plan, motion),
     )
 
 
 @traced
 def loop_program(equations: Equations, tape: Tape) -> Iterable[Scalar]:
-    """Return the program of each loop's wrench, then of phi and phi' by equation."""
+    """The program of each loop's wrench, then of phi and phi' by equation."""
     chain = independent_equations(equations.plan)
     state, given = equations.state(tape), equations.given(tape)
     sample: Sample = equations.sample(chain.model, state.q, state.qd, given)
@@ -112,15 +137,6 @@ def loop_program(equations: Equations, tape: Tape) -> Iterable[Scalar]:
     here = chain.equations(sample)
     wrenches = chain.wrenches(here, chain.accelerations(sample, terms, tau)[1])
     return [*(x for wrench in wrenches for part in wrench for x in part), *here.error, *here.rate]
-
-
-def _rank(chain: ClosedChain, state: Floats) -> int:
-    J = chain.jacobian(chain.sample(state[: chain.model.nq].tolist()))
-    return int(np.linalg.matrix_rank(J, tol=NOTHING * np.linalg.norm(J, 2))) if J.size else 0
-
-
-OPEN = 1e-6
-"""m or rad, and per s, by which a given state may miss the loops."""
 
 
 def check_closed(plan: Plan, q: Floats, qd: Floats) -> None:
@@ -140,3 +156,108 @@ def check_closed(plan: Plan, q: Floats, qd: Floats) -> None:
     if len(bad):
         what = f"row {bad[0]} misses the loops by {errors[bad[0]]:.3g} m or rad, or per s"
         raise InputError(what, remedy="begin where simulate begins: its first q and qd")
+
+
+def start_caveats(plan: Plan, state: Floats) -> tuple[Caveat, ...]:
+    """The caveats about a start in which the equations of the loops depend on each other.
+
+    With u^T J = 0 a motion keeps u^T J' qd = 0 too, a quadratic form of the speeds: they are along one of the ways on.
+
+    Raises:
+        InputError: they are along none.
+    """
+    if not plan.scene.loops:
+        return ()
+    chain, model = independent_equations(plan), plan.model
+    q, qd = state[: model.nq].tolist(), state[model.nq : model.nq + model.n]
+    U, values, V = np.linalg.svd(chain.jacobian(chain.sample(q)))
+    rank = int((values > FEW * values.max(initial=0.0)).sum())
+    left, across = U[:, rank:], V[rank:].T  # what the equations do not ask for, and the speeds that they leave
+    if not left.shape[1]:
+        return ()
+    freedoms, usual = across.shape[1], model.n - chain.count
+    leave = f"the loops leave {freedoms} degrees of freedom where the motion begins, and {usual} nearby"
+    missed = float(np.abs(_turned(chain, q, qd, left)).max())
+    if missed > KEPT * max(float(qd @ qd), 1e-300):
+        what = f"{leave}: with the speeds given they come apart at {missed:.3g} m/s^2 or rad/s^2, whatever happens"
+        raise InputError(what, remedy=_ways(plan, chain, q, qd, left, across))
+    how = "they follow the speeds given, and errors fall only with the step" if qd.any() else "at rest none is marked"
+    said = f"{leave}: ways part there, and which one is taken is assumed ({how}); begin a little away from there"
+    return (Caveat("by one of several motions that are possible (assumed)", said),)
+
+
+def _turned(chain: ClosedChain, q: list[float], qd: Floats, left: Floats) -> Floats:
+    """u^T J' qd of each u."""
+    bias = np.array(chain.equations(chain.sample(q, qd.tolist())).bias, dtype=float)
+    return np.asarray(bias @ left)
+
+
+def _ways(plan: Plan, chain: ClosedChain, q: list[float], qd: Floats, left: Floats, across: Floats) -> str:
+    """A remedy that names the speeds of the ways on, where two numbers and one equation are left."""
+    away = "begin a little away from there"
+    if left.shape[1] != 1 or across.shape[1] != 2:
+        return away
+    a, c, both = (float(_turned(chain, q, across @ x, left)[0]) for x in ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0)))
+    b = both - a - c  # directions (x, y) with a x^2 + b x y + c y^2 = 0
+    square = b * b - 4.0 * a * c
+    big = -0.5 * (b + np.copysign(np.sqrt(max(square, 0.0)), b))
+    lines = [] if square < 0.0 else [(big, a), (c, big)] if big else [(1.0, 0.0)]
+    names = plan.model.rates
+    first = next((names.index(name) for name in plan.scene.initial_qd), int(np.argmax(np.abs(qd))))
+    listed = []
+    for way in (across @ line for line in lines):
+        least = FEW * np.abs(way).max()
+        if abs(way[first]) > least:
+            speeds = np.where(np.abs(way) < least, 0.0, way) * (qd[first] / way[first])
+            listed.append(", ".join(f"{name} = {x:.6g}" for name, x in zip(names, speeds.tolist(), strict=True)))
+    return f"{away}, or give all [initial] qd of one way on: {'; or '.join(listed)}" if listed else away
+
+
+def _passed(plan: Plan, motion: Motion) -> tuple[Singular, ...]:
+    """When a motion begins in singular configurations or passes through them.
+
+    Along a smooth motion J = U S V^T has smooth singular values that may change their sign: from one record to a later
+    one J_2, the eigenvalues of S^-1 U^T J_2 V are near 1 but for those, which become negative.
+    """
+    chain, n = independent_equations(plan), plan.model.n
+    if not chain.count:
+        return ()
+    rows = max(int(WORK / (20 * n * chain.count**2)), 2)
+    jacobians = state_runner(_jacobian_program, plan)
+    found: list[Singular] = []
+
+    def look(first: int, last: int) -> None:
+        places = np.unique(np.linspace(first, last, min(rows, last - first + 1)).astype(int))
+        J = jacobians({STATE: motion.states[places]}, len(places), executor="numpy")
+        for k, share, lost in _rank_changes(J.reshape(len(places), -1, n)):
+            a, b = int(places[k]), int(places[min(k + 1, len(places) - 1)])
+            if b > a + 1 and share:
+                look(a, b)
+            else:
+                time = motion.time[a] + share * (motion.time[b] - motion.time[a])
+                found.append(Singular(float(time), n - chain.count + lost))
+
+    look(0, len(motion.time) - 1)
+    return tuple(found)
+
+
+def _rank_changes(J: Floats) -> list[tuple[int, float, int]]:
+    """Where J (N, m, n) loses rank: a row, the share of the way to the next one, and by how much."""
+    U, values, V = np.linalg.svd(J, full_matrices=False)
+    lost = (values <= FEW * values[:, :1]).sum(axis=1)
+    begun = np.flatnonzero((lost > 0) & (np.append(0, lost[:-1]) == 0))
+    found = [(int(k), 0.0, int(lost[k])) for k in begun]
+    pairs = np.flatnonzero((lost[:-1] == 0) & (lost[1:] == 0))
+    after = U[pairs].transpose(0, 2, 1) @ J[pairs + 1] @ V[pairs].transpose(0, 2, 1)
+    ratios = np.linalg.eigvals(after / values[pairs][:, :, None]).real
+    for k, ratio in zip(pairs.tolist(), ratios, strict=True):
+        if ratio.min() < 0.0:
+            found.append((k, 1.0 / (1.0 - float(ratio.min())), int((ratio < 0.0).sum())))
+    return sorted(found)
+
+
+@traced
+def _jacobian_program(equations: Equations, tape: Tape) -> Iterable[Scalar]:
+    chain = independent_equations(equations.plan)
+    rows = chain.equations(chain.sample(equations.state(tape).q)).J
+    return [row.get(rate, 0.0) for row in rows for rate in range(chain.model.n)]

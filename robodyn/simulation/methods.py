@@ -23,7 +23,7 @@ class Method:
         A, b: its table.
         semi: the position moves at the speed that the step ends with (symplectic Euler); K is then the speed's alone.
         leapfrog: half a step at the old speed and half at the new; only where no speed changes an acceleration.
-        keeps: after each step the rates of a free base are set so that its momenta stay; only for free robots.
+        keeps_momenta: after each step the rates of a free base are set so that its momenta stay; only for free robots.
         scipy: the name of the method that `scipy.integrate.solve_ivp` has; A and b are then empty.
     """
 
@@ -35,7 +35,7 @@ class Method:
     semi: bool = False
     scipy: str = ""
     leapfrog: bool = False
-    keeps: bool = False
+    keeps_momenta: bool = False
 
     @property
     def implicit(self) -> bool:
@@ -78,7 +78,7 @@ METHODS: tuple[Method, ...] = (
         "rk4, and after each step the base's speeds that keep the momenta of a free robot",
         _RK4,
         (1 / 6, 1 / 3, 1 / 3, 1 / 6),
-        keeps=True,
+        keeps_momenta=True,
     ),
     Method("gauss2", 2, "implicit midpoint rule: reversible, energy does not drift", ((0.5,),), (1.0,)),
     Method(
@@ -109,7 +109,7 @@ CHECKING: tuple[Method, ...] = (
 
 
 def method_named(name: str) -> Method:
-    """Return the method of this name.
+    """The method of this name.
 
     Raises:
         InputError: there is none.
@@ -155,7 +155,7 @@ class MethodOptions(NamedTuple):
 
 
 def choose_method(step: float | None, rtol: float | None, name: str | None) -> MethodOptions:
-    """Return the method of this name with this step or tolerance, or with the usual ones.
+    """The method of this name with this step or tolerance, or with the usual ones.
 
     Raises:
         InputError: there is no such method, or it has no use for what is given.

@@ -14,20 +14,16 @@ from robodyn.errors import InputError
 from robodyn.programs.run.stepper import LANES, SINGLE, CompiledSteps, NumpySteps
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.simulation.equations import Equations
 from robodyn.simulation.fixed import SHORTER, stepper
 from robodyn.simulation.loop_figures import check_closed
 from robodyn.simulation.methods import method_named
-from robodyn.simulation.rows import Piece, pieces
 from robodyn.simulation.stiffness import with_friction
-from robodyn.simulation.table import Signal, Source, read_table
+from robodyn.simulation.table import Piece, Signal, Source, pieces, read_table
 from robodyn.support.floats import Floats
 from robodyn.support.threads import cores, in_threads
 
 TOGETHER = 64
 """Rollouts whose states go through all steps together: they stay in the first cache."""
-
-
 PIECE = 256
 """Steps at a time whose columns of a table are spread over the rollouts."""
 
@@ -61,7 +57,7 @@ def rollouts(
     executor: str = "auto",
     threads: int | None = None,
 ) -> Rollouts:
-    """Return the motions from N initial states, recorded every `every` steps; joint limits are not looked at.
+    """The motions from N initial states, recorded every `every` steps; joint limits are not looked at.
 
     Coulomb friction is regularised as by `simulate`; whether the step follows it is not looked at.
 
@@ -96,7 +92,7 @@ def rollouts(
     run = stepper(a_plan, chosen, executor, steps * -(-count // LANES), lanes)
     first = np.zeros((count, run.width))
     first[:, : model.nq + model.n] = np.hstack((sources["q"], sources["qd"]))
-    own = Equations(a_plan).width
+    own = model.nq + model.n + 2
     first[:, own - 1] = step
     signal.check_duration(steps * step)
     rows = pieces(signal.corners(), step, steps, PIECE) if signal.curves else ()
@@ -107,7 +103,7 @@ def rollouts(
         slots = np.empty((steps // every + 1, run.width, -(-len(begun) // run.lanes) * run.lanes))
         slots[0] = begun[-1][:, None]
         slots[0, :, : len(begun)] = begun.T
-        if not (_driven(run, slots, every, given) if given else _done(run, slots, every)):
+        if not (_driven(run, slots, every, given) if given else _filled(run, slots, every)):
             what = f"a motion of rows {start} to {start + len(begun) - 1} cannot be followed"
             raise InputError(what, remedy=SHORTER)
         return slots[:, : own - 1, : len(begun)]
@@ -115,13 +111,12 @@ def rollouts(
     starts = range(0, count, TOGETHER)
     parts = in_threads(part, starts, min(workers, len(starts)))
     states = np.concatenate(parts, axis=2).transpose(0, 2, 1)
-    nq = model.nq
     time: Floats = np.arange(float(len(states))) * (every * step)
-    return Rollouts(time, states[:, :, :nq], states[:, :, nq:-1], states[:, :, -1])
+    return Rollouts(time, states[:, :, : model.nq], states[:, :, model.nq : -1], states[:, :, -1])
 
 
-def _done(run: CompiledSteps | NumpySteps, slots: Floats, every: int, columns: Floats | None = None) -> bool:
-    """Return whether all slots could be filled from the first."""
+def _filled(run: CompiledSteps | NumpySteps, slots: Floats, every: int, columns: Floats | None = None) -> bool:
+    """Whether all slots could be filled from the first."""
     return run(slots, every, columns).steps == every * (len(slots) - 1) and bool(np.isfinite(slots[-1]).all())
 
 
@@ -131,7 +126,7 @@ def _driven(run: CompiledSteps | NumpySteps, slots: Floats, every: int, given: l
     for steps, columns in given:
         after = np.empty((len(columns) + 1, *now.shape))
         after[0] = now
-        if not _done(run, after, 1, columns):
+        if not _filled(run, after, 1, columns):
             return False
         rows = np.flatnonzero((steps.whole > 0) & (steps.whole % every == 0))
         slots[steps.whole[rows] // every] = after[1 + rows]

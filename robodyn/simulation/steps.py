@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 from robodyn.dynamics.loops.closure import moved, unit
@@ -11,7 +10,6 @@ from robodyn.programs.program import Program, trace
 from robodyn.programs.run.stepper import COLUMNS
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar
-from robodyn.simulation.conserving import kept
 from robodyn.simulation.equations import STATE, Equations, Given, Rates, State
 from robodyn.simulation.methods import Method
 
@@ -19,7 +17,6 @@ REST = 2.0**-16
 """Times the square of positions (and 1) per step; what is left of that in a step is less than their rounding."""
 
 
-@dataclass(frozen=True, eq=False)
 class Steps:
     """The programs of a method for the equations of a robot. Both read and write a state and its stages.
 
@@ -28,34 +25,29 @@ class Steps:
     then ends the step and keeps them as a guess for the next one. Of an explicit one there are no stages to keep.
     The change is relative to the stages, or to a small part of positions per step: where forces cancel, a robot at
     rest has no stages to speak of.
+
+    Attributes:
+        width: numbers that both programs read, and write but for the change.
+        columns: numbers that both read for each step of a motion with curves: these at every moment of the method, and
+            the length of the step, which the state keeps where there are none.
     """
 
-    equations: Equations
-    method: Method
-
-    @property
-    def width(self) -> int:
-        """Numbers that both programs read, and write but for the change."""
-        n = self.equations.model.n
-        return self.equations.width + (len(self.method.b) * (2 * n + 1) if self.method.implicit else 0)
-
-    @property
-    def columns(self) -> int:
-        """Numbers that both programs read for each step of a motion with curves: these at every moment of the method,
-        and the length of the step, which the state keeps where there are none."""
-        curves = len(self.equations.curves)
-        return curves * len(self.method.moments) + 1 if curves else 0
+    def __init__(self, equations: Equations, method: Method) -> None:
+        self.equations, self.method = equations, method
+        stages, curves = len(method.b) if method.implicit else 0, len(equations.curves)
+        self.width = equations.width + stages * (2 * equations.model.n + 1)
+        self.columns = curves * len(method.moments) + 1 if curves else 0
 
     @cached_property
     def step(self) -> Program:
-        """Return the program of the state (and stages) after a step."""
+        """The program of the state (and stages) after a step."""
 
         def outputs(tape: Tape) -> Iterable[Scalar]:
             state, given = self._state(tape), self._curves(tape)
             if self.method.leapfrog:
                 return self._leap(state, given[0])
             if self.method.implicit:
-                stages = self._given(tape)
+                stages = self._stages(tape)
                 return [*self._end(state, stages), *_flat(stages)]
             stages = []
             for row, now in zip(self.method.A, given, strict=True):
@@ -71,7 +63,7 @@ class Steps:
             return None
 
         def outputs(tape: Tape) -> Iterable[Scalar]:
-            state, old, given = self._state(tape), self._given(tape), self._curves(tape)
+            state, old, given = self._state(tape), self._stages(tape), self._curves(tape)
             new = [self._stage(state, old, row, now) for row, now in zip(self.method.A, given, strict=True)]
             before, after = _flat(old), _flat(new)
             change = _square(a - b for a, b in zip(after, before, strict=True))
@@ -81,27 +73,25 @@ class Steps:
         return trace(outputs)
 
     def _state(self, tape: Tape) -> State:
-        """Return the state before a step."""
         state = self.equations.state(tape)
         return state._replace(step=tape.input(COLUMNS, self.columns - 1)) if self.columns else state
 
     def _curves(self, tape: Tape) -> list[Given]:
-        """Return the table's curves at each stage."""
+        """The table's curves at each stage."""
         moments = self.method.moments
         return [self.equations.given(tape, moments.index(node)) for node in self.method.nodes]
 
-    def _given(self, tape: Tape) -> list[Rates]:
-        """Return the stages that a program is given."""
+    def _stages(self, tape: Tape) -> list[Rates]:
+        """The stages that a program is given."""
         n, at = self.equations.model.n, self.equations.width
         stages = []
-        for _ in self.method.b:
-            values = [tape.input(STATE, at + k) for k in range(2 * n + 1)]
+        for first in range(at, at + len(self.method.b) * (2 * n + 1), 2 * n + 1):
+            values = [tape.input(STATE, first + k) for k in range(2 * n + 1)]
             stages.append(Rates(values[:n], values[n:-1], values[-1]))
-            at += len(values)
         return stages
 
     def _stage(self, state: State, stages: Sequence[Rates], row: Sequence[float], given: Given) -> Rates:
-        """Return the rates at `y + h sum_j row_j K_j`."""
+        """The rates at `y + h sum_j row_j K_j`."""
         h, n = state.step, self.equations.model.n
         u = [h * total for total in _sums(row, [K.u for K in stages], n)]
         gains = _sums(row, [K.qd for K in stages], n)
@@ -121,15 +111,15 @@ class Steps:
         return [*unit(equations.model, moved(equations.model, state.q, u)), *qd, state.work + h * power, h]
 
     def _end(self, state: State, stages: Sequence[Rates]) -> list[Scalar]:
-        """Return the state after the step."""
+        """The state after the step."""
         h, b, model = state.step, self.method.b, self.equations.model
         gains = _sums(b, [K.qd for K in stages], model.n)
         qd = [x + h * gain for x, gain in zip(state.qd, gains, strict=True)]
         u = [h * total for total in (qd if self.method.semi else _sums(b, [K.u for K in stages], model.n))]
         work = _sums(b, [[K.work] for K in stages], 1)[0]
         q, qd = self.equations.settled(moved(model, state.q, u), qd)
-        if self.method.keeps:
-            qd = kept(self.equations, (state.q, state.qd), q, qd, h)
+        if self.method.keeps_momenta:
+            qd = self.equations.with_momenta(state, q, qd)
         return [*q, *qd, state.work + h * work, h]
 
 

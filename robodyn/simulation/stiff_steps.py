@@ -1,4 +1,5 @@
-"""Motions by steps that follow the stiffest of a scene, wherever on the way it comes."""
+"""Motions by steps that follow the stiffest of a scene, wherever on the way it comes, and that keep the balance of
+energy and work, which tells of steps that are too long where nothing else does."""
 
 from __future__ import annotations
 
@@ -9,9 +10,9 @@ import numpy as np
 
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
-from robodyn.simulation.balance import KEPT, Balanced
 from robodyn.simulation.fixed import SHORTER, Motion
 from robodyn.simulation.methods import MethodOptions, TooMuchError, method_named
+from robodyn.simulation.result import Figures, energy_drift
 from robodyn.simulation.stiffness import Stiffest, reach, rounded, stiffest
 from robodyn.support.caveats import Caveat
 from robodyn.support.floats import Floats
@@ -20,10 +21,38 @@ MOST_UNASKED = 1e5
 """Steps, where one shorter than usual is chosen, or evaluations by dop853: rather than more of them, radau."""
 MOST_EVER = 1e9
 """Evaluations that dop853 is left to: hours. A motion that would take more is not one of a robot."""
-TOO_LONG = "by steps that are too long for it (STEP TOO LONG)"
-"""The kind of caveat about steps that are kept though they are too long."""
 LOOKED_AT = 1e5
 """Rows of the mass matrices that a motion is looked at in, about; those around the stiffest come on top."""
+KEPT = 1e-3
+"""Of the energy that a motion turns over: by more than this its balance may not be off."""
+ROUNDING = 1e-10
+"""Of the stored energy, whose zero is arbitrary: what is less is rounding."""
+TOO_LONG = "by steps that are too long for it (STEP TOO LONG)"
+DRIFTS = "by steps that do not keep the energy (ENERGY DRIFTS)"
+"""The kinds of caveats about steps that are kept though they are too long, and about motions whose balance is off."""
+
+
+class Balanced(NamedTuple):
+    """A motion with its figures, which say how well it keeps the balance E - E_0 = work."""
+
+    motion: Motion
+    figures: Figures
+
+    @property
+    def off(self) -> float:
+        """max |E - E_0 - work| [J]."""
+        return energy_drift(self.figures.energy, self.motion.states[:, -2])
+
+    @property
+    def share(self) -> float:
+        """`off` as a share of what is turned over: kinetic and stored energy, work, what drives give and take."""
+        figures, motion = self.figures, self.motion
+        n = figures.tau.shape[1]
+        power = np.abs(figures.tau * motion.states[:, -2 - n : -2]).sum(axis=1)
+        driven = float((0.5 * (power[1:] + power[:-1]) * np.diff(motion.time)).sum())
+        energy = figures.energy
+        largest = max(figures.kinetic.max(), np.ptp(energy), np.ptp(motion.states[:, -2]), driven)
+        return self.off / max(float(largest), ROUNDING * float(np.abs(energy).max()), 1e-300)
 
 
 class Chosen(NamedTuple):
@@ -33,15 +62,6 @@ class Chosen(NamedTuple):
     notes: tuple[str, ...] = ()
 
 
-class Followed(NamedTuple):
-    """A motion, how it was found, notes about that, and what makes it doubtful."""
-
-    made: Balanced
-    options: MethodOptions
-    notes: tuple[str, ...] = ()
-    caveats: tuple[Caveat, ...] = ()
-
-
 class Free(NamedTuple):
     """What the caller leaves open."""
 
@@ -49,15 +69,15 @@ class Free(NamedTuple):
     method: bool
 
 
-def followed(
+def stiff_steps(
     a_plan: Plan,
     options: MethodOptions,
     q: Floats,
     duration: float,
     free: Free,
     made: Callable[[MethodOptions], Balanced],
-) -> Followed:
-    """Return the motion that is asked for, by steps that follow the stiffest of a scene where steps or method are open.
+) -> tuple[Balanced, Chosen, list[Caveat]]:
+    """The motion that is asked for, by steps that follow the stiffest of a scene where steps or method are open.
 
     What is stiff is looked at where the motion begins, and then along all of it: where steps were too long, the motion
     is made again with shorter ones, or by Radau's method where many would be needed; and so it is where something is
@@ -65,6 +85,9 @@ def followed(
 
     Args:
         q: (nq,) where it begins; made: the motion by a method.
+
+    Returns:
+        The motion, how it was found, and what makes it doubtful.
 
     Raises:
         InputError: the method does not get through.
@@ -84,29 +107,22 @@ def followed(
         if outgrown is not None and free.step:
             chosen = _shorter(options, *outgrown, duration, free)
             continue
-        finer = _finer(options, found, duration, free) if fastest is not None and found.share > KEPT else None
-        if finer is None:
-            caveats = [] if outgrown is None else [_caveat(a_plan, options, *outgrown)]
-            caveats += [found.caveat(options)] if found.share > KEPT else []
-            return Followed(found, *chosen, tuple(caveats))
-        chosen = finer
-
-
-def _finer(options: MethodOptions, found: Balanced, duration: float, free: Free) -> Chosen | None:
-    """Return what keeps the energy where steps are open and did not; None where nothing is left to take."""
-    if not free.step or options.method.adaptive:
-        return None
-    step, why = (
-        found.finer(options.step),
-        f"steps of {options.step:g} s are off by {100 * found.share:.2g} % of the energy",
-    )
-    if duration / step <= MOST_UNASKED:
-        return Chosen(options._replace(step=step), (f"{why}: those of {step:g} s keep it",))
-    return _by_radau(options, why) if free.method else None
+        off = found.share > KEPT
+        if off and fastest is not None and free.step and not options.method.adaptive:
+            finer = rounded(0.25 * options.step)
+            why = f"steps of {options.step:g} s are off by {100 * found.share:.2g} % of the energy"
+            if duration / finer <= MOST_UNASKED:
+                chosen = Chosen(options._replace(step=finer), (f"{why}: those of {finer:g} s keep it",))
+                continue
+            if free.method:
+                chosen = _by_radau(options, why)
+                continue
+        caveats = [] if outgrown is None else [_too_long(a_plan, options, *outgrown)]
+        return found, chosen, caveats + ([_drifts(options, found)] if off else [])
 
 
 def _begun(options: MethodOptions, fastest: Stiffest | None, duration: float, free: Free) -> Chosen:
-    """Return what follows the stiffest of where a motion begins, with room for more."""
+    """What follows the stiffest of where a motion begins, with room for more."""
     if fastest is not None and not options.method.adaptive:
         too_long = free.step and options.step > 0.5 * fastest.longest(options.method)
         return _shorter(options, fastest, 0.0, duration, free) if too_long else Chosen(options)
@@ -161,19 +177,8 @@ def _instead(
     raise error
 
 
-def _caveat(a_plan: Plan, options: MethodOptions, fastest: Stiffest, since: float) -> Caveat:
-    longest = fastest.longest(options.method)
-    when = f" from {since:.4g} s on" if since else ""
-    remedy = fastest.remedy(options.method, options.step, a_plan.scene.slip_speed)
-    said = f"STEP TOO LONG{when}: {fastest}, which {options.method.name} follows with steps of up to {longest:.2g} s"
-    return Caveat(
-        TOO_LONG,
-        f"{said}; with {options.step:.3g} s it chatters ({remedy})",
-    )
-
-
 def _outgrown(a_plan: Plan, options: MethodOptions, motion: Motion) -> tuple[Stiffest, float] | None:
-    """Return the stiffest of a motion whose steps were too long for it, and since when [s]; None if they were not."""
+    """The stiffest of a motion whose steps were too long for it, and since when [s]; None if they were not."""
     q, every = motion.states[:, : a_plan.model.nq], int(np.ceil(len(motion.time) * a_plan.model.n / LOOKED_AT))
     rows = np.arange(0, len(q), every)
     found = stiffest(a_plan, q[rows])
@@ -185,3 +190,18 @@ def _outgrown(a_plan: Plan, options: MethodOptions, motion: Motion) -> tuple[Sti
     if found is None or options.step <= found.longest(options.method):
         return None
     return found, float(motion.time[rows[int(np.argmax(found.along * options.step > reach(options.method)))]])
+
+
+def _too_long(a_plan: Plan, options: MethodOptions, fastest: Stiffest, since: float) -> Caveat:
+    longest = fastest.longest(options.method)
+    when = f" from {since:.4g} s on" if since else ""
+    remedy = fastest.remedy(options.method, options.step, a_plan.scene.slip_speed)
+    said = f"STEP TOO LONG{when}: {fastest}, which {options.method.name} follows with steps of up to {longest:.2g} s"
+    return Caveat(TOO_LONG, f"{said}; with {options.step:.3g} s it chatters ({remedy})")
+
+
+def _drifts(options: MethodOptions, found: Balanced) -> Caveat:
+    shorter = f"give --step {rounded(0.25 * options.step):g}, or --method radau"
+    remedy = "give a smaller --rtol" if options.method.adaptive else shorter
+    said = f"ENERGY DRIFTS: stored energy and work part by {found.off:.3g} J, {100 * found.share:.2g} % of what the "
+    return Caveat(DRIFTS, f"{said}motion turns over, and more than {100 * KEPT:g} % ({remedy})")

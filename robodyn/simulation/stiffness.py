@@ -23,25 +23,25 @@ from robodyn.support.floats import Floats, first_largest
 
 SLIP_SPEED = 1e-3
 """rad/s, where a joint has Coulomb friction and the scene gives none."""
+FRICTION = "Coulomb friction near rest"
+CONTRACTION = 0.45
+"""46 sweeps then end in rounding."""
+STEEPEST = 1e200
+"""A slope beyond which steeper is no stiffer, so that nothing overflows."""
 
 
 @lru_cache(maxsize=16)
 def with_friction(model: Model, scene: Scene) -> tuple[Scene, tuple[str, ...]]:
-    """Return the scene with a slip speed if some joint has Coulomb friction, and notes about it."""
-    steepest = max((rub.friction.dry for rub in _rubbing(model, scene)), default=0.0)
+    """The scene with a slip speed if some joint has Coulomb friction, and notes about it."""
+    steepest = max((friction.dry for _, _, friction in _rubbing(model, scene)), default=0.0)
     if not steepest and not scene.loaded:
         return scene, ()
     chosen = scene.slip_speed or SLIP_SPEED
-    said = f"Coulomb friction is regularised, f qd / sqrt(qd^2 + {chosen:g}^2)"
     given = scene if scene.slip_speed else replace(scene, slip_speed=chosen)
     if not steepest:
         return given, (f"friction that grows with load is regularised, qd / sqrt(qd^2 + {chosen:g}^2)",)
+    said = f"Coulomb friction is regularised, f qd / sqrt(qd^2 + {chosen:g}^2)"
     return given, (f"{said}: up to {steepest / chosen:.3g} N m s/rad near rest",)
-
-
-FRICTION = "Coulomb friction near rest"
-CONTRACTION = 0.45
-"""46 sweeps then end in rounding."""
 
 
 class Stiffest(NamedTuple):
@@ -57,47 +57,38 @@ class Stiffest(NamedTuple):
     along: Floats
 
     def longest(self, method: Method) -> float:
-        """Return the longest stable step of a method [s]."""
+        """The longest stable step of a method [s]."""
         return reach(method) / self.rate
 
     def __str__(self) -> str:
         return f'{self.cause} of "{self.joint}" settles at {self.rate:.3g}/s'
 
     def remedy(self, method: Method, step: float, slip_speed: float) -> str:
-        """Return what to do about a step that is too long."""
+        """What to do about a step that is too long."""
         longest = self.longest(method)
-        more = (
-            f", or slip_speed = {2.0 * slip_speed * step / longest:.1g} in the scene" if self.cause == FRICTION else ""
-        )
-        return f"give --step {rounded(0.5 * longest):g}, or --method radau{more}"
+        slip = f", or slip_speed = {2.0 * slip_speed * step / longest:.1g} in the scene"
+        return f"give --step {rounded(0.5 * longest):g}, or --method radau{slip if self.cause == FRICTION else ''}"
 
 
 def stiffest(a_plan: Plan, q: Floats) -> Stiffest | None:
-    """Return the stiffest of what a scene has at q (N, nq) or (nq,); None where nothing is stiff.
+    """The stiffest of what a scene has at q (N, nq) or (nq,); None where nothing is stiff.
 
     The largest eigenvalue of M^-1 D for the slopes D of torques over speeds, friction near rest among them, and the
     root of the largest of M^-1 K for those over positions: springs, those at limits, and drives.
     """
-    damping, stiffness = [*_slopes(a_plan), *_slopes_by_load(a_plan, np.atleast_2d(q))], list(_springs(a_plan))
+    q, model = np.atleast_2d(q), a_plan.model
+    damping, stiffness = [*_damping(a_plan, q)], [*_springs(a_plan)]
     if not damping and not stiffness:
         return None
-    M = _mass_matrices(a_plan, np.atleast_2d(q))
+    # M by inverse dynamics of unit accelerations at rest: a short program, where M's has n^2 entries
+    inert = replace(
+        a_plan.scene, gravity=(0.0, 0.0, 0.0), spring={}, wrenches=(), immersed=(), limit_spring=None, loops=()
+    )
+    units, many = np.tile(np.eye(model.n), (len(q), 1)), np.repeat(q, model.n, axis=0)
+    columns = inverse_dynamics(model, many, 0.0, units, scene=inert, executor="numpy").reshape(len(q), model.n, model.n)
+    M = 0.5 * (columns + columns.transpose(0, 2, 1))
     found = [_fastest(M, slopes, power) for slopes, power in ((damping, 1.0), (stiffness, 0.5)) if slopes]
     return max((each for each in found if each is not None), key=lambda each: each.rate, default=None)
-
-
-def _mass_matrices(a_plan: Plan, q: Floats) -> Floats:
-    """(N, n, n) M(q) by inverse dynamics of unit accelerations at rest: a short program, where M's has n^2 entries."""
-    n, still = a_plan.model.n, (0.0, 0.0, 0.0)
-    inert = replace(a_plan.scene, gravity=still, spring={}, wrenches=(), immersed=(), limit_spring=None, loops=())
-    units = np.tile(np.eye(n), (len(q), 1))
-    columns = inverse_dynamics(a_plan.model, np.repeat(q, n, axis=0), 0.0, units, scene=inert, executor="numpy")
-    M: Floats = columns.reshape(len(q), n, n)
-    return 0.5 * (M + M.transpose(0, 2, 1))
-
-
-STEEPEST = 1e200
-"""A slope beyond which steeper is no stiffer, so that nothing overflows."""
 
 
 class Slope(NamedTuple):
@@ -113,27 +104,21 @@ class Slope(NamedTuple):
     cause: str
     value: float
 
-    @classmethod
-    def at(cls, joint: Joint, cause: str, value: float) -> Slope:
-        return cls(joint.name, {joint.rate: joint.multiplier}, cause, value)
 
-
-class Rubbing(NamedTuple):
-    """What has friction, and with which rates it turns."""
-
-    name: str
-    along: Mapping[int, float]
-    friction: Friction
-
-
-def _rubbing(model: Model, scene: Scene) -> Iterator[Rubbing]:
+def _rubbing(model: Model, scene: Scene) -> Iterator[tuple[str, Mapping[int, float], Friction]]:
+    """Yield the names of what has friction, with which rates it turns, and the friction."""
     for _, joint, friction in joints_with_friction(model, scene):
-        yield Rubbing(joint.name, {joint.rate: joint.multiplier}, friction)
+        yield joint.name, _along(joint), friction
     for motor, turned in coupled_motors(model, scene):
-        yield Rubbing(motor.name, along(turned), motor.friction)
+        yield motor.name, along(turned), motor.friction
 
 
-def _slopes(a_plan: Plan) -> Iterator[Slope]:
+def _along(joint: Joint) -> dict[int, float]:
+    return {joint.rate: joint.multiplier}
+
+
+def _damping(a_plan: Plan, q: Floats) -> Iterator[Slope]:
+    """Yield slopes over speeds; of friction that grows with load under the largest weight at q (N, nq)."""
     model, scene = a_plan.model, a_plan.scene
     for name, rates, friction in _rubbing(model, scene):
         if scene.slip_speed and friction.dry:
@@ -142,24 +127,19 @@ def _slopes(a_plan: Plan) -> Iterator[Slope]:
             yield Slope(name, rates, "viscous friction", friction.viscous)
     yield from _slopes_of(a_plan, "the drive's kd", "kd", drives=True)
     yield from _slopes_of(a_plan, "the limit spring's damping", "damping")
-
-
-def _slopes_by_load(a_plan: Plan, q: Floats) -> Iterator[Slope]:
-    """Yield those of friction that grows with load, under the largest weight at q (N, nq)."""
-    scene = a_plan.scene
     if scene.slip_speed and scene.loaded:
-        held = inverse_dynamics(a_plan.model, q, 0.0, 0.0, scene=replace(scene, wrenches=()), executor="numpy")
-        for _, joint, friction in joints_with_friction(a_plan.model, scene):
+        held = inverse_dynamics(model, q, 0.0, 0.0, scene=replace(scene, wrenches=()), executor="numpy")
+        for _, joint, friction in joints_with_friction(model, scene):
             if friction.load:
                 weight = float(np.abs(held[:, joint.rate]).max())
-                yield Slope.at(joint, FRICTION, friction.load * weight / scene.slip_speed)
+                yield Slope(joint.name, _along(joint), FRICTION, friction.load * weight / scene.slip_speed)
 
 
 def _springs(a_plan: Plan) -> Iterator[Slope]:
     for body in a_plan.model.bodies:
         spring = a_plan.scene.spring.get(body.joint.name)
         if spring is not None and spring.stiffness > 0:
-            yield Slope.at(body.joint, "the spring", spring.stiffness)
+            yield Slope(body.joint.name, _along(body.joint), "the spring", spring.stiffness)
     yield from _slopes_of(a_plan, "the drive's kp", "kp", drives=True)
     yield from _slopes_of(a_plan, "the limit spring", "stiffness")
 
@@ -171,11 +151,11 @@ def _slopes_of(a_plan: Plan, cause: str, which: str, drives: bool = False) -> It
     for joint in model.independent if drives else limited:
         value = getattr(scene.drive.get(joint.name) if drives else scene.limit_spring, which, 0.0)
         if value > 0:
-            yield Slope.at(joint, cause, value)
+            yield Slope(joint.name, _along(joint), cause, value)
 
 
 def _fastest(M: Floats, slopes: list[Slope], power: float) -> Stiffest | None:
-    """Return the root, or the first power, of the largest eigenvalue of M^-1 S, and the slope that is most of it."""
+    """The root, or the first power, of the largest eigenvalue of M^-1 S, and the slope that is most of it."""
     W = np.zeros((M.shape[1], len(slopes)))
     for k, slope in enumerate(slopes):
         for rate, share in slope.along.items():
@@ -193,7 +173,7 @@ def _fastest(M: Floats, slopes: list[Slope], power: float) -> Stiffest | None:
 
 
 def reach(method: Method) -> float:
-    """Return the longest step times rate that a method with fixed steps follows.
+    """The longest step times rate that a method with fixed steps follows.
 
     Of an explicit one the end of `|1 - x b^T (1 + x A)^-1 1| <= 1`; 2 where the new speed moves the position; of an
     implicit one where each sweep still leaves no more than CONTRACTION of the error, which is x times the spectral
@@ -213,6 +193,6 @@ def reach(method: Method) -> float:
 
 
 def rounded(step: float) -> float:
-    """Return the largest of 1, 2 and 5 times a power of ten that is no more than this."""
+    """The largest of 1, 2 and 5 times a power of ten that is no more than this."""
     power = 10.0 ** floor(log10(step))
     return float(f"{max(k for k in (1, 2, 5) if k * power <= step * (1 + 1e-12)) * power:.1g}")

@@ -1,4 +1,5 @@
-"""A table that drives a simulation: the columns that a scene names, and what they are between the rows."""
+"""A table that drives a simulation: the columns that a scene names, what they are between the rows, and where these
+divide steps."""
 
 from __future__ import annotations
 
@@ -9,23 +10,24 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from robodyn.errors import InputError, SceneError
 from robodyn.robot.model import Model
-from robodyn.scene.parts import Entry
 from robodyn.scene.scene import Scene
-from robodyn.simulation.rows import NEAR, Piece
 from robodyn.support.floats import Floats
 from robodyn.trajectory.columns.header import listing
 from robodyn.trajectory.columns.signals import Signals
 from robodyn.trajectory.columns.units import TimeUnit
+from robodyn.trajectory.motion import join
 from robodyn.trajectory.read import open_table
 from robodyn.trajectory.reader import TrajectoryReader
 from robodyn.trajectory.readers.table import ArrayTable
 from robodyn.trajectory.reading import Reading
 
 LOAD, REFERENCE, RATE = "load", "reference", "rate"
+NEAR = 8.0 * float(np.finfo(float).eps)
+"""Times that differ by less than this part of them are the same: what rounding makes of a multiple of a step."""
 
 
 class Curve(NamedTuple):
@@ -64,7 +66,7 @@ def read_table(
     columns: Mapping[str, str] | None = None,
     time_unit: TimeUnit | None = None,
 ) -> Table:
-    """Return the columns that a scene names, of a file or of arrays.
+    """The columns that a scene names, of a file or of arrays.
 
     Args:
         source: a file that `robodyn torques` reads (`-` is standard input), arrays by name, `time` among them, or what
@@ -88,40 +90,22 @@ def read_table(
         file = os.fspath(source)
     reading = Reading(ignore_extra=True, columns=columns or {}, time_unit=time_unit)
     with TrajectoryReader(table, Signals(()), names, reading) as reader:
-        blocks = list(reader.blocks())
-    time = np.concatenate([block.time for block in blocks])
-    found = {name: np.concatenate([block.extra[name] for block in blocks]) for name in names}
-    return Table(file, time, found, blocks[0].origin)
+        whole = join(list(reader.blocks()))
+    return Table(file, whole.time, whole.extra, whole.origin)
 
 
 def curves(scene: Scene) -> tuple[Curve, ...]:
-    """Return what a scene takes from a table at every moment, each once."""
-    return tuple(dict.fromkeys(_curves(scene)))
-
-
-def _curves(scene: Scene) -> Iterator[Curve]:
-    for wrench in scene.wrenches:
-        yield from (Curve(name, LOAD) for name in wrench.columns)
+    """What a scene takes from a table at every moment, each once."""
+    found = [Curve(name, LOAD) for wrench in scene.wrenches for name in wrench.columns]
     for drive in scene.drive.values():
         if isinstance(drive.torque, str):
-            yield Curve(drive.torque, LOAD)
+            found.append(Curve(drive.torque, LOAD))
         if isinstance(drive.reference, str):
-            if drive.kp:
-                yield Curve(drive.reference, REFERENCE)
-            if drive.kd and drive.speed is None:
-                yield Curve(drive.reference, RATE)
+            found += [Curve(drive.reference, REFERENCE)] if drive.kp else []
+            found += [Curve(drive.reference, RATE)] if drive.kd and drive.speed is None else []
         if isinstance(drive.speed, str) and drive.kd:
-            yield Curve(drive.speed, REFERENCE)
-
-
-def _begun(scene: Scene, table: Table) -> Scene:
-    """Return the scene with the initial state in numbers."""
-
-    def numbers(begun: Mapping[str, Entry]) -> Mapping[str, Entry]:
-        return {name: float(table.columns[x][0]) if isinstance(x, str) else x for name, x in begun.items()}
-
-    named = any(isinstance(x, str) for begun in (scene.initial_q, scene.initial_qd) for x in begun.values())
-    return replace(scene, initial_q=numbers(scene.initial_q), initial_qd=numbers(scene.initial_qd)) if named else scene
+            found.append(Curve(drive.speed, REFERENCE))
+    return tuple(dict.fromkeys(found))
 
 
 class Signal:
@@ -132,6 +116,7 @@ class Signal:
 
     Attributes:
         scene: with the initial state in numbers, those of the first row where columns are named.
+        source: the table as arrays by name; None where `scene` needs none.
     """
 
     def __init__(self, scene: Scene, model: Model, table: Table | None) -> None:
@@ -140,39 +125,35 @@ class Signal:
             SceneError: the scene names columns and there is no table, or one without rows between which to be.
         """
         self.curves, self.table, self.held = curves(scene), table, scene.between_rows == "hold"
-        if scene.table_columns and table is None:
-            what = f"the scene names {listing(scene.table_columns)}, columns of a table"
-            raise SceneError(what, remedy="give the table: --traj FILE")
-        if table is not None and len(table.time) < 2:
-            raise InputError("the table has one row", remedy="give two at least", file=table.file)
-        self.scene = scene if table is None else _begun(scene, table)
+        self.scene, self.source = scene, None
+        self._smooth = tuple(dict.fromkeys(curve.column for curve in self.curves if curve.kind != LOAD))
         endless = {joint.name for joint in model.independent if joint.continuous}
         self._wrapped = {drive.reference for name, drive in scene.drive.items() if name in endless}
-
-    @property
-    def source(self) -> Mapping[str, Floats] | None:
-        """The table as arrays by name; None where `scene` needs none."""
-        if self.table is None or not self.scene.table_columns:
-            return None
-        return {"time": self.table.time, **self.table.columns}
+        if table is None:
+            if scene.table_columns:
+                what = f"the scene names {listing(scene.table_columns)}, columns of a table"
+                raise SceneError(what, remedy="give the table: --traj FILE")
+            return
+        if len(table.time) < 2:
+            raise InputError("the table has one row", remedy="give two at least", file=table.file)
+        self._rows = table.time - table.time[0]
+        q, qd = (
+            {name: float(table.columns[x][0]) if isinstance(x, str) else x for name, x in begun.items()}
+            for begun in (scene.initial_q, scene.initial_qd)
+        )
+        if (q, qd) != (scene.initial_q, scene.initial_qd):
+            self.scene = replace(scene, initial_q=q, initial_qd=qd)
+        if self.scene.table_columns:
+            self.source = {"time": table.time, **table.columns}
 
     @cached_property
     def _splines(self) -> Callable[..., Floats]:
         """Of the columns of references, in the order of `_smooth`."""
         from scipy.interpolate import CubicSpline
 
-        time, columns = self._rows
-        values = [np.unwrap(columns[name]) if name in self._wrapped else columns[name] for name in self._smooth]
-        return CubicSpline(time, np.column_stack(values))  # type: ignore[no-any-return]
-
-    @cached_property
-    def _smooth(self) -> tuple[str, ...]:
-        return tuple(dict.fromkeys(curve.column for curve in self.curves if curve.kind != LOAD))
-
-    @cached_property
-    def _rows(self) -> tuple[Floats, Mapping[str, Floats]]:
-        assert self.table is not None
-        return self.table.time - self.table.time[0], self.table.columns
+        columns = {name: self.table.columns[name] for name in self._smooth}  # type: ignore[union-attr]
+        values = [np.unwrap(x) if name in self._wrapped else x for name, x in columns.items()]
+        return CubicSpline(self._rows, np.column_stack(values))  # type: ignore[no-any-return]
 
     def check_duration(self, duration: float) -> None:
         """Raise if the table ends before the simulation."""
@@ -181,14 +162,14 @@ class Signal:
             raise InputError(what, remedy="give a shorter --duration, or none", file=self.table.file)
 
     def corners(self, knots: int = 1) -> Floats:
-        """Return (N,) s, increasing: rows at which steps have to end, as torques jump there or their slopes do.
+        """(N,) s, increasing: rows at which steps have to end, as torques jump there or their slopes do.
 
         Args:
             knots: of references, whose splines are smooth, only every so many rows.
         """
-        if not self.curves:
+        if self.table is None or not self.curves:
             return np.empty(0)
-        rows, columns = self._rows
+        rows, columns = self._rows, self.table.columns
         changes = np.zeros(len(rows), bool)
         for name in (curve.column for curve in self.curves if curve.kind == LOAD):
             if self.held:
@@ -197,28 +178,28 @@ class Signal:
                 changes[1:-1] |= np.diff(np.diff(columns[name]) / np.diff(rows)) != 0.0
         if self._smooth:
             changes[knots::knots] = True
-        return rows[changes]
+        return np.asarray(rows[changes])
 
     def at(self, time: Floats, within: Floats | None = None) -> Floats:
-        """Return (N, curves) at N times [s] since the simulation began.
+        """(N, curves) at N times [s] since the simulation began.
 
         Args:
             within: (N,) s, times between the same rows as those that are meant: what is held jumps at rows.
         """
-        if not self.curves:
+        if self.table is None or not self.curves:
             return np.empty((len(time), 0))
+        rows, meant = self._rows, time if within is None else within
+        last = np.searchsorted(rows, meant * (1.0 + NEAR), side="right") - 1
         kinds = {curve.kind for curve in self.curves}
         smooth = {kind: self._splines(time, kind == RATE).T for kind in (REFERENCE, RATE) if kind in kinds}
-        (rows, columns), meant = self._rows, time if within is None else within
-        last = np.searchsorted(rows, meant * (1.0 + NEAR), side="right") - 1 if self.held else None
-
-        def values(curve: Curve) -> Floats:
-            if curve.kind != LOAD:
-                return np.asarray(smooth[curve.kind][self._smooth.index(curve.column)])
-            column = columns[curve.column]
-            return np.asarray(np.interp(time, rows, column)) if last is None else column[last]
-
-        return np.column_stack([values(curve) for curve in self.curves])
+        values: list[Floats] = []
+        for name, kind in self.curves:
+            column = self.table.columns[name]
+            if kind != LOAD:
+                values.append(smooth[kind][self._smooth.index(name)])
+            else:
+                values.append(column[last] if self.held else np.interp(time, rows, column))
+        return np.column_stack(values)
 
     def in_steps(self, steps: Piece, nodes: tuple[float, ...]) -> Floats:
         """(N, nodes * curves + 1) for N steps: at each of their nodes (fractions of a step), and the step's length."""
@@ -233,12 +214,67 @@ class Signal:
         if table is None:
             return []
         kinds = {curve.kind for curve in self.curves}
-        between = "held until the next" if self.held else "straight"
         parts = [f"table {table.file or 'of arrays'}: {len(table.time)} rows over {table.duration:.6g} s"]
         if first := table.origin + float(table.time[0]):
             parts.append(f"its first row, {first:.6g} s, is time 0")
         if kinds & {REFERENCE, RATE}:
             parts.append("references are cubic splines" + (", with their slopes for speeds" if RATE in kinds else ""))
         if LOAD in kinds:
-            parts.append(f"torques and wrenches between rows are {between}")
+            parts.append(f"torques and wrenches between rows are {'held until the next' if self.held else 'straight'}")
         return ["; ".join(parts)]
+
+
+class Piece(NamedTuple):
+    """Steps that follow each other.
+
+    Attributes:
+        begin, end, length: (N,) s of each.
+        whole: (N,) how many whole steps are done where it ends; 0 where it ends within one, at a row.
+        row: (N,) whether it ends at a row.
+    """
+
+    begin: Floats
+    end: Floats
+    length: Floats
+    whole: NDArray[np.int64]
+    row: NDArray[np.bool_]
+
+    def recorded(self, every: int) -> NDArray[np.intp]:
+        """Which of the steps are recorded: those that end at rows, and every so many whole ones."""
+        return np.flatnonzero(self.row | (self.whole % every == 0))
+
+
+def pieces(rows: Floats, h: float, count: int, size: int) -> Iterator[Piece]:
+    """Yield `count` whole steps of length h from time 0 on, divided at the rows, at most `size` steps at a time.
+
+    Args:
+        rows: (N,) s, increasing.
+    """
+    nearest = np.rint(rows / h)
+    apart = np.abs(rows - nearest * h) > NEAR * rows
+    inner, outer = rows[apart], nearest[~apart].astype(np.int64)
+    for first in range(0, count, size):
+        steps = _divided(first, min(size, count - first), h, inner, outer)
+        for k in range(0, len(steps.begin), size):
+            yield Piece(*(each[k : k + size] for each in steps))  # type: ignore[arg-type]
+
+
+def _divided(first: int, count: int, h: float, rows: Floats, ends: NDArray[np.int64]) -> Piece:
+    """`count` whole steps after `first` of them, divided at the rows, none of which is the end of a whole one.
+
+    Args:
+        ends: which whole steps end at other rows, increasing.
+    """
+    numbers = np.arange(first, first + count)
+    starts, last = numbers * h, (first + count) * h
+    inside = rows[slice(*np.searchsorted(rows, (starts[0], last)))]
+    begin = np.sort(np.concatenate((starts, inside)))
+    end = np.append(begin[1:], last)
+    length, whole = end - begin, np.zeros(len(begin), np.int64)
+    places = np.searchsorted(begin, starts)
+    final = np.append(places[1:], len(begin)) - 1
+    whole[final] = numbers + 1
+    length[places[final == places]] = h
+    row = whole == 0
+    row[final[ends[slice(*np.searchsorted(ends, (first + 1, first + count + 1)))] - first - 1]] = True
+    return Piece(begin, end, length, whole, row)

@@ -29,7 +29,7 @@ from robodyn.robot.model import Model
 from robodyn.scene.parts import Friction
 from robodyn.scene.scene import Scene
 from robodyn.simulation.methods import METHODS, MethodOptions
-from robodyn.simulation.run import integrated
+from robodyn.simulation.simulate import integrated
 
 Run = Callable[[], Any]
 COARSEST = 8

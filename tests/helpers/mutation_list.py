@@ -315,19 +315,19 @@ MUTATIONS = {
         ("equations/dae/system.py", "joint.p - (centres[j] if j >= 0 else ZERO)", "joint.p - ZERO"),
     ],
     "simulation/test_free_bodies_fly.py": [
-        ("simulation/conserving.py", "now.m * step", "0.0 * step"),
-        ("simulation/conserving.py", "was.H - now.H", "now.H - was.H"),
+        ("simulation/equations.py", "now.m * step", "0.0 * step"),
+        ("simulation/equations.py", "was.H - now.H", "now.H - was.H"),
     ],
     "simulation/test_friction_and_limits.py": [
         ("dynamics/effects/springs.py", "self.spring.damping * xd", "self.spring.damping * x"),
         ("simulation/stiffness.py", "friction.dry / scene.slip_speed", "friction.dry * scene.slip_speed"),
-        ("simulation/joint_use.py", "(mean * lasting)[still]", "mean[still]"),
+        ("simulation/result.py", "(mean * lasting)[still]", "mean[still]"),
     ],
     "simulation/test_limits_within_steps.py": [
         (
             "simulation/events.py",
-            "min(_passed(touches, room, length), default=None)",
-            "max(_passed(touches, room, length), default=None)",
+            "min(moments, default=None)",
+            "max(moments, default=None)",
         ),
         ("simulation/events.py", "np.abs(slope) + np.abs(after)", "np.abs(slope) - np.abs(after)"),
         ("simulation/events.py", "DOUBT * spread[stop]", "-DOUBT * spread[stop]"),
@@ -340,8 +340,8 @@ MUTATIONS = {
         ("measure/accuracy/simulate_within.py", "0.5 * speed * speed / braked", "0.5 * speed / braked"),
     ],
     "simulation/test_rows_of_tables.py": [
-        ("simulation/rows.py", "NEAR", "0.0"),
-        ("simulation/rows.py", "end - begin", "h + 0.0 * begin"),
+        ("simulation/table.py", "NEAR * rows", "0.0 * rows"),
+        ("simulation/table.py", "end - begin", "h + 0.0 * begin"),
         ("simulation/table.py", "0.5 * length", "length"),
         (
             "simulation/table.py",

@@ -23,7 +23,7 @@ from robodyn.programs.run.multiprecision import context_of
 from robodyn.programs.scalar import ADD, CONSTANT, COS, DIV, EXP, INPUT, MUL, NEG, SIGN, SIN, SQRT, SUB
 from robodyn.robot.configuration import unit_rows
 from robodyn.simulation.equations import STATE, Equations
-from robodyn.simulation.run import simulate
+from robodyn.simulation.simulate import simulate
 from robodyn.support.floats import Floats
 
 BITS = 256

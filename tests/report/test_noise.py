@@ -25,7 +25,7 @@ from robodyn.report.torques import worst_table
 from robodyn.report.torques_json import torques_json
 from robodyn.report.torques_page import torques_page
 from robodyn.scene.read import load_scene
-from robodyn.simulation.run import simulate
+from robodyn.simulation.simulate import simulate
 
 TINY = re.compile(r"\de-(?:1[2-9]|[2-9]\d|\d{3})")
 """A number that only rounding makes, in cases of newtons and metres."""

@@ -22,7 +22,7 @@ HELD = replace(
     WEIGHTLESS, friction={"j1": Friction(forward=F, backward=-F)}, drive={"j1": Drive(torque=PUSH)}, slip_speed=SLIP
 )
 CREEP = SLIP * PUSH / np.sqrt(F**2 - PUSH**2)
-FIXED = [method.name for method in METHODS if not (method.adaptive or method.leapfrog or method.keeps)]
+FIXED = [method.name for method in METHODS if not (method.adaptive or method.leapfrog or method.keeps_momenta)]
 
 
 @pytest.mark.parametrize("name", [*FIXED, "radau", None])

@@ -100,10 +100,10 @@ def test_when_and_how_long_a_slide_is_too_fast() -> None:
     text = joint("j1", "l0", "l1", "prismatic").replace('velocity="100"', 'velocity="0.25"')
     model = built(link("l0"), link("l1", 2.0), text)
     scene = Scene(gravity=(0, 0, 0), drive={"j1": Drive(torque=2.0)})
-    (use,) = robodyn.simulate(model, scene, 1.0, executor="numpy").joints
+    found = robodyn.simulate(model, scene, 1.0, executor="numpy")
+    (use,), (excess,) = found.joints, found.exceeded
     assert (use.max_speed, use.max_speed_time) == (pytest.approx(1.0, rel=1e-12), 1.0)
     assert use.seconds_over_velocity == pytest.approx(0.75, abs=1.1e-3)
-    (excess,) = use.exceeded
     assert (excess.quantity, excess.unit, use.peak, use.unit) == ("velocity", "m/s", 2.0, "N")
 
 

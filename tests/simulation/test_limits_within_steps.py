@@ -142,7 +142,7 @@ def test_numbers_beyond_a_limit_do_not_matter():
 
 def test_every_method_looks_for_limits():
     for method in METHODS:
-        if method.keeps:
+        if method.keeps_momenta:
             continue
         scene = Scene(gravity=(0, 0, 0), initial_qd={"j1": 3.0})
         found = robodyn.simulate(slide(), scene, 10.0, method=method.name)

@@ -20,8 +20,13 @@ PUSHED = Scene(gravity=(0, 0, 0), joint_limits="ignore", drive={"j1": Drive(torq
 PULSE = {"time": [0.0, 0.1001, 0.1004, 0.1007, 1.0], "push": [0.0, 0.0, 5000.0, 0.0, 0.0]}
 TENTHS = {"time": np.arange(10001) / 1e4, "push": np.where(np.arange(10001) % 10, 0.0, 10.0)}
 CASES = [("linear", PULSE, 1.5), ("hold", PULSE, 1.5), ("linear", TENTHS, 0.999 + 0.001), ("hold", TENTHS, 1.0)]
-WAYS = [{}, {"rtol": 1e-9}, {"method": "radau"}, *({"method": m.name} for m in METHODS if not (m.adaptive or m.keeps))]
-FIXED = [method.name for method in METHODS if not (method.adaptive or method.keeps)]
+WAYS = [
+    {},
+    {"rtol": 1e-9},
+    {"method": "radau"},
+    *({"method": m.name} for m in METHODS if not (m.adaptive or m.keeps_momenta)),
+]
+FIXED = [method.name for method in METHODS if not (method.adaptive or method.keeps_momenta)]
 
 
 @pytest.mark.parametrize("how", WAYS, ids=str)

@@ -12,11 +12,11 @@ from robodyn.errors import InputError
 from robodyn.report.limits import limits_verdict
 from robodyn.scene.parts import LimitSpring
 from robodyn.scene.scene import Scene
-from robodyn.simulation.balance import KEPT
 from robodyn.simulation.methods import METHODS
 from robodyn.simulation.result import Simulation
+from robodyn.simulation.stiff_steps import KEPT
 
-FIXED = [method.name for method in METHODS if not (method.adaptive or method.leapfrog or method.keeps)]
+FIXED = [method.name for method in METHODS if not (method.adaptive or method.leapfrog or method.keeps_momenta)]
 
 
 def rebound(stiffness: float, mass: float, speed: float, damping: float = 0.0, **how: object) -> Simulation:

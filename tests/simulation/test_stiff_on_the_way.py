@@ -86,7 +86,7 @@ def test_long_motions_that_are_not_stiff_stay_with_their_method(monkeypatch):
 def test_a_bound_on_evaluations_tells_how_far_they_came():
     from robodyn.dynamics.plan import plan
     from robodyn.simulation.methods import MethodOptions, method_named
-    from robodyn.simulation.run import integrated, start_of
+    from robodyn.simulation.simulate import integrated, start_of
     from robodyn.simulation.table import Signal
 
     scene = robodyn.Scene(initial_q={"j1": 1.0})

@@ -17,13 +17,12 @@ from robodyn.programs.run.choice import CALL
 from robodyn.programs.run.llvm.machine import compiler_problem
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
-from robodyn.simulation.balance import DRIFTS
 from robodyn.simulation.equations import Equations
 from robodyn.simulation.events import Limits, Stop, lowest_of_cubic
 from robodyn.simulation.methods import LEAST_RTOL, Method, TooMuchError, method_named
 from robodyn.simulation.result import Simulation
-from robodyn.simulation.run import simulate
-from robodyn.simulation.stiff_steps import TOO_LONG
+from robodyn.simulation.simulate import simulate
+from robodyn.simulation.stiff_steps import DRIFTS, TOO_LONG
 from robodyn.simulation.stiffness import with_friction
 from robodyn.support.floats import Floats, first_largest
 

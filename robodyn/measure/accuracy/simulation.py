@@ -22,7 +22,7 @@ from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.simulation.equations import Equations
 from robodyn.simulation.methods import METHODS, Method, MethodOptions
 from robodyn.simulation.result import Simulation
-from robodyn.simulation.run import integrated, simulate, start_of
+from robodyn.simulation.simulate import integrated, simulate, start_of
 from robodyn.simulation.steps import Steps
 from robodyn.simulation.stiffness import with_friction
 from robodyn.simulation.table import Signal, Source, read_table

@@ -21,7 +21,7 @@ from robodyn.measure.accuracy.motion_error import MotionError
 from robodyn.measure.accuracy.simulation import simulation_accuracy, state_errors
 from robodyn.scene.parts import Drive, Friction
 from robodyn.scene.scene import Scene
-from robodyn.simulation.run import simulate
+from robodyn.simulation.simulate import simulate
 
 pytest.importorskip("mpmath")
 

@@ -1,4 +1,11 @@
-"""The second job: how a robot moves, from where it begins and what drives it."""
+"""The second job: how a robot moves, from where it begins and what drives it. The door to this room.
+
+1. `table.py`: what a table says between its rows. `equations.py`: the equations of motion and what they conserve.
+2. `methods.py` are the integrators, `steps.py` one step of each as programs; `fixed.py` and `adaptive.py` make many,
+   `events.py` tells where these reach limits; `rollouts.py` makes many motions at once.
+3. `stiffness.py` tells how fast the stiffest settles, `stiff_steps.py` chooses steps that follow it.
+4. `loop_figures.py` and `result.py`: what comes out.
+"""
 
 from __future__ import annotations
 
@@ -12,21 +19,18 @@ from robodyn.dynamics.loops.closed_start import closed_start, start_notes
 from robodyn.dynamics.plan import Plan, plan
 from robodyn.errors import InputError
 from robodyn.programs.run.stepper import COLUMNS
+from robodyn.robot.base_guess import untouched
 from robodyn.robot.model import Model
 from robodyn.scene.fit import check_moves, refuse_constraints, refuse_others
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.simulation.adaptive import AdaptiveSteps
-from robodyn.simulation.balance import Balanced
-from robodyn.simulation.conserving import check_free, check_leapfrog
-from robodyn.simulation.equations import STATE, Equations, state_runner
+from robodyn.simulation.equations import STATE, Equations, check_applies, is_free, state_runner
 from robodyn.simulation.events import Limits
 from robodyn.simulation.fixed import FixedSteps, Motion
-from robodyn.simulation.joint_use import assumed, deepest, held
-from robodyn.simulation.loop_figures import loop_figures
+from robodyn.simulation.loop_figures import loop_figures, start_caveats
 from robodyn.simulation.methods import MethodOptions, choose_method
-from robodyn.simulation.result import Figures, Simulation
-from robodyn.simulation.singular import passing_notes, start_caveats
-from robodyn.simulation.stiff_steps import Free, followed
+from robodyn.simulation.result import Figures, Simulation, deepest, held
+from robodyn.simulation.stiff_steps import Balanced, Free, stiff_steps
 from robodyn.simulation.stiffness import with_friction
 from robodyn.simulation.table import Signal, Source, read_table
 from robodyn.support.floats import Floats
@@ -76,14 +80,17 @@ def simulate(
 
     Accuracy: the error of each method falls with its order until rounding, some 1e-14 of the largest per step.
     """
-    _check_robot(model, scene)
+    refuse_others(model, scene)
+    refuse_constraints(scene, loops=True)
+    check_moves(model)
     options = choose_method(step, rtol, method)._replace(most=most)
-    _check_positive(duration=duration, step=step, rtol=rtol)
+    for name, value in {"duration": duration, "step": step, "rtol": rtol}.items():
+        if value is not None and not 0.0 < value < np.inf:
+            raise InputError(f"{name} is {value:g}", remedy="give a positive number")
     signal = Signal(scene, model, None if table is None else read_table(table, scene))
     scene, notes = with_friction(model, signal.scene)
     a_plan = plan(model, scene)
     length = duration or (DURATION if signal.table is None else signal.table.duration)
-    begun = initial_state(model, scene)
     start = start_of(a_plan)
     unsure = start_caveats(a_plan, start)
 
@@ -91,17 +98,26 @@ def simulate(
         motion = integrated(a_plan, options, length, executor, signal, start, also)
         return Balanced(motion, _figures(a_plan, motion, executor, signal))
 
-    (motion, figures), options, stiff, caveats = followed(
-        a_plan,
-        options,
-        start[: model.nq],
-        length,
-        Free(step is None, method is None),
-        made,
-    )
+    free = Free(step is None, method is None)
+    (motion, figures), (options, stiff), caveats = stiff_steps(a_plan, options, start[: model.nq], length, free, made)
     loops = loop_figures(a_plan, motion, executor, signal, not options.method.adaptive)
     q, qd = np.split(motion.states[:, : model.nq + model.n], [model.nq], axis=1)
+    falls = is_free(model, scene) and any(scene.gravity) and (scene.held or not untouched(model))
     pushed = deepest(model, motion.time, q, qd)
+    said = [
+        *model.notes,
+        *signal.assumptions,
+        *notes,
+        *["the base is free, and nothing but gravity acts on it from outside: it falls freely"] * falls,
+        *limits_at_start(model, scene),
+        *start_notes(model, scene, motion.states[0], initial_state(model, scene)),
+        *stiff,
+        *(loops.notes if loops else ()),
+        *[f"recorded every {motion.every} steps"] * (motion.every > 1),
+        *[motion.note] * bool(motion.note),
+        *map(str, held(model, scene, motion.time, qd)),
+        *[f"springs at limits: {pushed or 'no joint reaches a limit'}"] * (scene.limit_spring is not None),
+    ]
     return Simulation(
         model=model,
         scene=scene,
@@ -120,38 +136,12 @@ def simulate(
         loops=loops,
         ended=motion.ended,
         shaky=(*unsure, *caveats),
-        notes=(
-            *model.notes,
-            *signal.assumptions,
-            *notes,
-            *assumed(model, scene),
-            *limits_at_start(model, scene),
-            *start_notes(model, scene, motion.states[0], begun),
-            *stiff,
-            *(passing_notes(loops.singular, loops.usual) if loops else []),
-            *([f"recorded every {motion.every} steps"] if motion.every > 1 else []),
-            *([motion.note] if motion.note else []),
-            *map(str, held(model, scene, motion.time, qd)),
-            *([f"springs at limits: {pushed or 'no joint reaches a limit'}"] if scene.limit_spring else []),
-        ),
+        notes=tuple(said),
     )
 
 
-def _check_robot(model: Model, scene: Scene) -> None:
-    """Raise unless these are a robot that moves, and a scene without contacts, which a simulation does not know."""
-    refuse_others(model, scene)
-    refuse_constraints(scene, loops=True)
-    check_moves(model)
-
-
-def _check_positive(**numbers: float | None) -> None:
-    for name, value in numbers.items():
-        if value is not None and not 0.0 < value < np.inf:
-            raise InputError(f"{name} is {value:g}", remedy="give a positive number")
-
-
 def start_of(a_plan: Plan) -> Floats:
-    """Return (width,) the state in which a motion begins, its loops closed.
+    """(width,) the state in which a motion begins, its loops closed.
 
     Raises:
         InputError: they cannot be.
@@ -169,17 +159,14 @@ def integrated(
     state: Floats,
     also: Sequence[float] = (),
 ) -> Motion:
-    """Return the motion from a state of `start_of`; `also` as for `simulate`."""
+    """The motion from a state of `start_of`; `also` as for `simulate`."""
     method, limits = options.method, Limits(a_plan.model, a_plan.scene.joint_limits == "stop")
     signal.check_duration(duration)
     limits.check_start(state)
     if method.adaptive:
         steps = AdaptiveSteps(a_plan, method, options.rtol, executor, signal, options.most)
         return steps.motion(state, duration, limits, also)
-    if method.leapfrog:
-        check_leapfrog(Equations(a_plan))
-    if method.keeps:
-        check_free(a_plan.model, a_plan.scene, method.name)
+    check_applies(a_plan, method)
     count = int(min(duration / options.step, 1e9)) + len(signal.corners())
     ready = FixedSteps(a_plan, method, executor, count, signal)
     return ready.motion(state, duration, options.step, limits, options.most)
