@@ -46,12 +46,19 @@ class Derivation:
     @property
     def velocity(self) -> str:
         """The method, or the methods with the joints that each served."""
-        return _summary([(joint.velocity, joint.name) for joint in self.joints])
+        return self._methods("velocity")
 
     @property
     def acceleration(self) -> str:
         """The method, or the methods with the joints that each served."""
-        return _summary([(joint.acceleration, joint.name) for joint in self.joints])
+        return self._methods("acceleration")
+
+    def _methods(self, rate: str) -> str:
+        served: dict[str, list[str]] = {}
+        for joint in self.joints:
+            served.setdefault(getattr(joint, rate), []).append(joint.name)
+        several = len(served) > 1
+        return "; ".join(f"{method} ({', '.join(names)})" if several else method for method, names in served.items())
 
 
 @dataclass(frozen=True)
@@ -123,41 +130,40 @@ class Trajectory:
         return self.time if self.stamps is None else self.stamps
 
 
-def _summary(methods: list[tuple[str, str]]) -> str:
-    joints: dict[str, list[str]] = {}
-    for method, name in methods:
-        joints.setdefault(method, []).append(name)
-    if len(joints) == 1:
-        return methods[0][0]
-    return "; ".join(f"{method} ({', '.join(names)})" for method, names in joints.items())
-
-
 def join(parts: list[Trajectory]) -> Trajectory:
     """Consecutive samples as one trajectory."""
     if len(parts) == 1:
         return parts[0]
-    time, q, qd, qdd = (np.concatenate([getattr(part, name) for part in parts]) for name in ("time", "q", "qd", "qdd"))
-    extra = {name: np.concatenate([part.extra[name] for part in parts]) for name in parts[0].extra}
-    notes = tuple(dict.fromkeys(note for part in parts for note in part.notes))
-    stamps = None if parts[0].stamps is None else np.concatenate([part.given_time for part in parts])
-    whole = replace(parts[-1], time=time, q=q, qd=qd, qdd=qdd, extra=extra, notes=notes, stamps=stamps)
-    return replace(whole, first_row=parts[0].first_row, sampling=_joined(parts))
-
-
-def _joined(parts: list[Trajectory]) -> Sampling | None:
-    """How far all parts can be trusted, None if that is not known of one."""
     known = [part.sampling for part in parts if part.sampling is not None]
-    if len(known) < len(parts):
-        return None
-    off, noise = (np.concatenate([getattr(each, name) for each in known]) for name in ("off", "noise"))
-    off_squares = np.sum([each.off_squares for each in known], axis=0)
-    squares = np.sum([each.squares for each in known], axis=0)
-    guessed, unknown = (any(getattr(each, name) for each in known) for name in ("guessed", "unknown"))
+    return replace(
+        parts[-1],
+        time=np.concatenate([part.time for part in parts]),
+        q=np.concatenate([part.q for part in parts]),
+        qd=np.concatenate([part.qd for part in parts]),
+        qdd=np.concatenate([part.qdd for part in parts]),
+        extra={name: np.concatenate([part.extra[name] for part in parts]) for name in parts[0].extra},
+        first_row=parts[0].first_row,
+        notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
+        stamps=None if parts[0].stamps is None else np.concatenate([part.given_time for part in parts]),
+        sampling=_joined(known) if len(known) == len(parts) else None,
+    )
+
+
+def _joined(known: list[Sampling]) -> Sampling:
+    """How far all parts can be trusted."""
     others = [each.other for each in known if each.other is not None]
     other = None
     if len(others) == len(known):
         other = np.concatenate([qd for qd, _ in others]), np.concatenate([qdd for _, qdd in others])
-    return Sampling(off, noise, off_squares, squares, guessed, unknown, other)
+    return Sampling(
+        off=np.concatenate([each.off for each in known]),
+        noise=np.concatenate([each.noise for each in known]),
+        off_squares=np.sum([each.off_squares for each in known], axis=0),
+        squares=np.sum([each.squares for each in known], axis=0),
+        guessed=any(each.guessed for each in known),
+        unknown=any(each.unknown for each in known),
+        other=other,
+    )
 
 
 def cut(samples: Trajectory, start: int, stop: int) -> Trajectory:

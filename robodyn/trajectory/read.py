@@ -8,7 +8,7 @@ what comes out, `write.py` writes tables.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from math import inf
 
 import numpy as np
@@ -29,31 +29,25 @@ from robodyn.trajectory.reading import DEFAULT, Derivatives, HoldGiven, Reading,
 
 
 def signals(model: Model, scene: Scene = EMPTY) -> Signals:
-    """Return what the model wants to read from a trajectory."""
+    """What the model wants to read from a trajectory."""
     dependent = tuple(body.joint.name for body in model.bodies if body.joint.mimics is not None)
     constraints = (*(loop.name for loop in scene.loops), *(contact.name for contact in scene.contacts))
     joints = tuple(_signal(model, joint) for joint in model.independent)
-    return Signals(joints, dependent, _looped(model, scene), constraints)
-
-
-def _looped(model: Model, scene: Scene) -> tuple[str, ...]:
-    """Return the joints that move a loop: those between the two links and what carries both."""
-    found: set[int] = set()
-    for loop in scene.loops:
-        there = (model.links[loop.to].body if loop.to in model.links else -1, model.links[loop.link].body)
-        ways = [{*_outward(model, body)} for body in there]
-        found |= {model.bodies[i].joint.coordinate for i in ways[0] ^ ways[1]}
-    return tuple(joint.name for joint in model.independent if joint.coordinate in found)
-
-
-def _outward(model: Model, i: int) -> Iterator[int]:
-    while i >= 0:
-        yield i
-        i = model.parents[i]
+    moving: set[int] = set()
+    for loop in scene.loops:  # the joints between its two links and what carries both move it
+        ways: list[set[int]] = [set(), set()]
+        for way, link in zip(ways, (loop.to, loop.link), strict=True):
+            i = model.links[link].body if link in model.links else -1
+            while i >= 0:
+                way.add(i)
+                i = model.parents[i]
+        moving |= {model.bodies[i].joint.coordinate for i in ways[0] ^ ways[1]}
+    looped = tuple(joint.name for joint in model.independent if joint.coordinate in moving)
+    return Signals(joints, dependent, looped, constraints)
 
 
 def _signal(model: Model, joint: Joint) -> Signal:
-    """Return a joint as a signal; its limits are those of joints that mimic it, too, where all can be kept."""
+    """A joint as a signal; its limits are those of joints that mimic it, too, where all can be kept."""
     lower, upper = -inf, inf
     for each in (body.joint for body in model.bodies if body.joint.coordinate == joint.coordinate):
         ends = [-inf if each.lower is None else each.lower, inf if each.upper is None else each.upper]
@@ -61,15 +55,9 @@ def _signal(model: Model, joint: Joint) -> Signal:
             low, high = sorted((end - each.offset) / each.multiplier for end in ends)
             if max(low, lower) <= min(high, upper):
                 lower, upper = max(low, lower), min(high, upper)
-    return Signal(joint.name, _kind(joint), lower, upper, joint.velocity or inf)
-
-
-def _kind(joint: Joint) -> Kind:
-    if joint.kind == "floating":
-        return "floating"
-    if joint.kind == "prismatic":
-        return "length"
-    return "continuous" if joint.continuous else "angle"
+    kinds: dict[str, Kind] = {"floating": "floating", "prismatic": "length"}
+    kind = kinds.get(joint.kind, "continuous" if joint.continuous else "angle")
+    return Signal(joint.name, kind, lower, upper, joint.velocity or inf)
 
 
 def read_motion(
@@ -87,7 +75,7 @@ def read_motion(
     measured: bool = False,
     encoder_error: float = 0.0,
 ) -> TrajectoryReader:
-    """Return a reader of the motion of this robot in this scene, for `torques`.
+    """A reader of the motion of this robot in this scene, for `torques`.
 
     Joints of loops may be without columns: they follow, see `loads.follow`.
 
@@ -165,15 +153,10 @@ def open_trajectory(
     reading: Reading = DEFAULT,
     block_rows: int = BLOCK_ROWS,
 ) -> TrajectoryReader:
-    """A reader of the trajectory in a file.
+    """A reader of the trajectory in a file of `open_table`.
 
     Args:
-        path: `.csv .tsv .txt .dat`, `.parquet .pq` or `.npz`; a bag of ROS, `.db3 .mcap .bag` or a folder, or messages
-            of ROS as `.yaml .yml .json`; `-` is standard input (CSV).
-        signals: what the robot wants.
-        file_type: "csv", "parquet" or "npz" if the suffix does not tell.
         extra: further columns to read, which the scene names.
-        reading: how it is to be read.
         block_rows: samples held at a time.
 
     Raises:
@@ -196,16 +179,17 @@ def from_arrays(
     extra: Mapping[str, ArrayLike] | None = None,
     reading: Reading = DEFAULT,
 ) -> Trajectory:
-    """A trajectory from arrays, checked and derived as one from a file.
+    """A trajectory from arrays as of `motion`, checked and derived as one from a file.
 
     Args:
-        time: (N,) s; q: (N, nq) rad, m; qd, qdd: (N, n), or (N,) by coordinate and rate; extra: (N,) columns that the
-            scene names.
+        extra: (N,) columns that the scene names.
 
     Raises:
         TrajectoryError: an array has the wrong shape, is not finite, or time does not increase; a name is none.
     """
-    columns = {"time": _stamps(time)}
+    # stamps that are whole numbers stay such, for an origin to be subtracted exactly
+    whole = isinstance(time, np.ndarray) and time.dtype.kind in "iu" and time.ndim == 1
+    columns = {"time": np.asarray(time) if whole else _array("time", time, None)}
     widths = {"q": len(signals.positions), "qd": len(signals.velocities), "qdd": len(signals.velocities)}
     for (name, width), values in zip(widths.items(), (q, qd, qdd), strict=True):
         if isinstance(values, Mapping):
@@ -216,12 +200,6 @@ def from_arrays(
     columns |= {name: _array(name, values, None) for name, values in (extra or {}).items()}
     with TrajectoryReader(ArrayTable(None, columns), signals, tuple(extra or ()), reading) as reader:
         return join(list(reader.blocks()))
-
-
-def _stamps(time: ArrayLike) -> Floats:
-    """Return stamps; whole numbers stay such, for an origin to be subtracted exactly."""
-    stamps = np.asarray(time) if isinstance(time, np.ndarray) and time.dtype.kind in "iu" else None
-    return _array("time", time, None) if stamps is None or stamps.ndim != 1 else stamps
 
 
 def _array(name: str, values: ArrayLike, width: int | None) -> Floats:
@@ -236,7 +214,7 @@ def _array(name: str, values: ArrayLike, width: int | None) -> Floats:
 
 
 def open_table(path: str | os.PathLike[str], file_type: str | None = None, topic: str | None = None) -> Table:
-    """The table in a file, a bag or a file of messages; `-` is standard input (CSV).
+    """The table in a file (`FILE_TYPES`), a bag of ROS or a file of its messages; `-` is standard input (CSV).
 
     Args:
         file_type: "csv", "parquet" or "npz"; by the suffix of the name if None.
@@ -261,8 +239,7 @@ def open_table(path: str | os.PathLike[str], file_type: str | None = None, topic
 
             return bag_table(name, topic)
         if log == "messages":
-            from robodyn.trajectory.readers.log_table import LogTable
-            from robodyn.trajectory.readers.messages import read_messages
+            from robodyn.trajectory.readers.messages import LogTable, read_messages
 
             return LogTable(name, read_messages(name))
         if os.path.isdir(name):

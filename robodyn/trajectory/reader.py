@@ -21,7 +21,7 @@ from robodyn.support.caveats import Caveat
 from robodyn.support.floats import Floats
 from robodyn.support.wording import count
 from robodyn.trajectory.columns.header import Header, listing
-from robodyn.trajectory.columns.layout import ABSENT, Layout, resolve
+from robodyn.trajectory.columns.layout import ABSENT, resolve
 from robodyn.trajectory.columns.signals import Signals
 from robodyn.trajectory.derivatives.groups import anew, given, missing, samples_needed
 from robodyn.trajectory.derivatives.standstill import REACH, Standstill
@@ -50,6 +50,7 @@ class TrajectoryReader:
     """Samples of a table, block by block; also a context manager that closes the file.
 
     Attributes:
+        file: as messages name it, None for arrays; size_bytes: its length.
         columns: the names in the table.
         notes: assumptions made so far; caveats: what makes the units doubtful, by all that has been read.
         missing: joints whose velocities or accelerations are not given.
@@ -68,18 +69,22 @@ class TrajectoryReader:
             what = f"unknown way to differentiate {reading.derivatives!r}"
             raise TrajectoryError(what, remedy=f"one of {listing(MODES)}")
         if table.leaves_out:
-            from robodyn.trajectory.readers.log_table import whole_joints
+            from robodyn.trajectory.readers.messages import whole_joints
 
             reading = replace(reading, ignore_extra=True, columns=whole_joints(reading.columns, table.names))
         self._table, self._signals, self._mode, self._rows = table, signals, reading.derivatives, block_rows
         self._encoder_error, self.columns = reading.encoder_error, table.names
+        self.file, self.size_bytes = table.file, table.size_bytes
         header = Header(table.names, table.file, table.header_line)
         if header.labels:
             header = header.labelled(table.texts([*header.labels]))
         layout = resolve(header, signals, extra, reading)
         if reading.derivatives == "anew":
             layout = anew(signals, layout)
-        self._layout = layout = _begun(layout, table)
+        table.choose(layout.needed)
+        clock = layout.clock.begun(table.first(layout.clock.columns))
+        table.origins = dict(zip(clock.columns, clock.origin, strict=False))  # which it subtracts from now on
+        self._layout = layout = replace(layout, clock=clock)
         self._groups, assumptions = missing(signals, layout)
         self.missing = tuple(group.name for group in self._groups)
         self._told = given(signals, layout)
@@ -93,16 +98,6 @@ class TrajectoryReader:
         self._plan: Plan | None = None
         self._check: GivenRates | None = None
         self._open: Floats | None = None
-
-    @property
-    def file(self) -> str | None:
-        """As messages name it; None for arrays."""
-        return self._table.file
-
-    @property
-    def size_bytes(self) -> int:
-        """Length of the file."""
-        return self._table.size_bytes
 
     @property
     def position_bytes(self) -> int:
@@ -167,8 +162,7 @@ class TrajectoryReader:
             yield replace(block, derivation=self.derivation, notes=self.notes, caveats=self.caveats)
 
     def _completed(self, samples: Trajectory, still: Standstill | None, rows: slice) -> Trajectory:
-        """Some of the samples with the missing columns, speeds of 0 where joints stand still, and how far they can be
-        trusted."""
+        """Some rows with the missing columns, speeds of 0 where joints stand still, and how far they can be trusted."""
         known = None
         if self._plan:
             from robodyn.trajectory.derivatives.derive import derive, sampling
@@ -211,12 +205,10 @@ class TrajectoryReader:
         self.notes = tuple(dict.fromkeys((*self.notes, *notes)))
 
     def _assembled(self, block: Floats, first_row: int, last_time: float) -> Trajectory:
-        """The samples in a block whose columns are `layout.needed`; absent columns are 0, or the identity.
+        """The samples in a block (k, len(layout.needed)), finite; absent columns are 0, or the identity.
 
         Args:
-            block: (k, len(layout.needed)), finite.
-            first_row: number of its first row in the table, from 1.
-            last_time: time of the row before it.
+            first_row: of the block in the table, from 1; last_time: of the row before it.
 
         Raises:
             TrajectoryError: time does not increase, or a quaternion is zero.
@@ -226,8 +218,8 @@ class TrajectoryReader:
         stamps, *nano = (block[:, place[column]] for column in clock.columns)
         time = clock.seconds(stamps, *nano)
         self._check_time(time, first_row, last_time)
-        q, qd, qdd = (np.zeros((len(block), len(of)), order="F") for of in (layout.q, layout.qd, layout.qdd))
-        for values, of in ((q, layout.q), (qd, layout.qd), (qdd, layout.qdd)):
+        q, qd, qdd = arrays = [np.zeros((len(block), len(of)), order="F") for of in (layout.q, layout.qd, layout.qdd)]
+        for values, of in zip(arrays, (layout.q, layout.qd, layout.qdd), strict=True):
             for i, column in enumerate(of):
                 if column != ABSENT:
                     cells = block[:, place[column]]
@@ -294,20 +286,12 @@ class TrajectoryReader:
 
 
 def _with_rough_speeds(block: Trajectory) -> Trajectory:
-    """Return a block with high differences of its positions, which no turn of 2 pi is among, for velocities of zero."""
+    """A block with high differences of its positions, which no turn of 2 pi is among, for velocities of zero."""
     if len(block) < _FEW or block.q.shape != block.qd.shape:
         return block
     steps = np.quantile(np.abs(np.diff(block.q, axis=0)), _OFTEN, axis=0)
     rough = steps / float(np.median(np.diff(block.time)))
     return replace(block, qd=np.where(block.qd.any(axis=0), block.qd, rough))
-
-
-def _begun(layout: Layout, table: Table) -> Layout:
-    """Return the layout with the origin of its stamps, which the table subtracts from now on."""
-    table.choose(layout.needed)
-    clock = layout.clock.begun(table.first(layout.clock.columns))
-    table.origins = dict(zip(clock.columns, clock.origin, strict=False))
-    return replace(layout, clock=clock)
 
 
 def row_at(

@@ -32,12 +32,9 @@ class Hold:
     named: Mapping[str, str | float] = field(default_factory=dict)
 
     def positions(self, signals: Signals, angle_unit: AngleUnit) -> dict[int, float]:
-        """Return index in q -> position [rad or m], of all that is to be held.
+        """Index in q -> position [rad or m], of all that is to be held.
 
         A number for all leaves floating joints at rest: at their place and not turned.
-
-        Args:
-            angle_unit: of the angles that were given.
 
         Raises:
             TrajectoryError: there is no joint of a name, or a floating joint or its quaternion is given one number.
@@ -66,17 +63,15 @@ class Hold:
 
 
 def hold_of(given: HoldGiven | None) -> Hold:
-    """Return what a person gives as data.
+    """What a person gives as data.
 
     Raises:
         TrajectoryError: it is not understood.
     """
-    if given is None:
-        return Hold()
     if isinstance(given, Mapping):
         return Hold(None, {name: _place(place) for name, place in given.items()})
     every, named = None, {}
-    for part in str(given).split(","):
+    for part in () if given is None else str(given).split(","):
         name, equals, place = part.rpartition("=")
         if equals:
             named[name.strip()] = _place(place)
@@ -102,16 +97,13 @@ class Reading:
     """How a table is to be read.
 
     Attributes:
-        derivatives: what to do about missing velocities and accelerations: "auto" chooses by the noise of the data (see
-            `choose.diagnose`), "anew" does so and leaves those aside that the table gives, "given" refuses, "spline",
-            "savgol" and "central" are methods; "none" leaves them 0, for those who take derivatives themselves.
+        derivatives: as of `read_motion`; "none" leaves what is missing 0, for those who take derivatives themselves.
         ignore_extra: leave unknown columns out instead of refusing them.
-        hold: where joints without columns are.
         columns: our name -> the table's, such as "q_elbow" -> "Elbow angle".
         time_unit, angle_unit: of columns whose names do not tell; None is s and rad, and that it is only assumed.
         topic: of a bag, whose messages are read; None: the only one that there is.
-        encoder_error: largest cyclic error of the encoders [rad; m of slides], 0 for none.
         measured: read measured torques too, as extra columns `tau_<joint>`.
+        encoder_error: largest cyclic error of the encoders [rad; m of slides], 0 for none.
     """
 
     derivatives: Derivatives = "auto"

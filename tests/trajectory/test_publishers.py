@@ -11,8 +11,7 @@ from robodyn.errors import TrajectoryError
 from robodyn.trajectory.motion import join
 from robodyn.trajectory.read import signals
 from robodyn.trajectory.reader import TrajectoryReader
-from robodyn.trajectory.readers.log_table import LogTable
-from robodyn.trajectory.readers.messages import NANO, State
+from robodyn.trajectory.readers.messages import NANO, LogTable, State
 from robodyn.trajectory.reading import Reading, hold_of
 
 ROBOT = ROBOTS / "two_link_planar.urdf"

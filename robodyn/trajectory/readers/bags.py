@@ -18,8 +18,7 @@ from robodyn.support.input_file import read_input, vetted
 from robodyn.support.input_limits import beyond, limits
 from robodyn.support.wording import alternatives, count, shown
 from robodyn.trajectory.columns.header import listing
-from robodyn.trajectory.readers.log_table import LogTable
-from robodyn.trajectory.readers.messages import KNOWN, states_of
+from robodyn.trajectory.readers.messages import KINDS, LogTable, states_of
 from robodyn.trajectory.readers.table import BAGS, METADATA, decoding
 from robodyn.trajectory.readers.yaml_values import yaml_documents
 
@@ -36,7 +35,7 @@ float64[] values
 
 
 def bag_table(name: str, topic: str | None = None) -> LogTable:
-    """Return the motion in a bag.
+    """The motion in a bag.
 
     Args:
         name: of a `.db3`, `.mcap` or `.bag` file, or of the folder of a bag of ROS 2; without its `metadata.yaml` it
@@ -55,16 +54,15 @@ def bag_table(name: str, topic: str | None = None) -> LogTable:
     _check_files(place)
     with decoding("a bag", name), _bounded(place), AnyReader([place], default_typestore=_types()) as bag:
         chosen = _chosen(bag.connections, topic, name)
-        kind = _kind(chosen[0])
-        return LogTable(name, states_of(kind, _messages(bag, chosen), name))
+        messages = (
+            (bag.deserialize(data, connection.msgtype), int(recorded))
+            for connection, recorded, data in bag.messages(connections=chosen)
+        )
+        return LogTable(name, states_of(_kind(chosen[0]), messages, name))
 
 
 def _place(name: str) -> Path:
-    """Return the file or folder that is read: of a folder without metadata the only bag in it.
-
-    Raises:
-        TrajectoryError: there is none, or several.
-    """
+    """The file or folder that is read: of a folder without metadata the only bag in it."""
     path = Path(name)
     if not path.is_dir() or (path / METADATA).is_file():
         return path
@@ -79,16 +77,11 @@ def _place(name: str) -> Path:
     return bags[0]
 
 
-def _messages(bag: Any, connections: Sequence[Any]) -> Iterator[tuple[Any, int]]:
-    for connection, recorded, data in bag.messages(connections=connections):
-        yield bag.deserialize(data, connection.msgtype), int(recorded)
-
-
 def _chosen(connections: Sequence[Any], topic: str | None, file: str) -> list[Any]:
-    """Return the connections of the topic that is meant."""
+    """The connections of the topic that is meant."""
     topics: dict[str, list[Any]] = {}
     for connection in connections:
-        if _kind(connection) in KNOWN:
+        if _kind(connection) in KINDS:
             topics.setdefault(connection.topic, []).append(connection)
     if topic is not None and topic in topics:
         return topics[topic]
@@ -100,7 +93,7 @@ def _chosen(connections: Sequence[Any], topic: str | None, file: str) -> list[An
     if len(topics) != 1:
         others = ", ".join(sorted({connection.msgtype for connection in connections})[:8]) or "nothing"
         if not topics:
-            what = f"no topic with messages about joints ({', '.join(KNOWN)}); it has {others}"
+            what = f"no topic with messages about joints ({', '.join(KINDS)}); it has {others}"
             raise TrajectoryError(what, remedy="record the topic of joint states", file=file)
         raise TrajectoryError(f"has several topics about joints: {listed}", remedy="--topic NAME says which", file=file)
     return next(iter(topics.values()))
@@ -111,7 +104,7 @@ def _kind(connection: Any) -> str:
 
 
 def _types() -> Any:
-    """Return the types of messages for bags that do not bring them, as those of SQLite."""
+    """The types of messages for bags that do not bring them, as those of SQLite."""
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
     store = get_typestore(Stores.ROS2_HUMBLE)
@@ -135,11 +128,7 @@ def _check_files(path: Path) -> None:
 
 @contextmanager
 def _bounded(path: Path) -> Iterator[None]:
-    """Let rosbags unpack no more from this bag than the limits allow, and its databases count their steps.
-
-    Raises:
-        TrajectoryError: when something is beyond a limit.
-    """
+    """Let rosbags unpack no more from this bag than the limits allow, and its databases count their steps."""
     import apsw
     from rosbags.rosbag1 import reader as first
     from rosbags.rosbag2 import reader, storage_mcap, storage_sqlite3
@@ -149,22 +138,22 @@ def _bounded(path: Path) -> Iterator[None]:
     budget = _Budget(str(path), sum(each.stat().st_size for each in files if each.is_file()), zstd)
     mcap = {name: budget.chunk(unpack) for name, unpack in _UNPACK.items() if name != "bz2"}
     ros1 = {name or "none": budget.chunk(unpack) for name, unpack in _UNPACK.items() if name != "zstd"}
+    # what a bag says of the quality of service is YAML again, and nothing here needs it
+    no_qos: dict[str, Any] = {"parse_qos": lambda _: []}
+    replaced: list[tuple[dict[str, Any], Mapping[str, Any]]] = [
+        (storage_mcap.DECOMPRESSORS, mcap),
+        (first.decompressors, ros1),
+        (vars(reader), {"zstd": budget, **no_qos}),
+        (vars(storage_mcap), no_qos),
+        (vars(storage_sqlite3), no_qos),
+    ]
     with ExitStack() as stack:
-        for known, ours in ((storage_mcap.DECOMPRESSORS, mcap), (first.decompressors, ros1)):
-            _replaced(stack, known, ours)
-        _replaced(stack, vars(reader), {"zstd": budget})
-        for module in (reader, storage_mcap, storage_sqlite3):
-            # what a bag says of the quality of service is YAML again, and nothing here needs it
-            _replaced(stack, vars(module), {"parse_qos": lambda _: []})
+        for names, ours in replaced:
+            stack.callback(names.update, {name: names[name] for name in ours})
+            names.update(ours)
         apsw.connection_hooks.append(budget.bound)
         stack.callback(apsw.connection_hooks.remove, budget.bound)
         yield
-
-
-def _replaced(stack: ExitStack, names: dict[str, Any], ours: Mapping[str, Any]) -> None:
-    """Give names another meaning until the stack ends; they must be there."""
-    stack.callback(names.update, {name: names[name] for name in ours})
-    names.update(ours)
 
 
 class _Budget:

@@ -12,6 +12,7 @@ import math
 import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from functools import partial
 from io import BytesIO
 from typing import TYPE_CHECKING, BinaryIO
@@ -23,7 +24,7 @@ from robodyn.support.floats import Floats
 from robodyn.support.input_file import copied, open_input
 from robodyn.support.input_limits import beyond, limits
 from robodyn.support.wording import count
-from robodyn.trajectory.readers.table import ALL_FINITE, Table, changed
+from robodyn.trajectory.readers.table import ALL_FINITE, Table
 
 if TYPE_CHECKING:
     from decimal import Decimal
@@ -36,7 +37,7 @@ _MARKS = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16", b"\x1f\x8b": "gzip", b"P
 
 
 class CsvTable(Table):
-    """A delimited text file whose first line names the columns; see `Table`.
+    """A delimited text file whose first line names the columns.
 
     Standard input (`-`) and pipes are copied to a temporary file first, because the reader looks at them twice.
     """
@@ -89,9 +90,10 @@ class CsvTable(Table):
             remedy = "name the columns, quoted where a name has a comma"
             raise refuse(f"the header cannot be read: {error}", remedy) from None
         names = tuple(cell.strip() for cell in cells)
-        if all(map(_is_number, names)):
-            remedy = "begin with a line of names, e.g. time,q_<joint>,..."
-            raise refuse("no header: the first line holds numbers", remedy)
+        with suppress(ValueError):
+            if [*map(float, names)]:
+                remedy = "begin with a line of names, e.g. time,q_<joint>,..."
+                raise refuse("no header: the first line holds numbers", remedy)
         return names, delimiter.encode()
 
     def blocks(self, columns: Sequence[int], rows: int) -> Iterator[Floats]:
@@ -109,11 +111,7 @@ class CsvTable(Table):
                 yield values[start : start + rows]
 
     def _check_lines(self, data: bytes, first: Callable[[], int]) -> None:
-        """Raise if one of these lines is longer than is read; in leaps from the end of a line to another.
-
-        Args:
-            first: gives the number of the first.
-        """
+        """Raise if one of these lines, the first of this number, is too long; in leaps from end to end."""
         start, longest = 0, limits().csv_line_bytes
         while start + longest < len(data):
             end = data.rfind(b"\n", start, start + longest + 1)
@@ -159,11 +157,7 @@ class CsvTable(Table):
         return line.split() if self._delimiter == BLANK else line.split(self._delimiter)
 
     def _parsed(self, data: bytes, columns: Sequence[int], offset: int) -> Floats:
-        """The chosen columns of whole lines of text, (rows, len(columns)), every cell finite.
-
-        Raises:
-            TrajectoryError: naming the line and the column of the first bad cell.
-        """
+        """The chosen columns of whole lines of text, (rows, len(columns)), every cell finite."""
         values = self._parsed_by_polars(data, columns) if self.size_bytes > LARGE else None
         return self._parsed_lines(data, columns, offset) if values is None else values
 
@@ -248,7 +242,8 @@ class CsvTable(Table):
             for i in columns if len(cells) == len(self.names) else ():
                 text = cells[i].strip().decode("utf-8", "replace")
                 if text != found.setdefault(i, text):
-                    raise self.error_at(row, *changed(self.names[i], text, found[i]))
+                    what = f"column {self.names[i]!r} is {text!r}, and {found[i]!r} in the rows before"
+                    raise self.error_at(row, what, "give a column per joint")
         return found
 
     def _rows(self) -> Iterator[list[bytes]]:
@@ -281,20 +276,11 @@ def _less(cells: Sequence[bytes], origin: Decimal) -> list[float] | None:
     return None if found is None else [float(cell - origin) for cell in found]
 
 
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
-
-
 def _seekable(path: str) -> BinaryIO:
-    stream = sys.stdin.buffer if path == "-" else open_input(path, typed=True)
-    if path != "-" and stream.seekable():
+    if path == "-":
+        return copied(sys.stdin.buffer, "<stdin>")
+    stream = open_input(path, typed=True)
+    if stream.seekable():
         return stream
-    try:
-        return copied(stream, "<stdin>" if path == "-" else path)
-    finally:
-        if path != "-":
-            stream.close()
+    with stream:
+        return copied(stream, path)

@@ -1,18 +1,25 @@
-"""What messages of ROS say of joints: JointState, DynamicJointState and JointTrajectory of any version; their text,
-JSON or the YAML that MoveIt and `ros2 topic echo` write."""
+"""Messages of ROS about joints as a table: JointState, DynamicJointState and JointTrajectory of any version, of bags,
+or as text, JSON or the YAML that MoveIt and `ros2 topic echo` write. One row per message, joints of other publishers
+put onto its stamps."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from itertools import pairwise
+from math import pi
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robodyn.errors import TrajectoryError
 from robodyn.support.extras import need
+from robodyn.support.floats import Floats
 from robodyn.support.input_file import parse_json, read_input
-from robodyn.support.wording import shown
-from robodyn.trajectory.readers.table import decoding
+from robodyn.support.input_limits import beyond, limits
+from robodyn.support.wording import count, shown
+from robodyn.trajectory.columns.header import listing
+from robodyn.trajectory.readers.table import ArrayTable, decoding
 from robodyn.trajectory.readers.yaml_values import yaml_documents
 
 QUANTITIES = {"position": "q", "velocity": "qd", "acceleration": "qdd", "effort": "tau"}
@@ -20,6 +27,9 @@ QUANTITIES = {"position": "q", "velocity": "qd", "acceleration": "qdd", "effort"
 NANO = 1_000_000_000
 _LATEST = 1 << 62
 """ns, either way: stamps and their differences are whole numbers of 64 bits."""
+_STAMPS = (("sec", "secs"), ("nanosec", "nsec", "nsecs", "nanosecs"))
+_GAP = 4.5
+"""So many of its steps without a message, and nothing is said of a joint between."""
 
 
 class State(NamedTuple):
@@ -34,8 +44,8 @@ class State(NamedTuple):
     values: Mapping[str, Sequence[float]]
 
 
-def joint_state(message: Any, recorded: int) -> State:
-    """Return what a sensor_msgs/JointState says.
+def joint_state(message: Any, recorded: int) -> list[State]:
+    """What a sensor_msgs/JointState says.
 
     Args:
         message: an object with these attributes, or a mapping; recorded: ns, when, for messages without a stamp.
@@ -45,15 +55,11 @@ def joint_state(message: Any, recorded: int) -> State:
     """
     stamp = _stamp(_get(_get(message, "header"), "stamp"))
     values = {quantity: _get(message, quantity) for quantity in ("position", "velocity", "effort")}
-    return State(stamp or recorded, _names(_get(message, "name"), "name"), _numbers(values))
+    return [State(stamp or recorded, _names(_get(message, "name"), "name"), _numbers(values))]
 
 
-def dynamic_joint_state(message: Any, recorded: int) -> State:
-    """Return what a control_msgs/DynamicJointState says; only interfaces that all of its joints have count.
-
-    Raises:
-        ValueError: as `joint_state`.
-    """
+def dynamic_joint_state(message: Any, recorded: int) -> list[State]:
+    """What a control_msgs/DynamicJointState says; only interfaces that all of its joints have count."""
     names, each = _names(_get(message, "joint_names"), "joint_names"), []
     for values in _parts(_get(message, "interface_values"), "interface_values"):
         interfaces = _names(_get(values, "interface_names"), "interface_names")
@@ -61,29 +67,22 @@ def dynamic_joint_state(message: Any, recorded: int) -> State:
         each.append(dict(zip(interfaces, numbers, strict=False)))
     stamp = _stamp(_get(_get(message, "header"), "stamp"))
     common = [quantity for quantity in QUANTITIES if each and all(quantity in values for values in each)]
-    return State(stamp or recorded, names, {quantity: [values[quantity] for values in each] for quantity in common})
+    return [State(stamp or recorded, names, {quantity: [values[quantity] for values in each] for quantity in common})]
 
 
-def joint_trajectory(message: Any) -> list[State]:
-    """Return the points of a trajectory_msgs/JointTrajectory, from its own start on.
-
-    Raises:
-        ValueError: as `joint_state`.
-    """
+def joint_trajectory(message: Any, recorded: int = 0) -> list[State]:
+    """The points of a trajectory_msgs/JointTrajectory, from its own start on."""
     names, plural = _names(_get(message, "joint_names"), "joint_names"), {"position": "positions"}
     plural |= {"velocity": "velocities", "acceleration": "accelerations", "effort": "effort"}
-    return [
-        State(
-            _stamp(_get(point, "time_from_start")),
-            names,
-            _numbers({quantity: _get(point, name) for quantity, name in plural.items()}),
-        )
-        for point in _parts(_get(message, "points"), "points")
-    ]
+    states = []
+    for point in _parts(_get(message, "points"), "points"):
+        values = _numbers({quantity: _get(point, name) for quantity, name in plural.items()})
+        states.append(State(_stamp(_get(point, "time_from_start")), names, values))
+    return states
 
 
 def _get(message: Any, name: str) -> Any:
-    """Return a part of a message, None if it has none."""
+    """A part of a message, None if it has none."""
     return message.get(name) if isinstance(message, Mapping) else getattr(message, name, None)
 
 
@@ -104,7 +103,7 @@ def _parts(values: Any, what: str) -> list[Any]:
 
 
 def _numbers(values: Mapping[str, Any]) -> dict[str, Sequence[float]]:
-    """Return the quantities that are given."""
+    """The quantities that are given."""
     found: dict[str, Sequence[float]] = {}
     for quantity, given in values.items():
         if isinstance(given, np.ndarray) and given.ndim == 1 and given.dtype.kind in "fiu":
@@ -126,7 +125,7 @@ def _number(value: Any, what: str) -> float:
 
 
 def _stamp(stamp: Any) -> int:
-    """Return a stamp in ns: seconds as a number, or sec and nanosec, as ROS 1 has them too."""
+    """A stamp in ns: seconds as a number, or sec and nanosec, as ROS 1 has them too."""
     if stamp is None:
         return 0
     if isinstance(stamp, (str, int, float)):
@@ -140,39 +139,32 @@ def _stamp(stamp: Any) -> int:
     return round((seconds - whole[0]) * NANO) + whole[0] * NANO + round(nano - whole[1]) + whole[1]
 
 
-_STAMPS = (("sec", "secs"), ("nanosec", "nsec", "nsecs", "nanosecs"))
-KINDS: Mapping[str, Callable[[Any, int], State]] = {
-    "JointState": joint_state,
-    "DynamicJointState": dynamic_joint_state,
-}
 TRAJECTORY = "JointTrajectory"
-KNOWN = (*KINDS, TRAJECTORY)
+KINDS: dict[str, tuple[Callable[[Any, int], list[State]], set[str]]] = {
+    "JointState": (joint_state, {"name", "position"}),
+    "DynamicJointState": (dynamic_joint_state, {"joint_names", "interface_values"}),
+    TRAJECTORY: (joint_trajectory, {"joint_names", "points"}),
+}
+"""By kind, what reads a message, and the keys by which a mapping is one."""
 
 
 def states_of(kind: str, messages: Iterable[tuple[Any, int]], file: str) -> list[State]:
-    """Return what messages of one kind say, each given with the time of its record [ns].
+    """What messages of one kind say, each given with the time of its record [ns].
 
     Raises:
         TrajectoryError: there are several trajectories, or something else stands where names or numbers belong.
     """
-    if kind == TRAJECTORY:
-        found = [message for message, _ in messages]
-        if len(found) > 1:
-            what = f"has {len(found)} trajectories of joints, each with a time of its own"
-            raise TrajectoryError(what, remedy="write each to a file of its own", file=file)
-        messages = ((message, 0) for message in found)
+    messages = [*messages] if kind == TRAJECTORY else messages
+    if isinstance(messages, list) and len(messages) > 1:
+        what = f"has {len(messages)} trajectories of joints, each with a time of its own"
+        raise TrajectoryError(what, remedy="write each to a file of its own", file=file)
     states: list[State] = []
     for number, (message, recorded) in enumerate(messages, 1):
         try:
-            states += joint_trajectory(message) if kind == TRAJECTORY else [KINDS[kind](message, recorded)]
+            states += KINDS[kind][0](message, recorded)
         except ValueError as error:
             raise TrajectoryError(f"message {number}: {error}", remedy=f"is it a {kind}?", file=file) from None
     return states
-
-
-_KEYS = {"JointState": {"name", "position"}, "DynamicJointState": {"joint_names", "interface_values"}}
-_KEYS |= {TRAJECTORY: {"joint_names", "points"}}
-"""By kind, the keys by which a mapping is one."""
 
 
 def read_messages(name: str) -> list[State]:
@@ -191,7 +183,7 @@ def read_messages(name: str) -> list[State]:
     kinds = sorted({kind for kind, _ in found})
     if len(kinds) != 1:
         what = f"has messages of several kinds: {', '.join(kinds)}" if kinds else "has no messages about joints"
-        remedy = f"understood: {', '.join((*KINDS, TRAJECTORY))}, by keys such as joint_names and points"
+        remedy = f"understood: {', '.join(KINDS)}, by keys such as joint_names and points"
         raise TrajectoryError(what, remedy=remedy, file=name)
     return states_of(kinds[0], ((message, 0) for _, message in found), name)
 
@@ -202,9 +194,145 @@ def _messages(document: Any) -> Iterator[tuple[str, Mapping[str, Any]]]:
     while waiting:
         value = waiting.pop()
         if isinstance(value, Mapping):
-            kind = next((kind for kind, keys in _KEYS.items() if keys <= value.keys()), None)
+            kind = next((kind for kind, (_, keys) in KINDS.items() if keys <= value.keys()), None)
             if kind is not None:
                 yield kind, value
                 continue
         inner = value.values() if isinstance(value, Mapping) else value if isinstance(value, list) else ()
         waiting += reversed([*inner])
+
+
+class LogTable(ArrayTable):
+    """A table of messages: what it has beyond the robot is left out.
+
+    Rows are the messages of the publisher that has most: those about one set of joints, and of such with the same stamp
+    the first. Joints that only others tell of are interpolated onto its stamps, linearly.
+
+    Raises:
+        TrajectoryError: there are no messages, or none that has positions.
+    """
+
+    leaves_out = True
+
+    def __init__(self, file: str, states: Sequence[State]) -> None:
+        if not states:
+            raise TrajectoryError("has no messages", remedy="is the log complete?", file=file)
+        by_joints: dict[frozenset[str], list[State]] = {}
+        for state in states:
+            by_joints.setdefault(frozenset(state.names), []).append(state)
+        first, *others = sorted(by_joints.values(), key=lambda some: (-len(some), -len(set(some[0].names))))
+        notes: list[str] = []
+        rows = _once(first, notes)
+        stamps = _stamps(rows)
+        columns: dict[str, NDArray[Any]] = {"sec": stamps // NANO, "nanosec": stamps % NANO}
+        columns |= _columns(rows, rows[0].names, notes)
+        told, left = {*rows[0].names}, 0
+        self._between: dict[str, NDArray[np.bool_]] = {}
+        for other in others:
+            new = [name for name in other[0].names if name not in told]
+            told |= {*new}
+            left += 0 if new else len(other)
+            own = _once(sorted(other, key=lambda state: state.stamp), [])
+            for name, values in _columns(own, new, notes).items():
+                if len(columns) * len(stamps) > limits().log_values:
+                    what = f"{len(columns)} columns of {len(stamps)} rows"
+                    raise beyond("log_values", what, TrajectoryError, file=file)
+                columns[name], self._between[name] = _onto(stamps, _stamps(own), values, turns=name.startswith("q_"))
+        if left:
+            notes.append(f"{count(left, 'message')} about fewer joints left out")
+        if not any(name.startswith("q_") for name in columns):
+            raise TrajectoryError("no messages with positions", remedy="is it another topic?", file=file)
+        self.notes = tuple(notes)
+        super().__init__(file, columns)
+
+    def choose(self, columns: Sequence[int]) -> None:
+        """Leave out rows that are not between messages about joints of these columns.
+
+        Raises:
+            TrajectoryError: none is.
+        """
+        between = {name: self._between[name] for name in (self.names[i] for i in columns) if name in self._between}
+        if not between:
+            return
+        rows = np.logical_and.reduce([*between.values()])
+        joints = listing(dict.fromkeys(name.partition("_")[2] for name in between))
+        if not rows.any():
+            what = f"messages about {joints} and those about the other joints are of different times"
+            raise TrajectoryError(what, remedy="record them together", file=self.file)
+        self.notes += (f"messages of another publisher about {joints} are interpolated onto the stamps of the others",)
+        if lost := self._rows - int(rows.sum()):
+            self.notes += (f"{count(lost, 'message')} left out, not between two about {joints}",)
+        self._arrays, self._rows = [values[rows] for values in self._arrays], int(rows.sum())
+
+
+def whole_joints(columns: Mapping[str, str], there: Collection[str]) -> dict[str, str]:
+    """Our names -> those of a log, with the other quantities of joints whose positions are among them.
+
+    Args:
+        there: the columns of the log.
+    """
+    found = dict(columns)
+    for ours, theirs in columns.items():
+        if ours.startswith("q_") and theirs.startswith("q_"):
+            for letter in QUANTITIES.values():
+                if f"{letter}{theirs[1:]}" in there:
+                    found.setdefault(f"{letter}{ours[1:]}", f"{letter}{theirs[1:]}")
+    return found
+
+
+def _once(states: Sequence[State], notes: list[str]) -> list[State]:
+    """Messages without those that have the stamp of the one before; notes how many there were."""
+    new = [states[0], *(b for a, b in pairwise(states) if b.stamp != a.stamp)]
+    if len(new) < len(states):
+        notes.append(f"{count(len(states) - len(new), 'message')} with the stamp of the one before left out")
+    return new
+
+
+def _stamps(states: Sequence[State]) -> NDArray[np.int64]:
+    return np.array([state.stamp for state in states], dtype=np.int64)
+
+
+def _columns(states: Sequence[State], names: Sequence[str], notes: list[str]) -> dict[str, Floats]:
+    """The columns of joints, of quantities that all messages have; notes what some lack, or have as NaN only."""
+    columns: dict[str, Floats] = {}
+    for quantity, letter in QUANTITIES.items():
+        having = [state for state in states if len(state.values.get(quantity, ())) == len(state.names) > 0]
+        if len(having) == len(states):
+            rows = np.array([_in_order(state, names, quantity) for state in states])
+            lost = [name for i, name in enumerate(names) if quantity != "position" and np.isnan(rows[:, i]).all()]
+            columns |= {f"{letter}_{name}": rows[:, i] for i, name in enumerate(names) if name not in lost}
+            if lost:
+                notes.append(f"{quantity} of {listing(lost)} is NaN in every message: read as not measured")
+        elif having and names:
+            lacking = len(states) - len(having)
+            notes.append(f"{quantity} is not used: {count(lacking, 'message')} of {len(states)} lack it")
+    return columns
+
+
+def _in_order(state: State, names: Sequence[str], quantity: str) -> Sequence[float]:
+    """The values of a message in the order of these names."""
+    values = state.values[quantity]
+    if state.names == names:
+        return values
+    place = {name: i for i, name in enumerate(state.names)}
+    return [values[place[name]] for name in names]
+
+
+def _onto(
+    stamps: NDArray[np.int64], own: NDArray[np.int64], values: Floats, turns: bool
+) -> tuple[Floats, NDArray[np.bool_]]:
+    """Values at other stamps, and where these stand between two messages without a gap.
+
+    Args:
+        stamps: (N,) ns; own: (k,) of the values [ns], increasing; values: (k,).
+        turns: whether a change by more than pi is a turn around, in which nothing stands between: the nearer counts.
+    """
+    before = np.maximum(np.searchsorted(own, stamps, "right") - 1, 0)
+    after = np.minimum(np.searchsorted(own, stamps), len(own) - 1)
+    span = own[after] - own[before]
+    part = (stamps - own[before]) / np.maximum(span, 1)
+    if turns:
+        part = np.where(np.abs(values[after] - values[before]) > pi, np.rint(part), part)
+    found = (1.0 - part) * values[before] + part * values[after]
+    typical = np.median(np.diff(own)) if len(own) > 1 else 0.0
+    return found, (own[before] <= stamps) & (stamps <= own[after]) & (span <= _GAP * typical)

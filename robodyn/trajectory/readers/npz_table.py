@@ -21,11 +21,7 @@ _METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
 class NpzTable(ArrayTable):
-    """The table in an `.npz` archive, stored or deflated: an array is read as a whole when a column of it is needed.
-
-    Raises:
-        TrajectoryError: it is no archive, or an array is not a column, or matrix q, qd or qdd, of numbers.
-    """
+    """The table in an `.npz` archive, stored or deflated: an array is read as a whole when a column of it is needed."""
 
     def __init__(self, path: str) -> None:
         self._members: list[tuple[str, int | None]] = []

@@ -18,12 +18,8 @@ if TYPE_CHECKING:
     from decimal import Decimal
 
 FILE_TYPES = {
-    ".csv": "csv",
-    ".tsv": "csv",
-    ".txt": "csv",
-    ".dat": "csv",
-    ".parquet": "parquet",
-    ".pq": "parquet",
+    **dict.fromkeys((".csv", ".tsv", ".txt", ".dat"), "csv"),
+    **dict.fromkeys((".parquet", ".pq"), "parquet"),
     ".npz": "npz",
 }
 """The kind of table by the suffix of its file."""
@@ -54,7 +50,6 @@ class Table(ABC):
 
     leaves_out = False
     notes: tuple[str, ...] = ()
-
     header_line: int | None = None
     size_bytes = position_bytes = 0
     names: tuple[str, ...]
@@ -76,18 +71,14 @@ class Table(ABC):
 
     @abstractmethod
     def first(self, columns: Sequence[int]) -> list[str | float]:
-        """Return the first row of columns as it is written, with all digits; nothing if there is none."""
+        """The first row of columns as it is written, with all digits; nothing if there is none."""
 
     def error_at(self, row: int, what: str, remedy: str | None = None) -> TrajectoryError:
-        """Return an error about a data row, counted from 1, that says where the row stands in the file."""
+        """An error about a data row, counted from 1, that says where the row stands in the file."""
         return TrajectoryError(f"row {row}: {what}", remedy=remedy, file=self.file)
 
     def texts(self, columns: Sequence[int]) -> dict[int, str]:
-        """Return the text of columns that say the same in every row; nothing where there are numbers only.
-
-        Raises:
-            TrajectoryError: one says something else in a later row.
-        """
+        """The text of columns that say the same in every row; nothing where there are numbers only."""
         return {}
 
     def choose(self, columns: Sequence[int]) -> None:  # noqa: B027
@@ -98,14 +89,7 @@ class Table(ABC):
 
 
 class ArrayTable(Table):
-    """Named columns of equal length in memory.
-
-    Args:
-        columns: name -> (N,) array.
-
-    Raises:
-        TrajectoryError: the columns differ in length.
-    """
+    """Named columns (N,) in memory."""
 
     def __init__(self, file: str | None, columns: Mapping[str, Floats]) -> None:
         self._rows = common_length({name: len(values) for name, values in columns.items()}, file)
@@ -140,8 +124,7 @@ class ArrayTable(Table):
 
 
 def log_kind(name: str) -> Literal["bag", "messages"] | None:
-    """Return whether a name is that of a bag of ROS, which any folder may be that is not named like a table, or of
-    messages as text; None if of neither."""
+    """Whether a name is that of a bag of ROS, as any folder may be that is not named like a table, or of messages."""
     lower = name.lower()
     if lower.endswith(BAGS) or os.path.isfile(os.path.join(name, METADATA)):
         return "bag"
@@ -169,22 +152,14 @@ def decoding(format_name: str, file: str | None) -> Iterator[None]:
 
 
 def check_expansion(held: int, stored: int, file: str) -> None:
-    """Raise for a file that holds far more bytes than are stored: time alone, which never repeats, needs more.
-
-    Raises:
-        TrajectoryError: it does.
-    """
+    """Raise for a file that holds far more bytes than are stored: time alone, which never repeats, needs more."""
     if held > max(_EXPANDED, _RATIO * stored):
         what = f"{stored} bytes that hold {held} bytes of numbers, as only columns of one value do"
         raise TrajectoryError(what, remedy="is it a table of a motion?", file=file)
 
 
 def common_length(lengths: Mapping[str, int], file: str | None) -> int:
-    """The length of all columns, 0 if there are none.
-
-    Raises:
-        TrajectoryError: they differ.
-    """
+    """The length of all columns, 0 if there are none; raises if they differ."""
     if not lengths:
         return 0
     longest, shortest = max(lengths, key=lengths.__getitem__), min(lengths, key=lengths.__getitem__)
@@ -195,15 +170,10 @@ def common_length(lengths: Mapping[str, int], file: str | None) -> int:
 
 
 def less(values: NDArray[Any], origin: Decimal | None) -> NDArray[Any]:
-    """Return values less an origin, each rounded once."""
+    """Values less an origin, each rounded once."""
     if origin is None:
         return values
     return values.astype(np.int64) - int(origin) if values.dtype.kind in "iu" else values - float(origin)
-
-
-def changed(name: str, text: str, before: str) -> tuple[str, str]:
-    """Return what is wrong with a column of names that change, and what to do."""
-    return f"column {name!r} is {text!r}, and {before!r} in the rows before", "give a column per joint"
 
 
 def spread(total: int, count: int, rows: int) -> list[slice]:

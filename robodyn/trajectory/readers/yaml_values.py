@@ -14,7 +14,6 @@ from robodyn.support.input_limits import beyond, limits
 _WHOLE = re.compile(r"[-+]?[0-9]{1,18}")
 _NUMBER = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?")
 _FURTHER = re.compile(r"([-+]?)\.(inf|Inf|INF|nan|NaN|NAN)")
-_NOTHING = ("", "~", "null", "Null", "NULL")
 
 
 def yaml_documents(text: bytes, file: str) -> list[Any]:
@@ -56,7 +55,7 @@ def yaml_documents(text: bytes, file: str) -> list[Any]:
 
 
 def _scalar(text: str) -> Any:
-    if text in _NOTHING:
+    if text in ("", "~", "null", "Null", "NULL"):
         return None
     if _WHOLE.fullmatch(text):
         return int(text)
