@@ -14,9 +14,9 @@ import numpy as np
 from benchmarks.timing import taking_turns
 from helpers.machine import machine
 from helpers.markdown_tables import main, table
+from helpers.stances import base_columns
 from scipy import sparse
 
-from robodyn.dynamics.contacts.diagnosis import base_columns
 from robodyn.dynamics.contacts.problem import Problem
 from robodyn.dynamics.contacts.solve import contact_forces
 

@@ -6,10 +6,21 @@ from dataclasses import replace
 
 import numpy as np
 
-from robodyn.dynamics.contacts.diagnosis import base_columns
 from robodyn.dynamics.contacts.problem import Problem
 
 LENGTH = 0.3
+
+
+def base_columns(arms, length):
+    """The columns of G (N, 6, 3 K) in the equations of moments, in units of `length`, and forces about a point.
+
+    Args:
+        arms: (N, K, 3) m, from that point to the points of contact, in the axes of forces.
+    """
+    N, K, _ = arms.shape
+    moments = np.stack([np.cross(arms / length, axis) for axis in np.eye(3)], -1)
+    forces = np.broadcast_to(np.eye(3), (N, K, 3, 3))
+    return np.concatenate((moments, forces), axis=2).transpose(0, 2, 1, 3).reshape(N, 6, 3 * K)
 
 
 def stance(seed, samples, points, push=1.0, mass=30.0, friction=0.6):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import lru_cache
 from typing import NamedTuple
@@ -13,15 +13,14 @@ from robodyn.dynamics.forward import floating_turns, turned
 from robodyn.dynamics.loops.closed_chain import closure_of
 from robodyn.dynamics.loops.closed_start import independent_equations
 from robodyn.dynamics.loops.closure import Closure, held
-from robodyn.dynamics.plan import Plan, runner_of
+from robodyn.dynamics.plan import Plan, ready
 from robodyn.programs.derivative import Direction, jacobian
 from robodyn.programs.program import traced
-from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import IDENTITY, Scalar, cross, product, vector
 from robodyn.robot.kinematics import motions, poses, velocities
 from robodyn.robot.model import Model
-from robodyn.scene.parts import GROUND, Contact, ContactCost, Entry, ExternalWrench, Loop, Vector
+from robodyn.scene.parts import GROUND, Contact, ContactCost, ExternalWrench, Vector
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
@@ -54,8 +53,24 @@ def tree_scene(model: Model, scene: Scene) -> Scene:
     A loop's wrench acts on its link at its point, in the axes of the other; the opposite on the other link, at its
     point. A contact's acts on its link at `middle`, in the axes of the ground.
     """
-    wrenches = [*(each for loop in scene.loops for each in _of_loop(model, loop)), *map(_of_contact, scene.contacts)]
-    return replace(open_scene(scene), wrenches=(*scene.wrenches, *wrenches))
+    wrenches = [*scene.wrenches]
+    for loop in scene.loops:
+        fixed = loop.to == GROUND and GROUND not in model.links
+        force, moment = _entries(columns_of(loop.name))
+        to = "" if fixed else loop.to
+        wrenches.append(ExternalWrench(loop.link, force, moment, loop.point, "world", "loop", to))
+        if not fixed:
+            force, moment = _entries(reaction_columns_of(loop.name))
+            wrenches.append(ExternalWrench(loop.to, force, moment, loop.to_point, cause="loop"))
+    for contact in scene.contacts:
+        force, moment = _entries(columns_of(contact.name))
+        wrenches.append(ExternalWrench(contact.link, force, moment, middle(contact), "world", "contact"))
+    return replace(open_scene(scene), wrenches=tuple(wrenches))
+
+
+def _entries(columns: tuple[str, ...]) -> tuple[tuple[str, str, str], tuple[str, str, str]]:
+    a, b, c, d, e, f = columns
+    return (a, b, c), (d, e, f)
 
 
 def constraint_columns(scene: Scene) -> tuple[str, ...]:
@@ -77,28 +92,6 @@ def normal_of(contact: Contact, scene: Scene) -> Floats:
     n = np.asarray(against if contact.normal is None else contact.normal, dtype=float)
     n = n / np.abs(n).max()
     return np.asarray(n / np.sqrt((n * n).sum()))
-
-
-def _of_loop(model: Model, loop: Loop) -> Iterator[ExternalWrench]:
-    fixed = loop.to == GROUND and GROUND not in model.links
-    force, moment = _entries(columns_of(loop.name))
-    yield ExternalWrench(loop.link, force, moment, loop.point, "world", "loop", "" if fixed else loop.to)
-    if not fixed:
-        force, moment = _entries(reaction_columns_of(loop.name))
-        yield ExternalWrench(loop.to, force, moment, loop.to_point, cause="loop")
-
-
-def _of_contact(contact: Contact) -> ExternalWrench:
-    force, moment = _entries(columns_of(contact.name))
-    return ExternalWrench(contact.link, force, moment, middle(contact), "world", "contact")
-
-
-Triple = tuple[Entry, Entry, Entry]
-
-
-def _entries(columns: tuple[str, ...]) -> tuple[Triple, Triple]:
-    a, b, c, d, e, f = columns
-    return (a, b, c), (d, e, f)
 
 
 class LoopJacobian(NamedTuple):
@@ -125,20 +118,19 @@ def closures(plan: Plan) -> tuple[Closure, ...]:
     with those that `independent_equations` keeps, for contact forces are found with independent ones.
     """
     whole = tuple(closure_of(plan.model, loop) for loop in plan.scene.loops)
-    if not plan.scene.contacts:
+    if not plan.scene.contacts or not whole:
         return whole
     kept = independent_equations(plan).closures
     return tuple(replace(one, equations=each.equations) for one, each in zip(whole, kept, strict=True))
 
 
 def loop_jacobian(plan: Plan, q: Floats, executor: str = "auto") -> LoopJacobian:
-    """Return what the loops' equations are at q (N, nq).
-
-    Accuracy: 1e-14 of the largest entry of J, for chains of up to 100 bodies.
-    """
+    """Return what the loops' equations are at q (N, nq), to 1e-14 of the largest entry of J; none without loops."""
     of = [len(closure.equations) for closure in closures(plan)]
     m, n, samples = sum(of), plan.model.n, len(q)
-    out = _runner(plan, "loops").run({"q": q}, samples, executor=executor).values
+    if not of:
+        return LoopJacobian(*(np.zeros((samples, 0, *more)) for more in ((n,), (), (3,), (3,))))
+    out = ready(_loop_program, plan).run({"q": q}, samples, executor=executor).values
     J, error, moments, gaps = np.split(out, np.cumsum([m * n, m, 3 * m]), axis=1)
     return LoopJacobian(
         J.reshape(samples, m, n), error, moments.reshape(samples, m, 3), gaps.reshape(samples, len(of), 3)
@@ -165,7 +157,9 @@ def contact_jacobian(plan: Plan, q: Floats, qd: Floats, executor: str = "auto") 
     scene, n, samples = plan.scene, plan.model.n, len(q)
     points = [len(contact.points) for contact in scene.contacts]
     K = sum(points)
-    out = _runner(plan, "contacts").run({"q": q, "qd": qd}, samples, executor=executor).values
+    if not K:
+        return ContactJacobian(*(np.zeros((samples, 0, k)) for k in (n, 3, 3, 3)))
+    out = ready(_contact_program, plan).run({"q": q, "qd": qd}, samples, executor=executor).values
     units, places, speeds = np.split(out, np.cumsum([6 * n * len(points), 3 * K]), axis=1)
     units = units.reshape(samples, len(points), 6, n)
     places, speeds = (each.reshape(samples, K, 3) for each in (places, speeds))
@@ -179,11 +173,6 @@ def contact_jacobian(plan: Plan, q: Floats, qd: Floats, executor: str = "auto") 
             J[:, k, axis] += einsum("jsp,sjn->spn", moment, units[:, c, 3:])
         at += count
     return ContactJacobian(J.reshape(samples, 3 * K, n), arms, places, speeds)
-
-
-@lru_cache(maxsize=32)
-def _runner(plan: Plan, what: str) -> Runner:
-    return runner_of(_loop_program(plan) if what == "loops" else _contact_program(plan), plan)
 
 
 @traced
@@ -227,16 +216,6 @@ def _contact_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
     yield from (*places, *speeds)
 
 
-def no_loops(samples: int, n: int) -> LoopJacobian:
-    """Return the Jacobian of a scene without loops."""
-    return LoopJacobian(*(np.zeros((samples, 0, *more)) for more in ((n,), (), (3,), (3,))))
-
-
-def no_contacts(samples: int, n: int) -> ContactJacobian:
-    """Return the Jacobian of a scene without contacts."""
-    return ContactJacobian(*(np.zeros((samples, 0, k)) for k in (n, 3, 3, 3)))
-
-
 def loop_wrenches(plan: Plan, loops: LoopJacobian, multipliers: Floats) -> Floats:
     """Return (N, 6 L) the wrench of each loop on its link at its point, in the axes of the other link [N, N m].
 
@@ -244,7 +223,7 @@ def loop_wrenches(plan: Plan, loops: LoopJacobian, multipliers: Floats) -> Float
         multipliers: (N, m) of the equations.
     """
     parts, at = [np.zeros((len(multipliers), 0))], 0
-    for closure in closures(plan) if plan.scene.loops else ():
+    for closure in closures(plan):
         k = slice(at, at + len(closure.equations))
         force = np.array([equation.force() for equation in closure.equations]).reshape(-1, 3)
         parts.append(einsum("nk,ki->ni", multipliers[:, k], force))

@@ -16,7 +16,6 @@ from robodyn.dynamics.loops.closure import loops_size
 from robodyn.dynamics.plan import Plan, plan, torque_runner
 from robodyn.errors import InputError
 from robodyn.robot.model import Model
-from robodyn.scene.fit import refuse_others
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
 from robodyn.support.wording import shown
@@ -66,25 +65,20 @@ def constraint_forces(
 
     Accuracy: 1e-10 of the largest torque, where the loops are not nearly singular.
     """
-    tau, wrenches = _solved(model, (q, qd, qdd), scene, columns or {}, executor, threads)
+    tau, wrenches = _solved(model, {"q": q, "qd": qd, "qdd": qdd}, scene, columns or {}, executor, threads)
     parts = {name: wrenches[..., 6 * i : 6 * i + 6] for i, name in enumerate(scene.constraint_names)}
     return ConstrainedForces(tau, parts)
 
 
 def as_tree(
-    model: Model,
-    state: tuple[ArrayLike, ArrayLike, ArrayLike],
-    scene: Scene,
-    columns: Mapping[str, ArrayLike],
+    model: Model, state: tuple[ArrayLike, ArrayLike, ArrayLike], scene: Scene, columns: Mapping[str, ArrayLike]
 ) -> tuple[Scene, dict[str, ArrayLike], Floats]:
     """Return the scene of `tree_scene` and its columns: the tree that constraint forces hold where constraints did.
 
-    And (..., n) what the motion takes at passive rates and nothing gives, 0 elsewhere.
-
-    Args:
-        state: q, qd, qdd as for `constraint_forces`.
+    And (..., n) what the motion, of q, qd and qdd, takes at passive rates and nothing gives, 0 elsewhere.
     """
-    tau, wrenches = _solved(model, state, scene, columns, "numpy", None)
+    given = dict(zip(("q", "qd", "qdd"), state, strict=True))
+    tau, wrenches = _solved(model, given, scene, columns, "numpy", None)
     found = dict(zip(constraint_columns(scene), np.moveaxis(wrenches, -1, 0), strict=True))
     missing = np.where(actuation(model, scene).passive, tau, 0.0)
     return tree_scene(model, scene), {**columns, **found}, missing
@@ -92,20 +86,19 @@ def as_tree(
 
 def _solved(
     model: Model,
-    state: tuple[ArrayLike, ArrayLike, ArrayLike],
+    given: Mapping[str, ArrayLike],
     scene: Scene,
     columns: Mapping[str, ArrayLike],
     executor: str,
     threads: int | None,
 ) -> tuple[Floats, Floats]:
     """Return torques (..., n) and wrenches (..., c) by `constraint_columns`."""
-    refuse_others(model, scene)
-    sources, shape = arrays_of(model, dict(zip(("q", "qd", "qdd"), state, strict=True)), scene, columns)
+    sources, shape = arrays_of(model, given, scene, columns)
     samples = prod(shape)
-    for name in ("q", "qd", "qdd"):
-        if not np.isfinite(sources[name]).all():
-            row = int(np.argmin(np.isfinite(sources[name]).all(axis=1)))
-            raise InputError(f"{name} of sample {row} is not finite", remedy="leave such samples out")
+    for name in given:
+        finite = np.isfinite(sources[name]).all(axis=1)
+        if not finite.all():
+            raise InputError(f"{name} of sample {np.argmin(finite)} is not finite", remedy="leave such samples out")
     on = {name: _of_samples(name, columns[name], shape) for name in scene.motion_columns if name in columns}
     runner = torque_runner(model, open_scene(scene), zero_sources(sources))
     open_tau = runner.run(sources, samples, executor=executor, threads=threads).values
@@ -121,7 +114,7 @@ def _solved(
 
 
 def _of_samples(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Floats:
-    """Return (N,) a column of contacts; not a number is neither on nor off."""
+    """(N,) a column of contacts; not a number is neither on nor off."""
     given = numbers(name, values, np.dtype(float))
     if np.isnan(given).any():
         what = f"column {shown(name)} of contacts is not a number at {np.isnan(given).sum()} of {given.size} samples"

@@ -16,8 +16,6 @@ from robodyn.dynamics.constraints.constraint_jacobian import (
     contact_jacobian,
     loop_jacobian,
     loop_wrenches,
-    no_contacts,
-    no_loops,
     normal_of,
     reactions,
 )
@@ -79,10 +77,12 @@ def actuation(model: Model, scene: Scene) -> Actuation:
     actuated = scene.actuated
     if actuated is None and not scene.passive and scene.loops and scene.drive:
         actuated = tuple(scene.drive)
+    to_ground = GROUND not in model.links and any(loop.to == GROUND for loop in scene.loops)
+    grounded = (bool(scene.contacts) or to_ground) and not scene.held  # a base that moves
     base = 6 if model.floating else 0
     for joint in model.independent:
         if joint.kind == "floating":
-            passive[joint.rate : joint.rate + 6] = joint.rate >= base or _grounded(model, scene)
+            passive[joint.rate : joint.rate + 6] = joint.rate >= base or grounded
             continue
         drives = joint.name in actuated if actuated is not None else joint.name not in scene.passive
         passive[joint.rate], driven[joint.rate] = not drives, drives
@@ -97,12 +97,6 @@ def actuation(model: Model, scene: Scene) -> Actuation:
         what = "[contact_cost] counts torques by their effort limits, and no joint that drives has one"
         raise SceneError(what, remedy="give limits in the description, or leave torques and within_limits out")
     return Actuation(passive, driven, np.array(weights), np.array(limits))
-
-
-def _grounded(model: Model, scene: Scene) -> bool:
-    """Return whether contacts, or loops to the ground, hold a base that moves, and nothing else does."""
-    to_ground = GROUND not in model.links and any(loop.to == GROUND for loop in scene.loops)
-    return (bool(scene.contacts) or to_ground) and not scene.held
 
 
 def _weight(joint: Joint, scene: Scene) -> float:
@@ -134,16 +128,21 @@ def touching(
     """
     contacts, at = plan.scene.contacts, 0
     found = np.zeros((len(q), sum(len(contact.points) for contact in contacts)), dtype=bool)
-    near = _near(plan, q, qd, executor) if any(contact.on == AUTO for contact in contacts) else found
+    here = contact_jacobian(plan, q, qd, executor) if any(contact.on == AUTO for contact in contacts) else None
     for contact in contacts:
         k = slice(at, at + len(contact.points))
-        found[:, k] = near[:, k] if contact.on == AUTO else _switched(contact, time, columns, len(q))[:, None]
+        if here is not None and contact.on == AUTO:
+            high = product(normal_of(contact, plan.scene), here.places[:, k].transpose(0, 2, 1)) - contact.level
+            fast = np.sqrt((here.speeds[:, k] ** 2).sum(axis=2))
+            found[:, k] = (high <= contact.height) & (fast <= contact.speed)
+        else:
+            found[:, k] = _switched(contact, time, columns, len(q))[:, None]
         at = k.stop
     return found
 
 
 def _switched(contact: Contact, time: Floats | None, columns: Mapping[str, Floats], count: int) -> Mask:
-    """Return (N,) whether a contact is on by itself, by a column or by intervals."""
+    """(N,) whether a contact is on by itself, by a column or by intervals."""
     if contact.on == ALWAYS:
         return np.ones(count, dtype=bool)
     if isinstance(contact.on, str):
@@ -155,18 +154,6 @@ def _switched(contact: Contact, time: Floats | None, columns: Mapping[str, Float
         what = f"[[contact]] {shown(contact.name)} is on in intervals of time, and states have none"
         raise InputError(what, remedy="use robodyn.torques of a motion, or a column")
     return np.asarray(np.any([(time >= start) & (time <= end) for start, end in contact.on], axis=0))
-
-
-def _near(plan: Plan, q: Floats, qd: Floats, executor: str) -> Mask:
-    """Return (N, K) which points are low and slow."""
-    here, parts, at = contact_jacobian(plan, q, qd, executor), [], 0
-    for contact in plan.scene.contacts:
-        k, normal = slice(at, at + len(contact.points)), normal_of(contact, plan.scene)
-        high = product(normal, here.places[:, k].transpose(0, 2, 1)) - contact.level
-        fast = np.sqrt((here.speeds[:, k] ** 2).sum(axis=2))
-        parts.append((high <= contact.height) & (fast <= contact.speed))
-        at = k.stop
-    return np.hstack(parts)
 
 
 PIECE = 2048
@@ -243,9 +230,8 @@ class ConstraintSolver:
             tau: (N, n) of the open tree.
             touching: (N, K) points that touch.
         """
-        plan, samples, n = self.plan, len(q), tau.shape[1]
-        loops = loop_jacobian(plan, q, self.executor) if plan.scene.loops else no_loops(samples, n)
-        contacts = contact_jacobian(plan, q, qd, self.executor) if plan.scene.contacts else no_contacts(samples, n)
+        plan, samples = self.plan, len(q)
+        loops, contacts = loop_jacobian(plan, q, self.executor), contact_jacobian(plan, q, qd, self.executor)
         self._decide(loops, contacts.J, touching)
         forces, problem, solved = np.zeros((samples, 0, 3)), None, None
         if plan.scene.contacts:
@@ -256,22 +242,18 @@ class ConstraintSolver:
         else:
             shared = self._shared(loops, tau)
             multipliers, singular = shared.multipliers, shared.singular | shared.higher
-            crossed = self._crossed(shared)
+            assert self.structure is not None
+            if self._crossings is None or self._crossings.rank != self.structure.rank:
+                self._crossings = RankChanges(self.structure.rank)
+            crossed = self._crossings.update(shared.A, shared.decomposition)
         left = tau - einsum("nki,nk->ni", loops.J, multipliers)
         left = left - einsum("nki,nk->ni", contacts.J, forces.reshape(samples, -1))
         wrenches = np.hstack((loop_wrenches(plan, loops, multipliers), _of_contacts(plan, contacts, forces)))
         wrenches = np.hstack((wrenches, reactions(plan, loops, wrenches)))
-        return Found(
-            wrenches, self._settled(left, tau), singular, crossed, loops.error, forces, contacts, problem, solved
-        )
-
-    def _settled(self, left: Floats, tau: Floats) -> Floats:
-        """Return the torques without what rounding leaves at passive rates."""
-        small = np.maximum(
-            BALANCED * np.abs(tau).max(axis=1, initial=0.0)[:, None], ROUNDING * self._weight / self._units
-        )
-        nothing = (np.abs(left) <= small) & self.actuation.passive
-        return np.where(nothing, 0.0, left)
+        largest = np.abs(tau).max(axis=1, initial=0.0)[:, None]
+        small = np.maximum(BALANCED * largest, ROUNDING * self._weight / self._units)
+        left = np.where((np.abs(left) <= small) & self.actuation.passive, 0.0, left)
+        return Found(wrenches, left, singular, crossed, loops.error, forces, contacts, problem, solved)
 
     def _shared(self, loops: LoopJacobian, tau: Floats) -> TorqueDistribution:
         """Return the loops' multipliers of least torque, and where the loops are singular.
@@ -290,17 +272,9 @@ class ConstraintSolver:
             found = torque_distribution(self.structure, J, tau[:, counted], part.weights)
         return found
 
-    def _crossed(self, shared: TorqueDistribution) -> Floats:
-        """Return where the loops lose hold of passive joints from one sample to the next."""
-        assert self.structure is not None
-        if self._crossings is None or self._crossings.rank != self.structure.rank:
-            self._crossings = RankChanges(self.structure.rank)
-        return self._crossings.update(shared.A, shared.decomposition)
-
     def _decide(self, loops: LoopJacobian, contacts: Floats, touching: Mask) -> None:
         """Decide the ranks of loops once, and which torques are open for each set of points that touch."""
-        part = self.actuation
-        counted = part.counted
+        part, counted = self.actuation, self.actuation.counted
         if self.structure is None:
             self._set_structure(loops, np.arange(len(loops.J)))
         if contacts.shape[1]:
@@ -322,7 +296,7 @@ class ConstraintSolver:
 
     def _openness(self, loops: LoopJacobian, rows: NDArray[np.int64]) -> float:
         """Return by how much loops are open, in rad, or in m of the lengths by which rates move their points."""
-        if not self.plan.scene.loops:
+        if not loops.error.size:
             return 0.0
         units = np.array([equation.unit for each in closures(self.plan) for equation in each.equations])
         gap, size = (np.abs(x[rows]) for x in (loops.error, loops.J))

@@ -146,12 +146,11 @@ def _usual(sizes: Floats, none: Floats, largest: float) -> tuple[int, float, Mas
 
 
 def _rows(matrices: Floats) -> Floats:
-    """Return the largest norm of each row among matrices (k, rows, columns)."""
+    """The largest norm of each row among matrices (k, rows, columns)."""
     return np.asarray(np.sqrt((matrices**2).sum(axis=2)).max(axis=0, initial=0.0))
 
 
 def times(A: Floats, B: Floats) -> Floats:
-    """Return the products (N, i, k) of matrices (N, i, j) and (N, j, k)."""
     return np.asarray(einsum("nij,njk->nik", A, B))
 
 
@@ -169,10 +168,9 @@ def _values(A: Floats) -> Floats:
 
 
 class RankChanges:
-    """Where matrices that change along a motion lose rank between two samples; watched across pieces of the motion."""
+    """Where matrices of a usual rank lose it between two samples of a motion; watched across pieces of the motion."""
 
     def __init__(self, rank: int) -> None:
-        """Args: rank: the usual one."""
         self.rank = rank
         self._last: tuple[Floats, ...] | None = None
 

@@ -8,47 +8,17 @@ import numpy as np
 
 from robodyn.dynamics.contacts.problem import Flags, Forces, Problem, axes_of
 from robodyn.dynamics.contacts.solve import contact_forces
-from robodyn.programs.vectors import cross
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
 
-MOMENTS, FORCES = slice(0, 3), slice(3, 6)
-"""The first rows of the equations: those of the base, as `base_columns` makes them."""
+FORCES = slice(3, 6)
+"""Rows of the equations, of which the first six are moments and forces on the base."""
 STRONGEST = 100.0
 """Times |b|: what needs larger forces, as feet that are all but wedged do, counts as impossible."""
 MANY = 100_000
 """Samples that a search is worth, by which its executor is chosen: it looks at few of them often."""
 WORST, SECTIONS = 8, 15
 """Samples whose least friction is sought at a time, and how many coefficients are tried between two bounds."""
-
-
-def base_columns(arms: Floats, length: float) -> Floats:
-    """Return the columns of G (N, 6, 3 K) in the equations of moments, in units of `length` [m], and of forces.
-
-    Args:
-        arms: (N, K, 3) m, from the point that moments are taken about to the points of contact, in the axes of forces.
-    """
-    N, K, _ = arms.shape
-    x, y, z = np.moveaxis(arms, -1, 0) / length
-    G = np.zeros((N, 6, K, 3))
-    G[:, 0, :, 1], G[:, 0, :, 2] = -z, y
-    G[:, 1, :, 0], G[:, 1, :, 2] = z, -x
-    G[:, 2, :, 0], G[:, 2, :, 1] = -y, x
-    G[:, [3, 4, 5], :, [0, 1, 2]] = 1.0
-    return G.reshape(N, 6, 3 * K)
-
-
-def missing(forces: Forces, length: float, centre: Floats | None = None) -> tuple[Floats, Floats]:
-    """Return the force (N, 3) [N] and the moment (N, 3) [N m] that contacts leave unbalanced.
-
-    Args:
-        forces: of equations of `base_columns` with this length [m], b in N.
-        centre: (N, 3) m, from the point of those equations to the one that moments are wanted about; None: the same.
-    """
-    force, moment = forces.residual[:, FORCES], forces.residual[:, MOMENTS] * length
-    if centre is not None:
-        moment = moment - cross(centre.T, force.T).T
-    return force, moment
 
 
 def kinds(problem: Problem, forces: Forces, executor: str = "auto") -> list[str]:
@@ -58,7 +28,7 @@ def kinds(problem: Problem, forces: Forces, executor: str = "auto") -> list[str]
     so that contacts had to pull. tip: all else.
 
     Args:
-        problem: whose first six equations are those of `base_columns`.
+        problem: whose first six equations are moments and forces on the base.
         forces: its solution.
     """
     found = np.full(len(forces.feasible), "", dtype=object)
@@ -66,12 +36,11 @@ def kinds(problem: Problem, forces: Forces, executor: str = "auto") -> list[str]
     if len(lost):
         unlimited = _with_friction(problem.chosen(lost), np.inf)
         slip = contact_forces(unlimited, executor).feasible
-        found[lost[slip]] = "slip"
-        rest = lost[~slip]
-        if len(rest):
-            at_rest = unlimited.chosen(~slip)
-            pull = ~contact_forces(_forces_alone(at_rest), executor).feasible
-            found[rest] = np.where(pull, "pull", "tip")
+        found[lost] = np.where(slip, "slip", "tip")
+        if not slip.all():
+            rest = unlimited.chosen(~slip)
+            alone = replace(rest, G=rest.G[:, FORCES], b=rest.b[:, FORCES], free=None)
+            found[lost[~slip][~contact_forces(alone, executor).feasible]] = "pull"
     return [str(kind) for kind in found]
 
 
@@ -124,25 +93,20 @@ def _least_of(problem: Problem, low: float, executor: str) -> float | None:
 def _suffices(problem: Problem, friction: Floats, executor: str) -> Flags:
     """Return (M,) with which of M mu all samples have forces."""
     M, (N, _, K) = len(friction), problem.shape
-    every = replace(problem.chosen(np.tile(np.arange(N), M)), friction=np.repeat(friction, N)[:, None] * np.ones(K))
-    every = replace(every, torques=None)
+    mu = np.repeat(friction, N)[:, None] * np.ones(K)
+    every = replace(problem.chosen(np.tile(np.arange(N), M)), friction=mu, torques=None)
     enough = _moderate(every, contact_forces(every, executor, MANY)).reshape(M, N)
     return np.asarray(enough.all(axis=1))
 
 
 def _moderate(problem: Problem, found: Forces) -> Flags:
-    """Return (N,) which samples have forces, of no more than 100 |b|."""
+    """(N,) which samples have forces, of no more than 100 |b|."""
     strength, b = (np.sqrt(einsum("...i,...i->...", x, x)) for x in (found.f.reshape(len(found.f), -1), problem.b))
-    enough: Flags = found.feasible & (strength <= STRONGEST * b)
-    return enough
+    return np.asarray(found.feasible & (strength <= STRONGEST * b))
 
 
 def _with_friction(problem: Problem, mu: float) -> Problem:
     return replace(problem, friction=np.full(problem.shape[2], mu), torques=None)
-
-
-def _forces_alone(problem: Problem) -> Problem:
-    return replace(problem, G=problem.G[:, FORCES], b=problem.b[:, FORCES], free=None)
 
 
 FLAT = 1e-9

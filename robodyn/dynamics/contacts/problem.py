@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -81,23 +81,21 @@ class Problem:
         return self.torques is None and self.free is None
 
     def chosen(self, rows: Any) -> Problem:
-        """Return the problem of some samples."""
-        shared = {"normals": self.normals.ndim == 2, "friction": self.friction.ndim == 1}
-        active = None if self.active is None else self.active[rows]
+        """The problem of some samples."""
         torques, free = self.torques, self.free
         if torques is not None:
-            torques = TorqueTerms(torques.tau0[rows], torques.T[rows], torques.weights, torques.limits)
+            torques = replace(torques, tau0=torques.tau0[rows], T=torques.T[rows])
         if free is not None:
-            free = FreeTerms(free.H[rows], None if free.S is None else free.S[rows], free.weight)
-        return Problem(
-            self.G[rows],
-            self.b[rows],
-            self.normals if shared["normals"] else self.normals[rows],
-            self.friction if shared["friction"] else self.friction[rows],
-            active,
-            self.weights,
-            torques,
-            free,
+            free = replace(free, H=free.H[rows], S=None if free.S is None else free.S[rows])
+        return replace(
+            self,
+            G=self.G[rows],
+            b=self.b[rows],
+            normals=self.normals if self.normals.ndim == 2 else self.normals[rows],
+            friction=self.friction if self.friction.ndim == 1 else self.friction[rows],
+            active=None if self.active is None else self.active[rows],
+            torques=torques,
+            free=free,
         )
 
 
@@ -120,7 +118,7 @@ class Forces:
     within_limits: Flags
 
     def chosen(self, rows: Any) -> Forces:
-        """Return the forces of some samples."""
+        """The forces of some samples."""
         return Forces(*(getattr(self, each.name)[rows] for each in fields(self)))
 
 

@@ -94,34 +94,22 @@ def conic_forces(problem: Problem) -> Forces:
         if problem.free is not None:
             residual[n] -= product(problem.free.H[n], free[n])
         feasible[n] = length(residual[n]) <= FEASIBLE * size
-    if stuck:
-        part = _by_forces_alone(problem.chosen(stuck))
-        f[stuck], residual[stuck], feasible[stuck], within[stuck] = (
-            part.f,
-            part.residual,
-            part.feasible,
-            part.within_limits,
-        )
+    if stuck and problem.free is not None:
+        raise InputError("no contact forces are found, not even such as leave the least unbalanced", remedy=SCALES)
+    if stuck:  # the least forces, whatever torques cost
+        part, terms = plain_forces(problem.chosen(stuck)), problem.torques
+        f[stuck], residual[stuck], feasible[stuck] = part.f, part.residual, part.feasible
+        if terms is not None and terms.limits is not None:
+            torques = terms.tau0[stuck] - einsum("nij,nj->ni", terms.T[stuck], part.f.reshape(len(stuck), -1))
+            within[stuck] = (np.abs(torques) <= terms.limits * BEYOND).all(axis=1)
     return Forces(f, free, residual, feasible, within)
 
 
-def _by_forces_alone(problem: Problem) -> Forces:
-    """Return the forces of samples that Clarabel gets stuck in, the least whatever torques cost."""
-    if problem.free is not None:
-        raise InputError("no contact forces are found, not even such as leave the least unbalanced", remedy=SCALES)
-    found, terms = plain_forces(problem), problem.torques
-    if terms is None or terms.limits is None:
-        return found
-    torques = terms.tau0 - einsum("nij,nj->ni", terms.T, found.f.reshape(len(found.f), -1))
-    return replace(found, within_limits=(np.abs(torques) <= terms.limits * BEYOND).all(axis=1))
-
-
 def _sample(problem: Problem, n: int, active: Any, axes: Floats, size: float) -> _Sample:
-    used = np.repeat(active, 3)
-    turn = np.zeros((len(used), len(used)))
-    for k in range(len(active)):
-        turn[3 * k : 3 * k + 3, 3 * k : 3 * k + 3] = axes[k]
-    turn = turn[:, used]
+    K = len(active)
+    turn = np.zeros((K, 3, K, 3))
+    turn[np.arange(K), :, np.arange(K)] = axes
+    turn = turn.reshape(3 * K, 3 * K)[:, np.repeat(active, 3)]
     A, b = product(problem.G[n], turn), problem.b[n] / size
     weights = np.ones(len(active)) if problem.weights is None else problem.weights
     diagonal = np.repeat(weights[active], 3)
@@ -189,21 +177,15 @@ def _by_clarabel(sample: _Sample, limited: bool) -> Floats | None:
     P, A = sparse.csc_matrix(np.triu(sample.P) / scale), sparse.csc_matrix(np.vstack(rows))
     b = np.concatenate(bounds_of_all)
     for tolerance in TOLERANCES:
-        solution = clarabel.DefaultSolver(P, sample.q / scale, A, b, list(cones), _settings(tolerance)).solve()
+        settings = clarabel.DefaultSettings()
+        settings.verbose = False
+        settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tolerance
+        solution = clarabel.DefaultSolver(P, sample.q / scale, A, b, list(cones), settings).solve()
         if solution.status == clarabel.SolverStatus.Solved:
             return np.array(solution.x)
         if solution.status in (clarabel.SolverStatus.PrimalInfeasible, clarabel.SolverStatus.AlmostPrimalInfeasible):
             return None
     return None
-
-
-def _settings(tolerance: float) -> Any:
-    import clarabel
-
-    settings = clarabel.DefaultSettings()
-    settings.verbose = False
-    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tolerance
-    return settings
 
 
 def contact_forces(problem: Problem, executor: str = "auto", expected: int = 0) -> Forces:

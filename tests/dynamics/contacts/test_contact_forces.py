@@ -6,9 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.stances import LENGTH, all_around, feet, near_the_edge, on_ice, stance
+from helpers.stances import LENGTH, all_around, base_columns, feet, near_the_edge, on_ice, stance
 
-from robodyn.dynamics.contacts.diagnosis import base_columns
 from robodyn.dynamics.contacts.dual import least_forces, projected
 from robodyn.dynamics.contacts.problem import Problem
 from robodyn.dynamics.contacts.solve import conic_forces, contact_forces, scaled

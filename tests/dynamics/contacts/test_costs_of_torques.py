@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.stances import feet, stance
+from helpers.stances import base_columns, feet, stance
 
-from robodyn.dynamics.contacts.diagnosis import base_columns, least_friction
+from robodyn.dynamics.contacts.diagnosis import least_friction
 from robodyn.dynamics.contacts.problem import FreeTerms, Problem, TorqueTerms
 from robodyn.dynamics.contacts.solve import contact_forces
 from robodyn.errors import InputError
