@@ -7,20 +7,9 @@ from functools import partial
 
 import click
 
-from robodyn.cli.call import (
-    FORMAT,
-    PATH,
-    POSITIVE,
-    READING,
-    REPORT,
-    ROBOT_SUFFIXES,
-    SCENE,
-    Call,
-    Output,
-    refuse,
-    takes,
-)
+from robodyn.cli import options
 from robodyn.cli.files import check_names, check_table, robot_in_scene
+from robodyn.cli.options import PATH, POSITIVE, Call, Output, refuse, takes
 from robodyn.cli.reports import answer
 from robodyn.measure.accuracy.ladder import Accuracy
 from robodyn.report.accuracy import accuracy_json, accuracy_page, accuracy_sections
@@ -30,7 +19,7 @@ from robodyn.support.files import write_whole
 
 
 @click.command("accuracy", short_help="Measure what each further digit costs in time.")
-@click.argument("files", nargs=-1, type=PATH, required=True, metavar="MESH|URDF TRAJECTORY|URDF SCENE.toml")
+@click.argument("files", nargs=-1, type=PATH, required=True, metavar="MESH|URDF TRAJECTORY|URDF options.SCENE.toml")
 @takes(
     click.option(
         "--target", type=POSITIVE, metavar="ERROR", help="Name the quickest method within this relative error."
@@ -40,10 +29,10 @@ from robodyn.support.files import write_whole
     click.option(
         "--plot", type=Output("a picture"), metavar="FILE", help="Draw error against time: .svg, .png or .pdf."
     ),
-    READING,
-    SCENE,
-    REPORT,
-    FORMAT,
+    options.READING,
+    options.SCENE,
+    options.REPORT,
+    options.FORMAT,
 )
 def command(
     call: Call,
@@ -82,7 +71,7 @@ def accuracy_of(call: Call, files: Sequence[str], duration: float | None, table:
     """Return what accuracy costs: of one mesh; or of a URDF along a trajectory, or in a scene whose name ends in .toml
     or that is given alone."""
     scene_file = call.scene_name
-    robot = len(files) == 2 or files[0].lower().endswith(ROBOT_SUFFIXES)
+    robot = len(files) == 2 or files[0].lower().endswith(options.ROBOT_SUFFIXES)
     alone = scene_file if len(files) == 1 else None
     if robot and alone:
         files, scene_file = (files[0], alone), None

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import threading
-import zlib
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, replace
@@ -21,7 +20,7 @@ from robodyn.loads.accumulate import output_names
 from robodyn.loads.many import JointPeak, Outcome, Status
 from robodyn.loads.torques import torques
 from robodyn.report.torques_json import torques_json
-from robodyn.robot.limits import Coverage, Quantity, Unchecked
+from robodyn.robot.limits import Coverage, Unchecked
 from robodyn.robot.load import load
 from robodyn.robot.model import Model
 from robodyn.scene.parts import Payload
@@ -69,7 +68,16 @@ def jobs_of(patterns: Sequence[str], out: str, beside: Sequence[str] = ()) -> li
         InputError: a pattern fits no file, a type of file is not known, two results would have one name, or a result
             would overwrite its trajectory.
     """
-    names = list(dict.fromkeys(name for pattern in patterns for name in _named(pattern)))
+    found = []
+    for pattern in patterns:
+        files = [pattern]
+        if has_magic(pattern) and not os.path.lexists(pattern):
+            files = sorted(name for name in glob(pattern, recursive=True) if not os.path.isdir(name))
+        if not files:
+            remedy = "it is sought from the current folder"
+            raise InputError("no file fits this pattern", remedy=remedy, file=pattern)
+        found += files
+    names = list(dict.fromkeys(found))
     paths = [os.path.abspath(name) for name in names]
     common = os.path.commonpath([os.path.dirname(path) for path in paths])
     jobs: dict[str, Job] = {}
@@ -88,17 +96,12 @@ def jobs_of(patterns: Sequence[str], out: str, beside: Sequence[str] = ()) -> li
             what = f"the results of '{jobs[job.document].name}' would have the same name"
             raise InputError(what, remedy="rename one of them, or give each a --out of its own", file=name)
         jobs[job.document] = job
-    _check_results([*jobs.values()], [*names, *beside])
-    return list(jobs.values())
-
-
-def _check_results(jobs: Sequence[Job], inputs: Sequence[str]) -> None:
-    """Raise if a result would overwrite what is read, by whatever name."""
-    read = {_identity(name): name for name in inputs}
-    for job in jobs:
+    read = {_identity(name): name for name in [*names, *beside]}
+    for job in jobs.values():
         over = read.get(_identity(job.table)) or read.get(_identity(job.document))
         if over is not None:
             raise InputError("the output would overwrite an input", remedy=REMEDY, file=over)
+    return list(jobs.values())
 
 
 def _identity(path: str) -> tuple[int, int] | str:
@@ -109,27 +112,8 @@ def _identity(path: str) -> tuple[int, int] | str:
     return os.path.realpath(path)
 
 
-def _named(pattern: str) -> list[str]:
-    """Return the files that a pattern stands for; a name stands for itself, whether it exists or not."""
-    if not is_pattern(pattern):
-        return [pattern]
-    found = sorted(name for name in glob(pattern, recursive=True) if not os.path.isdir(name))
-    if not found:
-        raise InputError("no file fits this pattern", remedy="it is sought from the current folder", file=pattern)
-    return found
-
-
-def is_pattern(name: str) -> bool:
-    """Return whether a name has wildcards, and is not that of a file."""
-    return has_magic(name) and not os.path.lexists(name)
-
-
 VERSION = f"{version_of('robodyn')}, code {code_digest(Path(robodyn.__file__).parent, without='cli')[:12]}"
 """Of robodyn as this process has loaded it; the command line, which computes nothing, does not count."""
-
-
-BETWEEN = b"\0"
-"""Between the bytes of scenes: no TOML has it."""
 
 
 @dataclass(frozen=True)
@@ -137,14 +121,14 @@ class Setup:
     """Robot, scene and options.
 
     Attributes:
-        robot, scene: the files' bytes, packed by zlib, of scenes with BETWEEN between them; None where there is none.
+        robot, scenes: the files' bytes.
         gravity: m/s^2, in place of the scene's; payloads: beside the scene's; base_held: something carries the base.
         reading: as for `read_motion`; options: as for `torques`, with the threads of each process.
         version: of robodyn and its code, which all machines must have.
     """
 
     robot: bytes
-    scene: bytes | None
+    scenes: tuple[bytes, ...]
     gravity: tuple[float, float, float] | None
     payloads: tuple[Payload, ...]
     base_held: bool
@@ -152,16 +136,12 @@ class Setup:
     options: Mapping[str, Any]
     version: str = VERSION
 
-    @property
-    def _scenes(self) -> list[tuple[bytes, str]]:
-        return [(data, "<scene>") for data in zlib.decompress(self.scene or b"").split(BETWEEN)]
-
     def loaded(self) -> tuple[Model, Scene]:
         """Return the robot and its scene, read once by each thread, which then has programs of its own."""
         if getattr(_KEPT, "setup", None) != self:
-            scene = DEFAULT if self.scene is None else parse_scenes(self._scenes)
+            scene = parse_scenes([(data, "<scene>") for data in self.scenes]) if self.scenes else DEFAULT
             scene = scene.changed(self.gravity, self.payloads, held=self.base_held)
-            _KEPT.robot = load(zlib.decompress(self.robot), moving_base=scene.moving_base), scene
+            _KEPT.robot = load(self.robot, moving_base=scene.moving_base), scene
             _KEPT.setup = self
         robot: tuple[Model, Scene] = _KEPT.robot
         return robot
@@ -172,10 +152,8 @@ class Setup:
         Raises:
             OSError: the file cannot be read.
         """
-        scene = None if self.scene is None else zlib.decompress(self.scene)
         options = dict(sorted({**self.options, "threads": 1}.items()))  # they come in the order of the call
-        same = replace(self, robot=zlib.decompress(self.robot), scene=scene, options=options)
-        hashed = blake2b(repr(same).encode(), digest_size=20)
+        hashed = blake2b(repr(replace(self, options=options)).encode(), digest_size=20)
         with open_input(path) as stream:
             while piece := stream.read(1 << 20):
                 hashed.update(piece)
@@ -242,7 +220,12 @@ def _computed(setup: Setup, job: Job, digest: str) -> dict[str, Any]:
     names = output_names(model, setup.options["reactions"], setup.options["momentum"] is not None, scene)
     with ExitStack() as stack:
         reader = stack.enter_context(read_motion(job.path, model, scene, **setup.reading))
-        _make_folder(os.path.dirname(job.table))
+        folder = os.path.dirname(job.table)
+        try:
+            os.makedirs(folder, exist_ok=True)
+        except OSError as error:
+            why = (error.strerror or str(error)).lower()
+            raise InputError(f"no folder can be made: {why}", remedy="give --out another name", file=folder) from None
         writer = stack.enter_context(open_writer(job.table, names))
         sink = stack.enter_context(write_behind(writer.write))
         result = torques(model, reader, scene, sinks=[sink], **setup.options)
@@ -253,14 +236,6 @@ def _computed(setup: Setup, job: Job, digest: str) -> dict[str, Any]:
     return document
 
 
-def _make_folder(path: str) -> None:
-    try:
-        os.makedirs(path, exist_ok=True)
-    except OSError as error:
-        why = (error.strerror or str(error)).lower()
-        raise InputError(f"no folder can be made: {why}", remedy="give --out another name", file=path) from None
-
-
 def _outcome(job: Job, status: Status, document: dict[str, Any]) -> Outcome:
     sized = document.get("sizing", {}).get("joints", [])
     levels = [joint["level"] for joint in sized] or [None] * len(document["joints"])
@@ -269,6 +244,12 @@ def _outcome(job: Job, status: Status, document: dict[str, Any]) -> Outcome:
         JointPeak(**{key: joint[key] for key in keys}, level=level)
         for joint, level in zip(document["joints"], levels, strict=True)
     )
+    exceeded = [(excess["joint"], excess["quantity"]) for excess in document["limits_exceeded"]]
+    exceeded += [(joint["name"], excess["quantity"]) for joint in sized for excess in joint["exceeded"]]
+    limits = (
+        Coverage(quantity, tuple(found["checked"]), tuple(Unchecked(**each) for each in found["unchecked"]))
+        for quantity, found in document["limits"].items()
+    )
     return Outcome(
         job.name,
         status,
@@ -276,19 +257,8 @@ def _outcome(job: Job, status: Status, document: dict[str, Any]) -> Outcome:
         document=os.path.splitext(job.shown)[0] + ".json",
         samples=document["samples"],
         duration=document["duration"],
-        exceeded=_exceeded(document, sized),
-        limits=tuple(_coverage(*each) for each in document["limits"].items()),
+        exceeded=tuple(dict.fromkeys(f"{joint} {quantity}" for joint, quantity in exceeded)),
+        limits=tuple(limits),
         caveats=tuple(Caveat(each["clause"], each["said"]) for each in document["doubts"]),
         joints=joints,
     )
-
-
-def _coverage(quantity: Quantity, found: dict[str, Any]) -> Coverage:
-    return Coverage(quantity, tuple(found["checked"]), tuple(Unchecked(**each) for each in found["unchecked"]))
-
-
-def _exceeded(document: dict[str, Any], sized: list[dict[str, Any]]) -> tuple[str, ...]:
-    """Return joints and quantities beyond limits, those of the description first, each once."""
-    found = [(excess["joint"], excess["quantity"]) for excess in document["limits_exceeded"]]
-    found += [(joint["name"], excess["quantity"]) for joint in sized for excess in joint["exceeded"]]
-    return tuple(dict.fromkeys(f"{joint} {quantity}" for joint, quantity in found))

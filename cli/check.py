@@ -14,8 +14,8 @@ from robodyn.checks.catalogue import RULES, WORDS
 from robodyn.checks.check import Checked, Options, Task, check_tasks, fix_task, tasks_for
 from robodyn.checks.context import Asked
 from robodyn.checks.rule import Severity
-from robodyn.cli.call import DESCRIPTION, PATH, READING, REPORT, Call, Parsed, refuse, takes
 from robodyn.cli.files import STANDARD_INPUT, check_names, source_of
+from robodyn.cli.options import DESCRIPTION, PATH, READING, REPORT, Call, Parsed, refuse_where, takes
 from robodyn.cli.progress import robots_done
 from robodyn.cli.reports import answer, write_report
 from robodyn.cli.screen import complain, show
@@ -151,17 +151,14 @@ def command(
     """
     check_names(*["baseline"] * write_baseline)
     stdin, plain = STANDARD_INPUT in urdfs, not any(map(is_xacro, urdfs))
-    wrong = [
+    refuse_where(
         (plain and call.xacro_args, "--xacro-arg goes with a file that is xacro (xacro files end in .xacro)"),
         (call.trust_xacro and not all(map(os.path.isfile, urdfs)), "--trust-xacro goes with the names of files"),
         (write_baseline and not baseline, "--write-baseline needs --baseline FILE"),
         (unsafe_fixes and not (fix or diff), "--unsafe-fixes needs --fix or --diff"),
         (fix and stdin and not diff, "--fix cannot edit standard input; --diff shows the edit"),
         (statistics and call.form not in ("text", "short"), "--statistics is text; leave --format out"),
-    ]
-    for is_wrong, what in wrong:
-        if is_wrong:
-            refuse(what)
+    )
     given = Options(
         select or (),
         ignore or (),

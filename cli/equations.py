@@ -6,8 +6,8 @@ from typing import Any
 
 import click
 
-from robodyn.cli.call import AT, PATH, QD, SCENE, VALUES, Call, refuse, takes
 from robodyn.cli.files import check_names, robot_in_scene
+from robodyn.cli.options import AT, PATH, QD, SCENE, VALUES, Call, refuse, takes
 from robodyn.cli.reports import answer
 from robodyn.equations.closed import closed
 from robodyn.equations.dae.dae import dae

@@ -7,8 +7,8 @@ from typing import Any
 
 import click
 
-from robodyn.cli.call import FORMAT, PATH, POSITIVE, REPORT, SCENE, TABLE_OUT, VALUES, Call, Parsed, takes
 from robodyn.cli.files import check_names, robot_in_scene
+from robodyn.cli.options import FORMAT, PATH, POSITIVE, REPORT, SCENE, TABLE_OUT, VALUES, Call, Parsed, takes
 from robodyn.cli.reports import answer, get_ready
 from robodyn.identification.excitation.excite import HARMONICS, PERIOD, RATE, excite
 from robodyn.report.identification import excitation_json, excitation_page, excitation_sections

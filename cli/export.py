@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import click
 
-from robodyn.cli.call import PATH, SCENE, Call, Output, takes
 from robodyn.cli.files import check_names, robot_in_scene
+from robodyn.cli.options import PATH, SCENE, Call, Output, takes
 from robodyn.cli.screen import show, show_file
 from robodyn.equations.export.export import TARGETS, export
 

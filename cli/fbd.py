@@ -9,8 +9,8 @@ from typing import Any
 
 import click
 
-from robodyn.cli.call import AT, FOLDER, FORMAT, PATH, QD, READING, SCENE, VALUES, Call, refuse, takes
 from robodyn.cli.files import check_names, refuse_foreign, robot_in_scene
+from robodyn.cli.options import AT, FOLDER, FORMAT, PATH, QD, READING, SCENE, VALUES, Call, refuse, takes
 from robodyn.cli.reports import answer
 from robodyn.equations.free_body.bodies import free_bodies
 from robodyn.errors import InputError

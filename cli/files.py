@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from robodyn.cli.call import ROBOT_SUFFIXES, Call, Output, Parsed
+from robodyn.cli.options import ROBOT_SUFFIXES, Call, Output, Parsed
 from robodyn.errors import InputError, SceneError
 from robodyn.support.input_file import open_input, read_standard_input
 

@@ -11,20 +11,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from robodyn.cli.call import (
-    COVARIANCE_OUT,
-    FORMAT,
-    PATH,
-    POSITIVE,
-    READING,
-    REPORT,
-    SCENE,
-    SCENE_OUT,
-    URDF_OUT,
-    Call,
-    takes,
-)
+from robodyn.cli import options
 from robodyn.cli.files import TABLE, check_names, expect, robot_in_scene
+from robodyn.cli.options import COVARIANCE_OUT, PATH, POSITIVE, SCENE_OUT, Call, takes
 from robodyn.cli.reports import answer
 from robodyn.errors import InputError
 from robodyn.support.files import whole_file
@@ -40,7 +29,7 @@ SPLIT = 0.7
 @click.argument("urdf", type=PATH)
 @click.argument("logs", type=PATH, nargs=-1, required=True, metavar="LOG...")
 @takes(
-    click.option("--out", type=URDF_OUT, metavar="FILE", help="Write the calibrated description: URDF."),
+    click.option("--out", type=options.URDF_OUT, metavar="FILE", help="Write the calibrated description: URDF."),
     click.option("--scene-out", type=SCENE_OUT, metavar="FILE", help="Write friction and rotors as a scene: TOML."),
     click.option(
         "--covariance", type=COVARIANCE_OUT, metavar="FILE", help="Write parameters and their covariance: JSON."
@@ -56,10 +45,10 @@ SPLIT = 0.7
     click.option("--cutoff", type=POSITIVE, metavar="HZ", help="Of the filter on both sides; default by the noise."),
     click.option("--no-shapes", is_flag=True, help="Do not keep bodies within ellipsoids around their shapes."),
     click.option("--force", is_flag=True, help="Write even what explains held-out torques worse than the description."),
-    SCENE,
-    READING,
-    REPORT,
-    FORMAT,
+    options.SCENE,
+    options.READING,
+    options.REPORT,
+    options.FORMAT,
 )
 def command(
     call: Call,

@@ -2,45 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Sequence
 from os.path import isfile
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 import numpy as np
 from click.core import ParameterSource
 
-from robodyn.cli.call import (
-    AT,
-    DESCRIPTION,
-    PATH,
-    POINT,
-    POSITIVE,
-    REPORT,
-    ROBOT_SUFFIXES,
-    Call,
-    Parsed,
-    Vector,
-    finite_numbers,
-    one_each,
-    refuse,
-    takes,
-    vector_type,
-)
+from robodyn.cli import options
 from robodyn.cli.files import STANDARD_INPUT, check_names
+from robodyn.cli.options import PATH, POSITIVE, Call, Parsed, finite_numbers, refuse, takes, vector_type
 from robodyn.cli.reports import answer
 from robodyn.cli.screen import complain
 from robodyn.errors import InputError, MeshError
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.report.document import Document
 from robodyn.solids.inertia.properties import Pose, View, inertial_element
-from robodyn.solids.mass_properties import Part, mass_properties
+from robodyn.solids.mass_properties import Part, combined, mass_properties
 from robodyn.support.floats import Floats
+from robodyn.support.wording import count
 
 if TYPE_CHECKING:
     from robodyn.robot.urdf.parts import Kind
+
+T = TypeVar("T")
 
 
 def _place(text: str) -> Pose:
@@ -108,14 +95,14 @@ _USES = {
         help="For each mesh in turn, in m and rad.",
     ),
     click.option("--link", metavar="NAME", help="One link, in its own frame."),
-    AT,
+    options.AT,
     click.option("--compare", is_flag=True, help="Declared inertias against the links' shapes."),
     click.option("--geometry", type=click.Choice(["visual", "collision"]), help="Which shapes, also for --link."),
-    DESCRIPTION,
-    click.option("--about", type=POINT, default="com", metavar="POINT", help="com (default), origin or X,Y,Z."),
+    options.DESCRIPTION,
+    click.option("--about", type=options.POINT, default="com", metavar="POINT", help="com (default), origin or X,Y,Z."),
     click.option("--rpy", type=vector_type("0,0,1.57"), default="0,0,0", metavar="R,P,Y", help="Turns the axes; rad."),
     click.option("--format", "form", type=click.Choice(["text", "json", "urdf"]), default="text", help="Default text."),
-    REPORT,
+    options.REPORT,
 )
 def command(
     call: Call,
@@ -140,7 +127,7 @@ def command(
     compare: bool,
     geometry: Kind | None,
     about: Any,
-    rpy: Vector,
+    rpy: options.Vector,
 ) -> int:
     """Compute mass, centre of mass and inertia of what each mesh encloses, of meshes combined, of a link or of a robot.
     A file named - is standard input. A mesh that fails stops no other, and makes the exit status 2.
@@ -157,8 +144,8 @@ def command(
     """
     check_names()
     view = View(about, rpy)
-    if file_type == "urdf" or any(name.lower().endswith(ROBOT_SUFFIXES) for name in files):
-        from robodyn.cli.inertia_robot import Link, robot
+    if file_type == "urdf" or any(name.lower().endswith(options.ROBOT_SUFFIXES) for name in files):
+        from robodyn.cli.inertia_robot import compared, robot
         from robodyn.robot.masses.shapes import How
 
         how = How(exact=exact, repair=repair, strict=strict, cavities=cavities)
@@ -168,7 +155,10 @@ def command(
             check_use("a link as declared" if geometry is None else "a link's shapes")
         if len(files) > 1:
             refuse("a URDF stands alone: one robot at a time, and no meshes beside it")
-        return robot(call, files[0], view, Link(link, geometry, density, mass), how, at=at or (), compare=compare)
+        if compare:
+            return compared(call, files[0], geometry or "visual", how)
+        rho, m = one_each(density, files, "--density")[0], one_each(mass, files, "--mass")[0]
+        return robot(call, files[0], view, at or (), link, geometry, rho, m, how)
     check_use("--combine" if combine else "meshes one by one")
     if combine or call.form == "urdf":
         symmetry, tessellation = symmetry or False, tessellation or False
@@ -176,100 +166,72 @@ def command(
     if whole is not None and density:
         raise InputError("both a density and a mass are given", remedy="give one of them")
     units = one_each(unit, files, "--unit")
-    rows = zip(
-        files,
-        one_each(density, files, "--density"),
-        one_each(() if whole else mass, files, "--mass"),
-        units,
-        strict=True,
-    )
-    how_each = {"file_type": file_type, "shell": shell, "strict": strict, "cavities": cavities, "repair": repair}
-    how_each |= {"symmetry": symmetry, "symmetrize": symmetrize, "tessellation": tessellation, "exact": exact}
-    outcomes = _measured(list(rows), accuracy, how_each)
+    densities, masses = one_each(density, files, "--density"), one_each(() if whole else mass, files, "--mass")
+    settings = {"file_type": file_type, "shell": shell, "strict": strict, "cavities": cavities, "repair": repair}
+    settings |= {"symmetry": symmetry, "symmetrize": symmetrize, "tessellation": tessellation, "exact": exact}
+    outcomes = _measured(list(zip(files, densities, masses, units, strict=True)), accuracy, settings)
+    parts = [each for each in outcomes if isinstance(each, Part)]
     for each in outcomes:
         if isinstance(each, MeshError):
             complain(each)
-    failed = any(isinstance(each, MeshError) for each in outcomes)
+    failed = len(parts) < len(outcomes)
     if failed and (combine or len(files) == 1):
         return 2
-    parts = [each for each in outcomes if isinstance(each, Part)]
 
-    def shapes(pictures: bool) -> list[Floats | None]:
-        """Return the triangles of each part [m]; None where they are not wanted or cannot be read a second time."""
-        from robodyn.solids.mesh.read.load import load_triangles
+    from robodyn.report.inertia import combination_sections, inertia_sections
 
-        found: list[Floats | None] = []
-        for name, scale, outcome in zip(files, units, outcomes, strict=True):
-            if isinstance(outcome, MeshError):
-                continue
-            if not pictures or name == STANDARD_INPUT or not isfile(name):
-                found.append(None)
-                continue
-            triangles = load_triangles(name, file_type=file_type, unit=scale)
-            found.append(triangles.array() * triangles.scale)
-        return found
-
-    if combine:
-        _combined(call, parts, place, whole, view, shapes)
-        return 0
-
-    from robodyn.report.inertia import inertia_sections
-    from robodyn.report.inertia_pages import inertia_json
+    together = combined(parts, place, whole) if combine else None
 
     def document(pictures: bool) -> Document:
-        from robodyn.report.inertia_pages import parts_page
+        from robodyn.report.inertia_pages import combination_page, parts_page
 
-        return parts_page(outcomes, view, shapes(pictures))
+        read = zip(files, units, outcomes, strict=True)
+        shapes = [_triangles(name, file_type, scale, pictures) for name, scale, part in read if isinstance(part, Part)]
+        return combination_page(together, view, shapes) if together else parts_page(outcomes, view, shapes)
 
-    answer(
-        call,
-        inertia_sections(parts, view),
-        document if parts else None,
-        json=partial(inertia_json, outcomes, view),
-        urdf=lambda: "".join(map(_element, outcomes)),
-    )
+    def json() -> str:
+        from robodyn.report.inertia_pages import combination_json, inertia_json
+
+        return combination_json(together, view) if together else inertia_json(outcomes, view)
+
+    def urdf() -> str:  # a comment stands for a part that there is not
+        bodies = [together] if together else outcomes
+        return "".join(
+            f"<!-- {str(each).replace('--', '- -')} -->\n"
+            if isinstance(each, MeshError)
+            else inertial_element(each.body, "") + "\n"
+            for each in bodies
+        )
+
+    sections = combination_sections(together, view) if together else inertia_sections(parts, view)
+    answer(call, sections, document if parts else None, json=json, urdf=urdf)
     return 2 if failed else 0
 
 
-def _combined(
-    call: Call,
-    parts: Sequence[Part],
-    places: Sequence[Pose],
-    mass: float | None,
-    view: View,
-    shapes: Callable[[bool], list[Floats | None]],
-) -> None:
-    from robodyn.report.inertia import combination_sections
-    from robodyn.report.inertia_pages import combination_json
-    from robodyn.solids.mass_properties import combined
+def _triangles(name: str, file_type: str | None, unit: str | None, wanted: bool) -> Floats | None:
+    """Return the triangles of a mesh [m]; None where they are not wanted or cannot be read a second time."""
+    from robodyn.solids.mesh.read.load import load_triangles
 
-    found = combined(parts, places, mass)
-
-    def document(pictures: bool) -> Document:
-        from robodyn.report.inertia_pages import combination_page
-
-        return combination_page(found, view, shapes(pictures))
-
-    json, urdf = partial(combination_json, found, view), lambda: inertial_element(found.body, "") + "\n"
-    answer(call, combination_sections(found, view), document, json=json, urdf=urdf)
+    if not wanted or name == STANDARD_INPUT or not isfile(name):
+        return None
+    triangles = load_triangles(name, file_type=file_type, unit=unit)
+    return triangles.array() * triangles.scale
 
 
-def _element(outcome: Part | MeshError) -> str:
-    """Return the <inertial> of a part; a comment stands for one that there is not."""
-    if isinstance(outcome, Part):
-        return inertial_element(outcome.body, "") + "\n"
-    return f"<!-- {str(outcome).replace('--', '- -')} -->\n"
+def one_each(values: Sequence[T], files: Sequence[str], option: str) -> list[T | None]:
+    """Return the values of an option for each file, given once for all or once for each."""
+    if len(values) in (0, 1):
+        return [values[0] if values else None] * len(files)
+    if len(values) != len(files):
+        what = f"{option} is given {len(values)} times for {count(len(files), 'mesh', 'meshes')}"
+        raise InputError(what, remedy="give it once, or once for each mesh")
+    return list(values)
 
 
 def _measured(
     rows: Sequence[tuple[str, float | None, float | None, str | None]], accuracy: float | None, how: dict[str, Any]
 ) -> list[Part | MeshError]:
-    """Return the part that each file is, or why it is none.
-
-    Args:
-        rows: file, density [kg/m^3], mass [kg] and unit of each.
-        accuracy: relative error that is wanted; how: of `mass_properties`.
-    """
+    """Return the part that each file is, or why it is none; rows are file, density, mass and unit."""
     from robodyn.cli.progress import counted
 
     if accuracy is not None:
@@ -294,20 +256,11 @@ def check_use(use: str) -> None:
     ctx = click.get_current_context()
     for option in ctx.command.params:
         name = option.name or ""
-        given = isinstance(option, click.Option) and ctx.get_parameter_source(name) is ParameterSource.COMMANDLINE
-        if given and not (name in _USES[use][1] if use in _USES else _of_meshes(use, name)):
-            refuse(f"{_written(option, ctx)} is not for {use}, but for {_calls(name)}")
-
-
-def _calls(name: str) -> str:
-    """Return with what an option goes."""
-    meshes = [] if name in _OF_ROBOTS else ["meshes with --combine" if name in ("place", "combine") else "meshes"]
-    return " or ".join([*meshes, *(call for call, names in _USES.values() if name in names)])
-
-
-def _of_meshes(use: str, name: str) -> bool:
-    return name not in _OF_ROBOTS and (name != "place" or use == "--combine")
-
-
-def _written(option: click.Parameter, ctx: click.Context) -> str:
-    return (option.secondary_opts if ctx.params.get(option.name or "") is False else option.opts)[0]
+        if not isinstance(option, click.Option) or ctx.get_parameter_source(name) is not ParameterSource.COMMANDLINE:
+            continue
+        of_meshes = name not in _OF_ROBOTS and (name != "place" or use == "--combine")
+        if not (name in _USES[use][1] if use in _USES else of_meshes):
+            written = (option.secondary_opts if ctx.params.get(name) is False else option.opts)[0]
+            meshes = [] if name in _OF_ROBOTS else [f"meshes{' with --combine' * (name in ('place', 'combine'))}"]
+            others = [call for call, names in _USES.values() if name in names]
+            refuse(f"{written} is not for {use}, but for {' or '.join([*meshes, *others])}")

@@ -5,8 +5,8 @@ from __future__ import annotations
 import click
 
 from robodyn.checks.overview import overview
-from robodyn.cli.call import DESCRIPTION, FORMAT, PATH, Call, takes
 from robodyn.cli.files import check_names, robot_source
+from robodyn.cli.options import DESCRIPTION, FORMAT, PATH, Call, takes
 from robodyn.cli.reports import answer
 from robodyn.report.overview import overview_json, overview_sections
 

@@ -9,8 +9,8 @@ from typing import Any
 import click
 import numpy as np
 
-from robodyn.cli.call import AT, FORMAT, PATH, POSITIVE, QD, REPORT, SCENE, Call, Output, takes
 from robodyn.cli.files import check_names, robot_in_scene
+from robodyn.cli.options import AT, FORMAT, PATH, POSITIVE, QD, REPORT, SCENE, Call, Output, takes
 from robodyn.cli.reports import answer, get_ready
 from robodyn.equations.linearized.linearize import linearize
 from robodyn.equations.linearized.linearized import Linearized

@@ -8,7 +8,7 @@ from contextlib import suppress
 from importlib import import_module
 from threading import Thread
 
-from robodyn.cli.call import Call, report_form
+from robodyn.cli.options import Call, report_form
 from robodyn.cli.screen import page, show
 from robodyn.report.document import Document, Section, text
 

@@ -6,8 +6,8 @@ import os
 
 import click
 
-from robodyn.cli.call import DESCRIPTION, PATH, SCENE_OUT, Call, takes
 from robodyn.cli.files import robot_source
+from robodyn.cli.options import DESCRIPTION, PATH, SCENE_OUT, Call, takes
 from robodyn.cli.screen import show, show_file
 from robodyn.errors import InputError
 from robodyn.report.scene_toml import scene_toml

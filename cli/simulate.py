@@ -7,21 +7,9 @@ from typing import Any
 
 import click
 
-from robodyn.cli.call import (
-    BASE_HELD,
-    FORMAT,
-    PATH,
-    POSITIVE,
-    REPORT,
-    SCENE,
-    TABLE,
-    TABLE_OUT,
-    VALUES,
-    Call,
-    refuse,
-    takes,
-)
+from robodyn.cli import options
 from robodyn.cli.files import check_names, check_table, robot_in_scene
+from robodyn.cli.options import PATH, POSITIVE, TABLE_OUT, VALUES, Call, refuse, takes
 from robodyn.cli.reports import answer, get_ready
 from robodyn.dynamics.initial_state import begun_at
 from robodyn.programs.run.choice import EXECUTORS
@@ -35,10 +23,10 @@ from robodyn.trajectory.write import format_of, open_writer
 @click.command("simulate", short_help="Simulate how a robot moves by itself, driven or pushed.")
 @click.argument("urdf", type=PATH)
 @takes(
-    SCENE,
+    options.SCENE,
     click.option("--at", type=VALUES, metavar="Q", help="Begin here: joint values in order, or JOINT=Q,..."),
     click.option("--traj", "table", type=PATH, metavar="FILE", help="The table whose columns the scene names."),
-    TABLE,
+    options.TABLE,
     click.option("--duration", type=float, metavar="S", help="s; default that of the table, else 10."),
     click.option("--step", type=float, metavar="S", help="s, of a fixed step; default 0.001, less where stiff."),
     click.option("--rtol", type=float, metavar="R", help="Tolerance of a method that chooses its steps."),
@@ -48,11 +36,11 @@ from robodyn.trajectory.write import format_of, open_writer
         "--out", type=TABLE_OUT, metavar="FILE", help="Write the motion and its torques: .csv, .parquet or .npz."
     ),
     click.option("--fail-on-limits", is_flag=True, help="Exit with 1 if a limit is exceeded, or one ends the motion."),
-    BASE_HELD,
+    options.BASE_HELD,
     click.option("--explain", is_flag=True, help="Say why each effect is on or off."),
     click.option("--executor", type=click.Choice(EXECUTORS), default="auto", help="As of torques; default auto."),
-    REPORT,
-    FORMAT,
+    options.REPORT,
+    options.FORMAT,
 )
 def command(
     call: Call,

@@ -3,44 +3,24 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from functools import partial
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import click
 
-from robodyn.cli.call import (
-    BASE_HELD,
-    EXECUTION,
-    FORMAT,
-    PATH,
-    POINT,
-    POSITIVE,
-    READING,
-    REPORT,
-    SCENE,
-    TABLE_OUT,
-    Call,
-    Grouped,
-    Loads,
-    refuse,
-    takes,
-)
+from robodyn.cli import options
 from robodyn.cli.files import ROBOT, STANDARD_INPUT, TABLE, check_names, expect, robot_in_scene
+from robodyn.cli.options import PATH, POSITIVE, TABLE_OUT, Call, Grouped, refuse_where, takes
 from robodyn.cli.reports import answer, get_ready
 from robodyn.errors import InputError
 
 if TYPE_CHECKING:
-    from robodyn.dynamics.momenta import View
-    from robodyn.loads.result import Result
-    from robodyn.loads.torques import Sink
     from robodyn.measure.accuracy.torques import Arithmetic
     from robodyn.report.document import Document
     from robodyn.robot.model import Model
     from robodyn.scene.scene import Scene
-    from robodyn.trajectory.reader import TrajectoryReader
 
 _TABLES = (".csv", ".tsv", ".txt", ".dat", ".parquet", ".pq", ".npz")
 _MOMENTUM = "Mass centre, momenta, energies, power: report them, and write them to --out."
@@ -66,24 +46,24 @@ class TorquesCommand(Grouped):
 @click.argument("urdf", type=PATH)
 @click.argument("trajectories", type=PATH, nargs=-1, required=True, metavar="TRAJECTORY...")
 @takes(
-    SCENE,
+    options.SCENE,
     click.option(
         "--out", type=TABLE_OUT, metavar="FILE", help="Write the torques: .csv, .parquet, .npz; of many a FOLDER."
     ),
-    BASE_HELD,
+    options.BASE_HELD,
     click.option("--reactions", is_flag=True, help="Write the wrenches of the base and of every joint to --out too."),
     click.option("--sizing", is_flag=True, help="Add duty, motors, bearings, foundation; as a scene with motors does."),
     click.option("--momentum", is_flag=True, help=_MOMENTUM),
-    click.option("--about", type=POINT, metavar="POINT", help="Of L: origin (default), com or X,Y,Z."),
+    click.option("--about", type=options.POINT, metavar="POINT", help="Of L: origin (default), com or X,Y,Z."),
     click.option("--frame", metavar="LINK", help="Axes and origin of momenta; default the ground's."),
-    READING,
+    options.READING,
     click.option("--explain", is_flag=True, help="Say why each effect is on or off, and what it costs."),
     click.option("--measured", is_flag=True, help="Compare with the torques of the log, and say what differs."),
     click.option("--cutoff", type=POSITIVE, metavar="HZ", help="With --measured: of the filter; default by the noise."),
     click.option("--fail-on-limits", is_flag=True, help="Exit with 1 if a limit of robot or motor is exceeded."),
     click.option("--accuracy", type=POSITIVE, metavar="E", help="Take the cheapest arithmetic of this relative error."),
     click.option("--example", is_flag=True, help="First write an example motion to TRAJECTORY, within all limits."),
-    REPORT,
+    options.REPORT,
     click.option(
         "--jobs",
         type=click.IntRange(min=1),
@@ -91,8 +71,8 @@ class TorquesCommand(Grouped):
         help="Processes for many trajectories; default: one for each core.",
     ),
     click.option("--dask", metavar="ADDRESS", help="Compute many trajectories on this Dask cluster instead."),
-    EXECUTION,
-    FORMAT,
+    options.EXECUTION,
+    options.FORMAT,
 )
 def command(
     call: Call,
@@ -127,38 +107,35 @@ def command(
       robodyn torques robots/puma560.urdf log.db3 --measured --report measured.html
     """
     if measured:
-        alone: dict[str, object] = {
-            "fail-on-limits": fail_on_limits,
-            "out": out,
-            "reactions": reactions,
-            "sizing": sizing,
-        }
-        alone |= {"momentum": momentum, "explain": explain, "accuracy": accuracy, "example": example}
-        alone |= {"jobs": jobs, "dask": dask}
-        if asked := [name for name, value in alone.items() if value]:
-            refuse(f"--{asked[0]} does not go with --measured")
-        if len(trajectories) > 1:
-            refuse("--measured compares one log")
+        others: dict[str, object] = {"fail-on-limits": fail_on_limits, "out": out, "reactions": reactions}
+        others |= {"sizing": sizing, "momentum": momentum, "explain": explain, "accuracy": accuracy}
+        others |= {"example": example, "jobs": jobs, "dask": dask}
+        refuse_where(*((value, f"--{name} does not go with --measured") for name, value in others.items()))
+        refuse_where((len(trajectories) > 1, "--measured compares one log"))
         _measured(call, urdf, trajectories[0], cutoff)
         return 0
-    if cutoff is not None:
-        refuse("--cutoff goes with --measured")
-    if reactions and not out:
-        refuse("--reactions goes to a file, and --out names none")
-    options = Loads(_view(momentum, about, frame), sizing or None, reactions, explain, executor, threads)
-    if _is_batch(trajectories, out):
+    many = _is_batch(trajectories, out)
+    refuse_where(
+        (cutoff is not None, "--cutoff goes with --measured"),
+        (reactions and not out, "--reactions goes to a file, and --out names none"),
+        (about is not None and not momentum, "--about goes with --momentum"),
+        (frame is not None and not momentum, "--frame goes with --momentum"),
+        (many and accuracy, "--accuracy is for one trajectory"),
+        (many and example, "--example is for one trajectory"),
+        (not many and jobs is not None, "--jobs goes with many trajectories: give several, or --out FOLDER/"),
+        (not many and dask is not None, "--dask goes with many trajectories: give several, or --out FOLDER/"),
+    )
+    loads: dict[str, Any] = {"momentum": None, "sizing": sizing or None, "reactions": reactions}
+    loads |= {"explain": explain, "executor": executor, "threads": threads}
+    if momentum:
+        from robodyn.dynamics.momenta import GROUND, View
+
+        loads["momentum"] = View("origin" if about is None else about, GROUND if frame is None else frame)
+    if many:
         from robodyn.cli.torques_batch import run_batch
 
-        for name, value in (("accuracy", accuracy), ("example", example)):
-            if value:
-                refuse(f"--{name} is for one trajectory")
-        return run_batch(call, urdf, trajectories, out, options, fail_on_limits=fail_on_limits, jobs=jobs, dask=dask)
-    for name, given in (("jobs", jobs), ("dask", dask)):
-        if given is not None:
-            refuse(f"--{name} goes with many trajectories: give several, or --out FOLDER/")
-    result = _single(call, urdf, trajectories[0], out, options, accuracy=accuracy, example=example)
-    unmet = result.accuracy is not None and not result.accuracy.met
-    return int(unmet or (fail_on_limits and result.within_limits is False))
+        return run_batch(call, urdf, trajectories, out, loads, fail_on_limits=fail_on_limits, jobs=jobs, dask=dask)
+    return _single(call, urdf, trajectories[0], out, loads, accuracy, example=example, fail_on_limits=fail_on_limits)
 
 
 def _is_batch(trajectories: Sequence[str], out: str | None) -> bool:
@@ -170,24 +147,8 @@ def _is_batch(trajectories: Sequence[str], out: str | None) -> bool:
     return len(trajectories) > 1 or wild or folder
 
 
-def _view(momentum: bool, about: str | tuple[float, float, float] | None, frame: str | None) -> View | None:
-    """Return how momenta are asked for; None if they are not."""
-    if momentum:
-        from robodyn.dynamics.momenta import GROUND, View
-
-        return View("origin" if about is None else about, GROUND if frame is None else frame)
-    for name, value in (("--about", about), ("--frame", frame)):
-        if value is not None:
-            refuse(f"{name} goes with --momentum")
-    return None
-
-
 def _measured(call: Call, urdf: str, log: str, cutoff: float | None) -> None:
-    """Show what explains the difference of measured and computed torques.
-
-    Args:
-        cutoff: of the filter [Hz]; None: by the noise.
-    """
+    """Show what explains the difference of measured and computed torques."""
     from robodyn.identification.faults.compare import compare
     from robodyn.report.measured import measured_json, measured_page, measured_sections
 
@@ -205,42 +166,52 @@ def _single(
     urdf: str,
     trajectory: str,
     out: str | None,
-    options: Loads,
-    *,
+    loads: dict[str, Any],
     accuracy: float | None,
+    *,
     example: bool,
-) -> Result:
-    """Return what was found, after it is shown and written."""
+    fail_on_limits: bool,
+) -> int:
+    """Show and write what one trajectory asks for; the exit status."""
+    from robodyn.cli.progress import watched
     from robodyn.loads.accumulate import output_names
     from robodyn.loads.torques import torques
-    from robodyn.report.limits import verdict_section
+    from robodyn.report.limits import speed_use, verdict_section
     from robodyn.report.torques import torques_sections
     from robodyn.trajectory.read import read_motion
+    from robodyn.trajectory.write import format_of, open_writer
 
     check_names()
     expect(ROBOT, urdf)
     expect(TABLE, trajectory)
     if out:
-        from robodyn.trajectory.write import format_of
-
         format_of(out)
     get_ready(call)
     model, scene = robot_in_scene(call, urdf, loops=True, contacts=True)
+    if example:
+        _write_example(trajectory, model, scene)
+    way = None if accuracy is None else _arithmetic(call, accuracy, trajectory, model, scene)
+    if way is not None and way.executor:
+        loads["executor"] = way.executor
+    names = output_names(model, loads["reactions"], loads["momentum"] is not None, scene)
+    with ExitStack() as stack:
+        reader = stack.enter_context(read_motion(trajectory, model, scene, **call.reading))
+        sinks = []
+        if out is not None:  # the file is there whole when all ends well
+            from robodyn.support.threads import write_behind
+
+            sinks.append(stack.enter_context(write_behind(stack.enter_context(open_writer(out, names)).write)))
+        sinks.append(stack.enter_context(watched(reader)))
+        result = torques(model, reader, scene, sinks=sinks, history=call.pictured, **loads)
+    result = way.fulfilled(result) if way else result
     lines = ""
     if example:
-        write_example(trajectory, model, scene)
         lines = f"\nwritten: {trajectory}, an example motion to begin with"
-    way = None
-    if accuracy is not None:
-        way = arithmetic_for(call, accuracy, trajectory, model, scene)
-        options = replace(options, executor=way.executor or options.executor)
-    names = output_names(model, options.reactions, options.momentum is not None, scene)
-    reader = read_motion(trajectory, model, scene, **call.reading)
-    with reader, sinks(out, names, reader) as gather:
-        result = torques(model, reader, scene, sinks=gather, history=call.pictured, **vars(options))
-    result = way.fulfilled(result) if way else result
-    if example:
-        lines += f"{example_caution(result)}\n"
+        if result.sizing is not None:
+            use = max(map(speed_use, result.joints), default=0.0)
+            slow = f" and reaches {100 * use:.0f} % of the limits of speed" if use else ""
+            lines += f", which is no duty cycle{slow}: size by the motion that the robot will do"
+        lines += "\n"
     if out:
         lines += f"\nwritten: {out}, {result.samples} rows of time and {len(names)} columns\n"
 
@@ -254,32 +225,14 @@ def _single(
 
         return torques_json(result)
 
-    answer(call, torques_sections(result, options.explain), document, lines, last=verdict_section(result), json=json)
-    return result
+    sections = torques_sections(result, loads["explain"])
+    answer(call, sections, document, lines, last=verdict_section(result), json=json)
+    unmet = result.accuracy is not None and not result.accuracy.met
+    return int(unmet or (fail_on_limits and result.within_limits is False))
 
 
-@contextmanager
-def sinks(out: str | None, names: Sequence[str], reader: TrajectoryReader) -> Iterator[list[Sink]]:
-    """Yield functions to call with the time and the columns of each block; a file is there whole when all ends well."""
-    from robodyn.cli.progress import watched
-    from robodyn.support.threads import write_behind
-
-    with ExitStack() as stack:
-        writers: list[Sink] = []
-        if out is not None:
-            from robodyn.trajectory.write import open_writer
-
-            writer = stack.enter_context(open_writer(out, names))
-            writers.append(stack.enter_context(write_behind(writer.write)))
-        yield [*writers, stack.enter_context(watched(reader))]
-
-
-def write_example(path: str, model: Model, scene: Scene) -> None:
-    """Write an example motion of a robot to a file that is not there yet; warn of limits that no example keeps.
-
-    Raises:
-        InputError: the file is there, or cannot be written.
-    """
+def _write_example(path: str, model: Model, scene: Scene) -> None:
+    """Write an example motion to a file that is not there yet; warn of limits that no example keeps."""
     from robodyn.loads.example_motion import example_motion, overloaded
     from robodyn.trajectory.write import open_writer
 
@@ -293,23 +246,8 @@ def write_example(path: str, model: Model, scene: Scene) -> None:
         click.echo(f"warning: {line}", err=True)
 
 
-def example_caution(result: Result) -> str:
-    """Return that an example is no duty cycle, where it is used for sizing, and how fast it is."""
-    from robodyn.report.limits import speed_use
-
-    if result.sizing is None:
-        return ""
-    use = max(map(speed_use, result.joints), default=0.0)
-    slow = f" and reaches {100 * use:.0f} % of the limits of speed" if use else ""
-    return f", which is no duty cycle{slow}: size by the motion that the robot will do"
-
-
-def arithmetic_for(call: Call, target: float, trajectory: str, model: Model, scene: Scene) -> Arithmetic:
-    """Return the arithmetic for an accuracy, by the first block of the trajectory, which is read once more for torques.
-
-    Raises:
-        InputError: the trajectory is standard input or has no samples, or the accuracy is beyond doubles.
-    """
+def _arithmetic(call: Call, target: float, trajectory: str, model: Model, scene: Scene) -> Arithmetic:
+    """Return the arithmetic for an accuracy, by the first block of the trajectory, which is read anew for torques."""
     from robodyn.measure.accuracy.torques import arithmetic_within
     from robodyn.trajectory.read import read_motion
 

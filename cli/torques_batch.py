@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import warnings
-import zlib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from functools import partial
 from importlib import import_module
@@ -13,9 +13,9 @@ from typing import Any
 
 import click
 
-from robodyn.cli.batch import BETWEEN, Job, Setup, failed, jobs_of, run_job
-from robodyn.cli.call import Call, Loads, refuse
+from robodyn.cli.batch import Job, Setup, failed, jobs_of, run_job
 from robodyn.cli.files import STANDARD_INPUT, inputs_of, robot_in_scene
+from robodyn.cli.options import Call, refuse
 from robodyn.cli.progress import files_done
 from robodyn.cli.reports import answer
 from robodyn.cli.screen import complain, show
@@ -38,7 +38,7 @@ def run_batch(
     urdf: str,
     trajectories: Sequence[str],
     out: str | None,
-    options: Loads,
+    loads: Mapping[str, Any],
     *,
     fail_on_limits: bool,
     jobs: int | None,
@@ -57,10 +57,21 @@ def run_batch(
     lines = call.form == "text"
     if dask:
         need("clusters of Dask", "distributed")
-    setup, robot = _setup(call, urdf, options)
-    work = _there(setup, todo, dask) if dask else worked_here(setup, todo, processes(len(todo), jobs))
+    setup, robot = _setup(call, urdf, loads)
+    work = worked_there(setup, todo, dask) if dask else worked_here(setup, todo, processes(len(todo), jobs))
+    found: dict[int, Outcome] = {}
+    printed = 0
     with closing(work), files_done([job.path for job in todo]) as tick:  # type: ignore[type-var]
-        outcomes = _gathered(work, todo, tick, lines)
+        for number, outcome in work:
+            found[number] = outcome
+            tick(number)
+            while (last := found.get(printed)) is not None:  # in their order, as soon as all before it are there
+                if last.status == "failed":
+                    complain(last.error)
+                elif lines:
+                    print(outcome_line(last), flush=True)
+                printed += 1
+    outcomes = [found[number] for number in range(len(todo))]
     batch = Batch(robot, tuple(outcomes))
     if lines:
         show("\n")
@@ -68,53 +79,26 @@ def run_batch(
     return 2 if batch.count("failed") else int(fail_on_limits and batch.within_limits is False)
 
 
-def _setup(call: Call, urdf: str, options: Loads) -> tuple[Setup, str]:
+def _setup(call: Call, urdf: str, loads: Mapping[str, Any]) -> tuple[Setup, str]:
     """Return what all trajectories have in common, which is checked here once; and the robot's name."""
     model, scene = robot_in_scene(call, urdf, loops=True, contacts=True)
     assert model.description is not None, "it is read from a file"
     check_uncertain(scene)
-    if options.momentum is not None:
-        options.momentum.check(model, scene)
-    executor = options.executor
+    if loads["momentum"] is not None:
+        loads["momentum"].check(model, scene)
+    executor = loads["executor"]
     if executor == "auto":  # the same everywhere and every time, so that results are equal to the bit
         executor = "numpy" if compiler_problem() else "compiled"
     setup = Setup(
-        robot=zlib.compress(model.description.data),
-        scene=zlib.compress(BETWEEN.join(map(read_input, names))) if (names := call.scene_files) else None,
+        robot=model.description.data,
+        scenes=tuple(map(read_input, call.scene_files)),
         gravity=call.gravity,
         payloads=call.payloads,
         base_held=call.base_held,
         reading=call.reading,
-        options={**vars(options), "executor": executor, "threads": options.threads or 1},
+        options={**loads, "executor": executor, "threads": loads["threads"] or 1},
     )
     return setup, model.name
-
-
-def _there(setup: Setup, jobs: Sequence[Job], address: str) -> Iterator[tuple[int, Outcome]]:
-    import logging
-
-    import_module("distributed")  # an import sets the levels of its own loggers
-    # That work is given to another worker is what Dask is for, and no news.
-    logging.getLogger("distributed.client").setLevel(logging.ERROR)
-    return worked_there(setup, jobs, address, lambda line: click.echo(f"note: {printable(line)}", err=True))
-
-
-def _gathered(
-    work: Iterator[tuple[int, Outcome]], jobs: Sequence[Job], tick: Callable[[int], None], lines: bool
-) -> list[Outcome]:
-    """Return all outcomes; a line for each is written as soon as all before it are there, errors on standard error."""
-    found: dict[int, Outcome] = {}
-    printed = 0
-    for number, outcome in work:
-        found[number] = outcome
-        tick(number)
-        while (last := found.get(printed)) is not None:
-            if last.status == "failed":
-                complain(last.error)
-            elif lines:
-                print(outcome_line(last), flush=True)
-            printed += 1
-    return [found[number] for number in range(len(jobs))]
 
 
 def worked_here(setup: Setup, jobs: Sequence[Job], count: int) -> Iterator[tuple[int, Outcome]]:
@@ -143,9 +127,7 @@ PATIENCE = 10
 """Seconds within which the scheduler must answer."""
 
 
-def worked_there(
-    setup: Setup, jobs: Sequence[Job], address: str, say: Callable[[str], None]
-) -> Iterator[tuple[int, Outcome]]:
+def worked_there(setup: Setup, jobs: Sequence[Job], address: str) -> Iterator[tuple[int, Outcome]]:
     """Yield (number, outcome) of every job as they are done, by the workers of the cluster at this address.
 
     The workers need robodyn of this version, and the files of this machine under the same names. The scheduler gives
@@ -154,13 +136,12 @@ def worked_there(
 
     Args:
         address: of the scheduler, such as tcp://10.0.0.1:8786.
-        say: called with a line where there is no worker yet.
 
     Raises:
-        InputError: Dask is not installed, or there is no scheduler at the address.
+        InputError: there is no scheduler at the address.
     """
-    need("clusters of Dask", "distributed")
-    distributed: Any = import_module("distributed")
+    distributed: Any = import_module("distributed")  # which sets the levels of its own loggers
+    logging.getLogger("distributed.client").setLevel(logging.ERROR)  # work given to another worker is no news
     try:
         client = distributed.Client(address, timeout=PATIENCE)
     except (OSError, ValueError, TypeError) as error:
@@ -168,7 +149,7 @@ def worked_there(
         raise InputError(what, remedy="an address is like tcp://10.0.0.1:8786", file=address) from None
     with client:
         if not client.scheduler_info(n_workers=-1)["workers"]:
-            say(f"{address} has no workers yet; waiting for them")
+            click.echo(f"note: {printable(address)} has no workers yet; waiting for them", err=True)
         futures = [client.submit(run_job, setup, job, pure=False) for job in jobs]
         numbers = {future: number for number, future in enumerate(futures)}
         try:

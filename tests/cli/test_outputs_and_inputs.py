@@ -14,8 +14,8 @@ import click
 import pytest
 from helpers.command_line import motion, run, write_arm
 
-from robodyn.cli.call import Output, Parsed
 from robodyn.cli.main import COMMANDS
+from robodyn.cli.options import Output, Parsed
 
 ARGUMENTS = {
     "torques": ["arm.urdf", "arm.csv"],

@@ -61,16 +61,16 @@ def test_without_dask(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_no_word_of_work_that_is_given_to_others() -> None:
-    """By the command, in a process that has not imported Dask yet, which sets levels when it is."""
+    """In a process that has not imported Dask yet, which sets levels when it is."""
     done = python("""
 import logging
-from robodyn.cli import torques_batch as cluster
 from robodyn.cli import torques_batch
-def worked_there(*_):
-    import distributed
-    return iter([logging.getLogger("distributed.client").getEffectiveLevel()])
-cluster.worked_there = worked_there
-print(*torques_batch._there(None, (), ""))""")
+from robodyn.errors import InputError
+torques_batch.PATIENCE = 0.1
+try:
+    next(torques_batch.worked_there(None, (), "tcp://127.0.0.1:9"))
+except InputError:
+    print(logging.getLogger("distributed.client").getEffectiveLevel())""")
     assert int(done.stdout) == logging.ERROR
 
 

@@ -15,7 +15,7 @@ from helpers.command_line import command
 from helpers.terminals import on_terminal
 
 from robodyn.cli.batch import jobs_of
-from robodyn.cli.call import Call, Loads
+from robodyn.cli.options import Call
 from robodyn.cli.torques_batch import _setup, worked_here
 from robodyn.support.processes import ATTEMPTS
 
@@ -27,7 +27,8 @@ def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def setup():
-    return _setup(Call(), "arm.urdf", Loads(None, False, False, False, "numpy", None))[0]
+    loads = {"momentum": None, "sizing": None, "reactions": False, "explain": False, "executor": "numpy"}
+    return _setup(Call(), "arm.urdf", {**loads, "threads": None})[0]
 
 
 def kill_writers(name: str, times: int, children: list[subprocess.Popen[bytes]]) -> None:

@@ -7,24 +7,22 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import reduce, wraps
-from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, TypeVar, get_args
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, get_args
 
 import click
 
 from robodyn.errors import InputError
 from robodyn.support.extras import need
 from robodyn.support.input_file import read_input
-from robodyn.support.wording import count
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
-    from robodyn.dynamics.momenta import View
     from robodyn.scene.parts import Payload
     from robodyn.trajectory.columns.units import AngleUnit, TimeUnit
 
 Callback = Callable[..., Any]
-T = TypeVar("T")
+Decorator = Callable[[Callback], Callback]
 Vector = tuple[float, float, float]
 ROBOT_SUFFIXES = (".urdf", ".xacro")
 REPORT_FORMS = {".html": "html", ".htm": "html", ".md": "markdown"}
@@ -69,21 +67,15 @@ class Call:
     @property
     def lookup(self) -> dict[str, Any]:
         """How a description is read, as `robodyn.load` takes it."""
-        return {
-            "package_paths": self.package_paths,
-            "xacro_args": dict(self.xacro_args),
-            "trust_xacro": self.trust_xacro,
-        }
+        args = dict(self.xacro_args)
+        return {"package_paths": self.package_paths, "xacro_args": args, "trust_xacro": self.trust_xacro}
 
     @property
     def reading(self) -> dict[str, Any]:
         """How a table is read, as `robodyn.read_motion` takes it."""
+        columns = dict(pair for pairs in self.columns for pair in pairs)
         found = {name: getattr(self, name) for name in _READING}
-        return {
-            **found,
-            "hold": ",".join(self.hold) or None,
-            "columns": dict(pair for pairs in self.columns for pair in pairs),
-        }
+        return {**found, "hold": ",".join(self.hold) or None, "columns": columns}
 
     @property
     def reading_given(self) -> str:
@@ -102,28 +94,16 @@ class Call:
         return self.report is not None and report_form(self.report) == "html"
 
 
-@dataclass(frozen=True)
-class Loads:
-    """What `robodyn.torques` is asked for, by its names."""
-
-    momentum: View | None
-    sizing: bool | None
-    reactions: bool
-    explain: bool
-    executor: str
-    threads: int | None
-
-
 _COMMON = {field.name for field in fields(Call)}
 _READING = ("time_unit", "angle_unit", "derivatives", "encoder_error", "ignore_extra", "topic", "hold", "columns")
 
 
-def together(*options: Callback) -> Callback:
+def together(*options: Decorator) -> Decorator:
     """Return one decorator for several options, which help lists in this order."""
     return lambda command: reduce(lambda inner, option: option(inner), reversed(options), command)
 
 
-def takes(*options: Callback) -> Callback:
+def takes(*options: Decorator) -> Decorator:
     """Return a decorator that gives a function a `Call` first, of those options that commands share, and by name the
     values of all others."""
 
@@ -133,25 +113,21 @@ def takes(*options: Callback) -> Callback:
             shared = {name: values.pop(name) for name in _COMMON & values.keys()}
             return function(Call(**shared), **values)
 
-        decorated: Callback = together(*options)(called)
-        return decorated
+        return together(*options)(called)
 
     return decorate
-
-
-def one_each(values: Sequence[T], files: Sequence[str], option: str) -> list[T | None]:
-    """Return the values of an option for each file, given once for all or once for each."""
-    if len(values) in (0, 1):
-        return [values[0] if values else None] * len(files)
-    if len(values) != len(files):
-        what = f"{option} is given {len(values)} times for {count(len(files), 'mesh', 'meshes')}"
-        raise InputError(what, remedy="give it once, or once for each mesh")
-    return list(values)
 
 
 def refuse(what: str) -> NoReturn:
     """Raise that a command cannot be called so."""
     raise click.UsageError(what, click.get_current_context())
+
+
+def refuse_where(*cases: tuple[object, str]) -> None:
+    """Refuse the call by the first of these that holds."""
+    for holds, what in cases:
+        if holds:
+            refuse(what)
 
 
 class Grouped(click.Command):
@@ -292,28 +268,23 @@ def _payload(text: str) -> Payload:
 
 def _columns(text: str) -> Pairs:
     """Return the pairs of OURS=THEIRS, or of a TOML file of such pairs."""
-    ours, equals, theirs = text.partition("=")
-    if not equals or os.path.isfile(text):
-        found = Pairs(_pairs(text).items())
-        found.file = text
-        return found
-    if not ours.strip() or not theirs.strip():
-        raise ValueError(f"{text!r} is not OURS=THEIRS, such as q_elbow='Elbow angle'")
-    return Pairs([(ours.strip(), theirs.strip())])
-
-
-def _pairs(file: str) -> dict[str, str]:
+    ours, equals, theirs = (part.strip() for part in text.partition("="))
+    if equals and not os.path.isfile(text):
+        if not ours or not theirs:
+            raise ValueError(f"{text!r} is not OURS=THEIRS, such as q_elbow='Elbow angle'")
+        return Pairs([(ours, theirs)])
     from robodyn.scene.toml_table import read_toml
 
     try:
-        found = read_toml(read_input(file), file)
+        found = Pairs(read_toml(read_input(text), text).items())
     except OSError as error:
-        raise ValueError(f"{file!r} is not OURS=THEIRS, nor a file: {error.strerror}") from None
+        raise ValueError(f"{text!r} is not OURS=THEIRS, nor a file: {error.strerror}") from None
     except InputError as error:
         raise ValueError(str(error)) from None
-    for ours, theirs in found.items():
-        if not isinstance(theirs, str):
-            raise ValueError(f"{file}: {ours!r} is {theirs!r:.60}, not a name; write 'q_elbow = \"Elbow angle\"'")
+    for ours, name in found:
+        if not isinstance(name, str):
+            raise ValueError(f"{text}: {ours!r} is {name!r:.60}, not a name; write 'q_elbow = \"Elbow angle\"'")
+    found.file = text
     return found
 
 
@@ -342,12 +313,7 @@ def _report(path: str) -> str:
 PATH, FOLDER = Parsed("file"), Parsed("dir")
 TABLE_OUT, SCENE_OUT = Output("a table"), Output("a scene that was identified")
 URDF_OUT, COVARIANCE_OUT = Output("a calibrated description"), Output("a covariance")
-VECTOR, POSITIVE, POINT, VALUES = (
-    vector_type("0,0,-9.81"),
-    Parsed("number", _positive),
-    Parsed("point", _point),
-    Parsed("at", _at),
-)
+POSITIVE, POINT, VALUES = Parsed("number", _positive), Parsed("point", _point), Parsed("at", _at)
 DESCRIPTION = together(
     click.option(
         "--package-path",
@@ -390,7 +356,9 @@ SCENE = together(
         multiple=True,
         help="A mass on a link, its centre in m in the link's frame; repeatable, beside those of the scene.",
     ),
-    click.option("--gravity", type=VECTOR, metavar="X,Y,Z", help="m/s^2 in the base frame; default 0,0,-9.81."),
+    click.option(
+        "--gravity", type=vector_type("0,0,-9.81"), metavar="X,Y,Z", help="m/s^2 in the base frame; default 0,0,-9.81."
+    ),
 )
 BASE_HELD = click.option(
     "--base-held", is_flag=True, help="The base is bolted down, or something carries it: do not warn."
@@ -412,7 +380,7 @@ def TABLE(command: Callback) -> Callback:
     """Return those options of `READING` that hold for any table."""
     from robodyn.trajectory.columns.units import TimeUnit
 
-    decorated: Callback = together(
+    return together(
         click.option(
             "--map",
             "columns",
@@ -427,7 +395,6 @@ def TABLE(command: Callback) -> Callback:
             help="Of stamps whose columns do not tell; default s.",
         ),
     )(command)
-    return decorated
 
 
 def READING(command: Callback) -> Callback:
@@ -435,7 +402,7 @@ def READING(command: Callback) -> Callback:
     from robodyn.trajectory.columns.units import AngleUnit
     from robodyn.trajectory.reading import MODES
 
-    decorated: Callback = together(
+    return together(
         click.option(
             "--hold",
             metavar="rest|POSITION|...",
@@ -461,7 +428,6 @@ def READING(command: Callback) -> Callback:
         click.option("--topic", metavar="NAME", help="Of a ROS bag, if several topics are about joints."),
         click.option("--ignore-extra", is_flag=True, help="Leave out columns that the robot does not know."),
     )(command)
-    return decorated
 
 
 def EXECUTION(command: Callback) -> Callback:
@@ -471,5 +437,4 @@ def EXECUTION(command: Callback) -> Callback:
     text = "numpy starts at once, compiled makes machine code; default auto: the quicker."
     threads = click.option("--threads", type=click.IntRange(min=1), metavar="N", help="For machine code; default all.")
     executor = click.option("--executor", type=click.Choice(EXECUTORS), default="auto", help=text)
-    decorated: Callback = together(executor, threads)(command)
-    return decorated
+    return together(executor, threads)(command)
