@@ -19,7 +19,7 @@ from robodyn.support.files import write_whole
 
 
 @click.command("accuracy", short_help="Measure what each further digit costs in time.")
-@click.argument("files", nargs=-1, type=PATH, required=True, metavar="MESH|URDF TRAJECTORY|URDF options.SCENE.toml")
+@click.argument("files", nargs=-1, type=PATH, required=True, metavar="MESH|URDF TRAJECTORY|URDF SCENE.toml")
 @takes(
     click.option(
         "--target", type=POSITIVE, metavar="ERROR", help="Name the quickest method within this relative error."

@@ -11,7 +11,7 @@ import click
 
 from robodyn.checks import baseline as baselines
 from robodyn.checks.catalogue import RULES, WORDS
-from robodyn.checks.check import Checked, Options, Task, check_tasks, fix_task, tasks_for
+from robodyn.checks.check import Options, Task, check_tasks, fix_task, tasks_for
 from robodyn.checks.context import Asked
 from robodyn.checks.rule import Severity
 from robodyn.cli.files import STANDARD_INPUT, check_names, source_of
@@ -67,23 +67,6 @@ def fix_files(tasks: Sequence[Task], unsafe: bool, diff: bool) -> bool:
     for line in fix_lines(files, "would fix" if diff else "fixed"):
         click.echo(line, err=True)
     return diff and bool(changed)
-
-
-def show_findings(call: Call, checked: Checked, tasks: Sequence[Task], strict: bool, statistics: bool) -> None:
-    """Show the findings in the form that is asked for."""
-    form = call.form
-    findings, unread = checked.findings, checked.unread
-    given = {task.name: task.source for task in tasks}
-    listed = short_sections if form == "short" else check_sections
-    answer(
-        call,
-        (statistics_sections if statistics else listed)(checked),
-        form="text" if form == "short" else form,
-        json=lambda: check_json(checked),
-        sarif=lambda: check_sarif(findings, RULES, lambda name: read(given.get(name, name), name), unread),
-        junit=lambda: check_junit(checked, strict),
-        github=lambda: check_github(findings, unread),
-    )
 
 
 _LISTING_UNREAD = ("sarif", "junit", "github")
@@ -159,7 +142,7 @@ def command(
         (fix and stdin and not diff, "--fix cannot edit standard input; --diff shows the edit"),
         (statistics and call.form not in ("text", "short"), "--statistics is text; leave --format out"),
     )
-    given = Options(
+    chosen = Options(
         select or (),
         ignore or (),
         package_path=call.package_paths,
@@ -168,7 +151,7 @@ def command(
         asked=Asked(targets or (), against, trajectory, call.reading),
     )
     sources = [source_of(urdf) for urdf in urdfs]
-    tasks = tasks_for(sources, given, config)
+    tasks = tasks_for(sources, chosen, config)
     shown = (fix or diff) and fix_files(tasks, unsafe_fixes, diff)
     with robots_done(len(tasks)) as done:
         checked = check_tasks(tasks, done)
@@ -183,18 +166,25 @@ def command(
         click.echo(f"written: {baseline}, {count(places, 'place')}", err=True)
         return 2 if checked.unread else 0
     if baseline:
-        checked = _new(checked, baseline)
+        found = baselines.compared(checked.findings, baseline)
+        gone = f"; {found.gone} of it no longer found, --write-baseline drops them" if found.gone else ""
+        click.echo(f"{baseline}: {count(found.known, 'place')} passed over{gone}", err=True)
+        checked = replace(checked, findings=found.new)
     if not diff:
-        show_findings(call, checked, tasks, strict, statistics)
+        given = {task.name: task.source for task in tasks}
+        listed = short_sections if call.form == "short" else check_sections
+        answer(
+            call,
+            (statistics_sections if statistics else listed)(checked),
+            form="text" if call.form == "short" else call.form,
+            json=lambda: check_json(checked),
+            sarif=lambda: check_sarif(
+                checked.findings, RULES, lambda name: read(given.get(name, name), name), checked.unread
+            ),
+            junit=lambda: check_junit(checked, strict),
+            github=lambda: check_github(checked.findings, checked.unread),
+        )
     if call.report is not None:
         click.echo(write_report(call.report, check_page(checked)).strip(), err=True)
     fatal = (Severity.ERROR, Severity.WARNING) if strict else (Severity.ERROR,)
     return 2 if checked.unread else int(any(checked.count(severity) for severity in fatal))
-
-
-def _new(checked: Checked, baseline: str) -> Checked:
-    """Return what the baseline does not have."""
-    found = baselines.compared(checked.findings, baseline)
-    gone = f"; {found.gone} of it no longer found, --write-baseline drops them" if found.gone else ""
-    click.echo(f"{baseline}: {count(found.known, 'place')} passed over{gone}", err=True)
-    return replace(checked, findings=found.new)

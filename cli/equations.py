@@ -63,7 +63,7 @@ def check_asked(equations: str, form: str, **numbers: Any) -> None:
     click.option("--format", "form", type=_Format(FORMATS), default="text", help="Default text."),
     SCENE,
 )
-def command(call: Call, urdf: str, equations: str, at: Any, qd: Any, tau: Any) -> None:
+def command(call: Call, urdf: str, equations: str, tau: Any) -> None:
     """Derive M(q) qdd + bias = tau: in numbers at a configuration, or in closed form for small robots; and Newton's and
     Euler's laws of all bodies with constraints and reactions. A file named - is standard input.
 
@@ -73,13 +73,13 @@ def command(call: Call, urdf: str, equations: str, at: Any, qd: Any, tau: Any) -
       robodyn equations robots/two_link_planar.urdf --form closed --format latex
       robodyn equations robots/scara.urdf --form dae --at 0.3,-0.5,0.05 --qd elbow=2
     """
-    check_asked(equations, call.form, at=at, qd=qd, tau=tau)
+    check_asked(equations, call.form, at=call.at, qd=call.qd, tau=tau)
     check_names()
     model, scene = robot_in_scene(call, urdf, loops=equations == "dae")
     found: Any
     if equations == "dae":
-        found = dae(model, scene, at, qd or (), tau or ())
+        found = dae(model, scene, call.at, call.qd or (), tau or ())
     else:
-        found = closed(model, scene) if equations == "closed" else ode(model, scene, at or (), qd or ())
+        found = closed(model, scene) if equations == "closed" else ode(model, scene, call.at or (), call.qd or ())
     sections, json, latex = _WRITERS[equations]
     answer(call, sections(found), json=lambda: json(found), latex=lambda: latex(found))

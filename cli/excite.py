@@ -9,10 +9,10 @@ import click
 
 from robodyn.cli.files import check_names, robot_in_scene
 from robodyn.cli.options import FORMAT, PATH, POSITIVE, REPORT, SCENE, TABLE_OUT, VALUES, Call, Parsed, takes
-from robodyn.cli.reports import answer, get_ready
+from robodyn.cli.reports import answer, get_ready, write_table
 from robodyn.identification.excitation.excite import HARMONICS, PERIOD, RATE, excite
 from robodyn.report.identification import excitation_json, excitation_page, excitation_sections
-from robodyn.trajectory.write import format_of, open_writer
+from robodyn.trajectory.write import format_of
 
 
 def _names(text: str) -> tuple[str, ...]:
@@ -42,7 +42,6 @@ def _names(text: str) -> tuple[str, ...]:
 def command(
     call: Call,
     urdf: str,
-    out: str | None,
     period: float,
     harmonics: int,
     rate: float,
@@ -61,8 +60,8 @@ def command(
       robodyn excite robots/puma560.urdf --joints waist,shoulder,elbow --period 20 --harmonics 8 --out motion.csv
     """
     check_names()
-    if out is not None:
-        format_of(out)
+    if call.out is not None:
+        format_of(call.out)
     get_ready(call)
     model, scene = robot_in_scene(call, urdf)
     found = excite(
@@ -76,11 +75,7 @@ def command(
         noise=noise,
         seed=seed,
     )
-    written = ""
-    if out is not None:
-        with open_writer(out, found.names) as writer:
-            writer.write(found.time, found.columns)
-        written = f"\nwritten: {out}, {len(found.time)} rows of time and {len(found.names)} columns\n"
+    written = write_table(call.out, found.names, found.time, found.columns)
     answer(
         call, excitation_sections(found), partial(excitation_page, found), written, json=lambda: excitation_json(found)
     )

@@ -25,7 +25,7 @@ from robodyn.equations.export.export import TARGETS, export
     click.option("--out", type=Output("source code"), metavar="FILE", help="Default standard output."),
     SCENE,
 )
-def command(call: Call, urdf: str, to: str, what: str, out: str | None) -> None:
+def command(call: Call, urdf: str, to: str, what: str) -> None:
     """Write functions that compute the dynamics of a robot, a scene folded in, without robodyn: one C99 file, or a
     Python module for CasADi, JAX, PyTorch or NumPy, which these differentiate, map and compile by their own means.
     Its head says units, the order of joints and what derivatives are by. No library is needed to write.
@@ -39,8 +39,8 @@ def command(call: Call, urdf: str, to: str, what: str, out: str | None) -> None:
     """
     check_names()
     model, scene = robot_in_scene(call, urdf)
-    text = export(model, to, what, scene=scene, out=out)
-    if out is None:
+    text = export(model, to, what, scene=scene, out=call.out)
+    if call.out is None:
         show_file(text)
     else:
-        show(f"written: {out}, {max(1, len(text) // 1000)} kB\n")
+        show(f"written: {call.out}, {max(1, len(text) // 1000)} kB\n")

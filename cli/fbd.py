@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -12,8 +12,10 @@ import click
 from robodyn.cli.files import check_names, refuse_foreign, robot_in_scene
 from robodyn.cli.options import AT, FOLDER, FORMAT, PATH, QD, READING, SCENE, VALUES, Call, refuse, takes
 from robodyn.cli.reports import answer
+from robodyn.dynamics.plan import plan
 from robodyn.equations.free_body.bodies import free_bodies
 from robodyn.errors import InputError
+from robodyn.loads.constraints import Follower
 from robodyn.report.equations import free_bodies_json, free_body_sections
 from robodyn.robot.configuration import configuration, rates
 from robodyn.robot.model import Model
@@ -25,9 +27,10 @@ from robodyn.trajectory.reader import row_at
 
 
 def state_of(
-    call: Call, model: Model, scene: Scene, at: Any, qd: Any, qdd: Any, traj: str | None, time: float | None
+    call: Call, model: Model, scene: Scene, qdd: Any, traj: str | None, time: float | None
 ) -> tuple[str, dict[str, Any], tuple[str, ...]]:
     """Return the state in words, and as what `free_bodies` takes; and warnings about its table."""
+    at, qd = call.at, call.qd
     if traj is None:
         if time is not None or call.reading_given:
             refuse(f"{call.reading_given or '--time'} goes with --traj")
@@ -41,13 +44,8 @@ def state_of(
     if time is None:
         refuse("--traj needs --time")
     with read_motion(traj, model, scene, **call.reading) as reader:
-        if scene.loops:
-            from robodyn.dynamics.plan import plan
-            from robodyn.loads.constraints import Follower
-
-            row = row_at(reader, time, Follower(plan(model, scene), reader.followed, reader.file).take)
-        else:
-            row = row_at(reader, time)
+        take = [Follower(plan(model, scene), reader.followed, reader.file).take] if scene.loops else []
+        row = row_at(reader, time, *take)
     refuse_units(row.caveats, traj)
     since = " after the first" if row.origin else ""
     words_of_row = f"row {row.first_row} of {traj} at {row.time[0]:.6g} s{since}"
@@ -71,9 +69,7 @@ def state_of(
     click.option("--svg", type=FOLDER, metavar="FOLDER", help="Write a drawing of each body there."),
     FORMAT,
 )
-def command(
-    call: Call, urdf: str, at: Any, qd: Any, qdd: Any, traj: str | None, time: float | None, svg: str | None
-) -> None:
+def command(call: Call, urdf: str, qdd: Any, traj: str | None, time: float | None, svg: str | None) -> None:
     """List and draw free bodies: all forces and moments on each body, and what each joint transmits.
     The state is given by --at, --qd and --qdd, or is a row of a trajectory.
 
@@ -84,33 +80,29 @@ def command(
     """
     check_names()
     model, scene = robot_in_scene(call, urdf, loops=True, contacts=True)
-    words, state, warnings = state_of(call, model, scene, at, qd, qdd, traj, time)
+    words, state, warnings = state_of(call, model, scene, qdd, traj, time)
     found = free_bodies(model, scene=scene, **state)
     found = replace(found, warnings=(*warnings, *found.warnings))
     written = ""
     if svg is not None:
         from robodyn.report.pictures.free_body import drawings
 
-        written = f"\nwritten: {write_drawings(svg, drawings(found, words))} drawings in {svg}\n"
+        files = list(drawings(found, words))
+        _write_drawings(svg, files)
+        written = f"\nwritten: {len(files)} drawings in {svg}\n"
     sections = free_body_sections(found, words)
     answer(call, sections, written=written, json=lambda: free_bodies_json(found, words))
 
 
-def write_drawings(folder: str, files: Iterable[tuple[str, str]]) -> int:
-    """Write files of text to a folder, which is made if there is none; how many.
-
-    Raises:
-        InputError: the folder cannot be made, or a file in it cannot be written.
-    """
+def _write_drawings(folder: str, files: Sequence[tuple[str, str]]) -> None:
+    """Write files of text to a folder, which is made if there is none."""
     remedy = "name another folder"
     try:
         os.makedirs(folder, exist_ok=True)
     except (OSError, ValueError) as error:
         why = (error.strerror or str(error)).lower() if isinstance(error, OSError) else str(error)
         raise InputError(f"cannot be written: {why}", remedy=remedy, file=folder) from None
-    drawings = list(files)
-    for name, _ in drawings:
+    for name, _ in files:
         refuse_foreign(os.path.join(folder, name), "a drawing", remedy)
-    for name, content in drawings:
+    for name, content in files:
         write_whole(os.path.join(folder, name), content.encode(), remedy)
-    return len(drawings)

@@ -7,7 +7,7 @@ import os
 import re
 import stat
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
@@ -51,7 +51,16 @@ def robot_in_scene(
 
     files = call.scene_files if scene_file in (None, call.scene_name) else (scene_file,)
     scene_file = scene_file or call.scene_name
-    scene = _scene(files) if files else DEFAULT
+    for path in files:
+        expect(SCENE_FILE, path)
+    scene = DEFAULT
+    if files:
+        from robodyn.scene.read import load_scene, parse_scene
+
+        if len(files) > 1 and STANDARD_INPUT in files:
+            raise InputError("one of several scenes cannot be standard input", remedy="name a file", file="<stdin>")
+        given = files == (STANDARD_INPUT,)
+        scene = parse_scene(read_standard_input(), "<stdin>") if given else load_scene(*files)
     scene = scene.changed(call.gravity, held=call.base_held)
     model = load(robot_source(urdf), moving_base=scene.moving_base, **call.lookup)
     scene = scene_of(model, scene)
@@ -83,11 +92,7 @@ def described(call: Call, urdf: str) -> Description:
 
 
 def robot_source(urdf: str) -> str | bytes:
-    """Return what describes a robot: the name of a file, or what is on standard input.
-
-    Raises:
-        InputError: by its suffix the file is of another kind.
-    """
+    """Return what describes a robot: the name of a file, or what is on standard input."""
     expect(ROBOT, urdf)
     return source_of(urdf)
 
@@ -110,18 +115,6 @@ def check_names(*writes: str) -> None:
     if STANDARD_INPUT in files and sys.stdin is None:
         raise InputError("standard input is closed", remedy="name a file, or pipe one in", file="<stdin>")
     check_outputs(ctx, writes)
-
-
-def _scene(paths: Sequence[str]) -> Scene:
-    from robodyn.scene.read import load_scene, parse_scene
-
-    for path in paths:
-        expect(SCENE_FILE, path)
-    if STANDARD_INPUT not in paths:
-        return load_scene(*paths)
-    if len(paths) > 1:
-        raise InputError("one of several scenes cannot be standard input", remedy="name a file", file="<stdin>")
-    return parse_scene(read_standard_input(), "<stdin>")
 
 
 def expect(kind: str, path: str) -> None:

@@ -6,8 +6,7 @@ import datetime
 import os
 import sys
 from contextlib import ExitStack
-from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -54,7 +53,6 @@ def command(
     call: Call,
     urdf: str,
     logs: tuple[str, ...],
-    out: str | None,
     scene_out: str | None,
     covariance: str | None,
     validate: tuple[str, ...],
@@ -73,51 +71,34 @@ def command(
       robodyn identify robot.urdf 1.mcap 2.mcap --validate 3.mcap --out calibrated.urdf --scene-out friction.toml
     """
     from robodyn.identification.identify import identify
-    from robodyn.identification.log.log import Log, read_log
+    from robodyn.identification.log.log import read_log
     from robodyn.identification.passes import check_size
     from robodyn.report.identification import identified_json, identified_page, identified_sections
 
-    outputs = {"out": out, "scene_out": scene_out, "covariance": covariance}
+    outputs = {"out": call.out, "scene_out": scene_out, "covariance": covariance}
     check_names()
-    _check_folders(outputs)
+    for output in filter(None, outputs.values()):
+        if not os.path.isdir(os.path.dirname(output) or os.curdir):
+            raise InputError("cannot be written: no such folder", remedy="nothing was written", file=output)
     for path in (*logs, *validate):
         expect(TABLE, path)
     model, scene = robot_in_scene(call, urdf)
     check_size(model)
 
-    def read(paths: tuple[str, ...]) -> list[Log]:
-        return [read_log(path, model, scene, cutoff=cutoff, **call.reading) for path in paths]
-
-    found = identify(
-        read(logs),
-        scene,
-        validate=read(validate),
-        split=split,
-        cutoff=cutoff,
-        shapes=not no_shapes,
-        on_progress=_progress,
+    fitted, held_out = (
+        [read_log(path, model, scene, cutoff=cutoff, **call.reading) for path in paths] for paths in (logs, validate)
     )
+    how: dict[str, Any] = {"split": split, "cutoff": cutoff, "shapes": not no_shapes, "on_progress": _progress}
+    found = identify(fitted, scene, validate=held_out, **how)
     _progress("")
     why = None if force else _refusal(found)
     written = _write(found, model, outputs) if not why else ""
-    page = partial(identified_page, found)
-    answer(call, identified_sections(found), lambda _: page(), written, json=lambda: identified_json(found))
+    page, json = (lambda _: identified_page(found)), (lambda: identified_json(found))
+    answer(call, identified_sections(found), page, written, json=json)
     if why and any(outputs.values()):
         what, remedy = why
         raise InputError(f"{what}: nothing is written", remedy=f"{remedy}, or --force", file=logs[0])
     return 0
-
-
-_LOST = 1.2
-"""Times the error: what the description alone leaves, above which that is told."""
-
-
-def _check_folders(outputs: dict[str, str | None]) -> None:
-    """Raise before anything is computed if an output lies in no folder."""
-    for output in filter(None, outputs.values()):
-        folder = os.path.dirname(output)
-        if folder and not os.path.isdir(folder):
-            raise InputError("cannot be written: no such folder", remedy="nothing was written", file=output)
 
 
 def _refusal(found: Identified) -> tuple[str, str] | None:

@@ -113,7 +113,6 @@ def command(
     file_type: str | None,
     shell: float | None,
     exact: bool,
-    accuracy: float | None,
     strict: bool,
     cavities: bool,
     symmetry: bool | None,
@@ -123,7 +122,6 @@ def command(
     combine: bool,
     place: tuple[Pose, ...],
     link: str | None,
-    at: Any,
     compare: bool,
     geometry: Kind | None,
     about: Any,
@@ -158,7 +156,7 @@ def command(
         if compare:
             return compared(call, files[0], geometry or "visual", how)
         rho, m = one_each(density, files, "--density")[0], one_each(mass, files, "--mass")[0]
-        return robot(call, files[0], view, at or (), link, geometry, rho, m, how)
+        return robot(call, files[0], view, call.at or (), link, geometry, rho, m, how)
     check_use("--combine" if combine else "meshes one by one")
     if combine or call.form == "urdf":
         symmetry, tessellation = symmetry or False, tessellation or False
@@ -169,7 +167,7 @@ def command(
     densities, masses = one_each(density, files, "--density"), one_each(() if whole else mass, files, "--mass")
     settings = {"file_type": file_type, "shell": shell, "strict": strict, "cavities": cavities, "repair": repair}
     settings |= {"symmetry": symmetry, "symmetrize": symmetrize, "tessellation": tessellation, "exact": exact}
-    outcomes = _measured(list(zip(files, densities, masses, units, strict=True)), accuracy, settings)
+    outcomes = _measured(list(zip(files, densities, masses, units, strict=True)), call.accuracy, settings)
     parts = [each for each in outcomes if isinstance(each, Part)]
     for each in outcomes:
         if isinstance(each, MeshError):

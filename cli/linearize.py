@@ -32,16 +32,7 @@ from robodyn.support.files import write_whole
     REPORT,
     FORMAT,
 )
-def command(
-    call: Call,
-    urdf: str,
-    at: Any,
-    qd: Any,
-    equilibrium: bool,
-    step: float | None,
-    fail_on_limits: bool,
-    out: str | None,
-) -> int:
+def command(call: Call, urdf: str, equilibrium: bool, step: float | None) -> int:
     """Linearize x' = A x + B u near a state, x being positions and speeds and u torques, with the scene's drives and
     springs closed; and list the modes: frequency, damping, time constant and what moves. Derivatives are exact.
     Without --equilibrium the robot is held where --at puts it. A file named - is standard input.
@@ -52,18 +43,18 @@ def command(
       robodyn linearize robots/puma.urdf --scene robots/puma_servo.toml --equilibrium --step 0.001 --out linear.npz
     """
     check_names()
-    if out is not None and not out.endswith(".npz"):
-        raise InputError("is no .npz file", remedy="--out FILE.npz", file=out)
+    if call.out is not None and not call.out.endswith(".npz"):
+        raise InputError("is no .npz file", remedy="--out FILE.npz", file=call.out)
     get_ready(call)
     model, scene = robot_in_scene(call, urdf, loops=True)
-    found = linearize(model, scene, at, qd or (), equilibrium=equilibrium, step=step)
+    found = linearize(model, scene, call.at, call.qd or (), equilibrium=equilibrium, step=step)
     text = linearized_json(found)
     written = ""
-    if out is not None:
-        write_whole(out, _npz(found), "name another file")
-        written = f"\nwritten: {out}, A, B, states and inputs\n"
+    if call.out is not None:
+        write_whole(call.out, _npz(found), "name another file")
+        written = f"\nwritten: {call.out}, A, B, states and inputs\n"
     answer(call, linearized_sections(found), partial(linearized_page, found), written, json=lambda: text)
-    return int(fail_on_limits and bool(found.exceeded))
+    return int(call.fail_on_limits and bool(found.exceeded))
 
 
 def _npz(found: Linearized) -> bytes:

@@ -43,7 +43,10 @@ class Call:
         package_paths, xacro_args, trust_xacro: how a description is read.
         scene_files, payloads, gravity, base_held: what surrounds the robot.
         hold, columns, time_unit, angle_unit, derivatives, encoder_error, topic, ignore_extra: how a table is read.
-        report: the file of the report; form: of what is printed.
+        at, qd: positions and velocities, in order or by name.
+        executor, threads, accuracy: how it is computed; accuracy is a relative error.
+        out: the file of the result; report: of the report; form: of what is printed.
+        fail_on_limits: whether an exceeded limit makes the exit status 1.
     """
 
     package_paths: tuple[str, ...] = ()
@@ -61,8 +64,15 @@ class Call:
     encoder_error: float = 0.0
     topic: str | None = None
     ignore_extra: bool = False
+    at: Any = None
+    qd: Any = None
+    executor: str = "auto"
+    threads: int | None = None
+    accuracy: float | None = None
+    out: str | None = None
     report: str | None = None
     form: str = "text"
+    fail_on_limits: bool = False
 
     @property
     def lookup(self) -> dict[str, Any]:

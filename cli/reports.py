@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from importlib import import_module
 from threading import Thread
+from typing import TYPE_CHECKING, Any
 
 from robodyn.cli.options import Call, report_form
 from robodyn.cli.screen import page, show
 from robodyn.report.document import Document, Section, text
 
-_LIBRARIES = ("numpy", "scipy", "llvmlite", "matplotlib", "yourdfpy", "trimesh")
+if TYPE_CHECKING:
+    from robodyn.support.floats import Floats
+
+_LIBRARIES = ("robodyn", "numpy", "scipy", "llvmlite", "matplotlib", "yourdfpy", "trimesh")
 
 
 def get_ready(call: Call) -> None:
@@ -51,18 +55,29 @@ def answer(
     show(others[form]() if form in others else text(sections, page()) + written + end)
 
 
-def write_report(path: str, document: Document) -> str:
-    """Write a document with the command and the versions at its foot; a line that says so.
+def write_table(out: str | None, names: Sequence[str], time: Floats, columns: Any) -> str:
+    """Write a motion where that is asked for; a line that says so."""
+    from robodyn.trajectory.write import open_writer
 
-    Raises:
-        InputError: the file cannot be written; nothing is left then.
-    """
+    if out is None:
+        return ""
+    with open_writer(out, names) as writer:
+        writer.write(time, columns)
+    return f"\nwritten: {out}, {len(time)} rows of time and {len(names)} columns\n"
+
+
+def write_report(path: str, document: Document) -> str:
+    """Write a document with the command and the versions of what is loaded at its foot; a line that says so."""
+    import platform
     import shlex
     from dataclasses import replace
 
     from robodyn.support.files import write_whole
+    from robodyn.support.libraries import version_of
 
-    whole = replace(document, command=shlex.join(["robodyn", *sys.argv[1:]]), versions=versions())
+    used = [f"{name} {version_of(name)}" for name in _LIBRARIES if name in sys.modules]
+    machine = f"Python {platform.python_version()}", f"{platform.system()} on {platform.machine()}"
+    whole = replace(document, command=shlex.join(["robodyn", *sys.argv[1:]]), versions=(*used, *machine))
     if report_form(path) == "html":
         from robodyn.report.renderers.html import html
 
@@ -74,18 +89,3 @@ def write_report(path: str, document: Document) -> str:
     data = content.encode("utf-8", errors="backslashreplace")
     write_whole(path, data, remedy="name another file")
     return f"\nwritten: {path}, {max(1, len(data) // 1000)} kB\n"
-
-
-def versions() -> tuple[str, ...]:
-    """Return the versions of robodyn, of Python, and of the libraries that this process has loaded."""
-    import platform
-
-    from robodyn.support.libraries import version_of
-
-    used = [name for name in _LIBRARIES if name in sys.modules]
-    system = f"{platform.system()} on {platform.machine()}"
-    return (
-        *(f"{name} {version_of(name)}" for name in ("robodyn", *used)),
-        f"Python {platform.python_version()}",
-        system,
-    )

@@ -5,7 +5,6 @@ from __future__ import annotations
 import click
 
 from robodyn.checks.catalogue import RULES, found_by, instead_of
-from robodyn.checks.rule import Rule
 from robodyn.cli.screen import page, show
 from robodyn.errors import InputError
 from robodyn.report.check import rules_sections
@@ -33,9 +32,6 @@ def command(asked: tuple[str, ...], everything: bool) -> None:
     if everything or (asked and all(len(rules) == 1 for rules in found.values())):
         show(text(rules_sections(chosen), page()))
     else:
-        show("".join(map(_line, dict.fromkeys(chosen))))
-
-
-def _line(rule: Rule) -> str:
-    off = "" if rule.in_default else " (off unless selected)"
-    return f"{rule.code} {rule.severity.value:7} {rule.summary}{off}\n"
+        for rule in dict.fromkeys(chosen):
+            off = "" if rule.in_default else " (off unless selected)"
+            show(f"{rule.code} {rule.severity.value:7} {rule.summary}{off}\n")

@@ -34,7 +34,7 @@ def command(ctx: click.Context) -> None:
     click.option("--out", type=SCENE_OUT, metavar="FILE", help="A new file; default standard output."),
     DESCRIPTION,
 )
-def init(call: Call, urdf: str, out: str | None) -> None:
+def init(call: Call, urdf: str) -> None:
     """Write a scene with the joints and links of a robot, each key explained and switched off.
     As written it changes nothing. A file named - is standard input.
 
@@ -42,11 +42,11 @@ def init(call: Call, urdf: str, out: str | None) -> None:
     Example:
       robodyn scene init robots/puma.urdf --out puma.toml
     """
-    if out is not None and os.path.lexists(out):
-        raise InputError("there is a file of this name already", remedy="name another one with --out", file=out)
+    if call.out is not None and os.path.lexists(call.out):
+        raise InputError("there is a file of this name already", remedy="name another one with --out", file=call.out)
     text = scene_toml(load(robot_source(urdf), **call.lookup))
-    if out is None:
+    if call.out is None:
         show_file(text)
     else:
-        write_whole(out, text.encode(), remedy="name another file")
-        show(f"written: {out}; --scene {out} takes it\n")
+        write_whole(call.out, text.encode(), remedy="name another file")
+        show(f"written: {call.out}; --scene {call.out} takes it\n")

@@ -100,6 +100,16 @@ def complain(error: object) -> None:
     print(f"error: {printable(' '.join(str(error).split()))}", file=sys.stderr)
 
 
+_PLAIN = {
+    "is not a valid (float|float range)$": "is no number",
+    "is not a valid (integer|integer range)$": "is no whole number",
+    r"is not in the range x>=(\S+)$": r"is less than \1",
+}
+"""Sentences of click in words that need no mathematics."""
+_OPTIONS = {".toml": "--scene", ".csv": "--traj", ".tsv": "--traj", ".parquet": "--traj", ".npz": "--traj"}
+"""Options that take files which are given without one."""
+
+
 def _sentence(error: click.ClickException) -> str:
     if isinstance(error, click.NoSuchOption) and error.possibilities:
         near = alternatives(error.option_name, error.possibilities, "options")
@@ -107,24 +117,10 @@ def _sentence(error: click.ClickException) -> str:
     text = " ".join(error.format_message().split()).rstrip(".")
     for pattern, plain in _PLAIN.items():
         text = re.sub(pattern, plain, text)
-    return text[:1].lower() + text[1:] + _meant(error)
-
-
-_PLAIN = {
-    "is not a valid (float|float range)$": "is no number",
-    "is not a valid (integer|integer range)$": "is no whole number",
-    r"is not in the range x>=(\S+)$": r"is less than \1",
-}
-"""Sentences of click in words that need no mathematics."""
-_OPTIONS = {(".toml",): "--scene", (".csv", ".tsv", ".parquet", ".npz"): "--traj"}
-"""Options that take files which are given without one."""
-
-
-def _meant(error: click.ClickException) -> str:
-    """Return by which option a file is taken that is one too many."""
-    found = re.fullmatch(r"Got unexpected extra arguments? \((.*)\)", error.message)
-    if found is None or not isinstance(error, click.UsageError) or error.ctx is None:
-        return ""
-    known = {name for each in error.ctx.command.params for name in each.opts}
-    options = [option for suffixes, option in _OPTIONS.items() if found[1].lower().endswith(suffixes)]
-    return f"; did you mean {options[0]} {found[1]}?" if options and options[0] in known else ""
+    text = text[:1].lower() + text[1:]
+    extra = re.fullmatch(r"Got unexpected extra arguments? \((.*)\)", error.message)
+    if extra and isinstance(error, click.UsageError) and error.ctx is not None:
+        option = _OPTIONS.get(os.path.splitext(extra[1])[1].lower())
+        if any(option in each.opts for each in error.ctx.command.params):
+            text += f"; did you mean {option} {extra[1]}?"
+    return text

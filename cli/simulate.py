@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Any
 
 import click
 
 from robodyn.cli import options
 from robodyn.cli.files import check_names, check_table, robot_in_scene
 from robodyn.cli.options import PATH, POSITIVE, TABLE_OUT, VALUES, Call, refuse, takes
-from robodyn.cli.reports import answer, get_ready
+from robodyn.cli.reports import answer, get_ready, write_table
 from robodyn.dynamics.initial_state import begun_at
 from robodyn.programs.run.choice import EXECUTORS
 from robodyn.report.simulation import simulation_json, simulation_page, simulation_sections
 from robodyn.simulation.methods import METHODS
 from robodyn.simulation.simulate import simulate
 from robodyn.simulation.table import read_table
-from robodyn.trajectory.write import format_of, open_writer
+from robodyn.trajectory.write import format_of
 
 
 @click.command("simulate", short_help="Simulate how a robot moves by itself, driven or pushed.")
@@ -45,17 +44,12 @@ from robodyn.trajectory.write import format_of, open_writer
 def command(
     call: Call,
     urdf: str,
-    at: Any,
     table: str | None,
     duration: float | None,
     step: float | None,
     rtol: float | None,
     method: str | None,
-    accuracy: float | None,
-    out: str | None,
-    fail_on_limits: bool,
     explain: bool,
-    executor: str,
 ) -> int:
     """Simulate a robot from a scene's initial state: gravity, drives, friction, springs, wrenches, a free base, closed
     chains. Drives and wrenches may follow columns of a table (--traj). There is no contact. Joints for which
@@ -68,29 +62,27 @@ def command(
       robodyn simulate robots/puma.urdf --at shoulder=-1.5,elbow=1.5 --duration 0.5
     """
     check_names()
-    if out:
-        format_of(out)
+    if call.out:
+        format_of(call.out)
     get_ready(call)
     model, scene = robot_in_scene(call, urdf, loops=True)
-    scene = begun_at(model, scene, at or ())
+    scene = begun_at(model, scene, call.at or ())
     check_table(call, table, scene)
     if table is None and call.reading_given:
         refuse(f"{call.reading_given} goes with --traj")
     form = {name: call.reading[name] for name in ("columns", "time_unit")}
     rows = None if table is None else read_table(table, scene, **form)
-    if accuracy is None:
-        result = simulate(model, scene, duration, step=step, rtol=rtol, method=method, table=rows, executor=executor)
+    if call.accuracy is None:
+        result = simulate(
+            model, scene, duration, step=step, rtol=rtol, method=method, table=rows, executor=call.executor
+        )
     else:
         from robodyn.measure.accuracy.simulate_within import simulate_within
 
         if step or rtol or method:
             refuse("--accuracy chooses method, step and tolerance")
-        result = simulate_within(model, scene, duration, accuracy, table=rows, executor=executor)
-    written = ""
-    if out is not None:
-        with open_writer(out, result.names) as writer:
-            writer.write(result.time, result.columns)
-        written = f"\nwritten: {out}, {len(result.time)} rows of time and {len(result.names)} columns\n"
+        result = simulate_within(model, scene, duration, call.accuracy, table=rows, executor=call.executor)
+    written = write_table(call.out, result.names, result.time, result.columns)
     sections, document = simulation_sections(result, explain), partial(simulation_page, result)
     answer(call, sections, document, written, json=lambda: simulation_json(result))
-    return int(fail_on_limits and (bool(result.ended) or result.within_limits is False))
+    return int(call.fail_on_limits and (bool(result.ended) or result.within_limits is False))

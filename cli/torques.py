@@ -78,7 +78,6 @@ def command(
     call: Call,
     urdf: str,
     trajectories: tuple[str, ...],
-    out: str | None,
     reactions: bool,
     sizing: bool,
     momentum: bool,
@@ -87,13 +86,9 @@ def command(
     explain: bool,
     measured: bool,
     cutoff: float | None,
-    fail_on_limits: bool,
-    accuracy: float | None,
     example: bool,
     jobs: int | None,
     dask: str | None,
-    executor: str,
-    threads: int | None,
 ) -> int:
     """Compute joint torques, base loads and sizing figures along a motion.
     A file named - is standard input; a trajectory then is CSV.
@@ -107,26 +102,26 @@ def command(
       robodyn torques robots/puma560.urdf log.db3 --measured --report measured.html
     """
     if measured:
-        others: dict[str, object] = {"fail-on-limits": fail_on_limits, "out": out, "reactions": reactions}
-        others |= {"sizing": sizing, "momentum": momentum, "explain": explain, "accuracy": accuracy}
+        others: dict[str, object] = {"fail-on-limits": call.fail_on_limits, "out": call.out, "reactions": reactions}
+        others |= {"sizing": sizing, "momentum": momentum, "explain": explain, "accuracy": call.accuracy}
         others |= {"example": example, "jobs": jobs, "dask": dask}
         refuse_where(*((value, f"--{name} does not go with --measured") for name, value in others.items()))
         refuse_where((len(trajectories) > 1, "--measured compares one log"))
         _measured(call, urdf, trajectories[0], cutoff)
         return 0
-    many = _is_batch(trajectories, out)
+    many = _is_batch(trajectories, call.out)
     refuse_where(
         (cutoff is not None, "--cutoff goes with --measured"),
-        (reactions and not out, "--reactions goes to a file, and --out names none"),
+        (reactions and not call.out, "--reactions goes to a file, and --out names none"),
         (about is not None and not momentum, "--about goes with --momentum"),
         (frame is not None and not momentum, "--frame goes with --momentum"),
-        (many and accuracy, "--accuracy is for one trajectory"),
+        (many and call.accuracy, "--accuracy is for one trajectory"),
         (many and example, "--example is for one trajectory"),
         (not many and jobs is not None, "--jobs goes with many trajectories: give several, or --out FOLDER/"),
         (not many and dask is not None, "--dask goes with many trajectories: give several, or --out FOLDER/"),
     )
     loads: dict[str, Any] = {"momentum": None, "sizing": sizing or None, "reactions": reactions}
-    loads |= {"explain": explain, "executor": executor, "threads": threads}
+    loads |= {"explain": explain, "executor": call.executor, "threads": call.threads}
     if momentum:
         from robodyn.dynamics.momenta import GROUND, View
 
@@ -134,8 +129,8 @@ def command(
     if many:
         from robodyn.cli.torques_batch import run_batch
 
-        return run_batch(call, urdf, trajectories, out, loads, fail_on_limits=fail_on_limits, jobs=jobs, dask=dask)
-    return _single(call, urdf, trajectories[0], out, loads, accuracy, example=example, fail_on_limits=fail_on_limits)
+        return run_batch(call, urdf, trajectories, loads, jobs, dask)
+    return _single(call, urdf, trajectories[0], loads, example)
 
 
 def _is_batch(trajectories: Sequence[str], out: str | None) -> bool:
@@ -161,17 +156,7 @@ def _measured(call: Call, urdf: str, log: str, cutoff: float | None) -> None:
     answer(call, measured_sections(found), partial(measured_page, found), json=lambda: measured_json(found))
 
 
-def _single(
-    call: Call,
-    urdf: str,
-    trajectory: str,
-    out: str | None,
-    loads: dict[str, Any],
-    accuracy: float | None,
-    *,
-    example: bool,
-    fail_on_limits: bool,
-) -> int:
+def _single(call: Call, urdf: str, trajectory: str, loads: dict[str, Any], example: bool) -> int:
     """Show and write what one trajectory asks for; the exit status."""
     from robodyn.cli.progress import watched
     from robodyn.loads.accumulate import output_names
@@ -184,23 +169,23 @@ def _single(
     check_names()
     expect(ROBOT, urdf)
     expect(TABLE, trajectory)
-    if out:
-        format_of(out)
+    if call.out:
+        format_of(call.out)
     get_ready(call)
     model, scene = robot_in_scene(call, urdf, loops=True, contacts=True)
     if example:
         _write_example(trajectory, model, scene)
-    way = None if accuracy is None else _arithmetic(call, accuracy, trajectory, model, scene)
+    way = None if call.accuracy is None else _arithmetic(call, call.accuracy, trajectory, model, scene)
     if way is not None and way.executor:
         loads["executor"] = way.executor
     names = output_names(model, loads["reactions"], loads["momentum"] is not None, scene)
     with ExitStack() as stack:
         reader = stack.enter_context(read_motion(trajectory, model, scene, **call.reading))
         sinks = []
-        if out is not None:  # the file is there whole when all ends well
+        if call.out is not None:  # the file is there whole when all ends well
             from robodyn.support.threads import write_behind
 
-            sinks.append(stack.enter_context(write_behind(stack.enter_context(open_writer(out, names)).write)))
+            sinks.append(stack.enter_context(write_behind(stack.enter_context(open_writer(call.out, names)).write)))
         sinks.append(stack.enter_context(watched(reader)))
         result = torques(model, reader, scene, sinks=sinks, history=call.pictured, **loads)
     result = way.fulfilled(result) if way else result
@@ -212,8 +197,8 @@ def _single(
             slow = f" and reaches {100 * use:.0f} % of the limits of speed" if use else ""
             lines += f", which is no duty cycle{slow}: size by the motion that the robot will do"
         lines += "\n"
-    if out:
-        lines += f"\nwritten: {out}, {result.samples} rows of time and {len(names)} columns\n"
+    if call.out:
+        lines += f"\nwritten: {call.out}, {result.samples} rows of time and {len(names)} columns\n"
 
     def document(pictures: bool) -> Document:
         from robodyn.report.torques_page import torques_page
@@ -228,7 +213,7 @@ def _single(
     sections = torques_sections(result, loads["explain"])
     answer(call, sections, document, lines, last=verdict_section(result), json=json)
     unmet = result.accuracy is not None and not result.accuracy.met
-    return int(unmet or (fail_on_limits and result.within_limits is False))
+    return int(unmet or (call.fail_on_limits and result.within_limits is False))
 
 
 def _write_example(path: str, model: Model, scene: Scene) -> None:

@@ -34,17 +34,10 @@ from robodyn.support.threads import processes
 
 
 def run_batch(
-    call: Call,
-    urdf: str,
-    trajectories: Sequence[str],
-    out: str | None,
-    loads: Mapping[str, Any],
-    *,
-    fail_on_limits: bool,
-    jobs: int | None,
-    dask: str | None,
+    call: Call, urdf: str, trajectories: Sequence[str], loads: Mapping[str, Any], jobs: int | None, dask: str | None
 ) -> int:
     """Return the exit status: 2 if a trajectory failed, 1 if a limit is exceeded and that counts."""
+    out = call.out
     if call.report:
         refuse("--report is of one trajectory")
     if not out:
@@ -76,7 +69,7 @@ def run_batch(
     if lines:
         show("\n")
     answer(call, batch_sections(batch), json=lambda: batch_json(batch))
-    return 2 if batch.count("failed") else int(fail_on_limits and batch.within_limits is False)
+    return 2 if batch.count("failed") else int(call.fail_on_limits and batch.within_limits is False)
 
 
 def _setup(call: Call, urdf: str, loads: Mapping[str, Any]) -> tuple[Setup, str]:
