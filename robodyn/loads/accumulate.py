@@ -148,7 +148,7 @@ class TorqueAccumulator:
     ) -> None:
         """Take loads into statistics, with what they may be off; tau, base: (joints, N), (6, N) of them."""
         q, qd = (np.ascontiguousarray(x.T) for x in (block.q[:, self.positions], block.qd[:, self.rates]))
-        noise, off = self.bars.openness.update(block)
+        noise, off = self.bars.update(block)
         state = {**sources, "noise": noise, "off": off}
         if self.constraints is not None:
             state["touching"] = self.constraints.touching

@@ -146,41 +146,37 @@ class Constraints:
     @property
     def caveats(self) -> tuple[Caveat, ...]:
         """What keeps a verdict over the motion from being sure."""
-        return _caveats(self)
-
-
-def _caveats(found: Constraints) -> tuple[Caveat, ...]:
-    caveats = []
-    if found.missing:
-        worst = found.missing[first_largest([each.force.value for each in found.missing])]
-        others = f" (and in {count(found.spans - 1, 'more span')})" if found.spans > 1 else ""
-        said = (
-            f"no contact forces balance the motion from {figure(worst.start)} s to {figure(worst.end)} s{others}: "
-            f"{_WHY[worst.kind]}; {figure(worst.force.value)} N and {figure(worst.moment.value)} N m are missing at "
-            f"{figure(worst.force.time)} s and {figure(worst.moment.time)} s"
-        )
-        if joints := [each for each in found.unbalanced if each.name not in _BASE]:
-            most = joints[first_largest([abs(each.most.value) for each in joints])]
-            more = f", and {len(joints) - 1} more" if len(joints) > 1 else ""
-            said += f"; {figure(most.most.value)} {most.unit} at the passive {shown(most.name)}{more}"
-        caveats.append(Caveat("as long as something gives the forces that contacts cannot (assumed)", said))
-    elif found.unbalanced:
-        worst_joint = found.unbalanced[first_largest([abs(each.most.value) for each in found.unbalanced])]
-        value, time, _ = worst_joint.most
-        others = f", and {len(found.unbalanced) - 1} more" if len(found.unbalanced) > 1 else ""
-        said = (
-            f"nothing drives {shown(worst_joint.name)}{others}, and the motion takes {figure(value)} "
-            f"{worst_joint.unit} there at {figure(time)} s; let it drive, or give a motion that it makes by itself"
-        )
-        caveats.append(Caveat("as long as something gives what passive joints need (assumed)", said))
-    if found.singular:
-        times = ", ".join(f"{time:.4g}" for time in found.singular[:4]) + (", ..." if len(found.singular) > 4 else "")
-        said = (
-            f"the loops lose hold of passive joints at {times} s: torques nearby grow with every error of the motion, "
-            "and at such a place they are not determined and taken from beside it"
-        )
-        caveats.append(Caveat("by torques that are not determined at singular places", said))
-    return tuple(caveats)
+        caveats = []
+        if self.missing:
+            worst = self.missing[first_largest([each.force.value for each in self.missing])]
+            others = f" (and in {count(self.spans - 1, 'more span')})" if self.spans > 1 else ""
+            said = (
+                f"no contact forces balance the motion from {figure(worst.start)} s to {figure(worst.end)} s{others}: "
+                f"{_WHY[worst.kind]}; {figure(worst.force.value)} N and {figure(worst.moment.value)} N m are missing "
+                f"at {figure(worst.force.time)} s and {figure(worst.moment.time)} s"
+            )
+            if joints := [each for each in self.unbalanced if each.name not in _BASE]:
+                most = joints[first_largest([abs(each.most.value) for each in joints])]
+                more = f", and {len(joints) - 1} more" if len(joints) > 1 else ""
+                said += f"; {figure(most.most.value)} {most.unit} at the passive {shown(most.name)}{more}"
+            caveats.append(Caveat("as long as something gives the forces that contacts cannot (assumed)", said))
+        elif self.unbalanced:
+            worst_joint = self.unbalanced[first_largest([abs(each.most.value) for each in self.unbalanced])]
+            value, time, _ = worst_joint.most
+            others = f", and {len(self.unbalanced) - 1} more" if len(self.unbalanced) > 1 else ""
+            said = (
+                f"nothing drives {shown(worst_joint.name)}{others}, and the motion takes {figure(value)} "
+                f"{worst_joint.unit} there at {figure(time)} s; let it drive, or give a motion that it makes by itself"
+            )
+            caveats.append(Caveat("as long as something gives what passive joints need (assumed)", said))
+        if self.singular:
+            times = ", ".join(f"{time:.4g}" for time in self.singular[:4]) + (", ..." if len(self.singular) > 4 else "")
+            said = (
+                f"the loops lose hold of passive joints at {times} s: torques nearby grow with every error of the "
+                "motion, and at such a place they are not determined and taken from beside it"
+            )
+            caveats.append(Caveat("by torques that are not determined at singular places", said))
+        return tuple(caveats)
 
 
 _BASE = frozenset(f"base_{part}{axis}" for part in "wv" for axis in "xyz")

@@ -38,54 +38,6 @@ RATE = 100.0
 """Hz that is asked for, and more where there are more samples than that already."""
 
 
-class Openness:
-    """What is open of derived accelerations, gathered block by block."""
-
-    def __init__(self, rates: int) -> None:
-        self.off_squares, self.squares = np.zeros(rates), np.zeros(rates)
-        self.guessed = self.unknown = False
-
-    def update(self, block: Trajectory) -> tuple[Floats, Floats]:
-        """Return (N, n) the noise of accelerations of a block, and by how much they may be off."""
-        found = block.sampling
-        self.unknown |= found is None or found.unknown or len(found.off) != len(block)
-        if found is None or len(found.off) != len(block):
-            return np.zeros_like(block.qdd), np.zeros_like(block.qdd)
-        self.guessed = found.guessed
-        self.off_squares, self.squares = self.off_squares + found.off_squares, self.squares + found.squares
-        return found.noise, found.off
-
-    def bar(self, inertia: Floats, off: Floats, shares: Mapping[str, float]) -> float:
-        """Return what is open of a torque: sqrt(sum (M_kj off_j)^2), of guesses the sum, which nothing exceeds.
-
-        Way-points may be places of rest, so that all that their derived speeds make of the torque is open too.
-
-        Args:
-            inertia: (n,) the torque's row of the mass matrix; off: (n,) of its sample.
-            shares: of the torque, by effect.
-        """
-        if not self.guessed:
-            return length(inertia * off)
-        of_speed = sum(abs(shares.get(name, 0.0)) for name in ("coriolis", "viscous friction"))
-        return float((np.abs(inertia) * off).sum()) + of_speed
-
-    def caveats(
-        self,
-        joints: Sequence[JointLoad],
-        bars: Sequence[float],
-        balance: EnergyBalance,
-        samples: int,
-        duration: float,
-    ) -> tuple[Caveat, ...]:
-        """Return what is in doubt for want of samples, or because the energy does not balance; bars: of the peaks."""
-        at_large = bool((self.off_squares > OPEN**2 * self.squares).any())
-        too_few = sampling_caveat(joints, bars, samples, duration) if at_large else None
-        energy = energy_caveat(balance, samples, duration)
-        if too_few is not None:
-            return (too_few,) if energy is None or _coarse(balance, samples) else (too_few, energy)
-        return () if energy is None else (energy,)
-
-
 def sampling_caveat(joints: Sequence[JointLoad], bars: Sequence[float], samples: int, duration: float) -> Caveat | None:
     """Return the caveat about torques whose accelerations are open at large, None where that does not count."""
     if not joints:
@@ -215,17 +167,39 @@ def _base_caveat(model: Model, scene: Scene, wrench: str) -> Caveat | None:
 
 
 class ErrorBars:
-    """Error bars of joint torques, by the derivatives of torques by accelerations.
+    """Error bars of joint torques, by their derivatives by derived accelerations, of which something is open.
 
     Attributes:
-        openness: what is open of the accelerations.
+        guessed: whether the motion is of way-points; unknown: whether nothing tells how far accelerations are right.
     """
 
     def __init__(self, model: Model, scene: Scene, rates: slice, constraints: ConstraintPass | None) -> None:
         """Args: rates: the entries of tau that are joints; constraints: of the motion, if there are any."""
         self.model, self.scene, self.rates, self.constraints = model, scene, rates, constraints
-        self.openness = Openness(model.n)
+        self.off_squares, self.squares = np.zeros(model.n), np.zeros(model.n)
+        self.guessed = self.unknown = False
         self._first: Floats | None = None
+
+    def update(self, block: Trajectory) -> tuple[Floats, Floats]:
+        """Return (N, n) the noise of accelerations of a block, and by how much they may be off."""
+        found = block.sampling
+        self.unknown |= found is None or found.unknown or len(found.off) != len(block)
+        if found is None or len(found.off) != len(block):
+            return np.zeros_like(block.qdd), np.zeros_like(block.qdd)
+        self.guessed = found.guessed
+        self.off_squares, self.squares = self.off_squares + found.off_squares, self.squares + found.squares
+        return found.noise, found.off
+
+    def caveats(
+        self, joints: Sequence[JointLoad], bars: Sequence[float], balance: EnergyBalance, samples: int, span: float
+    ) -> tuple[Caveat, ...]:
+        """Return what is in doubt for want of samples over a span of time, or because the energy does not balance."""
+        at_large = bool((self.off_squares > OPEN**2 * self.squares).any())
+        too_few = sampling_caveat(joints, bars, samples, span) if at_large else None
+        energy = energy_caveat(balance, samples, span)
+        if too_few is not None and energy is not None and _coarse(balance, samples):
+            energy = None
+        return tuple(caveat for caveat in (too_few, energy) if caveat is not None)
 
     def over_block(self, state: Mapping[str, Floats]) -> Floats | float:
         """Return (joints, N) by how much torques may be off; 0 for guesses.
@@ -238,7 +212,7 @@ class ErrorBars:
             state: q (N, nq) and so on; noise, off: (N, n) of accelerations.
         """
         noise, off = NOISE * state["noise"], state["off"]
-        if self.openness.guessed or not off.any():
+        if self.guessed or not off.any():
             return 0.0
         if self.constraints is None:
             M = self._inertia(state["q"])[:, self.rates]
@@ -259,15 +233,23 @@ class ErrorBars:
         return M
 
     def at_peak(self, k: int, state: Mapping[str, Floats], shares: Mapping[str, float]) -> tuple[float, float]:
-        """Return sqrt(sum (M_kj s_j)^2) of joint k at its peak, what noise of accelerations does there; and its bar.
+        """Return what noise of accelerations does to joint k at its peak, sqrt(sum (M_kj s_j)^2), and what is open there.
+
+        That is sqrt(sum (M_kj off_j)^2), of guesses the sum, which nothing exceeds.
+        Way-points may be places of rest, so that all that their derived speeds make of the torque is open too.
 
         Args:
             shares: of the torque, by effect.
         """
-        if not state["off"].any():
+        off = state["off"]
+        if not off.any():
             return 0.0, 0.0
         M = self.response(state)[k + self.rates.start]
-        return length(M * state["noise"]), self.openness.bar(M, state["off"], shares)
+        noise = length(M * state["noise"])
+        if not self.guessed:
+            return noise, length(M * off)
+        of_speed = sum(abs(shares.get(name, 0.0)) for name in ("coriolis", "viscous friction"))
+        return noise, float((np.abs(M) * off).sum()) + of_speed
 
     def response(self, state: Mapping[str, Floats], own: bool = False) -> Floats:
         """Return (n, n) by how much torques change with accelerations: M, but where constraints take part of it.

@@ -10,7 +10,7 @@ import numpy as np
 from robodyn.dynamics.effects.motors import rotor_of
 from robodyn.errors import SceneError
 from robodyn.loads.sizing_result import MotorLoad, Nearest
-from robodyn.loads.statistics import Greatest, Integrals
+from robodyn.loads.statistics import Greatest, ShaftFigures
 from robodyn.robot.model import Joint
 from robodyn.scene.parts import Curve, Motor
 from robodyn.scene.scene import Scene
@@ -100,7 +100,7 @@ LEAST = 1e-9
 """Of a peak curve's largest torque: what its use is measured by where it allows less, beyond its last speed."""
 
 
-class MotorPass:
+class MotorPass(ShaftFigures):
     """Peaks and integrals at the shafts of motors.
 
     Attributes:
@@ -108,11 +108,8 @@ class MotorPass:
     """
 
     def __init__(self, trains: Sequence[Train]) -> None:
-        k = len(trains)
-        self.trains = tuple(trains)
-        self.torque, self.speed, self.gear = Greatest(k), Greatest(k), Greatest(k)
-        self.power, self.braking, self.near = Greatest(k), Greatest(k), Greatest(k)
-        self.integrals = Integrals()
+        super().__init__(len(trains))
+        self.trains, self.gear, self.near = tuple(trains), Greatest(len(trains)), Greatest(len(trains))
         tops = [0.0 if train.motor.peak is None else max(y for _, y in points(train.motor.peak)) for train in trains]
         self.least = LEAST * np.array(tops)[:, None] + np.finfo(float).tiny
 
@@ -122,25 +119,17 @@ class MotorPass:
         load = np.array([load_torque(train, *x) for train, *x in zip(trains, tau, qdd, strict=True)])
         torque = np.array([motor_torque(train, *x) for train, *x in zip(trains, load, qd, qdd, strict=True)])
         speed = qd * np.array([[train.gear] for train in trains])
-        size, pace, carried, power = np.abs(torque), np.abs(speed), np.abs(load), torque * speed
+        size, pace, carried = np.abs(torque), np.abs(speed), np.abs(load)
         continuous, peak = (
             np.array([allowed(getattr(train.motor, name), v) for train, v in zip(trains, pace, strict=True)])
             for name in ("continuous", "peak")
         )
         fastest = np.array([[np.inf if train.speed_limit is None else train.speed_limit] for train in trains])
         most = np.array([[train.motor.gear_peak or np.inf] for train in trains])
-        self.torque.update(time, first_row, size, torque=torque, speed=speed)
-        self.speed.update(time, first_row, pace, torque=torque, speed=speed)
         self.gear.update(time, first_row, carried)
-        self.power.update(time, first_row, power)
-        self.braking.update(time, first_row, -power)
         use = size / np.maximum(peak, self.least)
         self.near.update(time, first_row, use, torque=size, speed=pace, limit=peak)
-        quantities = {
-            "square": torque * torque,
-            "travel": pace,
-            "positive": np.maximum(power, 0.0),
-            "negative": np.minimum(power, 0.0),
+        more = {
             "wear": carried * carried * carried * np.abs(qd),
             "joint travel": np.abs(qd),
             "above continuous": (size > BEYOND * continuous).astype(float),
@@ -148,7 +137,7 @@ class MotorPass:
             "over speed": (pace > BEYOND * fastest).astype(float),
             "over gear": (carried > BEYOND * most).astype(float),
         }
-        self.integrals.update(time, quantities)
+        self.gather(time, first_row, torque, speed, more)
 
     def mean_gear_torque(self, i: int) -> float:
         """Return the cubic mean of what gear i bears, `cbrt(integral |load^3 qd| dt / integral |qd| dt)` [N m]."""
@@ -159,13 +148,12 @@ class MotorPass:
         """Return the figures of motor i.
 
         Args:
-            duration: of the motion [s]; a motion without any has its torque as RMS.
+            duration: of the motion [s].
             inertia: what the motor accelerates at the joint, with its rotor [kg m^2].
         """
         train, totals = self.trains[i], {name: values[i] for name, values in self.integrals.totals.items()}
-        motor, torque, fast = train.motor, self.torque, self.speed
-        still = duration <= 0
-        mean_speed = float(fast.score[i] if still else totals["travel"] / duration)
+        motor = train.motor
+        mean_speed = float(self.speed.score[i] if duration <= 0 else totals["travel"] / duration)
         rotor = train.gear * train.gear * train.inertia
         nearest = None
         if motor.peak is not None:
@@ -178,20 +166,8 @@ class MotorPass:
             efficiency=motor.efficiency,
             inertia=train.inertia,
             inertia_ratio=(inertia - rotor) / rotor if rotor and inertia is not None else None,
-            peak=float(torque.kept["torque"][i]),
-            peak_time=float(torque.time[i]),
-            peak_row=int(torque.row[i]),
-            peak_speed=float(torque.kept["speed"][i]),
-            rms=float(torque.score[i] if still else np.sqrt(totals["square"] / duration)),
+            **self.figures(i),
             mean_speed=mean_speed,
-            max_speed=float(fast.kept["speed"][i]),
-            max_speed_time=float(fast.time[i]),
-            max_speed_row=int(fast.row[i]),
-            torque_at_max_speed=float(fast.kept["torque"][i]),
-            peak_power=float(self.power.score[i]),
-            least_power=float(-self.braking.score[i]),
-            work_positive=float(totals["positive"]),
-            work_negative=float(totals["negative"]),
             continuous=None if motor.continuous is None else points(motor.continuous),
             peak_curve=None if motor.peak is None else points(motor.peak),
             continuous_limit=None if motor.continuous is None else float(allowed(motor.continuous, mean_speed)),

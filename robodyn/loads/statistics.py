@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -112,25 +113,65 @@ class Integrals:
         return self.totals[name] / self.duration if self.duration > 0 else single
 
 
-class Statistics:
-    """Peaks and integrals of joint torques and the base wrench.
+class ShaftFigures:
+    """Peaks and integrals of torques and speeds, of joints or of motors' shafts.
 
     Attributes:
         torque: by its magnitude, with its `value` and the `speed` then.
+        speed: by its magnitude, with its `value` and the `torque` then.
+    """
+
+    def __init__(self, count: int) -> None:
+        self.torque, self.speed, self.integrals = Greatest(count), Greatest(count), Integrals()
+        self.power_most, self.power_least = np.full(count, -np.inf), np.full(count, np.inf)
+
+    def gather(self, time: Floats, row: int, tau: Floats, qd: Floats, more: dict[str, Floats]) -> list[tuple[int, int]]:
+        """Take in a block of tau and qd (count, N), and more integrands; return new peaks as `Greatest.update` does."""
+        size, pace, power = np.abs(tau), np.abs(qd), tau * qd + 0.0  # no power is 0, and not -0
+        np.maximum(self.power_most, power.max(axis=1), out=self.power_most)
+        np.minimum(self.power_least, power.min(axis=1), out=self.power_least)
+        positive, negative = np.maximum(power, 0.0), np.minimum(power, 0.0)
+        shared = {"square": tau * tau, "travel": pace, "positive": positive, "negative": negative}
+        self.integrals.update(time, shared | more)
+        self.speed.update(time, row, pace, value=qd, torque=tau)
+        return self.torque.update(time, row, size, value=tau, speed=qd)
+
+    def figures(self, k: int) -> dict[str, Any]:
+        """Return what `JointLoad` and `MotorLoad` both have; of one sample its torque is the RMS."""
+        torque, speed, totals = self.torque, self.speed, self.integrals.totals
+        return {
+            "peak": float(torque.kept["value"][k]),
+            "peak_time": float(torque.time[k]),
+            "peak_row": int(torque.row[k]),
+            "peak_speed": float(torque.kept["speed"][k]),
+            "rms": float(np.sqrt(self.integrals.mean("square", torque.score**2)[k])),
+            "max_speed": float(speed.kept["value"][k]),
+            "max_speed_time": float(speed.time[k]),
+            "max_speed_row": int(speed.row[k]),
+            "torque_at_max_speed": float(speed.kept["torque"][k]),
+            "peak_power": float(self.power_most[k]),
+            "least_power": float(self.power_least[k]),
+            "work_positive": float(totals["positive"][k]),
+            "work_negative": float(totals["negative"][k]),
+        }
+
+
+class Statistics(ShaftFigures):
+    """Peaks and integrals of joint torques and the base wrench.
+
+    Attributes:
         least, most: (joints,) between which the largest magnitude is, as far as torques are sure.
-        speed: by its magnitude, with its `value` and the `torque` then; base: likewise, with its `value`.
+        base: by its magnitude, with its `value`.
         at_peak: for each joint the state (q, qd, qdd, columns) of its peak torque.
     """
 
     def __init__(self, effort: Floats, velocity: Floats) -> None:
         """Args: effort, velocity: (joints,) limits, infinite where there is none."""
         n = len(effort)
+        super().__init__(n)
         self._most = BEYOND * np.array((effort, velocity))[..., None]
-        self.torque, self.speed, self.base = Greatest(n), Greatest(n), Greatest(len(FOUNDATION))
-        self.least, self.most = np.zeros(n), np.zeros(n)
-        self.power_most, self.power_least = np.full(n, -np.inf), np.full(n, np.inf)
+        self.base, self.least, self.most = Greatest(len(FOUNDATION)), np.zeros(n), np.zeros(n)
         self.q_min, self.q_max = np.full(n, np.inf), np.full(n, -np.inf)
-        self.integrals = Integrals()
         self.at_peak: dict[int, dict[str, Floats]] = {}
 
     def update(
@@ -151,32 +192,21 @@ class Statistics:
             off: (joints, N) by how much torques may be off.
         """
         base = np.vstack((base, resultant(base[0], base[1]), resultant(base[3], base[4])))
-        row, size, speed = self.integrals.samples + 1, np.abs(tau), np.abs(qd)
+        row, size, power = self.integrals.samples + 1, np.abs(tau), tau * qd
         np.maximum(self.least, (size - off).max(axis=1), out=self.least)
         np.maximum(self.most, (size + off).max(axis=1), out=self.most)
-        for joint, at in self.torque.update(time, row, size, value=tau, speed=qd):
-            self.at_peak[joint] = {name: values[at].copy() for name, values in state.items()}
-        self.speed.update(time, row, speed, value=qd, torque=tau)
         self.base.update(time, row, np.abs(base), value=base)
-        power, square = tau * qd + 0.0, tau * tau  # no power is 0, and not -0
-        np.maximum(self.power_most, power.max(axis=1), out=self.power_most)
-        np.minimum(self.power_least, power.min(axis=1), out=self.power_least)
         np.minimum(self.q_min, q.min(axis=1), out=self.q_min)
         np.maximum(self.q_max, q.max(axis=1), out=self.q_max)
-        self.integrals.update(
-            time,
-            {
-                "torque": tau,
-                "square": square,
-                "wear": square * np.abs(power),
-                "travel": speed,
-                "positive": np.maximum(power, 0.0),
-                "negative": np.minimum(power, 0.0),
-                "base square": base * base,
-                "over effort": (size > self._most[0]).astype(float),
-                "over velocity": (speed > self._most[1]).astype(float),
-            },
-        )
+        more = {
+            "torque": tau,
+            "wear": tau * tau * np.abs(power),
+            "base square": base * base,
+            "over effort": (size > self._most[0]).astype(float),
+            "over velocity": (np.abs(qd) > self._most[1]).astype(float),
+        }
+        for joint, at in self.gather(time, row, tau, qd, more):
+            self.at_peak[joint] = {name: values[at].copy() for name, values in state.items()}
 
 
 REMEDY = "are masses, lengths, times and the motion in SI units?"
@@ -233,29 +263,15 @@ def joint_load(
         uncertainty: standard deviation and error bar of the peak.
     """
     totals = gathered.integrals.totals
-    mean, (torque, speed) = gathered.integrals.mean, (gathered.torque, gathered.speed)
-    single = torque.kept["value"]
     travel = float(totals["travel"][k])
     friction = friction_of(joint, scene)
     held = shares.get("gravity", 0.0) + shares.get("joint spring", 0.0)
     return JointLoad(
         name=name,
         unit="N" if joint.kind == "prismatic" else "N m",
-        peak=float(single[k]),
-        peak_time=float(torque.time[k]),
-        peak_row=int(torque.row[k]),
-        peak_speed=float(torque.kept["speed"][k]),
-        rms=float(np.sqrt(mean("square", single**2)[k])),
-        mean=float(mean("torque", single)[k]),
+        **gathered.figures(k),
+        mean=float(gathered.integrals.mean("torque", gathered.torque.kept["value"])[k]),
         cubic_mean=float(totals["wear"][k] / travel) ** (1 / 3) if travel else 0.0,
-        max_speed=float(speed.kept["value"][k]),
-        max_speed_time=float(speed.time[k]),
-        max_speed_row=int(speed.row[k]),
-        torque_at_max_speed=float(speed.kept["torque"][k]),
-        peak_power=float(gathered.power_most[k]),
-        least_power=float(gathered.power_least[k]),
-        work_positive=float(totals["positive"][k]),
-        work_negative=float(totals["negative"][k]),
         hold=0.5 * (friction.forward - friction.backward) + friction.load * abs(held),
         effort_limit=binding(joint.effort),
         velocity_limit=binding(joint.velocity),

@@ -154,7 +154,7 @@ def _gathered(run: TorqueAccumulator, last: Trajectory, explain: bool) -> Result
         *last.caveats,
         *(constraints.caveats if constraints else ()),
         *carried(run.model, run.scene, base, joints, checks, looped),
-        *run.bars.openness.caveats(joints, left, checks.energy_balance, total.samples, total.duration),
+        *run.bars.caveats(joints, left, checks.energy_balance, total.samples, total.duration),
         *bar_caveats(joints, sizing),
         *(unsure.caveats if unsure else ()),
     )
@@ -200,16 +200,16 @@ def _added(run: TorqueAccumulator) -> Iterator[str]:
 
 def _joints(run: TorqueAccumulator, whole: Plan) -> tuple[tuple[JointLoad, ...], list[float]]:
     """Return the loads of the joints, and what is open of their peaks."""
-    gathered, openness, joints = run.statistics, run.bars.openness, []
+    gathered, bars, joints = run.statistics, run.bars, []
     each = zip(run.joints, run.model.rates[run.rates], strict=True)
     every_share = shares_at_peaks(whole, gathered.at_peak, run.rates.start)
     for k, ((joint, name), shares) in enumerate(zip(each, every_share, strict=True)):
         uncertainty: tuple[float, float | None] = 0.0, None
-        if not openness.unknown:
-            noise, guessed = run.bars.at_peak(k, gathered.at_peak[k], shares)
+        if not bars.unknown:
+            noise, guessed = bars.at_peak(k, gathered.at_peak[k], shares)
             peak = abs(float(gathered.torque.kept["value"][k]))
             bar = max(float(gathered.most[k]) - peak, peak - float(gathered.least[k]))
-            uncertainty = noise, max(bar, guessed) if openness.guessed else bar
+            uncertainty = noise, max(bar, guessed) if bars.guessed else bar
         joints.append(joint_load(gathered, k, joint, name, run.scene, shares, uncertainty))
     return tuple(joints), [joint.error_bar or 0.0 for joint in joints]
 

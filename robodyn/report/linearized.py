@@ -8,7 +8,7 @@ from dataclasses import replace
 from math import ceil, inf, log10, pi
 from typing import Any
 
-from robodyn.equations.linearized.linearized import Linearized
+from robodyn.equations.linearized.linearize import Linearized
 from robodyn.equations.linearized.modes import Mode, Modes
 from robodyn.equations.ode import units_of
 from robodyn.report.document import (

@@ -394,12 +394,12 @@ MUTATIONS = {
     "equations/linearized/test_linearize.py": [
         ("equations/linearized/linearize.py", "given.dq + np.diag(robot.drives.kp)", "given.dq"),
         ("equations/linearized/linearize.py", "given.dqd + np.diag(robot.drives.kd)", "given.dqd"),
-        ("equations/linearized/static_balance.py", "rates.dq + np.diag(self.drives.kp)", "rates.dq"),
-        ("equations/linearized/static_balance.py", "self.reference - positions", "positions - self.reference"),
-        ("equations/linearized/static_balance.py", "self.speed - qd", "self.speed + qd"),
-        ("equations/linearized/linearized.py", "found.B * step", "found.B"),
-        ("equations/linearized/linearized.py", "range(1, 19)", "range(1, 9)"),
-        ("equations/linearized/linearized.py", "2.0 * out + product(out, out)", "2.0 * out"),
+        ("equations/linearized/equilibrium.py", "rates.dq + np.diag(self.drives.kp)", "rates.dq"),
+        ("equations/linearized/equilibrium.py", "self.reference - positions", "positions - self.reference"),
+        ("equations/linearized/equilibrium.py", "self.speed - qd", "self.speed + qd"),
+        ("equations/linearized/linearize.py", "found.B * step", "found.B"),
+        ("equations/linearized/linearize.py", "range(1, 19)", "range(1, 9)"),
+        ("equations/linearized/linearize.py", "2.0 * out + product(out, out)", "2.0 * out"),
     ],
     "equations/linearized/test_modes.py": [
         (
@@ -424,17 +424,17 @@ MUTATIONS = {
         ("equations/linearized/modes.py", "value * np.eye(len(own)) - own", "value.real * np.eye(len(own)) - own"),
         ("equations/linearized/modes.py", "mode.real > mode.error", "mode.real > 0.0"),
         ("equations/linearized/modes.py", "abs(self.real) <= self.error", "self.real == 0.0"),
-        ("equations/linearized/static_balance.py", "masses[model.parents[k]] += masses[k]", "None"),
+        ("equations/linearized/equilibrium.py", "masses[model.parents[k]] += masses[k]", "None"),
         ("equations/linearized/equilibrium.py", "np.sqrt(stiff)[:, None]", "1.0"),
     ],
     "equations/linearized/test_closed_chains.py": [
         (
-            "equations/linearized/static_balance.py",
+            "equations/linearized/equilibrium.py",
             "_beyond(model, loop.link) ^ _beyond(model, loop.to)",
             "range(1, model.n + 1)",
         ),
         (
-            "equations/linearized/static_balance.py",
+            "equations/linearized/equilibrium.py",
             "stiffness - _carried(self.chain, q, multipliers)",
             "stiffness",
         ),

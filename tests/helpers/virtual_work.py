@@ -96,13 +96,3 @@ def energy(place: Place) -> np.ndarray:
     """Return T + V [J]."""
     kinetic = sum(0.5 * jet(part.c).x * f.v * f.v for part in place.moving for f in part.f)
     return np.asarray(kinetic + place.potential.x)
-
-
-def power(place: Place) -> np.ndarray:
-    """Return the rate of T + V [W]."""
-    rate = place.potential.v
-    for part in place.moving:
-        c = jet(part.c)
-        for f in part.f:
-            rate = rate + c.x * f.v * f.a + 0.5 * c.v * f.v * f.v
-    return np.asarray(rate)

@@ -111,20 +111,6 @@ def test_a_block_at_rest_between_blocks_that_move():
     assert parts.operations == whole.operations
 
 
-def test_of_equal_peaks_the_first_counts():
-    """-1 comes before 1 whether or not they stand in the same block."""
-    values = np.array([[0.5, -1.0, 1.0, -1.0], [0.5, 1.0, -1.0, 1.0]])
-    together, apart, time = Greatest(2), Greatest(2), 0.1 * np.arange(4)
-    assert together.update(time, 1, np.abs(values), value=values) == [(0, 1), (1, 1)]
-    for k in range(4):
-        part = values[:, k : k + 1]
-        new = apart.update(time[k : k + 1], k + 1, np.abs(part), value=part)
-        assert new == ([(0, 0), (1, 0)] if k < 2 else [])
-    for peak in (together, apart):
-        assert peak.kept["value"].tolist() == [-1.0, 1.0]
-        assert peak.row.tolist() == [2, 2]
-
-
 def test_no_samples():
     model = built(link("base"), link("arm", 1), joint("j", "base", "arm"))
     one = motion(model, [0.0], [[0.0]], [[0.0]], [[0.0]])

@@ -10,7 +10,7 @@ import pytest
 from helpers.command_line import ROBOTS, run
 from helpers.driven_chains import MIDDLE, SCENES, Chain, moving, still, swinging
 from helpers.robot_files import read_table
-from helpers.virtual_work import power, shared
+from helpers.virtual_work import shared
 
 import robodyn
 
@@ -69,14 +69,6 @@ def test_drives_of_all_joints_share_by_their_weights(name):
         found = robodyn.inverse_dynamics(chain.model, *chain.state, scene=scene)
         expected = np.column_stack([*shared(chain.mechanism, chain.u, given).values()])
         np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13 * np.abs(expected).max())
-
-
-@pytest.mark.parametrize("name", MIDDLE)
-def test_the_power_of_the_drives_is_the_rate_of_energy(name):
-    chain = moving(name)
-    tau = robodyn.inverse_dynamics(chain.model, *chain.state, scene=chain.scene)
-    parts = tau * chain.state[1]
-    np.testing.assert_allclose(parts.sum(axis=1), power(chain.place), rtol=0, atol=1e-13 * np.abs(parts).max())
 
 
 @pytest.mark.parametrize("name", MIDDLE)

@@ -96,13 +96,6 @@ def test_the_rotor_counts_once_and_before_the_gear():
     assert motor.inertia_ratio == pytest.approx(J / (G * G * J_rotor), rel=1e-13)
 
 
-def test_a_lossless_gear_keeps_power_and_work():
-    found = of_swing(Motor(), Rotor(0.01, -37.0))
-    load = torques(wheel(), swing(wheel()), floating_in_space(Motor(), Rotor(0.01, -37.0))).joints[0]
-    for name in ("peak_power", "least_power", "work_positive", "work_negative"):
-        assert getattr(found.motor, name) == pytest.approx(getattr(load, name), rel=1e-13)
-
-
 def worked_example():
     """150, 82, 130, 0 N m for 0.2, 3, 0.3, 0.2 s at 10, 20, 10, 0 rpm, as a motion of a flywheel."""
     example = SIZING["harmonic_drive"]["worked_example"]

@@ -119,17 +119,6 @@ def test_a_velocity_that_is_not_the_rate_of_the_position_is_told():
         assert max(result.checks.first_law, result.checks.second_law) <= 1e-12
 
 
-def test_energy_balance_converges_with_the_square_of_the_step():
-    model = busy_robot()
-    scene = replace(BUSY_SCENE, wrenches=(), immersed=())
-    residuals = []
-    for n in (401, 801, 1601):
-        balance = torques(model, waves(model, np.linspace(0, 3, n), amplitude=0.3), scene).checks.energy_balance
-        residuals.append(abs(balance.residual))
-        assert balance.consistent
-    assert residuals[2] < residuals[0] / 4
-
-
 def test_inconsistent_by_more_than_a_thousandth_only():
     assert EnergyBalance(10.0, 10.0, 0.0, 10.0, 0.0099, 0.0, 0.0, 0.0).consistent
     assert not EnergyBalance(10.0, 10.0, 0.0, 10.0, -0.02, 0.0, 0.0, 0.0).consistent

@@ -135,39 +135,6 @@ def test_static_torque_is_that_of_standing_still(puma):
         assert joint["static_share"] == joint["static_rms"] / load["rms"]
 
 
-def test_torques_are_those_without_motors(tmp_path):
-    tables = []
-    for scene in ("puma560_motors", "puma560_sizing"):
-        out = tmp_path / f"{scene}.csv"
-        run("torques", *PUMA, "--scene", str(ROBOTS / f"{scene}.toml"), "--out", str(out), "--executor", "numpy")
-        tables.append(out.read_bytes())
-    assert tables[0] == tables[1]
-
-
-JOINT = ["name", "unit", "duty_cycle", "standstill", "mean_speed", "static_peak", "static_peak_time", "static_rms"]
-JOINT += ["static_share", "motor", "level", "exceeded"]
-MOTOR = ["unit", "speed_unit", "gear", "efficiency", "inertia", "inertia_ratio", "peak", "peak_time", "peak_row"]
-MOTOR += ["peak_speed", "rms", "mean_speed", "max_speed", "max_speed_time", "max_speed_row", "torque_at_max_speed"]
-MOTOR += ["peak_power", "least_power", "work_positive", "work_negative", "continuous", "peak_curve", "continuous_limit"]
-MOTOR += ["seconds_above_continuous", "nearest", "seconds_over_peak", "speed_limit", "seconds_over_speed"]
-MOTOR += ["continuous_margin", "peak_margin"]
-EXCEEDED = ["quantity", "value", "limit", "unit", "time", "row", "speed", "seconds", "excess", "level"]
-
-
-def test_keys(puma):
-    sizing = puma[0]["sizing"]
-    assert list(sizing) == ["joints", "bearings", "foundation"]
-    for joint in sizing["joints"]:
-        assert list(joint) == JOINT
-        assert list(joint["motor"]) == MOTOR
-        assert all(list(exceeded) == EXCEEDED for exceeded in joint["exceeded"])
-    assert [joint["level"] for joint in sizing["joints"]] == ["OK"] * 3 + ["over continuous", "over peak", "over peak"]
-    bearing = sizing["bearings"][0]
-    assert list(bearing) == ["joint", "kind", "directions", "components"]
-    assert list(bearing["components"]["fu"]) == ["unit", "peak", "peak_time", "peak_row", "rms"]
-    assert list(sizing["foundation"]["fz"]) == ["unit", "least", "least_time", "greatest", "greatest_time", "mean"]
-
-
 def test_verdicts_in_plain_words():
     """The worst comes first, and is told again in the last line."""
     text = run("torques", *PUMA, "--scene", SCENE).out

@@ -17,7 +17,6 @@ import robodyn
 from robodyn.dynamics.uncertain_parameters import variations
 from robodyn.errors import SceneError
 from robodyn.loads.uncertain_report import normal
-from robodyn.robot.model import Model
 from robodyn.scene.parts import CoupledMotor, Friction, Motor, Rotor
 from robodyn.scene.scene import Scene
 from robodyn.scene.uncertainty import Covariance, Deviation, Uncertainty
@@ -288,30 +287,29 @@ LOSSY = {"friction": Friction(), "efficiency": 0.5}
 """Loads that are small beside their errors, so that gears lose now on the one way and now on the other."""
 
 
-@pytest.mark.parametrize(("name", "more"), [("scara", {}), ("puma560", LOSSY)])
-def test_bars_are_those_of_motions_that_are_run_again(name, more):
-    model = robot(name)
-    check_bars(model, moves(model, trapezoid, 16), scene_of(model, **more), 20_000)
+MOTIONS = [
+    ("scara", quintic, LOSSY),
+    ("puma560", None, {}),
+    ("cylindrical", trapezoid, {}),
+    ("gripper", quintic, {}),
+    ("ur5_robot", trapezoid, LOSSY),
+    ("panda", None, {}),
+]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "profile", "more"),
+    ("name", "profile", "more", "count"),
     [
-        ("scara", quintic, LOSSY),
-        ("puma560", None, {}),
-        ("cylindrical", trapezoid, {}),
-        ("gripper", quintic, {}),
-        ("ur5_robot", trapezoid, LOSSY),
-        ("panda", None, {}),
+        ("scara", trapezoid, {}, 20_000),
+        ("puma560", trapezoid, LOSSY, 20_000),
+        *(pytest.param(*each, 100_000, marks=pytest.mark.slow) for each in MOTIONS),
     ],
 )
-def test_bars_within_a_twentieth_of_a_hundred_thousand_motions(name, profile, more):
+def test_bars_are_those_of_motions_that_are_run_again(name, profile, more, count):
     """Joints, motors, gears, bearings and the base: standard errors, and both ends of intervals of their width."""
     model = robot(name) if (ROBOTS / f"{name}.urdf").exists() else real(name)
-    assert isinstance(model, Model)
-    motion = moves(model, profile, 20) if profile else waves(model, 20)
-    check_bars(model, motion, scene_of(model, **more), 100_000)
+    motion = moves(model, profile, 20 if count > 20_000 else 16) if profile else waves(model, 20)
+    check_bars(model, motion, scene_of(model, **more), count)
 
 
 @pytest.mark.slow

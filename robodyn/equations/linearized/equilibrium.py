@@ -1,14 +1,239 @@
-"""The state at rest nearest to one that is given, and how well the stiffness is known there."""
+"""A robot at rest: the torques that hold it, its drives closed, and the state nearest to one that is given."""
 
 from __future__ import annotations
 
-import numpy as np
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import hypot
+from typing import NamedTuple
 
-from robodyn.equations.linearized.static_balance import Balance, Standing
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.dynamics.derivatives import inverse_dynamics_derivatives
+from robodyn.dynamics.inverse import bias_forces
+from robodyn.dynamics.loops.closed_chain import ClosedChain
+from robodyn.dynamics.loops.closed_start import FEW, closed_near, independent_equations
+from robodyn.dynamics.loops.closure import moved, unit
+from robodyn.dynamics.plan import plan
+from robodyn.equations.ode import units_of
 from robodyn.errors import InputError
-from robodyn.programs.linear import eigen, min_norm_solution, range_basis
+from robodyn.programs.dual import Dual, rate_of
+from robodyn.programs.linear import eigen, min_norm_solution, null_space, range_basis
 from robodyn.programs.vectors import length, product
+from robodyn.robot.model import Model
+from robodyn.scene.parts import Entry
+from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats, first_largest
+
+
+class Drives(NamedTuple):
+    """tau = torque + kp (reference - q) + kd (speed - qd), by rate: (n,) each, zero where nothing drives."""
+
+    torque: Floats
+    kp: Floats
+    kd: Floats
+    reference: Floats
+    speed: Floats
+
+    def at(self, positions: Floats, qd: Floats) -> Floats:
+        """Return the torques [N m or N] at these positions (n,) of joints by rate."""
+        return self.torque + self.kp * (self.reference - positions) + self.kd * (self.speed - qd)
+
+
+def drives_of(model: Model, scene: Scene, q: Floats) -> Drives:
+    """Return the drives of a scene. There is no table: a reference that follows one is where the joint stands at q, a
+    torque or a speed that does is zero."""
+    found = Drives(*(np.zeros(model.n) for _ in Drives._fields))
+
+    def number(entry: Entry | None, otherwise: float) -> float:
+        return otherwise if entry is None or isinstance(entry, str) else float(entry)
+
+    for joint in model.independent:
+        drive = scene.drive.get(joint.name)
+        if drive is not None:
+            k, here = joint.rate, float(q[joint.coordinate])
+            found.torque[k] = number(drive.torque, 0.0)
+            found.kp[k], found.kd[k] = drive.kp, drive.kd
+            found.reference[k] = number(drive.reference, here)
+            found.speed[k] = number(drive.speed, 0.0)
+    return found
+
+
+def positions(model: Model, q: Floats) -> Floats:
+    """Return (n,) the positions of hinges and slides by rate, zero for a floating base."""
+    out = np.zeros(model.n)
+    for joint in model.independent:
+        if joint.kind != "floating":
+            out[joint.rate] = q[joint.coordinate]
+    return out
+
+
+_ROUNDED = 4.0 * float(np.finfo(float).eps)
+"""Four roundings, of q no more than 1e-10 of the torque that they change."""
+
+
+class Balance(NamedTuple):
+    """What is missing at a configuration, beside what the loops carry.
+
+    Attributes:
+        missing: (n,) torques [N m or N].
+        directions: (n, k) in which it can move, columns orthonormal.
+        stiffness: (n, n) how torques change with q where what the loops carry stays the same.
+        scale: (n,) at each joint the largest of the torques that balance, or that the weight could make, or that
+            change by 1e-10 of it where q is rounded [N m or N].
+    """
+
+    missing: Floats
+    directions: Floats
+    stiffness: Floats
+    scale: Floats
+
+    @property
+    def parts(self) -> Floats:
+        """(n,) how much is missing, of what balances."""
+        return np.abs(self.missing) / np.where(self.scale > 0.0, self.scale, 1.0)
+
+    @property
+    def part(self) -> float:
+        """The largest of these."""
+        return float(self.parts.max(initial=0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Standing:
+    """A robot in a scene at rest, its drives closed.
+
+    Attributes:
+        tree: the scene without its loops; chain: what they close, None without any.
+        tied: (n,) whether a joint lies in a loop, and carries what others in loops weigh.
+    """
+
+    model: Model
+    tree: Scene
+    drives: Drives
+    chain: ClosedChain | None
+    tied: NDArray[np.bool_]
+
+    @cached_property
+    def units(self) -> tuple[str, ...]:
+        return units_of(self.model)
+
+    @cached_property
+    def turns(self) -> NDArray[np.bool_]:
+        """(n,) whether a rate is a turn, and not a shift."""
+        return np.array([unit != "N" for unit in self.units])
+
+    @cached_property
+    def lengths(self) -> Floats:
+        """(n,) 1 for turns and the robot's reach [m] for shifts: how far is as far as one radian."""
+        return np.where(self.turns, 1.0, max(self.model.reach, 1e-9))
+
+    @cached_property
+    def carried(self) -> Floats:
+        """(n,) the mass beyond each joint, payloads included [kg]; of one in a loop all of it."""
+        model = self.model
+        masses = [body.inertia.m for body in model.bodies]
+        for payload in self.tree.payloads:
+            masses[model.links[payload.link].body] += payload.mass
+        for k in reversed(range(1, len(masses))):
+            masses[model.parents[k]] += masses[k]
+        out = np.full(model.n, masses[0])
+        for body, mass in zip(reversed(model.bodies), reversed(masses), strict=True):
+            if body.joint.kind in ("revolute", "prismatic") and not self.tied[body.joint.rate]:
+                out[body.joint.rate] = mass
+        return out
+
+    def balance(self, q: Floats) -> Balance:
+        """Return what is missing at q.
+
+        With loops `missing = bias - drives - J^T lambda` is as short as it can be, and across all rows of J; its
+        derivative has that of J^T lambda in it, lambda being constant.
+
+        Raises:
+            InputError: the torques are not finite.
+        """
+        model = self.model
+        bias = bias_forces(model, q, 0.0, scene=self.tree, executor="numpy")
+        at = positions(model, q)
+        given = self.drives.at(at, np.zeros(model.n))
+        weight = hypot(*self.tree.gravity) * self.carried * np.where(self.turns, model.reach, 1.0)
+        rates = inverse_dynamics_derivatives(model, q, 0.0, 0.0, scene=self.tree, executor="numpy")
+        missing, stiffness = bias - given, rates.dq + np.diag(self.drives.kp)
+        rounded = _ROUNDED / 1e-10 * np.abs(np.diag(stiffness) * at)
+        scale = np.maximum.reduce([np.abs(bias), np.abs(given), weight, rounded])
+        if not np.isfinite(scale).all():
+            raise overflow(model)
+        if self.chain is None:
+            return Balance(missing, np.eye(model.n), stiffness, scale)
+        J = self.chain.jacobian(self.chain.sample(q.tolist()))
+        multipliers = min_norm_solution(J.T, missing, FEW)
+        N = null_space(J, FEW).T
+        scale = np.where(self.tied, (scale * self.lengths)[self.tied].max(initial=0.0) / self.lengths, scale)
+        return Balance(product(N, product(N.T, missing)), N, stiffness - _carried(self.chain, q, multipliers), scale)
+
+    def moved(self, q: Floats, step: Floats) -> Floats | None:
+        """Return q after a small move along the rates, loops closed again; None where they do not close."""
+        if self.chain is not None:
+            return closed_near(self.chain, q, step)
+        return np.array(unit(self.model, moved(self.model, q.tolist(), step.tolist())), dtype=float)
+
+
+def overflow(model: Model) -> InputError:
+    """Return the error of numbers that are not finite."""
+    return InputError("the equations overflow at this state", remedy="smaller numbers", file=model.file)
+
+
+def standing(model: Model, scene: Scene, q: Floats) -> Standing:
+    """Return the robot; q, at which loops are closed, says which of their equations depend on each other.
+
+    Raises:
+        InputError: its base moves and loops are closed; more motions are possible at q than nearby; or none is.
+    """
+    tree, drives = replace(scene, loops=()), drives_of(model, scene, q)
+    if not scene.loops:
+        return Standing(model, tree, drives, None, np.zeros(model.n, dtype=bool))
+    if model.floating:
+        remedy = 'bolt the base down: leave out motion = "moving"'
+        raise InputError("a closed chain on a base that moves is not linearized", remedy=remedy, file=model.file)
+    begun = dict(zip(model.coordinates, q.tolist(), strict=True))
+    chain = independent_equations(plan(model, replace(scene, initial_q=begun, initial_qd={})))
+    ways = len(null_space(chain.jacobian(chain.sample(q.tolist())), FEW))
+    if ways > model.n - chain.count:
+        what = f"the loops allow {ways} motions here and {model.n - chain.count} nearby, so that nothing is linear"
+        raise InputError(what, remedy="begin elsewhere (--at)", file=model.file)
+    if not ways:
+        raise InputError("nothing can move: the loops hold all joints", file=model.file)
+    tied = np.zeros(model.n, dtype=bool)
+    for loop in scene.loops:
+        for k in _beyond(model, loop.link) ^ _beyond(model, loop.to):
+            joint = model.bodies[k].joint
+            if joint.kind in ("revolute", "prismatic"):
+                tied[joint.rate] = True
+    return Standing(model, tree, drives, chain, tied)
+
+
+def _beyond(model: Model, link: str) -> set[int]:
+    """Return the bodies from this link to the base."""
+    k, out = model.links[link].body if link in model.links else -1, set()
+    while k >= 0:
+        out.add(k)
+        k = model.parents[k]
+    return out
+
+
+def _carried(chain: ClosedChain, q: Floats, multipliers: Floats) -> Floats:
+    """Return d (J^T lambda) / dq (n, n), by dual numbers along each coordinate; bases do not move."""
+    n = chain.model.n
+    out = np.zeros((n, n))
+    for joint in chain.model.independent:
+        at: list[float | Dual] = list(q.tolist())
+        at[joint.coordinate] = Dual(float(q[joint.coordinate]), 1.0)
+        for row, multiplier in zip(chain.equations(chain.sample(at)).J, multipliers.tolist(), strict=True):
+            for rate, entry in row.items():
+                out[rate, joint.rate] += float(rate_of(entry)) * multiplier
+    return out
+
 
 _STEPS, _HALVINGS = 60, 12
 _NEAR, _NEARLY = 1e-12, 1e-10
@@ -43,9 +268,11 @@ def equilibrium_near(robot: Standing, q: Floats) -> Floats:
     found, here = _by_newton(robot, q, _AROUND)
     if here.part > _NEARLY:
         found, here = _by_newton(robot, _sunk(robot, q), _LONGEST)
-    if here.part <= _NEARLY:
-        return _as_begun(robot, q, found, here)
-    raise InputError(f"no equilibrium is found: {_most(robot, here)} stay unbalanced", remedy=_HOLD)
+    if here.part > _NEARLY:
+        raise InputError(f"no equilibrium is found: {_most(robot, here)} stay unbalanced", remedy=_HOLD)
+    # coordinates that rounding alone has moved stay where they were, or at 0, if that is as good
+    plain = np.where(np.abs(found - q) <= _NEAR, q, np.where(np.abs(found) <= _NEAR, 0.0, found))
+    return plain if robot.balance(plain).part <= max(here.part, _NEAR) else found
 
 
 def _check_exists(robot: Standing, q: Floats) -> None:
@@ -70,12 +297,6 @@ def _check_exists(robot: Standing, q: Floats) -> None:
 def _most(robot: Standing, here: Balance) -> str:
     k = first_largest(here.parts)
     return f"{abs(here.missing[k]):.3g} {robot.units[k]} at {robot.model.rates[k]}"
-
-
-def _as_begun(robot: Standing, q: Floats, found: Floats, here: Balance) -> Floats:
-    """Return what was found, with coordinates that rounding alone has moved where they were, or at 0, if as good."""
-    plain = np.where(np.abs(found - q) <= _NEAR, q, np.where(np.abs(found) <= _NEAR, 0.0, found))
-    return plain if robot.balance(plain).part <= max(here.part, _NEAR) else found
 
 
 def _by_newton(robot: Standing, q: Floats, around: float) -> tuple[Floats, Balance]:
@@ -153,7 +374,6 @@ def _downhill(robot: Standing, here: Balance, longest: float) -> Floats:
 
 _NEWTON_STEPS = 4.0
 """Of Newton's, to be on the far side of an equilibrium: where two meet, at a fold, each of his goes half the way."""
-_ROUNDED = 4.0 * float(np.finfo(float).eps)
 _LONGEST_STEP = 0.1
 """rad, or the same part of the robot's reach [m]."""
 

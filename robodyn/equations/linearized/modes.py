@@ -209,7 +209,8 @@ def modes_of(found: SmallMotion) -> Modes:
                 out += _held(found, parts)
         except np.linalg.LinAlgError:
             raise InputError("the eigenvalues overflow at this state", remedy="smaller numbers") from None
-    return Modes(tuple(_ordered(_marked(out))), found.at_rest)
+    marked = [replace(a, alike=any(a is not b and _near(a, b) for b in out)) for a in out]
+    return Modes(tuple(_ordered(marked)), found.at_rest)
 
 
 def _held(found: SmallMotion, parts: Split) -> list[Mode]:
@@ -317,19 +318,12 @@ def _ordered(modes: Sequence[Mode]) -> Iterator[Mode]:
         first = left[0]
         alike = [first, *(mode for mode in left[1:] if size(mode) - size(first) <= 2.0 * min(first.error, mode.error))]
         close = 2.0 * max(mode.error for mode in alike)
-        yield from sorted(alike, key=lambda mode: (mode.real > close, mode.real >= -close, _leader(mode)))
+        yield from sorted(
+            alike, key=lambda mode: (mode.real > close, mode.real >= -close, int(np.argmax(np.equal(mode.shape, 1.0))))
+        )
         left = [mode for mode in left if mode not in alike]
 
 
-def _leader(mode: Mode) -> int:
-    """Return the coordinate whose share is one."""
-    return next((k for k, each in enumerate(mode.shape) if each == 1.0), 0)
-
-
-def _marked(modes: Sequence[Mode]) -> list[Mode]:
-    """Return the modes, those marked that share an eigenvalue within rounding."""
-
-    def near(a: Mode, b: Mode) -> bool:
-        return abs(complex(a.real, a.imag) - complex(b.real, b.imag)) <= a.error + b.error
-
-    return [replace(a, alike=any(a is not b and near(a, b) for b in modes)) for a in modes]
+def _near(a: Mode, b: Mode) -> bool:
+    """Return whether two modes share an eigenvalue within rounding."""
+    return abs(complex(a.real, a.imag) - complex(b.real, b.imag)) <= a.error + b.error

@@ -115,16 +115,6 @@ def test_a_parallelogram_gains_a_freedom_where_it_is_flat():
         assert dae_at(model, scene, np.array(q), zero, zero).counts.freedom == freedom
 
 
-def test_a_loop_given_twice_is_redundant():
-    model, scene = four_bar("point", directions=((1.0, 0, 0), (0, 1.0, 0)))
-    once = scene.loops[0]
-    twice = Scene(loops=(once, Loop("again", *list(vars(once).values())[1:])), gravity=scene.gravity)
-    found, single = closed(model, twice), closed(model, scene)
-    assert found.counts.redundant == (("again", "F1"), ("again", "F2"))
-    assert found.counts.undetermined == (("closure", "F1"), ("closure", "F2"), ("again", "F1"), ("again", "F2"))
-    assert np.abs(found.qdd - single.qdd).max() <= 1e-13 * np.abs(single.qdd).max()
-
-
 def test_a_locked_chain_has_no_freedom():
     """A weld of the last link of a chain of three hinges about z: no motion is left."""
     loop = Loop("weld", "l3", (1.0, 0.0, 0.0), "ground", (2.0, 1.0, 0.0), "weld", rpy=(0.0, 0.0, 0.3))

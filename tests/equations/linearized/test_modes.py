@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.busy_robot import BUSY_SCENE, busy_robot
+from helpers.busy_robot import busy_robot
 from helpers.example_robots import path_of
 from helpers.oracles import EPS, robot, worst
 from helpers.peers import mujoco
@@ -80,11 +80,7 @@ def test_a_joint_that_a_drive_holds():
 def test_modes_are_what_a_motion_does():
     """Eigenvalues and shapes of a robot with every effect, drives and mimic joints satisfy z' = A z."""
     model = busy_robot()
-    scene = (
-        BUSY_SCENE.changed(None, held=False)
-        if False
-        else Scene(drive={name: Drive(kp=200.0, kd=4.0) for name in model.joint_names})
-    )
+    scene = Scene(drive={name: Drive(kp=200.0, kd=4.0) for name in model.joint_names})
     found = linearize(model, scene, equilibrium=True)
     n, total = model.n, 0
     for mode in found.modes.modes:
