@@ -66,7 +66,6 @@ def constant(value: float) -> Polynomial:
 
 
 def generator(k: int) -> Polynomial:
-    """Return the generator k itself."""
     return {Key((k,), "cos", ()): Coefficient(1.0, 1.0)}
 
 
@@ -253,7 +252,6 @@ class Forms:
 
 
 def largest(forms: Sequence[Polynomial]) -> float:
-    """Return the largest coefficient."""
     return max((abs(x.value) for form in forms for x in form.values()), default=0.0)
 
 

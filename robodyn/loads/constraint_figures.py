@@ -233,7 +233,6 @@ class ConstraintFigures:
                 yield Unbalanced(name, unit, Peak(value, float(most.time[k]), int(most.row[k])))
 
     def report(self) -> Constraints:
-        """Return the figures so far."""
         solver, scene = self.solver, self.solver.plan.scene
         assert solver.structure is not None
         shape, part, rates = solver.structure, solver.actuation, np.array(solver.plan.model.rates)

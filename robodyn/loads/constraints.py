@@ -217,5 +217,4 @@ class ConstraintPass:
         return out
 
     def report(self) -> Constraints:
-        """Return the figures so far."""
         return replace(self.figures.report(), followed=self.names)

@@ -233,7 +233,7 @@ class ErrorBars:
         return M
 
     def at_peak(self, k: int, state: Mapping[str, Floats], shares: Mapping[str, float]) -> tuple[float, float]:
-        """Return what noise of accelerations does to joint k at its peak, sqrt(sum (M_kj s_j)^2), and what is open there.
+        """Return what noise of accelerations does to joint k at its peak, sqrt(sum (M_kj s_j)^2), and what is open.
 
         That is sqrt(sum (M_kj off_j)^2), of guesses the sum, which nothing exceeds.
         Way-points may be places of rest, so that all that their derived speeds make of the torque is open too.

@@ -47,6 +47,5 @@ class MomentumPass:
         return columns
 
     def report(self) -> MomentumReport:
-        """Return the extremes so far."""
         rows = zip(NAMES, *(values.tolist() for values in self.extremes.figures), strict=True)
         return MomentumReport(self.view.about, self.view.frame, tuple(Range(*row) for row in rows))

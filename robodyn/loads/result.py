@@ -145,7 +145,6 @@ class JointLoad:
 
     @property
     def exceeded(self) -> tuple[Excess, ...]:
-        """The limits that the motion exceeds."""
         place, out = "rad" if self.unit == "N m" else "m", reached_beyond(self)
         if self.lower is not None and self.lower - self.q_min > (BEYOND - 1.0) * abs(self.lower):
             out.append(Excess(self.name, "position", self.q_min, self.lower, place))

@@ -65,7 +65,6 @@ class SelfChecks:
         return rows, self.ledger.update(block.time, net, rows, execute(stored, checked, self._checked).values[:, 0])
 
     def report(self) -> Checks:
-        """Return everything gathered."""
         force, moment = self.laws.largest
         largest = force, max(moment, force * self.model.reach)
         return Checks(self.ledger.balance, *self.laws.relative, self.laws.samples, *largest)
@@ -110,7 +109,6 @@ class EnergyLedger:
 
     @property
     def balance(self) -> EnergyBalance:
-        """What has been gathered."""
         change = self._energies[-1] - self._energies[0]
         largest = (self._worst, self._quadrature_most, sqrt(self._squares), self._stored_most)
         return EnergyBalance(self.work, change, self._quadrature, self.turnover, *largest)

@@ -42,7 +42,6 @@ class Exceeded:
 
     @property
     def excess(self) -> float:
-        """By how much, in `unit`."""
         return self.value - self.limit
 
 

@@ -232,7 +232,6 @@ def check_figures(figures: Iterable[ArrayLike], peaks: ArrayLike, file: str | No
 
 
 def joint_of_rates(model: Model) -> list[Joint]:
-    """Return the joint that each entry of qd belongs to."""
     return [joint for joint in model.independent for _ in range(6 if joint.kind == "floating" else 1)]
 
 

@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 
 from robodyn.loads.result import JointLoad
 from robodyn.loads.sizing_result import MotorLoad, Sizing
-from robodyn.loads.uncertain_quantities import DRIVE, Figure
-from robodyn.loads.uncertainty import UncertaintyPass
+from robodyn.loads.uncertainty import DRIVE, Figure, UncertaintyPass
 from robodyn.loads.uncertainty_result import Bar, Uncertain, UncertainJoint, UncertainLimit, UncertainLoad
 from robodyn.programs.vectors import product
 from robodyn.support.floats import BEYOND, Floats, ranked
@@ -141,7 +140,7 @@ class Figures:
         """
         kept = self.of.kept.columns[figure.columns]
         flat, used = _used(kept.reshape(-1, kept.shape[-1]))
-        root = cube_roots if power == 3 else np.sqrt
+        root = np.cbrt if power == 3 else np.sqrt
         size = float(root(np.array(whole)))
         at = kept[..., 0]
         own = power * einsum("cn,cnm->m", figure.half(at) * figure.size(at) ** (power - 2) * share, kept[..., 1:])
@@ -266,11 +265,6 @@ def _used(rows: Floats) -> tuple[Floats, NDArray[np.int64]]:
 def _powers(sizes: Floats, power: int, share: Floats) -> Floats:
     """Return the mean of a power of magnitudes (..., n)."""
     return np.asarray(einsum("...n,n->...", sizes * sizes if power == 2 else sizes * sizes * sizes, share))
-
-
-def cube_roots(x: Floats) -> Floats:
-    """Return cube roots by the C library: NumPy's own function ends in other digits with AVX-512."""
-    return np.array([each ** (1 / 3) for each in x.ravel().tolist()]).reshape(x.shape)
 
 
 def _shares(time: Floats) -> Floats:

@@ -10,9 +10,7 @@ from robodyn.dynamics.plan import plan, runner_of
 from robodyn.dynamics.varied_loads import _loads, _theta, summed
 from robodyn.loads.motors import train_of
 from robodyn.loads.statistics import Integrals
-from robodyn.loads.uncertain_quantities import Quantities
-from robodyn.loads.uncertain_report import cube_roots
-from robodyn.loads.uncertainty import UncertaintyPass
+from robodyn.loads.uncertainty import Quantities, UncertaintyPass
 from robodyn.programs.program import trace
 from robodyn.support.floats import Floats
 from robodyn.trajectory.read import sources_of
@@ -91,7 +89,7 @@ class SamplePass:
         """Return (draws,) the cubic mean of what gear i bears."""
         totals = [each.totals for _, each in self._integrals]
         travel = float(totals[0]["travel"][i])
-        return cube_roots(np.concatenate([each["wear"][i] for each in totals]) / (travel or 1.0))
+        return np.cbrt(np.concatenate([each["wear"][i] for each in totals]) / (travel or 1.0))
 
 
 def run_again(model, blocks, scene, count, bearings=True):

@@ -101,24 +101,15 @@ class Counts:
 
 
 class Residuals(NamedTuple):
-    """What the constraints are off by.
-
-    Attributes:
-        places: (m,) g(x) [m, rad].
-        speeds: (m,) G v [m/s, rad/s].
-    """
+    """What the constraints are off by: (m,) g(x) [m, rad] and G v [m/s, rad/s]."""
 
     places: Floats
     speeds: Floats
 
 
 class Solution(NamedTuple):
-    """What solves the saddle-point system.
-
-    Attributes:
-        a: (6N,) accelerations (wd, dv/dt) of the bodies.
-        reactions: (m,) [N and N m]; 0 for redundant equations.
-    """
+    """What solves the saddle-point system: (6N,) accelerations (wd, dv/dt) of the bodies, and (m,) reactions [N, N m],
+    0 for redundant equations."""
 
     a: Floats
     reactions: Floats

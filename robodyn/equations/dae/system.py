@@ -29,7 +29,7 @@ from robodyn.equations.ode import bias_plan
 from robodyn.errors import SceneError
 from robodyn.programs.vectors import IDENTITY, ZERO, Array, Scalar, cross, length, narrowed, rotation_from_rpy
 from robodyn.robot.kinematics import Wrench
-from robodyn.robot.model import Joint, Model
+from robodyn.robot.model import Model
 from robodyn.scene.parts import Loop
 from robodyn.scene.scene import Scene
 from robodyn.solids.inertia.laws import Inertia
@@ -136,7 +136,12 @@ class System:
         """
         S, sigma = stacked(self.free, self.at), drifts(self.free, self.at)
         G, gamma = stacked(self.equations, self.at), -drifts(self.equations, self.at)
-        along = np.array(self._along())
+        tau = [
+            (0.0 if body.joint.mimics is not None else self.tau[body.joint.rate + k]) - self.terms.at_joint.get(i, 0.0)
+            for i, (body, connection) in enumerate(zip(self.model.bodies, self.joints, strict=True))
+            for k in range(len(connection.free))
+        ]
+        along = np.array(tau)
         M, f = self._masses(), narrowed(self._forces()) + S.T @ along
         bodies = [joint.body for joint in self.joints for _ in joint.free]
         armature = np.array([[self.rotors.get((i, k), 0.0) for k in bodies] for i in bodies])
@@ -145,15 +150,6 @@ class System:
             M = M + armature[i, k] * np.outer(S[i], S[k])
             f = f - armature[i, k] * sigma[k] * S[i]
         return Matrices(M, f, G, gamma, S, sigma, along, armature)
-
-    def _along(self) -> list[Scalar]:
-        """Return what acts along each joint's own coordinates: tau at the joint that it belongs to, less friction."""
-        out: list[Scalar] = []
-        for i, (body, connection) in enumerate(zip(self.model.bodies, self.joints, strict=True)):
-            joint, taken = body.joint, self.terms.at_joint.get(i, 0.0)
-            for k in range(len(connection.free)):
-                out.append((0.0 if joint.mimics is not None else self.tau[joint.rate + k]) - taken)
-        return out
 
     def _masses(self) -> Array:
         blocks = [inertia.about_centre for inertia in self.inertias]
@@ -198,8 +194,7 @@ class System:
         out, row, k = [], 0, 0
         for i, joint in enumerate(self.joints):
             held, own = slice(row, row + len(joint.equations)), slice(k, k + len(joint.free))
-            row, k = held.stop, own.stop
-            mine = slice(6 * i, 6 * i + 6)
+            row, k, mine = held.stop, own.stop, slice(6 * i, 6 * i + 6)
             out.append(self._about_origin(i, reactions[held] @ found.G[held, mine] + along[own] @ found.S[own, mine]))
         return out
 
@@ -254,27 +249,21 @@ def joint_connections(model: Model, centres: Sequence[Array], q: Sequence[Scalar
     """
     found = []
     for i, body in enumerate(model.bodies):
-        joint, j = body.joint, body.parent
-        from_parent = joint.p - (centres[j] if j >= 0 else ZERO)
-        near = joint.multiplier * q[joint.coordinate] + joint.offset if joint.coordinate >= 0 else 0.0
-        found.append(_joint_connection(joint, Anchors(i, j, -centres[i], from_parent, joint.R), near))
+        joint, j, R = body.joint, body.parent, body.joint.R
+        to = joint.p - (centres[j] if j >= 0 else ZERO)
+        anchors = Anchors(i, j, -centres[i], to, R)
+        if joint.kind == "floating":
+            turns = [Turn(i, j, e, R) for e in IDENTITY]
+            moves = [Along(i, j, -centres[i], to, R @ e) for e in IDENTITY]
+            found.append(Connection(joint.name, "floating", i, j, free=(*turns, *moves)))
+        elif joint.kind == "fixed":
+            found.append(connect(joint.name, "fixed", anchors))
+        else:
+            near = joint.multiplier * q[joint.coordinate] + joint.offset
+            turn, move = Turn(i, j, joint.axis, R, near), Along(i, j, -centres[i], to, R @ joint.axis)
+            free = turn if joint.kind == "revolute" else move
+            found.append(connect(joint.name, joint.kind, anchors, joint.axis, free=(free,)))
     return tuple(found)
-
-
-def _joint_connection(joint: Joint, anchors: Anchors, near: Scalar) -> Connection:
-    body, other, own, to, R = anchors
-    free: list[Equation] = []
-    if joint.kind == "floating":
-        turns = [Turn(body, other, e, R) for e in IDENTITY]
-        moves = [Along(body, other, own, to, R @ e) for e in IDENTITY]
-        return Connection(joint.name, "floating", body, other, free=(*turns, *moves))
-    if joint.kind == "fixed":
-        return connect(joint.name, "fixed", anchors)
-    if joint.kind == "revolute":
-        free = [Turn(body, other, joint.axis, R, near)]
-    else:
-        free = [Along(body, other, own, to, R @ joint.axis)]
-    return connect(joint.name, joint.kind, anchors, joint.axis, free=free)
 
 
 def _mimic_connections(model: Model, joints: Sequence[Connection]) -> Iterator[Connection]:

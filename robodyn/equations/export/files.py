@@ -24,20 +24,12 @@ from robodyn.programs.export import (
 )
 from robodyn.programs.program import Program
 from robodyn.robot.model import Model
-from robodyn.scene.parts import Friction
 from robodyn.support.wording import listed
 
 
 @dataclass(frozen=True)
 class Job:
-    """A function to write.
-
-    Attributes:
-        kind: what it computes; its short name is that of the function.
-        program: its operations.
-        widths: its arguments, and how many numbers each has.
-        shapes: of its results.
-    """
+    """A function to write, named by its kind's word; widths: how many numbers each argument has; shapes: of results."""
 
     kind: Kind
     program: Program
@@ -46,7 +38,6 @@ class Job:
 
     @staticmethod
     def of(kind: Kind, plan: Plan) -> Job:
-        """Return the job of a kind."""
         return Job(kind, kind.program(plan), kind.widths(plan), kind.shapes(plan))
 
     @property
@@ -55,7 +46,6 @@ class Job:
 
     @property
     def sizes(self) -> dict[str, int]:
-        """How many numbers each result has."""
         return {name: prod(shape) for name, shape in self.shapes.items()}
 
     @property
@@ -71,28 +61,23 @@ _JUMPS = (
 
 
 def title(model: Model, form: str) -> str:
-    """Return the first line."""
     return f'Dynamics of "{model.name}" {form}, written by robodyn {version("robodyn")}.'
 
 
 def description(plan: Plan, jobs: Iterable[Job]) -> str:
     """Return units, coordinates, effects and what derivatives mean, in lines."""
+    law = "tau = M(q) qdd + b(q, qd)."
+    if plan.scene.loaded:
+        growing = f"Friction of {listed(plan.scene.loaded)} grows with load, so that tau = M qdd + b does not hold"
+        law = f"{growing};\nM of the derivatives is d tau / d qdd."
     parts = [
-        f"{_law(plan)} SI units: q [rad or m], qd [rad/s or m/s], qdd [rad/s^2 or m/s^2],\n"
+        f"{law} SI units: q [rad or m], qd [rad/s or m/s], qdd [rad/s^2 or m/s^2],\n"
         "tau and b [N m or N], M [kg m^2, kg m or kg]. tau is what the actuators supply along the joints' axes.",
         _coordinates(plan.model),
         _surroundings(plan),
         *_notes(plan, list(jobs)),
     ]
     return "\n\n".join(parts)
-
-
-def _law(plan: Plan) -> str:
-    """Return what holds of the torques."""
-    if not plan.scene.loaded:
-        return "tau = M(q) qdd + b(q, qd)."
-    growing = f"Friction of {listed(plan.scene.loaded)} grows with load, so that tau = M qdd + b does not hold"
-    return f"{growing};\nM of the derivatives is d tau / d qdd."
 
 
 def _coordinates(model: Model) -> str:
@@ -136,17 +121,15 @@ def _friction(plan: Plan) -> list[str]:
     rubs += [(name, friction) for name, friction in coupled if friction.viscous or friction.dry]
     if not rubs:
         return ["No friction."]
-    lines = ["Friction, SI units:", *(f"  {name}: {_constants(friction)}" for name, friction in rubs)]
+    lines = ["Friction, SI units:"]
+    for name, friction in rubs:
+        idle = () if friction.stribeck else ("stribeck_velocity",)
+        acting = [f"{each} {value!r}" for each, value in asdict(friction).items() if value and each not in idle]
+        lines.append(f"  {name}: {', '.join(acting)}")
     if any(friction.dry or friction.load for _, friction in rubs):
         slip = plan.scene.slip_speed
         lines.append(f"Coulomb friction is smooth: {_SMOOTH} {slip!r}." if slip else _JUMPS)
     return lines
-
-
-def _constants(friction: Friction) -> str:
-    """Return those that act."""
-    idle = () if friction.stribeck else ("stribeck_velocity",)
-    return ", ".join(f"{name} {value!r}" for name, value in asdict(friction).items() if value and name not in idle)
 
 
 def _notes(plan: Plan, jobs: list[Job]) -> list[str]:
@@ -179,65 +162,47 @@ def c_file(plan: Plan, jobs: Sequence[Job]) -> str:
 
     Accuracy: within 1e-13 of robodyn's own results, relative to the largest.
     """
-    prefix = identifier(plan.model.name, "robot").lower()
+    model, prefix = plan.model, identifier(plan.model.name, "robot").lower()
     theta = list(parameters(plan)) if any(job.name == "regressor" for job in jobs) else []
-    heads = [_head(f"{prefix}_{job.name}", job) for job in jobs]
-    bodies = [c_function(f"{prefix}_{job.name}", job.program, job.widths, job.sizes) for job in jobs]
+    heads, bodies = [], []
+    for job in jobs:
+        name = f"{prefix}_{job.name}"
+        results = "".join(f"\n   {each.name}: {each.meaning}" for each in job.kind.results)
+        heads.append(f"/* {job.meaning}{results} */\n{prototype(name, job.widths, job.sizes)};")
+        bodies.append(c_function(name, job.program, job.widths, job.sizes))
     if theta:
         array = f"const double {prefix}_theta[{len(theta)}]"
         names = "".join(f"\n   {comment(name)}" for name, _ in theta)
         heads.append(f"/* the parameters, in the order of the columns of Y:{names} */\nextern {array};")
         bodies.append(f"{array} = {{\n" + "".join(f"    {literal(value)},\n" for _, value in theta) + "};\n")
+    condition, guard = f"{prefix.upper()}_DECLARATIONS_ONLY", f"{prefix.upper()}_DYNAMICS_H"
     text = (
-        f"{title(plan.model, 'in C')}\n\n{description(plan, jobs)}\n\n"
+        f"{title(model, 'in C')}\n\n{description(plan, jobs)}\n\n"
         "Matrices are in row-major order. An array that is written to may be one that is read.\n"
-        f"For declarations alone define {prefix.upper()}_DECLARATIONS_ONLY before including this file."
+        f"For declarations alone define {condition} before including this file."
     )
-    top = ["/*", *(f" * {line}".rstrip() for line in comment(text).split("\n")), " */"]
-    return "\n".join([*top, _guarded(plan.model, prefix, heads), _implementation(prefix, bodies)])
-
-
-def _head(name: str, job: Job) -> str:
-    results = "".join(f"\n   {result.name}: {result.meaning}" for result in job.kind.results)
-    return f"/* {job.meaning}{results} */\n{prototype(name, job.widths, job.sizes)};"
-
-
-def _guarded(model: Model, prefix: str, heads: Sequence[str]) -> str:
-    guard = f"{prefix.upper()}_DYNAMICS_H"
-    return "\n".join(
-        [
-            f"#ifndef {guard}",
-            f"#define {guard}",
-            "",
-            f"#define {prefix.upper()}_NQ {model.nq}",
-            f"#define {prefix.upper()}_N {model.n}",
-            "",
-            "/* places of the coordinates in q, and of their rates in qd, qdd and tau */",
-            _enumerated(f"{prefix}_q", model.coordinates),
-            _enumerated(f"{prefix}_qd", model.rates),
-            "",
-            "#ifdef __cplusplus",
-            'extern "C" {',
-            "#endif",
-            *heads,
-            "#ifdef __cplusplus",
-            "}",
-            "#endif",
-            "",
-            f"#endif /* {guard} */",
-            "",
-        ]
-    )
+    lines = [
+        "/*",
+        *(f" * {line}".rstrip() for line in comment(text).split("\n")),
+        " */",
+        f"#ifndef {guard}\n#define {guard}\n",
+        f"#define {prefix.upper()}_NQ {model.nq}\n#define {prefix.upper()}_N {model.n}\n",
+        "/* places of the coordinates in q, and of their rates in qd, qdd and tau */",
+        _enumerated(f"{prefix}_q", model.coordinates),
+        _enumerated(f"{prefix}_qd", model.rates),
+        '\n#ifdef __cplusplus\nextern "C" {\n#endif',
+        *heads,
+        f"#ifdef __cplusplus\n}}\n#endif\n\n#endif /* {guard} */\n",
+        f"#ifndef {condition}\n#include <math.h>\n",
+        *bodies,
+        f"#endif /* {condition} */\n",
+    ]
+    return "\n".join(lines)
 
 
 def _enumerated(prefix: str, names: Sequence[str]) -> str:
     places = enumerate(identifiers(names, "joint"))
     return "enum {\n" + ",\n".join(f"    {prefix}_{name}".upper() + f" = {k}" for k, name in places) + "\n};"
-
-
-def _implementation(prefix: str, bodies: Sequence[str]) -> str:
-    condition = f"{prefix.upper()}_DECLARATIONS_ONLY"
-    return "\n".join([f"#ifndef {condition}", "#include <math.h>", "", *bodies, f"#endif /* {condition} */", ""])
 
 
 def python_file(plan: Plan, jobs: Sequence[Job], library: Library) -> str:
@@ -248,8 +213,15 @@ def python_file(plan: Plan, jobs: Sequence[Job], library: Library) -> str:
 
     Accuracy: within 1e-13 of robodyn's own results, relative to the largest.
     """
-    signatures = [f"  {_signature(job)}: {job.meaning}" for job in jobs]
-    head = [title(plan.model, f"for {library.title}"), "\n".join(["Functions:", *signatures])]
+    signatures, functions = ["Functions:"], []
+    for job in jobs:
+        signatures.append(f"  {job.name}({', '.join(job.widths)}) -> {', '.join(job.shapes)}: {job.meaning}")
+        given = ", ".join(f"{source} {library.shape((width,))}" for source, width in job.widths.items())
+        results = zip(job.kind.results, job.shapes.values(), strict=True)
+        found = [f"{name} {library.shape(shape)}: {meaning}" for (name, _, meaning), shape in results]
+        doc = "\n".join([f"Return {job.kind.meaning}.", "", f"Takes {given}; returns", *found, ""])
+        functions.append(python_function(library, job.name, job.program, job.widths, job.shapes, doc))
+    head = [title(plan.model, f"for {library.title}"), "\n".join(signatures)]
     text = "\n\n".join([*head, library.notes, description(plan, jobs)])
     constants = [
         _tuple("COORDINATES", map(ascii, plan.model.coordinates)),
@@ -258,25 +230,9 @@ def python_file(plan: Plan, jobs: Sequence[Job], library: Library) -> str:
     if any(job.name == "regressor" for job in jobs):
         names, theta = zip(*parameters(plan), strict=True)
         constants += [_tuple("PARAMETERS", map(ascii, names)), _tuple("THETA", map(literal, theta))]
-    functions = [
-        python_function(library, job.name, job.program, job.widths, job.shapes, _doc(job, library)) for job in jobs
-    ]
     return "\n".join(
         [f"{docstring(text + chr(10))}\n", library.imports, "", *constants, library.support, "", *functions]
     )
-
-
-def _signature(job: Job) -> str:
-    return f"{job.name}({', '.join(job.widths)}) -> {', '.join(job.shapes)}"
-
-
-def _doc(job: Job, library: Library) -> str:
-    given = ", ".join(f"{source} {library.shape((width,))}" for source, width in job.widths.items())
-    found = [
-        f"{name} {library.shape(shape)}: {meaning}"
-        for (name, _, meaning), shape in zip(job.kind.results, job.shapes.values(), strict=True)
-    ]
-    return "\n".join([f"Return {job.kind.meaning}.", "", f"Takes {given}; returns", *(f"{line}" for line in found), ""])
 
 
 def _tuple(name: str, entries: Iterable[str]) -> str:

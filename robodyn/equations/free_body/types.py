@@ -64,7 +64,6 @@ class FreeBody:
 
     @property
     def force(self) -> Floats:
-        """The sum of the forces [N]."""
         total: Floats = np.array([action.force for action in self.actions]).sum(axis=0)
         return total
 

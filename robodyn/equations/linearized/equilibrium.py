@@ -180,7 +180,6 @@ class Standing:
 
 
 def overflow(model: Model) -> InputError:
-    """Return the error of numbers that are not finite."""
     return InputError("the equations overflow at this state", remedy="smaller numbers", file=model.file)
 
 

@@ -325,5 +325,4 @@ def _ordered(modes: Sequence[Mode]) -> Iterator[Mode]:
 
 
 def _near(a: Mode, b: Mode) -> bool:
-    """Return whether two modes share an eigenvalue within rounding."""
     return abs(complex(a.real, a.imag) - complex(b.real, b.imag)) <= a.error + b.error
