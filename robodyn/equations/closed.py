@@ -85,8 +85,17 @@ def closed(model: Model, scene: Scene = DEFAULT, products: int = PRODUCTS) -> Cl
     Accuracy: every entry within 1e-12 of the largest of its unit.
     """
     check_equations(model, scene)
-    _check_small(model)
-    symbols, n = _symbols(model), model.n
+    if model.nq != model.n:
+        raise InputError("a floating joint has no closed form here", remedy=REMEDY, file=model.file)
+    if model.n > MOST_JOINTS:
+        what = f"{model.n} coordinates are too many for a closed form, which goes up to {MOST_JOINTS}"
+        raise InputError(what, remedy=REMEDY, file=model.file)
+    n, names = model.n, identifiers(model.rates, "joint")
+    symbols = {
+        (source, i): module().Symbol(f"{source}_{name}", real=True)
+        for source in ("q", "qd")
+        for i, name in enumerate(names)
+    }
     kinds = [joint.kind for joint in model.independent]
     pairs = [f"{min(a, b)} {max(a, b)}" for a in kinds for b in kinds]
     mass = _part(mass_runner(model, scene).program, symbols, pairs, products)
@@ -105,23 +114,6 @@ def closed(model: Model, scene: Scene = DEFAULT, products: int = PRODUCTS) -> Cl
         plain=sum(part.plain for part in (mass, *parts.values())),
         error=max(part.error for part in (mass, *parts.values())),
     )
-
-
-def _check_small(model: Model) -> None:
-    if model.nq != model.n:
-        raise InputError("a floating joint has no closed form here", remedy=REMEDY, file=model.file)
-    if model.n > MOST_JOINTS:
-        what = f"{model.n} coordinates are too many for a closed form, which goes up to {MOST_JOINTS}"
-        raise InputError(what, remedy=REMEDY, file=model.file)
-
-
-def _symbols(model: Model) -> Symbols:
-    sympy, names = module(), identifiers(model.rates, "joint")
-    return {
-        (source, i): sympy.Symbol(f"{source}_{name}", real=True)
-        for source in ("q", "qd")
-        for i, name in enumerate(names)
-    }
 
 
 def _part(program: Program, symbols: Symbols, units: Sequence[str], products: int) -> Part:

@@ -113,7 +113,14 @@ def ode(model: Model, scene: Scene = DEFAULT, at: Values = (), qd: Values = ()) 
     with np.errstate(all="ignore"):
         M = mass_matrix(model, q, scene=scene, executor="numpy")
         bias = bias_forces(model, q, speeds, scene=scene, executor="numpy")
-        shares = _shares(model, scene, q, speeds)
+        sources = {"q": q[None], "qd": speeds[None], "qdd": np.zeros((1, model.n)), "columns": np.empty((1, 0))}
+        resting = zero_columns({name: sources[name] for name in ("qd", "qdd")})
+        at_rest = replace(bias_plan(model, scene), zero_columns=resting)
+        shares = {
+            effect.name: runner_of(at_rest.share(effect), at_rest)(sources, 1, executor="numpy")[0]
+            for effect in at_rest.effects
+            if effect.name != "mimic"
+        }
         if not np.isfinite([*M, bias, *shares.values()]).all():
             raise InputError("the equations overflow at this configuration", remedy="smaller numbers", file=model.file)
         moments = np.abs(eigen(M)[0])
@@ -132,18 +139,6 @@ def ode(model: Model, scene: Scene = DEFAULT, at: Values = (), qd: Values = ()) 
         cond=most / least if least > model.n * np.finfo(float).eps * most else float("inf"),
         warnings=(*beyond_limits(model, q), *model.notes),
     )
-
-
-def _shares(model: Model, scene: Scene, q: Floats, qd: Floats) -> dict[str, Floats]:
-    sources = {"q": q[None], "qd": qd[None], "qdd": np.zeros((1, model.n)), "columns": np.empty((1, 0))}
-    at_rest = replace(
-        bias_plan(model, scene), zero_columns=zero_columns({name: sources[name] for name in ("qd", "qdd")})
-    )
-    return {
-        effect.name: runner_of(at_rest.share(effect), at_rest)(sources, 1, executor="numpy")[0]
-        for effect in at_rest.effects
-        if effect.name != "mimic"
-    }
 
 
 def units_of(model: Model) -> tuple[str, ...]:

@@ -6,7 +6,6 @@ import json
 from pathlib import Path
 
 import pytest
-from helpers.batch_runs import write_motion
 from helpers.command_line import ARM, motion, run
 
 from robodyn.report.limits import unchecked_words, verdict_on_limits
@@ -64,14 +63,6 @@ def test_what_has_no_limit_is_named(limit: str, said: tuple[str, ...]) -> None:
 
 def test_a_continuous_joint_needs_no_limit_of_position() -> None:
     assert not unchecked_words(coverage(load(CONTINUOUS.encode()).independent))
-
-
-def test_many_joints_without_limits_are_counted() -> None:
-    joints = [load(WITHOUT.encode()).independent[0]] * 6
-    assert unchecked_words(coverage(joints)) == tuple(
-        f"6 of 6 joints have no {kind} limit: not checked (shoulder, shoulder, shoulder, shoulder and 2 more)."
-        for kind in ("effort", "velocity")
-    )
 
 
 def test_a_doubt_takes_the_green_away_and_goes_with_the_headline() -> None:
@@ -137,20 +128,3 @@ def test_within_limits_has_three_values(text: str, within: bool | None, tmp_path
     files = arm(tmp_path, text)
     assert json.loads(run("torques", *files, "--format", "json").out)["within_limits"] is within
     assert run("torques", *files, "--fail-on-limits").status == (within is False)
-
-
-def test_batches_say_what_was_not_checked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    Path("arm.urdf").write_text(ARM.replace('effort="50"', 'effort="0"'))
-    for name in ("one", "two"):
-        write_motion(Path(f"runs/{name}.csv"))
-    call = ("torques", "arm.urdf", "runs/*.csv", "--out", "results/", "--jobs", "1", "--executor", "numpy")
-    call += ("--fail-on-limits",)
-    outcome = run(*call)
-    assert outcome.status == 0, outcome.err
-    assert outcome.out.endswith(f"\n{NO_EFFORT}\nNo limit is exceeded where there is one.\n")
-    found = json.loads(run(*call, "--format", "json").out)  # finished before: from the documents
-    assert found["finished_before"] == 2
-    assert found["within_limits"] is None
-    assert [each["within_limits"] for each in found["files"]] == [None, None]
-    assert [one["joint"] for one in found["files"][0]["limits"]["effort"]["unchecked"]] == ["shoulder", "elbow"]

@@ -126,12 +126,6 @@ def test_loops_that_depend_on_each_other_leave_reactions_open():
     assert max(twice.comparison.forces, twice.comparison.moments) <= 1e-12
 
 
-def test_what_is_given_stays():
-    found = dae(*four_bar("point"), at={"j1": 1.4}, qd={"j1": 2.0})
-    assert found.q[0] == pytest.approx(1.4, abs=1e-14)
-    assert found.qd[0] == pytest.approx(2.0, abs=1e-13)
-
-
 def test_what_cannot_close_is_refused():
     model, scene = four_bar("point")
     far = replace(scene, loops=(replace(scene.loops[0], to_point=(5.0, 0.0, 0.0)),))

@@ -133,20 +133,6 @@ def _three_bar():
     return np.array([first, elbow, 0.3 - first - elbow])
 
 
-def test_spatial_chain_with_a_ball_joint():
-    """Seven skew hinges and a ball joint to the ground: 7 - 3 = 4."""
-    model = random_tree(11, 7, kinds=("revolute",), branching=1)
-    at = np.random.default_rng(0).uniform(-1, 1, 7)
-    here = dae(model, at=at).system.at.places[-2]
-    loop = Loop("ball", model.bodies[-1].name, (0.0, 0.0, 0.0), "ground", tuple(_origin(model, here)))
-    counts = dae(model, Scene(loops=(loop,)), at=at).counts
-    assert (counts.freedom, counts.redundant) == (4, ())
-
-
-def _origin(model, place):
-    return place.c - place.R @ model.bodies[-1].inertia.centre_of_mass
-
-
 def dependent(rows):
     unit = rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-300)
     return np.flatnonzero(~independent_rows(unit)).tolist()

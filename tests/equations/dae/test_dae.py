@@ -142,26 +142,6 @@ def test_fifty_digits(name):
         assert max(abs(again - tau)) <= mpmath.mpf("1e-40") * max(abs(tau))
 
 
-def test_a_turned_robot_turns_its_accelerations():
-    """A free robot and gravity turned together: the same rates in the body's axes, forces at joints unchanged."""
-    model = robot("satellite", True)
-    (q,), (qd,), (tau,) = random_state(model, np.random.default_rng(2), 1)
-    tau[:6] = 0.0
-    turn = np.array(((0.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
-    half = np.sqrt(0.5)
-    x, y, z, w = q[3:7]
-    q2, qd2 = q.copy(), qd.copy()
-    q2[:3], qd2[3:6] = turn @ q[:3], turn @ qd[3:6]
-    q2[3:7] = half * np.array([x - y, y + x, z + w, w - z])
-    first = dae_at(model, Scene(gravity=(1.0, 2.0, -9.0), moving_base=True), q, qd, tau)
-    second = dae_at(model, Scene(gravity=(-2.0, 1.0, -9.0), moving_base=True), q2, qd2, tau)
-    assert worst(second.qdd[:3], first.qdd[:3]) <= 1e-13
-    assert worst(second.qdd[3:6], turn @ first.qdd[3:6]) <= 1e-13
-    assert worst(second.qdd[6:], first.qdd[6:]) <= 1e-13
-    for one, other in zip(first.wrenches[1:], second.wrenches[1:], strict=True):
-        assert worst(np.array(other), np.array(one)) <= 1e-13
-
-
 def test_a_robot_far_away_moves_alike():
     """1000 km from the ground's origin to the last bit, but for the position itself."""
     model = robot("satellite", True)

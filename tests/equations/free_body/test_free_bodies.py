@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from helpers.busy_robot import busy_robot
+from helpers.command_line import ROBOTS as FOLDER
 from helpers.oracles import EPS, random_state, robot, run, worst
 from helpers.small_robots import chain
 
@@ -13,6 +16,7 @@ from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.scene.parts import ExternalWrench, Friction, Immersed, Payload, Rotor, Spring
 from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.support.wording import figure
 
 ROBOTS = ("puma560", "scara", "cylindrical", "gripper", "two_link_spatial", "satellite", "meshed_arm")
 BUSY = Scene(
@@ -95,14 +99,6 @@ def test_joints_transmit_nothing_along_their_freedom():
                 assert abs(row.axis @ row.force) <= 8 * EPS * np.abs(row.force).max()
 
 
-@pytest.mark.parametrize("free", [False, True])
-def test_as_many_unknowns_as_equations(free):
-    model = robot("puma560", free)
-    _, found = taken_apart(model)
-    assert sum(row.freedom for row in found.joints) == model.n
-    assert sum(row.reactions + row.freedom for row in found.joints) == 6 * len(found.bodies)
-
-
 @pytest.mark.parametrize(("name", "scene"), [("scara", BUSY), ("gripper", DEFAULT), ("puma560", DEFAULT)])
 def test_drives_are_the_torques_of_inverse_dynamics(name, scene):
     model = robot(name)
@@ -162,3 +158,25 @@ def test_links_fixed_to_each_other_are_one_body():
 def test_several_states_are_refused():
     with pytest.raises(InputError, match=r"of one state"):
         robodyn.free_bodies(robot("scara"), np.zeros((2, 3)))
+
+
+def four_bar(angle: float, actuated: tuple[str, ...] = ("left",)):
+    model, scene = robodyn.load(FOLDER / "four_bar.urdf"), robodyn.load_scene(FOLDER / "four_bar_lift.toml")
+    q = {"left": angle, "right": angle, "top": -angle}
+    return robodyn.free_bodies(model, [q[name] for name in model.rates], scene=replace(scene, actuated=actuated))
+
+
+def test_nothing_is_told_where_loops_hold():
+    assert four_bar(0.3).warnings == ()
+
+
+@pytest.mark.parametrize(("angle", "actuated"), [(0.5 * np.pi, ("left",)), (0.3, ())], ids=["flat", "no drive"])
+def test_what_nothing_gives_is_told(angle, actuated):
+    found = four_bar(angle, actuated)
+    passive = [name for name in found.tau if name not in actuated]
+    told = [name for name in passive if abs(found.tau[name]) > 1e-9]
+    assert told
+    assert found.warnings == tuple(
+        f"nothing drives '{name}', and the motion takes {figure(found.tau[name])} N m there, shown as its drive"
+        for name in told
+    )
