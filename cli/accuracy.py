@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
+from pathlib import PurePath
 
 import click
 
@@ -11,11 +12,13 @@ from robodyn.cli import options
 from robodyn.cli.files import check_names, check_table, robot_in_scene
 from robodyn.cli.options import PATH, POSITIVE, Call, Output, refuse, takes
 from robodyn.cli.reports import answer
+from robodyn.errors import InputError
 from robodyn.measure.accuracy.ladder import Accuracy
 from robodyn.report.accuracy import accuracy_json, accuracy_page, accuracy_sections
-from robodyn.report.pictures.accuracy import form_of, rendered
 from robodyn.support.extras import need
 from robodyn.support.files import write_whole
+
+FORMS = ".svg", ".png", ".pdf"
 
 
 @click.command("accuracy", short_help="Measure what each further digit costs in time.")
@@ -52,15 +55,17 @@ def command(
       robodyn accuracy robots/two_link_planar.urdf robots/two_link_planar_swing_down.toml --plot front.svg
     """
     check_names()
-    picture = form_of(plot) if plot else ""
     if plot:
+        if PurePath(plot).suffix.lower() not in FORMS:
+            raise InputError("unknown type of picture by this suffix", remedy="name it .svg, .png or .pdf", file=plot)
         need("plots", "matplotlib", file=plot)
     found = accuracy_of(call, files, duration, table)
     written = ""
     if plot:
-        from robodyn.report.pictures.accuracy import accuracy_figure
+        from robodyn.report.pictures.accuracy import accuracy_picture
 
-        write_whole(plot, rendered(accuracy_figure(found, target), picture), remedy="name another file")
+        data = accuracy_picture(found, target, PurePath(plot).suffix[1:].lower())
+        write_whole(plot, data, remedy="name another file")
         written = f"\nwritten: {plot}\n"
     sections, document = accuracy_sections(found, target), partial(accuracy_page, found, target)
     answer(call, sections, document, written, json=lambda: accuracy_json(found, target))

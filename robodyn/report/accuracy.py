@@ -5,34 +5,25 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import groupby
 from pathlib import PurePath
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Rung, Spread
 from robodyn.measure.doctor import Line, healthy
 from robodyn.report.document import (
     Block,
     Document,
-    Figure,
-    Gallery,
-    Heading,
     Paragraph,
     Section,
     Table,
     Verdict,
-    data_blocks,
-    on_page,
+    gallery,
+    page,
     paragraphs,
     select,
+    titled,
     written,
 )
 from robodyn.report.table import printable
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure as Canvas
-
-    from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Rung
-    from robodyn.measure.doctor import Line
-
 
 _UNITS = {"mesh": (1e3, "ms"), "motion": (1e3, "ms"), "sample": (1e9, "ns")}
 _WHERE = {"end": "error at the end", "way": "along the way", "middle": "error in the middle", "whole": "anywhere"}
@@ -121,14 +112,14 @@ def accuracy_page(accuracy: Accuracy, target: float | None = None, pictures: boo
     """
     blocks: list[Block] = [_met(accuracy, target)]
     if pictures:
-        blocks += [
-            Heading("Error against time"),
-            Gallery(tuple(_figure(accuracy, k, target) for k in range(len(accuracy.ladders)))),
-        ]
-    blocks += [Heading("Methods"), *on_page(accuracy_sections(accuracy, target))]
+        from robodyn.report.pictures.accuracy import ladder_figure
+
+        figures = (ladder_figure(each, target, _front(each), f"ladder {k}") for k, each in enumerate(accuracy.ladders))
+        blocks += titled("Error against time", gallery(figures))
     files = [("accuracy.json", accuracy_json(accuracy, target))]
-    blocks += data_blocks(files, "robodyn accuracy --format json prints it")
-    return Document(PurePath(accuracy.name).name, "What each further digit costs in time", tuple(blocks))
+    name, what = PurePath(accuracy.name).name, "What each further digit costs in time"
+    how = "robodyn accuracy --format json prints it"
+    return page(name, what, blocks, accuracy_sections(accuracy, target), "", files, how)
 
 
 def _met(accuracy: Accuracy, target: float | None) -> Verdict:
@@ -161,25 +152,6 @@ def _front(ladder: Ladder) -> str:
         f"{ladder.title}: from {first.name}, with an error of {most}, to {last.name}, with {least} in {times:.3g} "
         "times the time."
     )
-
-
-def _figure(accuracy: Accuracy, k: int, target: float | None) -> Figure:
-    from matplotlib import rc_context
-    from matplotlib.rcsetup import cycler
-
-    from robodyn.report.pictures.accuracy import draw_ladder
-    from robodyn.report.pictures.figures import SERIES, plot
-
-    ladder = accuracy.ladders[k]
-
-    def draw(canvas: Canvas) -> None:
-        canvas.set_layout_engine("constrained")
-        with rc_context({"axes.prop_cycle": cycler(color=SERIES)}):
-            draw_ladder(canvas.subplots(), ladder, target)
-        canvas.legend(loc="outside lower left", ncols=2, fontsize="small")
-
-    words = f"Error against time of {len(ladder.rungs)} methods, on logarithmic axes; {_front(ladder)}"
-    return Figure(ladder.title, words, plot(400, 500, draw, f"ladder {k}"))
 
 
 def _digits(x: float) -> str:
@@ -231,6 +203,4 @@ def _rung_json(ladder: Ladder, rung: Rung) -> dict[str, Any]:
 
 def doctor_json(lines: tuple[Line, ...]) -> str:
     """Return {"ok": ..., "lines": [{group, name, found, verdict, remark, figures}]}."""
-    from robodyn.measure.doctor import healthy
-
     return written({"ok": healthy(lines), "lines": lines})

@@ -170,6 +170,31 @@ def gallery(figures: Iterable[Figure]) -> list[Block]:
     return [Gallery(shown)] if shown else []
 
 
+def titled(title: str, blocks: Iterable[Block]) -> list[Block]:
+    """Return blocks under a heading; nothing without any."""
+    shown = list(blocks)
+    return [Heading(title), *shown] if shown else []
+
+
+def page(
+    title: str,
+    subtitle: str,
+    first: Iterable[Block],
+    sections: Iterable[Section],
+    caption: str,
+    files: Iterable[tuple[str, str]],
+    instead: str,
+) -> Document:
+    """Return a report: what leads it, then what the text says, then data.
+
+    Args:
+        caption: of tables without one.
+        files: name and text of each; instead: how to get those that are too large.
+    """
+    numbers = titled("In numbers", on_page(sections, caption))
+    return Document(title, subtitle, (*first, *numbers, *data_blocks(files, instead)))
+
+
 _LEVELS: dict[str, Level] = {"warning": "doubtful"}
 
 

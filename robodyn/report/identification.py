@@ -20,10 +20,9 @@ from robodyn.report.document import (
     Table,
     Verdict,
     csv_text,
-    data_blocks,
     encode,
     finite,
-    on_page,
+    page,
     paragraphs,
     remarks,
     select,
@@ -50,10 +49,9 @@ def identified_sections(found: Identified) -> Iterator[Section]:
 
 def identified_page(found: Identified) -> Document:
     """Return the same as a page, with JSON as data."""
-    blocks: list[Block] = [Verdict("good" if found.better else "bad", verdict(found), tuple(_identified_head(found)))]
-    blocks += on_page(identified_sections(found), "In numbers")
-    blocks += data_blocks([("identify.json", identified_json(found))], "robodyn identify --format json writes it")
-    return Document(found.model.name, "Parameters that explain logs", tuple(blocks))
+    first = [Verdict("good" if found.better else "bad", verdict(found), tuple(_identified_head(found)))]
+    files, how = [("identify.json", identified_json(found))], "robodyn identify --format json writes it"
+    return page(found.model.name, "Parameters that explain logs", first, identified_sections(found), "Fit", files, how)
 
 
 def verdict(found: Identified) -> str:
@@ -198,11 +196,10 @@ def excitation_page(found: Excitation, pictures: bool = True) -> Document:
     blocks: list[Block] = [Verdict("good", _shown(found), (_compared(found),))]
     if pictures:
         blocks += _plots(found)
-    blocks += [Heading("In numbers"), *on_page(excitation_sections(found), "Motion")]
     motion = csv_text(("time", *found.names), [[t, *row] for t, row in zip(found.time, found.columns, strict=True)])
     files = [("excite.json", excitation_json(found)), ("motion.csv", motion)]
-    blocks += data_blocks(files, "robodyn excite --format json and --out write it to a file")
-    return Document(found.model.name, "A motion that shows parameters", tuple(blocks))
+    how, what = "robodyn excite --format json and --out write it to a file", "A motion that shows parameters"
+    return page(found.model.name, what, blocks, excitation_sections(found), "Motion", files, how)
 
 
 def _plots(found: Excitation) -> list[Block]:

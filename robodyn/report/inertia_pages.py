@@ -293,7 +293,7 @@ def robot_page(found: RobotInertia, description: Description, view: View, checke
 
         model = assemble(description)
         q = configuration(model, found.at)
-        figures.append(Gallery((robot_figure(model, q, "", "this configuration", shapes_of(model)[0]),)))
+        figures.append(Gallery((robot_figure(model, q, "", "this configuration", shapes_of(description)[0], "robot"),)))
     what = f"Mass properties of the whole robot, {found.massive} of {found.count} links with mass"
     verdict = _possible(found.body, found.warnings, checked)
     blocks = _body(found.body, verdict, robot_sections(found, view, checked), figures)
@@ -338,7 +338,7 @@ def _solid(name: str, body: MassProperties, triangles: Array | None, key: str) -
     """Return the picture of a body with its centre of mass and principal axes; nothing without triangles."""
     if triangles is None:
         return []
-    from robodyn.report.pictures.solids import body_figure
+    from robodyn.report.pictures.robot import body_figure
 
     return [Gallery((body_figure(printable(name), body, triangles, key),))]
 
@@ -348,10 +348,8 @@ def _link(description: Description, found: LinkInertia | LinkShapes, pictures: b
     if not pictures or not found.body.mass:
         return []
     from robodyn.report.pictures.robot import shapes_of
-    from robodyn.robot.load import assemble
 
-    shapes, _ = shapes_of(assemble(description))
-    return _solid(found.name, found.body, shapes.triangles.get(found.name) if shapes else None, "link")
+    return _solid(found.name, found.body, shapes_of(description)[0].get(found.name), "link")
 
 
 def _possible(body: MassProperties, doubts: Sequence[str], checked: Checked | None = None) -> Verdict:

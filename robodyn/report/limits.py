@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from robodyn.loads.result import Result
 from robodyn.report.document import Block, Level, Paragraph, Section, Table, Verdict, paragraphs
-from robodyn.report.table import Content, is_noise, number, printable
+from robodyn.report.table import Content, first_names, is_noise, number, printable
 from robodyn.robot.limits import Coverage, Excess, Reached, Unchecked
 from robodyn.support.caveats import Caveat
 from robodyn.support.floats import ranked, steady
@@ -86,8 +86,7 @@ def _without(unchecked: Sequence[Unchecked]) -> Iterator[str]:
         (list(huge), f"{least}, which limits nothing, for "),
     ):
         if names:
-            more = f" and {len(names) - _NAMES} more" if len(names) > _NAMES else ""
-            yield f"{why}{', '.join(printable(name) for name in names[:_NAMES])}{more}"
+            yield f"{why}{first_names(names, _NAMES)}"
 
 
 def shortened(lines: list[str]) -> tuple[str, ...]:

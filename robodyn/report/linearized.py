@@ -20,9 +20,8 @@ from robodyn.report.document import (
     Section,
     Table,
     Verdict,
-    data_blocks,
     finite,
-    on_page,
+    page,
     paragraphs,
     remarks,
     select,
@@ -75,9 +74,9 @@ def _matrices(found: Linearized) -> Iterator[Section]:
 def linearized_page(found: Linearized, pictures: bool = True) -> Document:
     """Return the same as a page, with pictures of the modes, and A and B as data."""
     blocks: list[Block] = [stability(found), *(_pictures(found) if pictures else [])]
-    blocks += [Heading("In numbers"), *on_page(linearized_sections(found), "Mode")]
-    blocks += data_blocks([("linear.json", linearized_json(found))], "robodyn linearize --format json prints it")
-    return Document(found.robot, "Linear equations near a state, and modes", tuple(blocks))
+    files, how = [("linear.json", linearized_json(found))], "robodyn linearize --format json prints it"
+    what = "Linear equations near a state, and modes"
+    return page(found.robot, what, blocks, linearized_sections(found), "Mode", files, how)
 
 
 def _pictures(found: Linearized) -> list[Block]:

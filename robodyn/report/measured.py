@@ -20,8 +20,7 @@ from robodyn.report.document import (
     Section,
     Table,
     Verdict,
-    data_blocks,
-    on_page,
+    page,
     paragraphs,
     remarks,
     select,
@@ -129,11 +128,10 @@ def measured_sections(found: Comparison) -> Iterator[Section]:
 def measured_page(found: Comparison, pictures: bool = True) -> Document:
     """Return the same as a page, with plots of torques, residuals and friction."""
     blocks: list[Block] = [verdict_on(found), *(_pictures(found) if pictures else [])]
-    blocks += [Heading("In numbers"), *on_page(measured_sections(found), "Joint")]
-    blocks += data_blocks(
-        [("measured.json", measured_json(found))], "robodyn torques --measured --format json prints it"
-    )
-    return Document(found.robot, f"Measured against computed torques of {printable(found.file)}", tuple(blocks))
+    what = f"Measured against computed torques of {printable(found.file)}"
+    files = [("measured.json", measured_json(found))]
+    how = "robodyn torques --measured --format json prints it"
+    return page(found.robot, what, blocks, measured_sections(found), "Joint", files, how)
 
 
 def _pictures(found: Comparison) -> list[Block]:

@@ -3,41 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from robodyn.report.document import (
     Block,
     Document,
-    Gallery,
-    Heading,
     Level,
     Paragraph,
     Section,
     Table,
     Verdict,
     csv_text,
-    data_blocks,
-    on_page,
+    gallery,
+    page,
     paragraphs,
     remarks,
     select,
+    titled,
     written,
 )
 from robodyn.report.limits import limits_section, limits_verdict, use
 from robodyn.report.sizes import MotionSizes, linear, simulation_sizes, sizes, speed_unit
-from robodyn.report.table import drift_text, gravity_text, moment, number, relative_text
+from robodyn.report.table import drift_text, first_names, gravity_text, moment, number, relative_text
 from robodyn.report.torques_json import limits_data
 from robodyn.simulation.loop_figures import LoopFigures
 from robodyn.simulation.result import Simulation
 from robodyn.support.floats import ranked
 from robodyn.support.wording import count
-
-if TYPE_CHECKING:
-    from robodyn.simulation.loop_figures import LoopFigures
-    from robodyn.simulation.result import Simulation
-
 
 FREE = "ODE, qdd = M^-1 (tau - bias) by articulated bodies"
 LOOPED = "index-1 DAE, M qdd + bias = tau + J^T lambda, J qdd = -J' qd by M = C C^T and C^-1 J^T = Q R"
@@ -177,9 +171,7 @@ def _counted(loops: LoopFigures) -> list[str]:
     lines = [f"loops: {count(loops.equations, 'equation')}, {loops.rank} of them independent at the start"]
     lines[0] += f"; degrees of freedom left: {loops.freedoms}; {loops.stabilised}"
     if loops.dropped:
-        names = ", ".join(loops.dropped[:_NAMED])
-        more = len(loops.dropped) - _NAMED
-        lines.append(f"left out, for the others imply them: {names}{f' and {more} more' if more > 0 else ''}")
+        lines.append(f"left out, for the others imply them: {first_names(loops.dropped, _NAMED)}")
     if loops.rank < kept:
         lines.append(f"{kept - loops.rank} depend on the others there: how they share their reactions is arbitrary")
     return lines
@@ -199,11 +191,10 @@ def simulation_page(result: Simulation, pictures: bool = True) -> Document:
     blocks: list[Block] = [*sorted(verdicts, key=lambda verdict: _WORST_FIRST.index(verdict.level))]
     if pictures:
         blocks += [*_poses(result), *_plots(result)]
-    blocks += [Heading("In numbers"), *on_page(simulation_sections(result, explain=True), "Motion")]
     table = csv_text(("time", *result.names), np.column_stack((result.time, result.columns)).tolist())
     files = [("result.json", simulation_json(result)), ("motion.csv", table)]
-    blocks += data_blocks(files, "robodyn simulate --format json and --out write it to a file")
-    return Document(result.model.name, what, tuple(blocks))
+    how = "robodyn simulate --format json and --out write it to a file"
+    return page(result.model.name, what, blocks, simulation_sections(result, explain=True), "Motion", files, how)
 
 
 def _energy_verdict(result: Simulation) -> Verdict:
@@ -223,16 +214,18 @@ def _energy_verdict(result: Simulation) -> Verdict:
 def _poses(result: Simulation) -> list[Block]:
     from robodyn.report.pictures.robot import robot_figure, shapes_of
 
-    shapes, why = shapes_of(result.model)
+    assert result.model.description is not None, "it is not a model of bodies alone"
+    shapes, why = shapes_of(result.model.description)
     figures = [
         robot_figure(result.model, result.q[row], "", f"{name}, {result.time[row]:.6g} s", shapes, f"picture {row}")
         for row, name in ((0, "the start"), (-1, "the end"))
     ]
-    return [Heading("Start and end"), Gallery(tuple(figures)), *([Paragraph(why)] if why else [])]
+    return titled("Start and end", [*gallery(figures), *paragraphs([why] if why else [])])
 
 
 def _plots(result: Simulation) -> list[Block]:
-    from robodyn.report.pictures.simulation import energy_figures, joint_figure, quiet
+    from robodyn.report.pictures.figures import quiet
+    from robodyn.report.pictures.simulation import energy_figures, joint_figure
 
     model = result.model
     joints = [joint for joint in model.independent if joint.kind != "floating"]
@@ -241,23 +234,13 @@ def _plots(result: Simulation) -> list[Block]:
     size, figures = simulation_sizes(result), []
     for joint in shown:
         at, rate = joint.coordinate, joint.rate
-        given = (
-            (result.q[:, at], size.q[at]),
-            (result.qd[:, rate], size.qd[rate]),
-            (result.tau[:, rate], size.tau[rate]),
-        )
-        values = tuple(quiet(*each) for each in given)
+        q, qd = quiet(result.q[:, at], size.q[at]), quiet(result.qd[:, rate], size.qd[rate])
+        values = (q, qd, quiet(result.tau[:, rate], size.tau[rate]))
         if any(each.any() for each in values):
             figures.append(joint_figure(joint.name, joint.kind == "prismatic", result.time, values))
-    blocks: list[Block] = [Heading("Along the motion")] if figures else []
-    if len(figures) < len(joints):
-        count = f"{len(figures)} of {len(joints)} joints"
-        blocks.append(Paragraph(f"The joints that move most, {count}, without plots of zeros; the tables have all."))
-    if figures:
-        blocks.append(Gallery(tuple(figures)))
-    if energies := energy_figures(result):
-        blocks += [Heading("Energy"), Gallery(tuple(energies))]
-    return blocks
+    some = f"The joints that move most, {len(figures)} of {len(joints)}, without plots of zeros; the tables have all."
+    blocks = titled("Along the motion", [*paragraphs([some] if len(figures) < len(joints) else []), *gallery(figures)])
+    return [*blocks, *titled("Energy", gallery(energy_figures(result)))]
 
 
 def simulation_json(result: Simulation) -> str:

@@ -9,7 +9,16 @@ from robodyn.loads.result import JointLoad, Result
 from robodyn.loads.sizing_result import Exceeded, JointSizing, MotorLoad, Sizing
 from robodyn.report.document import Facts, Paragraph, Section, Table
 from robodyn.report.sizes import Sizes, result_sizes, speed_unit
-from robodyn.report.table import Columns, Content, axis_text, by_columns, is_noise, moment, number, printable
+from robodyn.report.table import (
+    Columns,
+    Content,
+    axis_text,
+    by_columns,
+    first_names,
+    is_noise,
+    moment,
+    number,
+)
 from robodyn.scene.parts import Vector
 from robodyn.support.wording import count, figure
 
@@ -226,14 +235,14 @@ def constraint_lines(found: Constraints, joints: int = 8) -> Iterator[str]:
     elif open_drives and len(open_drives) == len(found.determined):
         yield f"No torque is determined by the motion alone: of all that balance it, {found.share} are taken."
     elif open_drives:
-        open_names = _names(open_drives, joints)
+        open_names = first_names(open_drives, joints)
         yield f"Not determined by the motion alone: {open_names}; of all that balance it, {found.share} are taken."
     if open_loops := [f"{loop.name} {', '.join(loop.open)}" for loop in found.loops if not loop.determined]:
-        yield f"Loop forces that are not determined, of which the least are given: {_names(open_loops, joints)}."
+        yield f"Loop forces that are not determined, of which the least are given: {first_names(open_loops, joints)}."
     if found.undriven:
-        yield f"Moved by no drive: {_names(found.undriven, joints)}."
+        yield f"Moved by no drive: {first_names(found.undriven, joints)}."
     if found.followed:
-        yield f"Follow from the loops, for want of columns: {_names(found.followed, joints)}."
+        yield f"Follow from the loops, for want of columns: {first_names(found.followed, joints)}."
     if found.contacts:
         yield _friction(found)
     if found.beyond_limits is not None:
@@ -254,7 +263,7 @@ def _ranks(found: Constraints) -> str:
 def _drives(names: list[str]) -> str:
     if not names:
         return "no joint drives"
-    who = _names(names, len(names)) if len(names) <= _FEW else count(len(names), "joint")
+    who = first_names(names, len(names)) if len(names) <= _FEW else count(len(names), "joint")
     return f"{who} {'drives' if len(names) == 1 else 'drive'}"
 
 
@@ -264,11 +273,6 @@ def _friction(found: Constraints) -> str:
     if not found.least_friction:
         return "The motion takes no friction."
     return f"The least friction that suffices, alike at all contacts: {figure(found.least_friction)}."
-
-
-def _names(names: list[str] | tuple[str, ...], most: int) -> str:
-    more = f" and {len(names) - most} more" if len(names) > most else ""
-    return ", ".join(map(printable, names[:most])) + more
 
 
 def _loop_table(loops: tuple[LoopLoad, ...], size: Sizes) -> Content:

@@ -91,6 +91,12 @@ def printable(text: str) -> str:
     return text if text.isprintable() else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 
+def first_names(names: Sequence[str], most: int) -> str:
+    """Return the first names, and how many more there are."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(map(printable, names[:most])) + more
+
+
 def is_numeric(cells: Sequence[str]) -> bool:
     """Return whether every cell begins with a number, or is empty or -."""
     return all(cell in NOTHING or _NUMBER.match(cell) for cell in cells)

@@ -20,6 +20,7 @@ from robodyn.report.table import (
     Columns,
     Content,
     by_columns,
+    first_names,
     gravity_text,
     is_noise,
     moment,
@@ -78,7 +79,7 @@ def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]
 def _head(result: Result) -> Section:
     what = f"{count(len(result.joints), 'joint')}, {count(result.samples, 'sample')}, {result.duration:.6g} s"
     robot = f"{result.robot}: {what}, {gravity_text(result.gravity)}"
-    return paragraphs([robot, *input_words(result)])
+    return paragraphs([robot, *_input_words(result)])
 
 
 def _constraints(result: Result, found: Constraints) -> Iterator[Section]:
@@ -126,29 +127,19 @@ def balance_words(result: Result) -> tuple[list[str], list[str]]:
     return [size.number(each, "J") for each in energies], [relative_text(each) for each in laws]
 
 
-def input_words(result: Result, most: int | None = _NAMED) -> Iterator[str]:
-    """Yield what a reader of a report has to know of the table to understand its numbers.
-
-    Args:
-        most: joints that are named for each place where some are held; None names all.
-    """
+def _input_words(result: Result) -> Iterator[str]:
+    """Yield what a reader of a report has to know of the table to understand its numbers."""
     if result.origin:
         stamp = f"{result.origin:.6f}".rstrip("0").rstrip(".")
         yield f"Times count from the first stamp of the table, {stamp} s."
     if result.held:
-        yield f"Held still, for want of columns: {'; '.join(_places(result, most))}."
-
-
-def _places(result: Result, most: int | None) -> Iterator[str]:
-    """Yield the places where joints are held, with the joints of each."""
-    units = {joint.name: "m" if joint.unit == "N" else "rad" for joint in result.joints}
-    places: dict[str, list[str]] = {}
-    for name, value in result.held.items():
-        floating = "m" if name[-2:] in ("_x", "_y", "_z") else ""
-        places.setdefault(f"{value:.6g} {units.get(name, floating)}".strip(), []).append(printable(name))
-    for place, names in places.items():
-        more = "" if most is None or len(names) <= most else f" and {len(names) - most} more"
-        yield f"at {place} {', '.join(names[:most])}{more}"
+        units = {joint.name: "m" if joint.unit == "N" else "rad" for joint in result.joints}
+        places: dict[str, list[str]] = {}
+        for name, value in result.held.items():
+            floating = "m" if name[-2:] in ("_x", "_y", "_z") else ""
+            places.setdefault(f"{value:.6g} {units.get(name, floating)}".strip(), []).append(printable(name))
+        held = [f"at {place} {first_names(names, _NAMED)}" for place, names in places.items()]
+        yield f"Held still, for want of columns: {'; '.join(held)}."
 
 
 _LISTED = 3
@@ -161,8 +152,7 @@ def outcome_line(outcome: Outcome) -> str:
     if outcome.status == "failed":
         return f"{name}: failed"
     before = "finished before, " if outcome.status == "finished before" else ""
-    more = f" and {len(outcome.exceeded) - _LISTED} more" if len(outcome.exceeded) > _LISTED else ""
-    limits = f", LIMITS EXCEEDED: {printable(', '.join(outcome.exceeded[:_LISTED]))}{more}" if outcome.exceeded else ""
+    limits = f", LIMITS EXCEEDED: {first_names(outcome.exceeded, _LISTED)}" if outcome.exceeded else ""
     samples = f"{count(outcome.samples, 'sample')}, {outcome.duration:.6g} s"
     return f"{name}: {before}{samples}{limits} -> {printable(outcome.table)}"
 
@@ -255,12 +245,9 @@ def base_table(result: Result) -> Content:
     return by_columns(columns, result.base_wrench)
 
 
-def effect_table(result: Result, saved: bool = True) -> Content:
-    """Return which effects are on, what they cost, and why.
-
-    Args:
-        saved: with the operations that each takes beside the others.
-    """
+def effect_table(result: Result) -> Content:
+    """Return which effects are on, what they cost, and why; what each takes beside the others where that is known."""
+    saved = any(effect.saved is not None for effect in result.effects)
     columns: Columns[EffectReport] = [
         ("effect", lambda effect: effect.name),
         ("", lambda effect: "on" if effect.verdict.active else "off"),

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from robodyn.loads.result import Result
 from robodyn.loads.uncertainty_result import Bar, Uncertain, UncertainJoint, UncertainLoad
-from robodyn.report.document import Block, Facts, Heading, Paragraph, Section, Table
+from robodyn.report.document import Facts, Paragraph, Section, Table
 from robodyn.report.sizes import Sizes, result_sizes
-from robodyn.report.table import Content, is_noise, printable
+from robodyn.report.table import Content, first_names, is_noise, printable
 from robodyn.support.wording import count
 
 _SHOWN = 3
@@ -34,16 +34,6 @@ def uncertainty_sections(result: Result) -> Iterator[Section]:
     limited = [joint for joint in found.joints if joint.suffices is not None]
     if limited:
         yield [Paragraph("Limits are kept with these probabilities"), _chances(found, limited)]
-
-
-def uncertainty_blocks(result: Result) -> Iterator[Block]:
-    """Yield the same for a page; how likely limits are kept is told with the verdict."""
-    found = result.uncertainty
-    if found is None:
-        return
-    yield Heading("Uncertain parameters")
-    for section in uncertainty_sections(result):
-        yield from section
 
 
 def _groups(found: Uncertain) -> Iterator[tuple[str, list[tuple[str, UncertainLoad]]]]:
@@ -106,7 +96,7 @@ def _drawn(found: Uncertain) -> Iterator[str]:
     """Yield which error bars derivatives alone would have got wrong."""
     names = [name for name, bar in _named(found) if bar.method == "draws"]
     if names:
-        most = f"{', '.join(names[:_SHOWN])}{f' and {len(names) - _SHOWN} more' if len(names) > _SHOWN else ''}"
+        most = first_names(names, _SHOWN)
         yield (
             f"By {found.draws} draws of the parameters, for they are not linear in them: {most}. The other error bars "
             "are by derivatives."

@@ -52,10 +52,10 @@ def test_offenders_lead_the_tables_and_none_is_dropped() -> None:
     assert first_column(torques_text(many())) == ORDER
     rows = [each.text for each in page().all("th") if each.attributes["scope"] == "row" and each.text in SIDES]
     count = len(SIDES)
-    assert rows[: count // 2] == SIDES[1::2], "the limits that are exceeded, more than the verdict names"
+    assert rows[:count] == ORDER, "what each joint carries"
+    assert rows[count : 2 * count] == ORDER, "what makes the peaks"
+    assert rows[2 * count :] == SIDES[1::2], "the limits that are exceeded, more than the verdict names"
     assert count // 2 > LINES + 1
-    assert rows[count // 2 : count // 2 + count] == ORDER, "what each joint carries"
-    assert rows[count // 2 + count :] == ORDER, "what makes the peaks"
 
 
 def test_offenders_lead_the_map_of_limits_and_none_is_dropped() -> None:

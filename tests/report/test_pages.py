@@ -30,8 +30,7 @@ from robodyn.report.document import (
     Verdict,
     data_blocks,
 )
-from robodyn.report.pictures.figures import SERIES, of_page, plot
-from robodyn.report.pictures.free_body import COLOURS
+from robodyn.report.pictures.figures import SERIES, plot
 from robodyn.report.renderers import html as html_page
 from robodyn.report.renderers.html import MEANINGS, html
 from robodyn.report.renderers.markdown import escaped, markdown
@@ -156,11 +155,6 @@ def test_the_checker_sees_faults() -> None:
         with pytest.raises(AssertionError):
             checked(good.replace(before, after, 1))
     assert isinstance(Page(good), Page)
-
-
-def test_every_colour_of_a_free_body_is_the_pages() -> None:
-    for colour in COLOURS.values():
-        assert re.fullmatch(r"var\(--c\d\)", of_page(colour)), colour
 
 
 ASSETS = Path(html_page.__file__).parent / "assets"

@@ -8,11 +8,11 @@ import re
 import pytest
 from helpers.html_pages import checked
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Rung, Spread
 from robodyn.report.accuracy import accuracy_page
-from robodyn.report.pictures.accuracy import accuracy_figure
-from robodyn.report.pictures.figures import log_ticks, tick_labels
+from robodyn.report.pictures.accuracy import draw_ladder
 from robodyn.report.renderers.html import html
 
 
@@ -26,10 +26,11 @@ def ladder(errors: list[float], times: list[float]) -> Accuracy:
 
 
 def drawn(errors: list[float], times: list[float], target: float | None = None):
-    """The axes of a ladder, drawn for a file."""
-    figure = accuracy_figure(ladder(errors, times), target)
-    FigureCanvasAgg(figure).draw()
-    return figure.axes[0]
+    """The axes of a ladder, drawn."""
+    axes = Figure().subplots()
+    draw_ladder(axes, ladder(errors, times).ladders[0], target)
+    FigureCanvasAgg(axes.figure).draw()
+    return axes
 
 
 def heights(axes) -> list[float]:
@@ -61,19 +62,6 @@ def test_no_label_stands_twice(times: tuple[float, ...]) -> None:
     texts = [each.text.strip() for each in checked(html(accuracy_page(found))).all("text")]
     numbers = [text for text in texts if re.fullmatch(r"\u2212?\d[\d.]*(e[+\u2212]\d+)?", text)]
     assert len(numbers) == len(set(numbers)) >= 4, numbers
-
-
-@pytest.mark.parametrize("decades", [0.001, 0.1, 0.7, 1.0, 2.0, 2.9, 3.0, 8.0, 29.0, 300.0])
-def test_logarithmic_ticks_are_few_and_enough(decades: float) -> None:
-    for low in (1e-20, 3.3e-3, 7.0, 9.6e4):
-        found = log_ticks(low, low * 10.0 ** min(decades, 300.0), 8)
-        assert 2 <= len(found) <= 10, (low, found)
-        assert found == sorted(found)
-
-
-def test_labels_of_large_times_differ() -> None:
-    assert tick_labels([1.7e9, 1.7e9 + 0.5, 1.7e9 + 1.0]) == ["1700000000", "1700000000.5", "1700000001"]
-    assert tick_labels([-0.3, 0.0, 0.1 + 0.2]) == ["\u22120.3", "0", "0.3"]
 
 
 def test_a_ladder_without_errors() -> None:

@@ -75,7 +75,7 @@ def test_the_page_has_it_too(tmp_path):
     page = tmp_path / "o.html"
     assert run("torques", ARM, MOTION, "--scene", SCENE, "--report", str(page)).status == 0
     text = page.read_text(encoding="utf-8")
-    for said in ("Uncertain parameters", "All limits are kept with", "Which parameters matter most", "mass of forearm"):
+    for said in ("uncertain parameter", "All limits are kept with", "Which parameters matter most", "mass of forearm"):
         assert said in text
 
 

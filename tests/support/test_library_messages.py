@@ -8,11 +8,8 @@ from threading import Barrier, Event, Thread
 
 import numpy as np
 import pytest
-from helpers.command_line import ROBOTS
 from helpers.mesh_files import dae
 
-from robodyn.report.pictures.robot import _of_meshes
-from robodyn.robot.urdf.description import load_description
 from robodyn.solids.mesh.read.load import load_triangles
 from robodyn.support.libraries import library_messages, treated_warnings
 
@@ -78,22 +75,6 @@ def test_filters_of_warnings_are_restored_whoever_ends_first():
         ended.wait()
     thread.join()
     assert warnings.filters == before
-
-
-def test_loggers_work_while_a_robot_is_read(monkeypatch, caplog):
-    import yourdfpy
-
-    def load(*given, **more):
-        logging.getLogger("trimesh.util").warning("ours")
-        other = Thread(target=lambda: logging.getLogger("trimesh").warning("of another"))
-        other.start()
-        other.join()
-        return before(*given, **more)
-
-    before = yourdfpy.URDF.load
-    monkeypatch.setattr(yourdfpy.URDF, "load", load)
-    assert _of_meshes(load_description(ROBOTS / "meshed_arm.urdf")).triangles
-    assert [record.message for record in caplog.records] == ["of another"]
 
 
 def test_a_scene_is_read_while_others_log(tmp_path, monkeypatch, caplog):

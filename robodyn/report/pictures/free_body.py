@@ -1,22 +1,23 @@
-"""Free bodies as drawings: one SVG each, with its forces, moments and a table of their components."""
+"""Free bodies as drawings: one SVG each, isometric, with its forces, moments and a table of their components."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from html import escape
-from math import floor, hypot, log10
+from math import floor, hypot, log10, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from robodyn.equations.free_body.types import Action, FreeBodies, FreeBody
-from robodyn.programs.vectors import length, product
-from robodyn.report.pictures.arrows import Arrow, Box, Point, Segment, arrows, on_paper, place, text_width
+from robodyn.programs.vectors import Array, length, product
+from robodyn.report.pictures.robot import PAPER as EYES
 from robodyn.report.sizes import Sizes, free_body_sizes
 from robodyn.report.table import is_noise, number
 from robodyn.support.floats import Floats
 from robodyn.support.wording import shortened
 
+Point = tuple[float, float]
 COLOURS = {
     "weight": "#2b8a3e",
     "inertial": "#9c5fd0",
@@ -36,10 +37,18 @@ COLOURS = {
     "fluid": "#11837f",
 }
 """By kind of action; each can be read on white and on black."""
+_OF_PAGE = {"#2b8a3e": "c3", "#9c5fd0": "c4", "#2f7fd6": "c1", "#d6336c": "c6", "#b8680b": "c2", "#11837f": "c5"}
+_OF_PAGE |= {"#d9480f": "c8"}
+"""The colours of a page in their place."""
+LONGEST, SHORTEST = 120.0, 42.0
+"""Arrows in pixels; the largest force and the largest moment are the longest."""
+_HEAD_ON = 14.0
+"""Shorter arrows point at the reader or away, and are drawn as discs."""
+_BESIDE = 12.0
+"""Between arrows that leave the same spot in about the same direction [px]."""
 _ROW = 22
 _LETTERS = 42
 """So many of what an action is and by whom have room in the table."""
-_PARTS = ("force", "moment")
 _HEADS = ((24, "symbol"), (134, "action, by"), (400, "force [N]"), (600, "moment [N m]"))
 NOTES = (
     "Components in body axes; forces and moments add up to zero. Arrows are to scale, but none is too short to see.",
@@ -48,50 +57,33 @@ NOTES = (
 )
 
 
-def table_height(body: FreeBody) -> int:
-    """Return the height of `component_table` [px]."""
-    return _ROW * (len(body.actions) + len(NOTES)) + 56
-
-
-def component_table(body: FreeBody, top: float, width: float, size: Sizes) -> Iterator[str]:
+def _component_table(body: FreeBody, top: float, width: float, size: Sizes) -> Iterator[str]:
     """Yield every action with its components, and what the marks mean, below a line at `top`."""
     y = top + 34
     yield f'<line class="line" x1="24" x2="{width - 24}" y1="{top + 12}" y2="{top + 12}" stroke-width="1"/>'
     for x, head in _HEADS:
         yield svg_text(x, y, head, 13, "soft")
-    scales = [max((float(np.abs(getattr(a, name)).max()) for a in body.actions), default=0.0) for name in _PARTS]
+    pairs = [(np.abs(action.force).max(), np.abs(action.moment).max()) for action in body.actions]
+    scales = np.max(pairs, axis=0, initial=0.0) if pairs else np.zeros(2)
     whats = shortened([f"{action.what}, by {action.by}" for action in body.actions], _LETTERS)
     for action, what in zip(body.actions, whats, strict=True):
         y += _ROW
-        cells = _cells(action, what, scales, size)
-        yield svg_text(24, y, cells[0], 12, None, bold=True, fill=COLOURS[action.kind])
-        for (x, _), cell in zip(_HEADS[1:], cells[1:], strict=True):
+        yield svg_text(24, y, symbols(action, size), 12, None, bold=True, fill=COLOURS[action.kind])
+        cells = [what]
+        for vector, unit, scale in zip((action.force, action.moment), ("N", "N m"), scales, strict=True):
+            cells.append("0" if is_noise(length(vector), size[unit]) else _components(vector, scale))
+        for (x, _), cell in zip(_HEADS[1:], cells, strict=True):
             yield svg_text(x, y, cell, 12, "ink")
     for note in NOTES:
         y += _ROW
         yield svg_text(24, y, note, 12, "soft")
 
 
-def _cells(action: Action, what: str, scales: list[float], size: Sizes) -> tuple[str, str, str, str]:
-    vectors = []
-    for name, unit, scale in zip(_PARTS, ("N", "N m"), scales, strict=True):
-        vector = getattr(action, name)
-        shown = not is_noise(_magnitude(vector), size[unit])
-        vectors.append(_components(vector, scale) if shown else "0")
-    return symbols(action, size), what, vectors[0], vectors[1]
-
-
 def symbols(action: Action, size: Sizes) -> str:
     """Return the symbols of those of its force and moment that are no noise."""
     parts = zip((action.force, action.moment), ("N", "N m"), action.symbols, strict=True)
-    shown = (
-        signed(symbol) for vector, unit, symbol in parts if symbol and not is_noise(_magnitude(vector), size[unit])
-    )
+    shown = (signed(symbol) for vector, unit, symbol in parts if symbol and not is_noise(length(vector), size[unit]))
     return ", ".join(dict.fromkeys(shown)) or "-"
-
-
-def _magnitude(vector: Floats) -> float:
-    return length(vector)
 
 
 def _components(vector: Floats, scale: float) -> str:
@@ -108,11 +100,6 @@ def signed(symbol: str) -> str:
     """Return a symbol as it is printed, with a true minus."""
     words = {"-ma": "\u2212m a", "-dH": "\u2212dH/dt"}
     return words.get(symbol, symbol.replace("-", "\u2212"))
-
-
-def short(text: str, most: int) -> str:
-    """Return the text, cut to so many characters."""
-    return text if len(text) <= most else text[: most - 3] + "..."
 
 
 def svg_text(
@@ -173,39 +160,69 @@ def drawing(body: FreeBody, title: str, size: Sizes) -> str:
     Args:
         size: of forces and moments on the robot, beside which noise vanishes.
     """
-    width, height = SHEET.width, SHEET.bottom + table_height(body)
+    width, height = SHEET.width, SHEET.bottom + _ROW * (len(body.actions) + len(NOTES)) + 56
+    title, name = (
+        text if len(text) <= most else f"{text[: most - 3]}..." for text, most in ((title, 95), (body.name, 48))
+    )
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}">',
         STYLE,
         f'<rect class="paper" width="{width}" height="{height}"/>',
-        svg_text(24, 36, f"Body {body.number}: {short(body.name, 48)}", 20, "ink", bold=True),
-        svg_text(24, 60, short(title, 95), 13, "soft"),
+        svg_text(24, 36, f"Body {body.number}: {name}", 20, "ink", bold=True),
+        svg_text(24, 60, title, 13, "soft"),
         *_scene(body, size, SHEET),
-        *component_table(body, SHEET.bottom, width, size),
+        *_component_table(body, SHEET.bottom, width, size),
         "</svg>\n",
     ]
     return "\n".join(parts)
 
 
 def page_drawing(body: FreeBody, size: Sizes) -> str:
-    """Return the drawing without words around it, for a page whose width it takes."""
+    """Return the drawing without words around it, in the colours of a page, whose width it takes."""
     box = f"0 0 {PAGE.width} {PAGE.bottom + 8}"
-    return "\n".join((f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{box}">', *_scene(body, size, PAGE), "</svg>"))
+    drawn = "\n".join(
+        (f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{box}">', *_scene(body, size, PAGE), "</svg>")
+    )
+    for colour, name in _OF_PAGE.items():
+        drawn = drawn.replace(colour, f"var(--{name})")
+    return drawn
 
 
 def _scene(body: FreeBody, size: Sizes, paper: Paper) -> Iterator[str]:
     """Yield the body, its arrows with their labels, and the axes of ground and body."""
     points, spots = _layout(body, paper)
-    vectors, marks = arrows(body, spots, size), _apart(points)
-    yield from _shape([*points, *spots.values()])
+    vectors, (origin, com, *ends) = arrows(body, spots, size), _apart(points)
+    lines = "".join(
+        f"M{points[1][0]:.1f} {points[1][1]:.1f}L{x:.1f} {y:.1f}" for x, y in (points[0], *points[2:], *spots)
+    )
+    path = f'd="{lines}" fill="none" stroke-linecap="round" stroke-linejoin="round"'
+    yield from (f'<path class="edge" {path} stroke-width="46"/>', f'<path class="body" {path} stroke-width="43"/>')
     yield from map(_arrow, vectors)
-    yield from _marks(body, marks)
-    yield from _labels(marks, vectors, paper)
-    yield from _triad(70.0, paper.bottom - 58.0, np.eye(3), "ground")
-    yield from _triad(190.0, paper.bottom - 58.0, body.pose.R, "body")
+    if body.mass:
+        x, y = com
+        quarters = f"M{x:.1f} {y:.1f}h7a7 7 0 0 0 -7 -7zM{x:.1f} {y:.1f}h-7a7 7 0 0 0 7 7z"
+        yield f'<circle class="mark" cx="{x:.1f}" cy="{y:.1f}" r="7" stroke-width="1.5"/>'
+        yield f'<path class="ink" d="{quarters}"/>'
+    for (x, y), joint in zip((origin, *ends), (body.number, *(joint for joint, _ in body.ends)), strict=True):
+        yield f'<circle class="mark" cx="{x:.1f}" cy="{y:.1f}" r="9" stroke-width="1.5"/>'
+        yield svg_text(x, y + 4.2, str(joint), 12, "ink", anchor="middle")
+    yield from _labels(vectors, paper)
+    for x, R, name in ((70.0, np.eye(3), "ground"), (190.0, body.pose.R, "body")):
+        y = paper.bottom - 58.0
+        for k, letter in enumerate("xyz"):
+            dx, dy = (34 * part for part in on_paper(R[:, k]))
+            yield f'<line class="line" x1="{x}" y1="{y}" x2="{x + dx:.1f}" y2="{y + dy:.1f}" stroke-width="2"/>'
+            yield svg_text(x + 1.3 * dx, y + 1.3 * dy + 4, letter, 13, "soft", anchor="middle")
+        yield svg_text(x, y + 60, name, 12, "soft", anchor="middle")
 
 
-def _layout(body: FreeBody, paper: Paper) -> tuple[list[Point], dict[int, Point]]:
+def on_paper(vector: Array) -> Point:
+    """Return a vector in ground axes as (right, down)."""
+    right, up, _ = product(EYES, vector)
+    return float(right), -float(up)
+
+
+def _layout(body: FreeBody, paper: Paper) -> tuple[list[Point], list[Point]]:
     """Return origin, mass centre and ends on paper, and where each action is; the body fits between its arrows."""
     places = [np.zeros(3), body.com, *(point for _, point in body.ends)]
     everything = np.array([on_paper(product(body.pose.R, p)) for p in [*places, *(a.point for a in body.actions)]])
@@ -215,15 +232,7 @@ def _layout(body: FreeBody, paper: Paper) -> tuple[list[Point], dict[int, Point]
     scale = min((r / s for r, s in zip(room, spread, strict=True) if s > 1e-9), default=1.0)
     centre = np.array([paper.width / 2, (paper.top + paper.bottom) / 2])
     at = [(float(x), float(y)) for x, y in (everything - (low + high) / 2) * scale + centre]
-    return at[: len(places)], dict(enumerate(at[len(places) :]))
-
-
-def _shape(points: list[Point]) -> list[str]:
-    """Return a bar from the mass centre to the origin and to every end."""
-    origin, com, *ends = points
-    lines = "".join(f"M{com[0]:.1f} {com[1]:.1f}L{x:.1f} {y:.1f}" for x, y in (origin, *ends))
-    path = f'd="{lines}" fill="none" stroke-linecap="round" stroke-linejoin="round"'
-    return [f'<path class="edge" {path} stroke-width="46"/>', f'<path class="body" {path} stroke-width="43"/>']
+    return at[: len(places)], at[len(places) :]
 
 
 def _apart(points: list[Point]) -> list[Point]:
@@ -237,20 +246,61 @@ def _apart(points: list[Point]) -> list[Point]:
     return [taken[1], com, *taken[2:]]
 
 
-_ASIDE = ((0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (2, 0), (-2, 0), (3, 0), (-3, 0))
+class Arrow(NamedTuple):
+    """A vector on paper.
+
+    Attributes:
+        kind: of the action, which gives the colour.
+        symbol, value, unit: for its label.
+        start, end: px; equal for a vector along the line of sight, which then points `towards` the reader or away.
+        direction: of unit length.
+        turning: a moment, drawn with two heads.
+    """
+
+    kind: str
+    symbol: str
+    value: float
+    unit: str
+    start: Point
+    end: Point
+    direction: Point
+    towards: bool
+    turning: bool
 
 
-def _marks(body: FreeBody, points: list[Point]) -> Iterator[str]:
-    """Yield discs at joints with their numbers, and a quartered disc at the mass centre."""
-    origin, (x, y), *ends = points
-    numbers = (body.number, *(number for number, _ in body.ends))
-    if body.mass:
-        yield f'<circle class="mark" cx="{x:.1f}" cy="{y:.1f}" r="7" stroke-width="1.5"/>'
-        quarters = f"M{x:.1f} {y:.1f}h7a7 7 0 0 0 -7 -7zM{x:.1f} {y:.1f}h-7a7 7 0 0 0 7 7z"
-        yield f'<path class="ink" d="{quarters}"/>'
-    for (px, py), joint in zip((origin, *ends), numbers, strict=True):
-        yield f'<circle class="mark" cx="{px:.1f}" cy="{py:.1f}" r="9" stroke-width="1.5"/>'
-        yield svg_text(px, py + 4.2, str(joint), 12, "ink", anchor="middle")
+def arrows(body: FreeBody, spots: list[Point], size: Sizes) -> list[Arrow]:
+    """Return the arrows of every force and moment that does not vanish beside the largest on the robot.
+
+    Args:
+        spots: where on paper each action acts.
+        size: of forces and moments, see `free_body_sizes`.
+    """
+    found: list[Arrow] = []
+    for turning, name, unit in ((False, "force", "N"), (True, "moment", "N m")):
+        amounts = [length(getattr(action, name)) for action in body.actions]
+        for action, amount, (x, y) in zip(body.actions, amounts, spots, strict=True):
+            if not is_noise(amount, size[unit]):
+                along = product(body.pose.R, getattr(action, name)) / amount
+                right, down = on_paper(along)
+                long = hypot(right, down) * sqrt(1.5) * max(SHORTEST, LONGEST * amount / max(amounts))
+                flat = long >= _HEAD_ON
+                way = (right / hypot(right, down), down / hypot(right, down)) if flat else (0.0, -1.0)
+                aside = _BESIDE * sum(_alike(other, (x, y), way, flat) for other in found)
+                start = (x - way[1] * aside, y + way[0] * aside)
+                end = (start[0] + long * way[0], start[1] + long * way[1]) if flat else start
+                towards = bool(product(EYES[2], along) > 0)
+                found.append(
+                    Arrow(action.kind, action.symbols[turning], amount, unit, start, end, way, towards, turning)
+                )
+    return found
+
+
+def _alike(other: Arrow, spot: Point, way: Point, flat: bool) -> bool:
+    """Return whether an arrow leaves about the same spot in about the same direction."""
+    near = hypot(other.start[0] - spot[0], other.start[1] - spot[1]) < 3 * _BESIDE
+    return (
+        near and flat == (other.start != other.end) and way[0] * other.direction[0] + way[1] * other.direction[1] > 0.97
+    )
 
 
 def _arrow(arrow: Arrow) -> str:
@@ -265,42 +315,30 @@ def _arrow(arrow: Arrow) -> str:
     dx, dy = arrow.direction
     dashes = ' stroke-dasharray="7 4"' if arrow.turning else ""
     stem = f'd="M{x0:.1f} {y0:.1f}L{x1 - 8 * dx:.1f} {y1 - 8 * dy:.1f}" stroke="{colour}" stroke-width="3"'
-    heads = [_head(x1 - back * dx, y1 - back * dy, dx, dy, colour) for back in ((0, 10) if arrow.turning else (0,))]
-    return f"<path {stem}{dashes}/>{''.join(heads)}"
+    heads = ""
+    for back in (0, 10) if arrow.turning else (0,):
+        tip, tail = (x1 - back * dx, y1 - back * dy), (x1 - (back + 14) * dx, y1 - (back + 14) * dy)
+        corners = tip, (tail[0] - 6 * dy, tail[1] + 6 * dx), (tail[0] + 6 * dy, tail[1] - 6 * dx)
+        heads += f'<polygon points="{" ".join(f"{a:.1f},{b:.1f}" for a, b in corners)}" fill="{colour}"/>'
+    return f"<path {stem}{dashes}/>{heads}"
 
 
-def _head(x: float, y: float, dx: float, dy: float, colour: str) -> str:
-    back_x, back_y = x - 14 * dx, y - 14 * dy
-    corners = (x, y), (back_x - 6 * dy, back_y + 6 * dx), (back_x + 6 * dy, back_y - 6 * dx)
-    return f'<polygon points="{" ".join(f"{a:.1f},{b:.1f}" for a, b in corners)}" fill="{colour}"/>'
-
-
-def _labels(points: list[Point], vectors: list[Arrow], paper: Paper) -> Iterator[str]:
-    """Yield symbol and size of each arrow beside its tip."""
-    lines: list[Segment] = [(vector.start, vector.end) for vector in vectors]
-    discs = [*points, *(vector.start for vector in vectors if vector.start == vector.end)]
-    taken = [Box(x - 11, y - 11, x + 11, y + 11) for x, y in discs]
-    taken.append(Box(0, paper.bottom - 112, 250, paper.bottom))
-    taken += [Box(x - 8, y - 8, x + 8, y + 8) for x, y in (vector.end for vector in vectors)]
-    page = Box(8, paper.top, paper.width - 8, paper.bottom)
+def _labels(vectors: list[Arrow], paper: Paper) -> Iterator[str]:
+    """Yield symbol and size of each arrow beyond its tip, below those that are there already."""
+    taken: list[tuple[float, float, float]] = []
     for vector in vectors:
         label = f"{signed(vector.symbol)} = {number(vector.value)} {vector.unit}"
-        size = (text_width(label, _SIZE), 20.0)
-        box = place(vector.end, vector.direction, size, taken, lines, page)
-        taken.append(box)
-        near = (min(max(vector.end[0], box.left), box.right), min(max(vector.end[1], box.top), box.bottom))
-        if abs(near[0] - vector.end[0]) + abs(near[1] - vector.end[1]) > 30:
-            ends = f'x1="{vector.end[0]:.1f}" y1="{vector.end[1]:.1f}" x2="{near[0]:.1f}" y2="{near[1]:.1f}"'
+        half = 0.32 * _SIZE * len(label)  # rather more than less
+        x = vector.end[0] + (half + 8) * vector.direction[0]
+        x = min(max(x, half + 8), paper.width - half - 8)
+        y = min(max(vector.end[1] + 18 * vector.direction[1], paper.top + 18), paper.bottom - 130)
+        while any(abs(x - there) < half + wide and abs(y - at) < 20 for there, at, wide in taken):
+            y = y + 4 if y < paper.bottom - 8 else paper.top + 18
+        taken.append((x, y, half))
+        if hypot(x - vector.end[0], y - vector.end[1]) > half + 40:
+            ends = f'x1="{vector.end[0]:.1f}" y1="{vector.end[1]:.1f}" x2="{x:.1f}" y2="{y - 10:.1f}"'
             yield f'<line class="line" {ends} stroke-width="1" stroke-dasharray="2 3"/>'
-        middle = (box.left + box.right) / 2
-        colour = COLOURS[vector.kind]
-        yield svg_text(middle, box.bottom - 5, label, _SIZE, None, bold=True, anchor="middle", fill=colour)
+        yield svg_text(x, y + 5, label, _SIZE, None, bold=True, anchor="middle", fill=COLOURS[vector.kind])
 
 
-def _triad(x: float, y: float, R: Floats, name: str) -> Iterator[str]:
-    """Yield the axes of a frame."""
-    for k, letter in enumerate("xyz"):
-        dx, dy = (34 * part for part in on_paper(R[:, k]))
-        yield f'<line class="line" x1="{x}" y1="{y}" x2="{x + dx:.1f}" y2="{y + dy:.1f}" stroke-width="2"/>'
-        yield svg_text(x + 1.3 * dx, y + 1.3 * dy + 4, letter, 13, "soft", anchor="middle")
-    yield svg_text(x, y + 60, name, 12, "soft", anchor="middle")
+_ASIDE = ((0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (2, 0), (-2, 0), (3, 0), (-3, 0))

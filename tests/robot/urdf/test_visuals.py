@@ -1,4 +1,4 @@
-"""Visual shapes as triangles: those that need no mesh agree with trimesh's, whose that yourdfpy reads are in place."""
+"""Visual shapes as triangles: closed, as large as they should be, in place; meshes that are missing are named."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+import yourdfpy
 from helpers.command_line import ROBOTS
 
-from robodyn.report.pictures.robot import _of_meshes, primitive, visuals
+from robodyn.report.pictures.robot import shapes_of
 from robodyn.robot.urdf.description import load_description
-from robodyn.robot.urdf.parts import Geometry, Origin
 
 SHAPES = {
     "box": ((0.1, 0.2, 0.5), 0.01, 0.0),
@@ -25,8 +25,12 @@ SHAPES = {
 @pytest.mark.parametrize("shape", SHAPES)
 def test_primitives_are_closed_and_as_large_as_they_should_be(shape: str) -> None:
     size, volume, coarse = SHAPES[shape]
-    geometry = Geometry("visual", Origin((1.0, 2.0, 3.0), (0.3, -0.2, 1.1)), shape, size)
-    triangles = primitive(geometry)
+    names = {"box": "size", "cylinder": "radius length", "sphere": "radius", "capsule": "radius length"}[shape].split()
+    given = (" ".join(map(str, size)),) if shape == "box" else size
+    values = " ".join(f'{name}="{x}"' for name, x in zip(names, given, strict=True))
+    origin = '<origin xyz="1 2 3" rpy="0.3 -0.2 1.1"/>'
+    link = f'<link name="x"><visual>{origin}<geometry><{shape} {values}/></geometry></visual></link>'
+    triangles = shapes_of(load_description(f'<robot name="r">{link}</robot>'.encode()))[0]["x"]
     solid = trimesh.Trimesh(**trimesh.triangles.to_kwargs(triangles), process=False)
     solid.merge_vertices(digits_vertex=9)
     solid.update_faces(solid.nondegenerate_faces())
@@ -36,24 +40,28 @@ def test_primitives_are_closed_and_as_large_as_they_should_be(shape: str) -> Non
     np.testing.assert_allclose(triangles.reshape(-1, 3).mean(axis=0), (1.0, 2.0, 3.0), rtol=0, atol=0.02)
 
 
-@pytest.mark.parametrize("name", ["puma560", "scara", "two_link_planar"])
-def test_both_ways_fill_the_same_boxes(name: str) -> None:
-    description = load_description(ROBOTS / f"{name}.urdf")
-    ours, theirs = visuals(description), _of_meshes(description)
-    assert ours.triangles.keys() == theirs.triangles.keys()
-    for link, triangles in ours.triangles.items():
-        other = theirs.triangles[link]
+@pytest.mark.parametrize("name", ["puma560", "scara", "two_link_planar", "meshed_arm"])
+def test_yourdfpy_fills_the_same_boxes(name: str) -> None:
+    ours, why = shapes_of(load_description(ROBOTS / f"{name}.urdf"))
+    assert why == ""
+    scene = yourdfpy.URDF.load(str(ROBOTS / f"{name}.urdf")).scene
+    theirs: dict[str, list[np.ndarray]] = {}
+    for node in scene.graph.nodes_geometry:
+        matrix, geometry = scene.graph.get(node)
+        link = scene.graph.transforms.parents[node]
+        local = np.linalg.inv(scene.graph.get(link)[0]) @ matrix
+        theirs.setdefault(link, []).append(scene.geometry[geometry].vertices @ local[:3, :3].T + local[:3, 3])
+    assert ours.keys() == theirs.keys()
+    for link, triangles in ours.items():
         for end in (np.min, np.max):
-            np.testing.assert_allclose(end(triangles, axis=(0, 1)), end(other, axis=(0, 1)), rtol=0, atol=4e-3)
+            other = end(np.concatenate(theirs[link]), axis=0)
+            np.testing.assert_allclose(end(triangles, axis=(0, 1)), other, rtol=0, atol=4e-3)
 
 
-def test_meshes_are_found_and_missing_ones_named(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
-    found = visuals(load_description(ROBOTS / "meshed_arm.urdf"))
-    assert found.missing == ()
-    assert set(found.triangles) >= {"hand", "upper_arm", "forearm"}
+def test_missing_meshes_are_named(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     (tmp_path / "arm.urdf").write_text((ROBOTS / "meshed_arm.urdf").read_text())
     with caplog.at_level(logging.WARNING):
-        alone = visuals(load_description(tmp_path / "arm.urdf"))
-    assert any(name.endswith("bracket.stl") for name in alone.missing)
-    assert "hand" not in alone.triangles
+        found, why = shapes_of(load_description(tmp_path / "arm.urdf"))
+    assert why.startswith("8 mesh files are not found or cannot be read, and not drawn: meshes/hub.stl, ")
+    assert "hand" not in found
     assert not caplog.records
