@@ -6,7 +6,7 @@ it is written, for materials, textures or transmissions, the program itself tell
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from math import hypot
@@ -23,7 +23,7 @@ from robodyn.programs.vectors import ZERO, product
 from robodyn.robot.masses.inertia_mistakes import UPPER
 from robodyn.robot.urdf.elements import Span
 from robodyn.robot.urdf.parts import WITH_AXIS, WITH_RANGE
-from robodyn.robot.urdf.view import JointView, LinkView
+from robodyn.robot.urdf.view import JointView, LimitView, LinkView
 from robodyn.solids.inertia.laws import combined, inertia_of, symmetric
 
 _LEAST_MASS, _LEAST_MOMENT = 1e-15, 1e-14
@@ -127,6 +127,11 @@ def _joints(holds: Callable[[JointView], object]) -> Find:
     return lambda context: [_part(joint) for joint in context.view.joints if holds(joint)]
 
 
+def _limits(types: Collection[str], holds: Callable[[LimitView], object]) -> Find:
+    """Joints of these types with a <limit> of this kind."""
+    return _joints(lambda joint: joint.type in types and joint.limit is not None and holds(joint.limit))
+
+
 def _root(holds: Callable[[LinkView], object]) -> Find:
     return lambda context: [_part(context.tree.root)] if holds(context.tree.root) else []
 
@@ -216,12 +221,10 @@ def _inferred(context: Context) -> Iterator[Found]:
         yield Found(link.element.span, f"{named(link)} {known}", mass or 0.0)
 
 
-def _unlimited(joint: JointView) -> bool:
-    limit = joint.limit if joint.type in WITH_RANGE else None
-    if limit is None or not (limit.lower.given or limit.upper.given):
-        return False
+def _unlimited(limit: LimitView) -> bool:
     lower, upper = limit.lower.value, limit.upper.value
-    return lower is None or upper is None or not lower < upper
+    given = limit.lower.given or limit.upper.given
+    return given and (lower is None or upper is None or not lower < upper)
 
 
 def _visuals(context: Context) -> Iterator[Found]:
@@ -236,20 +239,9 @@ def _uris(context: Context) -> list[Found]:
     return [_used(use, use.uri) for use in mesh_uses(context) if "://" in use.uri and use.geometry.kind == "collision"]
 
 
-def _backwards(joint: JointView) -> bool:
-    limit = joint.limit if joint.type in _LIMITED else None
-    return limit is not None and (limit.velocity.value or 0.0) < 0
-
-
-def _turned(*types: str) -> Find:
-    """Joints of these types with lower > upper."""
-
-    def holds(joint: JointView) -> bool:
-        limit = joint.limit if joint.type in types else None
-        lower, upper = (None, None) if limit is None else (limit.lower.value, limit.upper.value)
-        return lower is not None and upper is not None and lower > upper
-
-    return _joints(holds)
+def _turned(limit: LimitView) -> bool:
+    lower, upper = limit.lower.value, limit.upper.value
+    return lower is not None and upper is not None and lower > upper
 
 
 def _mimic_leader(context: Context) -> Iterator[Found]:
@@ -261,56 +253,47 @@ def _mimic_leader(context: Context) -> Iterator[Found]:
                 yield Found(joint.mimic.element.span, named(joint))
 
 
-@dataclass(frozen=True, slots=True)
-class _Lumps:
-    """What Gazebo makes of the links: each joins what fixed joints hang on it, but for those to a root called world.
+class _Lumps(NamedTuple):
+    """The links that Gazebo makes one, by the name of the first; the names of those that it keeps, the links that it
+    drops, and the names of those without a centre of mass."""
 
-    Attributes:
-        links: those that become one, by the name of the first.
-        kept: names of links that are not dropped. dropped: those that are, with all behind them.
-        nowhere: names of links without a centre of mass.
-    """
-
-    links: Mapping[str, list[LinkView]]
+    links: dict[str, list[LinkView]]
     kept: set[str]
-    dropped: tuple[LinkView, ...]
+    dropped: list[LinkView]
     nowhere: set[str]
 
 
 def _lumps(context: Context) -> _Lumps:
-    """Return what Gazebo keeps: from the root down, a link without mass is dropped with everything behind it. Two
-    <inertial>s without mass that are joined have no centre: 0 / 0."""
+    """What Gazebo makes of the links: each joins what fixed joints hang on it, but for those to a root called world.
+    From the root down, a link without mass is dropped with everything behind it. Two <inertial>s without mass that are
+    joined have no centre: 0 / 0."""
     tree = context.tree
     onto = {one.child: one.parent for one in tree.above.values() if not one.moves and one.parent != "world"}
     joining: dict[str, list[LinkView]] = {}
     for link in tree.links:
         joining.setdefault(onto.get(link.name, ""), []).append(link)
     mass: dict[str, float | None] = {}
-    nowhere, links, kept, dropped = set[str](), dict[str, list[LinkView]](), set[str](), []
+    found = _Lumps({}, set(), [], set())
     for link in reversed(tree.links):
         whole = None if link.inertial is None else link.mass or 0.0
         for other in joining.get(link.name, ()):
             more = mass[other.name]
             if more is not None:
                 whole = (whole or 0.0) + more
-                if whole == 0.0 or other.name in nowhere:
-                    nowhere.add(link.name)
+                if whole == 0.0 or other.name in found.nowhere:
+                    found.nowhere.add(link.name)
         mass[link.name] = whole
     first: dict[str, str] = {}
     for link in tree.links:
         first[link.name] = first[onto[link.name]] if link.name in onto else link.name
-        links.setdefault(first[link.name], []).append(link)
+        found.links.setdefault(first[link.name], []).append(link)
         above = tree.above.get(link.name)
-        if above is None or above.parent in kept:
+        if above is None or above.parent in found.kept:
             if abs(mass[link.name] or 0.0) > _LEAST_GAZEBO or (above is None and link.name == "world"):
-                kept.add(link.name)
+                found.kept.add(link.name)
             else:
-                dropped.append(link)
-    return _Lumps(links, kept, tuple(dropped), nowhere)
-
-
-def _nothing_left(context: Context) -> list[Found]:
-    return [] if context.once(_lumps).kept - {"world"} else [_part(context.tree.root)]
+                found.dropped.append(link)
+    return found
 
 
 def _dropped(context: Context) -> list[Found]:
@@ -355,10 +338,11 @@ def _moments(context: Context, links: Sequence[LinkView]) -> tuple[float, float,
 
 
 def _malformed(joint: JointView) -> bool:
-    if joint.type not in WITH_RANGE or joint.limit is None:
+    if joint.limit is None:
         return joint.type in WITH_RANGE
-    numbers = (joint.limit.lower, joint.limit.upper, joint.limit.effort, joint.limit.velocity)
-    return any(one.problem for one in numbers) or not (joint.limit.effort.given and joint.limit.velocity.given)
+    effort, velocity = joint.limit.effort, joint.limit.velocity
+    wrong = any(one.problem for one in (joint.limit.lower, joint.limit.upper, effort, velocity))
+    return joint.type in WITH_RANGE and (wrong or not (effort.given and velocity.given))
 
 
 def _taken_names(context: Context) -> Iterator[Found]:
@@ -369,15 +353,6 @@ def _taken_names(context: Context) -> Iterator[Found]:
         if link.name in first and len(link.name) > 3 and link.name.startswith("__") and link.name.endswith("__"):
             yield _part(link)
     yield from (_part(one) for one in context.view.joints if one.moves and one.name in first and one.child in kept)
-
-
-def _odd_names(context: Context) -> list[Found]:
-    parts: tuple[LinkView | JointView, ...] = (*context.view.links, *context.view.joints)
-    return [_part(one) for one in parts if not one.name.isidentifier()]
-
-
-def _no_mass(context: Context) -> list[Found]:
-    return [_part(group.links[0]) for group in context.tree.groups[1:] if not group.links[0].mass]
 
 
 def _facts(
@@ -397,19 +372,16 @@ def _facts(
 
 _MIMIC = _joints(lambda joint: joint.mimic)
 _FIXED = _joints(lambda joint: joint.type == "fixed")
-_FLOATING = _joints(lambda joint: joint.type == "floating")
 _UNACTUATED = _joints(lambda joint: joint.type in ("floating", "planar"))
-_UNDAMPED = _joints(lambda joint: joint.type in _LIMITED and (joint.damping.value or 0.0) < 0)
 _HEAVY_ROOT = _root(lambda link: link.mass)
+_REFUSED_TENSOR, _MALFORMED = _inertials(_unphysical), _joints(_malformed)
 FACTS = (
     *_facts(
         "mujoco",
         "MuJoCo 4.0, run; its XML reference, compiler",
         rejects={
             "requires mass and inertia in what moves": _massless,
-            "requires principal moments of 1e-14 kg m^2 or more, no two of them below the third": _inertials(
-                _unphysical
-            ),
+            "requires principal moments of 1e-14 kg m^2 or more, no two of them below the third": _REFUSED_TENSOR,
             "requires <mass> and <inertia> in <inertial>": _inertials(_incomplete),
             "requires an axis of 1e-7 or more": _axis_shorter_than(1e-7),
             "requires positive sizes of what collides": _sizeless,
@@ -418,7 +390,7 @@ FACTS = (
             "infers KG: links without <inertial> weigh what water in their collision shapes does": _inferred,
             "leaves out what is only <visual>": _visuals,
             "makes the root a part of the world, without its mass": _HEAVY_ROOT,
-            "ignores limits unless lower < upper, both given": _joints(_unlimited),
+            "ignores limits unless lower < upper, both given": _limits(WITH_RANGE, _unlimited),
             "makes mimic a soft equality constraint": _MIMIC,
         },
         rejects_files={
@@ -431,17 +403,21 @@ FACTS = (
         "drake",
         "Drake 1.51, run",
         rejects={
-            "requires lower <= upper": _turned(*_LIMITED),
-            "requires a velocity that is not negative, and ends the process otherwise": _joints(_backwards),
+            "requires lower <= upper": _limits(_LIMITED, _turned),
+            "requires a velocity that is not negative, and ends the process otherwise": _limits(
+                _LIMITED, lambda limit: (limit.velocity.value or 0.0) < 0
+            ),
             "requires an axis of 1e-8 or more": _axis_shorter_than(1e-8),
-            "requires damping that is not negative": _UNDAMPED,
+            "requires damping that is not negative": _joints(
+                lambda joint: joint.type in _LIMITED and (joint.damping.value or 0.0) < 0
+            ),
             "requires mimic and another joint as leader, with equal degrees of freedom": _mimic_leader,
             "requires a name of the robot": _nameless,
         },
         alters={
             "ignores joint friction": _joints(lambda joint: joint.friction.value),
             "lets the root float unless it is called world": _root(lambda link: link.name != "world"),
-            "leaves the child of a floating joint free of its parent": _FLOATING,
+            "leaves the child of a floating joint free of its parent": _joints(lambda joint: joint.type == "floating"),
         },
         rejects_files={
             "collides with meshes in .obj, .vtk and .gltf only": _unread_meshes("drake"),
@@ -452,20 +428,20 @@ FACTS = (
         "gz",
         "sdformat 12.3 with urdfdom 3.0, run",
         rejects={
-            "keeps nothing, since it drops links without mass and all behind them": _nothing_left,
+            "keeps nothing, since it drops links without mass and all behind them": lambda context: (
+                [] if context.once(_lumps).kept - {"world"} else [_part(context.tree.root)]
+            ),
             "requires inertia that a body can have, of links with what is fixed to them": _unphysical_lumps,
             "finds no centre of mass of <inertial>s without mass that are fixed to each other": _nowhere,
             "knows no floating and no planar joints": _UNACTUATED,
             "requires an axis of 1e-6 or more": _axis_shorter_than(1e-6),
-            "requires numbers, and <limit> with effort and velocity, in revolute and prismatic joints": _joints(
-                _malformed
-            ),
+            "requires numbers, and <limit> with effort and velocity, in revolute and prismatic joints": _MALFORMED,
             "requires names of joints that are no links', and none like __this__": _taken_names,
             "requires a name of the robot": _nameless,
         },
         alters={
             "drops links without mass, and all joints and links behind them": _dropped,
-            "exchanges limits where lower > upper": _turned(*WITH_RANGE),
+            "exchanges limits where lower > upper": _limits(WITH_RANGE, _turned),
             "merges links on fixed joints": _FIXED,
         },
     ),
@@ -487,9 +463,14 @@ FACTS = (
         "isaac",
         "Isaac Sim 5, URDF importer and its ImportConfig",
         alters={
-            "replaces characters in names by _": _odd_names,
+            "replaces characters in names by _": lambda context: [
+                *(_part(link) for link in context.view.links if not link.name.isidentifier()),
+                *(_part(joint) for joint in context.view.joints if not joint.name.isidentifier()),
+            ],
             "merges links on fixed joints": _FIXED,
-            "makes up a mass for links without one": _no_mass,
+            "makes up a mass for links without one": lambda context: [
+                _part(group.links[0]) for group in context.tree.groups[1:] if not group.links[0].mass
+            ],
         },
     ),
 )
@@ -519,10 +500,10 @@ def opinion(context: Context, target: str) -> Opinion:
     others do, the table tells.
     """
     said = answer(context, target)
+    refused = said is not None and said.refusal is not None
+    taken = said is not None and said.version is not None and not refused
     found = ((fact, tuple(fact.find(context))) for fact in FACTS if fact.target == target)
-    taken = said is not None and said.version is not None and said.refusal is None
     counted = [one for one in found if one[1] and not (taken and one[0].verdict is Verdict.REJECTS)]
     counted.sort(key=lambda one: -one[0].verdict)
-    refused = said is not None and said.refusal is not None
     verdict = Verdict.REJECTS if refused else counted[0][0].verdict if counted else Verdict.LOADS
     return Opinion(target, verdict, tuple(counted), said)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from enum import Enum
 from functools import cached_property
 from math import floor, log10
 
@@ -45,13 +44,6 @@ _BEYOND = 1.05
 """A second moment this many times the most that the link's shapes allow is beyond them."""
 
 
-class Symptom(Enum):
-    """How a wrong tensor shows, and what shows that a correction is right."""
-
-    IMPOSSIBLE = "no body can have this tensor, but one can have the corrected one"
-    NO_IMAGE = "corrected, it is the mirror image of its twin's"
-
-
 @dataclass(frozen=True, eq=False)
 class Evidence:
     """What a link's tensor is measured against, in the axes of the inertial: the laws of bodies, the link's shapes, and
@@ -81,15 +73,9 @@ class Evidence:
         """Whether a body can have a tensor, by the thresholds of RD206 and RD207."""
         return is_physical(tuple(I[UPPER].tolist()), self.context.thresholds)
 
-    def symptom(self, I: Floats) -> Symptom | None:
-        """What is wrong with the tensor; None if nothing is seen."""
-        if not self.possible(I):
-            return Symptom.IMPOSSIBLE
-        return Symptom.NO_IMAGE if self.image is not None and apart(I, self.image) > DIFFERENT else None
-
     def explains(self, I: Floats) -> bool:
         """Whether nothing is left to explain about a corrected tensor."""
-        mirrored = self.image is None or apart(I, self.image) <= SAME
+        mirrored = self.image is None or _apart(I, self.image) <= SAME
         return mirrored and self.possible(I) and self.allows(I)
 
     def allows(self, I: Floats, now: Floats | None = None) -> bool:
@@ -101,8 +87,7 @@ class Evidence:
         return bool((_second(I) <= most).all())
 
 
-def evidence_of(context: Context, link: LinkView, given: Given, twin: Pair | None) -> Evidence:
-    """Return the evidence on a link's tensor."""
+def _evidence(context: Context, link: LinkView, given: Given, twin: Pair | None) -> Evidence:
     alone = Evidence(context, link, given)
     if twin is None or twin.left.inertial is None or not twin.left.inertial.mass > 0:
         return alone
@@ -114,33 +99,21 @@ def evidence_of(context: Context, link: LinkView, given: Given, twin: Pair | Non
     return Evidence(context, link, replace(given, copy=copy), scale * image)
 
 
-def _leads_away(context: Context, link: LinkView, correction: Tensor | None) -> bool:
-    """Whether a correction is farther from the inertia of the link's shapes than the tensor that it has."""
-    said, shapes = given(link), {} if context.tree_or_none is None else context.once(shaped)
-    if correction is None or said is None or link.name not in shapes:
-        return False
-    solid = shapes[link.name].solid.along(said.R)
-    now, then = (from_shapes(I, said.mass, solid) for I in (said.tensor, symmetric(correction)))
-    return now < then
-
-
 def _second(I: Floats) -> Floats:
     return np.diagonal(second_moments(I))
 
 
-def apart(I: Floats, other: Floats) -> float:
+def _apart(I: Floats, other: Floats) -> float:
     return float(np.abs(I - other).max() / max(np.abs(I).max(), np.abs(other).max()))
 
 
 _DIGITS = 12
-
 _HIDDEN = frozenset({"RD307", "RD309", "RD313"})
 """The causes that leave a tensor possible."""
 _MOST_LISTED, _MOST_NAMED = 4, 2
 _ALONE = 0.8
 """Of the probability of a cause: the share of one correction that is the only one."""
-
-ONE_SIDED = frozenset({"RD307", "RD308", "RD309"})
+_ONE_SIDED = frozenset({"RD307", "RD308", "RD309"})
 """The causes of which it is plain which one of two twins is wrong."""
 
 
@@ -188,6 +161,16 @@ def causes(context: Context) -> Mapping[str, Cause]:
     return found
 
 
+def _leads_away(context: Context, link: LinkView, correction: Tensor | None) -> bool:
+    """Whether a correction is farther from the inertia of the link's shapes than the tensor that it has."""
+    said, shapes = given(link), {} if context.tree_or_none is None else context.once(shaped)
+    if correction is None or said is None or link.name not in shapes:
+        return False
+    solid = shapes[link.name].solid.along(said.R)
+    now, then = (from_shapes(I, said.mass, solid) for I in (said.tensor, symmetric(correction)))
+    return now < then
+
+
 def explained(context: Context, fault: Fault, link: LinkView) -> Fault:
     """Return the fault of a link's tensor that no body has, with its cause and the fix for it.
 
@@ -200,7 +183,7 @@ def explained(context: Context, fault: Fault, link: LinkView) -> Fault:
     said = given(link)
     if said is None:
         return fault
-    evidence = evidence_of(context, link, said, None)
+    evidence = _evidence(context, link, said, None)
     verdict = _weighed(context).get(link.name)
     may_be: Sequence[Mistake | NamedCause] = (
         [mistake for mistake, _ in _explained(evidence) if mistake.code not in _HIDDEN]
@@ -249,37 +232,32 @@ def _weighed(context: Context) -> Mapping[str, Posterior]:
 
 
 def _cause(context: Context, link: LinkView, twin: Pair | None) -> Cause | None:
-    said = given(link)
-    if said is None:
-        return None
-    verdicts = _weighed(context)
+    said, verdicts = given(link), _weighed(context)
     verdict = verdicts.get(link.name)
-    if verdict is not None and verdict.units:
+    if said is None or (verdict is not None and verdict.units):
         return None
     if twin is not None and twin.left.name in verdicts and verdicts[twin.left.name].named:
         twin = None
-    evidence = evidence_of(context, link, said, twin)
-    said = evidence.given
+    evidence = _evidence(context, link, said, twin)
     if verdict is not None and verdict.named:
         return _by_shapes(evidence, verdict)
-    symptom = evidence.symptom(said.tensor)
-    if symptom is Symptom.IMPOSSIBLE and nine_as_six(said):
-        return Cause("RD310", NINE, None, None, physical=False)
-    if symptom is None or evidence.image is None:
+    if not evidence.possible(said.tensor):
+        if nine_as_six(said):
+            return Cause("RD310", NINE, None, None, physical=False)
+        return None if evidence.image is None else _by_twin(evidence, physical=False)
+    if evidence.image is None or _apart(said.tensor, evidence.image) <= DIFFERENT:
         return None
-    return _by_twin(evidence, symptom)
+    return _by_twin(evidence, physical=True)
 
 
 def _by_shapes(evidence: Evidence, verdict: Posterior) -> Cause:
     """Return the cause that the shapes name, with its correction if there is one only."""
     link, said, first = evidence.link, evidence.given, verdict.named[0]
-    alike = [one for one in verdict.named if _same(one.I, first.I)]
+    alike = [one for one in verdict.named if _apart(one.I, first.I) <= SAME]
     share = sum(one.probability for one in alike) / sum(one.probability for one in verdict.named)
     physical = evidence.possible(said.tensor)
-    shown = (
-        f"corrected, it is {_percent(first.apart)} from the inertia of the link's shapes, as it stands "
-        f"{_percent(verdict.apart)}"
-    )
+    now, then = (f"{figure(round(100 * part, 2), 2)} %" for part in (verdict.apart, first.apart))
+    shown = f"corrected, it is {then} from the inertia of the link's shapes, as it stands {now}"
     if share < _ALONE:
         what = " or ".join(one.what for one in verdict.named[:_MOST_NAMED])
         return Cause(first.code, f"{what}: {shown}", None, None, physical)
@@ -288,14 +266,9 @@ def _by_shapes(evidence: Evidence, verdict: Posterior) -> Cause:
     return Cause(first.code, what, tensor, _fix(link, tensor, first.what) if allowed else None, physical)
 
 
-def _percent(part: float) -> str:
-    return f"{figure(round(100 * part, 2), 2)} %"
-
-
-def _by_twin(evidence: Evidence, symptom: Symptom) -> Cause | None:
-    """Return the cause that the mirror twin names."""
-    link, said, physical = evidence.link, evidence.given, symptom is not Symptom.IMPOSSIBLE
-    if physical and copied(said):
+def _by_twin(evidence: Evidence, physical: bool) -> Cause | None:
+    """Return the cause that the mirror twin names, of a tensor that a body could have (`physical`) or not."""
+    if physical and copied(evidence.given):
         return Cause("RD313", COPIED, None, None, physical)
     explained = _explained(evidence)
     if len(explained) > 1 and {mistake.code for mistake, _ in explained} == {"RD310"}:
@@ -303,10 +276,13 @@ def _by_twin(evidence: Evidence, symptom: Symptom) -> Cause | None:
     if len(explained) != 1:
         return None
     ((mistake, I),) = explained
-    tensor = _entries(I, said)
-    either = physical and mistake.code not in ONE_SIDED
-    fix = None if either else _fix(link, tensor, mistake.what)
-    return Cause(mistake.code, f"{mistake.what}: {symptom.value}", tensor, fix, physical, physical)
+    tensor = _entries(I, evidence.given)
+    either = physical and mistake.code not in _ONE_SIDED
+    fix = None if either else _fix(evidence.link, tensor, mistake.what)
+    why = "no body can have this tensor, but one can have the corrected one"
+    if physical:
+        why = "corrected, it is the mirror image of its twin's"
+    return Cause(mistake.code, f"{mistake.what}: {why}", tensor, fix, physical, physical)
 
 
 def _explained(evidence: Evidence) -> list[tuple[Mistake, Floats]]:
@@ -314,14 +290,10 @@ def _explained(evidence: Evidence) -> list[tuple[Mistake, Floats]]:
     kept: list[tuple[Mistake, Floats]] = []
     mistakes, entries = corrections(evidence.given)
     for mistake, I in zip(mistakes, tensors(entries), strict=True):
-        asked = mistake.common or evidence.image is not None
-        if asked and evidence.explains(I) and not any(mistake.code == other.code and _same(I, J) for other, J in kept):
-            kept.append((mistake, I))
+        if (mistake.common or evidence.image is not None) and evidence.explains(I):
+            again = any(mistake.code == other.code and _apart(I, J) <= SAME for other, J in kept)
+            kept += [] if again else [(mistake, I)]
     return kept
-
-
-def _same(one: Floats, other: Floats) -> bool:
-    return apart(one, other) <= SAME
 
 
 def _entries(I: Floats, said: Given) -> Tensor:

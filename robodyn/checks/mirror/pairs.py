@@ -13,7 +13,7 @@ import numpy as np
 from robodyn.checks.context import Context
 from robodyn.programs.vectors import length, product
 from robodyn.robot.load import placement
-from robodyn.robot.urdf.parts import Description, Geometry, Inertial, Joint, Link
+from robodyn.robot.urdf.parts import Geometry, Inertial, Joint, Link
 from robodyn.solids.inertia.laws import symmetric
 from robodyn.support.floats import Floats, first_largest
 
@@ -66,20 +66,14 @@ def named_pairs(names: Collection[str]) -> Iterator[tuple[str, str]]:
     """
     known = frozenset(names)
     for name in names:
-        other = _right_of(name, known)
+        swapped = (pattern.sub(to, name, count=count) for pattern, to in _SWAPS for count in (0, 1))
+        other = next((other for other in swapped if other != name and other in known), None)
         if other is not None:
             yield name, other
 
 
-def _right_of(name: str, known: frozenset[str]) -> str | None:
-    for pattern, replacement in _SWAPS:
-        for count in (0, 1):
-            other = pattern.sub(replacement, name, count=count)
-            if other != name and other in known:
-                return other
-    return None
-
-
+Names = tuple[str, str]
+"""Of a left and a right link."""
 _NEAR = 2e-3
 """How far a frame may be from its mirror image, relative to the robot's size."""
 
@@ -102,36 +96,13 @@ class Plane:
         return moved
 
 
-def link_poses(description: Description) -> tuple[Mapping[str, Floats], Mapping[str, Floats]]:
-    """Return the rotation and origin of every link in the root's axes at q = 0 [m]."""
-    below: dict[str, list[Joint]] = {}
-    for joint in description.joints:
-        below.setdefault(joint.parent, []).append(joint)
-    R, p = {description.root: np.eye(3)}, {description.root: np.zeros(3)}
-    waiting = [description.root]
-    while waiting:
-        link = waiting.pop()
-        for joint in below.get(link, ()):
-            turn, shift = placement(joint.origin)
-            R[joint.child], p[joint.child] = product(R[link], turn), p[link] + product(R[link], shift)
-            waiting.append(joint.child)
-    return R, p
-
-
-def near_of(p: Mapping[str, Floats]) -> float:
-    """Return how far a frame may be from its mirror image [m]: 2e-3 of the robot's size."""
-    places = np.array(list(p.values()))
-    return _NEAR * float(np.ptp(places, axis=0).max())
-
-
-def planes(named: Sequence[tuple[str, str]], p: Mapping[str, Floats]) -> Iterator[tuple[Plane, list[tuple[str, str]]]]:
+def planes(named: Sequence[Names], p: Mapping[str, Floats], near: float) -> Iterator[tuple[Plane, list[Names]]]:
     """Yield the planes that may be the mirror, each with those of the named pairs that it has at mirrored places.
 
     They are across x, y or z of the root, or across the longest line between the two of a pair; amid the pairs, or
     through the root.
     """
     left, right = (np.array([p[names[k]] for names in named]).reshape(-1, 3) for k in (0, 1))
-    near = near_of(p)
     apart = left - right
     lengths = np.linalg.norm(apart, axis=1)
     if not (lengths > near).any():
@@ -162,6 +133,9 @@ class Carried:
         return moved
 
 
+_IN_PLACE = Carried(np.eye(3), np.zeros(3))
+
+
 def carried(left: Link, right: Link, D: Floats, still: bool = False) -> Carried | None:
     """Return what carries the meshes of one link onto those of the other; None unless they are the same files, placed
     alike to each other.
@@ -170,9 +144,8 @@ def carried(left: Link, right: Link, D: Floats, still: bool = False) -> Carried 
     where there are no others. Links without meshes are one part if their primitives stand at the same places, and these
     are not each other's images, or both links are fixed: then it is most often a sensor that was bought twice.
 
-    Args:
-        D: (3, 3) the reflection from the axes of the left link to those of the right.
-        still: whether both links are fixed to what carries them.
+    D (3, 3) is the reflection from the axes of the left link to those of the right; `still` says whether both links are
+    fixed to what carries them.
     """
     for kind in ("visual", "collision"):
         one, other = ([shape for shape in link.geometries if shape.kind == kind] for link in (left, right))
@@ -180,26 +153,23 @@ def carried(left: Link, right: Link, D: Floats, still: bool = False) -> Carried 
         if any(meshes):
             return _common(*meshes)
         if one or other:
-            return _in_place(one, other, D, still)
+            made_of = [[(shape.shape, shape.size, shape.origin) for shape in shapes] for shapes in (one, other)]
+            places = [np.array(shape.origin.xyz) for shape in one]
+            mirrored = all(length(product(D, place) - place) <= _SAME_PART for place in places)
+            return None if made_of[0] != made_of[1] or (mirrored and not still) else _IN_PLACE
     return None
-
-
-def _in_place(one: list[Geometry], other: list[Geometry], D: Floats, fixed: bool) -> Carried | None:
-    if [(shape.shape, shape.size, shape.origin) for shape in one] != [
-        (shape.shape, shape.size, shape.origin) for shape in other
-    ]:
-        return None
-    places = [np.array(shape.origin.xyz) for shape in one]
-    still = all(length(product(D, place) - place) <= _SAME_PART for place in places)
-    return None if still and not fixed else Carried(np.eye(3), np.zeros(3))
 
 
 def _common(one: list[Geometry], other: list[Geometry]) -> Carried | None:
     if [mesh.filename for mesh in one] != [mesh.filename for mesh in other]:
         return None
-    moves = [_move(*meshes) for meshes in zip(one, other, strict=True)]
-    first = moves[0]
-    return first if all(_alike(first, move) for move in moves) else None
+    first, *others = (_move(*meshes) for meshes in zip(one, other, strict=True))
+    for move in others:
+        if first is None or move is None or np.abs(first.G - move.G).max() > _SAME_PART:
+            return None
+        if length(first.p - move.p) > _SAME_PART:
+            return None
+    return first
 
 
 def _move(one: Geometry, other: Geometry) -> Carried | None:
@@ -208,20 +178,12 @@ def _move(one: Geometry, other: Geometry) -> Carried | None:
     if not all(s and abs(abs(s) - abs(s_other)) <= 1e-6 * abs(s) for s, s_other in scales):
         return None
     if (one.origin, one.scale) == (other.origin, other.scale):
-        return Carried(np.eye(3), np.zeros(3))
+        return _IN_PLACE
     (R, x), (R_other, x_other) = placement(one.origin), placement(other.origin)
     G = product(R_other, np.diag(np.sign(other.scale) * np.sign(one.scale)), R.T)
     return Carried(G, x_other - product(G, x))
 
 
-def _alike(one: Carried | None, other: Carried | None) -> bool:
-    if one is None or other is None:
-        return False
-    return float(np.abs(one.G - other.G).max()) <= _SAME_PART and length(one.p - other.p) <= _SAME_PART
-
-
-Names = tuple[str, str]
-"""Of a left and a right link."""
 _EQUAL = 1e-12
 """Inertias by mass that differ by no more are the same [m^2]."""
 _SQUARE = 0.02
@@ -316,8 +278,12 @@ def symmetry(context: Context) -> Symmetry | None:
     named = tuple(names for names in named_pairs(links) if names[0] in above and names[1] in above)
     if not named:
         return None
-    R, p = link_poses(description)
-    near = near_of(p)
+    R, p = {description.root: np.eye(3)}, {description.root: np.zeros(3)}
+    for link in context.tree.links[1:]:
+        joint = above[link.name]
+        turn, shift = placement(joint.origin)
+        R[link.name], p[link.name] = product(R[joint.parent], turn), p[joint.parent] + product(R[joint.parent], shift)
+    near = _NEAR * float(np.ptp(np.array(list(p.values())), axis=0).max())
     plane = _mirror(named, p, above, near)
     if plane is None:
         return None
@@ -340,7 +306,7 @@ def _mirror(named: Sequence[Names], p: Mapping[str, Floats], above: Mapping[str,
     begin have the plane through what carries them.
     """
     best, most = None, (0, 0)
-    for plane, there in planes(named, p):
+    for plane, there in planes(named, p, near):
         carriers = {above[left].parent for left, right in there if above[left].parent == above[right].parent}
         within = {link for link in carriers if length(plane.image(p[link]) - p[link]) <= near}
         count = len(_rooted(there, above, within)), len(there)

@@ -1,20 +1,16 @@
-"""Mirror twins side by side: masses and moments, places of their joints, and directions of their axes."""
+"""Mirror twins side by side: masses and moments, and how the axes of their joints are turned to each other."""
 
 from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
-from itertools import combinations
 
 import numpy as np
 
-from robodyn.checks.bodies.masses import POINT, is_physical, principal_moments
-from robodyn.checks.context import Context, Thresholds
-from robodyn.checks.mirror.pairs import Pair, Symmetry, is_square, link_inertia, pairs, reflected, row_of, symmetry
-from robodyn.programs.vectors import length, product, rotation_from_rpy
-from robodyn.robot.urdf.parts import Joint
+from robodyn.checks.context import Context
+from robodyn.checks.mirror.pairs import Pair, Symmetry, link_inertia, pairs, reflected, row_of, symmetry
+from robodyn.programs.vectors import length, product
 from robodyn.robot.urdf.view import InertialView, LinkView
 from robodyn.support.floats import Floats
 from robodyn.support.wording import shown
@@ -23,7 +19,6 @@ MASS = 0.02
 """How far the masses of twins may differ."""
 MOMENTS = 0.10
 """How far their moments may differ, each divided by its mass, relative to the largest."""
-ONE_OF_TWO = "correct the one of the two that is wrong, or allow it where the parts differ"
 _FLOOR = 1e-3
 """A shift of the centre of mass that is no more is none [m]."""
 
@@ -38,7 +33,6 @@ class Twins:
         c, I: centre of mass [m] and inertia by mass [m^2] of the left link's mirror image, in the right link's axes;
             see `reflected`.
         c_right, I_right: those of the right link.
-        limits: thresholds of the check.
     """
 
     pair: Pair
@@ -49,7 +43,6 @@ class Twins:
     I: Floats
     c_right: Floats
     I_right: Floats
-    limits: Thresholds
 
     @property
     def other(self) -> str:
@@ -57,35 +50,20 @@ class Twins:
         return f"{shown(self.pair.left.name)} (line {self.pair.left.line})"
 
     @property
-    def mass_differs(self) -> bool:
-        return abs(self.masses[0] - self.masses[1]) > MASS * max(self.masses)
-
-    @property
     def moments(self) -> tuple[Floats, Floats]:
         """(3,) principal moments by mass of the left and the right link, ascending [m^2]."""
         left, right = np.linalg.eigvalsh(np.stack((self.I, self.I_right)))
         return left, right
 
-    @property
-    def real(self) -> bool:
-        """Whether bodies can have both of the tensors; where they cannot, other rules say so."""
-        both = [one for one in (self.pair.left.inertial, self.pair.right.inertial) if one is not None]
-        sizes = [principal_moments(one.inertia)[2] for one in both]
-        points = any(size <= POINT * POINT * one.mass for size, one in zip(sizes, both, strict=True))
-        return not points and all(is_physical(one.inertia, self.limits) for one in both)
-
-    @cached_property
-    def moments_apart(self) -> float:
-        """By mass or as they stand, so that a wrong mass alone sets no moments apart."""
-        return self._apart(*self.moments)
-
-    @cached_property
-    def tensors_apart(self) -> float:
-        return self._apart(self.I, self.I_right)
-
-    def _apart(self, left: Floats, right: Floats) -> float:
+    def apart(self, left: Floats, right: Floats) -> float:
+        """Relative distance of moments by mass, or of the moments as they stand, so that a wrong mass alone sets none
+        apart."""
         mass, mass_right = self.masses
         return min(_apart(left, right), _apart(mass * left, mass_right * right))
+
+    @property
+    def tensors_apart(self) -> float:
+        return self.apart(self.I, self.I_right)
 
     @property
     def shift(self) -> float:
@@ -93,16 +71,16 @@ class Twins:
         return length(self.c_right - self.c)
 
     @property
+    def most_shift(self) -> float:
+        """A tenth of the radius of gyration, and 1 mm at least [m]."""
+        return MOMENTS * float(np.sqrt(max(np.trace(self.I_right), np.trace(self.I), 0.0) / 2.0)) + _FLOOR
+
+    @property
     def centre_is_copied(self) -> bool:
         """Whether the centre of mass is not where it ought to be, but where the left link's is in its own axes."""
         left = self.pair.left.inertial
         copy = np.zeros(3) if left is None else link_inertia(left)[0]
         return self.shift > self.most_shift and length(self.c_right - copy) <= self.most_shift
-
-    @property
-    def most_shift(self) -> float:
-        """A tenth of the radius of gyration, and 1 mm at least [m]."""
-        return MOMENTS * float(np.sqrt(max(np.trace(self.I_right), np.trace(self.I), 0.0) / 2.0)) + _FLOOR
 
 
 def twins(context: Context) -> tuple[Twins, ...]:
@@ -112,10 +90,8 @@ def twins(context: Context) -> tuple[Twins, ...]:
         left, right = pair.left.inertial, pair.right.inertial
         link = context.view.link[pair.right.name]
         if left is not None and right is not None and link.inertial is not None and left.mass > 0 and right.mass > 0:
-            (c, I), (c_right, I_right) = reflected(pair, left), link_inertia(right)
-            by_mass, masses = (I / left.mass, I_right / right.mass), (left.mass, right.mass)
-            limits = context.thresholds
-            found.append(Twins(pair, link, link.inertial, masses, c, by_mass[0], c_right, by_mass[1], limits))
+            (c, I), (c_right, I_right), masses = reflected(pair, left), link_inertia(right), (left.mass, right.mass)
+            found.append(Twins(pair, link, link.inertial, masses, c, I / left.mass, c_right, I_right / right.mass))
     return tuple(found)
 
 
@@ -128,50 +104,6 @@ _LIGHT = 1e-3
 """Sensors and marks that weigh no more [kg] are put where there is room."""
 
 
-@dataclass(frozen=True, eq=False)
-class Misplaced:
-    """Two joints.
-
-    Attributes:
-        left, right: they.
-        expected: (3,) where the origin of the right one would mirror the left one's, in the axes of its parent [m];
-            None if it is there, but turned.
-        off: how far it is from there [m].
-        signs: coordinates or angles of the right one, of which the other sign makes it the mirror image; maybe none.
-    """
-
-    left: Joint
-    right: Joint
-    expected: Floats | None
-    off: float
-    signs: tuple[str, ...]
-
-
-def misplaced(context: Context) -> Iterator[Misplaced]:
-    """Yield the twin joints that hang on one link in the mirror plane or on a confirmed pair, and carry no pair.
-
-    Left out is what neither moves nor carries a mass; what is mounted alike on a part that is itself mounted on both
-    sides, as fingers on a gripper; and axes that lie askew, where no sign explains it: frames are chosen freely.
-    """
-    found = context.once(symmetry)
-    if found is None:
-        return
-    confirmed, heavy = found.by_right, heavy_links(found)
-    for left, right in found.named:
-        joints = found.above[left], found.above[right]
-        over = [joint.parent for joint in joints]
-        pair = confirmed.get(over[1])
-        if right in confirmed or not all(joint.type != "fixed" or joint.child in heavy for joint in joints):
-            continue
-        if over[0] == over[1] and _in_plane(found, over[0]):
-            pair = None
-        elif pair is None or pair.left.name != over[0]:
-            continue
-        one = _judged(found, *joints, pair)
-        if one is not None:
-            yield one
-
-
 def heavy_links(found: Symmetry) -> set[str]:
     """Return the links that have a mass or carry one."""
     heavy: set[str] = set()
@@ -181,39 +113,6 @@ def heavy_links(found: Symmetry) -> set[str]:
             heavy.add(name)
             name = found.above[name].parent if name in found.above else None
     return heavy
-
-
-def _in_plane(found: Symmetry, link: str) -> bool:
-    return length(found.plane.image(found.p[link]) - found.p[link]) <= found.near
-
-
-def _judged(found: Symmetry, left: Joint, right: Joint, pair: Pair | None) -> Misplaced | None:
-    over = right.parent
-    p = product(found.R[over].T, found.plane.image(found.p[left.child]) - found.p[over])
-    here = np.array(right.origin.xyz)
-    off = length(p - here)
-    if pair is not None and pair.mounts_alike(left, right, found.near):
-        return None
-    if off > found.near:
-        flips = [signs for signs, flipped in _flips(right.origin.xyz) if length(flipped - p) <= found.near]
-        return Misplaced(left, right, p, off, _first(flips, "xyz"))
-    turned = product(found.R[over].T, found.plane.H, found.R[left.child])
-    square = [signs for signs, rpy in _flips(right.origin.rpy) if is_square(product(rotation_from_rpy(*rpy).T, turned))]
-    return Misplaced(left, right, None, off, _first(square, ("roll", "pitch", "yaw"))) if square else None
-
-
-def _flips(values: tuple[float, ...]) -> Iterator[tuple[tuple[int, ...], Floats]]:
-    """Yield places of values that are not 0, few first, and the values with the other sign there."""
-    places = [k for k in range(3) if values[k]]
-    for count in range(1, len(places) + 1):
-        for chosen in combinations(places, count):
-            flipped = np.array(values)
-            flipped[list(chosen)] *= -1.0
-            yield chosen, flipped
-
-
-def _first(found: list[tuple[int, ...]], names: str | tuple[str, ...]) -> tuple[str, ...]:
-    return tuple(names[k] for k in found[0]) if found else ()
 
 
 _AXIS = 0.02
@@ -272,8 +171,7 @@ def unlike_their_limb(context: Context) -> Mapping[str, tuple[Pair, ...]]:
     The axes of a limb that lie in the mirror plane are turned alike, and so are those across it: either equal positions
     of all are mirror images, or opposite ones of all are.
     """
-    found = context.once(symmetry)
-    unlike: dict[str, tuple[Pair, ...]] = {}
+    found, unlike = context.once(symmetry), dict[str, tuple[Pair, ...]]()
     for alike in () if found is None else _lying_alike(found):
         ways = [set(directions(pair, context)) for pair in alike]
         count = Counter(way for each in ways for way in each)
@@ -285,10 +183,8 @@ def unlike_their_limb(context: Context) -> Mapping[str, tuple[Pair, ...]]:
 
 
 def _lying_alike(found: Symmetry) -> list[list[Pair]]:
-    """Return the pairs of joints of each limb whose axes lie in the mirror plane, and those whose axes are across it.
-
-    A limb is a chain of twins, as far as each of them carries one other link that has mass: no hand is part of an arm.
-    """
+    """Return the pairs of joints of each limb whose axes lie in the mirror plane, and those whose axes are across it; a
+    limb is a chain of twins, as far as each of them carries one other link that has mass: no hand is part of an arm."""
     heavy = heavy_links(found)
     carried = Counter(joint.parent for name, joint in found.above.items() if name in heavy)
     alike: dict[tuple[str, bool], list[Pair]] = defaultdict(list)

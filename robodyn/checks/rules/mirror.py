@@ -2,32 +2,35 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
+from itertools import combinations
 from math import isclose, pi
 
+import numpy as np
+
+from robodyn.checks.bodies.masses import POINT, is_physical, principal_moments
 from robodyn.checks.examples import ARM_LIMIT, IMAGE, two_arms, two_elbows
 from robodyn.checks.mirror.causes import causes
-from robodyn.checks.mirror.pairs import Pair, pairs, row_of
+from robodyn.checks.mirror.pairs import Pair, Symmetry, is_square, pairs, row_of, symmetry
 from robodyn.checks.mirror.twins import (
     MASS,
     MOMENTS,
-    ONE_OF_TWO,
-    Misplaced,
     Twins,
     directions,
-    misplaced,
+    heavy_links,
     twins,
     unlike_the_other_legs,
     unlike_their_limb,
 )
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.robot.urdf.elements import Span
+from robodyn.programs.vectors import length, product, rotation_from_rpy
 from robodyn.robot.urdf.numbers import value_span
-from robodyn.robot.urdf.parts import WITH_RANGE, Limit
-from robodyn.robot.urdf.view import JointView, View
+from robodyn.robot.urdf.parts import WITH_RANGE, Joint, Limit
+from robodyn.robot.urdf.view import JointView
+from robodyn.support.floats import Floats
 from robodyn.support.wording import figure, place, shown
 
+_ONE_OF_TWO = "correct the one of the two that is wrong, or allow it where the {} differ"
 _UNITS = (
     (1000.0, "in grams, 1000 times the other"),
     (1 / 0.45359237, "in pounds, 2.2046 times the other"),
@@ -38,7 +41,6 @@ _DIGITS = (
 )
 _EXACT = 1e-3
 """How far the ratio may be from a factor: masses of twins are equal or differ by chance."""
-
 _LEGS = 16
 """More than any robot has in a row."""
 
@@ -59,25 +61,24 @@ in front and behind does, is the wrong one; where neither tells, both are named.
 def mirror_mass(context: Context) -> Faults:
     """A left link weighs what the right one does."""
     for one in context.once(twins):
-        if one.mass_differs:
-            yield _mass_fault(context, one)
-
-
-def _mass_fault(context: Context, one: Twins) -> Fault:
-    left, right = one.masses
-    unit, others = _named(one, _UNITS), _others(context, one)
-    is_left = left > right if unit else others is not None and others[0]
-    link = context.view.link[one.pair.left.name] if is_left else one.link
-    assert link.inertial is not None, "it has mass"
-    mass, its = (left, right) if is_left else (right, left)
-    twin = f"{shown(one.pair.right.name)} (line {one.pair.right.line})" if is_left else one.other
-    told = "" if others is None else f"; {others[1]} other links of this row weigh that"
-    apart = figure(100 * abs(left - right) / max(left, right), 2)
-    what = f"the mass is {mass:g} kg, that of its mirror twin {twin} {its:g} kg, {apart} % apart{told}"
-    how = unit or _named(one, _DIGITS)
-    cause = None if how is None else f"{'it' if mass > its else 'that of the twin'} is {how}"
-    remedy = ONE_OF_TWO if unit is None and others is None else f"correct it, to {its:g} kg if the parts are alike"
-    return Fault(link.inertial.mass.span, what, remedy, mass, its, cause=cause)
+        left, right = one.masses
+        if abs(left - right) <= MASS * max(left, right):
+            continue
+        unit, others = _named(one, _UNITS), _others(context, one)
+        is_left = left > right if unit else others is not None and others[0]
+        link = context.view.link[one.pair.left.name] if is_left else one.link
+        assert link.inertial is not None, "it has mass"
+        mass, its = (left, right) if is_left else (right, left)
+        twin = f"{shown(one.pair.right.name)} (line {one.pair.right.line})" if is_left else one.other
+        told = "" if others is None else f"; {others[1]} other links of this row weigh that"
+        apart = figure(100 * abs(left - right) / max(left, right), 2)
+        what = f"the mass is {mass:g} kg, that of its mirror twin {twin} {its:g} kg, {apart} % apart{told}"
+        how = unit or _named(one, _DIGITS)
+        cause = None if how is None else f"{'it' if mass > its else 'that of the twin'} is {how}"
+        remedy = f"correct it, to {its:g} kg if the parts are alike"
+        if unit is None and others is None:
+            remedy = _ONE_OF_TWO.format("parts")
+        yield Fault(link.inertial.mass.span, what, remedy, mass, its, cause=cause)
 
 
 def _named(one: Twins, factors: tuple[tuple[float, str], ...]) -> str | None:
@@ -97,11 +98,11 @@ def _others(context: Context, one: Twins) -> tuple[bool, int] | None:
     return alike[1] > alike[0], max(alike)
 
 
-def _legs(context: Context) -> Mapping[str, Sequence[Twins]]:
+def _legs(context: Context) -> dict[str, list[Twins]]:
     """Return the twins in front, behind and so on together."""
-    found: dict[str, list[Twins]] = defaultdict(list)
+    found: dict[str, list[Twins]] = {}
     for one in context.once(twins):
-        found[row_of(one.pair.left.name)].append(one)
+        found.setdefault(row_of(one.pair.left.name), []).append(one)
     return found
 
 
@@ -119,19 +120,26 @@ of the tensors, RD204, RD206 or RD207 do.""",
 def mirror_moments(context: Context) -> Faults:
     """A left link has the principal moments of the right one."""
     for one in context.once(twins):
-        explained = {one.link.name, one.pair.left.name} & context.once(causes).keys()
-        if one.moments_apart <= MOMENTS or not one.real or explained:
-            continue
-        left, right = ((mass * moments).tolist() for mass, moments in zip(one.masses, one.moments, strict=True))
-        what = (
-            f"the principal moments are {_listed(right)} kg m^2, those of its mirror twin {one.other} {_listed(left)}, "
-            f"up to {figure(100 * one.moments_apart, 2)} % apart"
-        )
-        yield Fault(one.inertial.entries[0].span, what, ONE_OF_TWO, one.moments_apart, MOMENTS)
+        apart = one.apart(*one.moments)
+        if apart > MOMENTS and _unexplained(context, one):
+            left, right = (
+                ", ".join(f"{moment:.4g}" for moment in (mass * moments).tolist())
+                for mass, moments in zip(one.masses, one.moments, strict=True)
+            )
+            what = (
+                f"the principal moments are {right} kg m^2, those of its mirror twin {one.other} {left}, "
+                f"up to {figure(100 * apart, 2)} % apart"
+            )
+            yield Fault(one.inertial.entries[0].span, what, _ONE_OF_TWO.format("parts"), apart, MOMENTS)
 
 
-def _listed(moments: list[float]) -> str:
-    return ", ".join(f"{moment:.4g}" for moment in moments)
+def _unexplained(context: Context, one: Twins) -> bool:
+    """Return whether bodies can have both of the tensors, and none has a cause that is known."""
+    if {one.link.name, one.pair.left.name} & context.once(causes).keys():
+        return False
+    both = [link.inertial for link in (one.pair.left, one.pair.right) if link.inertial is not None]
+    points = any(principal_moments(each.inertia)[2] <= POINT * POINT * each.mass for each in both)
+    return not points and all(is_physical(each.inertia, context.thresholds) for each in both)
 
 
 _REFLECT = "reflect the one of the two that is wrong, or allow it where one part is mounted on both sides"
@@ -153,25 +161,21 @@ def mirror_image(context: Context) -> Faults:
         cause = context.once(causes).get(one.link.name)
         reported = cause is not None and cause.code == "RD313" and one.centre_is_copied
         if one.shift > one.most_shift and not reported:
-            yield _centre(one)
-        explained = {one.link.name, one.pair.left.name} & context.once(causes).keys()
-        if not explained and one.tensors_apart > MOMENTS >= one.moments_apart and one.real:
+            origin = one.inertial.origin
+            copied = "one is a copy of the other that is not reflected" if one.centre_is_copied else None
             what = (
-                f"the inertia tensor is {figure(100 * one.tensors_apart, 2)} % from the mirror image of that of "
+                f"the centre of mass is at {place(one.c_right.tolist())} m, the mirror image of that of {one.other} at "
+                f"{place(one.c.tolist())}, {one.shift:.3g} m away"
+            )
+            at = one.inertial.element.span if origin.element is None else origin.xyz.span
+            yield Fault(at, what, _REFLECT, one.shift, one.most_shift, cause=copied)
+        apart = one.tensors_apart
+        if apart > MOMENTS >= one.apart(*one.moments) and _unexplained(context, one):
+            what = (
+                f"the inertia tensor is {figure(100 * apart, 2)} % from the mirror image of that of "
                 f"{one.other}, although their principal moments agree"
             )
-            yield Fault(one.inertial.entries[0].span, what, _REFLECT, one.tensors_apart, MOMENTS)
-
-
-def _centre(one: Twins) -> Fault:
-    origin = one.inertial.origin.element
-    cause = "one is a copy of the other that is not reflected" if one.centre_is_copied else None
-    what = (
-        f"the centre of mass is at {place(one.c_right.tolist())} m, the mirror image of that of {one.other} at "
-        f"{place(one.c.tolist())}, {one.shift:.3g} m away"
-    )
-    at = one.inertial.element.span if origin is None else value_span(origin, "xyz")
-    return Fault(at, what, _REFLECT, one.shift, one.most_shift, cause=cause)
+            yield Fault(one.inertial.entries[0].span, what, _REFLECT, apart, MOMENTS)
 
 
 _LIMIT = 0.02
@@ -179,7 +183,7 @@ _LIMIT = 0.02
 _MAGNITUDE = 0.02
 _TURNS = 4 * pi
 """RD507 reports ranges of revolute joints that go farther [rad]."""
-_CORRECT_JOINT = "correct the one of the two that is wrong, or allow it where the joints differ"
+_CORRECT_JOINT = _ONE_OF_TWO.format("joints")
 
 
 @rule(
@@ -205,49 +209,32 @@ def mirror_joint(context: Context) -> Faults:
     for pair in context.once(pairs):
         left, right = pair.left_joint, pair.right_joint
         view, twin = context.view.joint[right.name], f"{shown(left.name)} (line {left.line})"
+        at = view.element.span if view.axis.element is None else view.axis.span
         if left.type != right.type:
-            yield _kind(pair, context.view)
+            one, other = (left, right) if left.type == "fixed" else (right, left)
+            what = f"it is {one.type}, but its mirror twin {shown(other.name)} (line {other.line}) is {other.type}"
+            yield Fault(value_span(context.view.joint[one.name].element, "type"), what, _CORRECT_JOINT)
         elif left.type in ("revolute", "continuous", "prismatic"):
-            ranges, other = list(_range(pair, context, twin)), unlike.get(right.name)
-            yield from ranges
+            yield from (ranges := list(_range(pair, context, twin)))
+            legs, limb = unlike.get(right.name), odd.get(right.name)
             if not any(directions(pair, context)):
                 what = f"the axis is not parallel to the mirror image of that of its twin {twin}"
-                yield Fault(_axis(view), what, _CORRECT_JOINT)
-            elif other is not None and not ranges and not list(_range(other, context, "")):
-                yield _unlike(view, twin, other)
-            elif right.name in odd and not ranges:
-                yield _odd(view, twin, odd[right.name])
+                yield Fault(at, what, _CORRECT_JOINT)
+            elif legs is not None and not ranges and not list(_range(legs, context, "")):
+                rear = legs.right_joint
+                what = (
+                    f"it and its mirror twin {twin} are turned to each other as {shown(legs.left_joint.name)} and "
+                    f"{shown(rear.name)} (line {rear.line}) are not: one of the four axes is reversed"
+                )
+                yield Fault(at, what, "correct the one of the four that is wrong, or allow it where the legs differ")
+            elif limb is not None and not ranges:
+                named = " and ".join(shown(each.right_joint.name) for each in limb[:2])
+                what = (
+                    f"it and its mirror twin {twin} are turned to each other as those of the limb whose axes lie like "
+                    f"theirs, {named} among {len(limb)}, are not: one of the two axes is reversed"
+                )
+                yield Fault(at, what, _CORRECT_JOINT)
             yield from _magnitudes(pair, view, twin)
-
-
-def _axis(view: JointView) -> Span:
-    return view.element.span if view.axis.element is None else view.axis.span
-
-
-def _unlike(view: JointView, twin: str, other: Pair) -> Fault:
-    others = f"{shown(other.left_joint.name)} and {shown(other.right_joint.name)} (line {other.right_joint.line})"
-    what = (
-        f"it and its mirror twin {twin} are turned to each other as {others} are not: one of the four axes is reversed"
-    )
-    return Fault(_axis(view), what, "correct the one of the four that is wrong, or allow it where the legs differ")
-
-
-def _odd(view: JointView, twin: str, others: Sequence[Pair]) -> Fault:
-    named = " and ".join(shown(pair.right_joint.name) for pair in others[:2])
-    what = (
-        f"it and its mirror twin {twin} are turned to each other as those of the limb whose axes lie like theirs, "
-        f"{named} among {len(others)}, are not: one of the two axes is reversed"
-    )
-    return Fault(_axis(view), what, _CORRECT_JOINT)
-
-
-def _kind(pair: Pair, view: View) -> Fault:
-    """Return that the joints are of two kinds, at the one that is fixed if only one is."""
-    one, other = pair.right_joint, pair.left_joint
-    if other.type == "fixed":
-        one, other = other, one
-    what = f"it is {one.type}, but its mirror twin {shown(other.name)} (line {other.line}) is {other.type}"
-    return Fault(value_span(view.joint[one.name].element, "type"), what, _CORRECT_JOINT)
 
 
 def _range(pair: Pair, context: Context, twin: str) -> Faults:
@@ -300,7 +287,7 @@ def _magnitudes(pair: Pair, view: JointView, twin: str) -> Faults:
         yield Fault(getattr(view.limit, name).span, what, _CORRECT_JOINT, other, one)
 
 
-_CORRECT_SIDE = "correct the one of the two that is wrong, or allow it where the sides differ"
+_CORRECT_SIDE = _ONE_OF_TWO.format("sides")
 
 
 @rule("RD405", Severity.WARNING, Stage.MODEL, good=two_elbows(), bad=two_elbows("0.1 0.05 0.3"))
@@ -314,24 +301,54 @@ def mirror_origin(context: Context) -> Faults:
     ones that carry no mass, such as sensors; what is mounted alike on a part that is itself mounted on both sides,
     as fingers on a gripper; and frames that lie askew where no sign in rpy explains it: they are chosen freely.
     """
-    for one in misplaced(context):
-        yield _origin_fault(one, context.view.joint[one.right.name])
+    found = context.once(symmetry)
+    if found is None:
+        return
+    heavy = heavy_links(found)
+    for left, right in found.named:
+        joints = found.above[left], found.above[right]
+        over = [joint.parent for joint in joints]
+        pair = found.by_right.get(over[1])
+        if right in found.by_right or not all(joint.type != "fixed" or joint.child in heavy for joint in joints):
+            continue
+        if over[0] == over[1] and length(found.plane.image(found.p[over[0]]) - found.p[over[0]]) <= found.near:
+            pair = None
+        elif pair is None or pair.left.name != over[0]:
+            continue
+        if pair is None or not pair.mounts_alike(*joints, found.near):
+            yield from _misplaced(found, *joints, context.view.joint[joints[1].name])
 
 
-def _origin_fault(one: Misplaced, view: JointView) -> Fault:
-    twin = f"{shown(one.left.name)} (line {one.left.line})"
-    signs = " and ".join(one.signs)
-    if one.expected is None:
-        what = f"its axes are not the mirror image of those of its twin {twin}, but for the sign of {signs}"
-        return Fault(_at(view, "rpy"), what, _CORRECT_SIDE)
-    what = (
-        f"the origin is at {place(one.right.origin.xyz)} m; that of its mirror twin {twin} asks for "
-        f"{place(one.expected.tolist())}, {one.off:.3g} m away"
-    )
-    cause = f"the sign of {signs} is not that of a mirror image" if signs else None
-    return Fault(_at(view, "xyz"), what, _CORRECT_SIDE, one.off, 0.0, cause=cause)
+def _misplaced(found: Symmetry, left: Joint, right: Joint, view: JointView) -> Faults:
+    """Yield where the right joint's origin is not the mirror image of the left one's, or where its axes are not but for
+    signs in rpy."""
+    twin, R, p = f"{shown(left.name)} (line {left.line})", found.R[right.parent], found.p[right.parent]
+    expected = product(R.T, found.plane.image(found.p[left.child]) - p)
+    off = length(expected - np.array(right.origin.xyz))
+    at = view.element.span if view.origin.element is None else view.origin.xyz.span
+    if off > found.near:
+        flips = (signs for signs, xyz in _flips(right.origin.xyz, "xyz") if length(xyz - expected) <= found.near)
+        what = (
+            f"the origin is at {place(right.origin.xyz)} m; that of its mirror twin {twin} asks for "
+            f"{place(expected.tolist())}, {off:.3g} m away"
+        )
+        signs = next(flips, None)
+        cause = f"the sign of {signs} is not that of a mirror image" if signs else None
+        yield Fault(at, what, _CORRECT_SIDE, off, 0.0, cause=cause)
+        return
+    turned = product(R.T, found.plane.H, found.R[left.child])
+    for signs, rpy in _flips(right.origin.rpy, ("roll", "pitch", "yaw")):
+        if is_square(product(rotation_from_rpy(*rpy).T, turned)):
+            what = f"its axes are not the mirror image of those of its twin {twin}, but for the sign of {signs}"
+            yield Fault(at if view.origin.element is None else view.origin.rpy.span, what, _CORRECT_SIDE)
+            return
 
 
-def _at(view: JointView, name: str) -> Span:
-    origin = view.origin.element
-    return view.element.span if origin is None else value_span(origin, name)
+def _flips(values: tuple[float, ...], names: Sequence[str]) -> Iterator[tuple[str, Floats]]:
+    """Yield the names of values that are not 0, few first, and the values with the other sign there."""
+    places = [k for k in range(3) if values[k]]
+    for count in range(1, len(places) + 1):
+        for chosen in combinations(places, count):
+            flipped = np.array(values)
+            flipped[list(chosen)] *= -1.0
+            yield " and ".join(names[k] for k in chosen), flipped
