@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
 from typing import NamedTuple
@@ -11,12 +11,12 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.checks.bodies.collision_fit import misfits
-from robodyn.checks.bodies.masses import STILL, pose
+from robodyn.checks.bodies.masses import STILL, behind, pose
 from robodyn.checks.bodies.shapes import link_boxes, real_shapes, size_of, solids
 from robodyn.checks.context import Context
 from robodyn.checks.meshes.extremes import extremes, spread_out
 from robodyn.checks.meshes.files import all_facts, mesh_names
-from robodyn.checks.srdf import srdf
+from robodyn.checks.srdf import own_srdf
 from robodyn.checks.tree import Group
 from robodyn.programs.vectors import length, product, rotation_about
 from robodyn.robot.kinematics import Pose
@@ -35,11 +35,6 @@ def rest_poses(context: Context) -> Mapping[str, Pose]:
         if inner is not None and outer is not None:
             poses[link.name] = behind(outer, inner)
     return poses
-
-
-def behind(outer: Pose, inner: Pose) -> Pose:
-    """Return the pose in the outer frame of what has a pose in the inner one."""
-    return Pose(product(outer.R, inner.R), outer.p + product(outer.R, inner.p))
 
 
 def relative(outer: Pose, inner: Pose) -> Pose:
@@ -66,15 +61,9 @@ def rest(joint: JointView) -> float:
     return min(max(0.0, reach[0]), reach[1])
 
 
-@dataclass(frozen=True, slots=True)
-class Contact:
-    """The links on both sides of a joint that are next to each other.
-
-    Attributes:
-        gap: at least as far are their shapes from each other [m]; 0 where the boxes around them meet.
-        size: of the larger of the two [m].
-        above: that of the two on the parent's side.
-    """
+class Contact(NamedTuple):
+    """The links on both sides of a joint that are next to each other: the least gap between their shapes, 0 where the
+    boxes around them meet, the size of the larger of the two [m], and that on the parent's side."""
 
     gap: float
     size: float
@@ -164,47 +153,39 @@ class Sides:
         below, above = self._sides(joint)
         if child is None or not all(name in self.boxes and name in self.poses for name in (*below, *above)):
             return None
-        return self._nearest(joint, below, above, child)
-
-    def _sides(self, joint: JointView) -> tuple[list[str], list[str]]:
-        """Links with shapes that are fixed to the child, and to the parent or to the next group above that has such; of
-        large groups those that the joint joins, so that time grows with the links and not with their square."""
-        if max(len(self._tree.group[name].links) for name in (joint.parent, joint.child)) > _LARGE:
-            return self._shaped_of([joint.child]), self._shaped_of([joint.parent])
-        branch = [joint.child]
-        for name in branch:
-            branch += self._fixed.get(name, ())
-        inside, group = set(branch), self._tree.group[joint.parent]
-        while True:
-            group = self._next_shaped[group]
-            above = self._shaped_of(link.name for link in group.links if link.name not in inside)
-            if above or group.parent is None:
-                return self._shaped_of(branch), above
-            group = group.parent
-
-    def _shaped_of(self, names: Iterable[str]) -> list[str]:
-        return [name for name in names if name in self.shaped]
-
-    def _nearest(self, joint: JointView, below: Sequence[str], above: Sequence[str], child: Pose) -> Contact | None:
-        """Return the contact with the least gap, the child standing at this pose in the root's frame."""
         best: Contact | None = None
         for name in below:
             inner = behind(child, relative(self.poses[joint.child], self.poses[name]))
             for other in above:
-                size = max(size_of(self.boxes[name]), size_of(self.boxes[other]))
-                far = _gap(self.boxes[name], self.boxes[other], relative(self.poses[other], inner))
+                first, second = self.boxes[name], self.boxes[other]
+                there = relative(self.poses[other], inner)
+                # the larger of the distances along the axes of either: the shapes in the boxes are no nearer
+                far = max(_apart(first.placed(*there), second), _apart(first, second.placed(*relative(there, STILL))))
                 if best is None or far < best.gap:
-                    best = Contact(far, size, other)
+                    best = Contact(far, max(size_of(first), size_of(second)), other)
                 if not far:
                     return best
         return best
 
-
-def _gap(first: Box, second: Box, between: Pose) -> float:
-    """Return the larger of the distances of the boxes along either's axes, the first standing at a pose in the
-    second's frame: the shapes in them are no nearer."""
-    back = relative(between, STILL)
-    return max(_apart(first.placed(*between), second), _apart(first, second.placed(*back)))
+    def _sides(self, joint: JointView) -> tuple[list[str], list[str]]:
+        """Links with shapes that are fixed to the child, and to the parent or to the next group above that has such; of
+        large groups those that the joint joins, so that time grows with the links and not with their square."""
+        branch, group = [joint.child], self._tree.group[joint.parent]
+        if max(len(group.links), len(self._tree.group[joint.child].links)) > _LARGE:
+            above = [joint.parent]
+        else:
+            for name in branch:
+                branch += self._fixed.get(name, ())
+            inside = set(branch)
+            above = []
+            while not any(name in self.shaped for name in above):
+                group = self._next_shaped[group]
+                above = [link.name for link in group.links if link.name not in inside]
+                if group.parent is None:
+                    break
+                group = group.parent
+        below, above = ([name for name in names if name in self.shaped] for names in (branch, above))
+        return below, above
 
 
 def _apart(first: Box, second: Box) -> float:
@@ -241,21 +222,14 @@ class Hull:
         """
         own: Floats = product(directions, self.pose.R)
         there: Floats = product(directions, self.pose.p)
-        return there + self._own_reach(own)
-
-    def _own_reach(self, own: Floats) -> Floats:
-        """Return (n,) how far it reaches from its origin in directions (n, 3) of its own axes [m]."""
         radius, up = float(self.half[0]), np.abs(own[:, 2])
-        found: Floats
         if self.points is not None:
-            found = product(own, self.points.T).max(axis=1)
-        elif self.kind == "box":
-            found = product(np.abs(own), self.half)
-        elif self.kind == "cylinder":
-            found = radius * np.hypot(own[:, 0], own[:, 1]) + up * self.half[2]
-        else:
-            found = radius + up * (self.half[2] - radius)
-        return found
+            return there + product(own, self.points.T).max(axis=1)
+        if self.kind == "box":
+            return there + product(np.abs(own), self.half)
+        if self.kind == "cylinder":
+            return there + radius * np.hypot(own[:, 0], own[:, 1]) + up * self.half[2]
+        return there + radius + up * (self.half[2] - radius)
 
 
 def depth(first: Hull, second: Hull, bound: float) -> float:
@@ -307,9 +281,16 @@ def overlaps(context: Context) -> list[Overlap]:
     Left out are links that one joint or fixed joints connect, those for which the SRDF disables collisions, and shapes
     that are not where they should be. From stage TREE on.
     """
-    misplaced = {misfit.geometry for misfit in context.once(misfits)}
-    shapes = [each for each in _shapes(context) if each[1] not in misplaced]
-    disabled = _disabled(context)
+    misplaced, srdf = {misfit.geometry for misfit in context.once(misfits)}, own_srdf(context)
+    known, poses = context.once(solids), context.once(rest_poses)
+    shapes = [
+        (link, shape, known[shape].placed(poses[link.name]))
+        for link in context.view.links
+        for shape in real_shapes(link)
+        if shape.kind == "collision" and shape in known and link.name in poses and shape not in misplaced
+    ]
+    pairs = [] if srdf is None else srdf.root.findall("disable_collisions")
+    disabled = {frozenset((pair.get("link1"), pair.get("link2"))) for pair in pairs}
     hull, neighbours = cache(partial(_hull, context)), cache(partial(_neighbours, context))
     found: dict[tuple[str, str], Overlap] = {}
     tried = Counter[tuple[str, str]]()
@@ -321,28 +302,12 @@ def overlaps(context: Context) -> list[Overlap]:
         tried[link.name, other.name] += 1
         if tried[link.name, other.name] > _MOST_PAIRS:
             continue
-        one, two, known = hull(link, shape), hull(other, its), found.get((link.name, other.name))
-        bound = bound if known is None else max(bound, known.depth)
+        one, two, before = hull(link, shape), hull(other, its), found.get((link.name, other.name))
+        bound = bound if before is None else max(bound, before.depth)
         deep = 0.0 if one is None or two is None else depth(one, two, bound)
         if deep:
             found[link.name, other.name] = Overlap(link, other, its, deep)
     return sorted(found.values(), key=lambda overlap: -overlap.depth)
-
-
-def _disabled(context: Context) -> frozenset[frozenset[str | None]]:
-    """Return the pairs of links for which the SRDF disables collisions."""
-    found = context.once(srdf)
-    pairs = [] if found is None or found.is_of_another else found.root.findall("disable_collisions")
-    return frozenset(frozenset((pair.get("link1"), pair.get("link2"))) for pair in pairs)
-
-
-def _shapes(context: Context) -> Iterator[tuple[LinkView, GeometryView, Box]]:
-    """Yield the collision shapes that are known, and the boxes around them along the root's axes."""
-    known, poses = context.once(solids), context.once(rest_poses)
-    for link in context.view.links:
-        for shape in real_shapes(link):
-            if shape.kind == "collision" and shape in known and link.name in poses:
-                yield link, shape, known[shape].placed(poses[link.name])
 
 
 def _neighbours(context: Context, link: LinkView, other: LinkView) -> bool:

@@ -32,7 +32,7 @@ def pose(origin: OriginView) -> Pose | None:
     xyz, rpy = origin.xyz.or_default(0.0, 0.0, 0.0), origin.rpy.or_default(0.0, 0.0, 0.0)
     if xyz is None or rpy is None:
         return None
-    return Pose(rotation_from_rpy(rpy[0], rpy[1], rpy[2]), np.array(xyz))
+    return Pose(rotation_from_rpy(*rpy), np.array(xyz))
 
 
 def link_poses(context: Context) -> Mapping[str, Pose]:
@@ -45,8 +45,13 @@ def link_poses(context: Context) -> Mapping[str, Pose]:
             joint = context.tree.above[link.name]
             outer, inner = poses.get(joint.parent), pose(joint.origin)
             if outer is not None and inner is not None:
-                poses[link.name] = Pose(product(outer.R, inner.R), outer.p + product(outer.R, inner.p))
+                poses[link.name] = behind(outer, inner)
     return poses
+
+
+def behind(outer: Pose, inner: Pose) -> Pose:
+    """Return the pose in the outer frame of what has a pose in the inner one."""
+    return Pose(product(outer.R, inner.R), outer.p + product(outer.R, inner.p))
 
 
 def carried_masses(context: Context) -> Mapping[Group, float]:
@@ -109,23 +114,18 @@ def gyration(context: Context, group: Group) -> float | None:
     tr(S) is the sum of tr(I) / 2 + m |c - c_group|^2 over the links. None where a number of it cannot be read, or no
     mass is there.
     """
-    parts = [_part(context, link) for link in group.links if link.inertial is not None]
-    known = [part for part in parts if part is not None]
-    mass = fsum(m for m, _, _ in known)
-    if len(known) < len(parts) or not mass > 0:
+    poses, parts = context.once(link_poses), list[tuple[float, float, list[float]]]()
+    for link in (link for link in group.links if link.inertial is not None):
+        outer, inner = poses.get(link.name), None if link.inertial is None else pose(link.inertial.origin)
+        if link.mass is None or link.tensor is None or outer is None or inner is None:
+            return None
+        parts.append((link.mass, trace(link.tensor) / 2, behind(outer, inner).p.tolist()))
+    mass = fsum(m for m, _, _ in parts)
+    if not mass > 0:
         return None
-    centre = [fsum(m * c[k] for m, _, c in known) / mass for k in range(3)]
-    spread = fsum(half + m * fsum((c[k] - centre[k]) ** 2 for k in range(3)) for m, half, c in known)
+    centre = [fsum(m * c[k] for m, _, c in parts) / mass for k in range(3)]
+    spread = fsum(half + m * fsum((c[k] - centre[k]) ** 2 for k in range(3)) for m, half, c in parts)
     return sqrt(max(spread, 0.0) / mass)
-
-
-def _part(context: Context, link: LinkView) -> tuple[float, float, tuple[float, ...]] | None:
-    """Return mass, half the trace of the tensor and the centre of mass in the frame of the group's first link."""
-    outer = context.once(link_poses).get(link.name)
-    inner = None if link.inertial is None else pose(link.inertial.origin)
-    if link.mass is None or link.tensor is None or outer is None or inner is None:
-        return None
-    return link.mass, trace(link.tensor) / 2, tuple((outer.p + product(outer.R, inner.p)).tolist())
 
 
 def widest(tensor: Tensor) -> int:

@@ -2,40 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from robodyn.checks.context import Context
 from robodyn.programs.vectors import arctan2, length, product, rotation_about, skew
-from robodyn.robot.model import Body, Joint, Model
+from robodyn.robot.model import Joint, Model
 from robodyn.support.floats import Floats, first_largest
-
-
-@dataclass(frozen=True, eq=False)
-class _Hinge:
-    """The constant matrices of E(q) x = R Rot(a, q) x = (along + cos q across + sin q turned) x."""
-
-    forward: Floats
-    back: Floats
-    along: Floats
-    turned: Floats
-
-    @classmethod
-    def of(cls, body: Body) -> _Hinge:
-        R, axis = body.joint.R, body.joint.axis
-        along, turned = np.outer(axis, axis), skew(axis)
-        if body.joint.kind != "revolute":
-            along, turned = np.eye(3), np.zeros((3, 3))
-        across = np.eye(3) - along
-        return cls(
-            np.vstack((product(R, along), product(R, across), product(R, turned))),
-            np.vstack((along, across, -turned)),
-            along,
-            turned,
-        )
-
 
 _NOTHING = 1e-12
 """First moments that are no more than this, by the robot's mass, are rounding [m]."""
@@ -60,7 +35,6 @@ class Sweep:
         self, model: Model, targets: Sequence[int], starts: Floats, low: Floats, high: Floats, free: Floats
     ) -> None:
         self._bodies, self._low, self._high, self._free = model.bodies, low, high, free
-        self._hinges = [_Hinge.of(body) for body in model.bodies]
         self._carried = np.array([body.inertia.m for body in model.bodies])
         for i in reversed(range(1, len(model.bodies))):
             self._carried[model.parents[i]] += self._carried[i]
@@ -72,40 +46,35 @@ class Sweep:
         self._up: dict[int, Floats] = {}
         self._scale = float(self._carried[0]) or 1.0
 
-    def poses(self) -> Floats:
-        """Return (targets, rows, n) the poses."""
-        found: Floats = self.q.T.reshape(len(self._rows), self._each, -1)
-        return found
-
-    def torques(self) -> Floats:
-        """Return (targets, rows) torque / g."""
-        return self._torques(self._inward()).reshape(len(self._rows), self._each)
-
-    def improve(self) -> Floats:
-        """Make one sweep from the base to the tips: the best position of each joint in turn, the others as they are.
-
-        Returns:
-            (rows of all targets,) torque / g before the sweep, times the sign that the row is to have; 0 before the
-            first.
-        """
-        x = self._inward()
-        before = self._sign * self._torques(x)
-        self._outward(x)
-        return before
-
-    def _torques(self, x: Mapping[int, Floats]) -> Floats:
-        torques = np.zeros(self.q.shape[1])
+    def torques(self, x: Mapping[int, Floats] | None = None) -> Floats:
+        """Return (targets * rows,) torque / g, of given h and v, otherwise of those at q."""
+        x, torques = self._inward() if x is None else x, np.zeros(self.q.shape[1])
         for t, rows in self._rows.items():
             if t in self._up:
                 torques[rows] = (self._up[t] * x[t][:, 1, rows]).sum(axis=0)
         return torques
 
-    def _positions(self, i: int) -> Floats:
-        joint = self._bodies[i].joint
-        if joint.kind == "fixed":
-            return np.zeros(self.q.shape[1])
+    def improve(self) -> Floats:
+        """Give each joint in turn, from the base to the tips, its best position, the others being as they are; return
+        (targets * rows,) torque / g before the sweep, times the sign that the row is to have; 0 before the first."""
+        x = self._inward()
+        before: Floats = self._sign * self.torques(x)
+        self._outward(x)
+        return before
+
+    def _positions(self, joint: Joint) -> Floats:
         position: Floats = joint.multiplier * self.q[joint.coordinate] + joint.offset
         return position
+
+    def _turned(self, joint: Joint, x: Floats, back: float = 1.0) -> Floats:
+        """Return Rot(a, q) x, or turned back, of (3, 2, rows)."""
+        if joint.kind != "revolute":
+            return x
+        q, axis = self._positions(joint), joint.axis
+        along = product(np.outer(axis, axis), x.reshape(3, -1)).reshape(x.shape)
+        across = product(skew(axis), x.reshape(3, -1)).reshape(x.shape)
+        turned: Floats = along + np.cos(q) * (x - along) + back * np.sin(q) * across
+        return turned
 
     def _inward(self) -> dict[int, Floats]:
         """Return (3, 2, rows) h and v of the bodies that matter."""
@@ -119,11 +88,11 @@ class Sweep:
                 own[:, 1, rows] = self._carried[i] * axis[:, None] if sliding else product(skew(axis), own[:, 0, rows])
             if body.parent < 0:
                 continue
-            above, q = x[body.parent], self._positions(i)
-            above += _turned(self._hinges[i].forward, own, q)
-            above[:, 0] += self._carried[i] * body.joint.p[:, None]
-            if body.joint.kind == "prismatic":
-                above[:, 0] += self._carried[i] * np.outer(product(body.joint.R, body.joint.axis), q)
+            joint, above = body.joint, x[body.parent]
+            above += product(joint.R, self._turned(joint, own).reshape(3, -1)).reshape(own.shape)
+            above[:, 0] += self._carried[i] * joint.p[:, None]
+            if joint.kind == "prismatic":
+                above[:, 0] += self._carried[i] * np.outer(product(joint.R, joint.axis), self._positions(joint))
         return x
 
     def _outward(self, x: Mapping[int, Floats]) -> None:
@@ -136,7 +105,7 @@ class Sweep:
             here = product(body.joint.R.T, y[body.parent].reshape(3, -1)).reshape(ground.shape)
             if self._free[body.joint.coordinate] and body.joint.mimics is None:
                 self._best(i, x[i], here)
-            own = _turned(self._hinges[i].back, here, self._positions(i))
+            own = self._turned(body.joint, here, back=-1.0)
             if i in self._rows:
                 rows = self._rows[i]
                 self._up[i] = own[:, 0, rows]
@@ -146,15 +115,16 @@ class Sweep:
 
     def _best(self, i: int, x: Floats, y: Floats) -> None:
         """Give the joint of body i its best position in every row in which it matters."""
-        joint, hinge = self._bodies[i].joint, self._hinges[i]
-        low, high = self._low[joint.coordinate], self._high[joint.coordinate]
-        q = self.q[joint.coordinate]
+        joint = self._bodies[i].joint
+        low, high, q = self._low[joint.coordinate], self._high[joint.coordinate], self.q[joint.coordinate]
         if joint.kind == "prismatic":
             gain = self._sign * product(joint.axis, y[:, 1])
             q[:] = np.where(gain > 0.0, high, np.where(gain < 0.0, low, q))
             return
-        turned = product(hinge.turned, x.reshape(3, -1)).reshape(x.shape)
-        along = product(hinge.along, x.reshape(3, -1)).reshape(x.shape)
+        turned, along = (
+            product(part, x.reshape(3, -1)).reshape(x.shape)
+            for part in (skew(joint.axis), np.outer(joint.axis, joint.axis))
+        )
         # y has up with h and w with v the other way about: v goes with up, h with w
         cosine = self._sign * (y * (x - along)[:, ::-1]).sum(axis=(0, 1))
         sine = self._sign * (y * turned[:, ::-1]).sum(axis=(0, 1))
@@ -179,13 +149,6 @@ def around(parents: Sequence[int], targets: frozenset[int]) -> list[int]:
     return sorted(above | below)
 
 
-def _turned(parts: Floats, x: Floats, q: Floats) -> Floats:
-    """Return (along + cos q across + sin q turned) x."""
-    along, across, turned = product(parts, x.reshape(3, -1)).reshape(3, *x.shape)
-    result: Floats = along + np.cos(q) * across + np.sin(q) * turned
-    return result
-
-
 STARTS = 4
 MOST_BODIES = 150
 """Of larger robots the poses are not looked at: the work grows with the square of the number, or faster."""
@@ -195,24 +158,17 @@ _CONVERGED = 1e-3
 _LEAST_LEVER = 0.05
 
 
-@dataclass(frozen=True, eq=False)
-class StaticTorque:
-    """What a joint must carry at rest.
-
-    Attributes:
-        joint: with a coordinate of its own.
-        torque: of largest magnitude that was found, with its sign; gravity is (0, 0, -9.81) along the root's axes
-            [N m or N].
-        q: (n,) the pose, with joints that do not matter at or nearest to 0 [rad or m].
-    """
+class StaticTorque(NamedTuple):
+    """What a joint with a coordinate of its own must carry at rest: the torque of largest magnitude that was found,
+    with its sign, gravity being (0, 0, -9.81) along the root's axes [N m or N], and the pose (n,), with joints that do
+    not matter at or nearest to 0 [rad or m]."""
 
     joint: Joint
     torque: float
     q: Floats
 
 
-@dataclass(frozen=True, slots=True)
-class GravityBound:
+class GravityBound(NamedTuple):
     """What the weight of `own`, all that a joint carries, or of the `whole` robot, as of a leg that stands, can be
     about the joint at the farthest reach of what the joint carries, of the whole at 5 cm at least [N m or N]."""
 
@@ -238,35 +194,35 @@ def static_torques(context: Context) -> tuple[StaticTorque, ...]:
     model = context.model
     if len(model.bodies) > MOST_BODIES or any(body.joint.kind == "floating" for body in model.bodies):
         return ()
-    places = {body.joint.name: i for i, body in enumerate(model.bodies)}
+    followed = {body.joint.coordinate for body in model.bodies if body.joint.mimics is not None}
     bounds = context.once(gravity_bounds)
-    single = [joint for joint in model.independent if joint.coordinate not in _followed(model)]
-    might = [joint for joint in single if joint.effort and 0.0 < joint.effort < bounds[joint.name].own]
-    return tuple(_worst(model, might, [places[joint.name] for joint in might])) if might else ()
-
-
-def _worst(model: Model, joints: Sequence[Joint], targets: Sequence[int]) -> Iterator[StaticTorque]:
+    joints = {
+        i: body.joint
+        for i, body in enumerate(model.bodies)
+        if body.joint.mimics is None and body.joint.coordinate not in followed
+        if body.joint.effort and 0.0 < body.joint.effort < bounds[body.joint.name].own
+    }
+    if not joints:
+        return ()
     low, high = position_ranges(model)
-    free = np.array([k not in _followed(model) for k in range(model.n)])
-    sweep = Sweep(model, targets, starts(low, high), low, high, free)
+    free = np.array([k not in followed for k in range(model.n)])
+    sweep = Sweep(model, [*joints], starts(low, high), low, high, free)
     last = sweep.improve()
     for _ in range(SWEEPS):
         now = sweep.improve()
         if (now - last <= _CONVERGED * np.abs(now)).all():
             break
         last = now
-    torques, poses = GRAVITY * sweep.torques(), sweep.poses()
-    for k, joint in enumerate(joints):
+    torques = GRAVITY * sweep.torques().reshape(len(joints), -1)
+    poses = sweep.q.T.reshape(*torques.shape, -1)
+    found = []
+    for k, (i, joint) in enumerate(joints.items()):
         worst = first_largest(np.abs(torques[k]))
-        matter = [model.bodies[i].joint.coordinate for i in around(model.parents, frozenset({targets[k]}))[1:]]
+        matter = [model.bodies[j].joint.coordinate for j in around(model.parents, frozenset({i}))[1:]]
         q = np.clip(np.zeros(model.n), low, high)
         q[matter] = poses[k, worst, matter]
-        yield StaticTorque(joint, float(torques[k, worst]), q)
-
-
-def _followed(model: Model) -> frozenset[int]:
-    """Return the coordinates that move several joints."""
-    return frozenset(body.joint.coordinate for body in model.bodies if body.joint.mimics is not None)
+        found.append(StaticTorque(joint, float(torques[k, worst]), q))
+    return tuple(found)
 
 
 def position_ranges(model: Model) -> tuple[Floats, Floats]:
@@ -344,8 +300,13 @@ def reflected_inertias(context: Context) -> tuple[tuple[Joint, float], ...]:
 
     Accuracy: M within 1e-12 of its largest entry.
     """
-    model = context.model
-    joints = list(_damped(model))
+    model, joints = context.model, list[Joint]()
+    for body in model.bodies:
+        joint, m = body.joint, body.inertia.m
+        if joint.kind in ("revolute", "prismatic") and joint.mimics is None and joint.damping > 0.0:
+            own = m if joint.kind == "prismatic" else float(product(joint.axis, body.inertia.I, joint.axis))
+            if own < _WORTH * joint.damping:
+                joints.append(joint)
     if not joints or model.nq != model.n or len(model.bodies) > MOST_BODIES:
         return ()
     low, high = position_ranges(model)
@@ -407,13 +368,3 @@ def joint_space_inertia(model: Model, q: Floats) -> Floats:
         J_c = J_v - product(skew(product(R, body.inertia.centre_of_mass)), J_w)
         M += body.inertia.m * product(J_c.T, J_c) + product(J_w.T, R, body.inertia.about_centre, R.T, J_w)
     return M
-
-
-def _damped(model: Model) -> Iterator[Joint]:
-    for body in model.bodies:
-        joint = body.joint
-        if joint.kind not in ("revolute", "prismatic") or joint.mimics is not None or not joint.damping > 0.0:
-            continue
-        own = body.inertia.m if joint.kind == "prismatic" else float(product(joint.axis, body.inertia.I, joint.axis))
-        if own < _WORTH * joint.damping:
-            yield joint
