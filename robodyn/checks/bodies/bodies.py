@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from math import isfinite, pi
+from math import inf, isfinite, pi
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from robodyn.checks.context import Context
 from robodyn.programs.vectors import length, product
 from robodyn.robot.kinematics import Pose
 from robodyn.robot.masses.inertia_mistakes import PRODUCTS, Given, raised
-from robodyn.robot.masses.mistake_posterior import DOUBTED, Cause, Posterior, Uniform, mistake_posterior
+from robodyn.robot.masses.mistake_posterior import DOUBTED, Posterior, Uniform, mistake_posterior
 from robodyn.robot.urdf.elements import Span
 from robodyn.robot.urdf.view import InertialView, JointView, LinkView
 from robodyn.solids.inertia.laws import second_moments, symmetric
@@ -31,8 +31,6 @@ class Body:
     """One inertial and the boxes that it ought to fit.
 
     Attributes:
-        link, inertial: it.
-        mass: kg, positive.
         c: (3,) centre of mass in the link's frame [m].
         S: (3, 3) second moments about the centre, along the link's axes [kg m^2]; None without a tensor, or if it is 0.
         own: box around the link's own shapes, along its axes.
@@ -75,21 +73,13 @@ def bodies(context: Context) -> Mapping[str, Body]:
     found = {}
     for link in context.view.links:
         where = None if link.inertial is None else pose(link.inertial.origin)
-        if link.inertial is None or where is None or link.name not in poses:
+        mass, tensor, S = link.mass, link.tensor, None
+        if link.inertial is None or where is None or link.name not in poses or mass is None or not 0 < mass < inf:
             continue
-        mass = link.mass
-        if mass is None or not 0 < mass < float("inf"):
-            continue
-        found[link.name] = Body(
-            link=link,
-            inertial=link.inertial,
-            mass=mass,
-            c=where.p,
-            S=_second(link, where),
-            own=own.get(link.name),
-            group=boxes.get(context.tree.group[link.name]),
-            pose=poses[link.name],
-        )
+        if tensor is not None and all(map(isfinite, tensor)) and any(tensor):
+            S = product(where.R, second_moments(symmetric(tensor)), where.R.T)
+        group = boxes.get(context.tree.group[link.name])
+        found[link.name] = Body(link, link.inertial, mass, where.p, S, own.get(link.name), group, poses[link.name])
     return found
 
 
@@ -98,14 +88,6 @@ def share(context: Context, body: Body) -> float | None:
     whole = context.tree.group[body.link.name].mass
     part = body.mass / whole if whole else 1.0
     return part if part >= _LEAST_SHARE else None
-
-
-def _second(link: LinkView, where: Pose) -> Floats | None:
-    tensor = link.tensor
-    if tensor is None or not all(map(isfinite, tensor)) or not any(tensor):
-        return None
-    S: Floats = product(where.R, second_moments(symmetric(tensor)), where.R.T)
-    return S
 
 
 _MASS = 1e-6
@@ -122,15 +104,11 @@ def repeated(context: Context) -> Mapping[str, JointView]:
         part, again = known.get(joint.parent), known.get(joint.child)
         if joint.type != "fixed" or part is None or again is None or abs(part.mass - again.mass) > _MASS * part.mass:
             continue
-        if share(context, again) is not None and (_one_centre(part, again) or _copied(part, again)):
+        one_centre = length(part.in_group[0] - again.in_group[0]) <= _NEAR
+        spread = not _stand_in(part) and not _stand_in(again)
+        if share(context, again) is not None and ((spread and one_centre) or _copied(part, again)):
             found[joint.child] = joint
     return found
-
-
-def _one_centre(part: Body, again: Body) -> bool:
-    """Return whether both have a spread, and their centres of mass are at one point."""
-    spread = not _stand_in(part) and not _stand_in(again)
-    return spread and length(part.in_group[0] - again.in_group[0]) <= _NEAR
 
 
 def _copied(part: Body, again: Body) -> bool:
@@ -140,11 +118,11 @@ def _copied(part: Body, again: Body) -> bool:
     same = tensor == again.link.tensor and bool((part.c == again.c).all()) and not _stand_in(part)
     if not same or tensor is None or not again.link.geometries:
         return same
-    return all(tensor[k] for k in (1, 2, 4)) and _shapes(part.link) != _shapes(again.link)
-
-
-def _shapes(link: LinkView) -> set[tuple[tuple[str, str], ...]]:
-    return {tuple(sorted(shape.shape.values.items())) for shape in link.geometries if shape.shape is not None}
+    one, other = (
+        {tuple(sorted(shape.shape.values.items())) for shape in link.geometries if shape.shape is not None}
+        for link in (part.link, again.link)
+    )
+    return all(tensor[k] for k in (1, 2, 4)) and one != other
 
 
 def _stand_in(body: Body) -> bool:
@@ -159,7 +137,7 @@ def given(link: LinkView) -> Given | None:
     """Return what a link says; None where a number cannot be read, there is no mass or no inertia, or the rpy of the
     inertial is in degrees."""
     mass, tensor = link.mass, link.tensor
-    if link.inertial is None or tensor is None or mass is None or not 0 < mass < float("inf") or not any(tensor):
+    if link.inertial is None or tensor is None or mass is None or not 0 < mass < inf or not any(tensor):
         return None
     placed, turns = pose(link.inertial.origin), link.inertial.origin.rpy.or_default(0.0, 0.0, 0.0) or ()
     if placed is None or any(abs(turn) > 2.0 * pi for turn in turns) or not all(map(isfinite, (*tensor, *placed.p))):
@@ -178,36 +156,26 @@ def weighed(context: Context) -> Mapping[str, Posterior]:
         said = given(body.link)
         if said is None or name not in shapes:
             continue
-        verdict = _verdict(_numbers(said, shapes[name].solid.along(said.R)))
+        shape = shapes[name].solid.along(said.R)
+        own = said.mass, said.c.tobytes(), said.R.tobytes(), said.entries
+        verdict = _verdict(own, (shape.volume, shape.c.tobytes(), shape.S.tobytes()))
         exact = verdict.named and not verdict.units and verdict.named[0].apart <= _EXACT
         if exact or share(context, body) is not None:
             found[name] = verdict
     return found
 
 
-Numbers = tuple[float, bytes, bytes, tuple[float, ...], float, bytes, bytes]
-"""Mass, centre, axes and entries of what is given; volume, centre and second moments of the shapes."""
-
-
-def _numbers(given: Given, shapes: Uniform) -> Numbers:
-    own = given.mass, given.c.tobytes(), given.R.tobytes(), given.entries
-    return *own, shapes.volume, shapes.c.tobytes(), shapes.S.tobytes()
-
-
 @lru_cache(maxsize=1024)
-def _verdict(numbers: Numbers) -> Posterior:
-    """The posterior, once for the same numbers: a quarter of the links of a robot are like another one."""
-    mass, c, R, entries, volume, centre, S = numbers
+def _verdict(own: tuple[float, bytes, bytes, tuple[float, ...]], shape: tuple[float, bytes, bytes]) -> Posterior:
+    """The posterior, once for the same numbers, in bytes: a quarter of the links of a robot are like another one."""
+    (mass, c, R, entries), (volume, centre, S) = own, shape
     given = Given(mass, np.frombuffer(c), np.frombuffer(R).reshape(3, 3), entries)
     return mistake_posterior(given, Uniform(volume, np.frombuffer(centre), np.frombuffer(S).reshape(3, 3)))
 
 
 def judged(context: Context, tensors: bool = True) -> Iterator[Body]:
-    """Yield the bodies whose mass matters in their group, where no slip of units is suspected and no mass repeated.
-
-    Args:
-        tensors: leave out those of which a slip of the tensor is named, too.
-    """
+    """Yield the bodies whose mass matters in their group, where no slip of units is suspected, nor, with `tensors`, one
+    of the tensor named, and no mass repeated."""
     verdicts, again = context.once(weighed), context.once(repeated)
     for name, body in context.once(bodies).items():
         verdict = verdicts.get(name)
@@ -222,11 +190,8 @@ def suspected(context: Context, body: Body, centre: bool = False) -> str | None:
     verdict = context.once(weighed).get(body.link.name)
     if verdict is None or verdict.right > DOUBTED:
         return None
-    said, fits = given(body.link), (one for one in verdict.causes if _of_centre(one) == centre)
+    said = given(body.link)
+    fits = (one for one in verdict.causes if (one.units is not None and one.units.factors[1] != 1) == centre)
     if not centre and said is not None and raised(said) and any(said.entries[k] for k in PRODUCTS):
         return one_of([f"its moments were raised to {figure(said.entries[0], 2)} kg m^2, as simulators are helped"])
     return one_of(one.what for one in fits)
-
-
-def _of_centre(cause: Cause) -> bool:
-    return cause.units is not None and cause.units.factors[1] != 1

@@ -74,7 +74,7 @@ class _Link(NamedTuple):
 
 def misfits(context: Context) -> tuple[Misfit, ...]:
     """Return at most one collision shape of each link that is not that of what is seen."""
-    known, found = context.once(solids), []
+    known, found = context.once(solids), list[Misfit]()
     visual = cache(lambda link: box_of(_of_kind(link, "visual"), known, STILL))
     for link in context.view.links:
         felt, seen = _of_kind(link, "collision"), _of_kind(link, "visual")

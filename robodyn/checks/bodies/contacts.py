@@ -221,15 +221,17 @@ class Hull:
         r + |dz| l / 2, l being the length of its cylinder.
         """
         own: Floats = product(directions, self.pose.R)
-        there: Floats = product(directions, self.pose.p)
         radius, up = float(self.half[0]), np.abs(own[:, 2])
         if self.points is not None:
-            return there + product(own, self.points.T).max(axis=1)
-        if self.kind == "box":
-            return there + product(np.abs(own), self.half)
-        if self.kind == "cylinder":
-            return there + radius * np.hypot(own[:, 0], own[:, 1]) + up * self.half[2]
-        return there + radius + up * (self.half[2] - radius)
+            reach = product(own, self.points.T).max(axis=1)
+        elif self.kind == "box":
+            reach = product(np.abs(own), self.half)
+        elif self.kind == "cylinder":
+            reach = radius * np.hypot(own[:, 0], own[:, 1]) + up * self.half[2]
+        else:
+            reach = radius + up * (self.half[2] - radius)
+        there: Floats = product(directions, self.pose.p) + reach
+        return there
 
 
 def depth(first: Hull, second: Hull, bound: float) -> float:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator
 from itertools import pairwise
 from math import isclose, log10, pi
+from typing import NamedTuple
 
 from robodyn.checks.context import Context
 from robodyn.checks.meshes.units import reach
@@ -26,16 +26,10 @@ _LONG, _REACHES = 5.0, 20.0
 """A slide of more metres, which is as many times as long as the robot's longest offset, is in millimetres."""
 
 
-@dataclass(frozen=True, slots=True)
-class LimitSlip:
-    """A number of <limit> that is too large by a factor between units.
+class LimitSlip(NamedTuple):
+    """A number of <limit> that is too large by a factor between units: the unit in which it seems to be, the one that
+    URDF takes it in, and what speaks for it."""
 
-    Attributes:
-        wrote, meant: the unit in which it seems to be, and the one that URDF takes it in.
-        why: what speaks for it.
-    """
-
-    joint: JointView
     numbers: Numbers
     factor: float
     wrote: str
@@ -61,15 +55,12 @@ def _speeds(context: Context) -> Iterator[LimitSlip]:
     found = [each for each in _given(context, "velocity") if each[0].type in _TURNING and each[2] < most]
     large = [each for each in found if each[2] > (_FASTEST if each[0].type == "revolute" else _FREELY)]
     why = _apart(large, found, _DEGREES, _SPEED_GAP, _SPEED_BAND)
-    if not why and any(each[0].type == "revolute" for each in found) and _in_degrees([each[2] for each in found]):
+    speeds = [each[2] for each in found]  # several values, for one alone may be a stand-in
+    several = len(speeds) > 2 and len(set(speeds)) > 1 and any(each[0].type == "revolute" for each in found)
+    if not why and several and all(speed >= _SLOWEST and speed % _ROUND == 0 for speed in speeds):
         large, why = found, f"those of all joints are multiples of {_ROUND:g}, which are speeds of no drive in rad/s"
-    for joint, limit, _ in large if why else ():
-        yield LimitSlip(joint, limit.velocity, _DEGREES, "deg/s", "rad/s", why)
-
-
-def _in_degrees(speeds: Sequence[float]) -> bool:
-    """Return whether the speeds of all joints are round in degrees; several values, for one alone may be a stand-in."""
-    return len(speeds) > 2 and len(set(speeds)) > 1 and all(v >= _SLOWEST and v % _ROUND == 0 for v in speeds)
+    for _, limit, _ in large if why else ():
+        yield LimitSlip(limit.velocity, _DEGREES, "deg/s", "rad/s", why)
 
 
 def _efforts(context: Context) -> Iterator[LimitSlip]:
@@ -77,14 +68,15 @@ def _efforts(context: Context) -> Iterator[LimitSlip]:
     found = [
         each
         for each in _given(context, "effort")
-        if each[0].type in _TURNING and each[2] < 1e3 * limits.most_effort and _limited(each[1], limits.most_velocity)
+        if each[0].type in _TURNING and each[2] < 1e3 * limits.most_effort
+        if each[1].velocity.value is None or each[1].velocity.value < limits.most_velocity
     ]
     values = sorted(value for _, _, value in found)
     jump = next((above for below, above in pairwise(values) if above >= _EFFORT_GAP * below), None)
     large = [each for each in found if jump is not None and each[2] >= jump and not _stand_in(each[2])]
     why = _apart(large, found, 1e3, _EFFORT_GAP, _EFFORT_BAND)
-    for joint, limit, _ in large if why else ():
-        yield LimitSlip(joint, limit.effort, 1e3, "N mm", "N m", why)
+    for _, limit, _ in large if why else ():
+        yield LimitSlip(limit.effort, 1e3, "N mm", "N m", why)
 
 
 def _slides(context: Context) -> Iterator[LimitSlip]:
@@ -95,10 +87,10 @@ def _slides(context: Context) -> Iterator[LimitSlip]:
             continue
         for numbers in (joint.limit.lower, joint.limit.upper):
             if numbers.value is not None and bound < abs(numbers.value) <= context.thresholds.most_range:
-                yield LimitSlip(joint, numbers, 1e3, "mm", "m", why)
+                yield LimitSlip(numbers, 1e3, "mm", "m", why)
         speed = joint.limit.velocity
         if speed.value is not None and max(bound, _FASTEST) < speed.value < context.thresholds.most_velocity:
-            yield LimitSlip(joint, speed, 1e3, "mm/s", "m/s", why)
+            yield LimitSlip(speed, 1e3, "mm/s", "m/s", why)
 
 
 def _given(context: Context, attribute: str) -> _Given:
@@ -124,17 +116,8 @@ def _apart(large: _Given, found: _Given, factor: float, gap: float, band: float)
         return ""
     least, most = min(others) / band, max(others) * band
     within = all(least <= value / factor <= most for value in values)
-    return f"those of the other joints are {_between(others)}" if within else ""
-
-
-def _between(values: Sequence[float]) -> str:
-    least, most = min(values), max(values)
-    return f"{least:g}" if least == most else f"{least:g} to {most:g}"
-
-
-def _limited(limit: LimitView, most_velocity: float) -> bool:
-    """Return whether the limit is one, and no stand-in for none."""
-    return limit.velocity.value is None or limit.velocity.value < most_velocity
+    between = " to ".join(f"{value:g}" for value in sorted({min(others), max(others)}))
+    return f"those of the other joints are {between}" if within else ""
 
 
 def _stand_in(value: float) -> bool:

@@ -71,7 +71,7 @@ def _sized(context: Context) -> Solids:
     found = {}
     for link in context.view.links:
         for geometry in link.geometries:
-            where, box = pose(geometry.origin), _mesh_box(geometry, facts) or _primitive_box(geometry)
+            where, box = pose(geometry.origin), _box(geometry, facts)
             if where is not None and box is not None and geometry not in mistaken:
                 found[geometry] = Solid(box, where)
     return found
@@ -92,20 +92,21 @@ def other_unit(context: Context) -> OtherUnit | None:
     return next((OtherUnit(one, middle) for one in found), None)
 
 
-def _mesh_box(geometry: GeometryView, facts: Mapping[str, MeshFacts]) -> Box | None:
-    if geometry.shape is None or geometry.shape.tag != "mesh":
+def _box(geometry: GeometryView, facts: Mapping[str, MeshFacts]) -> Box | None:
+    """Return the box around a shape in its own axes [m]; None where it is not known, or has no size."""
+    if geometry.shape is None:
         return None
-    known = facts.get(geometry.shape.get("filename") or "")
-    scale = geometry.scale.or_default(1.0, 1.0, 1.0)
+    if geometry.shape.tag != "mesh":
+        sizes = [size.values for size in geometry.sizes]
+        if not sizes or None in sizes:
+            return None
+        half = half_size(geometry.shape.tag, [length for values in sizes for length in values or ()])
+        return Box(-half, half) if (half > 0).all() else None
+    known, scale = facts.get(geometry.shape.get("filename") or ""), geometry.scale.or_default(1.0, 1.0, 1.0)
     if known is None or known.problem is not None or scale is None or not all(scale):
         return None
     ends = np.array((known.lo, known.hi)) * np.array(scale)
     return Box(ends.min(axis=0), ends.max(axis=0))
-
-
-def _primitive_box(geometry: GeometryView) -> Box | None:
-    half = _half_size(geometry)
-    return Box(-half, half) if half is not None and (half > 0).all() else None
 
 
 def box_of(shapes: Iterable[GeometryView], known: Solids, outer: Pose) -> Box | None:
@@ -131,10 +132,8 @@ def group_boxes(context: Context) -> Mapping[Group, Box]:
     known, poses = context.once(solids), context.once(link_poses)
     found = {}
     for group in context.tree.groups:
-        shaped = [link for link in group.links if real_shapes(link)]
-        box = around_known(
-            [box_of(real_shapes(link), known, poses[link.name]) if link.name in poses else None for link in shaped]
-        )
+        shaped = ((real_shapes(link), poses.get(link.name)) for link in group.links)
+        box = around_known([box_of(shapes, known, at) if at else None for shapes, at in shaped if shapes])
         if box is not None:
             found[group] = box
     return found
@@ -155,35 +154,15 @@ def outside(box: Box, point: Floats) -> float:
     return length(np.maximum(np.maximum(box.lo - point, point - box.hi), 0.0))
 
 
-def own_box(context: Context, link: LinkView, R: Floats) -> Box | None:
-    """Return the box around a link's shapes along the axes R (3, 3) of its frame, about its origin [m].
-
-    None where one is not known, or there is none.
-    """
-    return box_of(real_shapes(link), context.once(solids), Pose(R.T, np.zeros(3)))
-
-
-def _half_size(geometry: GeometryView) -> Floats | None:
-    """Return half the sizes (3,) of a primitive in its own axes [m]; None of a mesh, or where a size cannot be read."""
-    read = [size.values for size in geometry.sizes]
-    size = [length for lengths in read if lengths is not None for length in lengths]
-    return None if None in read or not read or geometry.shape is None else half_size(geometry.shape.tag, size)
-
-
 _FILLED = 0.35
 """Volume of a part over that of the box around it: the median of meshes of published robots."""
 _LEAST_FILLED = 0.03
 """Volume over the box's below which a surface that is not closed encloses nothing definite."""
 
 
-@dataclass(frozen=True, eq=False)
-class Shaped:
-    """A link as its shapes have it.
-
-    Attributes:
-        solid: in the link's axes.
-        definite: whether every shape encloses a volume; a box stands for one that does not.
-    """
+class Shaped(NamedTuple):
+    """A link as its shapes have it: a solid in the link's axes, and whether every shape encloses a volume; a box stands
+    for one that does not."""
 
     solid: Uniform
     definite: bool
@@ -198,27 +177,22 @@ def shaped(context: Context) -> Mapping[str, Shaped]:
     known, facts = context.once(solids), context.once(all_facts)
     found = {}
     for link in context.view.links:
-        one = _shaped(link, known, facts)
-        if one is not None:
-            found[link.name] = one
+        shapes = real_shapes(link)
+        shapes = [shape for shape in shapes if shape.kind == "visual"] or shapes
+        if not shapes or not all(shape in known for shape in shapes):
+            continue
+        parts, definite = [], True
+        for shape in shapes:
+            (box, where), own = (known[shape].box, known[shape].pose), _solid(shape, known[shape].box, facts)
+            definite = definite and own is not None
+            if own is None:
+                sides = box.hi - box.lo
+                own = Uniform(_FILLED * float(sides.prod()), (box.lo + box.hi) / 2.0, np.diag(sides**2 / 12.0))
+            parts.append(Uniform(own.volume, product(where.R, own.c) + where.p, product(where.R, own.S, where.R.T)))
+        whole = together(parts)
+        if whole is not None:
+            found[link.name] = Shaped(whole, definite)
     return found
-
-
-def _shaped(link: LinkView, known: Solids, facts: Mapping[str, MeshFacts]) -> Shaped | None:
-    shapes = real_shapes(link)
-    shapes = [shape for shape in shapes if shape.kind == "visual"] or shapes
-    if not shapes or not all(shape in known for shape in shapes):
-        return None
-    parts, definite = [], True
-    for shape in shapes:
-        own = _enclosed(shape, known[shape].box, facts) or _primitive_solid(shape)
-        definite = definite and own is not None
-        where = known[shape].pose
-        if own is None:
-            own = _boxed(known[shape].box)
-        parts.append(Uniform(own.volume, product(where.R, own.c) + where.p, product(where.R, own.S, where.R.T)))
-    whole = together(parts)
-    return None if whole is None else Shaped(whole, definite)
 
 
 def together(parts: Sequence[Uniform]) -> Uniform | None:
@@ -231,10 +205,13 @@ def together(parts: Sequence[Uniform]) -> Uniform | None:
     return Uniform(volume, c, S) if 0.0 < np.trace(S) < np.inf else None
 
 
-def _enclosed(shape: GeometryView, box: Box, facts: Mapping[str, MeshFacts]) -> Uniform | None:
-    """Return what a mesh encloses; None where that is nothing definite, or it is no mesh."""
-    if shape.shape is None or shape.shape.tag != "mesh":
+def _solid(shape: GeometryView, box: Box, facts: Mapping[str, MeshFacts]) -> Uniform | None:
+    """Return a primitive, or what a mesh encloses; None where that is nothing definite."""
+    if shape.shape is None:
         return None
+    if shape.shape.tag != "mesh":
+        body = SHAPES[shape.shape.tag](*(length for size in shape.sizes for length in size.values or ()), mass=1.0)
+        return Uniform(body.volume or 0.0, body.com, body.S_c)
     one, scale = facts[shape.shape.get("filename") or ""], np.array(shape.scale.or_default(1.0, 1.0, 1.0))
     volume = abs(one.volume * float(scale.prod()))
     c, S = np.array(one.centre) * scale, symmetric(one.second) * np.outer(scale, scale)
@@ -246,17 +223,3 @@ def _enclosed(shape: GeometryView, box: Box, facts: Mapping[str, MeshFacts]) -> 
         if volume < _LEAST_FILLED * float(sides.prod()) or (np.diagonal(S) > most).any():
             return None
     return Uniform(volume, c, S)
-
-
-def _primitive_solid(shape: GeometryView) -> Uniform | None:
-    form = None if shape.shape is None else SHAPES.get(shape.shape.tag)
-    if form is None:
-        return None
-    lengths = [length for size in shape.sizes for length in size.values or ()]
-    body = form(*lengths, mass=1.0)
-    return Uniform(body.volume or 0.0, body.com, body.S_c)
-
-
-def _boxed(box: Box) -> Uniform:
-    sides = box.hi - box.lo
-    return Uniform(_FILLED * float(sides.prod()), (box.lo + box.hi) / 2.0, np.diag(sides**2 / 12.0))

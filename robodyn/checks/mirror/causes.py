@@ -11,11 +11,12 @@ import numpy as np
 
 from robodyn.checks.bodies.bodies import given, weighed
 from robodyn.checks.bodies.masses import Tensor, is_physical, nearest
-from robodyn.checks.bodies.shapes import own_box, shaped
+from robodyn.checks.bodies.shapes import box_of, real_shapes, shaped, solids
 from robodyn.checks.context import Context
 from robodyn.checks.mirror.pairs import Pair, link_inertia, pairs, reflected
 from robodyn.checks.rule import Edit, Fault, Fix
 from robodyn.programs.vectors import length, product
+from robodyn.robot.kinematics import Pose
 from robodyn.robot.masses.inertia_mistakes import (
     COPIED,
     NINE,
@@ -63,7 +64,8 @@ class Evidence:
     def most(self) -> Floats | None:
         """(3,) m (hi - c)(c - lo), the most that the second moments can be in the box around the link's shapes by
         Bhatia and Davis, 0 of a centre that is outside; None where a shape of it is not known."""
-        box, c = own_box(self.context, self.link, self.given.R), self.given.c
+        turned = Pose(self.given.R.T, np.zeros(3))
+        box, c = box_of(real_shapes(self.link), self.context.once(solids), turned), self.given.c
         if box is None:
             return None
         most: Floats = self.given.mass * np.maximum(box.hi - c, 0.0) * np.maximum(c - box.lo, 0.0)

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import isfinite
-from typing import TYPE_CHECKING
 
 from robodyn.checks.context import TARGETS
 from robodyn.checks.examples import a_joint, a_link, arm
 from robodyn.checks.importers.facts import FACTS, Opinion, Verdict, named, opinion, refusals
 from robodyn.checks.importers.run import INSTALLABLE
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.robot.urdf.elements import Span
-from robodyn.robot.urdf.view import Subject
-
-if TYPE_CHECKING:
-    from robodyn.checks.regression import Change
+from robodyn.robot.urdf.view import JointView, LinkView, Subject
 
 
 @rule(
@@ -92,7 +88,10 @@ def consumer_verdict(context: Context) -> Faults:
 
 def _verdict(context: Context, one: Opinion) -> Fault:
     shown = [entry for entry in one.found if entry[0].verdict is one.verdict]
-    reasons = [f"it {fact.says(found)} ({_listed([each.what for each in found])})" for fact, found in shown]
+    reasons = []
+    for fact, found in shown:
+        more = f" and {len(found) - _MOST} more" if len(found) > _MOST else ""
+        reasons.append(f"it {fact.says(found)} ({', '.join(each.what for each in found[:_MOST])}{more})")
     sources, answer = dict.fromkeys(fact.source for fact, _ in shown), one.answer
     if answer is not None and answer.refusal is not None:
         reasons.insert(0, f'it says "{answer.refusal[:_LONGEST]}"')
@@ -104,11 +103,6 @@ def _verdict(context: Context, one: Opinion) -> Fault:
     refused = one.verdict is Verdict.REJECTS
     remedy = "; ".join(known) or "nothing to do"
     return Fault(at, what, remedy, subject=None, severity=Severity.ERROR if refused else None)
-
-
-def _listed(names: list[str]) -> str:
-    more = f" and {len(names) - _MOST} more" if len(names) > _MOST else ""
-    return ", ".join(names[:_MOST]) + more
 
 
 @rule("RD902", Severity.WARNING, Stage.MODEL, good=arm(), bad=('value="2"', 'value="2.2"'))
@@ -131,13 +125,8 @@ def regression(context: Context) -> Faults:
         return
     for change in changes(before, context.model):
         subject, measured = Subject(change.kind, change.name), change.size if isfinite(change.size) else None
+        parts: Mapping[str, LinkView | JointView] = context.view.joint if change.kind == "joint" else context.view.link
+        part = parts.get(change.name) if change.kind in ("joint", "link") else None
+        at = context.view.root.span if part is None else part.name_span
         what = f"{change.what}, against {against}"
-        yield Fault(_place(context, change), what, "see that the change is meant", measured, subject=subject)
-
-
-def _place(context: Context, change: Change) -> Span:
-    if change.kind == "joint" and change.name in context.view.joint:
-        return context.view.joint[change.name].name_span
-    if change.kind == "link" and change.name in context.view.link:
-        return context.view.link[change.name].name_span
-    return context.view.root.span
+        yield Fault(at, what, "see that the change is meant", measured, subject=subject)

@@ -8,11 +8,10 @@ from math import pi
 import numpy as np
 
 from robodyn.checks.bodies.bodies import Body, judged, suspected, weighed
-from robodyn.checks.bodies.masses import is_a_point, link_poses, principal_moments
+from robodyn.checks.bodies.masses import is_a_point, is_physical, link_poses, principal_moments
 from robodyn.checks.bodies.shapes import around_known, box_of, outside, real_shapes, shaped, size_of, solids
 from robodyn.checks.examples import SHAPED_INERTIA, a_shaped_link, inertia
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.checks.tree import Group
 from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import length, product
 from robodyn.robot.masses.mistake_posterior import Uniform
@@ -42,18 +41,18 @@ def inertia_beyond_shapes(context: Context) -> Faults:
     that they are fixed to are passed over. The wrists of the UR5 exceed it 8 to 18 times.
     """
     for body in judged(context):
-        fault = _beyond_reach(body) or _beyond_box(body)
+        fault = None if body.S is None else _beyond_reach(body, body.S) or _beyond_box(body)
         if fault is not None:
             stands = context.tree.group[body.link.name].joint is None and fault.severity is Severity.ERROR
             severity = Severity.WARNING if stands else fault.severity
             yield replace(fault, cause=suspected(context, body), severity=severity)
 
 
-def _beyond_reach(body: Body) -> Fault | None:
+def _beyond_reach(body: Body, S: Floats) -> Fault | None:
     """Check tr(S) > m r^2, r being the distance from the centre of mass to the farthest corner."""
-    if body.S is None or body.box is None:
+    if body.box is None:
         return None
-    spread = float(np.trace(body.S)) / body.mass
+    spread = float(np.trace(S)) / body.mass
     own = _reach(body.box, body.c)
     group = own if body.group is None else _reach(body.group, body.in_group[0])
     if spread <= group and spread <= FAR * own:
@@ -68,10 +67,9 @@ def _beyond_reach(body: Body) -> Fault | None:
 
 def _beyond_box(body: Body) -> Fault | None:
     """Check S_ii / m > (hi_i - c_i)(c_i - lo_i), with the box of the rigid group."""
-    if body.S is None or body.group is None:
-        return None
     c, S = body.in_group
-    assert S is not None, "it is S turned"
+    if S is None or body.group is None:
+        return None
     sides = body.group.hi - body.group.lo
     bound = (body.group.hi - c) * (c - body.group.lo)
     if not (bound > -_EDGE * sides**2).all():
@@ -166,22 +164,15 @@ def inertia_below_shell(context: Context) -> Faults:
     """
     known = context.once(shaped)
     for body in judged(context):
-        if body.S is None or is_a_point(body.link) or not _possible(context, body):
+        tensor, shape = body.link.tensor, known.get(body.link.name)
+        if body.S is None or tensor is None or is_a_point(body.link) or not is_physical(tensor, context.thresholds):
             continue
-        shape = known.get(body.link.name)
         if shape is not None and body.mass > context.thresholds.most_density * shape.solid.volume:
             continue
         found = _below_shell(body) if shape is None or not shape.definite else _below_solid(body, shape.solid)
         if found is not None:
             measured, bound, what = found
             yield Fault(body.tensor_span, what, _REMEDY, measured, bound, cause=suspected(context, body))
-
-
-def _possible(context: Context, body: Body) -> bool:
-    """Return whether a body can have the tensor; RD206 and RD207 tell of one that none can have."""
-    small, middle, large = principal_moments(body.link.tensor or (0.0,) * 6)
-    limits = context.thresholds
-    return small > limits.positive_definite * large and small + middle >= (1 - limits.triangle) * large
 
 
 def _below_solid(body: Body, solid: Uniform) -> tuple[float, float, str] | None:
@@ -204,34 +195,21 @@ def _below_solid(body: Body, solid: Uniform) -> tuple[float, float, str] | None:
 
 
 def _below_shell(body: Body) -> tuple[float, float, str] | None:
-    tensor, box = body.link.tensor, body.own
-    if tensor is None:
+    """Return the largest principal moment beside that of a shell that fits into the shapes or, without shapes, beside
+    the least that a mass can have about any axis through its centre."""
+    largest, box = principal_moments(body.link.tensor or (0.0,) * 6)[2], body.own
+    if box is not None:
+        radius = float((box.hi - box.lo).min()) / 2
+        shell = 2 / 3 * body.mass * radius**2
+        least, bound, ball = 0.0, _LEAST_SHELL * shell, "shell of its mass that fits into its shapes"
+    else:
+        radius = (3 * body.mass / (4 * pi * _DENSEST)) ** (1 / 3)
+        shell = bound = 2 / 5 * body.mass * radius**2
+        least, ball = _FAR * bound, "ball of its mass of tungsten"
+    if not least < largest < bound:
         return None
-    largest = principal_moments(tensor)[2]
-    if box is None:
-        return _below_ball(body.mass, largest)
-    radius = float((box.hi - box.lo).min()) / 2
-    shell = 2 / 3 * body.mass * radius**2
-    if not 0 < largest < _LEAST_SHELL * shell:
-        return None
-    what = (
-        f"the largest principal moment {largest:.3g} kg m^2 is {largest / shell:.2g} of that of a shell "
-        f"of its mass that fits into its shapes (radius {radius:.3g} m)"
-    )
-    return largest, _LEAST_SHELL * shell, what
-
-
-def _below_ball(mass: float, largest: float) -> tuple[float, float, str] | None:
-    """Return the largest principal moment, beside the least that a mass can have about any axis through its centre."""
-    radius = (3 * mass / (4 * pi * _DENSEST)) ** (1 / 3)
-    ball = 2 / 5 * mass * radius**2
-    if not _FAR * ball < largest < ball:
-        return None
-    what = (
-        f"the largest principal moment {largest:.3g} kg m^2 is {largest / ball:.2g} of that of a ball of its mass "
-        f"of tungsten (radius {radius:.3g} m)"
-    )
-    return largest, ball, what
+    what = f"the largest principal moment {largest:.3g} kg m^2 is {largest / shell:.2g} of that of a {ball}"
+    return largest, bound, f"{what} (radius {radius:.3g} m)"
 
 
 @rule(
@@ -251,11 +229,18 @@ def density_out_of_band(context: Context) -> Faults:
     `least-density` and `most-density`. Where mass and shapes do not fit each other, it is no second defect that the
     inertia or the centre of mass does not fit the shapes (RD301, RD302).
     """
-    limits, explained = context.thresholds, {name for name, one in context.once(weighed).items() if one.units}
+    known, poses, limits = context.once(solids), context.once(link_poses), context.thresholds
+    explained = {name for name, one in context.once(weighed).items() if one.units}
     for group in context.tree.groups:
         if not group.mass or group.mass < limits.least_mass or any(link.name in explained for link in group.links):
             continue
-        box = _box(context, group)
+        seen = any(shape.kind == "visual" for link in group.links for shape in real_shapes(link))
+        boxes = []
+        for link in group.links:
+            shapes = [shape for shape in real_shapes(link) if shape.kind == "visual" or not seen]
+            if shapes:
+                boxes.append(box_of(shapes, known, poses[link.name]) if link.name in poses else None)
+        box = around_known(boxes)
         volume = 0.0 if box is None else float((box.hi - box.lo).prod())
         if not volume > 0:
             continue
@@ -270,15 +255,3 @@ def density_out_of_band(context: Context) -> Faults:
         )
         remedy = "check the unit of the mass (kg) and the size of the shapes"
         yield Fault(inertial.mass.span, what, remedy, density, limits.most_density if dense else limits.least_density)
-
-
-def _box(context: Context, group: Group) -> Box | None:
-    """Return the box around the visual shapes of the group, or its collision shapes if it has no visual ones."""
-    known, poses = context.once(solids), context.once(link_poses)
-    seen = any(shape.kind == "visual" for link in group.links for shape in real_shapes(link))
-    boxes = []
-    for link in group.links:
-        shapes = [shape for shape in real_shapes(link) if shape.kind == "visual" or not seen]
-        if shapes:
-            boxes.append(box_of(shapes, known, poses[link.name]) if link.name in poses else None)
-    return around_known(boxes)

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from robodyn.checks.bodies.bodies import Body, bodies, weighed
+from robodyn.checks.bodies.bodies import bodies, weighed
 from robodyn.checks.bodies.shapes import shaped
 from robodyn.checks.examples import IMAGE, SHAPED_INERTIA, TENSOR, a_shaped_link, inertia, two_arms
 from robodyn.checks.mirror.causes import causes, faults
 from robodyn.checks.mirror.twins import MOMENTS, twins
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.robot.masses.inertia_mistakes import QUANTITIES
-from robodyn.robot.masses.mistake_posterior import Cause, Posterior
-from robodyn.robot.urdf.elements import Span
 from robodyn.support.wording import figure, one_of
 
 
@@ -28,41 +26,27 @@ def unit_slip(context: Context) -> Faults:
     identity and round numbers are made up, not in other units. RD301 to RD304 are silent about such a link.
     """
     for name, verdict in context.once(weighed).items():
-        if verdict.units:
-            yield _fault(context, context.once(bodies)[name], verdict)
-
-
-def _fault(context: Context, body: Body, verdict: Posterior) -> Fault:
-    first = (verdict.named or verdict.either)[0]
-    assert first.units is not None, "it is one of units"
-    which = first.units.wrong[0]
-    factor = first.units.factors[which]
-    at = _place(body, QUANTITIES[which])
-    if not verdict.named:
-        what = one_of([one.what for one in verdict.either]) or ""
-        remedy = "see which it is, and correct it"
-        return Fault(at, what, remedy, factor, 1.0, severity=Severity.WARNING, subject=body.link.subject)
-    what = f"{first.what} {_shown(context, body, first)}"
-    remedy = " and ".join(_undone(QUANTITIES[k], first.units.factors[k]) for k in first.units.wrong)
-    return Fault(at, what, f"{remedy} if that is so", factor, 1.0, subject=body.link.subject)
-
-
-def _shown(context: Context, body: Body, cause: Cause) -> str:
-    """Return how well what was meant fits."""
-    solid = context.once(shaped)[body.link.name].solid
-    apart = 100.0 * cause.apart
-    return f"(then {figure(cause.mass / solid.volume)} kg/m^3, and an inertia {figure(apart, 2)} % from the shapes')"
-
-
-def _undone(what: str, factor: float) -> str:
-    by = f"divide the {what} by {factor:g}" if factor > 1 else f"multiply the {what} by {1 / factor:g}"
-    return by
-
-
-def _place(body: Body, what: str) -> Span:
-    if what == "mass":
-        return body.inertial.mass.span
-    return body.tensor_span if what == "inertia" else body.inertial.origin.xyz.span
+        if not verdict.units:
+            continue
+        body, first = context.once(bodies)[name], (verdict.named or verdict.either)[0]
+        assert first.units is not None, "it is one of units"
+        which, factors = first.units.wrong[0], first.units.factors
+        mass, xyz = body.inertial.mass, body.inertial.origin.xyz
+        at = body.tensor_span if QUANTITIES[which] == "inertia" else (mass, xyz)[which].span
+        if verdict.named:
+            solid, apart = context.once(shaped)[name].solid, figure(100.0 * first.apart, 2)
+            fits = f"(then {figure(first.mass / solid.volume)} kg/m^3, and an inertia {apart} % from the shapes')"
+            undone = [
+                f"divide the {QUANTITIES[k]} by {factors[k]:g}"
+                if factors[k] > 1
+                else f"multiply the {QUANTITIES[k]} by {1 / factors[k]:g}"
+                for k in first.units.wrong
+            ]
+            what, remedy, severity = f"{first.what} {fits}", f"{' and '.join(undone)} if that is so", None
+        else:
+            what, remedy = one_of([one.what for one in verdict.either]) or "", "see which it is, and correct it"
+            severity = Severity.WARNING
+        yield Fault(at, what, remedy, factors[which], 1.0, severity=severity, subject=body.link.subject)
 
 
 @rule("RD306", Severity.WARNING, good=two_arms(), bad=(IMAGE, inertia("0.02 0.004 -0.002 0.03 0.003 0.025")))

@@ -9,7 +9,6 @@ from robodyn.checks.examples import LIMIT, arm, longer_arm
 from robodyn.checks.rule import Context, Edit, Fault, Faults, Fix, Severity, rule
 from robodyn.robot.urdf.description import cycles
 from robodyn.robot.urdf.document import unexpanded
-from robodyn.robot.urdf.elements import Span
 from robodyn.robot.urdf.numbers import value_span
 from robodyn.robot.urdf.parts import WITH_AXIS, WITH_RANGE
 from robodyn.robot.urdf.view import JointView
@@ -42,17 +41,11 @@ def axis_length(context: Context) -> Faults:
             continue
         length = hypot(*axis)
         if abs(length - 1) > bound:
-            what = f"the axis has the length {length:.6g}, not 1"
-            remedy = "divide it by its length"
-            yield Fault(joint.axis.span, what, remedy, length, 1.0, fix=_fix(axis, joint.axis.span))
-
-
-def _fix(axis: tuple[float, ...], at: Span) -> Fix:
-    """Return the division by the length, which changes nothing; by the largest entry first, lest it overflow."""
-    largest = max(map(abs, axis))
-    length = hypot(*(x / largest for x in axis))
-    text = " ".join(repr(x / largest / length) for x in axis)
-    return Fix("divide the axis by its length", (Edit(at.start, at.end, text),), safe=True)
+            what, at, largest = f"the axis has the length {length:.6g}, not 1", joint.axis.span, max(map(abs, axis))
+            unit = [x / largest / hypot(*(x / largest for x in axis)) for x in axis]  # in two steps, lest it overflow
+            edit = Edit(at.start, at.end, " ".join(map(repr, unit)))
+            fix = Fix("divide the axis by its length", (edit,), safe=True)
+            yield Fault(at, what, "divide it by its length", length, 1.0, fix=fix)
 
 
 @rule("RD505", Severity.ERROR, good=arm(), bad=arm('<axis xyz="0 1 0"/>'))
@@ -170,38 +163,31 @@ def follower_range(context: Context) -> Faults:
     limits or the coupling, and planners reach positions that the hand does not have.
     """
     for joint in context.view.joints:
-        reached, own = _reached(context, joint), _range(joint)
-        if reached is None or own is None or joint.mimic is None:
+        mimic, own = joint.mimic, _range(joint)
+        followed = None if mimic is None else context.view.joint.get(mimic.joint)
+        leader = None if followed is None or followed.mimic is not None else _range(followed)
+        if mimic is None or own is None or leader is None:
             continue
-        beyond = max(own[0] - reached[0], reached[1] - own[1])
+        multiplier, offset = mimic.multiplier.or_default(1.0), mimic.offset.or_default(0.0)
+        if multiplier is None or offset is None:
+            continue
+        least, most = sorted(multiplier[0] * end + offset[0] for end in leader)
+        beyond = max(own[0] - least, most - own[1])
         if beyond > context.thresholds.mimic_range:
             what = (
-                f"following joint '{joint.mimic.joint}' through its range, it goes from {reached[0]:.6g} to "
-                f"{reached[1]:.6g}, beyond its own limits {own[0]:.6g} and {own[1]:.6g} by {beyond:.3g}"
+                f"following joint '{mimic.joint}' through its range, it goes from {least:.6g} to {most:.6g}, "
+                f"beyond its own limits {own[0]:.6g} and {own[1]:.6g} by {beyond:.3g}"
             )
             remedy = "correct multiplier or offset, or the limits of one of the two"
-            yield Fault(joint.mimic.multiplier.span, what, remedy, beyond, context.thresholds.mimic_range)
+            yield Fault(mimic.multiplier.span, what, remedy, beyond, context.thresholds.mimic_range)
 
 
-def _range(joint: JointView | None) -> tuple[float, float] | None:
+def _range(joint: JointView) -> tuple[float, float] | None:
     """Return lower and upper of a joint that has both, in order."""
-    if joint is None or joint.limit is None or joint.type not in WITH_RANGE:
+    if joint.limit is None or joint.type not in WITH_RANGE:
         return None
     lower, upper = joint.limit.lower.value, joint.limit.upper.value
     return (lower, upper) if lower is not None and upper is not None and lower < upper else None
-
-
-def _reached(context: Context, joint: JointView) -> tuple[float, float] | None:
-    """Return multiplier q + offset over the range of the joint that is followed, if that one is free."""
-    if joint.mimic is None:
-        return None
-    multiplier, offset = joint.mimic.multiplier.or_default(1.0), joint.mimic.offset.or_default(0.0)
-    followed = context.view.joint.get(joint.mimic.joint)
-    leader = _range(followed)
-    if multiplier is None or offset is None or leader is None or followed is None or followed.mimic is not None:
-        return None
-    ends = sorted(multiplier[0] * end + offset[0] for end in leader)
-    return ends[0], ends[1]
 
 
 @rule("RD514", Severity.WARNING, good=arm(), bad=arm(LIMIT))

@@ -74,18 +74,13 @@ def massless_group(context: Context) -> Faults:
         with_it = f" with {listed([link.name for link in group.links[1:]])}" if len(group.links) > 1 else ""
         what = f"joint '{group.joint.name}' moves it{with_it}, and it has no mass"
         what += f"; what it carries has {carried[group]:g} kg" if onward else ""
-        what += f"; MuJoCo {_in_mujoco(context, group)}, Gazebo drops it" + " and what it carries" * onward
+        masses = inferred_masses(context, group.links).values()
+        known = [mass for mass in masses if mass is not None]
+        invents = f"invents {f'{fsum(known):.3g} kg' if known else 'a mass'} from its collision shapes"
+        what += f"; MuJoCo {invents if masses else 'refuses it'}, Gazebo drops it" + " and what it carries" * onward
         remedy = "add an <inertial>" if onward else "add an <inertial>, or make the joint fixed"
         severity = Severity.WARNING if onward else Severity.ERROR
         yield Fault(first.name_span, what, remedy, measured=0.0, severity=severity, kind="a joint moves no mass")
-
-
-def _in_mujoco(context: Context, group: Group) -> str:
-    masses = inferred_masses(context, group.links).values()
-    known = [mass for mass in masses if mass is not None]
-    if not masses:
-        return "refuses it"
-    return f"invents {f'{fsum(known):.3g} kg' if known else 'a mass'} from its collision shapes"
 
 
 @rule("RD203", Severity.ERROR, good=one_link(), bad=(INERTIA, ""), explains=("RD901",))
@@ -131,18 +126,16 @@ def tiny_body(context: Context) -> Faults:
         if group.joint is None or not group.mass or group.mass < 0:
             continue
         radius = gyration(context, group)
+        inertial, numbers = group.heaviest[1], None
         if group.mass < limits.least_mass:
-            yield _fault(group, "mass", group.mass, limits.least_mass, "kg")
+            numbers, quantity, value, bound, unit = inertial.mass, "mass", group.mass, limits.least_mass, "kg"
         elif radius is not None and POINT < radius < limits.least_gyration:
-            yield _fault(group, "radius of gyration", radius, limits.least_gyration, "m")
-
-
-def _fault(group: Group, quantity: str, value: float, bound: float, unit: str) -> Fault:
-    _, inertial = group.heaviest
-    numbers = inertial.mass if unit == "kg" else inertial.entries[0]
-    what = f"what moves with it has a {quantity} of {value:.3g} {unit}, less than {bound:g} {unit}"
-    remedy = "check the unit (kg, m); write the inertia of the part, or fix the link to its neighbour"
-    return Fault(numbers.span, what, remedy, value, bound)
+            quantity, value, bound, unit = "radius of gyration", radius, limits.least_gyration, "m"
+            numbers = inertial.entries[0]
+        if numbers is not None:
+            what = f"what moves with it has a {quantity} of {value:.3g} {unit}, less than {bound:g} {unit}"
+            remedy = "check the unit (kg, m); write the inertia of the part, or fix the link to its neighbour"
+            yield Fault(numbers.span, what, remedy, value, bound)
 
 
 @rule("RD210", Severity.WARNING, Stage.TREE, good=longer_arm(), bad=('"1"', '"5000"'))

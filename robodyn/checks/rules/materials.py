@@ -83,12 +83,9 @@ def _two_colours(shared: Iterable[Element], local: Iterable[Element]) -> Iterato
         other, colour = first.setdefault(name, (material, rgba))
         if is_used and name not in told and any(abs(a - b) > _SEEN for a, b in zip(rgba, colour, strict=True)):
             told.add(name)
-            what = f"the <material> {shown(name)} is {_words(rgba)} here and {_words(colour)} in line {other.line}"
+            here, there = (" ".join(map(figure, each)) for each in (rgba, colour))
+            what = f"the <material> {shown(name)} is {here} here and {there} in line {other.line}"
             yield Fault(value_span(material, "name"), what, "give one of the two another name")
-
-
-def _words(rgba: tuple[float, ...]) -> str:
-    return " ".join(map(figure, rgba))
 
 
 _RED = '\n  <material name="red"><color rgba="0.8 0.1 0.1 1"/></material>'

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator
 from pathlib import Path
 
 from robodyn.checks.context import STDIN
@@ -47,7 +46,13 @@ def mesh_missing(context: Context) -> Faults:
         elif name.state is State.REMOTE:
             remedy = "save it in the package: few programs fetch meshes"
             yield name.fault("is not on this machine", remedy, Severity.WARNING)
-    yield from _unknown([name for name in names if name.state is State.UNKNOWN])
+    unknown = [name for name in names if name.state is State.UNKNOWN]
+    if unknown:
+        packages = dict.fromkeys(package[0] for name in unknown if (package := package_of(name.uri)) is not None)
+        where = f"of the package {listed(list(packages))}" if packages else "beside standard input"
+        what = f"{count(len(unknown), 'mesh is', 'meshes are')} not looked at: nothing is known {where}"
+        remedy = "say where it is with --package-path" if packages else "check the file by its name"
+        yield Fault(unknown[0].uses[0].at, what, remedy, severity=Severity.NOTE, subject=None)
     for uri, facts in context.once(all_facts).items():
         name = context.once(mesh_names)[uri]
         if facts.problem is not None and facts.finite:
@@ -75,17 +80,6 @@ def _missing(context: Context, name: MeshName) -> Fault:
 def _written(context: Context, name: MeshName, better: str) -> Fix | None:
     """Return the edit that writes another name, if the mesh is there by that."""
     return None if context.search.find(better) is None else name.renamed(better)
-
-
-def _unknown(names: list[MeshName]) -> Iterator[Fault]:
-    """Yield one remark for all meshes of packages of which nothing is known."""
-    if not names:
-        return
-    packages = [package[0] for name in names if (package := package_of(name.uri)) is not None]
-    where = f"of the package {listed(list(dict.fromkeys(packages)))}" if packages else "beside standard input"
-    what = f"{count(len(names), 'mesh is', 'meshes are')} not looked at: nothing is known {where}"
-    remedy = "say where it is with --package-path" if packages else "check the file by its name"
-    yield Fault(names[0].uses[0].at, what, remedy, severity=Severity.NOTE, subject=None)
 
 
 @rule("RD602", Severity.ERROR, good=a_mesh("part.stl", "visual"), bad=("part.stl", "Part.STL"))
@@ -145,7 +139,7 @@ def _leaves(context: Context, uri: str) -> bool:
     root = context.search.home
     if context.reading.file == STDIN or ".." not in uri or root is None:
         return False
-    places = [Path(os.path.normpath(folder.absolute() / uri)) for folder in context.search.folders]
+    places = (Path(os.path.normpath(folder.absolute() / uri)) for folder in context.search.folders)
     return all(root not in place.parents for place in places)
 
 

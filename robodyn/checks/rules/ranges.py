@@ -89,17 +89,15 @@ def degrees(context: Context) -> Faults:
     inertials = [link.inertial for link in view.links if link.inertial is not None]
     shapes = [geometry for link in view.links for geometry in link.geometries]
     for part in (*view.joints, *inertials, *shapes):
-        yield from _rpy(part.origin.rpy)
+        angles = part.origin.rpy
+        largest = max(angles.values or (0.0,), key=abs)
+        if abs(largest) > _ONE_TURN:
+            cause, fix = _in_degrees([angles])
+            what = _what(angles, largest)
+            yield Fault(angles.span, what, "write radians", abs(largest), 2 * pi, cause=cause, fix=fix)
     for joint in view.joints:
         if joint.type == "revolute" and joint.limit is not None:
             yield from _range(joint, joint.limit, context.thresholds.most_range)
-
-
-def _rpy(angles: Numbers) -> Faults:
-    largest = max(angles.values or (0.0,), key=abs)
-    if abs(largest) > _ONE_TURN:
-        cause, fix = ("written in degrees", _fix([angles])) if _round([angles]) else (None, None)
-        yield Fault(angles.span, _what(angles, largest), "write radians", abs(largest), 2 * pi, cause=cause, fix=fix)
 
 
 def _range(joint: JointView, limit: LimitView, endless: float) -> Faults:
@@ -120,8 +118,7 @@ def _range(joint: JointView, limit: LimitView, endless: float) -> Faults:
         remedy, safety = "write both limits in radians", joint.element.find("safety_controller")
         soft = [numbers(safety, f"soft_{name}_limit", 1) for name in ("lower", "upper")]
         ends = [end for end in (limit.lower, limit.upper, *soft) if end.given]
-        if _round(ends):
-            cause, fix = "written in degrees", _fix(ends)
+        cause, fix = _in_degrees(ends)
     yield Fault(farther.span, what, remedy, abs(largest), 2 * pi, cause=cause, fix=fix)
 
 
@@ -129,17 +126,13 @@ def _what(angles: Numbers, largest: float) -> str:
     return f"{angles.attribute} is {largest:g} rad, or {largest * (180 / pi):.5g} degrees: more than a turn"
 
 
-def _round(written: list[Numbers]) -> bool:
-    """Return whether all of the angles can be read, and are round in degrees."""
-    return all(one.values is not None and all(value % _STEP == 0 for value in one.values) for one in written)
-
-
-def _fix(written: list[Numbers]) -> Fix:
-    edits = (
-        Edit(one.span.start, one.span.end, " ".join(repr(radians(value)) for value in one.values or ()))
-        for one in written
-    )
-    return Fix("degrees to radians", tuple(edits), safe=False)
+def _in_degrees(written: list[Numbers]) -> tuple[str, Fix] | tuple[None, None]:
+    """Return the cause and the fix of angles that can be read, and are all round in degrees."""
+    if not all(one.values is not None and all(value % _STEP == 0 for value in one.values) for one in written):
+        return None, None
+    radian = [(one.span, " ".join(repr(radians(value)) for value in one.values or ())) for one in written]
+    edits = tuple(Edit(at.start, at.end, text) for at, text in radian)
+    return "written in degrees", Fix("degrees to radians", edits, safe=False)
 
 
 _SLACK = 1e-9

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
+from dataclasses import replace
 from math import isclose, radians, tau
 from typing import NamedTuple
 
@@ -17,27 +18,34 @@ from robodyn.support.wording import alternatives, figure, shown, slip_of
 
 
 class Controlled(NamedTuple):
-    """A joint, sensor or gpio (`element`) of a <ros2_control>."""
+    """A joint, sensor or gpio (`element`) of a <ros2_control>; if it is a joint, that of the URDF."""
 
     control: Element
     element: Element
+    joint: JointView | None
 
     @property
-    def subject(self) -> Subject:
-        return Subject(self.element.tag, self.element.get("name") or "")
+    def name(self) -> str:
+        return self.element.get("name") or ""
 
     @property
     def interfaces(self) -> list[Element]:
         return [child for child in self.element.children if child.tag in ("command_interface", "state_interface")]
 
+    def fault(self, at: Span, what: str, remedy: str, value: float | None = None, bound: float | None = None) -> Fault:
+        return Fault(at, what, remedy, value, bound, subject=Subject(self.element.tag, self.name))
+
+    def warning(self, at: Span, what: str, remedy: str) -> Fault:
+        return replace(self.fault(at, what, remedy), severity=Severity.WARNING)
+
 
 def controlled(view: View) -> Iterator[Controlled]:
     """Yield the parts of every <ros2_control>, in the order of the file."""
-    controls = view.root.findall("ros2_control")
-    yield from (Controlled(each, one) for each in controls for one in each.children if one.tag in _PARTS)
-
-
-_PARTS = ("joint", "sensor", "gpio")
+    for control in view.root.findall("ros2_control"):
+        for element in control.children:
+            if element.tag in ("joint", "sensor", "gpio"):
+                joint = view.joint.get(element.get("name") or "") if element.tag == "joint" else None
+                yield Controlled(control, element, joint)
 
 
 def _parameter(owner: Element, name: str) -> Element | None:
@@ -68,63 +76,54 @@ def controlled_joint(context: Context) -> Faults:
     """
     listed: dict[tuple[int, str, str], Element] = {}
     offered: dict[tuple[str, str, str], Element] = {}
-    yield from _without_plugin(context.view)
-    for part in controlled(context.view):
-        yield from _unnamed(part)
-        yield from _misspelt(part)
-        joint = context.view.joint.get(part.subject.name) if part.element.tag == "joint" else None
-        if joint is not None and joint.type == "fixed":
-            what = f"ros2_control lists this joint, which is fixed in line {joint.element.line}"
-            remedy = "let it move (type=...), or delete it from <ros2_control>"
-            yield Fault(value_span(part.element, "name"), what, remedy, subject=part.subject)
-        yield from _again(part, listed, offered)
-
-
-def _without_plugin(view: View) -> Iterator[Fault]:
-    for control in view.root.findall("ros2_control"):
+    for control in context.view.root.findall("ros2_control"):
         hardware = control.find("hardware")
         if hardware is not None and hardware.find("plugin") is None:
             what, remedy = "<hardware> names no plugin", "write <plugin>package/Class</plugin>"
             yield Fault(hardware.span, what, remedy, subject=Subject("ros2_control", control.get("name") or ""))
+    for part in controlled(context.view):
+        for element in (part.element, *part.interfaces):
+            if not element.get("name"):
+                one = part.fault(element.span, f"<{element.tag}> in <ros2_control> has no name", 'write name="..."')
+                yield one if part.name else replace(one, subject=None)
+        yield from _misspelt(part)
+        if part.joint is not None and part.joint.type == "fixed":
+            what = f"ros2_control lists this joint, which is fixed in line {part.joint.element.line}"
+            remedy = "let it move (type=...), or delete it from <ros2_control>"
+            yield part.fault(value_span(part.element, "name"), what, remedy)
+        yield from _again(part, listed, offered)
 
 
 def _misspelt(part: Controlled) -> Iterator[Fault]:
     """Yield the interfaces of a joint that controllers ask for by almost the same name, and parts that have none."""
-    if part.element.tag != "joint" and part.subject.name and not part.interfaces:
+    if part.element.tag != "joint" and part.name and not part.interfaces:
         what, remedy = f"<{part.element.tag}> offers no interface", "give it a <state_interface>, or delete it"
-        yield Fault(part.element.span, what, remedy, subject=part.subject, severity=Severity.WARNING)
+        yield part.warning(part.element.span, what, remedy)
     for interface in part.interfaces if part.element.tag == "joint" else ():
         name = interface.get("name") or ""
         if meant := slip_of(name, _STANDARD):
             what, remedy = f"no controller asks for the interface {shown(name)}", f"did you mean {shown(meant)}?"
-            yield Fault(value_span(interface, "name"), what, remedy, subject=part.subject, severity=Severity.WARNING)
-
-
-def _unnamed(part: Controlled) -> Iterator[Fault]:
-    for element in (part.element, *part.interfaces):
-        if not element.get("name"):
-            what = f"<{element.tag}> in <ros2_control> has no name"
-            yield Fault(element.span, what, 'write name="..."', subject=part.subject if part.subject.name else None)
+            yield part.warning(value_span(interface, "name"), what, remedy)
 
 
 def _again(
     part: Controlled, listed: dict[tuple[int, str, str], Element], offered: dict[tuple[str, str, str], Element]
 ) -> Iterator[Fault]:
     """Yield what is listed a second time in its <ros2_control>, or offers an interface that another one offers."""
-    name = part.subject.name
+    name = part.name
     if not name:
         return
     first = listed.setdefault((id(part.control), part.element.tag, name), part.element)
     if first is not part.element:
         what = f"<ros2_control> lists this {part.element.tag} a second time; the first is in line {first.line}"
-        yield Fault(value_span(part.element, "name"), what, "keep one of them", subject=part.subject)
+        yield part.fault(value_span(part.element, "name"), what, "keep one of them")
         return
     for interface in part.interfaces:
         offer = interface.get("name") or ""
         other = offered.setdefault((interface.tag, name, offer), interface)
         if offer and other is not interface:
             what = f"<{interface.tag}> '{offer}' is offered a second time; the first is in line {other.line}"
-            yield Fault(value_span(interface, "name"), what, "offer each interface once", subject=part.subject)
+            yield part.fault(value_span(interface, "name"), what, "offer each interface once")
             return
 
 
@@ -152,10 +151,9 @@ def control_range(context: Context) -> Faults:
         for interface in part.interfaces:
             for at, what, remedy, measured, bound in _wrong(interface):
                 whole = f"{what} for <{interface.tag}> '{interface.get('name') or ''}'"
-                yield Fault(at, whole, remedy, measured, bound, subject=part.subject)
-            joint = context.view.joint.get(part.subject.name) if part.element.tag == "joint" else None
-            if joint is not None and interface.get("name") == "position":
-                yield from _beyond(joint, part, interface)
+                yield part.fault(at, whole, remedy, measured, bound)
+            if part.joint is not None and interface.get("name") == "position":
+                yield from _beyond(part.joint, part, interface)
 
 
 def _beyond(joint: JointView, part: Controlled, interface: Element) -> Iterator[Fault]:
@@ -177,7 +175,8 @@ def _beyond(joint: JointView, part: Controlled, interface: Element) -> Iterator[
     what = f"{('min', 'max')[k]} {figure(value)} is beyond the joint's own range, {figure(own[0])} to {figure(own[1])}"
     cause = "the range is in degrees" if in_degrees else None
     remedy = "write radians" if in_degrees else "keep to the range in <limit>, or correct that"
-    yield Fault(ends[k].span, what, remedy, value, own[k], part.subject, Severity.WARNING, cause)
+    fault = part.fault(ends[k].span, what, remedy, value, own[k])
+    yield replace(fault, severity=Severity.WARNING, cause=cause)
 
 
 def _wrong(interface: Element) -> Iterator[tuple[Span, str, str, float | None, float | None]]:
@@ -221,11 +220,10 @@ def controlled_mimic(context: Context) -> Faults:
     """
     parts = [part for part in controlled(context.view) if part.element.tag == "joint"]
     for part in parts:
-        joint = context.view.joint.get(part.subject.name)
-        beside = [other.subject.name for other in parts if other.control is part.control]
-        if joint is not None:
-            yield from _by_tag(part, joint, beside)
-        yield from _by_parameter(part, joint, beside)
+        beside = [other.name for other in parts if other.control is part.control]
+        if part.joint is not None:
+            yield from _by_tag(part, part.joint, beside)
+        yield from _by_parameter(part, part.joint, beside)
 
 
 def _by_tag(part: Controlled, joint: JointView, beside: Collection[str]) -> Iterator[Fault]:
@@ -234,14 +232,14 @@ def _by_tag(part: Controlled, joint: JointView, beside: Collection[str]) -> Iter
     if joint.mimic is None:
         if said == "true":
             what = "mimic is true, and the joint has no <mimic> in the URDF"
-            yield Fault(at, what, "write <mimic> in the URDF's joint", subject=part.subject)
+            yield part.fault(at, what, "write <mimic> in the URDF's joint")
     elif said != "false":
         if part.element.find("command_interface") is not None:
             what = f"the joint follows {shown(joint.mimic.joint)} and has a command interface"
-            yield Fault(at, what, 'delete <command_interface>, or write mimic="false"', subject=part.subject)
+            yield part.fault(at, what, 'delete <command_interface>, or write mimic="false"')
         elif joint.mimic.joint not in beside:
             what = f"the joint follows {shown(joint.mimic.joint)}, which is not in the same <ros2_control>"
-            yield Fault(at, what, 'list that joint there, or write mimic="false"', subject=part.subject)
+            yield part.fault(at, what, 'list that joint there, or write mimic="false"')
 
 
 def _by_parameter(part: Controlled, joint: JointView | None, beside: Collection[str]) -> Iterator[Fault]:
@@ -250,17 +248,17 @@ def _by_parameter(part: Controlled, joint: JointView | None, beside: Collection[
     if mimic is not None and not unexpanded(name):
         if name not in beside:
             what = f"the parameter mimic names {shown(name)}, which is not in the same <ros2_control>"
-            yield Fault(mimic.span, what, alternatives(name, beside, "joints there"), subject=part.subject)
+            yield part.fault(mimic.span, what, alternatives(name, beside, "joints there"))
         elif joint is not None and joint.mimic is not None and joint.mimic.joint != name:
             what = f"the parameter mimic names {shown(name)}, <mimic> of the URDF {shown(joint.mimic.joint)}"
-            yield Fault(mimic.span, what, "name one joint in both", subject=part.subject)
+            yield part.fault(mimic.span, what, "name one joint in both")
     if multiplier is None or unexpanded(multiplier.text):
         return
     given = numbers(multiplier, TEXT, 1)
     factor = None if joint is None or joint.mimic is None else joint.mimic.multiplier.or_default(1.0)
     if given.problem is not None:
         what = f"the parameter multiplier {given.problem}"
-        yield Fault(multiplier.span, what, given.problem.remedy, subject=part.subject)
+        yield part.fault(multiplier.span, what, given.problem.remedy)
     elif given.value is not None and factor is not None and not isclose(given.value, factor[0], rel_tol=1e-6):
         what = f"the parameter multiplier is {figure(given.value)}, that of <mimic> in the URDF {figure(factor[0])}"
-        yield Fault(multiplier.span, what, "write one number in both", given.value, factor[0], subject=part.subject)
+        yield part.fault(multiplier.span, what, "write one number in both", given.value, factor[0])

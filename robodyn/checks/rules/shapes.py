@@ -40,12 +40,8 @@ def shape_size(context: Context) -> Faults:
             scaled.setdefault((use.uri, scale), []).append(use)
     for (uri, scale), uses in scaled.items():
         if min(scale) <= 0:
-            yield _scale(uses, scale, any(_unmirrored(other, scale) for name, other in scaled if name == uri))
-
-
-def _unmirrored(other: tuple[float, ...], scale: tuple[float, ...]) -> bool:
-    """Return whether a scale is another up to its signs, and mirrors nothing."""
-    return prod(other) > 0 and [*map(abs, other)] == [*map(abs, scale)]
+            alike = [other for name, other in scaled if name == uri and [*map(abs, other)] == [*map(abs, scale)]]
+            yield _scale(uses, scale, any(prod(other) > 0 for other in alike))
 
 
 def _scale(uses: list[MeshUse], scale: tuple[float, ...], both: bool) -> Fault:

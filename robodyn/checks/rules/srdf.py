@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
-
-import numpy as np
+from collections.abc import Iterator
 
 from robodyn.checks import examples
-from robodyn.checks.bodies.masses import pose
-from robodyn.checks.bodies.shapes import box_of, solids
+from robodyn.checks.bodies.masses import STILL, pose
+from robodyn.checks.bodies.shapes import box_of, real_shapes, solids
 from robodyn.checks.rule import Context, Fault, Faults, Severity, namesakes, rule
 from robodyn.checks.srdf import Srdf, own_srdf, srdf
-from robodyn.robot.kinematics import Pose
 from robodyn.robot.urdf.elements import Element
 from robodyn.robot.urdf.numbers import NumbersError, parse_numbers, value_span
-from robodyn.robot.urdf.view import GeometryView, JointView, LinkView, Subject
+from robodyn.robot.urdf.view import JointView, Subject
 from robodyn.support.wording import alternatives, count, figure, shown
 
 
@@ -38,14 +35,10 @@ def srdf_of_another_robot(context: Context) -> Faults:
         yield Fault(at, what, remedy, len(found.missing), 0.0, None, severity=Severity.ERROR, document=found.document)
     elif own and given != own:
         what = f"the SRDF is for the robot {shown(given)}, the description is of {shown(own)}"
-        severity = Severity.NOTE if _alike(given, own) else None
+        first, second = ("".join(filter(str.isalnum, name.casefold())) for name in (given, own))
+        alike = bool(first and second) and (first.startswith(second) or second.startswith(first))
+        severity = Severity.NOTE if alike else None  # the case, what stands between words, or an ending differs
         yield Fault(at, what, f"write name={shown(own)}", subject=None, severity=severity, document=found.document)
-
-
-def _alike(one: str, other: str) -> bool:
-    """Return whether one name is the other but for its case, what stands between its words, and an ending."""
-    first, second = ("".join(filter(str.isalnum, name.casefold())) for name in (one, other))
-    return bool(first) and bool(second) and (first.startswith(second) or second.startswith(first))
 
 
 @rule("RD707", Severity.WARNING, good=examples.srdf(), bad=('group="all"', 'group="arm"'))
@@ -60,30 +53,27 @@ def unknown_group(context: Context) -> Faults:
     found = own_srdf(context)
     if found is None:
         return
-    groups = [group.get("name") or "" for group in found.root.findall("group")]
+    root = found.root
+    groups = [group.get("name") or "" for group in root.findall("group")]
     yield from _twice_or_reversed(context, found)
-    unnamed, unknown = [], dict[str, tuple[Element, Element, str]]()
-    uses = 0
-    for use in _uses(found.root):
-        user, element, attribute = use
-        name = element.get(attribute)
-        if not name and user.tag == "group_state":
-            unnamed.append(element)
-        elif name and name not in groups:
-            unknown.setdefault(name, use)
-            uses += 1
+    uses = [(group, inner, "name") for group in root.findall("group") for inner in group.findall("group")]
+    uses += [(state, state, "group") for state in root.findall("group_state")]
+    for effector in root.findall("end_effector"):
+        uses += [(effector, effector, name) for name in ("group", "parent_group") if effector.get(name)]
+    unnamed = [state for state in root.findall("group_state") if not state.get("group")]
+    unknown = [use for use in uses if use[1].get(use[2]) and use[1].get(use[2]) not in groups]
     if unknown:
-        user, element, attribute = next(iter(unknown.values()))
-        more = f" (named in {uses} places)" if uses > 1 else ""
-        what = f"the SRDF has no group {' or '.join(map(shown, unknown))}{more}"
-        at, remedy = value_span(element, attribute), alternatives(next(iter(unknown)), groups, "groups")
+        user, element, attribute = unknown[0]
+        names = dict.fromkeys(element.get(attribute) or "" for _, element, attribute in unknown)
+        more = f" (named in {len(unknown)} places)" if unknown[1:] else ""
+        what = f"the SRDF has no group {' or '.join(map(shown, names))}{more}"
+        at, remedy = value_span(element, attribute), alternatives(next(iter(names)), groups, "groups")
         yield Fault(at, what, remedy, subject=_subject(user), document=found.document)
     if unnamed:
         more = f" (and {len(unnamed) - 1} more)" if unnamed[1:] else ""
-        subject, what = _subject(unnamed[0]), f"the state names no group{more}: MoveIt passes over it"
-        yield Fault(
-            unnamed[0].span, what, 'write group="..."', None, None, subject, Severity.NOTE, document=found.document
-        )
+        at, subject, what = unnamed[0].span, _subject(unnamed[0]), f"the state names no group{more}"
+        what, remedy = f"{what}: MoveIt passes over it", 'write group="..."'
+        yield Fault(at, what, remedy, None, None, subject, Severity.NOTE, document=found.document)
 
 
 def _twice_or_reversed(context: Context, found: Srdf) -> Iterator[Fault]:
@@ -93,35 +83,19 @@ def _twice_or_reversed(context: Context, found: Srdf) -> Iterator[Fault]:
         what = f"a second group of this name; the first is in line {first.line}"
         at = value_span(group, "name")
         yield Fault(at, what, "rename or delete one of them", subject=_subject(group), document=found.document)
-    for group in groups:
-        for chain in group.findall("chain"):
-            base, tip = chain.get("base_link") or "", chain.get("tip_link") or ""
-            if base != tip and tip in _upward(base, above):
-                what = f"the chain's base {shown(base)} is below its tip {shown(tip)}"
-                remedy, at = "exchange base_link and tip_link", value_span(chain, "base_link")
-                yield Fault(at, what, remedy, subject=_subject(group), document=found.document)
-
-
-def _upward(link: str, above: Mapping[str, str]) -> Collection[str]:
-    """Return the link and those above it, as far as the parents lead."""
-    passed = {link: None}
-    while (link := above.get(link, "")) and link not in passed:
-        passed[link] = None
-    return passed
+    for group, chain in [(one, chain) for one in groups for chain in one.findall("chain")]:
+        base, tip = chain.get("base_link") or "", chain.get("tip_link") or ""
+        link, passed = base, {base}
+        while (link := above.get(link, "")) and link not in passed:
+            passed.add(link)
+        if base != tip and tip in passed:
+            what = f"the chain's base {shown(base)} is below its tip {shown(tip)}"
+            remedy, at = "exchange base_link and tip_link", value_span(chain, "base_link")
+            yield Fault(at, what, remedy, subject=_subject(group), document=found.document)
 
 
 def _subject(user: Element) -> Subject:
     return Subject(user.tag, user.get("name") or "")
-
-
-def _uses(root: Element) -> Iterator[tuple[Element, Element, str]]:
-    """Yield who uses the name of a group, and the element and attribute that have it."""
-    for group in root.findall("group"):
-        yield from ((group, inner, "name") for inner in group.findall("group"))
-    for state in root.findall("group_state"):
-        yield state, state, "group"
-    for effector in root.findall("end_effector"):
-        yield from ((effector, effector, name) for name in ("group", "parent_group") if effector.get(name))
 
 
 _ROUNDED = 1e-3 + 1e-9
@@ -217,11 +191,8 @@ def _touch(context: Context, joint: JointView) -> bool:
     parent, child, placed = context.view.link.get(joint.parent), context.view.link.get(joint.child), pose(joint.origin)
     if parent is None or child is None or placed is None or joint.parent == joint.child:
         return False
-    known = context.once(solids)
-    one = box_of(_collisions(parent), known, Pose(np.eye(3), np.zeros(3)))
-    other = box_of(_collisions(child), known, placed)
+    one, other = (
+        box_of([shape for shape in real_shapes(link) if shape.kind == "collision"], context.once(solids), at)
+        for link, at in ((parent, STILL), (child, placed))
+    )
     return one is not None and other is not None and bool((one.lo <= other.hi).all() and (other.lo <= one.hi).all())
-
-
-def _collisions(link: LinkView) -> list[GeometryView]:
-    return [geometry for geometry in link.geometries if geometry.kind == "collision" and geometry.shape is not None]

@@ -69,11 +69,10 @@ def tensor_without_mass(context: Context) -> Faults:
     for link in context.view.links:
         if link.inertial is None or link.mass != 0 or link.tensor is None or not any(link.tensor):
             continue
-        if severity_of_zero(context, link) is Severity.ERROR:
-            continue
-        what = f"the mass is 0, and the moments of inertia add up to {trace(link.tensor):g} kg m^2"
-        remedy = "write the mass of the part, or zeros for its inertia"
-        yield Fault(link.inertial.mass.span, what, remedy, trace(link.tensor), 0.0)
+        if severity_of_zero(context, link) is not Severity.ERROR:
+            what = f"the mass is 0, and the moments of inertia add up to {trace(link.tensor):g} kg m^2"
+            remedy = "write the mass of the part, or zeros for its inertia"
+            yield Fault(link.inertial.mass.span, what, remedy, trace(link.tensor), 0.0)
 
 
 @rule(
@@ -168,22 +167,15 @@ def placeholder_tensor(context: Context) -> Faults:
             pattern = (
                 f"the same six numbers as link '{twin.name}', whose mass is {twin.mass:g} kg and not {link.mass:g}"
             )
-        if pattern is not None and not _is_the_shape_s(context, link):
-            what = f"the inertia looks like a placeholder: {pattern}"
+        said, shape = given(link), context.once(shaped).get(link.name)
+        own = said and shape and apart(said.tensor, said.mass, shape.solid.along(said.R)) <= _NEAR
+        if pattern is not None and not own:
+            tree, what = context.tree_or_none, f"the inertia looks like a placeholder: {pattern}"
+            whole = None if tree is None else tree.group[link.name].mass
+            small = tree is None or (whole and link.mass < _FRACTION * whole)
             remedy = "write the inertia of the part; robodyn inertia computes it from its mesh"
-            yield Fault(
-                inertial.entries[0].span,
-                what,
-                remedy,
-                measured=tensor[0],
-                severity=_of_placeholder(context, link),
-            )
-
-
-def _is_the_shape_s(context: Context, link: LinkView) -> bool:
-    """Return whether the tensor is that of the uniform solid that the link's shapes are."""
-    said, shape = given(link), context.once(shaped).get(link.name)
-    return said is not None and shape is not None and apart(said.tensor, said.mass, shape.solid.along(said.R)) <= _NEAR
+            severity = Severity.NOTE if small else Severity.WARNING
+            yield Fault(inertial.entries[0].span, what, remedy, tensor[0], severity=severity)
 
 
 def _pattern(tensor: tuple[float, ...]) -> str | None:
@@ -196,12 +188,3 @@ def _pattern(tensor: tuple[float, ...]) -> str | None:
     if power == 0:
         return "the identity matrix, 1 kg m^2 three times"
     return f"{xx:g} times the identity" if isclose(power, round(power), abs_tol=1e-12) else None
-
-
-def _of_placeholder(context: Context, link: LinkView) -> Severity:
-    """Return a warning where the link is more than a small part of its body; which that is only a tree tells."""
-    tree = context.tree_or_none
-    if tree is None:
-        return Severity.NOTE
-    whole = tree.group[link.name].mass
-    return Severity.NOTE if whole and link.mass is not None and link.mass < _FRACTION * whole else Severity.WARNING

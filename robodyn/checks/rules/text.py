@@ -161,19 +161,13 @@ def transposed_product(context: Context) -> Faults:
                 state += f", and differs from {upper} = {above:g}"
             what = f"{state}: URDF has the upper triangle of the matrix only"
             remedy = f"delete {lower}, and see that {upper} is right"
-            fix = None if below is None else _fix(inertia, lower, upper, above == below)
-            yield Fault(inertia.attributes[lower].span, what, remedy, below, above, fix=fix)
-
-
-def _fix(inertia: Element, lower: str, upper: str, same: bool) -> Fix | None:
-    """Return the fix: of two that are the same the lower one goes; a lower one alone takes its twin's name."""
-    span = inertia.attributes[lower].span
-    if inertia.get(upper) is None:
-        return Fix(f"call it {upper}", (Edit(span.start, span.start + len(lower), upper),), safe=False)
-    if not same:
-        return None
-    start = len(inertia.positions.data[: span.start].rstrip(b" \t\r\n"))
-    return Fix(f"delete {lower}", (Edit(start, span.end, ""),), safe=True)
+            fix, at = None, inertia.attributes[lower].span
+            if below is not None and inertia.get(upper) is None:
+                fix = Fix(f"call it {upper}", (Edit(at.start, at.start + len(lower), upper),), safe=False)
+            elif below is not None and above == below:
+                start = len(inertia.positions.data[: at.start].rstrip(b" \t\r\n"))
+                fix = Fix(f"delete {lower}", (Edit(start, at.end, ""),), safe=True)
+            yield Fault(at, what, remedy, below, above, fix=fix)
 
 
 _LONGEST = 2000
