@@ -79,10 +79,6 @@ def is_selected(finding: Finding, select: Codes, asked: Asked) -> bool:
     """Return whether a finding is shown: it is selected by code or ALL, or asked for, or in the default set."""
     in_default = finding.severity.reaches(BY_CODE[finding.code].default) and (not select or DEFAULT in select)
     codes = tuple(code for code in select if code not in WORDS)
-    return in_default or ALL in select or finding.code.startswith((*codes, *_asked_for(asked)))
-
-
-def _asked_for(asked: Asked) -> Codes:
-    """Return the rules whose findings an option asks for."""
     given = ((asked.trajectory, ("RD802",)), (asked.targets, ("RD607", "RD901")), (asked.against, ("RD902",)))
-    return tuple(code for value, codes in given if value for code in codes)
+    asked_for = [code for value, codes in given if value for code in codes]
+    return in_default or ALL in select or finding.code.startswith((*codes, *asked_for))

@@ -76,8 +76,8 @@ def find_config(folder: str, known: dict[str, Config | None]) -> Config | None:
     folder = os.path.abspath(folder)
     if folder not in known:
         above = os.path.dirname(folder)
-        found = next((config for name in NAMES if (config := _in_file(os.path.join(folder, name)))), None)
-        known[folder] = found or (find_config(above, known) if above != folder else None)
+        found = (_in_file(os.path.join(folder, name)) for name in NAMES)
+        known[folder] = next(filter(None, found), None) or (find_config(above, known) if above != folder else None)
     return known[folder]
 
 
@@ -124,10 +124,9 @@ def parse_config(data: bytes, file: str) -> Config | None:
         ours = TomlTable(values, "[tool.robodyn]", [(data, file)], ("tool", "robodyn"))
         inside = ours.table("check", {}, "[tool.robodyn.check]")
         ours.finish()
-        config = _config(inside, file)
+        return _config(inside, file)
     except SceneError as error:
         raise InputError(error.what, remedy=error.remedy, file=file, line=error.line) from None
-    return config
 
 
 def _config(table: TomlTable, file: str) -> Config:
@@ -135,29 +134,20 @@ def _config(table: TomlTable, file: str) -> Config:
     select, ignore = _codes(table, "select"), _codes(table, "ignore")
     patterns = table.table("per-file-ignores", {}, "[tool.robodyn.check.per-file-ignores]")
     per_file = tuple((pattern, _codes(patterns, pattern)) for pattern in list(patterns.values))
-    thresholds = _thresholds(table.table("thresholds", {}, "[tool.robodyn.check.thresholds]"))
-    roots = tuple(os.path.normpath(os.path.join(folder, path)) for path in _texts(table, "package-path"))
+    numbers = table.table("thresholds", {}, "[tool.robodyn.check.thresholds]")
+    kind, usual = Annotated[float, Rule(lambda x: x >= 0.0, "thresholds are positive or zero")], asdict(Thresholds())
+    values = {name: numbers.value(name.replace("_", "-"), kind, value) for name, value in usual.items()}
+    numbers.finish()
+    paths: tuple[str, ...] = table.value("package-path", tuple[str, ...], ())
+    roots = tuple(os.path.normpath(os.path.join(folder, path)) for path in paths)
     table.finish()
     for chosen, left_out in ((select, ignore), *(((), codes) for _, codes in per_file)):
         try:
             rules_for(chosen, left_out)
         except InputError as error:
             raise InputError(error.what, remedy=error.remedy, file=file) from None
-    return Config(folder, Options(select, ignore, thresholds, roots), per_file)
-
-
-def _thresholds(table: TomlTable) -> Thresholds:
-    kind = Annotated[float, Rule(lambda x: x >= 0.0, "thresholds are positive or zero")]
-    usual = asdict(Thresholds())
-    values = {name: table.value(name.replace("_", "-"), kind, value) for name, value in usual.items()}
-    table.finish()
-    return Thresholds(**values)
+    return Config(folder, Options(select, ignore, Thresholds(**values), roots), per_file)
 
 
 def _codes(table: TomlTable, key: str) -> tuple[str, ...]:
-    return tuple(code.upper() for code in _texts(table, key))
-
-
-def _texts(table: TomlTable, key: str) -> tuple[str, ...]:
-    texts: tuple[str, ...] = table.value(key, tuple[str, ...], ())
-    return texts
+    return tuple(code.upper() for code in table.value(key, tuple[str, ...], ()))

@@ -82,10 +82,7 @@ def fixed(data: bytes, file: str, check: Check, *, unsafe: bool = False) -> Fixe
     ones follow, if wanted, and it is computed what they change. Then the text is checked again, until it offers no
     more. The result has nothing left to fix that could be fixed: fixing it again changes nothing.
 
-    Args:
-        data: the bytes of the file.
-        check: finds the faults in such bytes.
-        unsafe: make fixes that change the dynamics, too.
+    `check` finds the faults in such bytes.
     """
     reading = read(data, file)
     if reading.data != data:
@@ -97,13 +94,17 @@ def fixed(data: bytes, file: str, check: Check, *, unsafe: bool = False) -> Fixe
         text, safe, refused = _safely(text, together(findings, True), reading.encoding)
         made += safe
         if unsafe and text == before:
-            text, more = apply_unsafe_fixes(text, together(findings, False), reading.encoding)
-            made += more
+            pairs = together(findings, False)
+            text = _edited(text, pairs, reading.encoding)
+            try:
+                change = change_of_dynamics(before, text) if pairs else None
+            except InputError:
+                change = None
+            made += [Made(*pair, change) for pair in pairs]
         if text == before:
             return Fixed(file, data, text, tuple(made), tuple(refused))
-    return _unchanged(
-        file, data, ((one.finding, one.fix) for one in made), f"the fixes do not settle in {ROUNDS} rounds"
-    )
+    why = f"the fixes do not settle in {ROUNDS} rounds"
+    return _unchanged(file, data, ((one.finding, one.fix) for one in made), why)
 
 
 def _unchanged(file: str, data: bytes, offered: Iterable[tuple[Finding, Fix]], why: str) -> Fixed:
@@ -119,21 +120,12 @@ def _safely(text: bytes, pairs: Pairs, encoding: str) -> tuple[bytes, list[Made]
     for pair in pairs:
         candidate = _edited(text, [*proven, pair], encoding)
         why = unproven(text, candidate)
-        if why is None:
-            after = candidate
-            proven.append(pair)
-        else:
+        if why is not None:
             refused.append(Refused(*pair, why))
+            continue
+        after = candidate
+        proven.append(pair)
     return after, [Made(*pair) for pair in proven], refused
-
-
-def apply_unsafe_fixes(text: bytes, pairs: Pairs, encoding: str) -> tuple[bytes, list[Made]]:
-    after = _edited(text, pairs, encoding)
-    try:
-        change = change_of_dynamics(text, after) if pairs else None
-    except InputError:
-        change = None
-    return after, [Made(finding, fix, change) for finding, fix in pairs]
 
 
 def _edited(text: bytes, pairs: Pairs, encoding: str) -> bytes:

@@ -27,7 +27,7 @@ class Origins:
         elements = [] if reading.robot is None else list(reading.root.walk())
         self._elements = elements if len(elements) == len(expansion.places) else []
         self._starts = [element.start for element in self._elements]
-        self._read = cache(_source)
+        self._read = cache(lambda file: Document(file, read_input(file), "utf-8", (), None))
 
     def located(self, finding: Finding) -> Finding:
         """Return the finding at the attribute, or the start tag, that it comes from: of a macro, in the macro.
@@ -61,14 +61,9 @@ class Origins:
 
 
 def _in_source(element: Element, finding: Finding, source: Document, start: int) -> Span:
-    """Return the place in the source of what a finding is at in an element of the expanded text."""
     written = Element("", defaultdict(str), 0, start, SourcePositions(source.data, source.encoding))
     for name, attribute in element.attributes.items():
         if attribute.span.start <= finding.start <= attribute.span.end and name in written.attributes:
             whole = finding.start < attribute.value_span.start
             return written.attributes[name].span if whole else written.attributes[name].value_span
     return written.span
-
-
-def _source(file: str) -> Document:
-    return Document(file, read_input(file), "utf-8", (), None)

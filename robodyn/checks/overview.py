@@ -118,7 +118,15 @@ def overview(
         path, package_paths=options.package_path, xacro_args=xacro_args, trust_xacro=trust_xacro
     )
     model = assemble(description)
-    at, meshes = _near_zero(model), _meshes(description)
+    at = {}
+    for joint in (joint for joint in model.independent if joint.kind != "floating"):
+        lower, upper = -inf if joint.lower is None else joint.lower, inf if joint.upper is None else joint.upper
+        at[joint.name] = min(max(0.0, lower), upper) if lower <= upper else 0.0
+    uses = [(link.name, each) for link in description.links for each in link.geometries if each.filename is not None]
+    first = {use[1].filename or "": use for use in reversed(uses)}
+    missing = [use for use in uses if first[use[1].filename or ""] is use]
+    missing = [use for use in missing if description.search.find(use[1].filename or "") is None]
+    meshes = Meshes(len(uses), len(first), tuple(missing))
     mass, com, notes = _centre(description, model, at)
     checked = check_description(description, Options(package_path=folders))
     return Overview(
@@ -145,10 +153,7 @@ def overview(
 def _centre(
     description: Description, model: Model, at: Mapping[str, float]
 ) -> tuple[float, Array | None, tuple[str, ...]]:
-    """Return the mass and centre of mass, and the joints beyond their limits; or why there is no centre.
-
-    Method: first moments of the bodies in floats, summed without rounding.
-    """
+    """Return the mass and centre of mass, and the joints beyond their limits; or why there is no centre."""
     mass = fsum(link.inertial.mass for link in description.massive if link.inertial is not None)
     if not mass:
         why = "the masses of the parts add up to zero" if description.massive else "the robot has no mass"
@@ -162,15 +167,6 @@ def _centre(
     return mass, com, beyond_limits(model, q)
 
 
-def _near_zero(model: Model) -> dict[str, float]:
-    """Return every coordinate of a joint at zero, or at the limit nearest to it where its range does not hold zero."""
-    at = {}
-    for joint in (joint for joint in model.independent if joint.kind != "floating"):
-        lower, upper = -inf if joint.lower is None else joint.lower, inf if joint.upper is None else joint.upper
-        at[joint.name] = min(max(0.0, lower), upper) if lower <= upper else 0.0
-    return at
-
-
 def _branches(description: Description) -> Iterator[Branch]:
     links = {link.name: link for link in description.links}
     carried: dict[str, list[Joint]] = {}
@@ -182,14 +178,6 @@ def _branches(description: Description) -> Iterator[Branch]:
         link = links[name]
         yield Branch(name, link.line, depth, link.inertial.mass if link.inertial else None, carrier)
         waiting += [(depth + 1, joint.child, joint) for joint in reversed(carried.get(name, []))]
-
-
-def _meshes(description: Description) -> Meshes:
-    uses = [(link.name, each) for link in description.links for each in link.geometries if each.filename is not None]
-    first = {use[1].filename or "": use for use in reversed(uses)}
-    missing = [use for use in uses if first.get(use[1].filename or "") is use]
-    missing = [use for use in missing if description.search.find(use[1].filename or "") is None]
-    return Meshes(len(uses), len(first), tuple(missing))
 
 
 def _next(source: str, model: Model, checked: Checked, meshes: Meshes, description: Description) -> tuple[str, ...]:

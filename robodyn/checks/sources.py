@@ -38,10 +38,13 @@ def related_descriptions(path: str) -> list[str]:
         if not found:
             raise no_robot(path)
     else:
-        belongs, file = _has_srdf if path.lower().endswith(".srdf") else _names, Path(path).absolute()
+        file = Path(path).absolute()
         home = Search(str(file)).home
         descriptions = _in_packages([] if home is None else [home], file, ".urdf")
-        found = [str(urdf) for urdf in descriptions if belongs(urdf, file)]
+        if path.lower().endswith(".srdf"):
+            found = [str(urdf) for urdf in descriptions if _has_srdf(urdf, file)]
+        else:
+            found = [str(urdf) for urdf in descriptions if file.name.encode() in read_input(urdf)]
     if not found:
         raise NoRobotError("no description in its package names it", remedy="name a description", file=path)
     return found if os.path.isabs(path) else [os.path.relpath(urdf) for urdf in found]
@@ -69,10 +72,6 @@ def _including(parts: Path) -> set[Path]:
             else:
                 found.add(file)
     return found
-
-
-def _names(urdf: Path, mesh: Path) -> bool:
-    return mesh.name.encode() in read_input(urdf)
 
 
 def _has_srdf(urdf: Path, srdf: Path) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -55,7 +55,8 @@ def srdf_of(file: str, robot: str | None) -> Path | None:
             return same
     for sub in _BESIDE:
         found = sorted((folder / sub).glob("*.srdf")) if (folder / sub).is_dir() else []
-        if len(found) == 1 and _readable(found[0]) and robot and _robot(found[0]) == robot:
+        document = _document(found[0]) if len(found) == 1 and robot and _readable(found[0]) else None
+        if document is not None and document.root.get("name") == robot:
             return found[0]
     return None
 
@@ -93,7 +94,8 @@ def srdf(context: Context) -> Srdf | None:
     document = None if path is None else _document(path)
     if path is None or document is None:
         return None
-    used = tuple(_used(document.root))
+    virtual = {_FREE_BASE, *(child.get("name") for child in document.root.findall("virtual_joint"))}
+    used = tuple(named for named in _used(document.root) if named.kind == "link" or named.name not in virtual)
     missing: dict[tuple[str, str], Named] = {}
     for each in used:
         if each.name not in (view.link if each.kind == "link" else view.joint):
@@ -108,25 +110,15 @@ def own_srdf(context: Context) -> Srdf | None:
 
 
 def _used(root: Element) -> Iterator[Named]:
-    virtual = {_FREE_BASE, *(child.get("name") for child in root.findall("virtual_joint"))}
-    return (named for named in _walk(root) if named.kind == "link" or named.name not in virtual)
-
-
-def _walk(root: Element) -> Iterator[Named]:
     for element in root.walk():
-        for attribute in _LINKS.get(element.tag, ()):
-            yield from _named("link", element, attribute)
+        uses = [("link", element, attribute) for attribute in _LINKS.get(element.tag, ())]
         if element.tag in _JOINTS:
-            yield from _named("joint", element, _JOINTS[element.tag])
+            uses.append(("joint", element, _JOINTS[element.tag]))
         if element.tag in ("group", "group_state"):
-            for kind in ("link", "joint"):
-                for child in element.findall(kind):
-                    yield from _named(kind, child, "name")
-
-
-def _named(kind: str, element: Element, attribute: str) -> Sequence[Named]:
-    name = element.get(attribute)
-    return () if not name else (Named(kind, name, element, attribute),)
+            uses += [(kind, child, "name") for kind in ("link", "joint") for child in element.findall(kind)]
+        for kind, one, attribute in uses:
+            if name := one.get(attribute):
+                yield Named(kind, name, one, attribute)
 
 
 def _document(path: Path) -> Document | None:
@@ -134,11 +126,6 @@ def _document(path: Path) -> Document | None:
         return read_document(path)
     except DescriptionError:
         return None
-
-
-def _robot(path: Path) -> str | None:
-    document = _document(path)
-    return None if document is None else document.root.get("name")
 
 
 def _readable(path: Path) -> bool:

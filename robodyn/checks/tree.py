@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -60,41 +60,29 @@ def build_tree(view: View) -> Tree | None:
     roots = [link for link in view.links if link.name not in above]
     if not (unique and led and typed) or len(roots) != 1:
         return None
-    links = _downward(view, roots[0])
-    if len(links) < len(view.links):
-        return None
-    groups, group = _groups(links, above)
-    return Tree(links, above, groups, group)
-
-
-def _downward(view: View, root: LinkView) -> tuple[LinkView, ...]:
-    """Return the links below the root, itself first, in depth-first order."""
     below: dict[str, list[str]] = {}
     for joint in view.joints:
         below.setdefault(joint.parent, []).append(joint.child)
-    links, waiting = [], [root.name]
+    links, waiting = list[LinkView](), [roots[0].name]
     while waiting:
         name = waiting.pop()
         links.append(view.link[name])
         waiting += reversed(below.get(name, ()))
-    return tuple(links)
-
-
-def _groups(links: Sequence[LinkView], above: Mapping[str, JointView]) -> tuple[tuple[Group, ...], dict[str, Group]]:
-    groups: list[Group] = []
-    group: dict[str, Group] = {}
+    if len(links) < len(view.links):
+        return None
+    groups, group = list[Group](), dict[str, Group]()
     for link in links:
-        joint = above.get(link.name)
-        parent = None if joint is None else group[joint.parent]
-        if joint is not None and parent is not None and not joint.moves:
+        carrier = above.get(link.name)
+        parent = None if carrier is None else group[carrier.parent]
+        if carrier is not None and parent is not None and not carrier.moves:
             parent.links.append(link)
             group[link.name] = parent
             continue
-        group[link.name] = Group([link], joint, parent)
+        group[link.name] = Group([link], carrier, parent)
         groups.append(group[link.name])
         if parent is not None:
             parent.children.append(group[link.name])
-    return tuple(groups), group
+    return Tree(tuple(links), above, tuple(groups), group)
 
 
 def first_above(view: View) -> dict[str, JointView]:

@@ -20,7 +20,7 @@ import numpy as np
 from robodyn.checks.context import Context
 from robodyn.checks.rule import Finding
 from robodyn.robot.urdf.document import Document
-from robodyn.robot.urdf.elements import Element, Span
+from robodyn.robot.urdf.elements import Span
 from robodyn.support.wording import alternatives, shown
 
 OWN = ("RD008", "RD009")
@@ -40,10 +40,8 @@ class Waiver:
     """A comment that is meant as a waiver.
 
     Attributes:
-        at: the comment.
         text: what it says after `robodyn:`.
         codes: which findings it allows; none where it is not understood.
-        reason: why; empty where there is none.
         erased: bytes that go when the waiver goes: the comment, with its line where nothing else is on that.
         start, end: bytes from the element that it is about to the next one outside that; equal where there is none.
     """
@@ -81,9 +79,13 @@ def waivers(context: Context) -> tuple[Waiver, ...]:
         text = " ".join(comment.group(1).decode(reading.encoding).split())
         allow = _ALLOW.fullmatch(text)
         codes = tuple(code.strip() for code in allow.group(1).split(",")) if allow else ()
-        at = reading.root.positions.span(*comment.span())
-        reason = allow.group(2) if allow else ""
-        found.append(Waiver(at, text, codes, reason, _erased(reading.data, at), *places.about(at)))
+        at, start = reading.root.positions.span(*comment.span()), comment.start()
+        while reading.data[start - 1 : start] in (b" ", b"\t"):
+            start -= 1
+        rest = _REST.match(reading.data, at.end)
+        alone = rest is not None and reading.data[start - 1 : start] in (b"\n", b"\r")
+        erased = start, rest.end() if alone and rest else at.end
+        found.append(Waiver(at, text, codes, allow.group(2) if allow else "", erased, *places.about(at)))
     return tuple(found)
 
 
@@ -114,15 +116,6 @@ def waived(
     return kept, [(waiver, code) for k, waiver, code in codes if not used[code][k]]
 
 
-def _erased(data: bytes, at: Span) -> tuple[int, int]:
-    start = at.start
-    while data[start - 1 : start] in (b" ", b"\t"):
-        start -= 1
-    rest = _REST.match(data, at.end)
-    alone = rest is not None and data[start - 1 : start] in (b"\n", b"\r")
-    return start, rest.end() if alone and rest else at.end
-
-
 class _Places:
     """What comments are about, asked in the order of a file; each part of a line is looked at once."""
 
@@ -133,7 +126,11 @@ class _Places:
         self._with_tag: dict[str, list[int]] = {}
         for k, element in enumerate(elements):
             self._with_tag.setdefault(element.tag, []).append(k)
-        self._ends = _outside(elements, len(self._data))
+        after = {id(elements[0]): len(self._data)}  # where the next element begins that is not within this one
+        for element in elements:
+            following = [*(child.start for child in element.children[1:]), after[id(element)]]
+            after.update(zip(map(id, element.children), following, strict=False))
+        self._ends = [after[id(element)] for element in elements]
         self._last, self._done = 0, 0
         self._written, self._tag = False, b""
 
@@ -160,12 +157,3 @@ class _Places:
         tag = text.rfind(b"<")
         self._tag = (self._tag and self._tag + text if tag < 0 else text[tag:]).rstrip()[:_LONGEST_TAG]
         self._last, self._done = at.start, at.end
-
-
-def _outside(elements: Sequence[Element], end: int) -> list[int]:
-    """Return where the next element begins that is not within this one, of each element in the order of the text."""
-    after = {id(elements[0]): end}
-    for element in elements:
-        following = [*(child.start for child in element.children[1:]), after[id(element)]]
-        after.update(zip(map(id, element.children), following, strict=False))
-    return [after[id(element)] for element in elements]

@@ -49,7 +49,6 @@ class Body:
 
     @property
     def tensor_span(self) -> Span:
-        """Where to point at in its tensor."""
         return self.inertial.entries[widest(self.link.tensor or (0.0,) * 6)].span
 
     @property
@@ -62,7 +61,6 @@ class Body:
 
     @property
     def in_group(self) -> tuple[Floats, Floats | None]:
-        """Centre and second moments in the group's frame."""
         R = self.pose.R
         return product(R, self.c) + self.pose.p, None if self.S is None else product(R, self.S, R.T)
 

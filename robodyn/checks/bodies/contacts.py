@@ -71,7 +71,6 @@ class Contact(NamedTuple):
 
     @property
     def touches(self) -> bool:
-        """Whether they are as near to each other as parts are."""
         return self.gap <= _TOUCH * self.size
 
 
@@ -313,7 +312,6 @@ def overlaps(context: Context) -> list[Overlap]:
 
 
 def _neighbours(context: Context, link: LinkView, other: LinkView) -> bool:
-    """Return whether the links are fixed to each other, or one joint is between what they are fixed to."""
     first, second = context.tree.group[link.name], context.tree.group[other.name]
     return first is second or _hangs_on(first, second) or _hangs_on(second, first)
 
@@ -327,7 +325,6 @@ def _hangs_on(group: Group, other: Group) -> bool:
 
 
 def _hull(context: Context, link: LinkView, shape: GeometryView) -> Hull | None:
-    """Return the hull of a collision shape at rest."""
     solid = context.once(solids)[shape]
     at = behind(context.once(rest_poses)[link.name], solid.pose)
     half, points = (solid.box.hi - solid.box.lo) / 2, None

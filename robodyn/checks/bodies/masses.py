@@ -98,7 +98,6 @@ def is_a_point(link: LinkView) -> bool:
 
 
 def tensors(context: Context) -> Iterator[tuple[LinkView, InertialView, Tensor]]:
-    """Yield the links whose tensor can be read and is not that of a point."""
     for link in context.view.links:
         if link.inertial is not None and link.tensor is not None and not is_a_point(link):
             yield link, link.inertial, link.tensor

@@ -35,11 +35,9 @@ class Solid:
 
     @cached_property
     def along_link(self) -> Box:
-        """The box along the link's axes."""
         return self.box.placed(*self.pose)
 
     def placed(self, outer: Pose) -> Box:
-        """Return the box along outer axes, in which the link's frame stands at a pose."""
         if outer is STILL:
             return self.along_link
         return self.box.placed(product(outer.R, self.pose.R), product(outer.R, self.pose.p) + outer.p)
@@ -140,12 +138,10 @@ def group_boxes(context: Context) -> Mapping[Group, Box]:
 
 
 def real_shapes(link: LinkView) -> list[GeometryView]:
-    """Return the shapes of a link, without <visual/> and the like, which have none."""
     return [geometry for geometry in link.geometries if geometry.shape is not None]
 
 
 def size_of(box: Box) -> float:
-    """Return the length of its diagonal [m]."""
     return length(box.hi - box.lo)
 
 

@@ -35,13 +35,6 @@ def extremes(path: Path, digest: str) -> Floats | None:
     data = shelf.get()
     if data is not None:
         return np.frombuffer(data).reshape(-1, 3)
-    points = _found(path)
-    if points is not None:
-        shelf.put(points.tobytes())
-    return points
-
-
-def _found(path: Path) -> Floats | None:
     from robodyn.solids.mesh.read.load import load_triangles
 
     best, farthest = np.zeros((len(_DIRECTIONS), 3)), np.full(len(_DIRECTIONS), -np.inf)
@@ -51,7 +44,9 @@ def _found(path: Path) -> Floats | None:
             _farther(np.asarray(block, float).reshape(-1, 3), best, farthest)
     except MeshError:
         return None
-    return np.unique(best * triangles.scale, axis=0)
+    points = np.unique(best * triangles.scale, axis=0)
+    shelf.put(points.tobytes())
+    return points
 
 
 def _farther(points: Floats, best: Floats, farthest: Floats) -> None:

@@ -140,7 +140,6 @@ def mesh_facts(path: Path) -> MeshFacts:
 
 
 def _spread(integrals: Integrals) -> tuple[Floats, Floats]:
-    """Return the centre and the six second moments about it, by the volume."""
     if not integrals.volume:
         return np.zeros(3), np.zeros(6)
     with np.errstate(all="ignore"):
@@ -175,7 +174,6 @@ class Shelf:
     """
 
     def __init__(self, digest: str, what: str) -> None:
-        """Open the shelf of what is kept of a content with this digest."""
         folder = cache_folder() if digest and maker() else None
         self._store = ObjectCache(None if folder is None else folder / "meshes" / digest[:2], _SHARD)
         self._key = Key(f"{digest} {what}", maker())
@@ -223,8 +221,7 @@ def _as_they_are(paths: Sequence[Path]) -> str:
 def _of_content(path: Path) -> MeshFacts:
     digest = "" if cache_folder() is None or path.suffix.lower() in _ELSEWHERE else _digest_of(path)
     shelf = Shelf(digest, path.suffix.lower())
-    data = shelf.get()
-    known = None if data is None else MeshFacts.loads(data)
+    known = MeshFacts.loads(shelf.get() or b"")
     if known is not None:
         return known
     facts = replace(mesh_facts(path), digest=digest)
@@ -233,7 +230,6 @@ def _of_content(path: Path) -> MeshFacts:
 
 
 def _digest_of(path: Path) -> str:
-    """Return the digest of a file's content; empty if it cannot be read."""
     try:
         return hashlib.sha256(read_input(path)).hexdigest()
     except OSError:

@@ -21,8 +21,6 @@ from robodyn.support.wording import count, shown_path
 
 
 class State(Enum):
-    """What is known of a mesh's file."""
-
     FOUND = "there"
     OTHER_CASE = "there in another case"
     MISSING = "not there"
@@ -32,8 +30,6 @@ class State(Enum):
 
 @dataclass(frozen=True, slots=True)
 class MeshUse:
-    """One <mesh> of a link."""
-
     link: LinkView
     geometry: GeometryView
 
@@ -44,7 +40,6 @@ class MeshUse:
 
     @property
     def uri(self) -> str:
-        """The name of the file as it is written; empty where there is none."""
         return (self.geometry.shape and self.geometry.shape.get("filename")) or ""
 
 
@@ -78,13 +73,11 @@ class MeshName:
         return Fault(self.uses[0].at, sentence, remedy, severity=severity, fix=fix)
 
     def renamed(self, better: str) -> Fix:
-        """Return the safe fix that writes another name wherever this one stands."""
         edits = tuple(Edit(use.at.start, use.at.end, better) for use in self.uses)
         return Fix(f"write {shown_path(better)}", edits, safe=True)
 
 
 def mesh_uses(context: Context) -> Iterator[MeshUse]:
-    """Yield every <mesh>, in the order of the links."""
     for link in context.view.links:
         for geometry in link.geometries:
             if geometry.shape is not None and geometry.shape.tag == "mesh":

@@ -46,7 +46,10 @@ def mesh_slips(context: Context) -> Mapping[GeometryView, UnitSlip]:
                     how = f"a scale of {scale:g} is for a file in kilometres"
                     found[use.geometry] = UnitSlip(name, scale, 1e3, how)
                 continue
-            mistaken = _mistaken(side, twin(use.link, use.geometry.kind), around) or _uneven(use.geometry)
+            mistaken = _mistaken(side, twin(use.link, use.geometry.kind), around)
+            sizes = sorted(map(abs, use.geometry.scale.or_default(1.0, 1.0, 1.0) or (1.0,)))
+            if mistaken is None and sizes[0] > 0 and _UNEVEN[0] <= sizes[-1] / sizes[0] <= _UNEVEN[1]:
+                mistaken = sizes[-1] / sizes[0], "its scale differs by a factor of 1000 between axes"
             if mistaken is not None:
                 found[use.geometry] = UnitSlip(name, side, *mistaken)
     return found
@@ -74,14 +77,6 @@ def _mistaken(side: float, twin: float | None, reach: float) -> tuple[float, str
         return 1e3, f"it is {ratio:.0f} times as large as the link's other mesh"
     if _TWIN[0] <= 1 / ratio <= _TWIN[1] and not too_large:
         return 1e-3, f"it is {1 / ratio:.0f} times smaller than the link's other mesh"
-    return None
-
-
-def _uneven(geometry: GeometryView) -> tuple[float, str] | None:
-    scale = geometry.scale.or_default(1.0, 1.0, 1.0)
-    sizes = sorted(map(abs, scale or (1.0,)))
-    if sizes[0] > 0 and _UNEVEN[0] <= sizes[-1] / sizes[0] <= _UNEVEN[1]:
-        return sizes[-1] / sizes[0], "its scale differs by a factor of 1000 between axes"
     return None
 
 

@@ -105,7 +105,6 @@ _LIGHT = 1e-3
 
 
 def heavy_links(found: Symmetry) -> set[str]:
-    """Return the links that have a mass or carry one."""
     heavy: set[str] = set()
     for link in found.links.values():
         name = link.name if link.inertial is not None and link.inertial.mass > _LIGHT else None
