@@ -23,7 +23,7 @@ MUTATIONS = {
         ("checks/importers/facts.py", "lower > upper", "lower < upper"),
         ("checks/importers/facts.py", "abs(mass[link.name] or 0.0) > _LEAST_GAZEBO", "True"),
         ("checks/importers/facts.py", "small + middle < (1.0 - 2.0 * _ROUNDING) * large", "False"),
-        ("checks/importers/facts.py", "whole == 0.0 or other.name in nowhere", "other.name in nowhere"),
+        ("checks/importers/facts.py", "whole == 0.0 or other.name in found.nowhere", "other.name in found.nowhere"),
         ("checks/importers/facts.py", "leader is None", "False"),
     ],
     "checks/test_selection.py": [
