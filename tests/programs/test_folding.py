@@ -5,14 +5,12 @@ from __future__ import annotations
 import math
 import operator
 
-import numpy as np
 import pytest
 from helpers.program_values import evaluated
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from robodyn.programs.program import trace
-from robodyn.programs.run.numpy_blocks import NumpyBlocks
 from robodyn.programs.scalar import Traced
 from robodyn.programs.vectors import cos, exp, sign, sin
 
@@ -20,23 +18,9 @@ CONSTANTS = [0.0, -0.0, 1.0, -1.0, 2.0, -0.5, 3.7, -1e-3, 1e8]
 BINARY = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv}
 
 
-def _exp(x):
-    with np.errstate(over="ignore"):
-        return float(np.exp(np.array([x]))[0])
-
-
 OF_TRACED = {"neg": operator.neg, "sin": sin, "cos": cos, "exp": exp, "sign": sign}
 OF_FLOATS = OF_TRACED | {"sin": math.sin, "cos": math.cos, "exp": math.exp}
-OF_NUMPY = OF_TRACED | {"sin": lambda x: float(np.sin(x)), "cos": lambda x: float(np.cos(x)), "exp": _exp}
 INPUTS = 4
-
-
-def _of_either(name):
-    """An elementary function of traced scalars, and NumPy's of constants: libm's may differ in the last bit."""
-    return lambda x: OF_TRACED[name](x) if isinstance(x, Traced) else OF_NUMPY[name](x)
-
-
-OF_TRACED_WITH_NUMPY = {name: _of_either(name) for name in OF_TRACED}
 
 
 leaves = st.one_of(
@@ -71,17 +55,17 @@ def compute(tree, inputs, unary):
     return result
 
 
-def checked(tree, inputs, unary):
+def checked(tree, inputs):
     try:
-        return compute(tree, inputs, unary)
+        return compute(tree, inputs, OF_FLOATS)
     except (ZeroDivisionError, OverflowError):
         return None
 
 
-def traced(tree, unary=OF_TRACED):
+def traced(tree):
     """The program of an expression; one whose constants alone are not finite is no test."""
     try:
-        return trace(lambda tape: [compute(tree, [tape.input("x", i) for i in range(INPUTS)], unary)])
+        return trace(lambda tape: [compute(tree, [tape.input("x", i) for i in range(INPUTS)], OF_TRACED)])
     except (ZeroDivisionError, OverflowError):
         return None
 
@@ -89,19 +73,9 @@ def traced(tree, unary=OF_TRACED):
 @example(("neg", ("-", ("input", 0), ("input", 1))), [3.0, 5.0, 7.0, 9.0])
 @given(expressions, values)
 def test_in_plain_floats(tree, inputs):
-    expected, program = checked(tree, inputs, OF_FLOATS), traced(tree)
+    expected, program = checked(tree, inputs), traced(tree)
     assume(expected is not None and program is not None)
     assert evaluated(program, {"x": inputs}) == [expected]
-
-
-@pytest.mark.slow
-@given(expressions, st.lists(values, min_size=1, max_size=5))
-def test_in_numpy_blocks(tree, samples):
-    program = traced(tree, OF_TRACED_WITH_NUMPY)
-    expected = [checked(tree, row, OF_NUMPY) for row in samples]
-    assume(program is not None and any(value is not None for value in expected))
-    found = NumpyBlocks(program, {"x": INPUTS})({"x": np.array(samples)}, len(samples))[:, 0].tolist()
-    assert all(value is None or value == other for value, other in zip(expected, found, strict=True))
 
 
 RULES = {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from ctypes import CFUNCTYPE, POINTER, c_int64, c_void_p
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -33,9 +34,10 @@ def tables(monkeypatch):
         return 0
 
     class Job(compiled_blocks.Job):
-        def __init__(self, share, _, *arguments):
+        def __init__(self, of, *arguments):
             kept.append(kernel)
-            super().__init__(share, c_int64.from_buffer(kernel).value, *arguments)
+            of.kernel = SimpleNamespace(address=c_int64.from_buffer(kernel).value)
+            super().__init__(of, *arguments)
 
     monkeypatch.setattr(compiled_blocks, "Job", Job)
     return told

@@ -1,17 +1,23 @@
-"""What is kept in the user's cache folder: written whole or not at all, and ignored unless it is intact and his own."""
+"""What is kept in the user's cache folder: written whole or not at all, where, how much, by several at once."""
 
 from __future__ import annotations
 
+import errno
 import os
 import random
 import shutil
 import stat
+import subprocess
+import sys
+import time
 from pathlib import Path
 
+import platformdirs
 import pytest
 from helpers.kept_files import CONTENT, KEY, OTHER, files, posix, the_file
+from helpers.processes import environment, python
 
-from robodyn.support.cache import MARK, Key, ObjectCache, in_profile
+from robodyn.support.cache import FORGOTTEN, MARK, Key, ObjectCache, cache_folder, in_profile
 
 as_root = pytest.mark.skipif(not hasattr(os, "getuid") or os.getuid() != 0, reason="only root gives files away")
 
@@ -52,13 +58,10 @@ def _flip(place):
 DAMAGE = {
     "empty": lambda data: b"",
     "garbage": lambda data: random.Random(1).randbytes(len(data)),
-    "half": lambda data: data[: len(data) // 2],
     "last byte lost": lambda data: data[:-1],
-    "a byte more": lambda data: data + b"\0",
     "head alone": lambda data: data[: len(MARK) + 32],
     "bit of the mark": _flip(0),
     "bit of the digest": _flip(len(MARK) + 7),
-    "first bit of the body": _flip(len(MARK) + 32),
     "last bit of the body": _flip(-1 + len(MARK) + 32 + len(CONTENT)),
     "twice": lambda data: data + data,
 }
@@ -194,3 +197,266 @@ def test_without_a_home_nothing_is_trusted(tmp_path, monkeypatch):
 
     monkeypatch.setattr(Path, "home", homeless)
     assert not in_profile(tmp_path)
+
+
+not_as_root = pytest.mark.skipif(os.name == "nt" or os.getuid() == 0, reason="permissions do not bind this user")
+
+
+@pytest.mark.parametrize("named", ["0", ""])
+def test_cache_that_is_switched_off(monkeypatch, named, tmp_path):
+    monkeypatch.setenv("ROBODYN_CACHE", named)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert cache_folder() is None
+    objects = ObjectCache(cache_folder())
+    objects.put(KEY, CONTENT)
+    assert objects.get(KEY) is None
+    assert not list(tmp_path.iterdir())
+
+
+def test_folder_that_the_user_names(monkeypatch, tmp_path):
+    monkeypatch.setenv("ROBODYN_CACHE", str(tmp_path))
+    assert cache_folder() == tmp_path
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("ROBODYN_CACHE", "~/here")
+    assert cache_folder() == tmp_path / "here" or os.name == "nt"
+
+
+def test_relative_folder_is_one_of_the_working_directory(monkeypatch, tmp_path):
+    monkeypatch.setenv("ROBODYN_CACHE", "kept")
+    monkeypatch.chdir(tmp_path)
+    ObjectCache(cache_folder()).put(KEY, CONTENT)
+    assert ObjectCache(tmp_path / "kept").get(KEY) == CONTENT
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the XDG folders are those of Linux")
+def test_folder_of_the_user(monkeypatch, tmp_path):
+    monkeypatch.delenv("ROBODYN_CACHE")
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    assert cache_folder() == tmp_path / "home" / ".cache" / "robodyn"
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "xdg"))
+    assert cache_folder() == tmp_path / "xdg" / "robodyn"
+    ObjectCache(cache_folder()).put(KEY, CONTENT)
+    assert ObjectCache(tmp_path / "xdg" / "robodyn").get(KEY) == CONTENT
+
+
+def _refuses(*_, **__):
+    raise RuntimeError("could not determine the home directory")
+
+
+@pytest.mark.parametrize("answer", [_refuses, lambda *_, **__: "~/.cache/robodyn", lambda *_, **__: "relative"])
+def test_user_without_a_home_keeps_nothing(monkeypatch, answer):
+    monkeypatch.delenv("ROBODYN_CACHE")
+    monkeypatch.setattr(platformdirs, "user_cache_dir", answer)
+    assert cache_folder() is None
+
+
+NOWHERE = {
+    "a file": lambda folder: Path(__file__),
+    "below a file": lambda folder: Path(__file__) / "below",
+    "name too long": lambda folder: folder / ("x" * 300),
+    "a link to itself": lambda folder: _loop(folder / "loop"),
+    "where nobody may write": lambda folder: Path("/proc/robodyn"),
+}
+
+
+def _loop(path):
+    path.symlink_to(path)
+    return path
+
+
+@posix
+@pytest.mark.parametrize("place", NOWHERE)
+def test_folder_that_cannot_be(place, tmp_path):
+    objects = ObjectCache(NOWHERE[place](tmp_path))
+    objects.put(KEY, CONTENT)
+    assert objects.get(KEY) is None
+
+
+@not_as_root
+def test_folder_that_is_read_only(tmp_path):
+    tmp_path.chmod(0o500)
+    objects = ObjectCache(tmp_path)
+    objects.put(KEY, CONTENT)
+    assert objects.get(KEY) is None
+    tmp_path.chmod(0o700)
+    objects.put(KEY, CONTENT)
+    (tmp_path / "objects").chmod(0o500)
+    objects.put(OTHER, CONTENT)
+    assert objects.get(KEY) == CONTENT
+    assert objects.get(OTHER) is None
+
+
+@not_as_root
+def test_folder_that_may_not_be_entered(tmp_path):
+    tmp_path.chmod(0)
+    objects = ObjectCache(tmp_path)
+    objects.put(KEY, CONTENT)
+    assert objects.get(KEY) is None
+    tmp_path.chmod(0o700)
+
+
+@pytest.mark.parametrize(("age", "left"), [(0.5 * FORGOTTEN, True), (2.0 * FORGOTTEN, False)])
+def test_files_never_finished_are_removed_once_nobody_can_be_at_work_on_them(tmp_path, age, left):
+    objects = ObjectCache(tmp_path)
+    objects.put(KEY, CONTENT)
+    part = the_file(tmp_path).with_name(f"{the_file(tmp_path).name}.0a1b.part")
+    part.write_bytes(b"half")
+    os.utime(part, (time.time() - age,) * 2)
+    objects.put(OTHER, CONTENT)
+    assert part.exists() == left
+    assert objects.get(KEY) == CONTENT
+
+
+def _put_an_hour_apart(folder, keys):
+    for k, key in enumerate(keys):
+        ObjectCache(folder).put(key, CONTENT)
+        newest = max(files(folder), key=lambda path: path.stat().st_mtime)
+        os.utime(newest, (1e9 + 3600 * k,) * 2)
+
+
+KEYS = [Key(f"program {k}", "a machine") for k in range(6)]
+
+
+def test_files_used_longest_ago_go_first(tmp_path):
+    _put_an_hour_apart(tmp_path, KEYS)
+    size = files(tmp_path)[0].stat().st_size
+    objects = ObjectCache(tmp_path, largest=4 * size)
+    assert objects.get(KEYS[1]) == CONTENT  # used just now
+    objects.put(KEY, CONTENT)
+    assert [objects.get(key) is not None for key in KEYS] == [False, True, False, False, True, True]
+    assert objects.get(KEY) == CONTENT
+
+
+def test_file_larger_than_all_that_may_be_kept(tmp_path):
+    objects = ObjectCache(tmp_path, largest=1000)
+    objects.put(KEY, CONTENT)
+    assert objects.get(KEY) is None
+    assert not files(tmp_path)
+
+
+def test_files_of_the_user_are_never_removed(tmp_path):
+    """Whatever folder the user names, and whatever else lies there."""
+    objects = ObjectCache(tmp_path, largest=0)
+    objects.put(KEY, CONTENT)
+    mine = [tmp_path / "thesis.tex", tmp_path / "objects" / "thesis.part", tmp_path / "objects" / ("a" * 65)]
+    for path in mine:
+        path.write_bytes(CONTENT)
+        os.utime(path, (1e9, 1e9))
+    (tmp_path / "objects" / "folder").mkdir()
+    objects.put(KEY, CONTENT)
+    assert [path for path in mine if path.exists()] == mine
+
+
+def test_what_cannot_be_removed_keeps_nothing_else(tmp_path):
+    _put_an_hour_apart(tmp_path, KEYS)
+    oldest, newest = (pick(files(tmp_path), key=lambda path: path.stat().st_mtime) for pick in (min, max))
+    newest.unlink()
+    newest.mkdir()
+    ObjectCache(tmp_path, largest=0).put(KEY, CONTENT)
+    assert not oldest.exists()
+
+
+WRITER = """
+import sys
+from pathlib import Path
+from robodyn.support.cache import Key, ObjectCache
+objects, contents = ObjectCache(Path(sys.argv[1])), [bytes([k]) * 2_000_000 for k in range(4)]
+print("ready", flush=True)
+while True:
+    for content in contents:
+        objects.put(Key("a program", "a machine"), content)
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a file that is open elsewhere is not replaced there")
+def test_process_killed_while_it_writes(tmp_path):
+    objects = ObjectCache(tmp_path)
+    chance = random.Random(5)
+    torn = 0
+    for _ in range(20):
+        child = subprocess.Popen(
+            [sys.executable, "-c", WRITER, str(tmp_path)], stdout=subprocess.PIPE, env=environment()
+        )
+        with child:
+            assert child.stdout.readline() == b"ready\n"
+            time.sleep(chance.uniform(0.0, 0.03))
+            child.kill()
+        whole = [path for path in files(tmp_path) if path.suffix != ".part"]
+        content = objects.get(KEY)
+        assert content is None if not whole else len(set(content)) == 1 and len(content) == 2_000_000
+        torn += len(files(tmp_path)) - len(whole)
+    assert torn > 0, "no process was killed while it wrote"
+    for path in tmp_path.rglob("*.part"):
+        os.utime(path, (time.time() - 2 * FORGOTTEN,) * 2)
+    objects.put(KEY, b"new")
+    assert not list(tmp_path.rglob("*.part"))
+
+
+BUILDER = """
+import hashlib
+import numpy as np
+from robodyn.programs.run.compiled_blocks import CompiledBlocks
+from robodyn.programs.program import trace
+x = np.linspace(-3.0, 3.0, 1000)[:, None]
+run = CompiledBlocks(trace(lambda tape: [tape.input("x", 0).sin() * 0.3 + 1.7]), {"x": 1})
+print(hashlib.sha256(run({"x": x}, len(x)).tobytes()).hexdigest())
+"""
+SMALL_FILES = (
+    "import resource, sys; sys.dont_write_bytecode = True; "
+    "resource.setrlimit(resource.RLIMIT_FSIZE, (100, resource.RLIM_INFINITY))"
+)
+"""As on a disk that fills up: no file grows beyond 100 bytes."""
+
+
+def test_many_processes_at_once(tmp_path):
+    pytest.importorskip("llvmlite")
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "env": environment(ROBODYN_CACHE=tmp_path)}
+    children = [subprocess.Popen([sys.executable, "-c", BUILDER], text=True, **pipes) for _ in range(8)]
+    ends = [(*child.communicate(), child.returncode) for child in children]
+    assert set(ends) == {(ends[0][0], "", 0)}
+    assert len(ends[0][0]) == 65
+    assert len(files(tmp_path)) == 2, "the program, and what drives it"
+
+
+def test_nothing_is_lost_or_said_where_nothing_can_be_kept(tmp_path):
+    pytest.importorskip("llvmlite")
+    expected = python(BUILDER, ROBODYN_CACHE=tmp_path / "kept").stdout
+    (tmp_path / "file").touch()
+    homeless = {"ROBODYN_CACHE": None, "XDG_CACHE_HOME": None, "HOME": "/proc"}
+    for changes in ({"ROBODYN_CACHE": 0}, {"ROBODYN_CACHE": tmp_path / "file"}, homeless):
+        done = python(BUILDER, **changes)
+        assert (done.stdout, done.stderr) == (expected, "")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "kept"]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="limits of files are those of POSIX")
+def test_nothing_is_lost_or_said_where_the_disk_is_full(tmp_path):
+    pytest.importorskip("llvmlite")
+    expected = python(BUILDER, ROBODYN_CACHE=tmp_path / "kept").stdout
+    done = python(SMALL_FILES + BUILDER, ROBODYN_CACHE=tmp_path / "full")
+    assert (done.stdout, done.stderr) == (expected, "")
+    assert not files(tmp_path / "full")
+
+
+def test_full_disk_leaves_what_was_there(tmp_path, monkeypatch):
+    objects = ObjectCache(tmp_path)
+    objects.put(KEY, b"old")
+
+    def full(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(os, "replace", full)
+    objects.put(KEY, b"new")
+    assert objects.get(KEY) == b"old"
+    assert len(files(tmp_path)) == 1
+
+
+def test_interrupted_write_leaves_nothing(tmp_path, monkeypatch):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(os, "replace", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        ObjectCache(tmp_path).put(KEY, b"new")
+    assert not files(tmp_path)
