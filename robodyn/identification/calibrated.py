@@ -26,8 +26,7 @@ from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.solids.inertia.laws import Inertia, symmetric
 from robodyn.solids.inertia.properties import MassProperties, from_inertia, from_moments, inertial_element
 from robodyn.support.floats import Floats
-from robodyn.support.toml_text import toml_key, toml_string
-from robodyn.support.wording import count, figure, listed, shown, shown_path
+from robodyn.support.wording import count, figure, listed, shown, shown_path, toml_key, toml_string
 
 
 class Calibrated(NamedTuple):

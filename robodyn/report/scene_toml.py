@@ -8,7 +8,7 @@ from robodyn.report.table import PLAIN, number
 from robodyn.robot.configuration import configuration, link_poses
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.scene import DEFAULT
-from robodyn.support.toml_text import toml_key, toml_string
+from robodyn.support.wording import toml_key, toml_string
 
 _HEAD = """Scene of the robot {name}, begun by: robodyn scene init
 As it stands it changes nothing: robodyn computes as without a scene.

@@ -21,7 +21,7 @@ from robodyn.errors import DescriptionError
 from robodyn.programs.vectors import length, product, rotation_from_rpy, snapped
 from robodyn.robot.model import Body, Frame, Joint, Model
 from robodyn.robot.urdf.description import load_description
-from robodyn.robot.urdf.parts import Description, Inertial, Origin
+from robodyn.robot.urdf.parts import Description, Origin
 from robodyn.robot.urdf.parts import Joint as DescribedJoint
 from robodyn.solids.inertia.laws import Inertia, combined, inertia_of, symmetric
 from robodyn.solids.inertia.validity import unphysical
@@ -95,7 +95,9 @@ def assemble(description: Description, *, moving_base: bool = False) -> Model:
     for link in description.links:
         if link.inertial is not None and link.name in frames:
             body, R, p = frames[link.name]
-            parts[body].append(_moments(link.inertial, R, p))
+            turn, c = placement(link.inertial.origin)
+            tensor = product(turn, symmetric(link.inertial.inertia), turn.T)
+            parts[body].append(inertia_of(link.inertial.mass, c, tensor, R, p))
     joints = numbered(joints, description)
     inertias = [combined(some) for some in parts]
     bodies = tuple(Body(*row) for row in zip(names, parents, joints, inertias, strict=True))
@@ -109,11 +111,6 @@ def _base(description: Description, carried: dict[str, list[DescribedJoint]], mo
     if len(first) == 1 and first[0].type == "floating" and inertial is None:
         return first[0].child, Joint("base", "floating", *placement(first[0].origin), axis)
     return root, Joint("base", "floating" if moving else "fixed", np.eye(3), np.zeros(3), axis)
-
-
-def _moments(inertial: Inertial, R: Floats, p: Floats) -> Inertia:
-    turn, c = placement(inertial.origin)
-    return inertia_of(inertial.mass, c, product(turn, symmetric(inertial.inertia), turn.T), R, p)
 
 
 def _notes(description: Description) -> tuple[str, ...]:
@@ -190,7 +187,17 @@ def numbered(joints: list[Joint], description: Description) -> list[Joint]:
     Raises:
         DescriptionError: a mimic joint follows a joint that has no single coordinate, or two joints have one name.
     """
-    order = _places_in_file(description)
+    order: dict[str, int] = {}
+    for k, described in enumerate(description.joints):
+        for part in elementary(described, np.eye(3), np.zeros(3)):
+            if part.name in order:
+                raise DescriptionError(
+                    f'joint "{part.name}" is named as a part of planar joint "{part.name.rpartition("_")[0]}"',
+                    remedy="rename one of them",
+                    file=description.file,
+                    line=next(joint.line for joint in description.joints if joint.name == part.name),
+                )
+            order[part.name] = k
     ranked = sorted(range(1, len(joints)), key=lambda i: order[joints[i].name])
     index = {joints[i].name: i for i in ranked}
     transmissions = {transmission.joint: transmission for transmission in description.transmissions}
@@ -220,28 +227,6 @@ def numbered(joints: list[Joint], description: Description) -> list[Joint]:
             )
         )
     return out
-
-
-def _places_in_file(description: Description) -> dict[str, int]:
-    """Return by its name where every elementary joint stands."""
-    order: dict[str, int] = {}
-    for k, described in enumerate(description.joints):
-        for name in _parts(described):
-            if name in order:
-                planar = name.rpartition("_")[0]
-                raise DescriptionError(
-                    f'joint "{name}" is named as a part of planar joint "{planar}"',
-                    remedy="rename one of them",
-                    file=description.file,
-                    line=next(joint.line for joint in description.joints if joint.name == name),
-                )
-            order[name] = k
-    return order
-
-
-def _parts(described: DescribedJoint) -> list[str]:
-    """Return names of the elementary joints that a described joint is made of."""
-    return [joint.name for joint in elementary(described, np.eye(3), np.zeros(3))]
 
 
 def _leader(i: int, joints: list[Joint], index: dict[str, int]) -> tuple[int, float, float]:

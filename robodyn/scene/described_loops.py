@@ -85,16 +85,12 @@ def _loop(element: Element, name: str, links: Collection[str], strict: Strict) -
         if kind == "hinge" and not any(axis):
             what = f"<{role}_axis> of {owner} has the length 0, which gives no direction"
             raise strict.error(element.line, what, 'write xyz="0 0 1"')
-        axes.append(_turned(turns[-1], axis))
+        x, y, z = product(turns[-1], np.array(axis)).tolist()
+        axes.append((x, y, z))
     more: dict[str, Any] = {"axis": axes[1], "to_axis": axes[0]} if kind == "hinge" else {}
     if kind == "weld":
         more = {"rpy": _rpy(product(turns[0], turns[1].T))}
     return Loop(name, child, points[1], parent, points[0], kind, **more)
-
-
-def _turned(R: Floats, axis: Vector) -> Vector:
-    x, y, z = product(R, np.array(axis)).tolist()
-    return x, y, z
 
 
 def _rpy(R: Floats) -> Vector:

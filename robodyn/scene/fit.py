@@ -76,11 +76,7 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
 
 
 def known(where: str, kind: str, name: str, names: Collection[str], file: str | None = None) -> None:
-    """Raise if the robot has no joint, link or coordinate of this name; `where` is what names it.
-
-    Raises:
-        SceneError: with the closest name that there is.
-    """
+    """Raise if the robot has no joint, link or coordinate of this name; `where` is what names it."""
     if name not in names:
         what = f"{where}: the robot has no {kind} {shown(name)}" + (" that moves" if kind == "joint" else "")
         raise SceneError(what, remedy=alternatives(name, names, f"{kind}s"), file=file)
@@ -151,11 +147,7 @@ def _check_contact(contact: Contact, file: str | None) -> None:
 
 
 def refuse_others(model: object, scene: object = DEFAULT) -> None:
-    """Raise unless these are a robot and what surrounds it.
-
-    Raises:
-        InputError: one of them is something else.
-    """
+    """Raise unless these are a robot and what surrounds it."""
     for name, thing, kind, remedy in (
         ("model", model, Model, "pass what robodyn.load returns"),
         ("scene", scene, Scene, "pass what robodyn.load_scene returns, or a robodyn.Scene"),
@@ -167,11 +159,7 @@ def refuse_others(model: object, scene: object = DEFAULT) -> None:
 
 
 def refuse_load(scene: Scene) -> None:
-    """Raise if friction grows with load, so that torques are not M qdd + b.
-
-    Raises:
-        SceneError: it does.
-    """
+    """Raise if friction grows with load, so that torques are not M qdd + b."""
     if scene.loaded:
         what = f"friction of {shown(scene.loaded[0])} grows with load, and this knows only torques M qdd + b"
         remedy = "torques, simulate, inverse and forward dynamics know it; leave load out"
@@ -179,14 +167,7 @@ def refuse_load(scene: Scene) -> None:
 
 
 def refuse_constraints(scene: Scene, file: str | None = None, *, loops: bool = False, contacts: bool = False) -> None:
-    """Raise if a scene closes loops or stands on contacts, where only the open tree could be computed.
-
-    Args:
-        loops, contacts: whether they are known here.
-
-    Raises:
-        SceneError: it does.
-    """
+    """Raise if a scene closes loops or stands on contacts, unless these are known here."""
     if scene.loops and not loops:
         what = "the scene closes loops, and this knows only the open tree"
         remedy = "robodyn torques, fbd, simulate and linearize follow closed chains; without loops it is the tree"
@@ -197,11 +178,7 @@ def refuse_constraints(scene: Scene, file: str | None = None, *, loops: bool = F
 
 
 def check_moves(model: Model) -> None:
-    """Raise if the robot has no coordinates.
-
-    Raises:
-        InputError: it has no joint that moves, and its base is fixed.
-    """
+    """Raise if the robot has no coordinates."""
     if model.n == 0:
         what = "nothing can move: the robot has no joint that moves, and its base is fixed"
         remedy = 'free its base: [base] motion = "moving" in a scene'

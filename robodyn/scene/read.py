@@ -112,6 +112,12 @@ def parse_scenes(sources: Sources) -> Scene:
         if count > 1:
             what = f'{count} loops and contacts have the name "{name}"'
             raise table.error(what, "give each a name of its own")
+    base, initial = table.table("base", {}), table.table("initial", {})
+    motion = base.value("motion", Annotated[str, one_of("fixed", "moving")], "fixed")
+    held = base.value("held", bool, False)
+    base.finish()
+    begun = {f"initial_{key}": _numbers(initial, key, Entry, f"[initial] {key}", {}) for key in ("q", "qd")}
+    initial.finish()
     return table.read(
         Scene,
         friction={name: _friction(entry) for name, entry in table.tables("friction")},
@@ -120,15 +126,16 @@ def parse_scenes(sources: Sources) -> Scene:
         coupled=tuple(_coupled(entry) for entry in table.list("coupled")),
         spring={name: entry.read(Spring) for name, entry in table.tables("spring")},
         payloads=tuple(entry.read(Payload) for entry in table.list("payload")),
-        wrenches=tuple(_wrench(entry) for entry in table.list("wrench")),
+        wrenches=tuple(entry.read(ExternalWrench, cause="surroundings", axes="") for entry in table.list("wrench")),
         loops=loops,
         contacts=contacts,
         contact_cost=table.table("contact_cost", {}).read(ContactCost),
         drive={name: entry.read(Drive) for name, entry in table.tables("drive")},
         uncertainty=_uncertainty(table.table("uncertainty", None)),
         **_fluid(table),
-        **_base(table),
-        **_initial(table),
+        moving_base=motion == "moving",
+        held=held,
+        **begun,
         **_limits(table),
         **_actuation(table),
     )
@@ -204,10 +211,6 @@ def _numbers(table: TomlTable, key: str, kind: Any, what: str, default: Any = ..
     return {name: values.value(name, kind) for name in list(values.values)}
 
 
-def _wrench(table: TomlTable) -> ExternalWrench:
-    return table.read(ExternalWrench, cause="surroundings", axes="")
-
-
 def _loop(table: TomlTable) -> Loop:
     given: dict[str, Any] = {"kind": table.field(Loop, "kind")}
     given |= {name: getattr(Loop, name) for name in ("axis", "to_axis", "rpy", "directions")}
@@ -274,21 +277,6 @@ def _fluid(scene: TomlTable) -> dict[str, Any]:
     return {"fluid_density": density, "fluid_velocity": velocity, "immersed": immersed}
 
 
-def _base(scene: TomlTable) -> dict[str, Any]:
-    base = scene.table("base", {})
-    motion = base.value("motion", Annotated[str, one_of("fixed", "moving")], "fixed")
-    held = base.value("held", bool, False)
-    base.finish()
-    return {"moving_base": motion == "moving", "held": held}
-
-
-def _initial(scene: TomlTable) -> dict[str, Any]:
-    initial = scene.table("initial", {})
-    found = {f"initial_{key}": _numbers(initial, key, Entry, f"[initial] {key}", {}) for key in ("q", "qd")}
-    initial.finish()
-    return found
-
-
 def _limits(scene: TomlTable) -> dict[str, Any]:
     given = scene.table("limit_spring", None)
     kind = scene.field(Scene, "joint_limits", Scene.joint_limits if given is None else "spring")
@@ -312,15 +300,9 @@ def _actuation(scene: TomlTable) -> dict[str, Any]:
     if weights == EFFORT:
         return {**found, "weight": scene.take("weights")}
     each = scene.table("weights", {})
-    return {**found, "weights": {name: _weight(each, name) for name in list(each.values)}}
-
-
-def _weight(table: TomlTable, name: str) -> float | str:
-    if table.values[name] == EFFORT:
-        return EFFORT
     kind = Annotated[float, Rule(lambda x: x > 0.0, f'give a positive weight, or "{EFFORT}" for its limit')]
-    weight: float = table.value(name, kind)
-    return weight
+    given = {name: EFFORT if value == EFFORT else each.value(name, kind) for name, value in list(each.values.items())}
+    return {**found, "weights": given}
 
 
 def _uncertainty(table: TomlTable | None) -> Uncertainty | None:

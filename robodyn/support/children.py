@@ -7,11 +7,14 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 PLAIN_PATH = {"PYTHONSAFEPATH": "1"}
 """By which processes that libraries start do not look in the current folder either, from Python 3.11 on."""
+
+_NEEDED = ("LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "DYLD_FALLBACK_LIBRARY_PATH", "SYSTEMROOT", "PYTHONHOME")
+"""Variables without which the interpreter or the system's libraries may not be found."""
 
 _START = """
 import json, os, site, sys
@@ -53,7 +56,12 @@ def start_python(
     import robodyn
 
     here, first = os.path.realpath(os.curdir), os.path.abspath(robodyn.__file__)
-    start = json.dumps([function, sys.path, _user_folders(), here, first])
+    site = sys.modules.get("site")  # whose folder of packages of this user has .pth files of editable installations
+    user = [site.getusersitepackages()] if site is not None and site.ENABLE_USER_SITE else []
+    start = json.dumps([function, sys.path, user, here, first])
+    variables = dict(os.environ)
+    if environment is not None:
+        variables = {name: os.environ[name] for name in _NEEDED if name in os.environ} | {**environment}
     flags = ["-I", *["-B"] * bool(sys.dont_write_bytecode), *["-X", "utf8"] * bool(sys.flags.utf8_mode)]
     return subprocess.Popen(
         [sys.executable, *flags, "-c", _START, start, *arguments],
@@ -61,7 +69,7 @@ def start_python(
         stdout=subprocess.PIPE,
         stderr=stderr,
         cwd=folder,
-        env={**(os.environ if environment is None else {**_needed_to_start(), **environment}), **PLAIN_PATH},
+        env={**variables, **PLAIN_PATH},
     )
 
 
@@ -80,15 +88,3 @@ def run_program(name: str, *arguments: str, folder: str, **variables: str) -> su
         raise FileNotFoundError(f"there is no {name} on PATH")
     settings: dict[str, Any] = {"cwd": folder, "env": {**os.environ, **variables}}
     return subprocess.run([program, *arguments], stdin=subprocess.DEVNULL, capture_output=True, check=False, **settings)
-
-
-def _user_folders() -> Sequence[str]:
-    """Return the folder of packages of this user where it counts, whose .pth files bring editable installations."""
-    site = sys.modules.get("site")
-    return [site.getusersitepackages()] if site is not None and site.ENABLE_USER_SITE else []
-
-
-def _needed_to_start() -> dict[str, str]:
-    """Return the variables without which the interpreter or the system's libraries may not be found."""
-    names = ("LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "DYLD_FALLBACK_LIBRARY_PATH", "SYSTEMROOT", "PYTHONHOME")
-    return {name: os.environ[name] for name in names if name in os.environ}

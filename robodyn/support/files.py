@@ -110,7 +110,10 @@ class _Part(_Direct):
     def finish(self) -> None:
         super().finish()
         if self._old is not None:
-            _give(self._name, self._old)
+            for owner in (self._old.st_uid, -1):  # or the group alone, as far as the user may
+                with suppress(AttributeError, OSError):
+                    os.chown(self._name, owner, self._old.st_gid)
+                    break
             shutil.copystat(self._target, self._name)
             os.utime(self._name)
         os.replace(self._name, self._target)
@@ -133,33 +136,16 @@ def _opened(path: str) -> _Direct:
     if old is not None:
         if stat.S_ISDIR(old.st_mode):
             raise IsADirectoryError(0, "is a directory")
-        if (own := _standard(old)) is not None:
-            return _Direct(os.fdopen(os.dup(own), "wb"))
+        for number in (1, 2):  # of this process, which a file opened by the name would begin anew
+            with suppress(OSError):
+                if os.path.samestat(os.fstat(number), old):
+                    return _Direct(os.fdopen(os.dup(number), "wb"))
         if not stat.S_ISREG(old.st_mode):
             return _Direct(open(path, "wb"))
         if not os.access(path, os.W_OK):
             raise PermissionError(0, "permission denied")
     remove_abandoned(path)
     return _Part(os.path.realpath(path), old)
-
-
-def _standard(status: os.stat_result) -> int | None:
-    """The standard stream of this process that leads there, if one does: opened by its name a file would begin anew."""
-    for number in (1, 2):
-        with suppress(OSError):
-            if os.path.samestat(os.fstat(number), status):
-                return number
-    return None
-
-
-def _give(name: str, old: os.stat_result) -> None:
-    """Give a file the owner and the group of another, or the group alone, as far as the user may."""
-    if not hasattr(os, "chown"):
-        return
-    for owner in (old.st_uid, -1):
-        with suppress(OSError):
-            os.chown(name, owner, old.st_gid)
-            return
 
 
 def _locked(number: int) -> bool:

@@ -13,7 +13,7 @@ import re
 import stat
 import sys
 from io import BufferedReader
-from typing import Any, BinaryIO, NoReturn
+from typing import Any, BinaryIO
 
 from robodyn.errors import InputError
 from robodyn.support.input_limits import beyond, limits
@@ -42,7 +42,8 @@ def open_input(path: str | os.PathLike[str], typed: bool = False) -> BufferedRea
         mode = os.fstat(stream.fileno()).st_mode
         if not stat.S_ISREG(mode):
             if not (typed and _DESCRIPTOR.fullmatch(os.fspath(path)) and stat.S_ISFIFO(mode)):
-                _refuse(mode)
+                what = f"this is {_KINDS.get(stat.S_IFMT(mode), 'no file')}, not a file"
+                raise OSError(errno.EINVAL, what)
             os.set_blocking(stream.fileno(), True)
     except OSError:
         stream.close()
@@ -87,11 +88,7 @@ def parse_json(text: bytes, file: str) -> Any:
 
 
 def vetted(path: str | os.PathLike[str]) -> str:
-    """Return the name of a regular file, for a library that has to open it itself.
-
-    Raises:
-        OSError, ValueError: as `open_input`.
-    """
+    """Return the name of a regular file, for a library that has to open it itself; see `open_input`."""
     open_input(path).close()
     return os.fspath(path)
 
@@ -120,10 +117,6 @@ def copied(stream: BinaryIO, file: str) -> BinaryIO:
 def _at_once(path: str, flags: int) -> int:
     """Open without waiting for the other end of a pipe; this also never waits for what special files may bring."""
     return os.open(path, flags | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0))
-
-
-def _refuse(mode: int) -> NoReturn:
-    raise OSError(errno.EINVAL, f"this is {_KINDS.get(stat.S_IFMT(mode), 'no file')}, not a file")
 
 
 def _all_of(stream: BinaryIO, file: str) -> bytes:

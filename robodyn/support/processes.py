@@ -150,7 +150,10 @@ def in_processes(
     try:
         while waiting or workers:
             begin()
-            worker, found = _next(answers)
+            try:
+                worker, found = answers.get(timeout=_HEARTBEAT)
+            except Empty:
+                continue
             if worker not in workers:
                 continue  # it has ended, as it was told to
             number = worker.number
@@ -176,13 +179,6 @@ def in_processes(
             worker.process.terminate()
         for worker in workers:
             end(worker)
-
-
-def _next(answers: Queue[Any]) -> tuple[Any, Any]:
-    while True:
-        with suppress(Empty):
-            worker, answer = answers.get(timeout=_HEARTBEAT)
-            return worker, answer
 
 
 def serve() -> None:

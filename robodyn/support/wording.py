@@ -158,3 +158,14 @@ def call_of(value: Any) -> str:
         if (own := getattr(value, each.name)) != usual:
             given.append(f"{each.name}={own!r}")
     return f"{type(value).__name__}({', '.join(given)})"
+
+
+def toml_key(name: str) -> str:
+    """Return a name as a key of TOML."""
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else toml_string(name)
+
+
+def toml_string(text: str) -> str:
+    """Return a text as a string of TOML."""
+    escaped = re.sub(r'["\\\x00-\x1f\x7f-\x9f\u2028\u2029]', lambda found: f"\\u{ord(found[0]):04x}", text)
+    return f'"{escaped}"'

@@ -149,7 +149,11 @@ MUTATIONS = {
     "dynamics/effects/test_mimic_and_base.py": [
         ("dynamics/recursions/newton_euler.py", "joint.R.T @ (motions[i].R @ reaction.f)", "motions[i].R @ reaction.f"),
         ("robot/load.py", "product(R_link, p)", "p"),
-        ("robot/load.py", "product(turn, symmetric(inertial.inertia), turn.T)", "symmetric(inertial.inertia)"),
+        (
+            "robot/load.py",
+            "product(turn, symmetric(link.inertial.inertia), turn.T)",
+            "symmetric(link.inertial.inertia)",
+        ),
         ("robot/load.py", "multiplier * joints[i].offset", "joints[i].offset"),
         ("dynamics/effects/rigid_bodies.py", "sample.qdd[:6]", "terms.qdd[:6]"),
     ],

@@ -205,12 +205,12 @@ class Units:
     @property
     def what(self) -> str:
         """What is wrong, in words: "the mass is 1000 times what the shapes suggest: g for kg?"."""
-        amounts = [f"the {QUANTITIES[k]} is {_times(self.factors[k])}" for k in self.wrong]
+        amounts = []
+        for k in self.wrong:
+            factor = self.factors[k]
+            times = f"{factor:g} times" if factor > 1.0 else f"1/{1.0 / factor:g} of"
+            amounts.append(f"the {QUANTITIES[k]} is {times}")
         return f"{', '.join(amounts)} what the shapes suggest: {' or '.join(self.readings)}?"
-
-
-def _times(factor: float) -> str:
-    return f"{factor:g} times" if factor > 1.0 else f"1/{1.0 / factor:g} of"
 
 
 def _systems() -> Iterator[tuple[Factors, str, float]]:

@@ -109,11 +109,6 @@ def formed(size: Floats, form: Floats, mixture: Mixture = FORM) -> Floats:
     return _mixed(mixture, (1, 5), (size**2, form))
 
 
-def free_size(form: Floats, mixture: Mixture) -> Floats:
-    """Return the logarithms of the probabilities of forms whose sizes are by any factor off: their integral over it."""
-    return log_sum([log(share) + _normal(form, f, 5) for share, _, f in mixture])
-
-
 def free_mass(mass: float, size: Floats, form: Floats, shapes: Uniform) -> Floats:
     """Return the logarithms of the probabilities of a mass that is by any factor off: their integral over it."""
     sums = (size + log(mass / shapes.volume / _USUAL)) ** 2
@@ -301,12 +296,16 @@ def mistake_posterior(given: Given, shapes: Uniform) -> Posterior:
     rest = np.concatenate((_unlike(given, shapes, like, density, place), _no_unit(given, shapes, like, density, place)))
     whole = float(log_sum(np.concatenate((units, wrong, rest))))
     probable, slipped = np.exp(units - whole), np.exp(wrong - whole)
-    found = [_left_in(given, shapes, UNITS[k], float(probable[_OF_UNITS][k])) for k in _listed(probable[_OF_UNITS])]
-    for k in _listed(slipped):
-        apart_so = apart(I[k + 1], given.mass, shapes)
-        found.append(
-            Cause(mistakes[k].code, mistakes[k].what, float(slipped[k]), given.mass, given.c, I[k + 1], apart_so)
-        )
+    found = []
+    left = probable[_OF_UNITS]
+    for k in np.flatnonzero(left >= LISTED).tolist():
+        by_mass, by_centre, by_inertia = UNITS[k].factors
+        mass, c, meant = given.mass / by_mass, given.c / by_centre, given.tensor / by_inertia
+        apart_so = apart(meant, mass, shapes)
+        found.append(Cause("RD305", UNITS[k].what, float(left[k]), mass, c, meant, apart_so, UNITS[k]))
+    for k in np.flatnonzero(slipped >= LISTED).tolist():
+        code, what, apart_so = mistakes[k].code, mistakes[k].what, apart(I[k + 1], given.mass, shapes)
+        found.append(Cause(code, what, float(slipped[k]), given.mass, given.c, I[k + 1], apart_so))
     causes = ranked(found, lambda one: one.probability) if found else ()
     return Posterior(float(probable[0]), tuple(causes), apart(I[0], given.mass, shapes))
 
@@ -317,21 +316,10 @@ def log_prior(mistake: Mistake) -> float:
     return log(_SLIP * mistake.weight) if mistake.common else -inf
 
 
-def _listed(probable: Floats) -> list[int]:
-    """Return which are probable enough to be listed."""
-    return np.flatnonzero(probable >= LISTED).tolist()
-
-
 def apart(I: Floats, mass: float, shapes: Uniform) -> float:
     """Return |I - I_shapes| / |I_shapes| at the same mass, in Frobenius' norm."""
     own = shapes.inertia(mass)
     return float(length(I - own)) / float(length(own))
-
-
-def _left_in(given: Given, shapes: Uniform, units: Units, probability: float) -> Cause:
-    m, c, I = units.factors
-    mass, tensor = given.mass / m, given.tensor / I
-    return Cause("RD305", units.what, probability, mass, given.c / c, tensor, apart(tensor, mass, shapes), units)
 
 
 def _of_units(given: Given, shapes: Uniform, like: InertiaDistance, beside: float) -> Floats:
@@ -366,7 +354,10 @@ def _no_unit(given: Given, shapes: Uniform, like: InertiaDistance, density: floa
     if not like.possible[0]:
         return np.full(1, -np.inf)
     size, form, prior = like.size[:1], like.form[:1], np.log(_FACTOR / _RANGE)
-    beside, any_size = formed(size, form)[0], free_size(form, FORM[:-1])[0]
+    beside, any_size = (
+        formed(size, form)[0],
+        log_sum([log(share) + _normal(form, f, 5) for share, _, f in FORM[:-1]])[0],
+    )
     far = placed(given.c / _FAR[:, None], shapes, PLACE[1:-1]) + _SO_FAR
     by_mass = free_mass(given.mass, size, form, shapes)[0]
     found: Floats = prior + np.array(

@@ -45,11 +45,6 @@ class How(TypedDict, total=False):
     cavities: bool
 
 
-def unwatched(files: Sequence[Path]) -> AbstractContextManager[Tick]:
-    """Do nothing: no progress callback."""
-    return nullcontext(lambda: None)
-
-
 @dataclass(frozen=True)
 class Reading:
     """How meshes are read.
@@ -62,7 +57,7 @@ class Reading:
 
     how: How
     workers: int | None = None
-    watch: Watch = unwatched
+    watch: Watch = lambda files: nullcontext(lambda: None)
 
     def parts(self, files: Iterable[MeshFile]) -> dict[MeshFile, Outcome]:
         """Return the part that each mesh is at the density 1000 kg/m^3, or why it is none; each is read once.
@@ -132,7 +127,8 @@ def shapes_inertia(
                 raise part
             body, box = part.body, Box(part.lo, part.hi)
             parts.append(part)
-            remarks += _remarks(part)
+            name = part.name.replace("\\", "/").rpartition("/")[2]
+            remarks += [f"{name}: {text}" for text in (*(step.what for step in part.repairs), *part.warnings)]
         elif shape.missing:
             raise missing_mesh(description, shape.geometry)
         else:
@@ -150,11 +146,6 @@ def _solid(description: Description, shape: Shape) -> tuple[MassProperties, Box]
         raise DescriptionError(error.what, remedy=error.remedy, file=description.file, line=geometry.line) from None
     half = half_size(geometry.shape, geometry.size)
     return body, Box(-half, half)
-
-
-def _remarks(part: Part) -> list[str]:
-    name = part.name.replace("\\", "/").rpartition("/")[2]
-    return [f"{name}: {text}" for text in (*(step.what for step in part.repairs), *part.warnings)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -272,16 +263,12 @@ class LinkComparison:
         found = () if self.declared is None else self.declared.faults
         if self.difference is None:
             return found
-        difference = self.difference
-        return found + _impossible(difference.room) + difference.slip + difference.shapes.remarks
-
-
-def _impossible(room: float) -> tuple[str, ...]:
-    if room <= 1 + PRINTED:
-        return ()
-    if room == np.inf:
-        return ("the centre of mass lies outside the box around the shapes",)
-    return (f"spread over {room:.3g} times what any mass inside the box around the shapes can be",)
+        room = self.difference.room
+        if room == np.inf:
+            found += ("the centre of mass lies outside the box around the shapes",)
+        elif room > 1 + PRINTED:
+            found += (f"spread over {room:.3g} times what any mass inside the box around the shapes can be",)
+        return found + self.difference.slip + self.difference.shapes.remarks
 
 
 @dataclass(frozen=True, eq=False)
@@ -309,11 +296,8 @@ def compare(description: Description, kind: Kind = "visual", reading: Reading | 
     files = [file for link in wanted if link.inertial for shape in shapes[link.name] if (file := mesh_file(shape))]
     meshes = (reading or Reading({})).parts(files)
     links = [_compared(description, link, kind, shapes[link.name], meshes) for link in wanted]
-    return Comparison(description.name, description.file, kind, tuple(ranked(links, _rank, UNCERTAIN)))
-
-
-def _rank(link: LinkComparison) -> float:
-    return -1.0 if link.difference is None else link.difference.inertia
+    ordered = ranked(links, lambda link: link.difference.inertia if link.difference else -1.0, UNCERTAIN)
+    return Comparison(description.name, description.file, kind, tuple(ordered))
 
 
 def _compared(
@@ -331,15 +315,9 @@ def _compared(
         try:
             difference = _difference(given.body, link.inertial, shapes_inertia(description, shapes, meshes))
         except RobodynError as error:
-            reason = _reason(error)
+            file = error.file if isinstance(error, MeshError) else None  # without the remedy, for a mesh in a command
+            reason = error.what if file is None else f"{Path(file).name}: {error.what}"
     return LinkComparison(link.name, link.line, shapes, given, difference, reason)
-
-
-def _reason(error: RobodynError) -> str:
-    """Return what is wrong without the remedy, which is for a mesh on the command line."""
-    if isinstance(error, MeshError) and error.file is not None:
-        return f"{Path(error.file).name}: {error.what}"
-    return error.what
 
 
 def _difference(given: MassProperties, inertial: Inertial, shapes: ShapesInertia) -> Difference:

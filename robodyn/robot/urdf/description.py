@@ -12,7 +12,7 @@ from typing import TypeVar
 from robodyn.errors import DescriptionError, InputError
 from robodyn.robot.urdf.document import Document, read_document
 from robodyn.robot.urdf.elements import Element
-from robodyn.robot.urdf.numbers import TEXT, Numbers, numbers
+from robodyn.robot.urdf.numbers import TEXT, numbers
 from robodyn.robot.urdf.packages import Search, package_of
 from robodyn.robot.urdf.parts import Description, Geometry, Joint, Kind, Link, Transmission
 from robodyn.robot.urdf.sources import content_of
@@ -107,17 +107,13 @@ def _transmission(element: Element, joints: Collection[str], strict: Strict) -> 
 def _value(places: Collection[Element], tags: Collection[str], owner: str, strict: Strict) -> float | None:
     """Return the one value that the actuator, the joint or the transmission gives."""
     found = [child for place in places for child in place.children if child.tag in tags]
-    values = [strict.number(_number(element), owner) for element in found]
+    texts = [TEXT if element.get("value") is None else "value" for element in found]  # as Drake writes it
+    values = [strict.number(numbers(*each, 1), owner) for each in zip(found, texts, strict=True)]
     for element, value in zip(found, values, strict=True):
         if value != values[0]:
             what = f"{owner} contradicts itself: <{found[0].tag}> {values[0]:g} in line {found[0].line}, then {value:g}"
             raise strict.error(element.line, what, "keep one of them")
     return values[0] if values else None
-
-
-def _number(element: Element) -> Numbers:
-    """Return the number in the element's text, or in its attribute `value`, as Drake writes it."""
-    return numbers(element, TEXT if element.get("value") is None else "value", 1)
 
 
 def by_name(parts: Iterable[N], kind: str, strict: Strict) -> dict[str, N]:
@@ -169,17 +165,13 @@ def _joint_above(links: Mapping[str, Link], joints: Iterable[Joint], strict: Str
     for joint in joints:
         for role, link in (("parent", joint.parent), ("child", joint.child)):
             if link not in links:
-                raise _dangling(joint, role, link, links, strict)
+                what = f"the {role} of joint {shown(joint.name)} is link {shown(link)}, which does not exist"
+                raise strict.error(joint.line, what, alternatives(link, links, "links"))
         first = above.setdefault(joint.child, joint)
         if first is not joint:
             what = f"link {shown(joint.child)} is a child of two joints: {shown(first.name)} (line {first.line})"
             raise strict.error(joint.line, f"{what} and {shown(joint.name)}", "a link has one parent; remove one joint")
     return above
-
-
-def _dangling(joint: Joint, role: str, link: str, links: Collection[str], strict: Strict) -> Exception:
-    what = f"the {role} of joint {shown(joint.name)} is link {shown(link)}, which does not exist"
-    return strict.error(joint.line, what, alternatives(link, links, "links"))
 
 
 def cycles(successor: Mapping[K, K]) -> Iterator[list[K]]:
@@ -223,28 +215,16 @@ class Shape:
 
 
 def link_named(description: Description, name: str) -> Link:
-    """Return the link of this name.
-
-    Raises:
-        InputError: there is none.
-    """
+    """Return the link of this name; InputError if there is none."""
     links = {link.name: link for link in description.links}
     if name not in links:
-        raise InputError(
-            f"there is no link {shown(name)}", remedy=alternatives(name, links, "links"), file=description.file
-        )
+        remedy = alternatives(name, links, "links")
+        raise InputError(f"there is no link {shown(name)}", remedy=remedy, file=description.file)
     return links[name]
 
 
 def link_shapes(description: Description, link: str, kind: Kind | None = None) -> tuple[Shape, ...]:
-    """Return the shapes of a link in the order of the file.
-
-    Args:
-        kind: "visual" or "collision"; both if None.
-
-    Raises:
-        InputError: there is no such link.
-    """
+    """Return the shapes of a link in the order of the file, of one kind or of both."""
     find = description.search.find
     return tuple(
         Shape(geometry, None if geometry.filename is None else find(geometry.filename))
@@ -262,6 +242,5 @@ def missing_mesh(description: Description, geometry: Geometry) -> DescriptionErr
         remedy = f"--package-path DIR names the package {shown(package[0])} or the folder it is in"
     elif "://" in name and not name.startswith("file://"):
         remedy = "files are not fetched; save it beside the description"
-    return DescriptionError(
-        f"the mesh {shown(name)} is not found", remedy=remedy, file=description.file, line=geometry.line
-    )
+    what = f"the mesh {shown(name)} is not found"
+    return DescriptionError(what, remedy=remedy, file=description.file, line=geometry.line)

@@ -53,7 +53,8 @@ def _parsed(text: str, count: int, tag: str) -> tuple[float, ...]:
     if "_" in text or not text.isascii():
         raise _not_numbers(text)
     if len(numbers) != count:
-        raise NumbersError(f"has {len(numbers)} numbers, not {count}: {shown(text)}", f"write {_numerals(count)}")
+        wanted = "one number" if count == 1 else f"{count} numbers with blanks between them"
+        raise NumbersError(f"has {len(numbers)} numbers, not {count}: {shown(text)}", f"write {wanted}")
     for number in numbers:
         if number and not SMALLEST <= abs(number) <= LARGEST:
             return tuple(_settled(number, text, tag) for number in numbers)
@@ -81,18 +82,11 @@ def _not_numbers(text: str) -> NumbersError:
         better = (
             "a plain blank" if strange.isspace() else "a hyphen for minus" if strange in "\u2212\u2013" else "ASCII"
         )
-        return NumbersError(f"has {_article(name)}: {shown(text)}", f"write {better} in its place")
+        article = "an" if name[0] in "aeiou" else "a"
+        return NumbersError(f"has {article} {name}: {shown(text)}", f"write {better} in its place")
     if "," in text:
         return NumbersError(f"has a comma: {shown(text)}", "separate numbers with blanks and write a decimal point")
     return NumbersError(f"is not a number: {shown(text)}", "write a decimal number such as -1.5e-3")
-
-
-def _article(name: str) -> str:
-    return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"
-
-
-def _numerals(count: int) -> str:
-    return "one number" if count == 1 else f"{count} numbers with blanks between them"
 
 
 @dataclass(slots=True, eq=False)

@@ -50,7 +50,9 @@ def read_source(source: str | os.PathLike[str] | bytes, name: str | None) -> tup
     try:
         return file, read_input(path, typed=True)
     except FileNotFoundError:
-        raise DescriptionError("there is no such file", remedy=_existing(path), file=file) from None
+        remedy = "check the name" if os.path.isdir(os.path.dirname(path) or os.curdir) else "check the folder"
+        remedy = "give a path, or the XML as bytes" if path.lstrip().startswith("<") else remedy
+        raise DescriptionError("there is no such file", remedy=remedy, file=file) from None
     except IsADirectoryError:
         raise DescriptionError("this is a folder, not a file", remedy="give a URDF file", file=file) from None
     except PermissionError:
@@ -60,13 +62,6 @@ def read_source(source: str | os.PathLike[str] | bytes, name: str | None) -> tup
         raise DescriptionError(what, remedy="check the name and the disk", file=file) from None
     except ValueError as error:
         raise DescriptionError(f"this is not a file name: {error}", remedy="check the name", file=file) from None
-
-
-def _existing(path: str) -> str:
-    if path.lstrip().startswith("<"):
-        return "give a path, or the XML as bytes"
-    folder = os.path.dirname(path) or os.curdir
-    return "check the name" if os.path.isdir(folder) else "check the folder"
 
 
 def as_utf8(data: bytes) -> tuple[bytes, bool]:

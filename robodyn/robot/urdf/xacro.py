@@ -63,22 +63,23 @@ def expanded(
     if "problem" in found:
         if only_defines(path):
             raise no_robot(path)
-        raise _error(path, found)
+        what = found["problem"]
+        if not found["refused"]:
+            remedy = f"try: xacro {path}"
+            if "the package '" in what:
+                remedy = "--package-path DIR names the package or the folder it is in"
+            elif "argument" in what:
+                remedy = "--xacro-arg NAME:=VALUE gives it a value"
+            raise InputError(f"xacro cannot expand it: {what}", remedy=remedy, file=path)
+        file = path if found["file"] is None else _as_named(path, found["file"])
+        remedy = "; ".join(filter(None, (found["remedy"], _TRUST)))
+        raise InputError(f"{what} is refused", remedy=remedy, file=file, line=found["line"])
     for name in given:
         if name not in found["arguments"]:
             remedy = alternatives(name, found["arguments"], "arguments")
             raise InputError(f"the file has no argument {shown(name)}", remedy=remedy, file=path)
     files = tuple(_as_named(path, file) for file in found["files"])
     return Expansion(found["text"].encode(), files, tuple((k, start) for k, start in found["places"]))
-
-
-def _error(path: str, found: Mapping[str, Any]) -> InputError:
-    what = found["problem"]
-    if not found["refused"]:
-        return InputError(f"xacro cannot expand it: {what}", remedy=_remedy(path, what), file=path)
-    file = path if found["file"] is None else _as_named(path, found["file"])
-    remedy = "; ".join(filter(None, (found["remedy"], _TRUST)))
-    return InputError(f"{what} is refused", remedy=remedy, file=file, line=found["line"])
 
 
 def _as_named(path: str, file: str) -> str:
@@ -154,11 +155,3 @@ def only_defines(path: str) -> bool:
     except (OSError, ValueError, expat.ExpatError):  # whatever is wrong with it is said by xacro
         return False
     return "xacro:macro" in names and names <= _DEFINITIONS
-
-
-def _remedy(path: str, what: str) -> str:
-    if "the package '" in what:
-        return "--package-path DIR names the package or the folder it is in"
-    if "argument" in what:
-        return "--xacro-arg NAME:=VALUE gives it a value"
-    return f"try: xacro {path}"

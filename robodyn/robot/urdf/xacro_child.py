@@ -149,12 +149,18 @@ def _restrict(xacro: Any, substitution_args: Any, reach: Reach, expansion: _Boun
         value = reach.variable(name)
         return default if value is None else value
 
-    own = [*symbols["xacro"].values(), variable, optional, reach.package]
-    named = [lambda name: _argument(substitution_args, name, xacro), lambda: substitution_args._eval_dirname(None)]
-    evaluator = Evaluator([(function, function) for function in (*own, *named)], xacro.NameSpace)
+    def argument(name: str) -> Any:
+        value = substitution_args._eval_arg(name, args=xacro.substitution_args_context.get("arg", {}))
+        return substitution_args.convert_value(value, "auto")
+
+    def dirname() -> Any:
+        return substitution_args._eval_dirname(None)
+
+    own = [*symbols["xacro"].values(), variable, optional, reach.package, argument, dirname]
+    evaluator = Evaluator([(function, function) for function in own], xacro.NameSpace)
     plain = {name: value for name, value in eval_dict.items() if not name.startswith("_")}
     plain |= {"list": list, "dict": dict, "map": map, "str": str, "float": float, "int": int}
-    plain |= {"env": variable, "optenv": optional, "find": reach.package, "arg": named[0], "dirname": named[1]}
+    plain |= {"env": variable, "optenv": optional, "find": reach.package, "arg": argument, "dirname": dirname}
 
     def evaluated(source: str, context: Mapping[str, Any]) -> str:
         return str(evaluator.evaluate(source, substitution_args._DictWrapper(context.get("arg", {}), plain)))
@@ -169,23 +175,14 @@ def _restrict(xacro: Any, substitution_args: Any, reach: Reach, expansion: _Boun
     )
     from yaml import SafeLoader
 
-    SafeLoader.flatten_mapping = _few_merged(SafeLoader.flatten_mapping)
+    flatten = SafeLoader.flatten_mapping
 
-
-def _argument(substitution_args: Any, name: str, xacro: Any) -> Any:
-    value = substitution_args._eval_arg(name, args=xacro.substitution_args_context.get("arg", {}))
-    return substitution_args.convert_value(value, "auto")
-
-
-def _few_merged(flatten: Callable[[Any, Any], None]) -> Callable[[Any, Any], None]:
-    """Return YAML's `flatten_mapping`, which puts the items of mappings that are merged in their places, bounded."""
-
-    def bounded(loader: Any, node: Any) -> None:
+    def few_merged(loader: Any, node: Any) -> None:  # which puts the items of mappings that are merged in their places
         flatten(loader, node)
         if len(node.value) > MOST_ITEMS // 10:
             raise RefusedError(f"a mapping of more than {MOST_ITEMS // 10} items")
 
-    return bounded
+    SafeLoader.flatten_mapping = few_merged
 
 
 class _Bounded:
@@ -274,17 +271,8 @@ def _sentence(error: BaseException) -> str:
 
 
 _NEVER = (
-    "os.",
-    "subprocess.",
-    "socket.",
-    "ctypes.",
-    "shutil.",
-    "pty.",
-    "mmap.",
-    "fcntl.",
-    "winreg.",
-    "_winapi.",
-    "msvcrt.",
+    *("os.", "subprocess.", "socket.", "ctypes.", "shutil.", "pty.", "mmap.", "fcntl."),
+    *("winreg.", "_winapi.", "msvcrt."),
 )
 _LISTS = ("os.listdir", "os.scandir")
 
