@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -59,12 +59,7 @@ class TorqueAccumulator:
     """
 
     def __init__(
-        self,
-        model: Model,
-        scene: Scene,
-        options: Options,
-        file: str | None,
-        constraints: ConstraintPass | None = None,
+        self, model: Model, scene: Scene, options: Options, file: str | None, constraints: ConstraintPass | None
     ) -> None:
         self.model, self.scene, self.options, self.file = model, scene, options, file
         self.constraints = constraints
@@ -176,11 +171,8 @@ def output_names(model: Model, reactions: bool, momentum: bool = False, scene: S
         from robodyn.loads.momenta import NAMES
 
         names += NAMES
-    return _constrained(model, scene, names) if scene.constrained else names
-
-
-def _constrained(model: Model, scene: Scene, names: Sequence[str]) -> list[str]:
-    """Return the names under constraints; names: those of the tree."""
+    if not scene.constrained:
+        return names
     from robodyn.dynamics.constraints.constraint_jacobian import columns_of
     from robodyn.dynamics.constraints.solve import actuation
 

@@ -93,17 +93,12 @@ class Worst:
 
 @dataclass(frozen=True)
 class Batch:
-    """Many trajectories of one robot.
-
-    Attributes:
-        outcomes: in the order of the trajectories.
-    """
+    """Many trajectories of one robot, in their order."""
 
     robot: str
     outcomes: tuple[Outcome, ...]
 
     def count(self, status: Status) -> int:
-        """Return how many trajectories ended so."""
         return sum(outcome.status == status for outcome in self.outcomes)
 
     @property

@@ -87,12 +87,10 @@ class JointLoad:
     """What one joint carries along the motion; torque [N m], power [W], work [J], or N for a prismatic joint.
 
     Attributes:
-        peak: the torque of largest magnitude, with its sign, at `peak_time` [s], in row `peak_row`, at `peak_speed`.
-        rms: over the whole time, dwell included; `mean` likewise.
-        cubic_mean: cbrt(integral |qd tau^3| dt / integral |qd| dt), what wears a gear.
-        max_speed: of largest magnitude, with its sign, when [s], in which row, and the torque at that moment.
-        peak_power, least_power: largest and smallest tau qd.
-        work_positive, work_negative: done by and returned to the actuator.
+        peak, max_speed: of largest magnitude with its sign, when [s], in which row, and the speed or torque then.
+        rms, mean: over the whole time, dwell included; cubic_mean: cbrt(integral |qd tau^3| dt / integral |qd| dt),
+            what wears a gear.
+        peak_power, least_power: of tau qd; work_positive, work_negative: done by and returned to the actuator.
         hold: Coulomb friction that holds the joint at rest: any torque of gravity +- hold does; what grows with
             load is that at the peak.
         effort_limit, velocity_limit: None where the description has none or says 0; a margin is limit - |value|,
@@ -205,13 +203,7 @@ class MomentumReport:
 
 @dataclass(frozen=True)
 class Promise:
-    """Whether an accuracy that was asked for is met.
-
-    Attributes:
-        target, expected: errors relative to the largest torque.
-        met: whether the one is within the other.
-        said: how, or why not, in words.
-    """
+    """Whether an accuracy that was asked for is met, and how or why not; errors are relative to the largest torque."""
 
     target: float
     expected: float

@@ -47,11 +47,7 @@ class Exceeded:
 
 @dataclass(frozen=True)
 class Nearest:
-    """The sample at which |torque| / limit is largest: where a motor comes closest to its peak curve, or is beyond it.
-
-    Attributes:
-        torque, limit: magnitudes [N m or N]; speed: magnitude [rad/s or m/s]; time [s]; row from 1.
-    """
+    """The sample at which |torque| / limit is largest: closest to a motor's peak curve, or beyond it; magnitudes."""
 
     torque: float
     limit: float
@@ -71,12 +67,9 @@ class MotorLoad:
     Attributes:
         gear, efficiency, inertia: G, e and J; inertia_ratio: of the load's inertia, reflected to the motor, over J, in
             the pose of the joint's peak torque; None without a rotor.
-        peak: torque of largest magnitude with its sign, when [s], in which row, and the speed then.
-        rms: over the whole time, dwell included.
-        mean_speed: of |w| over the whole time.
-        max_speed: of largest magnitude with its sign, when, in which row, and the torque then.
-        peak_power, least_power: largest and smallest T w.
-        work_positive, work_negative: done by the motor and returned to it.
+        peak, max_speed: of largest magnitude with its sign, when [s], in which row, and the speed or torque then.
+        rms, mean_speed: over the whole time, dwell included; of |w|.
+        peak_power, least_power: of T w; work_positive, work_negative: done by the motor and returned to it.
         continuous, peak_curve: points of the curves as given, a torque that holds for all speeds as one of speed 0.
         continuous_limit: continuous torque at `mean_speed`; rms must not exceed it. None where it is not known.
         seconds_above_continuous: how long |T| is above the continuous curve, which a motor bears for moments.
@@ -132,7 +125,6 @@ class JointSizing:
     Attributes:
         duty_cycle: the share of the time in which the joint moves; slower than `standstill` [rad/s or m/s] it cannot be
             told from one that stands still, by the resolution of the table's positions.
-        mean_speed: of |qd| over the whole time.
         static_peak, static_peak_time, static_rms: of the torque that stands still in each pose of the motion: gravity,
             springs, buoyancy, wrenches of the scene. static_share: static_rms / rms, the static hold share.
         motor: None where the scene has none for this joint.

@@ -65,13 +65,7 @@ class UncertainLoad:
 
 @dataclass(frozen=True)
 class UncertainJoint:
-    """A joint with its limits.
-
-    Attributes:
-        load: at the joint; motor: at its motor's shaft, None without one.
-        limits: () where none are known.
-        suffices: the probability that all limits are kept; None without any.
-    """
+    """A joint, its motor's shaft, and the probability that all its limits suffice; None without a motor or limits."""
 
     load: UncertainLoad
     motor: UncertainLoad | None

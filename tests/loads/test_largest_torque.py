@@ -22,7 +22,7 @@ def wheel(effort: float) -> bytes:
     return f'<robot name="wheel"><link name="l0"/><link name="l1">{body}</link>{turns}</robot>'.encode()
 
 
-@pytest.mark.parametrize("rate", [100, 250, 1000])
+@pytest.mark.parametrize("rate", [100, pytest.param(250, marks=pytest.mark.slow), 1000])
 @pytest.mark.parametrize("motion", [cosine_ramps, trapezoids])
 def test_no_verdict_is_green_over_a_limit_just_below_the_largest_torque(motion, rate: int) -> None:
     """Of 25 motions 15 were green at 100 Hz, and the bar missed the largest torque in 17.
