@@ -10,7 +10,7 @@ import pytest
 from helpers.command_line import ROBOTS, run
 from helpers.example_robots import PATHS, path_of
 from helpers.other_robots import other_paths
-from helpers.small_robots import built, joint, link
+from helpers.small_robots import built, joint, link, urdf
 
 import robodyn
 from robodyn.report.limits import limits_verdict
@@ -128,24 +128,17 @@ def test_a_base_that_is_held_is_said_once_and_not_warned_of(moving: bool) -> Non
     assert limits_verdict(result).headline == "No limit is exceeded"
 
 
-def legged(**names: str) -> str:
+def legged(root="trunk", foot="end", drop=(0, 0, -0.3)) -> bytes:
     """A trunk with two legs of two joints each, which point down, or sideways; all names can be changed."""
-    root, foot, drop = names.get("root", "trunk"), names.get("foot", "end"), names.get("drop", "0 0 -0.3")
-    parts = [
-        f'<robot name="two"><link name="{root}"><inertial><mass value="5"/><inertia ixx="0.1" ixy="0" ixz="0" '
-        'iyy="0.1" iyz="0" izz="0.1"/></inertial></link>'
-    ]
+    parts = [link(root, 5.0, inertia=(0.1, 0, 0, 0.1, 0, 0.1))]
     for side, y in (("left", 0.1), ("right", -0.1)):
-        parent, place = root, f"0 {y} -0.1"
+        parent, place = root, (0, y, -0.1)
         for part in ("upper", f"lower_{foot}"):
-            parts.append(
-                f'<link name="{side}_{part}"><inertial><mass value="1"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" '
-                f'iyz="0" izz="0.01"/></inertial></link><joint name="{side}_{part}_joint" type="revolute"><parent '
-                f'link="{parent}"/><child link="{side}_{part}"/><origin xyz="{place}"/><axis xyz="0 1 0"/>'
-                '<limit effort="50" velocity="9" lower="-2" upper="2"/></joint>'
-            )
-            parent, place = f"{side}_{part}", drop
-    return "".join(parts) + "</robot>"
+            child = f"{side}_{part}"
+            parts += [link(child, 1.0, inertia=(0.01, 0, 0, 0.01, 0, 0.01))]
+            parts += [joint(f"{child}_joint", parent, child, axis=(0, 1, 0), xyz=place)]
+            parent, place = child, drop
+    return urdf(*parts)
 
 
 @pytest.mark.parametrize(
@@ -153,19 +146,19 @@ def legged(**names: str) -> str:
     [
         ({}, True),
         ({"root": "world"}, False),
-        ({"root": "base_link", "drop": "0 0 0.3"}, False),
-        ({"drop": "0.3 0 0"}, False),
-        ({"drop": "0.3 0 0", "foot": "foot"}, True),
+        ({"root": "base_link", "drop": (0, 0, 0.3)}, False),
+        ({"drop": (0.3, 0, 0)}, False),
+        ({"drop": (0.3, 0, 0), "foot": "foot"}, True),
         ({"root": "ground_robot"}, True),
     ],
 )
-def test_legs_by_where_they_end_or_by_their_names(names: dict[str, str], stands: bool) -> None:
-    assert bool(untouched(robodyn.load(legged(**names).encode()))) is stands
+def test_legs_by_where_they_end_or_by_their_names(names: dict, stands: bool) -> None:
+    assert bool(untouched(robodyn.load(legged(**names)))) is stands
 
 
 @pytest.fixture
 def files(tmp_path: Path) -> tuple[str, str]:
-    (tmp_path / "two.urdf").write_text(legged())
+    (tmp_path / "two.urdf").write_bytes(legged())
     model = robodyn.load(tmp_path / "two.urdf")
     columns = [f"{kind}_{name}" for kind in ("q", "qd", "qdd") for name in model.coordinates]
     rows = [",".join((f"{t / 10}", *["0"] * len(columns))) for t in range(5)]
