@@ -10,7 +10,7 @@ From a model and a scene to numbers:
    `kinematics.py`; of one sample: `function.py`. Self-checks of all: `balance.py`.
 5. What holds a robot: `loops/` closes chains, `contacts/` finds forces inside cones of friction, `constraints/` the
    torques of the drives from both.
-6. What is not known well: `uncertain_parameters.py`, `variations.py`, `varied_loads.py`.
+6. What is not known well: `uncertain_parameters.py`.
 """
 
 from __future__ import annotations

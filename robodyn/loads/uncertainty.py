@@ -13,9 +13,7 @@ from numpy.typing import NDArray
 
 from robodyn.dynamics.effects.effect import ZeroColumns
 from robodyn.dynamics.plan import plan
-from robodyn.dynamics.uncertain_parameters import misfits, variations
-from robodyn.dynamics.variations import Variations
-from robodyn.dynamics.varied_loads import Row, derivative_runner, summed
+from robodyn.dynamics.uncertain_parameters import Row, Variations, derivative_runner, misfits, summed, variations
 from robodyn.loads.motors import LEAST, Train, allowed, load_torque, motor_torque, points
 from robodyn.loads.sizing import NAMES, frame
 from robodyn.loads.statistics import Greatest, Integrals

@@ -29,15 +29,6 @@ def _tau(model, q, qd, qdd, scene):
 
 
 @pytest.mark.parametrize("name", MODELS)
-def test_plain_floats(name):
-    model, case = golden_model(name), MODELS[name]["cases"][3]
-    scene = Scene(gravity=tuple(case["gravity"]))
-    tau = _tau(model, case["q"], case["qd"], case["qdd"], scene)
-    assert all(isinstance(x, float) for x in tau)
-    assert worst(tau, case["tau"]) <= 1e-14
-
-
-@pytest.mark.parametrize("name", MODELS)
 def test_fifty_digits(name):
     model = golden_model(name)
     with mpmath.workdps(50):

@@ -139,18 +139,6 @@ def test_robots_and_scenes(path, scene_path, moving_base):
         assert worst(a, b, max(np.abs(b).max(), np.abs(tau).max())) <= 32 * EPS
 
 
-def test_a_pendulum():
-    """tau = m l^2 qdd + d qd + m g l cos q."""
-    model = robot("pendulum")
-    q = np.linspace(-3, 3, 7)[:, None]
-    found = inverse_dynamics_derivatives(
-        model, q, 0.0, 0.0, scene=Scene(friction={model.joint_names[0]: Friction(0.3)})
-    )
-    weight = robodyn.inverse_dynamics(model, [[0.0]], 0.0, 0.0, scene=frictionless(model))[0, 0]
-    assert worst(found.dq[:, 0, 0], -weight * np.sin(q[:, 0])) <= 8 * EPS
-    assert (found.dqd == 0.3).all()
-
-
 def test_friction_has_a_slope_where_it_is_smooth():
     model = robot("pendulum")
     (name,) = model.joint_names
@@ -195,17 +183,6 @@ def test_single_precision_of_free_robots(name, bound):
             inverse_dynamics_derivatives(model, q, 0, 0, executor=executor, dtype=x) for x in (np.float64, np.float32)
         )
         assert max(map(worst, in_32, whole)) <= bound
-
-
-def test_the_threads_agree():
-    model, q, qd, qdd, columns = busy_state(True)
-    many = [np.resize(x, (3000, x.shape[1])) for x in (q, qd, qdd)]
-    more = {name: np.resize(x, 3000) for name, x in columns.items()}
-    one, two = (
-        inverse_dynamics_derivatives(model, *many, scene=EVERY_EFFECT, columns=more, executor="compiled", threads=k)
-        for k in (1, 2)
-    )
-    assert all((a == b).all() for a, b in zip(one, two, strict=True))
 
 
 def test_refusals():

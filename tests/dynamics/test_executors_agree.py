@@ -88,16 +88,6 @@ def test_single_precision(name, free):
         assert worst(found, exact) <= 1e-6
 
 
-def test_single_precision_of_inverse_dynamics():
-    model = robot("puma560")
-    state = random_state(model, np.random.default_rng(4), 1000)
-    exact = inverse_dynamics(model, *state)
-    for executor in ("numpy", "compiled"):
-        tau = inverse_dynamics(model, *state, executor=executor, dtype=np.float32)
-        assert tau.dtype == np.float32
-        assert 1e-9 < worst(tau, exact) <= 1e-6
-
-
 MODEL = golden_model("puma560_corke")
 STATE = random_state(MODEL, np.random.default_rng(5), 5000)
 

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import math
-
 import mpmath
 import numpy as np
 import pytest
 from helpers.independent_dynamics import torques_of
 from helpers.oracles import EPS, random_state, reference, run, worst
-from helpers.small_robots import body_numbers, built, chain, joint, link, random_tree, random_tree_parts, urdf
+from helpers.small_robots import body_numbers, built, chain, joint, link, random_tree
 
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan, applied, loads
-from robodyn.programs.vectors import rotation_from_rpy
-from robodyn.robot.load import load
 from robodyn.scene.scene import Scene
 
 
@@ -109,38 +105,6 @@ def test_scales_of_mass_and_length(scale):
     np.testing.assert_array_equal(tau * scale, inverse_dynamics(robot(1, 1), *state, scene=weightless))
 
 
-@pytest.mark.parametrize("place", [(1e6, 0, 0), (-7e5, 3e5, 1e6)])
-def test_a_base_a_thousand_kilometres_away(place):
-    """A world link carries the robot by a fixed joint: not one bit of tau changes."""
-    parts = random_tree_parts(np.random.default_rng(47), 8)
-    here = load(urdf(link("world"), *parts, joint("mount", "world", "l0", "fixed")))
-    there = load(urdf(link("world"), *parts, joint("mount", "world", "l0", "fixed", xyz=place)))
-    free, state = load(urdf(*parts), moving_base=True), _states(here, 48)
-    np.testing.assert_array_equal(inverse_dynamics(there, *state), inverse_dynamics(here, *state))
-    q, qd, qdd = random_state(free, np.random.default_rng(49), 5)
-    away = q.copy()
-    away[:, :3] = place
-    np.testing.assert_array_equal(inverse_dynamics(free, away, qd, qdd), inverse_dynamics(free, q, qd, qdd))
-
-
-def test_reversed_axes():
-    """tau(-axis, -q) = -tau(axis, q), joint by joint."""
-    parts = random_tree_parts(np.random.default_rng(50), 7, kinds=("revolute", "prismatic"))
-    model = load(urdf(*parts))
-    state = _states(model, 51)
-    for k, name in enumerate(model.joint_names):
-        flipped = load(urdf(*(_flipped(part) if f'joint name="{name}"' in part else part for part in parts)))
-        sign = np.where(np.arange(model.n) == k, -1.0, 1.0)
-        tau = inverse_dynamics(flipped, *(sign * x for x in state))
-        assert worst(sign * tau, inverse_dynamics(model, *state)) <= 8 * EPS
-
-
-def _flipped(part):
-    before, _, rest = part.partition('<axis xyz="')
-    axis, _, after = rest.partition('"')
-    return f'{before}<axis xyz="{" ".join(repr(-float(x)) for x in axis.split())}"{after}'
-
-
 def test_non_unit_axes_are_normalised_with_a_note():
     arm = link("arm", 2, (0.5, 0.1, 0.2), (0.1, 0, 0, 0.2, 0, 0.3))
     for axis in ((0, 3, 4), (0, 3e-200, 4e-200), (0, 3e29, 4e29)):
@@ -199,22 +163,3 @@ def test_negative_mass_is_computed_and_noted():
 
 def test_physical_robots_have_no_such_note():
     assert not random_tree(54).notes
-
-
-@pytest.mark.parametrize("pitch", [math.pi / 2, -math.pi / 2, math.nextafter(math.pi / 2, 0), 1.5707963])
-def test_a_joint_frame_at_the_gimbal(pitch):
-    """Where roll and yaw turn about the same axis; no angle is ever recovered from the matrix."""
-    R = rotation_from_rpy(0.3, pitch, 0.7)
-    with mpmath.workdps(40):
-        expected = [[float(x) for x in row] for row in _rpy(0.3, pitch, 0.7)]
-    assert worst(R, expected) <= 4 * EPS
-    assert worst(R @ R.T, np.eye(3)) <= 4 * EPS
-
-
-def _rpy(roll, pitch, yaw):
-    cr, sr, cp, sp, cy, sy = (f(mpmath.mpf(x)) for x in (roll, pitch, yaw) for f in (mpmath.cos, mpmath.sin))
-    return [
-        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-        [-sp, cp * sr, cp * cr],
-    ]

@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers.busy_robot import busy_parts, busy_robot
-from helpers.oracles import EPS, frictionless, random_state, robot, run, worst
-from helpers.peers import pin
-from helpers.pinocchio_robots import PinocchioRobot
-from helpers.small_robots import urdf
+from helpers.busy_robot import busy_robot
+from helpers.oracles import frictionless, random_state, robot, run, worst
 
 from robodyn.dynamics.inverse import bias_forces, inverse_dynamics
 from robodyn.dynamics.mass import mass_matrix
@@ -60,37 +57,6 @@ def test_internal_torques_change_neither_momentum(seed):
     assert worst(P_rate, np.zeros(3), np.abs(forces[1:, :3]).max()) <= 2e-14
     reach = 1 + np.abs(q[:3]).max()
     assert worst(H_rate, np.zeros(3), reach * np.abs(forces[1:]).max()) <= 2e-14
-
-
-def test_a_robot_with_everything_floats_freely_too():
-    model = busy_robot(True)
-    scene = frictionless(model, gravity=(0.0, 0.0, 0.0))
-    q, qd, qdd = _floating_freely(model, np.random.default_rng(7), scene)
-    tau = inverse_dynamics(model, q, qd, qdd, scene=scene)
-    _, (P_rate, H_rate) = _of(model, q, qd, qdd)
-    assert worst(np.concatenate((P_rate, H_rate)), np.zeros(6), np.abs(tau).max()) <= 1e-13
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_momenta_and_energy_against_pinocchio(seed):
-    model = busy_robot(True)
-    other = PinocchioRobot(urdf(*busy_parts()), free=True)
-    (q,), (qd,), (qdd,) = random_state(model, np.random.default_rng(seed), 1)
-    joints = motions(model, q, qd, qdd)
-    whole = momenta(model.parents, joints, [body.inertia for body in model.bodies])
-    position, v, a = other.state(model, q, qd, qdd)
-    pin.computeCentroidalMomentumTimeVariation(other.model, other.data, position, v, a)
-    R, origin = poses(model.parents[:1], joints[:1])[0]
-    P = other.data.hg.linear
-    H = other.data.hg.angular + cross(other.data.com[0] - origin, P)
-    assert worst(R @ whole.P, P) <= 1e-14
-    assert worst(R @ whole.H, H) <= 1e-14
-    assert worst(whole.T, pin.computeKineticEnergy(other.model, other.data, position, v)) <= 1e-14
-    assert worst(whole.m, model.total_mass) <= 4 * EPS
-    assert worst(R @ (whole.mc / whole.m) + origin, other.data.com[0]) <= 1e-14
-    (P_again, _), (P_rate, _) = _of(model, q, qd, qdd)
-    assert worst(P_again, P) <= 1e-14
-    assert worst(P_rate, other.data.dhg.linear) <= 1e-14
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -13,8 +13,7 @@ from helpers.small_robots import body_numbers, built, joint, link
 
 import robodyn
 from robodyn.dynamics.plan import plan
-from robodyn.dynamics.uncertain_parameters import variations
-from robodyn.dynamics.varied_loads import derivative_runner
+from robodyn.dynamics.uncertain_parameters import derivative_runner, variations
 from robodyn.scene.parts import Friction
 from robodyn.scene.scene import Scene
 from robodyn.scene.uncertainty import Covariance, Deviation, LinkUncertainty, Uncertainty
@@ -143,8 +142,8 @@ def test_draws_have_the_covariance():
     scene = Scene(uncertainty=Uncertainty(covariance=Covariance(names, np.zeros(4), C)))
     found = variations(model, scene)
     sizes = [each.deviation for each in found.each]
-    assert worst(found.correlation * np.outer(sizes, sizes), C) <= 1e-12
-    x = found.draws(20_000, 1) * sizes
+    assert worst(found.factor @ found.factor.T * np.outer(sizes, sizes), C) <= 1e-12
+    x = found.even_draws(20_000, 1) * sizes
     spread = np.sqrt((np.outer(np.diag(C), np.diag(C)) + C**2) / 20_000)
     assert np.all(np.abs(x.T @ x / len(x) - C) <= 5 * spread)
-    assert np.array_equal(found.draws(5, 1), found.draws(5, 1))
+    assert np.array_equal(found.even_draws(5, 1), found.even_draws(5, 1))

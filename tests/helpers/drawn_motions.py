@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from robodyn.dynamics.plan import plan, runner_of
-from robodyn.dynamics.varied_loads import _loads, _theta, summed
+from robodyn.dynamics.uncertain_parameters import _loads, summed
 from robodyn.loads.motors import train_of
 from robodyn.loads.statistics import Integrals
 from robodyn.loads.uncertainty import Quantities, UncertaintyPass
@@ -24,8 +24,12 @@ ROOM = 4_000_000
 
 def varied_runner(plan, found, rows):
     """Return sums of loads for a given `theta`, by which parameters are off."""
-    program = trace(lambda tape: summed(rows, _loads(plan, tape, _theta(tape, found), found)))
-    return runner_of(program, plan, {"theta": len(found.jacobian)})
+
+    def outputs(tape):
+        theta = [tape.input("theta", k) for k, _ in enumerate(found.jacobian)]
+        return summed(rows, _loads(plan, tape, theta, found))
+
+    return runner_of(trace(outputs), plan, {"theta": len(found.jacobian)})
 
 
 class SamplePass:
@@ -39,7 +43,9 @@ class SamplePass:
         """Args: beside: whose parameters and quantities are taken; count: draws."""
         self.of: Quantities = beside.of
         self.runner = varied_runner(plan(beside.model, beside.scene), beside.found, beside.of.rows)
-        self.theta = beside.found.theta(beside.found.draws(count, SEED))
+        found = beside.found
+        z = np.random.default_rng(SEED).standard_normal((count, len(found.each)))
+        self.theta = found.theta(z if found.factor is None else z @ found.factor.T)
         self.peaks = np.zeros((len(self.of.figures), count))
         self._integrals = [(slice(k, k + TOGETHER), Integrals()) for k in range(0, count, TOGETHER)]
         self._gears = [figure.a for figure in self.of.figures if figure.name == "gear"]

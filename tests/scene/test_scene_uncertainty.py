@@ -97,7 +97,7 @@ def test_a_covariance_lies_beside_the_scene(tmp_path):
     assert scene != covariance(tmp_path, names, ((0.04, 0.0), (0.0, 0.09)))
     drawn = variations(robot("puma560"), scene)
     assert tuple(each.name for each in drawn.each) == names
-    assert drawn.correlation[0, 1] == pytest.approx(0.01 / 0.06, rel=1e-12)
+    assert (drawn.factor @ drawn.factor.T)[0, 1] == pytest.approx(0.01 / 0.06, rel=1e-12)
 
 
 def test_a_covariance_of_other_parameters(tmp_path):

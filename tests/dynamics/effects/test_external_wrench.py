@@ -85,13 +85,3 @@ def test_columns_broadcast_and_must_be_there():
     np.testing.assert_array_equal(bias, inverse_dynamics(model, q, qd, 0, scene=scene, columns={"push": 3.0}))
     with pytest.raises(InputError, match="the scene needs columns push"):
         inverse_dynamics(model, q, qd, qdd, scene=scene)
-
-
-def test_wrenches_on_one_link_add_up():
-    model = busy_robot()
-    state = random_state(model, np.random.default_rng(16), SAMPLES)
-    one, two = ExternalWrench("tool", FORCE, point=POINT), ExternalWrench("tool", moment=MOMENT, frame="world")
-    bare = inverse_dynamics(model, *state)
-    apart = sum(inverse_dynamics(model, *state, scene=Scene(wrenches=(w,))) - bare for w in (one, two))
-    both = inverse_dynamics(model, *state, scene=Scene(wrenches=(one, two))) - bare
-    assert worst(both, apart, np.abs(bare).max()) <= 8 * EPS

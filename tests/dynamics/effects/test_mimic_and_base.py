@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.busy_robot import busy_parts, busy_robot
-from helpers.oracles import EPS, frictionless, random_state, robot, run, worst
+from helpers.oracles import EPS, frictionless, random_state, run, worst
 from helpers.pinocchio_robots import PinocchioRobot
 from helpers.small_robots import joint, link, random_tree, random_tree_parts, urdf
 
@@ -145,8 +145,3 @@ def test_a_floating_joint_within_a_tree():
     ship = poses(model.parents, motions(model, q[0], qd[0], qdd[0]))[1]
     moment = ship.R @ tau[0, :3] + cross(ship.p, mount @ tau[0, 3:])
     assert worst(base[0, 3:], moment) <= 1e-14
-
-
-def test_satellite_scene_moves_its_base():
-    assert robot("satellite", True).floating
-    assert robot("satellite", True).rates[:6] == tuple(f"base_{part}" for part in ("wx", "wy", "wz", "vx", "vy", "vz"))

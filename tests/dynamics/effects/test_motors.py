@@ -18,8 +18,7 @@ from helpers.small_robots import built, chain, joint, link
 import robodyn
 from robodyn.dynamics.effects import motors
 from robodyn.dynamics.plan import Plan, plan, runner_of
-from robodyn.dynamics.uncertain_parameters import variations
-from robodyn.dynamics.varied_loads import derivative_runner
+from robodyn.dynamics.uncertain_parameters import derivative_runner, variations
 from robodyn.equations.dae.dae import dae_at
 from robodyn.errors import SceneError
 from robodyn.identification.calibrated import calibrated, friction_toml
@@ -146,24 +145,6 @@ def test_free_bodies_and_laws_balance(free):
 def test_kinetic_energy_is_that_of_the_mass_matrix():
     model, scene, (q, qd, _), _ = busy(coupled=COUPLED)
     kinetic_energy_is_that_of_the_mass_matrix(model, scene, q, qd)
-
-
-def test_coriolis_matrix_is_christoffels():
-    model, scene, (q, qd, _), _ = busy()
-    C = robodyn.coriolis_matrix(model, q, qd, scene=scene)
-    step = 1e-6
-    ahead, behind = (robodyn.mass_matrix(model, q + sign * step * qd, scene=scene) for sign in (1, -1))
-    skew = (ahead - behind) / (2 * step) - 2.0 * C
-    assert worst(skew, -skew.transpose(0, 2, 1), np.abs(C).max()) <= 1e-8
-
-
-def test_simulation_of_spinning_rotors_balances_energy():
-    model = chain(3, skew=True)
-    one, two, three = model.joint_names
-    rotors = {three: Rotor(2e-3, 30.0, (1.0, 0.0, 0.0)), two: Rotor(1e-3, 20.0, on="l2")}
-    scene = frictionless(model, rotor=rotors, joint_limits="ignore", initial_qd={one: 1.0, three: 2.0})
-    result = robodyn.simulate(model, scene, duration=0.5, step=1e-3)
-    assert result.energy_drift <= 1e-9 * result.figures.energy.max()
 
 
 def test_a_free_robot_keeps_its_angular_momentum():

@@ -96,13 +96,6 @@ def test_inertia_is_linear_and_gravity_too(scale):
     assert worst(run(heavy.share(rigid_bodies.GRAVITY), heavy, q, still, still) / scale, weight) <= 8 * EPS
 
 
-def test_bias_does_not_see_the_sign_of_time():
-    """tau(q, -qd, qdd) = tau(q, qd, qdd) without friction, to the last bit but for the order of additions."""
-    model = golden_model("puma560_corke")
-    q, qd, qdd = random_state(model, np.random.default_rng(9), 20)
-    assert worst(inverse_dynamics(model, q, -qd, qdd), inverse_dynamics(model, q, qd, qdd)) <= 4 * EPS
-
-
 def _payload_share(scene, model, state, table):
     plan = Plan(model, scene)
     return run(plan.share(rigid_bodies.PAYLOAD), plan, *state, table)

@@ -217,40 +217,6 @@ def test_noise_of_encoders_is_followed():
     assert "is open by up to 0.002" in follower.notes[0]
 
 
-def delta(arm=0.3, rod=0.8, base=0.2, tip=0.05):
-    """A delta robot whose platform slides along x, y and z; its rods hang on universal joints, tied to the platform."""
-    parts = [link("frame"), link("sx"), link("sy"), link("plate", 1.0)]
-    for name, before, after, axis in (("x", "frame", "sx", 0), ("y", "sx", "sy", 1), ("z", "sy", "plate", 2)):
-        parts.append(joint(name, before, after, "prismatic", np.eye(3)[axis]))
-    loops = []
-    for k in range(3):
-        c, s = np.cos(2 * np.pi * k / 3), np.sin(2 * np.pi * k / 3)
-        placed = {"xyz": (base * c, base * s, 0), "rpy": (0, 0, 2 * np.pi * k / 3)}
-        parts += [link(f"arm{k}", 0.2), link(f"cross{k}"), link(f"rod{k}", 0.1)]
-        parts.append(joint(f"m{k}", "frame", f"arm{k}", "revolute", (0, 1, 0), **placed))
-        parts.append(joint(f"e{k}", f"arm{k}", f"cross{k}", "revolute", (0, 1, 0), (arm, 0, 0)))
-        parts.append(joint(f"f{k}", f"cross{k}", f"rod{k}", "revolute", (0, 0, 1)))
-        loops.append(Loop(f"tip{k}", f"rod{k}", (rod, 0, 0), "plate", (tip * c, tip * s, 0)))
-    start = {"z": -0.6, **{f"m{k}": 0.3 for k in range(3)}, **{f"e{k}": 1.3 for k in range(3)}}
-    return built(*parts), Scene(loops=tuple(loops), initial_q=start)
-
-
-def test_delta_robot_reaches_what_its_inverse_kinematics_ask_for():
-    """Motor k stands where its rod reaches from the elbow to the platform: |elbow - tip| = rod."""
-    model, scene = delta()
-    t = np.linspace(0.0, 1.0, 200)
-    plate = np.stack([0.1 * np.sin(6 * t), 0.1 * np.cos(5 * t), -0.65 + 0.05 * np.sin(9 * t)], axis=1)
-    motors = {}
-    for k in range(3):
-        c, s = np.cos(2 * np.pi * k / 3), np.sin(2 * np.pi * k / 3)
-        x, y = c * plate[:, 0] + s * plate[:, 1] + 0.05 - 0.2, c * plate[:, 1] - s * plate[:, 0]
-        reach = (x**2 + y**2 + plate[:, 2] ** 2 + 0.3**2 - 0.8**2) / (2 * 0.3)
-        motors[f"m{k}"] = np.arctan2(-plate[:, 2], x) - np.arccos(reach / np.hypot(x, plate[:, 2]))
-    followed = [name for name in model.coordinates if name not in motors]
-    _, q, _, _ = follow(model, scene, followed, motors)
-    assert np.abs(q[:, [model.coordinates.index(name) for name in "xyz"]] - plate).max() <= 1e-12
-
-
 OTHERS = ("main", "big_end")
 
 
