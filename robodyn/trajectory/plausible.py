@@ -45,10 +45,7 @@ coarse samples of fast swings they may be anything); of so many steps at least."
 
 
 def refuse_units(caveats: Sequence[Caveat], file: str | None) -> None:
-    """Raise where numbers can hardly be in the units that they are taken in.
-
-    Args:
-        caveats: about a table, of its units among others.
+    """Raise where numbers can hardly be in the units that they are taken in, as caveats about a table say.
 
     Raises:
         TrajectoryError: with what is seen, and the options that say what is meant.
@@ -81,7 +78,7 @@ class _Seen(NamedTuple):
         return max(self.joint.lower - self.least, self.greatest - self.joint.upper)
 
     def within(self, parts: float) -> bool:
-        """Return whether it keeps to its limits if so many of its unit make one of SI."""
+        """Whether it keeps to its limits if so many of its unit make one of SI."""
         slack = _SLACK * (self.joint.upper - self.joint.lower)
         return self.joint.lower - slack <= self.least / parts and self.greatest / parts <= self.joint.upper + slack
 
@@ -121,8 +118,7 @@ class Plausibility:
             if others:
                 continue
             turns = self._signals.kinds[joint] == "angle"
-            whole = ("qd", q[:, start], qd), ("qdd", qd[:, rate], qdd)
-            for name, values, rates in whole:
+            for name, values, rates in (("qd", q[:, start], qd), ("qdd", qd[:, rate], qdd)):
                 if getattr(self._layout, name)[rate] != ABSENT:
                     x, y = np.diff(values), 0.5 * step * (rates[1:, rate] + rates[:-1, rate])
                     x = x - 2.0 * math.pi * np.rint(x / (2.0 * math.pi)) if turns and name == "qd" else x
@@ -130,7 +126,7 @@ class Plausibility:
                     self._steps[name][:, rate] += (x * x).sum(), (x * y).sum(), (y * y).sum(), (z * z).sum()
 
     def caveats(self) -> tuple[Caveat, ...]:
-        """Return what is doubtful about the units, each with the option that mends it."""
+        """What is doubtful about the units, each with the option that mends it."""
         seen, clock = [*self._seen()], self._layout.clock
         found = {kind: said for kind in _OTHER if (said := _positions(kind, seen) or self._rates(kind))}
         if "angle" not in found and (said := _degrees(seen)):
@@ -153,7 +149,7 @@ class Plausibility:
         return tuple(caveats)
 
     def _rates(self, kind: str) -> str:
-        """Return why given velocities or accelerations are in the other unit while what they are rates of is not."""
+        """Why given velocities or accelerations are in the other unit while what they are rates of is not."""
         parts, other, _ = _OTHER[kind]
         for order, name in enumerate(self._steps if self._rows >= FEW else (), start=1):
             columns, ratios = getattr(self._layout, name), {}
@@ -177,17 +173,13 @@ class Plausibility:
         for joint, (q, qd) in zip(self._signals.joints, self._signals.spans.values(), strict=True):
             column = layout.q[q[0]]
             if joint.kind != "floating" and column != ABSENT:
-                seen = (
-                    float(self._least[q[0]]),
-                    float(self._greatest[q[0]]),
-                    *(float(x[qd[0]]) for x in (self._fastest, self._lasting)),
-                )
+                seen = (self._least[q[0]], self._greatest[q[0]], self._fastest[qd[0]], self._lasting[qd[0]])
                 kind = self._signals.kinds[joint.name]
-                yield _Seen(joint, kind, layout.names[column], column in layout.told, *seen)
+                yield _Seen(joint, kind, layout.names[column], column in layout.told, *map(float, seen))
 
 
 def _positions(kind: str, seen: list[_Seen]) -> str:
-    """Return why positions are in the other unit, empty if they are not: far beyond limits, but not in that unit."""
+    """Why positions are in the other unit, empty if they are not: far beyond limits, but not in that unit."""
     limited = [each for each in seen if each.kind == kind and not each.told and each.joint.lower < each.joint.upper]
     far = max(limited, key=lambda each: each.beyond, default=None)
     parts, other, remedy = _OTHER[kind]
@@ -202,7 +194,7 @@ def _positions(kind: str, seen: list[_Seen]) -> str:
 
 
 def _degrees(seen: list[_Seen]) -> str:
-    """Return why angles are in degrees, by the speeds alone; empty if they are not."""
+    """Why angles are in degrees, by the speeds alone; empty if they are not."""
     turning = [each for each in seen if each.kind == "angle" and not each.told and math.isfinite(each.joint.speed)]
     fast = max(turning, key=lambda each: each.lasting / each.joint.speed, default=None)
     parts, other, remedy = _OTHER["angle"]
@@ -213,7 +205,7 @@ def _degrees(seen: list[_Seen]) -> str:
 
 
 def _fine(seen: list[_Seen], clock: Clock) -> tuple[str, str] | None:
-    """Return why stamps are of a longer unit than was told, and of which: speeds are far beyond their limits."""
+    """Why stamps are of a longer unit than was told, and of which: speeds are far beyond their limits."""
     use = max((each.lasting / each.joint.speed for each in seen), default=0.0)
     if use <= _FAST:
         return None
@@ -222,7 +214,7 @@ def _fine(seen: list[_Seen], clock: Clock) -> tuple[str, str] | None:
 
 
 def _coarse(seen: list[_Seen], step: float) -> tuple[str, str] | None:
-    """Return why stamps are of a shorter unit than seconds, and of which: rows are far apart, and little has moved."""
+    """Why stamps are of a shorter unit than seconds, and of which: rows are far apart, and little has moved."""
     use = max((each.speed / min(each.joint.speed, _MODERATE[each.kind]) for each in seen), default=0.0)
     unit = next((unit for unit, n in TICKS.items() if step / n < _COARSE or use * n > _SLOW), "s")
     why = f"rows are {step:.6g} s apart and no joint moves faster than {100 * use:.2g} % of a moderate speed"
@@ -230,6 +222,6 @@ def _coarse(seen: list[_Seen], step: float) -> tuple[str, str] | None:
 
 
 def _epoch(first: float) -> tuple[str, str] | None:
-    """Return why stamps are of a shorter unit than seconds, and of which: they begin at no time since 1970."""
+    """Why stamps are of a shorter unit than seconds, and of which: they begin at no time since 1970."""
     unit = next((unit for unit, n in TICKS.items() if first > _LATEST and EPOCH <= first / n <= _LATEST), None)
     return (f"stamps begin at {first:.15g}, which is no time in seconds since 1970", unit) if unit else None

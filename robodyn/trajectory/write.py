@@ -19,9 +19,11 @@ from robodyn.trajectory.readers.table import FILE_TYPES
 
 LARGE = 150_000
 """Cells above which importing polars (0.1 s) costs less than writing without it."""
-
 PARTS = 4
 """Parts of a block that are written at once."""
+GROUP_ROWS = 1 << 17
+"""Rows of a row group of Parquet."""
+_PART = 1 << 10
 
 
 def lines_plain(values: Floats) -> bytes:
@@ -31,16 +33,15 @@ def lines_plain(values: Floats) -> bytes:
 
 def lines_fast(values: Floats) -> list[bytes]:
     """Rows of values (N, k) as lines of CSV, through polars: it works on so few rows in one thread only."""
-    return in_threads(_lines, np.array_split(values, PARTS), PARTS)
-
-
-def _lines(values: Floats) -> bytes:
     import polars as pl
 
-    text = io.BytesIO()
-    frame = pl.DataFrame({str(i): values[:, i] for i in range(values.shape[1])})
-    frame.write_csv(text, include_header=False)
-    return text.getvalue()
+    def lines(part: Floats) -> bytes:
+        text = io.BytesIO()
+        frame = pl.DataFrame({str(i): part[:, i] for i in range(part.shape[1])})
+        frame.write_csv(text, include_header=False)
+        return text.getvalue()
+
+    return in_threads(lines, np.array_split(values, PARTS), PARTS)
 
 
 def shortest(value: float) -> str:
@@ -54,11 +55,6 @@ def shortest(value: float) -> str:
         sign = "-" if value < 0 else ""
         return f"{sign}0.0000{mantissa.lstrip('-').replace('.', '')}"
     return f"{mantissa}e{power:+d}"
-
-
-GROUP_ROWS = 1 << 17
-"""Rows of a row group of Parquet."""
-_PART = 1 << 10
 
 
 class Writer(ABC):

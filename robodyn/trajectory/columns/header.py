@@ -26,7 +26,7 @@ class Header:
     """The column names of a table, and where they stand, for messages.
 
     Attributes:
-        aliases: place of a column -> what it is called instead.
+        aliases: place of a column -> what it is called instead; `called`: the names that count.
     """
 
     names: tuple[str, ...]
@@ -36,7 +36,6 @@ class Header:
 
     @cached_property
     def called(self) -> tuple[str, ...]:
-        """The names that count."""
         return tuple(self.aliases.get(i, name) for i, name in enumerate(self.names))
 
     def error(self, what: str, remedy: str) -> TrajectoryError:
@@ -59,10 +58,7 @@ class Header:
             seen.add(name)
 
     def renamed(self, columns: Mapping[str, str], signals: Signals, extra: Collection[str]) -> Header:
-        """Return the header with columns called as a person wants it.
-
-        Args:
-            columns: our name -> the table's.
+        """The header with columns called as a person wants it: our name -> the table's.
 
         Raises:
             TrajectoryError: the robot does not know the one, or the table has not the other.
@@ -86,11 +82,7 @@ class Header:
         return {i: (found["path"], _number(found)) for i, found in _matches(_LABEL, self.names)}
 
     def labelled(self, texts: Mapping[int, str]) -> Header:
-        """Return the header with entries of arrays called after their joints.
-
-        Args:
-            texts: what the columns of `labels` say.
-        """
+        """The header with entries of arrays called after their joints; `texts` are what the columns of `labels` say."""
         joints = {self.labels[i]: text for i, text in texts.items()}
         aliases = {
             i: f"{joint}/{found['word']}"
@@ -100,7 +92,7 @@ class Header:
         return replace(self, aliases={**aliases, **self.aliases})
 
     def entry(self, i: int) -> Quantity | None:
-        """Return what a column measures of a joint that it does not name, None if it is no entry of an array."""
+        """What a column measures of a joint that it does not name, None if it is no entry of an array."""
         found = _ARRAY.fullmatch(self.called[i])
         return WORDS[found["word"].lower()] if found else None
 
@@ -112,7 +104,7 @@ def check_columns(count: int, file: str | None, line: int | None = None) -> None
 
 
 def listing(names: Iterable[str]) -> str:
-    """Return names in quotes, the first few of many."""
+    """Names in quotes, the first few of many."""
     names = list(names)
     more = f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else ""
     return ", ".join(repr(name) for name in names[:_SHOWN]) + more

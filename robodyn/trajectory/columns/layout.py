@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 from robodyn.errors import TrajectoryError
 from robodyn.support.wording import alternatives
@@ -13,6 +14,7 @@ from robodyn.trajectory.columns.units import ANGLES, RATES, AngleUnit, Clock, cl
 from robodyn.trajectory.reading import DEFAULT, Reading
 
 ABSENT = -1
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -46,10 +48,9 @@ class Layout:
 
 
 def resolve(header: Header, signals: Signals, extra: Sequence[str] = (), reading: Reading = DEFAULT) -> Layout:
-    """Return the layout of a table.
+    """The layout of a table.
 
     Args:
-        header: the column names.
         signals: what the robot wants; every scalar joint needs its position, a floating joint any one of its columns,
             unless loops tell.
         extra: columns that the scene names; they must exist.
@@ -63,11 +64,17 @@ def resolve(header: Header, signals: Signals, extra: Sequence[str] = (), reading
     called = header.called
     clock, times = _clock(header, signals, reading)
     meanings = {i: signals.find(name) for i, name in enumerate(called) if i not in clock.columns}
-    places = _places(header, meanings)
+    places: dict[Place, int] = {}
+    for i, meaning in meanings.items():
+        if meaning and meaning.place and meaning.place[0] != "tau":
+            _set(header, places, meaning.place, i)
     known = {*extra, *signals.wrenches}
     strange = [i for i, meaning in meanings.items() if meaning is None and called[i] not in known and i not in times]
-    measured = _measured(header, signals, meanings) if reading.measured else {}
-    unused = times | {i for i, meaning in meanings.items() if meaning and _idle(meaning)} - {*measured.values()}
+    idle = {
+        i: meaning for i, meaning in meanings.items() if meaning and (not meaning.place or meaning.place[0] == "tau")
+    }
+    measured = _measured(header, signals, idle) if reading.measured else {}
+    unused = times | idle.keys() - {*measured.values()}
     if strange:
         from robodyn.trajectory.columns.unknown_columns import is_of_message, refuse_loops
 
@@ -98,7 +105,7 @@ def resolve(header: Header, signals: Signals, extra: Sequence[str] = (), reading
 
 
 def _clock(header: Header, signals: Signals, reading: Reading) -> tuple[Clock, set[int]]:
-    """Return what tells the time, and the columns that could have."""
+    """What tells the time, and the columns that could have."""
     names = {i: name for i, name in enumerate(header.called) if name in TIME_NAMES or signals.find(name) is None}
     found, others = clocks(names, header.aliases)
     if not found:
@@ -110,58 +117,36 @@ def _clock(header: Header, signals: Signals, reading: Reading) -> tuple[Clock, s
     return found[0].in_unit(reading.time_unit), others
 
 
-def _places(header: Header, meanings: Mapping[int, Meaning | None]) -> dict[Place, int]:
-    """Return (quantity, index) -> column."""
-    places: dict[Place, int] = {}
-    for i, meaning in meanings.items():
-        if meaning is None or meaning.place is None or _idle(meaning):
-            continue
-        if meaning.place in places:
-            both = f"{header.names[places[meaning.place]]!r} and {header.names[i]!r}"
-            raise header.error(f"columns {both} give the same quantity", "keep one of them")
-        places[meaning.place] = i
-    return places
+def _set(header: Header, places: dict[T, int], place: T, i: int) -> None:
+    if place in places:
+        both = f"{header.names[places[place]]!r} and {header.names[i]!r}"
+        raise header.error(f"columns {both} give the same quantity", "keep one of them")
+    places[place] = i
 
 
-def _idle(meaning: Meaning) -> bool:
-    """Return whether no motion needs a column: it holds a torque, or is of a joint without a coordinate."""
-    return meaning.place is None or meaning.place[0] == "tau"
-
-
-def _measured(header: Header, signals: Signals, meanings: Mapping[int, Meaning | None]) -> dict[str, int]:
-    """Return `tau_<joint>` -> column, of the torques that a table gives.
+def _measured(header: Header, signals: Signals, meanings: Mapping[int, Meaning]) -> dict[str, int]:
+    """`tau_<joint>` -> column, of the torques that a table gives.
 
     Raises:
         TrajectoryError: two columns give the same torque, or a unit is not N m (N for a slide).
     """
     found: dict[str, int] = {}
-    for i, meaning in meanings.items():
-        if meaning and meaning.place and meaning.place[0] == "tau":
-            name = f"tau_{signals.velocities[meaning.place[1]]}"
-            if name in found:
-                both = f"{header.names[found[name]]!r} and {header.names[i]!r}"
-                raise header.error(f"columns {both} give the same quantity", "keep one of them")
-            if meaning.unit is not None and _plain_unit(meaning.unit) not in _TORQUES:
-                what = f"column {header.names[i]!r}: {meaning.unit!r} is no unit that measured torques are read in"
+    for i, (place, unit) in meanings.items():
+        if place:
+            _set(header, found, f"tau_{signals.velocities[place[1]]}", i)
+            if unit is not None and "".join(filter(str.isalpha, unit)).lower() not in ("nm", "n"):
+                what = f"column {header.names[i]!r}: {unit!r} is no unit that measured torques are read in"
                 raise header.error(what, "give N m, or N for a slide")
-            found[name] = i
     return found
-
-
-_TORQUES = ("nm", "n")
-
-
-def _plain_unit(text: str) -> str:
-    return "".join(filter(str.isalpha, text)).lower()
 
 
 def _unit(
     header: Header, i: int, signals: Signals, place: Place, meaning: Meaning | None, angle_unit: AngleUnit | None
 ) -> tuple[float, bool]:
-    """Return how many of the unit of a column make one of SI, and whether that was told.
+    """How many of the unit of a column make one of SI, and whether that was told.
 
     Args:
-        place, meaning: what the column holds; angle_unit: of scalar joints whose columns do not tell, None for rad.
+        angle_unit: of scalar joints whose columns do not tell, None for rad.
 
     Raises:
         TrajectoryError: the unit in a name is none, or not one of this quantity.
@@ -185,7 +170,7 @@ def _unit(
 
 
 def _own_unit(name: str, kind: str) -> str | None:
-    """Return the unit in any name: what is in brackets; behind `_` only what can be one of such a kind."""
+    """The unit in any name: what is in brackets; behind `_` only what can be one of such a kind."""
     for _, text in split_unit(name):
         unit = unit_of(text)
         if name[-1] in "])" or (unit and unit.dimension == kind):
@@ -201,7 +186,7 @@ def _placed(
     Joints of loops are held where they are named, and not where all are.
 
     Args:
-        places: (quantity, index) -> column; unknown: columns without a meaning, which may be meant for what is missing.
+        unknown: columns without a meaning, which may be meant for what is missing.
 
     Raises:
         TrajectoryError: a scalar joint has no position and is not held, a floating joint has no column at all or part

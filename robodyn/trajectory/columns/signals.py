@@ -86,7 +86,7 @@ class Signals:
     @cached_property
     def positions(self) -> tuple[str, ...]:
         """Stems of the position columns, e.g. `elbow`; for a floating joint J `J_x J_y J_z J_qx J_qy J_qz J_qw`."""
-        return tuple(stem for joint in self.joints for stem in _stems(joint, POSE))
+        return self._stems(POSE)
 
     @cached_property
     def velocities(self) -> tuple[str, ...]:
@@ -94,12 +94,18 @@ class Signals:
 
         w is the angular velocity in body axes, v the rate of the position in parent axes.
         """
-        return tuple(stem for joint in self.joints for stem in _stems(joint, TWIST))
+        return self._stems(TWIST)
 
     @cached_property
     def accelerations(self) -> tuple[str, ...]:
         """Stems of the bare acceleration columns; for a floating joint J `J_wdx J_wdy J_wdz J_ax J_ay J_az`."""
-        return tuple(stem for joint in self.joints for stem in _stems(joint, TWIST_RATE))
+        return self._stems(TWIST_RATE)
+
+    def _stems(self, parts: Sequence[str]) -> tuple[str, ...]:
+        stems: list[str] = []
+        for joint in self.joints:
+            stems += [f"{joint.name}_{part}" for part in parts] if joint.kind == "floating" else [joint.name]
+        return tuple(stems)
 
     @cached_property
     def spans(self) -> dict[str, tuple[range, range]]:
@@ -107,7 +113,7 @@ class Signals:
         found: dict[str, tuple[range, range]] = {}
         q = qd = 0
         for joint in self.joints:
-            of = len(_stems(joint, POSE)), len(_stems(joint, TWIST))
+            of = (len(POSE), len(TWIST)) if joint.kind == "floating" else (1, 1)
             found[joint.name] = range(q, q + of[0]), range(qd, qd + of[1])
             q, qd = q + of[0], qd + of[1]
         return found
@@ -123,14 +129,13 @@ class Signals:
     @cached_property
     def kinds(self) -> dict[str, str]:
         """What each stem of a position or velocity measures: "angle", "length", or "" for parts of quaternions."""
-        scalar = {"angle": "angle", "continuous": "angle", "length": "length"}
-        found = {joint.name: scalar[joint.kind] for joint in self.joints if joint.kind != "floating"}
+        kinds = ("length",) * 3 + ("",) * 4 + ("angle",) * 3 + ("length",) * 3
+        found: dict[str, str] = {}
         for joint in self.joints:
             if joint.kind == "floating":
-                parts = zip(
-                    (*POSE, *TWIST), ("length",) * 3 + ("",) * 4 + ("angle",) * 3 + ("length",) * 3, strict=True
-                )
-                found |= {f"{joint.name}_{part}": kind for part, kind in parts}
+                found |= {f"{joint.name}_{part}": kind for part, kind in zip((*POSE, *TWIST), kinds, strict=True)}
+            else:
+                found[joint.name] = "length" if joint.kind == "length" else "angle"
         return found
 
     @cached_property
@@ -162,7 +167,7 @@ class Signals:
         return frozenset(f"{part}_{name}" for name in self.constraints for part in COMPONENTS)
 
     def find(self, column: str) -> Meaning | None:
-        """Return what a column of this name holds, None if the robot does not know it.
+        """What a column of this name holds, None if the robot does not know it.
 
         Our own names come first, then words beside a joint's name, then the same before a unit that is not of time.
         """
@@ -181,7 +186,8 @@ class Signals:
             return Meaning(None)
         for quantity, stem in worded(column):
             stems = self.positions if quantity == "q" else self.velocities
-            for end in _ends(stem):
+            # with and without what stands before slashes and points
+            for end in (stem, *(stem[found.end() :] for found in re.finditer(r"[/.]", stem))):
                 if end in stems:
                     return Meaning((quantity, stems.index(end)))
                 if end in self.dependent:
@@ -199,14 +205,3 @@ def worded(column: str) -> Iterator[tuple[Quantity, str]]:
 def matrix_column(quantity: str, index: int) -> str:
     """The name of a column of a matrix in coordinate order, which no joint's name overrides in practice: `q[1]`."""
     return f"{quantity}[{index + 1}]"
-
-
-def _ends(stem: str) -> Iterator[str]:
-    """Yield a name with and without what stands before its slashes and points."""
-    yield stem
-    for found in re.finditer(r"[/.]", stem):
-        yield stem[found.end() :]
-
-
-def _stems(joint: Signal, parts: Sequence[str]) -> list[str]:
-    return [f"{joint.name}_{part}" for part in parts] if joint.kind == "floating" else [joint.name]

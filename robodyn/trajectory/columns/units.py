@@ -46,7 +46,7 @@ _SUFFIX = re.compile(rf"(.+?)_((?:{'|'.join(_BASES)})(?:(?:_per)?_s2?)?)", re.IG
 
 
 def unit_of(text: str) -> Unit | None:
-    """Return the unit that a text stands for, None if it is not understood: `deg`, `rad/s`, `m/s^2`."""
+    """The unit that a text stands for, None if it is not understood: `deg`, `rad/s`, `m/s^2`."""
     text = text.translate(_SPELLINGS).lower()
     base = next((text[:end] for end in range(len(text), 0, -1) if text[:end] in _BASES), "")
     order = _PER_SECOND.get(text[len(base) :])
@@ -98,14 +98,14 @@ class Clock:
         return (self.column,) if self.nano is None else (self.column, self.nano)
 
     def seconds(self, stamps: Floats, nano: Floats | None = None) -> Floats:
-        """Return stamps (N,) of the columns as seconds since the origin, rounded once if they are whole numbers."""
+        """Stamps (N,) of the columns as seconds since the origin, rounded once if they are whole numbers."""
         return stamps / self.ticks if nano is None else (stamps * _NANO + nano) / _NANO
 
     def given(self, stamps: Floats, time: Floats) -> Floats | None:
-        """Return stamps (N,) as the table gives them, of two columns in seconds; None if they are the `time`.
+        """Stamps (N,) as the table gives them, of two columns in seconds; None if they are the `time`.
 
         Args:
-            stamps: less the origin; time: in seconds, less the origin.
+            stamps, time: less the origin.
         """
         if self.origin:
             from decimal import Decimal
@@ -118,13 +118,12 @@ class Clock:
     @property
     def start(self) -> Decimal | int:
         """The origin in seconds."""
-        return self._seconds(self.origin) if self.origin else 0
-
-    def _seconds(self, values: Sequence[Decimal]) -> Decimal:
-        return values[0] / self.ticks if self.nano is None else values[0] + values[1] / _NANO
+        if not self.origin:
+            return 0
+        return self.origin[0] / self.ticks if self.nano is None else self.origin[0] + self.origin[1] / _NANO
 
     def begun(self, first: Sequence[str | float]) -> Clock:
-        """Return the clock with the first row of its columns as origin, if that is far from zero."""
+        """The clock with the first row of its columns as origin, if that is far from zero."""
         try:
             if not first or not EPOCH <= abs(float(first[0])) / self.ticks < math.inf:
                 return self
@@ -138,35 +137,32 @@ class Clock:
             return self
 
     def in_unit(self, unit: str | None) -> Clock:
-        """Return the clock with the unit that an option tells; that of a name stays."""
+        """The clock with the unit that an option tells; that of a name stays."""
         return self if unit is None or self.told else replace(self, ticks=TICKS[unit], told=True)
 
 
 def clocks(names: Mapping[int, str], chosen: Collection[int] = ()) -> tuple[list[Clock], set[int]]:
-    """Return what can tell the time by its name, only the best kind of it, and the columns of the other kinds.
+    """What can tell the time by its name, only the best kind of it, and the columns of the other kinds.
 
     Args:
         names: of columns, by place; chosen: those that were named on purpose, which are better than all others.
     """
-    ranked = [*_pairs(names)]
+    ranked: list[tuple[int, Clock]] = []
+    stems: dict[str, dict[bool, int]] = {}  # of seconds and nanoseconds: `header.stamp.sec`, `header.stamp.nanosec`
+    for i, name in names.items():
+        if part := _PAIRED.fullmatch(name):
+            stems.setdefault(part["stem"], {})[part["part"][0] in "nN"] = i
+    for stem, parts in stems.items():
+        if len(parts) == 2:
+            rank = _rank(stem or "time")
+            clock = Clock(parts[False], nano=parts[True], told=True)
+            ranked.append((len(_TIMES) if rank is None else rank, clock))
     paired = {i for _, clock in ranked for i in clock.columns}
     ranked += [single for i, name in names.items() if i not in paired and (single := _single(i, name))]
     found = [((clock.column in chosen, -rank), clock) for rank, clock in ranked]
     best = max((key for key, _ in found), default=None)
     others = {i for key, clock in found if key != best for i in clock.columns}
     return [clock for key, clock in found if key == best], others
-
-
-def _pairs(names: Mapping[int, str]) -> Iterator[tuple[int, Clock]]:
-    """Yield columns of seconds and nanoseconds of one stem: `header.stamp.sec`, `header.stamp.nanosec`."""
-    stems: dict[str, dict[bool, int]] = {}
-    for i, name in names.items():
-        if found := _PAIRED.fullmatch(name):
-            stems.setdefault(found["stem"], {})[found["part"][0] in "nN"] = i
-    for stem, parts in stems.items():
-        if len(parts) == 2:
-            rank = _rank(stem or "time")
-            yield len(_TIMES) if rank is None else rank, Clock(parts[False], nano=parts[True], told=True)
 
 
 def _single(i: int, name: str) -> tuple[int, Clock] | None:
@@ -186,5 +182,5 @@ def _rank(name: str) -> int | None:
 
 
 def is_time(name: str) -> bool:
-    """Return whether a name is one for time."""
+    """Whether a name is one for time."""
     return _single(0, name) is not None

@@ -20,10 +20,8 @@ _HEADER = re.compile(r"(?:.*[./_])?header[./_](?:seq|frame_id)")
 _ALIKE = 0.7
 _LETTERS = 3
 """Letters at least of a name that another may have in it."""
-_COMPARED = 200
-"""So many unknown columns are compared with the names of joints."""
-_OPTIONS = 8
-"""So many options are written out."""
+_COMPARED, _OPTIONS = 200, 8
+"""So many unknown columns are compared with the names of joints, so many options written out."""
 
 
 def is_of_message(header: Header, i: int) -> bool:
@@ -96,10 +94,9 @@ def _within(name: str, stem: str) -> bool:
 
 def _asked(matches: Mapping[str, str]) -> str:
     """The question whether columns are meant so, and the options that say yes; empty if there are none."""
-    if not matches:
-        return ""
-    name, column = next(iter(matches.items()))
-    return f"did you mean {column!r} for {name!r}? then {_options(matches)}; "
+    for name, column in matches.items():
+        return f"did you mean {column!r} for {name!r}? then {_options(matches)}; "
+    return ""
 
 
 def _options(matches: Mapping[str, str]) -> str:

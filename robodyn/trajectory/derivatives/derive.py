@@ -79,7 +79,11 @@ def derive(samples: Trajectory, plan: Plan) -> tuple[Trajectory, Floats, Floats]
     noise, off = np.zeros_like(qdd), np.zeros_like(qdd)
     with np.errstate(all="ignore"):
         for group, selection in zip(plan.groups, plan.selections, strict=True):
-            first, second = _rates(group, samples, selection)
+            values = source(group, samples)
+            turns = turns_ahead(values) if group.kind == "continuous" else None
+            first, second = estimated(samples.time, values, turns, selection, samples.first_row - 1)
+            if group.kind == "quaternion":
+                first, second = _of_body(values, first), _of_body(values, second)
             for component, column in group.velocity:
                 qd[:, column] = first.value[:, component]
             highest = first if group.source == "qd" else second
@@ -91,14 +95,6 @@ def derive(samples: Trajectory, plan: Plan) -> tuple[Trajectory, Floats, Floats]
             row = samples.first_row + int(np.argwhere(~np.isfinite(values))[0][0])
             raise TrajectoryError(f"row {row}: the derivative is not finite", remedy="are two stamps almost equal?")
     return replace(samples, qd=qd, qdd=qdd), noise, off
-
-
-def _rates(group: Group, samples: Trajectory, selection: Selection) -> tuple[Rate, Rate]:
-    """The first and second derivatives of the source of a group; of quaternions those in body axes."""
-    values = source(group, samples)
-    turns = turns_ahead(values) if group.kind == "continuous" else None
-    first, second = estimated(samples.time, values, turns, selection, samples.first_row - 1)
-    return (_of_body(values, first), _of_body(values, second)) if group.kind == "quaternion" else (first, second)
 
 
 def _refuse_pauses(samples: Trajectory, selections: Sequence[Selection]) -> None:

@@ -90,11 +90,7 @@ class GivenRates:
         return self.own.halo if len(self.wrong) or self.caveats else 0
 
     def trusted(self, samples: Trajectory, known: Sampling | None, rows: slice) -> Sampling:
-        """How far accelerations of some rows can be trusted, of which those are known that are derived.
-
-        Args:
-            samples: a block, derived, with its neighbours; known: of the rows.
-        """
+        """How far accelerations of some rows of a block can be trusted, of which those are known that are derived."""
         count, qdd = rows.stop - rows.start, samples.qdd[rows]
         nothing = np.zeros((count, qdd.shape[1]))
         if known is None:
@@ -112,12 +108,7 @@ class GivenRates:
 def against_positions(
     groups: Sequence[Group], pieces: Sequence[Trajectory], lacking: Plan | None, encoder_error: float
 ) -> GivenRates:
-    """How what is given agrees with derivatives of the positions.
-
-    Args:
-        groups: of `groups.given`; pieces: runs of consecutive samples that stand for the table.
-        lacking: how what is not given is derived.
-    """
+    """How what is given agrees with derivatives of the positions; `lacking` is how what is not given is derived."""
     from robodyn.trajectory.derivatives.derive import derive, plan
     from robodyn.trajectory.derivatives.noise import estimate
 

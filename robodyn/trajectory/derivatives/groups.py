@@ -23,7 +23,6 @@ class Group:
     """Columns that are differentiated together.
 
     Args:
-        name: for the report.
         source, rows: the array that is differentiated, "q" or "qd", and its columns: one, or the four of a quaternion.
         velocity, acceleration: pairs (component of the derivative, column of qd or qdd that it fills).
     """
@@ -77,15 +76,14 @@ def missing(signals: Signals, layout: Layout) -> tuple[tuple[Group, ...], tuple[
     notes: list[str] = []
     for joint in signals.joints:
         q, qd = signals.spans[joint.name]
-        if joint.kind == "floating":
-            for i, axis in enumerate(_AXES):
-                groups += _scalar(f"{joint.name}_{axis}", "scalar", layout, q[i], qd[3 + i])
-            groups += _rotation(f"{joint.name} orientation", layout, q[3], qd[0])
-            if joint.name not in layout.followed:
-                notes += _assumptions(joint.name, layout, q, qd)
-        else:
-            kind: Literal["scalar", "continuous"] = "continuous" if joint.kind == "continuous" else "scalar"
-            groups += _scalar(joint.name, kind, layout, q[0], qd[0])
+        if joint.kind != "floating":
+            groups += _scalar(joint.name, joint.kind == "continuous", layout, q[0], qd[0])
+            continue
+        for i, axis in enumerate(_AXES):
+            groups += _scalar(f"{joint.name}_{axis}", False, layout, q[i], qd[3 + i])
+        groups += _rotation(f"{joint.name} orientation", layout, q[3], qd[0])
+        if joint.name not in layout.followed:
+            notes += _assumptions(joint.name, layout, q, qd)
     return tuple(groups), tuple(notes)
 
 
@@ -105,12 +103,13 @@ def given(signals: Signals, layout: Layout) -> tuple[Group, ...]:
     return tuple(group for group in missing(signals, anew(signals, layout))[0] if group not in lacking)
 
 
-def _scalar(name: str, kind: Literal["scalar", "continuous"], layout: Layout, p: int, v: int) -> Iterator[Group]:
+def _scalar(name: str, endless: bool, layout: Layout, p: int, v: int) -> Iterator[Group]:
     q, qd, qdd = (column != ABSENT for column in (layout.q[p], layout.qd[v], layout.qdd[v]))
     target: Targets = ((0, v),)
     if qd and not qdd:
         yield Group(name, "scalar", "qd", (v,), (), target)
     elif q and not (qd and qdd):
+        kind: Literal["scalar", "continuous"] = "continuous" if endless else "scalar"
         yield Group(name, kind, "q", (p,), () if qd else target, () if qdd else target)
 
 

@@ -51,15 +51,6 @@ def resolution(quantum: float, noise: float, largest: float) -> float:
     return max(quantum * (1.0 + 1e-6), scatter, _ROUNDING * largest)
 
 
-def slowest(band: float, spacing: float) -> float:
-    """The speed below which a motion cannot be told from standing still.
-
-    Args:
-        band: of `resolution`; spacing: of samples [s].
-    """
-    return band / (LONGEST * spacing) if spacing > 0.0 else 0.0
-
-
 def standing(positions: Floats, band: float, speeds: Floats | None = None, slight: float = 0.0) -> Flags:
     """Whether a joint stands still in each row.
 
@@ -103,11 +94,7 @@ def standing(positions: Floats, band: float, speeds: Floats | None = None, sligh
 
 
 def _left(high: Floats, low: Floats, length: int, band: float) -> Flags:
-    """Of each window whether the joint leaves it within twice its length after it, or stays to the table's end.
-
-    Args:
-        high, low: of each window, by its first row.
-    """
+    """Of each window whether the joint leaves it within twice its length after it, or stays to the table's end."""
     count = len(high)
     top, bottom = (np.pad(x, (0, 2 * length), mode="edge") for x in (high, low))
     top, bottom = np.maximum(top[length:], top[:-length]), np.minimum(bottom[length:], bottom[:-length])
@@ -130,10 +117,9 @@ class Standstill:
         pieces: runs of consecutive samples that stand for the table; without any, the first block does.
         known: step of the grid and standard deviation of the noise of columns of q, as far as they were looked for.
         """
-        spans = zip(signals.joints, signals.spans.values(), strict=True)
         self._joints = [
             (joint.kind, q, rate)
-            for joint, ((q, *_), (rate, *_)) in spans
+            for joint, ((q, *_), (rate, *_)) in zip(signals.joints, signals.spans.values(), strict=True)
             if joint.kind != "floating" and layout.q[q] != ABSENT
         ]
         self._given = {rate for _, _, rate in self._joints if layout.qd[rate] != ABSENT}
@@ -142,11 +128,7 @@ class Standstill:
 
     @np.errstate(all="ignore")
     def stopped(self, samples: Trajectory) -> Trajectory:
-        """Samples whose speeds are 0 where joints stand still.
-
-        Args:
-            samples: a block with its neighbours, all velocities filled in.
-        """
+        """A block with its neighbours, all velocities filled in, whose speeds become 0 where joints stand still."""
         if not self._spacing:
             self._pieces = self._pieces or [cut(samples, 0, SEEN)]
             steps = [np.diff(piece.time) for piece in self._pieces]
@@ -159,28 +141,26 @@ class Standstill:
                 continue
             places = _straight(samples.q[:, q]) if kind == "continuous" else samples.q[:, q]
             band = self._band(kind, q)
-            slow[rate] = slowest(band, self._spacing)
+            step_speed = band / self._spacing if self._spacing > 0.0 else 0.0
+            slow[rate] = step_speed / LONGEST
             speeds = qd[:, rate] if rate in self._given else None
-            still = standing(
-                places, band, speeds, max(band / self._spacing if self._spacing else 0.0, SLIGHT * self._top)
-            )
+            still = standing(places, band, speeds, max(step_speed, SLIGHT * self._top))
             if still.any():
                 qd = samples.qd.copy(order="F") if qd is samples.qd else qd
                 qd[still, rate] = 0.0
         return replace(samples, qd=qd, slowest=slow)
 
     def _band(self, kind: str, q: int) -> float:
-        if q not in self._bands:
-            columns = [piece.q[:, q] for piece in self._pieces]
-            from robodyn.trajectory.derivatives.noise import FINEST_ENCODER, estimate
+        from robodyn.trajectory.derivatives.noise import FINEST_ENCODER, estimate
 
+        if q not in self._bands:
             if q not in self._known:
-                runs = [(x.time, raw[:, None]) for x, raw in zip(self._pieces, columns, strict=True) if len(raw) > 1]
+                runs = [(each.time, each.q[:, [q]]) for each in self._pieces if len(each) > 1]
                 whole = [(t, x, _straight(x[:, 0])[:, None] if kind == "continuous" else x) for t, x in runs]
                 noise = estimate(whole)
                 self._known[q] = noise.quantum, noise.sigma
             step, sigma = self._known[q]
-            largest = max(float(np.abs(x).max(initial=0.0)) for x in columns)
+            largest = max(float(np.abs(each.q[:, q]).max(initial=0.0)) for each in self._pieces)
             self._bands[q] = resolution(step if step <= FINEST_ENCODER else 0.0, sigma, largest)
         return self._bands[q]
 
