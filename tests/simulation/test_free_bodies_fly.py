@@ -128,10 +128,13 @@ def test_momenta_stay_at_steps_that_are_too_long_for_the_motion():
         assert (relative <= 1e-12) == (name == "rk4-momenta"), relative
 
 
-def test_momenta_of_a_body_that_falls():
+@pytest.mark.parametrize(("method", "step"), [("rk4-momenta", 0.01), ("gauss6", 2e-3)])
+def test_momenta_of_a_body_that_falls(method, step):
     """Gravity changes the linear momentum by its impulse alone."""
     model, scene = tumbling()
-    found = robodyn.simulate(model, scene, 2.0, method="rk4-momenta", step=0.01)
+    found = robodyn.simulate(model, scene, 2.0, method=method, step=step)
+    assert found.free
+    assert found.energy_drift <= (1e-11 if method == "gauss6" else 1e-3) * found.figures.kinetic.max()
     linear, angular = found.momentum_drift
     assert linear <= 1e-12 * np.abs(found.figures.linear).max()
     assert angular <= 1e-12 * np.abs(found.figures.angular).max()
@@ -139,5 +142,6 @@ def test_momenta_of_a_body_that_falls():
 
 
 def test_a_robot_on_the_ground_has_no_momenta_to_keep():
+    assert not robodyn.simulate(pendulum(), Scene(), 0.01).free
     with pytest.raises(InputError, match="rk4-momenta does not apply: the momenta of a robot that is held or pushed"):
         robodyn.simulate(pendulum(), Scene(), 1.0, method="rk4-momenta")

@@ -178,15 +178,3 @@ def test_a_tolerance_alone_leaves_stiff_friction_to_radau():
     assert (usual.method.name, usual.rtol) == ("radau", 1e-6)
     assert usual.evaluations <= 1000
     assert robodyn.simulate(slide(M), replace(HELD, slip_speed=1e-2), 0.5, rtol=1e-6).method.name == "dop853"
-
-
-@pytest.mark.parametrize("method", ["rk4", "gauss4"])
-def test_machine_code_and_numpy_agree_through_a_bounce(method):
-    scene = replace(HIT, limit_spring=LimitSpring(5e4, 60.0))
-    first, second = (
-        robodyn.simulate(slide(M), scene, 0.1, step=1e-3, method=method, executor=executor)
-        for executor in ("numpy", "compiled")
-    )
-    assert np.abs(first.columns - second.columns).max() <= 1e-11 * np.abs(first.columns).max()
-    assert abs(first.work[-1] - second.work[-1]) <= 1e-11
-    assert first.q.max() > 9.0

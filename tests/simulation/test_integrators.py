@@ -9,7 +9,6 @@ import pytest
 from helpers.oracles import robot
 from helpers.sampled import sampled
 from helpers.simulated_robots import pendulum, tumbling
-from helpers.small_robots import random_tree
 
 import robodyn
 from robodyn.errors import InputError
@@ -94,21 +93,6 @@ def test_energy_of_explicit_methods_drifts_and_the_drift_is_reported():
     assert error[-1] > 2 * error[len(error) // 2] > 0
 
 
-def test_momenta_of_a_free_robot_stay():
-    model, scene = tumbling()
-    found = robodyn.simulate(model, scene, 2.0, method="gauss6", step=2e-3)
-    assert found.free
-    linear, angular = found.momentum_drift
-    assert linear <= 1e-12 * np.abs(found.figures.linear).max()
-    assert angular <= 1e-12 * np.abs(found.figures.angular).max()
-    assert np.abs(found.figures.linear[-1] - found.figures.linear[0]).max() > 1.0
-    assert found.energy_drift <= 1e-11 * found.figures.kinetic.max()
-
-
-def test_a_robot_on_the_ground_is_not_free():
-    assert not robodyn.simulate(pendulum(), Scene(), 0.01).free
-
-
 @pytest.mark.parametrize("method", sampled(FIXED, 2), ids=lambda method: method.name)
 def test_machine_code_and_numpy_agree(method):
     model, scene = tumbling()
@@ -119,13 +103,6 @@ def test_machine_code_and_numpy_agree(method):
     assert [run.executor for run in runs] == ["numpy", "compiled"]
     first, second = (np.hstack((run.columns, run.work[:, None])) for run in runs)
     assert np.abs(first - second).max() <= 1e-11 * np.abs(first).max()
-
-
-def test_quaternions_keep_their_length_over_fast_turns():
-    scene = Scene(gravity=(0, 0, 0), initial_qd={"base_wx": 40.0, "base_wy": 0.3})
-    found = robodyn.simulate(robot("rigid_body"), scene, 5.0, step=0.01)
-    h = found.q[:, 3:]
-    assert np.abs(np.linalg.norm(h, axis=1) - 1).max() <= 4e-16
 
 
 def test_a_steady_turn_is_exact_at_any_step():
@@ -144,25 +121,6 @@ def test_long_motions_are_recorded_every_few_steps(monkeypatch):
     assert "recorded every 4 steps" in thin.notes
     assert (np.abs(thin.q - full.q[::4]) <= 1e-13).all()
     assert (np.abs(whole.q - full.q[::4]) <= 1e-13).all()
-
-
-def test_motions_in_several_chunks_are_one(monkeypatch):
-    scene = Scene(initial_q={"j1": 1.0})
-    full = robodyn.simulate(pendulum(), scene, 0.1, step=1e-3, executor="compiled")
-    monkeypatch.setattr("robodyn.simulation.fixed.CHUNK", 7)
-    parts = robodyn.simulate(pendulum(), scene, 0.1, step=1e-3, executor="compiled")
-    assert (parts.q == full.q).all()
-    assert (parts.time == full.time).all()
-
-
-def test_the_limit_is_found_between_records(monkeypatch):
-    monkeypatch.setattr("robodyn.simulation.fixed.MOST_RECORDS", 5)
-    model = random_tree(1, n=1, kinds=("prismatic",))
-    scene = Scene(gravity=(0, 0, 0), initial_qd={"j1": 9.7})
-    found = robodyn.simulate(model, scene, 2.0, step=0.01)
-    assert abs(found.time[-1] - 9 / 9.7) <= 1e-12
-    assert found.steps == 93
-    assert not robodyn.simulate(model, replace(scene, joint_limits="ignore"), 2.0, step=0.01).ended
 
 
 @pytest.mark.parametrize("executor", ["numpy", "compiled"])

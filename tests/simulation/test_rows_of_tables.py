@@ -160,12 +160,6 @@ def test_columns_of_several_joints_are_all_heeded():
         assert off <= (2e-3 if "method" in how else 1e-6), how
 
 
-def test_a_row_at_the_time_of_another_is_refused():
-    table = {"time": [0.0, 0.5, 0.5, 1.0], "push": [1.0, 1.0, 2.0, 2.0]}
-    with pytest.raises(RobodynError, match="time"):
-        robodyn.simulate(slide(), replace(PUSHED, between_rows="hold"), table=table)
-
-
 def test_a_reference_quicker_than_steps_is_followed():
     """A reference with a bump of ten rows inside one step: a drive's torque over it is that of fine steps."""
     time = np.linspace(0.0, 0.1, 10001)

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from helpers.oracles import reference, robot
 from helpers.simulated_robots import pendulum, slide
-from helpers.small_robots import built, joint, link
 
 import robodyn
 from robodyn.scene.parts import Drive, Friction, Spring
@@ -42,18 +41,6 @@ def test_double_pendulum(case, start, bound, time):
     found = robodyn.simulate(pendulum(masses=2), scene, float(time), rtol=1e-13)
     expected = np.array(DOUBLE[case][time], dtype=float)
     assert np.abs([*found.q[-1], *found.qd[-1]] - expected).max() <= bound
-
-
-def test_a_plate_flips_over_and_back():
-    period = 55.061681107466372
-    scene = Scene(gravity=(0, 0, 0), initial_qd={"base_wx": 1e-3, "base_wy": 1.0, "base_wz": 1e-3})
-    found = robodyn.simulate(robot("rigid_body"), scene, period, method="gauss6", step=0.05)
-    w = found.qd[:, :3]
-    assert w[:, 1].min() < -0.999
-    assert np.abs(w[-1] - w[0]).max() <= 1e-9
-    twice, H = w**2 @ [1, 2, 3], np.linalg.norm(w * [1, 2, 3], axis=1)
-    assert np.ptp(twice) <= 1e-13 * twice[0]
-    assert np.ptp(H) <= 1e-13 * H[0]
 
 
 def test_a_body_in_free_fall():
@@ -104,12 +91,6 @@ def test_a_fall_ends_at_the_limit():
     assert found.ended == f'"j1" reaches its lower limit of -9 m at {fall:.6g} s'
 
 
-def test_a_fall_ends_at_the_limit_by_adaptive_steps():
-    found = robodyn.simulate(slide(axis=(0, 0, 1)), Scene(), 5.0, rtol=1e-10)
-    assert abs(found.time[-1] - np.sqrt(18 / G)) <= 1e-9
-    assert found.ended.startswith('"j1" reaches its lower limit of -9 m at 1.354')
-
-
 def test_friction_without_a_slip_speed_is_given_one_and_the_note_says_so():
     scene = Scene(friction={"j1": Friction(forward=3.0, backward=-2.0)}, initial_qd={"j1": 1.5})
     found = robodyn.simulate(slide(), scene, 0.01)
@@ -118,26 +99,6 @@ def test_friction_without_a_slip_speed_is_given_one_and_the_note_says_so():
         "Coulomb friction is regularised, f qd / sqrt(qd^2 + 0.001^2): up to 3e+03 N m s/rad near rest" in found.notes
     )
     assert not robodyn.simulate(slide(), Scene(), 0.01).notes
-
-
-def test_stiff_friction_at_rest_by_radau():
-    m, f, push = 2.0, 3.0, 2.0
-    scene = Scene(friction={"j1": Friction(forward=f, backward=-f)}, drive={"j1": Drive(torque=push)}, slip_speed=1e-6)
-    found = robodyn.simulate(slide(m), scene, 1.0, method="radau", rtol=1e-10)
-    creep = 1e-6 * push / np.sqrt(f**2 - push**2)
-    assert abs(found.qd[-1, 0] - creep) <= 1e-6 * creep
-    assert found.evaluations < 2000
-
-
-def test_a_follower_of_a_mimicked_joint_has_its_limit_too():
-    parts = [link("l0"), link("l1", 1.0), link("l2", 1.0)]
-    lead = joint("lead", "l0", "l1", "prismatic", (1, 0, 0))
-    follow = joint(
-        "follow", "l0", "l2", "prismatic", (1, 0, 0), more='<mimic joint="lead" multiplier="-3" offset="1"/>'
-    )
-    found = robodyn.simulate(built(*parts, lead, follow), Scene(initial_qd={"lead": 2.0}), 5.0, step=0.01)
-    assert found.ended == '"follow" reaches its lower limit of -9 m at 1.66667 s'
-    assert abs(found.q[-1, 0] - 10 / 3) <= 1e-12
 
 
 TOP = reference("analytic")["heavy_top_steady"]

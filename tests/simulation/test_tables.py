@@ -56,16 +56,6 @@ def test_a_torque_straight_between_rows(name, executor):
         assert np.abs(end(found) - expected).max() <= 2e-3
 
 
-@pytest.mark.parametrize("name", ["dop853", "radau"])
-def test_adaptive_methods_pass_over_no_row(name):
-    """A pulse of one row in a thousand, in a motion that is otherwise at rest."""
-    time = np.arange(1001) / 1000
-    force = np.where(np.arange(1001) == 700, 5.0, 0.0)
-    found = robodyn.simulate(slide(2.0), PUSHED, table={"time": time, "push": force}, method=name, rtol=1e-8)
-    expected = exact_push(2.0, time, force)
-    assert abs(found.qd[-1, 0] - expected[1]) <= 1e-4 * expected[1]
-
-
 def test_a_torque_that_is_held():
     time, force = np.array([0.0, 0.1, 0.3, 0.6, 1.0]), np.array([1.0, -2.0, 4.0, 0.5, 99.0])
     held = replace(PUSHED, between_rows="hold")

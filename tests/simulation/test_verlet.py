@@ -60,11 +60,6 @@ def test_energy_is_bounded_over_a_million_steps():
     assert max(parts) <= 1.05 * parts[0] <= 0.02
 
 
-def test_robots_to_which_it_applies():
-    for model in (pendulum(), slide()):
-        robodyn.simulate(model, Scene(), 0.01, method="verlet")
-
-
 REFUSED = {
     "two hinges": (pendulum(masses=2), Scene(), "coriolis"),
     "a free body": (robot("rigid_body"), Scene(moving_base=True), "coriolis"),

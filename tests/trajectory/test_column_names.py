@@ -19,57 +19,37 @@ def place(signals: Signals, column: str) -> tuple[str, int] | None:
     return found.place if found else None
 
 
-@pytest.mark.parametrize(
-    ("column", "meaning"),
-    [
-        ("q_elbow", ("q", 1)),
-        ("qd_elbow", ("qd", 1)),
-        ("qdd_elbow", ("qdd", 1)),
-        ("elbow", ("q", 1)),
-        ("elbow.pos", ("q", 1)),
-        ("elbow.vel", ("qd", 1)),
-        ("elbow.acc", ("qdd", 1)),
-        ("elbow/position", ("q", 1)),
-        ("/joint_states/elbow/velocity", ("qd", 1)),
-        ("a/b/c/lift/acceleration", ("qdd", 2)),
-        ("q1", ("q", 0)),
-        ("qd2", ("qd", 1)),
-        ("qdd3", ("qdd", 2)),
-        ("q[3]", ("q", 2)),
-        ("q4", None),
-        ("q0", None),
-        ("elbow/effort", ("tau", 1)),
-        ("Elbow", None),
-        ("elbow_x", None),
-    ],
-)
-def test_every_form_of_a_name(column: str, meaning: tuple[str, int] | None) -> None:
-    assert place(ARM, column) == meaning
+OURS: dict[tuple[str, int] | None, list[str]] = {
+    ("q", 0): ["q1", "q[1]"],
+    ("q", 1): ["q_elbow", "elbow", "elbow.pos", "elbow/position"],
+    ("q", 2): ["q[3]"],
+    ("qd", 1): ["qd_elbow", "elbow.vel", "/joint_states/elbow/velocity", "qd2"],
+    ("qdd", 1): ["qdd_elbow", "elbow.acc"],
+    ("qdd", 2): ["a/b/c/lift/acceleration", "qdd3"],
+    ("tau", 1): ["elbow/effort"],
+    None: ["q4", "q0", "Elbow", "elbow_x"],
+}
+FLOATING: dict[tuple[str, int] | None, list[str]] = {
+    ("q", 0): ["base_x"],
+    ("q", 2): ["q_base_z"],
+    ("q", 3): ["base_qx"],
+    ("q", 6): ["base_qw"],
+    ("q", 7): ["q_arm/wrist", "states/arm/wrist/position"],
+    ("qd", 0): ["base_wx", "ros/base_wx/velocity"],
+    ("qd", 3): ["qd_base_vx"],
+    ("qd", 5): ["base_vz"],
+    ("qd", 6): ["qd7"],
+    ("qdd", 0): ["qdd_base_wx", "qdd_base_wdx"],
+    ("qdd", 1): ["base_wdy"],
+    ("qdd", 3): ["base_ax"],
+    None: ["base"],
+}
 
 
-@pytest.mark.parametrize(
-    ("column", "meaning"),
-    [
-        ("base_x", ("q", 0)),
-        ("q_base_z", ("q", 2)),
-        ("base_qx", ("q", 3)),
-        ("base_qw", ("q", 6)),
-        ("base_wx", ("qd", 0)),
-        ("base_vz", ("qd", 5)),
-        ("qd_base_vx", ("qd", 3)),
-        ("base_wdy", ("qdd", 1)),
-        ("base_ax", ("qdd", 3)),
-        ("qdd_base_wx", ("qdd", 0)),
-        ("qdd_base_wdx", ("qdd", 0)),
-        ("ros/base_wx/velocity", ("qd", 0)),
-        ("q_arm/wrist", ("q", 7)),
-        ("states/arm/wrist/position", ("q", 7)),
-        ("qd7", ("qd", 6)),
-        ("base", None),
-    ],
-)
-def test_floating_joints_and_slashes(column: str, meaning: tuple[str, int] | None) -> None:
-    assert place(FREE, column) == meaning
+@pytest.mark.parametrize(("signals", "names"), [(ARM, OURS), (FREE, FLOATING)], ids=["scalar", "floating"])
+def test_every_form_of_a_name(signals: Signals, names: dict[tuple[str, int] | None, list[str]]) -> None:
+    for meaning, columns in names.items():
+        assert {column: place(signals, column) for column in columns} == dict.fromkeys(columns, meaning)
 
 
 def test_a_joint_called_like_a_number_wins() -> None:
