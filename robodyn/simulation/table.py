@@ -16,7 +16,7 @@ from robodyn.errors import InputError, SceneError
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
-from robodyn.trajectory.columns.header import listing
+from robodyn.trajectory.columns.layout import listing
 from robodyn.trajectory.columns.signals import Signals
 from robodyn.trajectory.columns.units import TimeUnit
 from robodyn.trajectory.motion import join

@@ -249,10 +249,10 @@ def open_table(path: str | os.PathLike[str], file_type: str | None = None, topic
 
             return CsvTable(name)
         if kind == "parquet":
-            from robodyn.trajectory.readers.parquet_table import ParquetTable
+            from robodyn.trajectory.readers.binary_tables import ParquetTable
 
             return ParquetTable(name)
-        from robodyn.trajectory.readers.npz_table import NpzTable
+        from robodyn.trajectory.readers.binary_tables import NpzTable
 
         return NpzTable(name)
     except OSError as error:

@@ -20,8 +20,7 @@ from robodyn.errors import TrajectoryError
 from robodyn.support.caveats import Caveat
 from robodyn.support.floats import Floats
 from robodyn.support.wording import count
-from robodyn.trajectory.columns.header import Header, listing
-from robodyn.trajectory.columns.layout import ABSENT, resolve
+from robodyn.trajectory.columns.layout import ABSENT, Header, listing, resolve
 from robodyn.trajectory.columns.signals import Signals
 from robodyn.trajectory.derivatives.groups import anew, given, missing, samples_needed
 from robodyn.trajectory.derivatives.standstill import REACH, Standstill

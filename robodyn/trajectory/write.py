@@ -6,7 +6,7 @@ import io
 import os
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from typing import Any, BinaryIO
 
 import numpy as np
@@ -232,7 +232,8 @@ def format_of(path: str | os.PathLike[str]) -> type[Writer]:
     return FORMATS[kind]
 
 
-def open_writer(path: str | os.PathLike[str], names: Sequence[str]) -> AbstractContextManager[Writer]:
+@contextmanager
+def open_writer(path: str | os.PathLike[str], names: Sequence[str]) -> Iterator[Writer]:
     """A context manager for a writer of `time` and these columns in the format of the suffix.
 
     The file appears under its name, with all its rows, when the block of the `with` ends well (see `whole_file`). CSV
@@ -245,20 +246,15 @@ def open_writer(path: str | os.PathLike[str], names: Sequence[str]) -> AbstractC
     twice = sorted({column for column in names if [*names, "time"].count(column) > 1})
     if twice:
         raise InputError(f"column {twice[0]!r} would be written twice", remedy="name each column once", file=name)
-    return _written(name, names, form)
-
-
-@contextmanager
-def _written(path: str, names: Sequence[str], form: type[Writer]) -> Iterator[Writer]:
     from robodyn.support.files import cannot_be_written, whole_file
 
-    with whole_file(path) as stream:
-        writer = form(path, names, stream)
+    with whole_file(name) as stream:
+        writer = form(name, names, stream)
         try:
-            with cannot_be_written(path):
+            with cannot_be_written(name):
                 writer.begin()
             yield writer
-            with cannot_be_written(path):
+            with cannot_be_written(name):
                 writer.end()
         finally:
             with suppress(OSError):

@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 from robodyn.errors import InputError, TrajectoryError
-from robodyn.trajectory.columns.header import Header
-from robodyn.trajectory.columns.layout import ABSENT, resolve
+from robodyn.trajectory.columns.layout import ABSENT, Header, resolve
 from robodyn.trajectory.columns.signals import Signal, Signals
 from robodyn.trajectory.reading import Reading
 

@@ -16,11 +16,11 @@ from robodyn.trajectory.derivatives.differentiate import (
     CENTRAL,
     SPLINE,
     Method,
+    at_samples,
     differentiate,
     equal_spacing,
     savgol,
 )
-from robodyn.trajectory.derivatives.polynomials import at_samples
 from robodyn.trajectory.read import from_arrays
 from robodyn.trajectory.reading import Reading
 

@@ -12,8 +12,7 @@ from helpers.command_line import run
 from helpers.whole_tables import read_trajectory
 
 from robodyn.errors import TrajectoryError
-from robodyn.trajectory.columns.header import Header
-from robodyn.trajectory.columns.layout import resolve
+from robodyn.trajectory.columns.layout import Header, resolve
 from robodyn.trajectory.columns.signals import Signal, Signals
 from robodyn.trajectory.columns.units import unit_of
 from robodyn.trajectory.motion import Trajectory

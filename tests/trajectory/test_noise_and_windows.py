@@ -9,9 +9,8 @@ import pytest
 from numpy.typing import NDArray
 
 from robodyn.trajectory.columns.signals import Signal, Signals
-from robodyn.trajectory.derivatives.derivative_selection import WINDOWS
+from robodyn.trajectory.derivatives.derivative_selection import WINDOWS, quantum
 from robodyn.trajectory.derivatives.differentiate import differentiate, savgol
-from robodyn.trajectory.derivatives.noise import quantum
 from robodyn.trajectory.motion import JointDerivation, Trajectory
 from robodyn.trajectory.read import from_arrays
 from robodyn.trajectory.reading import Reading

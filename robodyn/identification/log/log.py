@@ -18,7 +18,7 @@ from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.caveats import Caveat
 from robodyn.support.floats import Floats
 from robodyn.support.input_file import open_input
-from robodyn.trajectory.derivatives.noise import estimate
+from robodyn.trajectory.derivatives.derivative_selection import estimate
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.read import read_motion
 

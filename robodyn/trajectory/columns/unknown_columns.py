@@ -10,7 +10,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 
 from robodyn.errors import TrajectoryError
-from robodyn.trajectory.columns.header import Header, listing
+from robodyn.trajectory.columns.layout import Header, listing
 from robodyn.trajectory.columns.signals import COMPONENTS, POSE, Place, Quantity, Signals, worded
 from robodyn.trajectory.columns.units import split_unit
 from robodyn.trajectory.reading import REST

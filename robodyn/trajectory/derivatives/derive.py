@@ -1,8 +1,8 @@
 """Missing velocities and accelerations: how each is derived, the deriving, and what too few samples leave open.
 
 The steps: `groups.py` tells which columns are derived from which; `derivative_selection.py` chooses a method for each
-by the noise in it (`noise.py`); `estimates.py` derives with error bars, from `differentiate.py` and `polynomials.py`;
-`given_rates.py` holds what the table gives against its positions.
+by the noise in it; `estimates.py` derives with error bars, from `differentiate.py`; `given_rates.py` holds what the
+table gives against its positions.
 """
 
 from __future__ import annotations

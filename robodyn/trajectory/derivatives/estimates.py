@@ -17,8 +17,15 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from robodyn.support.floats import Floats
 from robodyn.trajectory.derivatives.derivative_selection import NEAR, Selection
-from robodyn.trajectory.derivatives.differentiate import SPLINE, Method, differentiate, equal_spacing
-from robodyn.trajectory.derivatives.polynomials import SIZES, Windows, all_windows
+from robodyn.trajectory.derivatives.differentiate import (
+    SIZES,
+    SPLINE,
+    Method,
+    Windows,
+    all_windows,
+    differentiate,
+    equal_spacing,
+)
 from robodyn.trajectory.motion import NOISE
 
 INNER, END, WIDER = 3.0, 8.0, 3.0

@@ -109,8 +109,8 @@ def against_positions(
     groups: Sequence[Group], pieces: Sequence[Trajectory], lacking: Plan | None, encoder_error: float
 ) -> GivenRates:
     """How what is given agrees with derivatives of the positions; `lacking` is how what is not given is derived."""
+    from robodyn.trajectory.derivatives.derivative_selection import estimate
     from robodyn.trajectory.derivatives.derive import derive, plan
-    from robodyn.trajectory.derivatives.noise import estimate
 
     picked = np.unique(np.linspace(0, len(pieces) - 1, PIECES).astype(int))
     some = [cut(pieces[k], 0, min(ROWS, len(pieces[k]))) for k in picked]

@@ -151,7 +151,7 @@ class Standstill:
         return replace(samples, qd=qd, slowest=slow)
 
     def _band(self, kind: str, q: int) -> float:
-        from robodyn.trajectory.derivatives.noise import FINEST_ENCODER, estimate
+        from robodyn.trajectory.derivatives.derivative_selection import FINEST_ENCODER, estimate
 
         if q not in self._bands:
             if q not in self._known:

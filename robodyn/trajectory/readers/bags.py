@@ -17,7 +17,7 @@ from robodyn.support.extras import need
 from robodyn.support.input_file import read_input, vetted
 from robodyn.support.input_limits import beyond, limits
 from robodyn.support.wording import alternatives, count, shown
-from robodyn.trajectory.columns.header import listing
+from robodyn.trajectory.columns.layout import listing
 from robodyn.trajectory.readers.messages import KINDS, LogTable, states_of
 from robodyn.trajectory.readers.table import BAGS, METADATA, decoding
 from robodyn.trajectory.readers.yaml_values import yaml_documents

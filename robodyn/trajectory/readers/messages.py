@@ -18,7 +18,7 @@ from robodyn.support.floats import Floats
 from robodyn.support.input_file import parse_json, read_input
 from robodyn.support.input_limits import beyond, limits
 from robodyn.support.wording import count, shown
-from robodyn.trajectory.columns.header import listing
+from robodyn.trajectory.columns.layout import listing
 from robodyn.trajectory.readers.table import ArrayTable, decoding
 from robodyn.trajectory.readers.yaml_values import yaml_documents
 
