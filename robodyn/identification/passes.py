@@ -52,11 +52,6 @@ class Run:
     def model(self) -> Model:
         return self.logs[0].model
 
-    @property
-    def fitted(self) -> tuple[Log, ...]:
-        """The logs of which something is fitted."""
-        return tuple(log for log, edges in zip(self.logs, self.edges, strict=True) if edges[-1] > log.start)
-
     def delayed(self, delays: Floats) -> Run:
         """Return the run through logs whose torques are (n,) late [s]."""
         return replace(self, logs=tuple(replace(log, delays=delays) for log in self.logs))
@@ -115,11 +110,10 @@ class First(NamedTuple):
     """What a first fit tells.
 
     Attributes:
+        run: through the logs, with torques where they belong.
         motors: that count; coupled: what those of several joints leave of the squares.
         values: by column; sigma: (joints,) of residuals [N m].
-        faults: of the logs, for which nothing is written.
-        caveats: of how gravity points, a line.
-        run: through the logs, with torques where they belong.
+        faults: of the logs, for which nothing is written; caveats: of how gravity points, a line.
     """
 
     run: Run
@@ -143,7 +137,8 @@ def first_fit(run: Run) -> First:
     ]
     bare = [replace(motor, stribeck=()) for motor in motors]
     regressor = RegressorColumns(run.model, run.scene, run.measured, bare, run.slip_speed)
-    raw = Raw(run.fitted, run.cutoff, regressor, [edges[-1] for edges in run.edges if np.isfinite(edges[-1])])
+    fitted_logs = [log for log, edges in zip(run.logs, run.edges, strict=True) if edges[-1] > log.start]
+    raw = Raw(fitted_logs, run.cutoff, regressor, [edges[-1] for edges in run.edges if np.isfinite(edges[-1])])
     plain, _ = run.gathered(regressor)
     joints = [k for k, motor in enumerate(motors) if motor.name in given]
     first = Structure(regressor, dict.fromkeys(joints, PLAIN))
@@ -155,7 +150,7 @@ def first_fit(run: Run) -> First:
     chosen = [k for k, motor in enumerate(motors) if k in joints or motor.name in ratios]
     second = Structure(regressor, dict.fromkeys(chosen, PLAIN))
     theta, sigma = fitted(plain, range(FOLDS), second)
-    faults = faults or misread(run.fitted, run.cutoff, second, sigma)
+    faults = faults or misread(raw.logs, run.cutoff, second, sigma)
     caveats = [] if faults else raw.leaning(second, theta, sigma, run.scene)
     values = dict(zip(regressor.names, (second.shape @ theta).tolist(), strict=True))
     units = [

@@ -55,7 +55,9 @@ def statements(program: Program, language: Language) -> tuple[list[str], list[st
     Raises:
         InputError: a constant of the program is not finite.
     """
-    last = _last_uses(program)
+    named = [op not in (INPUT, CONSTANT) for op, _, _ in program.operations]
+    last = {i: k for k, (_, *operands) in enumerate(program.operations) if named[k] for i in operands}
+    last |= dict.fromkeys(program.outputs, len(named))  # which are always needed
     lines: list[str] = []
     written: list[str] = []
     free: list[str] = []
@@ -69,7 +71,7 @@ def statements(program: Program, language: Language) -> tuple[list[str], list[st
             operands = (a,) if b is None else (a, b)
             value = language.forms[op].format(*(written[i] for i in operands))
             if language.reuses:
-                free += [written[i] for i in dict.fromkeys(operands) if last[i] == k and _has_name(program, i)]
+                free += [written[i] for i in dict.fromkeys(operands) if last[i] == k and named[i]]
             written.append(free.pop() if free else next(names))
             lines.append(language.statement.format(written[k], value))
     return lines, [written[i] for i in program.outputs]
@@ -84,16 +86,6 @@ def literal(value: float) -> str:
     if not math.isfinite(value):
         raise InputError("a constant of the equations overflows", remedy="check the masses, lengths and gravity")
     return repr(value)
-
-
-def _has_name(program: Program, place: int) -> bool:
-    return program.operations[place][0] not in (INPUT, CONSTANT)
-
-
-def _last_uses(program: Program) -> dict[int, int]:
-    """Return the operation after which each value is needed no more; outputs always are."""
-    uses = {i: k for k, (op, a, b) in enumerate(program.operations) if op not in (INPUT, CONSTANT) for i in (a, b)}
-    return {**uses, **dict.fromkeys(program.outputs, len(program.operations))}
 
 
 C = Language("    const double {} = {};", {**ARITHMETIC, SIGN: "({0} > 0.0) ? 1.0 : (({0} < 0.0) ? -1.0 : {0})"})

@@ -39,7 +39,7 @@ class Programs(NamedTuple):
     """What is computed of motions (3, N, n) of q, qd and qdd.
 
     Attributes:
-        n, r: torques, and columns of the regressor.
+        n, r: how many torques, and columns of the regressor.
         shown: for each torque, which of the columns are not zero in its row whatever the motion: in a tree, few.
         rows: these entries of the regressor, one torque after another, and the torques.
         slopes: the derivative of a sum of these, each times a weight of its own, by q, qd and qdd.

@@ -38,11 +38,9 @@ class JointComparison:
     """A joint's measured torque beside the computed one, after the filter.
 
     Attributes:
-        name, unit: "N m" or "N".
         measured, computed, residual, left: RMS of both, of their difference, and of what the told faults leave of it.
         relative_error: ||residual|| / ||measured||.
-        correlation: of measured and computed torque; None where one of them is constant.
-        moves: whether the joint moves.
+        correlation: None where one of them is constant.
         effects: kind -> (value, standard error) of each of `OWN` that the log tells, be it more than noise or not.
     """
 
@@ -60,11 +58,7 @@ class JointComparison:
 
 @dataclass(frozen=True)
 class Curves:
-    """What plots show, (N, n) each but time (N,): torques, their residuals, speeds, and friction that was told.
-
-    Attributes:
-        explained: computed torque with all told faults; friction: what of it is told friction.
-    """
+    """What plots show, (N, n) each but time (N,); `explained` has all told faults, `friction` is what of it is told."""
 
     time: Floats
     measured: Floats

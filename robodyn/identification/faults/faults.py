@@ -118,8 +118,7 @@ class Fit(NamedTuple):
     Attributes:
         theta, covariance: of all parameters, zero of those that are not fitted.
         told: the places of those that no other column could stand for.
-        residual: (N, n); weights: (n,) what it is measured in.
-        scores: covariance of the columns' products with noise, in units of the weights.
+        residual: (N, n), measured in weights (n,), as scores are: the covariance of the columns' products with noise.
     """
 
     theta: Floats
@@ -135,8 +134,6 @@ class Fault:
     """An effect that the model lacks, or a fault of a sensor.
 
     Attributes:
-        effect: which.
-        values, covariance: of its parameters.
         certain: whether it is told apart from all other effects; else it is one that would do, with those before it.
         shares: (n,) of each joint's residual, how much it explains beyond those before it, as a sum of squares.
     """
@@ -337,7 +334,8 @@ def fit(evidence: Evidence, start: Floats, effects: Sequence[Effect]) -> Fit:
         rows, _ = _rows(evidence, found, left, weights)
         step = _pseudoinverse(rows[:, places]) @ rows[:, -1]
         theta[places] += step
-        away = [k for k in places if abs(theta[k] - start[k]) > _FAR * evidence.step and _is_delay(evidence, k)]
+        delays = [k for k in places if k < len(OWN) * evidence.joints and k % len(OWN) == DELAY]
+        away = [k for k in delays if abs(theta[k] - start[k]) > _FAR * evidence.step]
         theta[away] = 0.0
         places = [place for place in places if place not in away]
         if not away and np.abs(rows[:, places] * step).max(initial=0.0) <= _SETTLED * np.sqrt(len(left)):
@@ -361,10 +359,6 @@ def fit(evidence: Evidence, start: Floats, effects: Sequence[Effect]) -> Fit:
     loud = variance_of_sums(np.asarray(parts), window_length(left / weights))
     grow = np.sqrt(np.maximum(loud / np.where(steady > 0.0, steady, np.inf), 1.0))
     return Fit(theta, covariance * np.outer(grow, grow), _told(rows, places), left, weights, scores)
-
-
-def _is_delay(evidence: Evidence, place: int) -> bool:
-    return place < len(OWN) * evidence.joints and place % len(OWN) == DELAY
 
 
 def _weights(left: Floats, measured: Floats) -> Floats:

@@ -269,12 +269,9 @@ _HALO = 8
 
 
 class Samples(NamedTuple):
-    """Consecutive samples on an even grid.
+    """Consecutive samples (k,) on an even grid, with which a stretch begins or goes on.
 
-    Attributes:
-        time: (k,) s; q: (k, nq); qd, qdd: (k, n).
-        tau: (k, n) N m, zero of joints that are not measured, NaN where a torque is left out.
-        begins: whether a stretch begins with them.
+    tau [N m] is zero of joints that are not measured, NaN where a torque is left out.
     """
 
     time: Floats

@@ -20,13 +20,7 @@ Arrays = tuple[Floats, ...]
 
 
 class Rows(NamedTuple):
-    """Filtered values, at instants so far apart that none repeats its neighbours.
-
-    Attributes:
-        time: (k,) s.
-        values: (k, ...) what was computed of the samples.
-        tau: (k, n) measured torques [N m].
-    """
+    """Filtered values (k, ...) and torques (k, n) [N m], at times so far apart that none repeats its neighbours."""
 
     time: Floats
     values: Floats

@@ -30,12 +30,7 @@ _LONG = 8
 
 
 class Estimate(NamedTuple):
-    """Base parameters by least squares.
-
-    Attributes:
-        values, standard_errors: (r,) in SI units.
-        covariance: (r, r).
-    """
+    """Base parameters (r,) by least squares, in SI units."""
 
     values: Floats
     standard_errors: Floats

@@ -49,9 +49,8 @@ class Prior:
     """Where parameters are drawn to.
 
     Attributes:
-        names: (p,) of the parameters, as `robodyn.regressor` has them.
-        described: (p,) values of the description.
-        theta: (p,) the same with the bodies that cannot exist replaced by near ones that can.
+        names: as `robodyn.regressor` has them.
+        described: (p,) values of the description; theta: with bodies that cannot exist replaced by near ones that can.
         bodies: whose parameters are open. Of the three that a planar joint is made of it is the last.
         notes: what was replaced, a line each.
     """
@@ -66,11 +65,9 @@ class Prior:
 def prior_of(model: Model, names: Sequence[str], theta: Floats, *, shapes: bool = True) -> Prior:
     """Return the prior of a description's parameters.
 
-    The base, and bodies without mass, inertia and shapes of a robot that has some with mass, mere frames, stay as they
-    are.
-    Another body without positive mass gets a thousandth of the robot's mass; second moments about the centre of mass
-    that are not positive become a hundredth of the largest; a point gets a tenth of the body's size as radius of
-    gyration.
+    The base and mere frames (bodies without mass, inertia and shapes, if others have some) stay as they are. Another
+    body without positive mass gets a thousandth of the robot's mass; second moments about the centre of mass that are
+    not positive become a hundredth of the largest; a point gets a tenth of the body's size as radius of gyration.
 
     Args:
         names, theta: of `robodyn.regressor`.

@@ -27,11 +27,7 @@ _BOTH = np.where(_LAG > 0, 2.0, 1.0) * _TAPER
 
 @dataclass(frozen=True, eq=False)
 class Structure:
-    """Parameters as sums of regressor.
-
-    Attributes:
-        regressor: the columns; shapes: of each motor that counts, by its place, how it is modelled.
-    """
+    """Parameters as sums of columns; `shapes` says of each motor that counts, by its place, how it is modelled."""
 
     regressor: RegressorColumns
     shapes: dict[int, Shape]

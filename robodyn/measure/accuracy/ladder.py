@@ -31,7 +31,6 @@ class Spread:
 
     @classmethod
     def of(cls, times: list[float], share: float = 1.0) -> Spread:
-        """Args: share: of each time that counts, such as one for every sample."""
         low, median, high = np.quantile(times, (0.25, 0.5, 0.75)).tolist()
         return cls(median * share, low * share, high * share, len(times))
 

@@ -150,21 +150,18 @@ def _error(tau: Any, expected: Any) -> float:
 def _effects(a_plan: Plan, sources: Sources, count: int) -> tuple[EffectPrice, ...]:
     """Price each by its own program, not by subtraction; the largest torque of each at any joint."""
     model, total = a_plan.model, a_plan.torques().size
+    forces = {joint.rate for joint in model.independent if joint.kind == "prismatic"}
+    forces |= {joint.rate + k for joint in model.independent if joint.kind == "floating" for k in (3, 4, 5)}
     found = []
     for effect in a_plan.effects:
         share = a_plan.share(effect)
         tau = abs(NumpyBlocks(share, runner_of(share, a_plan).widths)(sources, count)).max(axis=0)
         place = first_largest(tau)
         saved = total - a_plan.without(effect).size
-        found.append(EffectPrice(effect.name, float(tau[place]), _unit(model, place), model.rates[place], saved))
+        found.append(
+            EffectPrice(effect.name, float(tau[place]), "N" if place in forces else "N m", model.rates[place], saved)
+        )
     return tuple(found)
-
-
-def _unit(model: Model, place: int) -> str:
-    """Of an entry of tau; a floating joint has three moments, then three forces."""
-    joint = max((joint for joint in model.independent if joint.rate <= place), key=lambda joint: joint.rate)
-    forces = joint.kind == "prismatic" or place - joint.rate >= 3
-    return "N" if forces else "N m"
 
 
 MEASURES = "middle", "whole"

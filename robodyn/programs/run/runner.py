@@ -30,12 +30,7 @@ READY = Choice("compiled", "its machine code is ready")
 
 
 class Run(NamedTuple):
-    """What a call of a runner yields.
-
-    Attributes:
-        values: (samples, outputs).
-        choice: the executor that computed them, and why it was chosen.
-    """
+    """What a call of a runner yields: values (samples, outputs), the executor that computed them, and why it."""
 
     values: NDArray[Any]
     choice: Choice
@@ -96,7 +91,12 @@ class Runner:
         if threads is not None:
             cores(threads)  # refuses those that cannot work
         if executor == PAIRS:
-            return Run(self._in_pairs(sources, samples, out), AS_ASKED[PAIRS])
+            from robodyn.programs.run.double_double import DoubleDouble
+
+            values: NDArray[Any] = DoubleDouble(self.program)(sources, samples).high  # the results rounded once
+            if out is not None:
+                out[...] = values
+            return Run(values if out is None else out, AS_ASKED[PAIRS])
         chosen = self._chosen(executor, kind, samples, expected)
         if chosen.executor == "compiled":
             return Run(self._compiled[kind](sources, samples, out, threads), chosen)
@@ -106,16 +106,6 @@ class Runner:
             self._runs += 1
             self._blocks += -(-samples // by_numpy.block)
         return Run(by_numpy(sources, samples, out), chosen)
-
-    def _in_pairs(self, sources: Mapping[str, NDArray[Any]], samples: int, out: NDArray[Any] | None) -> NDArray[Any]:
-        """Return the high parts of the results, which are the results rounded once."""
-        from robodyn.programs.run.double_double import DoubleDouble
-
-        high: NDArray[Any] = DoubleDouble(self.program)(sources, samples).high
-        if out is None:
-            return high
-        out[...] = high
-        return out
 
     def _chosen(self, executor: str, kind: type, samples: int, expected: int) -> Choice:
         """Return the executor to use, which is ready."""

@@ -172,11 +172,8 @@ def rollout(lanes: int) -> str:
     Returns:
         The number of steps done, all of them unless a sample is flagged; or -1 - steps where sweeps do not settle.
     """
-    return ROLLOUT.format(lanes=lanes, done=_hexadecimal(DONE), near=_hexadecimal(NEAR))
-
-
-def _hexadecimal(value: float) -> str:
-    return f"0x{struct.unpack('<Q', struct.pack('<d', value))[0]:016X}"
+    done, near = (f"0x{struct.unpack('<Q', struct.pack('<d', value))[0]:016X}" for value in (DONE, NEAR))
+    return ROLLOUT.format(lanes=lanes, done=done, near=near)
 
 
 LANES = 8
@@ -190,13 +187,7 @@ SWEEPS = 60
 
 
 class Done(NamedTuple):
-    """How far a run came.
-
-    Attributes:
-        steps: that were done.
-        settled: whether it is not sweeps that failed.
-        sweeps: of all steps, if they are done.
-    """
+    """How many steps a run has done, whether it is not sweeps that failed, and how many these were, if it is done."""
 
     steps: int
     settled: bool

@@ -6,6 +6,7 @@ below 2^-56 of the function there, and in single precision below 2^-27.
 
 from __future__ import annotations
 
+import ctypes
 import struct
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -57,7 +58,7 @@ class Code:
     def constant(self, value: float) -> str:
         """Return the same number in every lane, rounded to the scalar type."""
         if self.scalar == "float":
-            value = _as_float32(value)
+            value = ctypes.c_float(value).value
         return f"splat ({self.scalar} 0x{struct.unpack('<Q', struct.pack('<d', value))[0]:016X})"
 
     def integer(self, value: int) -> str:
@@ -119,13 +120,6 @@ class Code:
     def doubles(self) -> Code:
         """Code that writes double precision among these lines."""
         return Code("double", self.lanes, self.lines, self.declared)
-
-
-def _as_float32(value: float) -> float:
-    try:
-        return float(struct.unpack("<f", struct.pack("<f", value))[0])
-    except OverflowError:
-        return float("inf") if value > 0 else float("-inf")
 
 
 LARGEST_QUARTER = 2.0**20
