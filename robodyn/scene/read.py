@@ -19,33 +19,7 @@ from typing import Annotated, Any
 import numpy as np
 
 from robodyn.errors import SceneError, unreadable
-from robodyn.scene.parts import (
-    ALWAYS,
-    AUTO,
-    EFFORT,
-    Contact,
-    ContactCost,
-    CoupledMotor,
-    Curve,
-    Direction,
-    Drive,
-    DryTorque,
-    Entry,
-    ExternalWrench,
-    Friction,
-    IfKnown,
-    Immersed,
-    LimitSpring,
-    Loop,
-    Motor,
-    NonNegative,
-    Payload,
-    Rotor,
-    Rule,
-    Spring,
-    Vector,
-    one_of,
-)
+from robodyn.scene import parts
 from robodyn.scene.scene import Scene
 from robodyn.scene.toml_table import WHOLE, Sources, TomlTable, merged, read_toml
 from robodyn.scene.uncertainty import Deviation, LinkUncertainty, Uncertainty, read_covariance
@@ -105,7 +79,7 @@ def parse_scenes(sources: Sources) -> Scene:
             what = f'{WHOLE}: "{key}" is no key: the ground is where a [[contact]] of a link stands'
             raise SceneError(what, remedy="give [[contact]] name, link and point or polygon", file=sources[0][1])
     table = TomlTable(values, WHOLE, sources)
-    rotors = {name: entry.read(Rotor) for name, entry in table.tables("rotor")}
+    rotors = {name: entry.read(parts.Rotor) for name, entry in table.tables("rotor")}
     contacts = tuple(_contact(entry) for entry in table.list("contact"))
     loops = tuple(_loop(entry) for entry in table.list("loop"))
     for name, count in Counter([*(loop.name for loop in loops), *(contact.name for contact in contacts)]).items():
@@ -113,10 +87,10 @@ def parse_scenes(sources: Sources) -> Scene:
             what = f'{count} loops and contacts have the name "{name}"'
             raise table.error(what, "give each a name of its own")
     base, initial = table.table("base", {}), table.table("initial", {})
-    motion = base.value("motion", Annotated[str, one_of("fixed", "moving")], "fixed")
+    motion = base.value("motion", Annotated[str, parts.one_of("fixed", "moving")], "fixed")
     held = base.value("held", bool, False)
     base.finish()
-    begun = {f"initial_{key}": _numbers(initial, key, Entry, f"[initial] {key}", {}) for key in ("q", "qd")}
+    begun = {f"initial_{key}": _numbers(initial, key, parts.Entry, f"[initial] {key}", {}) for key in ("q", "qd")}
     initial.finish()
     return table.read(
         Scene,
@@ -124,13 +98,15 @@ def parse_scenes(sources: Sources) -> Scene:
         motor={name: _motor(entry, name, rotors) for name, entry in table.tables("motor")},
         rotor=rotors,
         coupled=tuple(_coupled(entry) for entry in table.list("coupled")),
-        spring={name: entry.read(Spring) for name, entry in table.tables("spring")},
-        payloads=tuple(entry.read(Payload) for entry in table.list("payload")),
-        wrenches=tuple(entry.read(ExternalWrench, cause="surroundings", axes="") for entry in table.list("wrench")),
+        spring={name: entry.read(parts.Spring) for name, entry in table.tables("spring")},
+        payloads=tuple(entry.read(parts.Payload) for entry in table.list("payload")),
+        wrenches=tuple(
+            entry.read(parts.ExternalWrench, cause="surroundings", axes="") for entry in table.list("wrench")
+        ),
         loops=loops,
         contacts=contacts,
-        contact_cost=table.table("contact_cost", {}).read(ContactCost),
-        drive={name: entry.read(Drive) for name, entry in table.tables("drive")},
+        contact_cost=table.table("contact_cost", {}).read(parts.ContactCost),
+        drive={name: entry.read(parts.Drive) for name, entry in table.tables("drive")},
         uncertainty=_uncertainty(table.table("uncertainty", None)),
         **_fluid(table),
         moving_base=motion == "moving",
@@ -141,7 +117,7 @@ def parse_scenes(sources: Sources) -> Scene:
     )
 
 
-def _friction(table: TomlTable, **given: Any) -> Friction:
+def _friction(table: TomlTable, **given: Any) -> parts.Friction:
     if isinstance(table.values.get("coulomb"), list):
         forward, backward = table.value("coulomb", tuple[float, float])
         if forward < 0 or backward > 0:
@@ -149,25 +125,27 @@ def _friction(table: TomlTable, **given: Any) -> Friction:
             remedy = "the torque at qd > 0 is positive or zero, the one at qd < 0 negative or zero"
             raise table.error(what, remedy, "coulomb")
     else:
-        forward = table.value("coulomb", DryTorque, 0.0)
+        forward = table.value("coulomb", parts.DryTorque, 0.0)
         backward = -forward
-    return table.read(Friction, forward=forward, backward=backward, **given)
+    return table.read(parts.Friction, forward=forward, backward=backward, **given)
 
 
-def _motor(table: TomlTable, name: str, rotors: dict[str, Rotor]) -> Motor:
+def _motor(table: TomlTable, name: str, rotors: dict[str, parts.Rotor]) -> parts.Motor:
     """Return what a data sheet says of a motor; its rotor, which may stand there too, is added to the rotors."""
-    inertia, gear = table.value("inertia", NonNegative, None), table.value("gear", float, None)
+    inertia, gear = table.value("inertia", parts.NonNegative, None), table.value("gear", float, None)
     for key, value in (("inertia", inertia), ("gear", gear)):
         if value is not None and name in rotors:
             raise table.error(f'"{key}" and [rotor] {name} say the same', "leave [rotor] out", key)
     if gear == 0:
         raise table.error('"gear" is 0', "turns of the motor per turn of the joint", "gear")
     if (inertia, gear) != (None, None):
-        rotors[name] = Rotor(inertia, gear)
-    unit = _SPEEDS[table.value("speed_unit", Annotated[str, one_of(*_SPEEDS)], "rad/s")]
+        rotors[name] = parts.Rotor(inertia, gear)
+    unit = _SPEEDS[table.value("speed_unit", Annotated[str, parts.one_of(*_SPEEDS)], "rad/s")]
     continuous, peak = (_curve(table, key, unit) for key in ("continuous", "peak"))
-    fastest = table.field(Motor, "max_speed")
-    motor = table.read(Motor, continuous=continuous, peak=peak, max_speed=None if fastest is None else fastest * unit)
+    fastest = table.field(parts.Motor, "max_speed")
+    motor = table.read(
+        parts.Motor, continuous=continuous, peak=peak, max_speed=None if fastest is None else fastest * unit
+    )
     if continuous is not None and peak is not None:
         (speeds, torques), (places, limits) = (
             np.transpose(((0.0, of),) if isinstance(of, float) else of) for of in (continuous, peak)
@@ -179,11 +157,11 @@ def _motor(table: TomlTable, name: str, rotors: dict[str, Rotor]) -> Motor:
     return motor
 
 
-def _curve(table: TomlTable, key: str, unit: float) -> float | Curve | None:
+def _curve(table: TomlTable, key: str, unit: float) -> float | parts.Curve | None:
     if not isinstance(table.values.get(key), list):
-        torque: float | None = table.value(key, IfKnown, None)
+        torque: float | None = table.value(key, parts.IfKnown, None)
         return torque
-    points = table.value(key, Annotated[Curve, Rule(bool, _POINTS)])
+    points = table.value(key, Annotated[parts.Curve, parts.Rule(bool, _POINTS)])
     speeds, torques = zip(*points, strict=True)
     if speeds[0] < 0 or any(b <= a for a, b in pairwise(speeds)):
         raise table.error(f'the speeds of "{key}" do not increase from 0 on: {_listed(speeds)}', _POINTS, key)
@@ -196,13 +174,13 @@ def _listed(values: Sequence[float]) -> str:
     return ", ".join(f"{value:g}" for value in values)
 
 
-def _coupled(table: TomlTable) -> CoupledMotor:
+def _coupled(table: TomlTable) -> parts.CoupledMotor:
     name, joints = table.value("name", str), _numbers(table, "joints", float, f"{table.what} joints")
     if not any(joints.values()):
         remedy = "such as { joint5 = 1.0, joint6 = 1.0 }"
         raise table.error('"joints" has no coefficient that is not 0', remedy, "joints")
-    inertia, gear = table.value("inertia", NonNegative, 0.0), table.value("gear", float, 1.0)
-    return CoupledMotor(name, joints, inertia, gear, _friction(table, load=0.0))
+    inertia, gear = table.value("inertia", parts.NonNegative, 0.0), table.value("gear", float, 1.0)
+    return parts.CoupledMotor(name, joints, inertia, gear, _friction(table, load=0.0))
 
 
 def _numbers(table: TomlTable, key: str, kind: Any, what: str, default: Any = ...) -> dict[str, Any]:
@@ -211,25 +189,25 @@ def _numbers(table: TomlTable, key: str, kind: Any, what: str, default: Any = ..
     return {name: values.value(name, kind) for name in list(values.values)}
 
 
-def _loop(table: TomlTable) -> Loop:
-    given: dict[str, Any] = {"kind": table.field(Loop, "kind")}
-    given |= {name: getattr(Loop, name) for name in ("axis", "to_axis", "rpy", "directions")}
+def _loop(table: TomlTable) -> parts.Loop:
+    given: dict[str, Any] = {"kind": table.field(parts.Loop, "kind")}
+    given |= {name: getattr(parts.Loop, name) for name in ("axis", "to_axis", "rpy", "directions")}
     if given["kind"] == "hinge":
-        axis = table.value("axis", Direction)
-        given |= {"axis": axis, "to_axis": table.value("to_axis", Direction, axis)}
+        axis = table.value("axis", parts.Direction)
+        given |= {"axis": axis, "to_axis": table.value("to_axis", parts.Direction, axis)}
     elif given["kind"] == "weld":
-        given["rpy"] = table.field(Loop, "rpy")
+        given["rpy"] = table.field(parts.Loop, "rpy")
     else:
         given["directions"] = _directions(table)
-    loop = table.read(Loop, **given)
+    loop = table.read(parts.Loop, **given)
     if loop.link == loop.to:
         raise table.error(f'"link" and "to" are both "{loop.link}"', "a loop connects two links", "to")
     return loop
 
 
-def _directions(table: TomlTable) -> tuple[Vector, ...]:
+def _directions(table: TomlTable) -> tuple[parts.Vector, ...]:
     """Return directions, as many as they span."""
-    found: tuple[Vector, ...] = table.field(Loop, "directions")
+    found: tuple[parts.Vector, ...] = table.field(parts.Loop, "directions")
     lengths = np.linalg.norm(np.array(found).reshape(-1, 3), axis=1)
     wrong = ""
     if not all(lengths):
@@ -243,10 +221,10 @@ def _directions(table: TomlTable) -> tuple[Vector, ...]:
     return found
 
 
-def _contact(table: TomlTable) -> Contact:
-    polygon = table.value("polygon", tuple[Vector, ...], None)
+def _contact(table: TomlTable) -> parts.Contact:
+    polygon = table.value("polygon", tuple[parts.Vector, ...], None)
     if polygon is None:
-        points = (table.value("point", Vector, (0.0, 0.0, 0.0)),)
+        points = (table.value("point", parts.Vector, (0.0, 0.0, 0.0)),)
     elif "point" in table.values:
         raise table.error('"point" and "polygon" are both given', "give one of them", "polygon")
     elif len(polygon) > _MOST_POINTS or len(set(polygon)) < max(len(polygon), 3):
@@ -254,25 +232,25 @@ def _contact(table: TomlTable) -> Contact:
         raise table.error(what, f"give at least 3, each once, and at most {_MOST_POINTS}", "polygon")
     else:
         points = polygon
-    on = given = table.take("on", Contact.on)
+    on = given = table.take("on", parts.Contact.on)
     if not isinstance(given, str) or not given:
         try:
             on = table.converted("on", given, tuple[tuple[float, float], ...])
         except SceneError:
             on = ()
         if not on or any(start > end for start, end in on):
-            remedy = f'give "{ALWAYS}", "{AUTO}", the name of a column, or intervals: [[0, 0.5], [1, 1.5]]'
+            remedy = f'give "{parts.ALWAYS}", "{parts.AUTO}", the name of a column, or intervals: [[0, 0.5], [1, 1.5]]'
             raise table.error(f'"on" is {given!r:.60}', remedy, "on")
-    return table.read(Contact, points=points, on=on)
+    return table.read(parts.Contact, points=points, on=on)
 
 
 def _fluid(scene: TomlTable) -> dict[str, Any]:
     fluid = scene.table("fluid", None)
     if fluid is None:
         return {"fluid_density": Scene.fluid_density, "fluid_velocity": Scene.fluid_velocity, "immersed": ()}
-    density = fluid.value("density", NonNegative)
-    velocity = fluid.value("velocity", Vector, Scene.fluid_velocity)
-    immersed = tuple(entry.read(Immersed) for entry in fluid.list("link"))
+    density = fluid.value("density", parts.NonNegative)
+    velocity = fluid.value("velocity", parts.Vector, Scene.fluid_velocity)
+    immersed = tuple(entry.read(parts.Immersed) for entry in fluid.list("link"))
     fluid.finish()
     return {"fluid_density": density, "fluid_velocity": velocity, "immersed": immersed}
 
@@ -284,7 +262,7 @@ def _limits(scene: TomlTable) -> dict[str, Any]:
         what = f'"joint_limits" is "{kind}" ' + ("without" if given is None else "with") + " a [limit_spring]"
         remedy = "give its stiffness, N m/rad" if given is None else 'write joint_limits = "spring"'
         raise scene.error(what, remedy, "joint_limits")
-    return {"joint_limits": kind, "limit_spring": None if given is None else given.read(LimitSpring)}
+    return {"joint_limits": kind, "limit_spring": None if given is None else given.read(parts.LimitSpring)}
 
 
 def _actuation(scene: TomlTable) -> dict[str, Any]:
@@ -297,11 +275,14 @@ def _actuation(scene: TomlTable) -> dict[str, Any]:
     if weights is not None and share != "weighted":
         raise scene.error('"weights" are given, and "share" is "least"', 'write share = "weighted"', "share")
     found = {"actuated": actuated, "passive": passive, "share": share, "weight": Scene.weight, "weights": {}}
-    if weights == EFFORT:
+    if weights == parts.EFFORT:
         return {**found, "weight": scene.take("weights")}
     each = scene.table("weights", {})
-    kind = Annotated[float, Rule(lambda x: x > 0.0, f'give a positive weight, or "{EFFORT}" for its limit')]
-    given = {name: EFFORT if value == EFFORT else each.value(name, kind) for name, value in list(each.values.items())}
+    kind = Annotated[float, parts.Rule(lambda x: x > 0.0, f'give a positive weight, or "{parts.EFFORT}" for its limit')]
+    given = {
+        name: parts.EFFORT if value == parts.EFFORT else each.value(name, kind)
+        for name, value in list(each.values.items())
+    }
     return {**found, "weights": given}
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from pathlib import Path
 
 import click
 import pytest
 from helpers.command_line import Outcome, run, spawn, write_arm
 
-from robodyn.cli import torques
+from robodyn.cli.main import COMMANDS
 from robodyn.loads import torques as loads
 
 ARM = ("torques", "arm.urdf", "arm.csv")
@@ -32,6 +33,7 @@ CALLS: list[tuple[tuple[str, ...], str]] = [
     (("torques", "arm.urdf"), "missing argument 'TRAJECTORY...' (try: robodyn torques --help)"),
     ((*ARM, "more.csv"), "many trajectories need --out FOLDER for their results (try: robodyn torques --help)"),
     ((*ARM, "--gravty", "0,0,0"), "no such option '--gravty'; did you mean '--gravity'? (try: robodyn torques --help)"),
+    ((*ARM, "--reactions"), "--reactions goes to a file, and --out names none (try: robodyn torques --help"),
     ((*ARM, "--gravity"), "option '--gravity' requires an argument"),
     ((*ARM, "--format", "xml"), "invalid value for '--format': 'xml' is not one of 'text', 'json'"),
     (
@@ -114,10 +116,10 @@ def test_help_has_an_example(call: tuple[str, ...], start: str) -> None:
     assert "\n    robodyn torques robots/scara.urdf robots/scara_pick_and_place.csv --out tau.csv\n" in outcome.out
 
 
-def test_every_option_says_what_it_is_for() -> None:
-    assert not [
-        option.name for option in torques.command.params if isinstance(option, click.Option) and not option.help
-    ]
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_option_says_what_it_is_for(name: str) -> None:
+    options = [each for each in import_module(f"robodyn.cli.{name}").command.params if isinstance(each, click.Option)]
+    assert [each.name for each in options if not each.help] == []
 
 
 def test_version() -> None:

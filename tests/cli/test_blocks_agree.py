@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-import tracemalloc
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from helpers.command_line import ROBOTS, write_arm
+from helpers.command_line import ROBOTS
 from helpers.sampled import sampled
 
 from robodyn.loads.torques import torques
@@ -18,7 +17,6 @@ from robodyn.robot.load import load
 from robodyn.scene.read import load_scene
 from robodyn.scene.scene import DEFAULT
 from robodyn.trajectory.read import open_trajectory, signals
-from robodyn.trajectory.reading import Reading
 
 CASES = [
     ("scara", "scara_pick_and_place", None),
@@ -73,25 +71,3 @@ def test_many_blocks_are_as_one(robot: str, table: str, scene: str | None, block
             assert abs(found[path] - value) <= tolerance * scale, path
         else:
             assert found[path] == value, path
-
-
-def peak_memory(folder: Path, rows: int) -> int:
-    """Bytes at the most, of everything Python and NumPy hold while the arm's motion is worked through."""
-    write_arm(folder, rows)
-    tracemalloc.start()
-    try:
-        model = load(folder / "arm.urdf")
-        with open_trajectory(
-            folder / "arm.csv", signals(model), reading=Reading(angle_unit="rad"), block_rows=256
-        ) as reader:
-            torques(model, reader, sinks=[lambda *_: None])
-        return tracemalloc.get_traced_memory()[1]
-    finally:
-        tracemalloc.stop()
-
-
-def test_memory_does_not_grow_with_the_length(tmp_path: Path) -> None:
-    """96 blocks more than the first 32, of which the numbers of the table alone would take 1.4 MB."""
-    peak_memory(tmp_path, 8192)
-    short, long = (peak_memory(tmp_path, rows) for rows in (8192, 4 * 8192))
-    assert long - short <= 300_000

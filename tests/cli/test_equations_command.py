@@ -5,14 +5,12 @@ from __future__ import annotations
 import json
 import re
 
-import click
 import numpy as np
 import pytest
 import sympy
 from helpers.command_line import ROBOTS, run
 
 import robodyn
-from robodyn.cli import equations
 
 PUMA, GRIPPER, PLANAR = (str(ROBOTS / f"{name}.urdf") for name in ("puma", "gripper", "two_link_planar"))
 SCENE = ("--scene", str(ROBOTS / "gripper.toml"))
@@ -130,9 +128,3 @@ def test_wrong_robots():
     refused(run("equations", free, "--form", "closed"), f"{free}: a floating joint has no closed form here")
     polish = str(ROBOTS / "puma_polish.toml")
     refused(run("equations", PUMA, "--scene", polish), "the scene's wrenches name columns of a trajectory: ")
-
-
-def test_every_option_says_what_it_is_for():
-    assert not [
-        option.name for option in equations.command.params if isinstance(option, click.Option) and not option.help
-    ]

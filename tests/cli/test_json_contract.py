@@ -79,15 +79,7 @@ JOINT = [
     "shares",
 ]
 EFFECT = ["name", "active", "reason", "share", "operations"]
-DERIVED = [
-    "name",
-    "velocity",
-    "acceleration",
-    "source",
-    "quantum",
-    "noise",
-    "std",
-]
+DERIVED = ["name", "velocity", "acceleration", "source", "quantum", "noise", "std"]
 
 
 def files(robot: str, table: str, scene: str | None) -> list[str]:

@@ -75,12 +75,6 @@ def test_the_report_says_where_the_table_went() -> None:
     assert "tau.csv" not in run("torques", "arm.urdf", "arm.csv", "--out", "tau.csv", "--format", "json").out
 
 
-def test_an_older_file_is_replaced_and_nothing_else_appears() -> None:
-    Path("tau.csv").write_text("time,old\n")
-    written("tau.csv", "arm.urdf", "arm.csv")
-    assert sorted(path.name for path in Path().iterdir()) == ["arm.csv", "arm.urdf", "tau.csv"]
-
-
 def test_a_result_can_be_read_again_as_extra_columns() -> None:
     written("tau.csv", "arm.urdf", "arm.csv")
     torques = Path("tau.csv").read_text().splitlines()
@@ -92,11 +86,3 @@ def test_a_result_can_be_read_again_as_extra_columns() -> None:
     for options in ((), ("--ignore-extra",)):
         written("tau.csv", "arm.urdf", "both.csv", *options)
         assert Path("tau.csv").read_bytes() == Path("first.csv").read_bytes()
-
-
-def test_reactions_need_a_file() -> None:
-    outcome = run("torques", "arm.urdf", "arm.csv", "--reactions")
-    assert (outcome.status, outcome.out) == (2, "")
-    assert outcome.err.startswith(
-        "error: --reactions goes to a file, and --out names none (try: robodyn torques --help"
-    )

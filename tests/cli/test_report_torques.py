@@ -123,15 +123,6 @@ def test_wrong_names_are_refused_at_once(tmp_path: Path, name: str, line: str) -
     assert os.listdir(tmp_path) == []
 
 
-def test_an_input_is_not_overwritten(tmp_path: Path) -> None:
-    write_arm(tmp_path)
-    (tmp_path / "arm.md").write_text(urdf := (tmp_path / "arm.urdf").read_text())
-    outcome = run("torques", str(tmp_path / "arm.md"), str(tmp_path / "arm.csv"), "--report", str(tmp_path / "arm.md"))
-    assert outcome.status == 2
-    assert "would overwrite an input" in outcome.err
-    assert (tmp_path / "arm.md").read_text() == urdf
-
-
 def test_a_failed_job_leaves_the_old_report(tmp_path: Path) -> None:
     write_arm(tmp_path)
     (tmp_path / "arm.csv").write_text("time,q_shoulder\n0,1\n")
