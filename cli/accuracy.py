@@ -10,7 +10,7 @@ import click
 
 from robodyn.cli import options
 from robodyn.cli.files import check_names, check_table, robot_in_scene
-from robodyn.cli.options import PATH, POSITIVE, Call, Output, refuse, takes
+from robodyn.cli.options import PATH, POSITIVE, Call, Output, refuse, refuse_where, takes
 from robodyn.cli.reports import answer
 from robodyn.errors import InputError
 from robodyn.measure.accuracy.ladder import Accuracy
@@ -82,14 +82,15 @@ def accuracy_of(call: Call, files: Sequence[str], duration: float | None, table:
         files, scene_file = (files[0], alone), None
     if len(files) != 1 + robot:
         refuse("give one mesh, a URDF and a trajectory, or a URDF and a scene")
-    if not robot and (scene_file or call.gravity or call.payloads or any(call.lookup.values())):
-        what = "--scene, --payload, --gravity, --package-path, --xacro-arg and --trust-xacro are for robots"
-        refuse(what)
     moved = robot and (alone is not None or files[1].lower().endswith(".toml"))
-    if (duration is not None or table is not None) and not moved:
-        refuse("--duration and --traj are for a URDF and a scene, which make a motion")
-    if call.reading_given and (moved or not robot):
-        refuse(f"{call.reading_given} is for the trajectory of a robot")
+    around = scene_file or call.gravity or call.payloads or any(call.lookup.values())
+    of_robots = "--scene, --payload, --gravity, --package-path, --xacro-arg and --trust-xacro are for robots"
+    of_motions = "--duration and --traj are for a URDF and a scene, which make a motion"
+    refuse_where(
+        (around and not robot, of_robots),
+        ((duration is not None or table is not None) and not moved, of_motions),
+        (call.reading_given and (moved or not robot), f"{call.reading_given} is for the trajectory of a robot"),
+    )
     if not robot:
         from robodyn.measure.accuracy.meshes import mesh_accuracy
         from robodyn.solids.mesh.read.load import load_triangles

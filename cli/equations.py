@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from robodyn.cli.files import check_names, robot_in_scene
-from robodyn.cli.options import AT, PATH, QD, SCENE, VALUES, Call, refuse, takes
+from robodyn.cli.options import AT, PATH, QD, SCENE, VALUES, Call, refuse_where, takes
 from robodyn.cli.reports import answer
 from robodyn.equations.closed import closed
 from robodyn.equations.dae.dae import dae
@@ -33,18 +33,6 @@ class _Format(click.Choice):  # type: ignore[type-arg,unused-ignore]
     def get_invalid_choice_message(self, value: Any, ctx: click.Context | None) -> str:
         other = "; robodyn export --to c writes C" if value == "c" else ""
         return super().get_invalid_choice_message(value, ctx).rstrip(".") + other
-
-
-def check_asked(equations: str, form: str, **numbers: Any) -> None:
-    """Raise if options do not go together; `numbers` are --at, --qd and --tau."""
-    forms = ONLY.get(form, (equations,))
-    if equations not in forms:
-        refuse(f"--format {form} is for --form {' or '.join(forms)}")
-    given = [name for name, value in numbers.items() if value]
-    if given and (equations == "closed" or form == "latex"):
-        refuse(f"--{given[0]} is for numbers: --form ode or dae as text or json")
-    if "tau" in given and equations != "dae":
-        refuse("--tau is for --form dae")
 
 
 @click.command("equations", short_help="Derive the equations of motion in numbers, letters or LaTeX.")
@@ -73,7 +61,14 @@ def command(call: Call, urdf: str, equations: str, tau: Any) -> None:
       robodyn equations robots/two_link_planar.urdf --form closed --format latex
       robodyn equations robots/scara.urdf --form dae --at 0.3,-0.5,0.05 --qd elbow=2
     """
-    check_asked(equations, call.form, at=call.at, qd=call.qd, tau=tau)
+    forms = ONLY.get(call.form, (equations,))
+    given = [name for name, value in (("at", call.at), ("qd", call.qd), ("tau", tau)) if value]
+    in_letters = equations == "closed" or call.form == "latex"
+    refuse_where(
+        (equations not in forms, f"--format {call.form} is for --form {' or '.join(forms)}"),
+        (given and in_letters, f"--{given[0] if given else ''} is for numbers: --form ode or dae as text or json"),
+        (tau and equations != "dae", "--tau is for --form dae"),
+    )
     check_names()
     model, scene = robot_in_scene(call, urdf, loops=equations == "dae")
     found: Any

@@ -64,17 +64,8 @@ def command(
         format_of(call.out)
     get_ready(call)
     model, scene = robot_in_scene(call, urdf)
-    found = excite(
-        model,
-        scene,
-        period=period,
-        harmonics=harmonics,
-        rate=rate,
-        joints=joints,
-        max_acceleration=max_acceleration,
-        noise=noise,
-        seed=seed,
-    )
+    limits: dict[str, Any] = {"max_acceleration": max_acceleration, "noise": noise, "seed": seed}
+    found = excite(model, scene, period=period, harmonics=harmonics, rate=rate, joints=joints, **limits)
     written = write_table(call.out, found.names, found.time, found.columns)
     answer(
         call, excitation_sections(found), partial(excitation_page, found), written, json=lambda: excitation_json(found)

@@ -7,7 +7,7 @@ import os
 import re
 import stat
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
@@ -103,10 +103,11 @@ def source_of(urdf: str) -> str | bytes:
 
 
 def check_names(*writes: str) -> None:
-    """Raise if standard input is asked for twice or is not there, or an output is an input or no file of ours.
+    """Raise if standard input is asked for twice or is not there; or if a file that the command is to write is one that
+    it reads or another that it writes, by whatever name: links, hard links, other spellings; or is not ours.
 
     Args:
-        writes: as for `check_outputs`.
+        writes: names of parameters whose files are written in this call, though others only read them.
     """
     ctx = click.get_current_context()
     files = inputs_of(ctx)
@@ -114,7 +115,21 @@ def check_names(*writes: str) -> None:
         raise InputError("standard input is asked for twice", remedy="name a file for one of them", file="<stdin>")
     if STANDARD_INPUT in files and sys.stdin is None:
         raise InputError("standard input is closed", remedy="name a file, or pipe one in", file="<stdin>")
-    check_outputs(ctx, writes)
+    read: list[str] = []
+    written: list[tuple[str, click.Parameter]] = []
+    for param in ctx.command.params:
+        places = _names(ctx.params.get(param.name or ""))
+        if isinstance(param.type, Output) or param.name in writes:
+            written += [(place, param) for place in places]
+        elif isinstance(param.type, Parsed) and param.type.name in ("file", "dir"):
+            read += places
+    for k, (place, param) in enumerate(written):
+        remedy = f"give {param.opts[0]} another name"
+        if any(same_file(place, other) for other in read):
+            raise InputError("the output would overwrite an input", remedy=remedy, file=place)
+        if any(same_file(place, other) for other, _ in written[:k]):
+            raise InputError("two outputs have this name", remedy="give each its own", file=place)
+        refuse_foreign(place, param.type.kind if isinstance(param.type, Output) else "a baseline", remedy)
 
 
 def expect(kind: str, path: str) -> None:
@@ -148,33 +163,6 @@ _OURS = {
 """What the beginning or the end of a file has that robodyn writes, by its kind."""
 _READ = 1 << 16
 """Bytes of the beginning and of the end that are looked at."""
-
-
-def check_outputs(ctx: click.Context, writes: Iterable[str] = ()) -> None:
-    """Raise if a file that the command is to write is one that it reads or another that it writes, or is not ours.
-
-    Args:
-        writes: names of parameters whose files are written in this call, though others only read them.
-
-    Raises:
-        InputError: so it is, by whatever names: links, hard links, other spellings.
-    """
-    writes = {*writes}
-    read: list[str] = []
-    written: list[tuple[str, click.Parameter]] = []
-    for param in ctx.command.params:
-        places = _names(ctx.params.get(param.name or ""))
-        if isinstance(param.type, Output) or param.name in writes:
-            written += [(place, param) for place in places]
-        elif isinstance(param.type, Parsed) and param.type.name in ("file", "dir"):
-            read += places
-    for k, (place, param) in enumerate(written):
-        remedy = f"give {param.opts[0]} another name"
-        if any(same_file(place, other) for other in read):
-            raise InputError("the output would overwrite an input", remedy=remedy, file=place)
-        if any(same_file(place, other) for other, _ in written[:k]):
-            raise InputError("two outputs have this name", remedy="give each its own", file=place)
-        refuse_foreign(place, param.type.kind if isinstance(param.type, Output) else "a baseline", remedy)
 
 
 def inputs_of(ctx: click.Context) -> list[str]:

@@ -122,7 +122,13 @@ def _write(found: Identified, model: Model, outputs: dict[str, str | None]) -> s
     """Write what is asked for, after all of it is made; return lines that say so."""
     from robodyn.identification.calibrated import calibrated_urdf, friction_toml, lost_meshes
 
-    comment = _comment(found)
+    errors, what = (found.held_out, "held-out") if found.held_out else (found.train, "fitted")
+    comment = [
+        f"identified by robodyn, {datetime.date.today().isoformat()}",
+        *(f"log {os.path.basename(path)}, sha256 {sha256}" for path, sha256 in found.hashes.items()),
+        f"relative error of {what} torques {100.0 * errors.relative_error:.2f} %, filtered at {found.cutoff:g} Hz,",
+        f"with the scene that was found; without it about {100.0 * found.alone:.0f} %",
+    ]
     files: list[tuple[str, bytes]] = []
     notes: list[str] = []
     if out := outputs["out"]:
@@ -147,15 +153,3 @@ def _write(found: Identified, model: Model, outputs: dict[str, str | None]) -> s
             stack.enter_context(whole_file(path)).write(data)
     lines = [f"written: {path}, {max(1, len(data) // 1000)} kB" for path, data in files]
     return "".join(f"\nnote: {note}" for note in notes) + "".join(f"\n{line}" for line in lines) + "\n" * bool(files)
-
-
-def _comment(found: Identified) -> list[str]:
-    """Return what a calibrated file says of itself."""
-    errors = found.held_out or found.train
-    what = "held-out" if found.held_out else "fitted"
-    return [
-        f"identified by robodyn, {datetime.date.today().isoformat()}",
-        *(f"log {os.path.basename(path)}, sha256 {sha256}" for path, sha256 in found.hashes.items()),
-        f"relative error of {what} torques {100.0 * errors.relative_error:.2f} %, filtered at {found.cutoff:g} Hz,",
-        f"with the scene that was found; without it about {100.0 * found.alone:.0f} %",
-    ]

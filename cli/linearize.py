@@ -12,7 +12,7 @@ import numpy as np
 from robodyn.cli.files import check_names, robot_in_scene
 from robodyn.cli.options import AT, FORMAT, PATH, POSITIVE, QD, REPORT, SCENE, Call, Output, takes
 from robodyn.cli.reports import answer, get_ready
-from robodyn.equations.linearized.linearize import Linearized, linearize
+from robodyn.equations.linearized.linearize import linearize
 from robodyn.errors import InputError
 from robodyn.report.linearized import linearized_json, linearized_page, linearized_sections
 from robodyn.support.files import write_whole
@@ -50,14 +50,10 @@ def command(call: Call, urdf: str, equilibrium: bool, step: float | None) -> int
     text = linearized_json(found)
     written = ""
     if call.out is not None:
-        write_whole(call.out, _npz(found), "name another file")
+        arrays: dict[str, Any] = {key: getattr(found, key) for key in ("A", "B", "q", "qd", "drive", "held")}
+        archive = io.BytesIO()
+        np.savez(archive, states=np.array(found.states), inputs=np.array(found.inputs), **arrays)
+        write_whole(call.out, archive.getvalue(), "name another file")
         written = f"\nwritten: {call.out}, A, B, states and inputs\n"
     answer(call, linearized_sections(found), partial(linearized_page, found), written, json=lambda: text)
     return int(call.fail_on_limits and bool(found.exceeded))
-
-
-def _npz(found: Linearized) -> bytes:
-    file = io.BytesIO()
-    arrays: dict[str, Any] = {key: getattr(found, key) for key in ("A", "B", "q", "qd", "drive", "held")}
-    np.savez(file, states=np.array(found.states), inputs=np.array(found.inputs), **arrays)
-    return file.getvalue()

@@ -183,7 +183,7 @@ class Parsed(click.ParamType):  # type: ignore[type-arg,unused-ignore]
 
 
 class Output(Parsed):
-    """The name of a file that is written, of a kind that `outputs.py` knows."""
+    """The name of a file that is written, of a kind that `files` knows."""
 
     def __init__(self, kind: str, parse: Callable[[str], Any] = str) -> None:
         super().__init__("file", parse)
@@ -299,11 +299,7 @@ def _columns(text: str) -> Pairs:
 
 
 def report_form(path: str) -> str:
-    """Return the form of a report by the suffix of its file.
-
-    Raises:
-        InputError: there is none such.
-    """
+    """Return the form of a report by the suffix of its file."""
     suffix = os.path.splitext(path)[1].lower()
     if suffix not in REPORT_FORMS:
         raise InputError("unknown type of report by this suffix", remedy="name it .html or .md", file=path)

@@ -190,12 +190,3 @@ def test_a_mistake_in_the_settings_names_the_file(folder: Path) -> None:
     assert outcome.err.startswith(
         f'error: {folder}/robodyn.toml:2: [tool.robodyn.check]: unknown key "fix" (valid keys: '
     )
-
-
-@pytest.mark.parametrize("form", ["github", "junit", "sarif"])
-def test_servers_are_told_of_the_one_file_that_cannot_be_read(form: str) -> None:
-    outcome = run("check", "no.urdf", "--format", form)
-    assert outcome.status == 2
-    assert "no.urdf" in outcome.out
-    assert "there is no such file" in outcome.out
-    assert outcome.err == "error: no.urdf: there is no such file (check the name)\n"

@@ -148,9 +148,3 @@ def test_text_escapes_what_it_is_given() -> None:
     lines = (Line("environment", "X", "a\x1b[31m", "broken", "b"),)
     assert text(doctor_sections(lines)) == "environment\n  X  broken   a\\x1b[31m: b\n\nto be repaired: X\n"
     assert not healthy(lines)
-
-
-def test_wrong_call() -> None:
-    outcome = run("doctor", "robot.urdf")
-    assert (outcome.status, outcome.out) == (2, "")
-    assert outcome.err == "error: got unexpected extra argument (robot.urdf) (try: robodyn doctor --help)\n"

@@ -278,12 +278,6 @@ def test_places_that_do_not_fit(boxes):
     assert outcome.err == "error: 1 places for 2 meshes (give one for each mesh, in order)\n"
 
 
-def test_help_shows_each_use():
-    text = run("inertia", "--help").out
-    for use in ("--combine --place", "robot.urdf --at", "--link forearm", "--compare --package-path", "--format urdf"):
-        assert use in text
-
-
 def test_the_repair_of_a_part_is_said_in_a_combination(tmp_path):
     box_ = mesh_samples.box()
     (tmp_path / "in.stl").write_bytes(mesh_samples.binary_stl(mesh_samples.flipped(box_)))

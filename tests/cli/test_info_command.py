@@ -9,11 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.command_line import ARM, ROBOTS, run
+from helpers.command_line import ARM, run
 from helpers.example_robots import path_of
 
 import robodyn
-from robodyn.checks.rule import Severity
 
 EPS = float(np.finfo(float).eps)
 BODY = '<inertial><mass value="{mass}"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
@@ -139,15 +138,6 @@ def test_columns_of_a_robot_of_sixty_links_stand_below_one_another() -> None:
     assert document["counts"]["degrees_of_freedom"] == robodyn.load(path).n
 
 
-def test_the_findings_are_those_of_check() -> None:
-    path = str(ROBOTS / "puma560.urdf")
-    expected = [finding.severity for finding in robodyn.check(path)]
-    counts = {"errors": Severity.ERROR, "warnings": Severity.WARNING, "notes": Severity.NOTE}
-    wanted = {name: expected.count(severity) for name, severity in counts.items()}
-    assert found(path)["check"] == {**wanted, "fit": True}
-    assert expected
-
-
 def test_meshes_found_and_missing() -> None:
     shapes = [
         f'<visual><geometry><mesh filename="{name}"/></geometry></visual>'
@@ -192,11 +182,6 @@ def test_standard_input_is_as_the_file() -> None:
     outcome = run("info", "-", stdin=ARM.encode())
     assert (outcome.status, outcome.err) == (0, "")
     assert outcome.out.splitlines()[1:10] == run("info", "arm.urdf").out.splitlines()[1:10]
-
-
-def test_names_cannot_command_the_terminal() -> None:
-    file = robot(link("a\u0085\u009b31m", BODY.format(mass=1)))
-    assert "\u009b" not in run("info", file).out
 
 
 @pytest.mark.parametrize(

@@ -261,8 +261,6 @@ CALLS = [
     ((*ONE, "arm.urdf", "--out", "r"), "arm.urdf: unknown type of table by this suffix (suffixes: .csv"),
     ((*ONE, "--jobs", "2"), "--jobs goes with many trajectories: give several, or --out FOLDER/ (try: "),
     ((*ONE, "--dask", "tcp://x:1"), "--dask goes with many trajectories: give several, or --out FOLDER/"),
-    ((*MANY, "--out", "r", "--job", "2"), "no such option '--job'; did you mean '--jobs'?"),
-    ((*MANY, "--out", "r", "--dsak", "x"), "no such option '--dsak'; did you mean '--dask'?"),
     ((*MANY, "--out", "r", "--jobs", "0"), "invalid value for '--jobs': 0 is less than 1"),
     ((*MANY, "--out", "r", "--momentum", "--frame", "hnad"), "no frame 'hnad'"),
     (("torques", "amr.urdf", "runs/*.csv", "--out", "r"), "amr.urdf: "),
@@ -282,10 +280,6 @@ def test_results_of_one_name() -> None:
     write_motion(Path("runs/one.parquet"))
     outcome = run("torques", "arm.urdf", "runs/one.csv", "runs/one.parquet", "--out", "r/")
     assert outcome.err.startswith("error: runs/one.parquet: the results of 'runs/one.csv' would have the same name")
-
-
-def test_help_has_an_example() -> None:
-    assert "robodyn torques robots/puma.urdf 'runs/*.parquet' --out results/" in run("torques", "--help").out
 
 
 def test_a_scene_with_motors_is_judged() -> None:

@@ -201,15 +201,3 @@ def test_programs_of_real_robots_are_the_same() -> None:
         ).stdout
 
     assert programs(**SSE) == programs() != ""
-
-
-@pytest.mark.slow
-def test_dask_writes_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its workers run BLAS on one thread, and here they have other kernels."""
-    distributed = pytest.importorskip("distributed")
-    expected = files("here", "auto", "--jobs", "2")
-    for name, value in SSE.items():
-        monkeypatch.setenv(name, value)
-    made = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None, "local_directory": "scratch"}
-    with distributed.LocalCluster(**made) as there:
-        assert agree(files("there", "auto", "--dask", there.scheduler_address), expected)
