@@ -32,7 +32,6 @@ CALLS = [
     ("inertia", "x.obj"),
     ("inertia", "x.glb"),
 ]
-EACH = pytest.mark.parametrize("call", CALLS, ids=" ".join)
 
 
 @pytest.fixture(autouse=True)
@@ -45,8 +44,7 @@ def refused(call: tuple[str, ...], words: str) -> None:
     outcome = run(*call)
     assert outcome.status == 2
     assert outcome.err.count("\n") == 1
-    name = next(part for part in call if part.startswith("x."))
-    assert outcome.err.startswith(f"error: {name}:"), outcome.err
+    assert outcome.err.startswith(f"error: {name_of(call)}:"), outcome.err
     assert words in outcome.err
 
 
@@ -54,30 +52,20 @@ def name_of(call: tuple[str, ...]) -> str:
     return next(part for part in call if part.startswith("x."))
 
 
-@EACH
-def test_a_link_to_an_endless_device(call: tuple[str, ...]) -> None:
-    os.symlink("/dev/zero", name_of(call))
-    refused(call, "is a device, not a file")
-
-
-@EACH
-def test_a_pipe_beside_other_files(call: tuple[str, ...]) -> None:
-    """Nobody writes to it; a name that a folder holds is never waited for."""
-    os.mkfifo(name_of(call))
-    refused(call, "is a pipe, not a file")
-
-
-@EACH
-def test_a_link_to_a_descriptor(call: tuple[str, ...]) -> None:
-    """Git stores such links; what is piped in would be taken for the file, or waited for."""
+@pytest.mark.parametrize("kind", ["device", "pipe", "descriptor"])
+@pytest.mark.parametrize("call", CALLS, ids=" ".join)
+def test_names_that_lead_to_no_file(call: tuple[str, ...], kind: str) -> None:
+    """Of a pipe to which nobody writes; and of links, which git stores, to a device or to what is piped in."""
     reader, writer = os.pipe()
-    os.symlink(f"/dev/fd/{reader}", name_of(call))
-    refused(call, "is a pipe, not a file")
+    if kind == "pipe":
+        os.mkfifo(name_of(call))
+    else:
+        os.symlink("/dev/zero" if kind == "device" else f"/dev/fd/{reader}", name_of(call))
+    refused(call, f"is a {'device' if kind == 'device' else 'pipe'}, not a file")
     os.close(writer)
     os.close(reader)
 
 
-OTHERS = [*(("arm.urdf", f"x.{kind}") for kind in ("csv", "npz", "parquet")), ("x.obj",), ("x.glb",)]
 TYPED = [
     call for call in CALLS if not {"--config", "--baseline", "x.csv", "x.npz", "x.parquet", "x.obj", "x.glb"} & {*call}
 ]
