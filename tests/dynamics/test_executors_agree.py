@@ -107,21 +107,6 @@ def test_neither_threads_nor_order_nor_company_change_a_bit():
         np.testing.assert_array_equal(bits(torques([x[part] for x in STATE])), bits(right[part]))
 
 
-LAYOUTS = {
-    "columns": np.asfortranarray,
-    "backwards": lambda x: np.ascontiguousarray(x[::-1])[::-1],
-    "every third row": lambda x: np.repeat(x, 3, axis=0)[::3],
-    "other bytes first": lambda x: x.astype(">f8"),
-    "nested lists": lambda x: x.tolist(),
-}
-
-
-@pytest.mark.parametrize("layout", LAYOUTS)
-def test_arrays_of_any_layout(layout):
-    state = [x[:300] for x in STATE]
-    np.testing.assert_array_equal(bits(torques([LAYOUTS[layout](x) for x in state])), bits(torques(state)))
-
-
 def test_output_arrays():
     state = [x[:240] for x in STATE]
     right = torques(state)

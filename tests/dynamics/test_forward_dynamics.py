@@ -145,7 +145,7 @@ def _with_tip(n, skew, ratio):
     return built(*parts)
 
 
-RATIOS = [1e-12, 1e-9, 1e-6, 1e-3, 1e3, 1e6, 1e9, 1e12]
+RATIOS = [1e-12, 1e-6, 1e6, 1e12]
 LONG_CHAIN = [pytest.param(100, False, ratio, marks=pytest.mark.slow) for ratio in (1e-12, 1e12)]
 
 

@@ -14,7 +14,7 @@ import robodyn
 from robodyn.errors import InputError
 from robodyn.programs.vectors import cross
 from robodyn.robot.kinematics import motions, poses
-from robodyn.scene.parts import Payload, Rotor, Spring
+from robodyn.scene.parts import Rotor, Spring
 from robodyn.scene.scene import Scene
 
 STILL = Scene(gravity=(0.0, 0.0, 0.0))
@@ -91,14 +91,6 @@ def test_rotors_and_springs_store_energy_of_their_kind():
     assert worst(found.potential, 0.5 * 50 * 0.1**2) <= 8 * EPS
     assert bare.potential == 0.0
     assert np.array_equal(found.angular, bare.angular)
-
-
-def test_a_payload_counts():
-    model = chain(1)
-    found = robodyn.momenta(model, [0.0], [1.0], scene=Scene(payloads=(Payload("l1", 3.0, (1.0, 0, 0)),)))
-    m = model.total_mass
-    assert found.mass == m + 3
-    assert worst(found.com, [(0.5 * m + 3) / (m + 3), 0, 0]) <= 4 * EPS
 
 
 @pytest.mark.parametrize(

@@ -75,18 +75,6 @@ def test_forty_patterns_share_a_program(name, executor, model, traced, monkeypat
     assert len(built) <= 8
 
 
-@pytest.mark.parametrize("executor", ["numpy", pytest.param("compiled", marks=needs_compiler)])
-def test_results_do_not_depend_on_patterns_seen_before(executor, model):
-    """Nor on whether columns of zeros stand alone or among others."""
-    fresh = robodyn.load(ROBOTS / "puma560.urdf")
-    states = [_state(moves) for moves in PATTERNS]
-    warm = [robodyn.inverse_dynamics(model, *state, executor=executor) for state in states]
-    for state, found in list(zip(states, warm, strict=True))[::-13]:
-        np.testing.assert_array_equal(robodyn.inverse_dynamics(fresh, *state, executor=executor), found)
-    together = robodyn.inverse_dynamics(model, *np.concatenate(states, axis=1), executor=executor)
-    np.testing.assert_array_equal(together, np.concatenate(warm))
-
-
 def test_a_trajectory_has_one_program_of_its_own():
     """That of its loads, from which what stands still is left out; the checks are the same for all."""
     model = robodyn.load(ROBOTS / "puma560.urdf")

@@ -62,19 +62,6 @@ def test_wrenches_of_every_joint(name):
     assert worst(found[..., 3:], expected[..., 3:]) <= TOLERANCE
 
 
-def test_base_wrench_of_a_fixed_base():
-    path = path_of("talos_reduced")
-    model, _, (q, qd, qdd) = _pair(path, False)
-    plan = Plan(model, frictionless(model))
-    base = run(plan.wrenches(), plan, q, qd, qdd)[:, model.n :]
-    free = load(path, moving_base=True)
-    still = np.zeros((SAMPLES, 6))
-    pose = np.tile([0.0, 0, 0, 0, 0, 0, 1], (SAMPLES, 1))
-    state = np.hstack((pose, q)), np.hstack((still, qd)), np.hstack((still, qdd))
-    tau = PinocchioRobot(path, free=True).torques(free, *state)
-    assert worst(base, tau[:, [3, 4, 5, 0, 1, 2]]) <= TOLERANCE
-
-
 STATES = 4
 OF_ACCELERATIONS = 1e-10
 MASSLESS = {"romeo": "RHand", "romeo_laas_small": "r_gripper_joint"}

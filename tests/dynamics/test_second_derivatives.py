@@ -61,23 +61,6 @@ def test_an_arm(executor):
     assert worst(found.q_q, exact(model, state, scene, {})[0]) <= 1e-13
 
 
-def test_out_and_single_precision():
-    model, rng = robot("double_pendulum"), np.random.default_rng(1)
-    state, scene = random_state(model, rng, 6), Scene()
-    whole = twice(model, state, scene, {})
-    out = np.empty((6, 4, *(model.n,) * 3))
-    given = twice(model, state, scene, {}, out=out)
-    assert all(np.shares_memory(each, out) for each in given)
-    for a, b in zip(given, whole, strict=True):
-        np.testing.assert_array_equal(a, b)
-    rough = twice(model, state, scene, {}, dtype=np.float32)
-    assert rough.q_q.dtype == np.float32
-    assert max(map(worst, rough, whole)) <= 1e-5
-    one = twice(model, [x[2] for x in state], scene, {})
-    assert one.qd_q.shape == (2, 2, 2)
-    assert worst(one.qd_q, whole.qd_q[2]) <= 8 * EPS
-
-
 def test_robots_with_many_joints_are_refused():
     model = real("talos_reduced")
     what = re.escape("more than 100000 operations (those of its first need 3")

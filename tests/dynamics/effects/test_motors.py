@@ -7,17 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.busy_robot import BUSY_SCENE, COUPLED, SPINNING, busy_parts, busy_robot
-from helpers.effect_identities import (
-    composite_bodies_give_the_mass_matrix,
-    kinetic_energy_is_that_of_the_mass_matrix,
-)
 from helpers.oracles import EPS, frictionless, random_state, robot, worst
 from helpers.peers import mujoco
 from helpers.small_robots import built, chain, joint, link
 
 import robodyn
-from robodyn.dynamics.effects import motors
-from robodyn.dynamics.plan import Plan, plan, runner_of
+from robodyn.dynamics.effects import motors, rigid_bodies
+from robodyn.dynamics.effects.effect import Sample
+from robodyn.dynamics.plan import Plan, applied, plan, runner_of
+from robodyn.dynamics.recursions.composite_body import composite_body
+from robodyn.dynamics.recursions.elimination import aligned
 from robodyn.dynamics.uncertain_parameters import derivative_runner, variations
 from robodyn.equations.dae.dae import dae_at
 from robodyn.errors import SceneError
@@ -90,9 +89,21 @@ def test_closed_form_of_a_turntable():
     assert worst(values[5:], [c * rate - s * across, s * rate + c * across, 0.0]) <= 8 * EPS
 
 
-def test_composite_bodies():
-    model, scene, state, _ = busy(coupled=COUPLED)
-    composite_bodies_give_the_mass_matrix(model, scene, state[0][:3], lambda sample: motors.mass_entries(sample, scene))
+def test_composite_bodies_give_the_mass_matrix_and_that_the_kinetic_energy():
+    """The recursion of composite bodies, that of unit accelerations, and that of momenta."""
+    model, scene, (q, qd, _), _ = busy(coupled=COUPLED)
+    M = robodyn.mass_matrix(model, q, scene=scene)
+    kinetic = robodyn.momenta(model, q, qd, scene=scene).kinetic
+    assert worst(kinetic, 0.5 * np.einsum("ki,kij,kj->k", qd, M, qd)) <= 1e-13
+    straight, still = aligned(model), (0.0,) * model.n
+    for k in range(3):
+        sample = Sample(straight, tuple(q[k].tolist()), still, still)
+        inertias = applied([rigid_bodies.PAYLOAD], sample, scene).inertias
+        composite = np.zeros((model.n, model.n))
+        rotors = motors.mass_entries(sample, scene)
+        for (i, j), value in composite_body(straight, sample.motions(), inertias, rotors).items():
+            composite[i, j] = composite[j, i] = value
+        assert worst(composite, M[k]) <= 1e-13
 
 
 def test_beside_friction_that_grows_with_load():
@@ -140,11 +151,6 @@ def test_free_bodies_and_laws_balance(free):
     assert {action.kind for body in found.bodies for action in body.actions} >= {"gyroscopic moment"}
     checks = torques(model, motion(model, np.arange(SAMPLES) * 1.0, *state, columns=columns), scene).checks
     assert max(checks.first_law, checks.second_law, checks.power) <= 1e-13
-
-
-def test_kinetic_energy_is_that_of_the_mass_matrix():
-    model, scene, (q, qd, _), _ = busy(coupled=COUPLED)
-    kinetic_energy_is_that_of_the_mass_matrix(model, scene, q, qd)
 
 
 def test_a_free_robot_keeps_its_angular_momentum():

@@ -65,7 +65,7 @@ def test_every_effect_is_on_in_the_busy_scene():
     ]
 
 
-SCALES = [1e-8, 1e-4, 1.0, 1e3, 1e20, 1e150]
+SCALES = [1e-8, 1e3, 1e150]
 
 
 @pytest.mark.parametrize("scale", SCALES)
