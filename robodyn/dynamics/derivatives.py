@@ -75,12 +75,7 @@ def inverse_dynamics_derivatives(
     `inverse_dynamics` returns. sign(qd) has derivative 0: Coulomb friction adds nothing, not even at rest, where it
     jumps; with the scene's `slip_speed` it is smooth, and its slope is there.
 
-    Args:
-        model, q, qd, qdd, scene, columns, executor, threads, dtype: as for `inverse_dynamics`.
-        out: (..., 3, n, n) of `dtype`, written to if given; the matrices are views of it.
-
-    Raises:
-        InputError: as `inverse_dynamics`.
+    Args, errors: as for `inverse_dynamics`; out is (..., 3, n, n), and the matrices are views of it.
 
     Accuracy: 1e-13 of the largest entry of each matrix. In float32, 1e-5; on a free base 1e-4, as weights cancel.
     """
@@ -108,12 +103,7 @@ def forward_dynamics_derivatives(
     By `d qdd = M^-1 (d tau - d ID)` at the accelerations of the articulated-body algorithm, of which M^-1 is the
     derivative by tau. Of friction the same holds as for `inverse_dynamics_derivatives`.
 
-    Args:
-        model, q, qd, tau, scene, columns, executor, threads, dtype: as for `forward_dynamics`.
-        out: (..., 3, n, n) of `dtype`, written to if given; the matrices are views of it.
-
-    Raises:
-        InputError: as `forward_dynamics`.
+    Args, errors: as for `forward_dynamics`; out is (..., 3, n, n), and the matrices are views of it.
 
     Accuracy: cond(M) times 1e-13 of the largest entry of each matrix.
     """
@@ -237,12 +227,7 @@ def inverse_dynamics_derivative_entries(
 
     The pattern depends on the model and the scene alone.
 
-    Args:
-        model, q, qd, qdd, scene, columns, executor, threads, dtype: as for `inverse_dynamics`.
-        out: (..., k) of `dtype`, written to if given.
-
-    Raises:
-        InputError: as `inverse_dynamics`.
+    Args, errors: as for `inverse_dynamics`; out is (..., k).
 
     Accuracy: each entry is that of `inverse_dynamics_derivatives` to the last bit.
     """
@@ -306,9 +291,7 @@ def inverse_dynamics_second_derivatives(
 
     The program of `inverse_dynamics_derivatives` differentiated again; of sign(qd) the same holds.
 
-    Args:
-        model, q, qd, qdd, scene, columns, executor, threads, dtype: as for `inverse_dynamics`.
-        out: (..., 4, n, n, n) of `dtype`, written to if given; the results are views of it.
+    Args: as for `inverse_dynamics`; out is (..., 4, n, n, n), and the results are views of it.
 
     Raises:
         InputError: as `inverse_dynamics`; or the robot has so many joints that more than 100 000 operations are needed

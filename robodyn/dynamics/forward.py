@@ -102,14 +102,7 @@ def acceleration_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
 
 
 def accelerations(sample: Sample, terms: Terms, tau: Sequence[Scalar], scene: Scene) -> list[Scalar]:
-    """qdd of one sample, in whatever scalar it is made of.
-
-    Args:
-        sample: of a model of `aligned`.
-        terms: without acceleration.
-        tau: n scalars.
-        scene: whose rotors turn with the joints.
-    """
+    """qdd of one sample of a model of `aligned`, in whatever scalar it is made of; the terms have no acceleration."""
     model, rotors = sample.model, reflected(sample.model, scene)
     joints = motions(model, sample.q, terms.qd, terms.qdd)
     biases = inertial_wrenches(model.parents, joints, terms.inertias, terms.gravity)
@@ -174,8 +167,7 @@ def forward_dynamics(
         (..., n) per s^2, in the order of `model.rates`.
 
     Raises:
-        InputError: a shape, or a joint or link that the scene names, does not fit the model; no such executor; nothing
-            resists a joint.
+        InputError: as `inverse_dynamics`; or nothing resists a joint.
 
     Accuracy: the torques of these accelerations differ from tau by 1e-14 of the largest entry of
     |M| |qdd| + |bias| + |tau|, for chains of up to 100 bodies and mass ratios from 1e-12 to 1e12; qdd itself by

@@ -34,10 +34,7 @@ def default_pose(model: Model) -> Floats:
 
 
 def initial_state(model: Model, scene: Scene) -> Floats:
-    """Return (width,) q, qd, no work done, and no step yet: what the scene says, else the default pose at rest.
-
-    Args:
-        scene: that of a `Signal`, whose initial state is in numbers.
+    """Return (width,) q, qd, no work done, and no step yet: what the scene says in numbers, else the default pose.
 
     Raises:
         InputError: a quaternion is zero.
@@ -59,10 +56,7 @@ def initial_state(model: Model, scene: Scene) -> Floats:
 
 
 def begun_at(model: Model, scene: Scene, values: Values) -> Scene:
-    """Return the scene with these initial positions in place of its own.
-
-    Args:
-        values: of the joints in their order, or of coordinates by name, those of a base that moves among them.
+    """Return the scene with initial positions of the joints in their order, or of coordinates by name.
 
     Raises:
         InputError: there are more or fewer values than joints, or a name is none.

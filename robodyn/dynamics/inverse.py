@@ -30,8 +30,7 @@ def inverse_dynamics(
 ) -> Floats:
     """tau = M(q) qdd + c(q, qd) + g(q) + friction + armature qdd + springs - J^T w.
 
-    The recursive Newton-Euler algorithm (RNEA), traced once per model and scene, and once more without
-    speeds or accelerations, then run over all samples.
+    The recursive Newton-Euler algorithm (RNEA), traced once per model and scene, then run over all samples.
 
     Args:
         model: of `robodyn.load`.

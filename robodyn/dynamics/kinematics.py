@@ -34,12 +34,7 @@ class LinkPose(NamedTuple):
 def forward_kinematics(
     model: Model, q: ArrayLike, link: str, *, executor: str = "auto", threads: int | None = None
 ) -> LinkPose:
-    """Return where a link is.
-
-    Args:
-        q: (..., nq), as for `inverse_dynamics`.
-        link: its name.
-        executor, threads: as for `inverse_dynamics`.
+    """Return where a link is at q (..., nq), as for `inverse_dynamics`.
 
     Raises:
         InputError: there is no such link, or a shape does not fit the model.
@@ -62,15 +57,8 @@ def jacobian(
 ) -> Floats:
     """Return J (..., 6, n) with (w, v) = J qd: velocities of a link and of its point, in the ground's axes.
 
-    A force f at the point and a moment m on the link do `J^T (m, f)` along the coordinates.
-
-    Args:
-        q, executor, threads: as for `inverse_dynamics`.
-        link: its name.
-        point: in the link's frame [m].
-
-    Returns:
-        Rows wx wy wz vx vy vz [rad/s, m/s]; columns as `model.rates`.
+    A force f at the point and a moment m on the link do `J^T (m, f)` along the coordinates. The point is in the link's
+    frame [m]; rows are wx wy wz vx vy vz [rad/s, m/s], columns as `model.rates`.
 
     Raises:
         InputError: there is no such link, the point is none, or a shape does not fit the model.

@@ -28,17 +28,9 @@ from robodyn.support.floats import Floats
 def mass_matrix(
     model: Model, q: ArrayLike, *, scene: Scene = DEFAULT, executor: str = "auto", threads: int | None = None
 ) -> Floats:
-    """M(q), with payloads and rotor inertias of the scene.
+    """M(q) (..., n, n) [kg m^2, kg m or kg], exactly symmetric, with payloads and rotor inertias of the scene.
 
-    Args:
-        q: (..., nq) rad or m.
-        executor, threads: as for `inverse_dynamics`.
-
-    Returns:
-        (..., n, n) kg m^2, kg m or kg; exactly symmetric.
-
-    Raises:
-        InputError: a shape that does not fit the model.
+    Args, errors: as for `inverse_dynamics`.
 
     Accuracy: 1e-14 of the largest entry.
     """
@@ -75,16 +67,10 @@ def coriolis_matrix(
     coordinates. A floating base turns at rates w that are those of none; there `M [w]/2` is added to the columns of w,
     what its axes' own turn makes of the connection (Levi-Civita's, for the left-invariant frame).
 
-    Args:
-        q: (..., nq), qd: (..., n), as for `inverse_dynamics`.
-        scene: its payloads, and rotors that have an axis; others, as they turn in place, add to M alone.
-        executor, threads: as for `inverse_dynamics`.
+    It is (..., n, n) [kg m^2/s and the like], with the scene's payloads and rotors that have an axis; others, as they
+    turn in place, add to M alone.
 
-    Returns:
-        (..., n, n) kg m^2/s and the like.
-
-    Raises:
-        InputError: a shape that does not fit the model.
+    Args, errors: as for `inverse_dynamics`.
 
     Accuracy: 1e-14 of the largest entry of C for chains of up to 100 bodies.
     """

@@ -94,12 +94,10 @@ def momenta(
     with a link.
 
     Args:
-        model: of `robodyn.load`.
-        q, qd: (..., nq) and (..., n), as for `inverse_dynamics`.
         about: "origin" of the frame, "com", or (3,) the coordinates of a point in the frame [m].
         frame: "ground", whose axes gravity is given in, or the name of a link.
         scene: its payloads and rotors count, in L those with an axis; gravity and springs make the potential energy.
-        executor, threads: as for `inverse_dynamics`.
+        model, q, qd, executor, threads: as for `inverse_dynamics`.
 
     Raises:
         InputError: a shape that does not fit, no such frame or point, or a robot without mass.

@@ -78,11 +78,7 @@ def regressor(
     and `rotor`, the inertia of its rotor times the square of the gear [kg m^2], with its gyroscopic moments where the
     scene says its axis; and the same of each coupled motor.
 
-    Args:
-        model, q, qd, qdd, scene, columns, executor, threads: as for `inverse_dynamics`.
-
-    Raises:
-        InputError: as `inverse_dynamics`.
+    Args, errors: as for `inverse_dynamics`.
 
     Accuracy: `Y theta + rest` within 1e-13 of the largest product of an entry of Y and its parameter.
     """

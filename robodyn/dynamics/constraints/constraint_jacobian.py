@@ -95,14 +95,8 @@ def normal_of(contact: Contact, scene: Scene) -> Floats:
 
 
 class LoopJacobian(NamedTuple):
-    """At N samples, for m equations of L loops.
-
-    Attributes:
-        J: (N, m, n) rates of the equations by the robot's rates, as `torques` are dual to them.
-        error: (N, m) phi [m or rad].
-        moments: (N, m, 3) on the link about its point for a multiplier of 1, in the axes of the other.
-        gaps: (N, L, 3) the link's point from the other's, in the axes of the other [m].
-    """
+    """At N samples, for m equations of L loops: J (N, m, n), phi (N, m) [m or rad], moments (N, m, 3) on the link about
+    its point for a multiplier of 1, and gaps (N, L, 3) of its point from the other's [m], both in the other's axes."""
 
     J: Floats
     error: Floats

@@ -118,11 +118,6 @@ def touching(
     With AUTO each point by itself touches where it is at most `height` above the plane `normal . p = level` and slower
     than `speed`; otherwise a contact touches with all of its points.
 
-    Args:
-        q, qd: (N, nq), (N, n).
-        time: (N,) s; None where there is none.
-        columns: (N,) by name.
-
     Raises:
         InputError: intervals of time and no time, or a column that is missing.
     """
@@ -221,14 +216,9 @@ class ConstraintSolver:
         return [slice(start, start + PIECE) for start in range(0, samples, PIECE)]
 
     def solve(self, q: Floats, qd: Floats, tau: Floats, touching: Mask) -> Found:
-        """Return constraint forces and torques.
+        """Return x and tau_a of `S_a tau_a + J^T x = tau`, the torques (N, n) of the open tree; N is at most PIECE.
 
-        `S_a tau_a + J^T x = tau`, see `torque_distribution` for loops and `contact_forces` for contacts.
-
-        Args:
-            q, qd: (N, nq), (N, n), N at most PIECE.
-            tau: (N, n) of the open tree.
-            touching: (N, K) points that touch.
+        See `torque_distribution` for loops and `contact_forces` for contacts; touching: (N, K) points that touch.
         """
         plan, samples = self.plan, len(q)
         loops, contacts = loop_jacobian(plan, q, self.executor), contact_jacobian(plan, q, qd, self.executor)

@@ -32,7 +32,6 @@ class Structure:
     With A = J_P^T (p, m), N a basis of the null space of A, B = J_A^T N:
 
     Attributes:
-        passive: (n,) rates that nothing drives.
         equation_scale, rate_scale: (m,), (n,) of powers of two; diag(equation_scale) J diag(rate_scale) is
             equilibrated, so that units and the size of a robot decide nothing.
         largest: singular value of the equilibrated J; none: smaller ones count as none, relative to it.
@@ -71,16 +70,13 @@ class Structure:
 def structure(J: Floats, passive: Mask, noise: float = 0.0) -> Structure:
     """Return what constraints determine along a motion.
 
-    Method: singular values of the equilibrated J, A and B (LAPACK's gesdd); ranks are the largest of all samples.
+    Ranks are the largest of all samples, singular values of the equilibrated J, A and B below 1e-8 of the largest, or
+    10 times the noise, taken for none.
 
     Args:
         J: (k, m, n) at reference samples, spread over the motion: up to about 16 will do.
-        passive: (n,) rates that nothing drives.
         noise: relative error of J's entries, as of loops that are open by this part of the robot's size: equations that
             others imply on closed loops are then taken for implied.
-
-    Accuracy: ranks are those of the equilibrated matrices, singular values below 1e-8 of the largest, or 10 times the
-    noise, taken for none.
     """
     none = max(NONE, NOISY * noise)
     J, passive = np.asarray(J, dtype=float), np.asarray(passive, dtype=bool)
@@ -180,9 +176,6 @@ class RankChanges:
         Along a smooth motion A = U S V^T has smooth singular values that may change their sign: from a sample to the
         next one, A_2, the eigenvalues of S^-1 U^T A_2 V are near 1 but for those, which become negative. That takes a
         change of A of at least the smallest of them, so that few pairs are looked at.
-
-        Args:
-            A: (N, p, m), equilibrated. decomposition: U, S and V^T.
         """
         found, r = np.full(len(A), np.nan), self.rank
         all_of: tuple[Floats, ...] = (A, *decomposition)
@@ -210,11 +203,9 @@ LOST = 1e-6
 
 
 class TorqueDistribution(NamedTuple):
-    """For N samples.
+    """For N samples: multipliers (N, m), torques (N, a) of the actuated rates, and
 
     Attributes:
-        multipliers: (N, m) forces along the equations: they add J^T multipliers to the torques of the drives.
-        torques: (N, a) of the actuated rates.
         unbalanced: (N, p) generalised forces that the motion needs at passive rates and that nothing gives.
         smallest: (N,) the rank-th singular value of the equilibrated A, relative to `Structure.largest`; 1 for rank 0.
         singular: (N,) where the rank of A or of B drops. What is lost there carries nothing, and nothing is chosen:
@@ -245,10 +236,7 @@ def torque_distribution(found: Structure, J: Floats, tau: Floats, weights: Float
     the rank drops, and tell where.
 
     Args:
-        found: of this motion.
-        J: (N, m, n), the constraints' J qd = 0.
-        tau: (N, n) of the robot without them.
-        weights: (a,) of the actuated torques' squares, all > 0.
+        J: (N, m, n), tau: (N, n) of the robot without constraints, weights: (a,) of the torques' squares, all > 0.
 
     Accuracy: 2000 eps of the largest torque where the equilibrated A, B and the weights' square roots have conditions
     of at most 10, and in proportion to these.

@@ -121,15 +121,11 @@ def centre_of_pressure(points: Floats, normal: Floats, forces: Floats) -> tuple[
     projected along the normal.
 
     Args:
-        points: (N, K, 3) m, in any axes.
-        normal: (N, 3) or (3,), of length 1.
-        forces: (N, K, 3) N, at the points.
+        points, forces: (N, K, 3) m and N, in any axes; normal: (N, 3) or (3,), of length 1.
 
     Returns:
         (N, 3) m; and (N,) m, of the nearest of the lines through the polygon's edges, negative beyond one. They are not
         numbers where the contact does not press, nor is the distance where there are fewer than three points.
-
-    Accuracy: 1e-13 of the size of the polygon where forces press alike.
     """
     N, K, _ = points.shape
     normal = np.broadcast_to(normal, (N, 3))
@@ -166,14 +162,7 @@ def _margin(corners: Floats, place: Floats) -> Floats:
 def friction_used(forces: Floats, normal: Floats, friction: float) -> Floats:
     """Return sum |f_t| / (mu sum f_n) over the points of a contact: 1 is all that there is, at all of its points.
 
-    Where nothing presses it is not a number.
-
-    Args:
-        forces: (..., K, 3) N, at the points.
-        normal: (3,), of length 1.
-        friction: mu; where it is 0, the result is 0 or infinite.
-
-    Accuracy: 1e-15 relative where no point pulls.
+    Where nothing presses it is not a number; where mu is 0 it is 0 or infinite. forces: (..., K, 3), normal: (3,).
     """
     press = einsum("...i,i->...", forces, normal)
     across = forces - press[..., None] * normal

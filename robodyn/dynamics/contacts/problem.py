@@ -15,14 +15,8 @@ Flags = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class TorqueTerms:
-    """Torques tau = tau0 - T f - S x of joints: their cost 1/2 sum w tau^2, and their limits.
-
-    Attributes:
-        tau0: (N, m) N m.
-        T: (N, m, 3 K).
-        weights: (m,), not negative.
-        limits: (m,) N m, infinite where there is none; None: none at all.
-    """
+    """Torques tau = tau0 - T f - S x of m joints: their cost 1/2 sum w tau^2, and their limits (m,), which may be
+    infinite; T is (N, m, 3 K)."""
 
     tau0: Floats
     T: Floats

@@ -122,13 +122,8 @@ FEW = 1e-6
 
 
 class Lost(NamedTuple):
-    """Where the branch ends.
-
-    Attributes:
-        row: of the block, which is not reached.
-        place: (nq,) the last that is.
-        singular: whether the coordinates that follow depend on each other there.
-    """
+    """Where the branch ends: the row that is not reached, the last place (nq,) that is, and whether the coordinates
+    that follow depend on each other there."""
 
     row: int
     place: Floats
@@ -191,10 +186,8 @@ class Branch:
         """Fill in what follows, from sample to sample; return where that ends, None where it does not.
 
         Each step takes the samples up to LONGEST away: those on the tangent at the last place, bent as its curvature
-        says, are near enough for Newton's method to lead nowhere else; else the step is halved.
-
-        Args:
-            place: (nq,) on the loops, where the motion comes from. q: (N, nq).
+        says, are near enough for Newton's method to lead nowhere else; else the step is halved. The motion comes from
+        `place` (nq,), which is on the loops.
         """
         reached = np.concatenate(((0.0,), np.cumsum(self._length(self._between(q[:-1], q[1:])))))
         k, steps, longest, J = 0, 0, LONGEST, self.equations.places(place[None])[1][0]
@@ -366,9 +359,6 @@ def begin(branch: Branch, q: Floats, where: str) -> tuple[Floats, list[str]]:
     It is that to which the given coordinates lead from where a simulation of the scene begins, in a straight line; else
     the one nearest to this. Those within the joints' limits come first. Initial positions of the scene that are columns
     count as nothing said.
-
-    Args:
-        q: (nq,), of which given coordinates count. where: row and time, as messages have them.
 
     Raises:
         TrajectoryError: too little is given, the loops do not close, or what follows depends on each other there.

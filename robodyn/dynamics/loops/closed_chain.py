@@ -210,13 +210,9 @@ class ClosedChain:
             )
 
     def solver(self, sample: Sample, terms: Terms, J: Sequence[dict[int, Scalar]], softness: float) -> Solver:
-        """Return what solves `M a - J^T lambda = f`, `J a = b` at a sample.
+        """Return what solves `M a - J^T lambda = f`, `J a = b` at a sample; InputError if nothing resists a joint.
 
-        Args:
-            softness: singular values of C^-1 J^T that are smaller than this part of the largest count for less.
-
-        Raises:
-            InputError: nothing resists a joint.
+        Singular values of C^-1 J^T that are smaller than a part `softness` of the largest count for less.
         """
         root = self._root(sample, terms)
         rows = [dict(enumerate(row)) for row in zip(*self._columns(root, J), strict=True)]
@@ -234,10 +230,7 @@ class ClosedChain:
     def accelerations(self, sample: Sample, terms: Terms, tau: Sequence[Scalar]) -> tuple[list[Scalar], list[Scalar]]:
         """qdd, and lambda by equation. Errors decay at the Baumgarte rate b: `J qdd = -J' qd - 2 b phi' - b^2 phi`.
 
-        Args:
-            sample: of this model; its qdd are zero.
-            terms: without acceleration.
-            tau: n scalars.
+        The sample is of this model, and has no accelerations, nor have the terms.
         """
         b, here = self.scene.baumgarte, self.equations(sample)
         free = [torque - other for torque, other in zip(tau, loads(sample, terms).tau, strict=True)]

@@ -37,13 +37,8 @@ _INVERSE = tuple(abs(b) / factorial(2 * k) for k, b in enumerate(_BERNOULLI, 1))
 
 
 def moved(model: Model, q: Sequence[Scalar], u: Sequence[Scalar]) -> list[Scalar]:
-    """q after the displacement u: sums, and `h exp(u)` for the quaternion h of a floating joint.
-
-    Args:
-        q: nq scalars; u: n.
-
-    Accuracy: 4 eps for turns of up to 1 rad.
-    """
+    """q after the displacement u: sums, and `h exp(u)` for the quaternion h of a floating joint, to 4 eps for turns of
+    up to 1 rad."""
     out = list(q)
     for joint in model.independent:
         k, i = joint.coordinate, joint.rate
@@ -99,12 +94,8 @@ def _series(coefficients: Sequence[float], x: Scalar) -> Scalar:
 class Equation(NamedTuple):
     """`D . d + sum_ij E_ij B_ij = 0` for the point at d and the axes B of the link, both in the axes of the other.
 
-    Being linear in d and B it gives its rates from theirs: `D . v + E : [w] B`, and so on.
-
-    Attributes:
-        D, E: (3,), (3, 3).
-        unit: "m" or "rad".
-        about: what it holds, in a few words.
+    Being linear in d and B it gives its rates from theirs: `D . v + E : [w] B`, and so on. `unit` is "m" or "rad",
+    `about` what it holds, in a few words.
     """
 
     D: Floats
@@ -252,9 +243,6 @@ class Closure:
         `v = R^T (v_a - v_b)` and `a = R^T (a_a - a_b - 2 w_b x (v_a - v_b))` for the point of the link, with the
         velocity and the acceleration that the other would have there; a joint adds `axis x r` to the one or takes it
         from the other.
-
-        Args:
-            model: its axes are any; motions: of each body relative to its parent.
         """
         a, b = (self._outward(chain, motions) for chain in self.chains)
         link, to = a[-1], b[-1]

@@ -133,12 +133,7 @@ BACK = 1e-4
 
 
 class Whole(NamedTuple):
-    """Samples with all coordinates.
-
-    Attributes:
-        q: (N, nq). qd, qdd: (N, n).
-        bars: for each that was given, (N, n) of all coordinates.
-    """
+    """Samples with all coordinates; `bars` for each that was given, (N, n) of all coordinates."""
 
     q: Floats
     qd: Floats
@@ -147,11 +142,7 @@ class Whole(NamedTuple):
 
 
 class Follow:
-    """Completes a motion, block after block: what is not given follows from the loops.
-
-    Attributes:
-        branch: what follows of what.
-    """
+    """Completes a motion, block after block: what is not given follows from the loops."""
 
     def __init__(self, plan: Plan, followed: Sequence[str] = (), file: str | None = None) -> None:
         """

@@ -27,12 +27,7 @@ def at_parent(A: Array, turns: tuple[Turn, Turn, Turn], p: Array) -> Array:
     """Return the same inertia in the axes and about the origin of the parent.
 
     With `R = Rz Rx Rz` made of the three turns: I, H and M become `R I R^T` and so on, then `H' = H + [p] M` and
-    `I' = I + [p] H'^T + ([p] H^T)^T`.
-
-    Args:
-        A: (6, 6) symmetric.
-        turns: about the parent's z, the new x, the new z.
-        p: (3,) the origin from the parent's, in the parent's axes [m].
+    `I' = I + [p] H'^T + ([p] H^T)^T`, p being the origin from the parent's in the parent's axes.
     """
     outer, middle, inner = turns
     I, H, M = (

@@ -39,13 +39,7 @@ class Root:
     """A = C C^T with `C = L sqrt(D)`, in a given order of unknowns."""
 
     def __init__(self, entries: Entries, order: Sequence[int], names: Sequence[str]) -> None:
-        """
-        Args:
-            entries: of A; order: of all its unknowns; names: of these.
-
-        Raises:
-            InputError: a pivot is exactly zero, or a float that is not positive.
-        """
+        """Raise InputError if a pivot is exactly zero, or a float that is not positive; `names` are of the unknowns."""
         rows: dict[int, dict[int, Scalar]] = {unknown: {} for unknown in order}
         for (i, j), value in entries.items():
             rows[i][j] = rows[j][i] = value
@@ -94,17 +88,8 @@ def composite_body(
     Inward, the bodies that a joint carries are one rigid body, A its inertia; a unit acceleration of that joint asks
     for the wrench `F = A S`, and carried on inward F has the entry `M_ij = S_j . F` along the axis of every joint met.
 
-    Source: Featherstone, *Rigid Body Dynamics Algorithms* (2008), table 6.2.
-
-    Args:
-        model: of `aligned`.
-        motions, inertias: of each body.
-        rotors: what rotors add, by coordinates i <= j [kg m^2 or kg].
-
-    Returns:
-        A floating joint's entries are along its body's axes.
-
-    Accuracy: 1e-14 of the largest entry.
+    Source: Featherstone, *Rigid Body Dynamics Algorithms* (2008), table 6.2. The model is of `aligned`; a floating
+    joint's entries are along its body's axes. Accuracy: 1e-14 of the largest entry.
     """
     A: list[Array] = [articulated(body) for body in inertias]
     entries: Entries = {pair: rotor for pair, rotor in rotors.items() if not known_zero(rotor)}

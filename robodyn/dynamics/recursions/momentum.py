@@ -15,11 +15,7 @@ from robodyn.solids.inertia.laws import Inertia
 def dual_state(
     model: Model, q: Sequence[Scalar], qd: Sequence[Scalar], qdd: Sequence[Scalar]
 ) -> tuple[list[Dual], list[Dual]]:
-    """q and qd as duals whose rates are those of the motion.
-
-    Args:
-        q: nq scalars; qd, qdd: n scalars.
-    """
+    """q and qd as duals whose rates are those of the motion."""
     position = [Dual(x, rate) for x, rate in zip(q, position_rates(model, q, qd), strict=True)]
     return position, [Dual(x, rate) for x, rate in zip(qd, qdd, strict=True)]
 
