@@ -230,6 +230,11 @@ MUTATIONS = {
             "self.torque.update(time, row, size, value=tau, speed=qd)",
             "self.torque.update(time, row, tau, value=tau, speed=qd)",
         ),
+        (
+            "loads/statistics.py",
+            "steady(score[columns, at]) > steady(self.score)",
+            "steady(score[columns, at]) >= steady(self.score)",
+        ),
     ],
     "loads/test_self_checks.py": [
         (
@@ -374,13 +379,6 @@ MUTATIONS = {
         ("loads/motors.py", "carried * carried * carried * np.abs(qd)", "carried * carried * carried"),
         ("loads/motors.py", "size / np.maximum(peak, self.least)", "size - peak"),
         ("loads/sizing.py", "torque_runner(self.model, self.scene, rates)", "torque_runner(self.model, self.scene)"),
-    ],
-    "loads/test_sizing_blocks.py": [
-        (
-            "loads/statistics.py",
-            "steady(score[columns, at]) > steady(self.score)",
-            "steady(score[columns, at]) >= steady(self.score)",
-        ),
     ],
     "programs/test_folding.py": [
         ("programs/scalar.py", "self - other.a", "self + other.a"),

@@ -38,7 +38,7 @@ def moves(time, long):
 
 @pytest.mark.parametrize("name", ROBOT_JOINTS)
 @pytest.mark.parametrize("scene", SCENES)
-@pytest.mark.parametrize("digits", [6, 9, 15])
+@pytest.mark.parametrize("digits", [6, pytest.param(9, marks=pytest.mark.slow), 15])
 def test_friction_and_losses_of_a_dwell(name: str, scene: str, digits: int) -> None:
     model = load(str(ROBOTS / f"{name}.urdf"))
     names = [joint.name for joint in model.independent]

@@ -98,12 +98,6 @@ def applied_wrenches(effects: tuple[Effect, ...], sample: Sample, scene: Scene) 
     return out
 
 
-def torques_at_joints(effects: tuple[Effect, ...], sample: Sample, scene: Scene) -> dict[str, Mapping[int, float]]:
-    """By effect and body, the torque that the effect asks of the actuator at the body's joint."""
-    found = {effect.name: effect.add(at_rest(sample), sample, scene).at_joint for effect in effects}
-    return {name: torques for name, torques in found.items() if torques}
-
-
 def cut(i: int, model: Model, wrench: Wrench, torques: Mapping[str, Mapping[int, float]]) -> JointRow:
     """Return the wrench at the joint of body i, taken apart."""
     joint, parent, (f, n) = model.bodies[i].joint, model.parents[i], wrench
@@ -185,7 +179,7 @@ def free_bodies(
     terms = applied(a_plan.effects, sample, scene)
     joints = motions(model, sample.q, terms.qd, terms.qdd)
     wrenches = narrowed_all(newton_euler(model.parents, joints, terms.inertias, terms.gravity, terms.wrenches))
-    torques = torques_at_joints(a_plan.effects, sample, scene)
+    torques = {effect.name: effect.add(at_rest(sample), sample, scene).at_joint for effect in a_plan.effects}
     cuts = [cut(i, model, wrench, torques) for i, wrench in enumerate(wrenches)]
     around = applied_wrenches(a_plan.effects, sample, scene)
     bodies = tuple(_cut_free(model, terms, joints, cuts, around))
