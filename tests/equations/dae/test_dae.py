@@ -58,7 +58,7 @@ def test_scara_in_closed_form():
 
 
 @pytest.mark.parametrize("free", [False, True])
-@pytest.mark.parametrize("name", sampled(OWN, 8))
+@pytest.mark.parametrize("name", sampled(OWN, 3))
 def test_both_forms_agree_on_robots(name, free):
     model = robot(name, free)
     if not model.n:
