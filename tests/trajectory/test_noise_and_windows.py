@@ -149,17 +149,6 @@ def test_encoder_of_17_bits_at_1_khz() -> None:
     assert joint.noise == pytest.approx(joint.quantum / np.sqrt(12), rel=0.25)
 
 
-def test_six_decimals_at_1_khz() -> None:
-    time = np.arange(2000) / 1000
-    q = np.round(np.sin(2 * np.pi * time), 6)
-    result, joint = derive(time, q)
-    truth = -4 * np.pi**2 * np.sin(2 * np.pi * time)
-    raw = derive(time, q, "central")[0].qdd[:, 0] - truth
-    assert 1.2 < np.abs(raw[10:-10]).max() < 2.1
-    assert np.abs(result.qdd[:, 0] - truth)[40:-40].max() < 0.01
-    assert joint.noise == pytest.approx(1e-6 / np.sqrt(12), rel=0.1)
-
-
 def test_harmless_noise_is_not_smoothed() -> None:
     """Six decimals at 100 Hz: 0.02 rad/s^2 of 39; said, but left alone."""
     time = np.arange(200) / 100

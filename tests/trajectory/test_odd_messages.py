@@ -117,28 +117,15 @@ def test_what_is_said(text: str, words: str, tmp_path: Path) -> None:
     assert words in outcome.err, outcome.err
 
 
-@pytest.mark.parametrize(
-    ("text", "value"),
-    [
-        ("1", 1),
-        ("-0.5e-3", -0.5e-3),
-        ("1e-05", 1e-05),
-        ("1.", 1.0),
-        (".inf", float("inf")),
-        ("-.Inf", float("-inf")),
-        ("~", None),
-        ("yes", "yes"),
-        ("'5'", "5"),
-        ("!!str 5", "5"),
-        ("12:30", "12:30"),
-        ("2001-12-14", "2001-12-14"),
-        ("1_000", "1_000"),
-        ("0x10", "0x10"),
-        ("[1, [2, {a: b}]]", [1, [2, {"a": "b"}]]),
-    ],
-)
-def test_values_of_yaml(text: str, value: Any) -> None:
-    assert yaml_documents(f"a: {text}\n".encode(), "f") == [{"a": value}]
+YAML = {
+    **{"1": 1, "-0.5e-3": -0.5e-3, "1e-05": 1e-05, "1.": 1.0, ".inf": float("inf"), "-.Inf": float("-inf")},
+    **{"~": None, "'5'": "5", "!!str 5": "5", "[1, [2, {a: b}]]": [1, [2, {"a": "b"}]]},
+    **{text: text for text in ("yes", "12:30", "2001-12-14", "1_000", "0x10")},
+}
+
+
+def test_values_of_yaml() -> None:
+    assert yaml_documents("".join(f"- {text}\n" for text in YAML).encode(), "f") == [[*YAML.values()]]
 
 
 def test_documents_of_yaml() -> None:

@@ -47,20 +47,13 @@ def read(folder: Path, content: str | bytes, signals: Signals = ARM, name: str =
 @pytest.mark.parametrize(
     "content",
     [
-        text(numbers()),
+        *(text(numbers(), mark=mark) for mark in (",", ";", "\t", " ", "   ", " , ")),
         text(numbers(), end="\r\n"),
-        text(numbers(), mark=";"),
-        text(numbers(), mark="\t"),
-        text(numbers(), mark=" "),
-        text(numbers(), mark="   "),
         text(numbers()).rstrip("\n"),
         text(numbers()).replace("\n", "\n\n"),
         text(numbers()) + "\n \n\r\n",
-        text(numbers(), mark=" , "),
-        "\ufeff" + text(numbers()),
-        "# " + text(numbers()),
+        *(before + text(numbers()) for before in ("\ufeff", "# ", "\n\n")),
         text(numbers(), '"time","q_a","q_b","qd_a","qd_b","qdd_a","qdd_b"'),
-        "\n\n" + text(numbers()),
     ],
     ids=range(14),
 )
