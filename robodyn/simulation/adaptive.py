@@ -108,11 +108,7 @@ class AdaptiveSteps:
         return found.values.T.reshape(y.shape)
 
     def __call__(self, begin: float, y: Floats, end: float) -> Iterator[Any]:
-        """Yield the solver after each step from a state to a time, between which no row of a table lies.
-
-        Raises:
-            InputError: the method gives up.
-        """
+        """Yield the solver after each step to a time before which no row of a table lies; raises if it gives up."""
         with np.errstate(all="ignore"):
             solver = self.solver(partial(self.rates, 0.5 * (begin + end)), begin, y, end, **self.options)
         try:

@@ -112,11 +112,7 @@ class Equations:
     def accelerations(
         self, q: Sequence[Scalar], qd: Sequence[Scalar], given: Given, effects: Sequence[Effect] | None = None
     ) -> tuple[list[Scalar], Scalar]:
-        """qdd and the power that the drives and the surroundings give the robot [W].
-
-        Args:
-            effects: those of the plan if None.
-        """
+        """qdd and the power that the drives and the surroundings give the robot [W]; effects of the plan if None."""
         sample = self.sample(self._aligned, q, qd, given)
         terms = applied(self.plan.effects if effects is None else effects, sample, self.scene)
         tau = self.drives(q, qd, given)
@@ -224,11 +220,7 @@ def is_free(model: Model, scene: Scene) -> bool:
 
 
 def check_applies(plan: Plan, method: Method) -> None:
-    """Raise if a method conserves what does not stay: momenta of a robot that is not free, or energy by a leapfrog.
-
-    Raises:
-        InputError: it does; it names the effects by which accelerations depend on speeds.
-    """
+    """Raise if a method keeps momenta of a robot that is not free, or leaps where accelerations depend on speeds."""
     scene = plan.scene
     if method.keeps_momenta and not is_free(plan.model, scene):
         what = f"{method.name} does not apply: the momenta of a robot that is held or pushed from outside change"

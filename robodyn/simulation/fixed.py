@@ -59,13 +59,7 @@ class FixedSteps:
     """A method with steps of one length, ready to run on one robot in one scene."""
 
     def __init__(self, plan: Plan, method: Method, executor: str, steps: int, signal: Signal) -> None:
-        """
-        Args:
-            steps: about how many will be done.
-
-        Raises:
-            InputError: the compiled executor cannot run.
-        """
+        """Args: steps: about how many will be done."""
         self.method, self.width, self.signal = method, plan.model.nq + plan.model.n + 2, signal
         self.run = stepper(plan, method, executor, steps)
         self._sweeps, self._most = 0, inf
@@ -172,11 +166,7 @@ def _compiled(plan: Plan, method: Method, lanes: int) -> CompiledSteps:
 
 
 def stepper(plan: Plan, method: Method, executor: str, steps: int, lanes: int = SINGLE) -> CompiledSteps | NumpySteps:
-    """The programs of a step, made ready by the executor that is asked for or is quicker for so many steps.
-
-    Raises:
-        InputError: no such executor, or the compiled one cannot run here.
-    """
+    """A step made ready by the executor that is asked for, or is quicker for so many steps; raises if it cannot run."""
     if executor not in EXECUTORS:
         raise InputError(f"there is no executor {executor!r}", remedy=alternatives(executor, EXECUTORS, "executors"))
     made = _steps(plan, method)

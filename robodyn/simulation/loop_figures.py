@@ -91,11 +91,7 @@ class LoopFigures:
 
 
 def loop_figures(plan: Plan, motion: Motion, executor: str, signal: Signal, projected: bool) -> LoopFigures | None:
-    """The figures of a motion; None where the scene has no loops.
-
-    Args:
-        projected: whether its steps end with a projection where no Baumgarte rate is given.
-    """
+    """The figures of a motion, `projected` by steps without a Baumgarte rate; None where the scene has no loops."""
     if not plan.scene.loops:
         return None
     chain, count, n = independent_equations(plan), len(plan.scene.loops), plan.model.n
@@ -140,11 +136,7 @@ def loop_program(equations: Equations, tape: Tape) -> Iterable[Scalar]:
 
 
 def check_closed(plan: Plan, q: Floats, qd: Floats) -> None:
-    """Raise if a state of q (N, nq) and qd (N, n) is not on the loops.
-
-    Raises:
-        InputError: the first row that is not, with its error.
-    """
+    """Raise if a state of q (N, nq) and qd (N, n) is not on the loops, with the first row that is not and its error."""
     chain = independent_equations(plan)
 
     def outputs(tape: Tape) -> Iterable[Scalar]:

@@ -109,11 +109,7 @@ CHECKING: tuple[Method, ...] = (
 
 
 def method_named(name: str) -> Method:
-    """The method of this name.
-
-    Raises:
-        InputError: there is none.
-    """
+    """The method of this name; raises if there is none."""
     found = {method.name: method for method in (*METHODS, *CHECKING)}
     if name not in found:
         known = tuple(method.name for method in METHODS)
@@ -155,11 +151,7 @@ class MethodOptions(NamedTuple):
 
 
 def choose_method(step: float | None, rtol: float | None, name: str | None) -> MethodOptions:
-    """The method of this name with this step or tolerance, or with the usual ones.
-
-    Raises:
-        InputError: there is no such method, or it has no use for what is given.
-    """
+    """The method of this name with this step or tolerance, or with the usual ones; raises if it has no use for them."""
     method = method_named(name or ("rk4" if rtol is None else "dop853"))
     if method.adaptive and step is not None:
         raise InputError(f"{method.name} chooses its own steps", remedy="give --rtol instead of --step")

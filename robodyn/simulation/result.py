@@ -46,6 +46,10 @@ class Figures:
     linear: Floats
     angular: Floats
 
+    def drift(self, work: Floats) -> float:
+        """max |E - E_0 - work| [J]."""
+        return float(np.abs(self.energy - self.energy[0] - (work - work[0])).max())
+
 
 @dataclass(frozen=True)
 class JointUse:
@@ -155,7 +159,7 @@ class Simulation:
     @property
     def energy_drift(self) -> float:
         """max |E - E_0 - work| over the motion [J]."""
-        return energy_drift(self.figures.energy, self.work)
+        return self.figures.drift(self.work)
 
     @property
     def free(self) -> bool:
@@ -188,11 +192,6 @@ class Simulation:
         """(N, k) in the order of `names`, which `robodyn torques` reads."""
         loops = [self.loops.wrenches.reshape(len(self.time), -1)] if self.loops else []
         return np.hstack((self.q, self.qd, self.qdd, self.tau[:, self.driven], *loops))
-
-
-def energy_drift(energy: Floats, work: Floats) -> float:
-    """max |E - E_0 - work| of N records [J]."""
-    return float(np.abs(energy - energy[0] - (work - work[0])).max())
 
 
 class Held(NamedTuple):

@@ -141,11 +141,7 @@ def simulate(
 
 
 def start_of(a_plan: Plan) -> Floats:
-    """(width,) the state in which a motion begins, its loops closed.
-
-    Raises:
-        InputError: they cannot be.
-    """
+    """(width,) the state in which a motion begins, its loops closed; raises if they cannot be."""
     state = initial_state(a_plan.model, a_plan.scene)
     return closed_start(a_plan, state) if a_plan.scene.loops else state
 

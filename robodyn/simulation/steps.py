@@ -77,7 +77,6 @@ class Steps:
         return state._replace(step=tape.input(COLUMNS, self.columns - 1)) if self.columns else state
 
     def _curves(self, tape: Tape) -> list[Given]:
-        """The table's curves at each stage."""
         moments = self.method.moments
         return [self.equations.given(tape, moments.index(node)) for node in self.method.nodes]
 
@@ -111,7 +110,6 @@ class Steps:
         return [*unit(equations.model, moved(equations.model, state.q, u)), *qd, state.work + h * power, h]
 
     def _end(self, state: State, stages: Sequence[Rates]) -> list[Scalar]:
-        """The state after the step."""
         h, b, model = state.step, self.method.b, self.equations.model
         gains = _sums(b, [K.qd for K in stages], model.n)
         qd = [x + h * gain for x, gain in zip(state.qd, gains, strict=True)]

@@ -12,7 +12,7 @@ from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.simulation.fixed import SHORTER, Motion
 from robodyn.simulation.methods import MethodOptions, TooMuchError, method_named
-from robodyn.simulation.result import Figures, energy_drift
+from robodyn.simulation.result import Figures
 from robodyn.simulation.stiffness import Stiffest, reach, rounded, stiffest
 from robodyn.support.caveats import Caveat
 from robodyn.support.floats import Floats
@@ -41,7 +41,7 @@ class Balanced(NamedTuple):
     @property
     def off(self) -> float:
         """max |E - E_0 - work| [J]."""
-        return energy_drift(self.figures.energy, self.motion.states[:, -2])
+        return self.figures.drift(self.motion.states[:, -2])
 
     @property
     def share(self) -> float:
@@ -151,14 +151,7 @@ def _when(fastest: Stiffest, since: float) -> str:
 def _instead(
     a_plan: Plan, chosen: Chosen, error: InputError, fastest: Stiffest | None, duration: float, free: Free, most: float
 ) -> Chosen:
-    """Radau's method after another failed, or that other without a bound where nothing stiff held it up.
-
-    Args:
-        most: evaluations that the caller allows.
-
-    Raises:
-        InputError: the caller wants the other, or that is not why it failed.
-    """
+    """Radau's after another failed, or that without a bound if nothing stiff held it up; raises if neither helps."""
     options = chosen.options
     if isinstance(error, TooMuchError) and free.method and options.most < most:
         here = stiffest(a_plan, error.state[: a_plan.model.nq])

@@ -120,10 +120,7 @@ class Signal:
     """
 
     def __init__(self, scene: Scene, model: Model, table: Table | None) -> None:
-        """
-        Raises:
-            SceneError: the scene names columns and there is no table, or one without rows between which to be.
-        """
+        """Raises where the scene names columns and there is no table, or one without rows between which to be."""
         self.curves, self.table, self.held = curves(scene), table, scene.between_rows == "hold"
         self.scene, self.source = scene, None
         self._smooth = tuple(dict.fromkeys(curve.column for curve in self.curves if curve.kind != LOAD))
@@ -245,11 +242,7 @@ class Piece(NamedTuple):
 
 
 def pieces(rows: Floats, h: float, count: int, size: int) -> Iterator[Piece]:
-    """Yield `count` whole steps of length h from time 0 on, divided at the rows, at most `size` steps at a time.
-
-    Args:
-        rows: (N,) s, increasing.
-    """
+    """Yield `count` whole steps of length h from 0 on, divided at increasing rows [s], `size` steps at a time."""
     nearest = np.rint(rows / h)
     apart = np.abs(rows - nearest * h) > NEAR * rows
     inner, outer = rows[apart], nearest[~apart].astype(np.int64)

@@ -150,7 +150,6 @@ def join(parts: list[Trajectory]) -> Trajectory:
 
 
 def _joined(known: list[Sampling]) -> Sampling:
-    """How far all parts can be trusted."""
     others = [each.other for each in known if each.other is not None]
     other = None
     if len(others) == len(known):

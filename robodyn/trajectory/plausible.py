@@ -45,11 +45,7 @@ coarse samples of fast swings they may be anything); of so many steps at least."
 
 
 def refuse_units(caveats: Sequence[Caveat], file: str | None) -> None:
-    """Raise where numbers can hardly be in the units that they are taken in, as caveats about a table say.
-
-    Raises:
-        TrajectoryError: with what is seen, and the options that say what is meant.
-    """
+    """Raise where caveats say that numbers can hardly be in their units, with the options that say what is meant."""
     if said := [caveat.text for caveat in caveats if isinstance(caveat, WrongUnits)]:
         raise TrajectoryError("; ".join(said), file=file)
 

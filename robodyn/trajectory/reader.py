@@ -22,7 +22,7 @@ from robodyn.support.floats import Floats
 from robodyn.support.wording import count
 from robodyn.trajectory.columns.layout import ABSENT, Header, listing, resolve
 from robodyn.trajectory.columns.signals import Signals
-from robodyn.trajectory.derivatives.groups import anew, given, missing, samples_needed
+from robodyn.trajectory.derivatives.groups import anew, given, missing
 from robodyn.trajectory.derivatives.standstill import REACH, Standstill
 from robodyn.trajectory.motion import FEW, Derivation, Sampling, Trajectory, cut, with_neighbours
 from robodyn.trajectory.plausible import Plausibility
@@ -145,7 +145,7 @@ class TrajectoryReader:
                 self._check = against_positions(self._told, pieces, self._plan, self._encoder_error)
         still = Standstill(self._signals, self._layout, pieces, known) if self._mode != "none" else None
         halo = max(max(self._plan.halo, REACH) if self._plan else 0, self._check.halo if self._check else 0)
-        needed = max(1, samples_needed(self._groups))
+        needed = 1 + max((group.order for group in self._groups), default=0)  # one more than the highest derivative
         plausible = Plausibility(self._signals, self._layout)
         for samples, start, stop in with_neighbours(self._samples(), halo):
             if len(samples) == 1 < needed:

@@ -63,11 +63,7 @@ class Hold:
 
 
 def hold_of(given: HoldGiven | None) -> Hold:
-    """What a person gives as data.
-
-    Raises:
-        TrajectoryError: it is not understood.
-    """
+    """What a person gives as data; raises if it is not understood."""
     if isinstance(given, Mapping):
         return Hold(None, {name: _place(place) for name, place in given.items()})
     every, named = None, {}

@@ -73,11 +73,7 @@ class Header:
             seen.add(name)
 
     def renamed(self, columns: Mapping[str, str], signals: Signals, extra: Collection[str]) -> Header:
-        """The header with columns called as a person wants it: our name -> the table's.
-
-        Raises:
-            TrajectoryError: the robot does not know the one, or the table has not the other.
-        """
+        """The header with columns called as a person wants it, our name -> the table's; raises if either is unknown."""
         aliases = dict(self.aliases)
         for ours, theirs in columns.items():
             found = signals.find(ours)
@@ -241,11 +237,7 @@ def _set(header: Header, places: dict[T, int], place: T, i: int) -> None:
 
 
 def _measured(header: Header, signals: Signals, meanings: Mapping[int, Meaning]) -> dict[str, int]:
-    """`tau_<joint>` -> column, of the torques that a table gives.
-
-    Raises:
-        TrajectoryError: two columns give the same torque, or a unit is not N m (N for a slide).
-    """
+    """`tau_<joint>` -> column, of the torques that a table gives, each once and in N m (N for a slide)."""
     found: dict[str, int] = {}
     for i, (place, unit) in meanings.items():
         if place:
@@ -259,14 +251,7 @@ def _measured(header: Header, signals: Signals, meanings: Mapping[int, Meaning])
 def _unit(
     header: Header, i: int, signals: Signals, place: Place, meaning: Meaning | None, angle_unit: AngleUnit | None
 ) -> tuple[float, bool]:
-    """How many of the unit of a column make one of SI, and whether that was told.
-
-    Args:
-        angle_unit: of scalar joints whose columns do not tell, None for rad.
-
-    Raises:
-        TrajectoryError: the unit in a name is none, or not one of this quantity.
-    """
+    """How many of the unit of a column make one of SI, and whether that was told; raises if it cannot be its unit."""
     quantity, index = place
     stem = (signals.positions if quantity == "q" else signals.velocities)[index]
     kind, order = signals.kinds[stem], ("q", "qd", "qdd").index(quantity)

@@ -102,11 +102,7 @@ class Clock:
         return stamps / self.ticks if nano is None else (stamps * _NANO + nano) / _NANO
 
     def given(self, stamps: Floats, time: Floats) -> Floats | None:
-        """Stamps (N,) as the table gives them, of two columns in seconds; None if they are the `time`.
-
-        Args:
-            stamps, time: less the origin.
-        """
+        """Stamps as the table gives them, of two columns in seconds, given less the origin; None if they are `time`."""
         if self.origin:
             from decimal import Decimal
 
@@ -142,11 +138,7 @@ class Clock:
 
 
 def clocks(names: Mapping[int, str], chosen: Collection[int] = ()) -> tuple[list[Clock], set[int]]:
-    """What can tell the time by its name, only the best kind of it, and the columns of the other kinds.
-
-    Args:
-        names: of columns, by place; chosen: those that were named on purpose, which are better than all others.
-    """
+    """What can tell the time by its name, only the best kind, `chosen` ones first; and columns of other kinds."""
     ranked: list[tuple[int, Clock]] = []
     stems: dict[str, dict[bool, int]] = {}  # of seconds and nanoseconds: `header.stamp.sec`, `header.stamp.nanosec`
     for i, name in names.items():

@@ -40,11 +40,6 @@ class Group:
         return 2 if self.acceleration and self.source == "q" else 1
 
 
-def samples_needed(groups: Sequence[Group]) -> int:
-    """Samples without which the derivatives mean nothing: one more than the highest derivative."""
-    return 1 + max((group.order for group in groups), default=0)
-
-
 def source(group: Group, samples: Trajectory) -> Floats:
     """The columns to differentiate (N, c), quaternions with continuous sign."""
     values: Floats = getattr(samples, group.source)[:, group.rows]

@@ -42,11 +42,7 @@ _ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
 
 
 def resolution(quantum: float, noise: float, largest: float) -> float:
-    """Within what positions that stand still are: a step of their grid, their noise, or rounding.
-
-    Args:
-        quantum: step of the grid; noise: standard deviation; largest: magnitude.
-    """
+    """Within what positions that stand still are: a step of their grid, the noise (standard deviation), or rounding."""
     scatter = SCATTER * noise if noise > GRID * quantum else 0.0
     return max(quantum * (1.0 + 1e-6), scatter, _ROUNDING * largest)
 

@@ -78,7 +78,6 @@ def _place(name: str) -> Path:
 
 
 def _chosen(connections: Sequence[Any], topic: str | None, file: str) -> list[Any]:
-    """The connections of the topic that is meant."""
     topics: dict[str, list[Any]] = {}
     for connection in connections:
         if _kind(connection) in KINDS:

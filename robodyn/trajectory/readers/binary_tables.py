@@ -76,12 +76,7 @@ class NpzTable(ArrayTable):
 
 
 def _shape(archive: zipfile.ZipFile, info: zipfile.ZipInfo, file: str) -> tuple[int, ...]:
-    """The shape of a member, which holds as many numbers as that says.
-
-    Raises:
-        TrajectoryError: it is not a column, or matrix q, qd or qdd, of numbers.
-        ValueError: it is not what NumPy writes; also all that `zipfile` raises.
-    """
+    """The shape of a member that is a column, or matrix q, qd or qdd, and holds as many numbers as that says."""
     if info.compress_type not in _METHODS:
         raise ValueError(f"{info.filename} is compressed by a method that NumPy does not use")
     with archive.open(info) as stream:

@@ -121,7 +121,6 @@ class CsvTable(Table):
             start = end + 1
 
     def _line_at(self, offset: int) -> int:
-        """The number of the line that begins at this byte."""
         self._stream.seek(0)
         line = 1
         while offset > 0 and (data := self._stream.read(min(offset, _PART))):

@@ -103,7 +103,6 @@ def _parts(values: Any, what: str) -> list[Any]:
 
 
 def _numbers(values: Mapping[str, Any]) -> dict[str, Sequence[float]]:
-    """The quantities that are given."""
     found: dict[str, Sequence[float]] = {}
     for quantity, given in values.items():
         if isinstance(given, np.ndarray) and given.ndim == 1 and given.dtype.kind in "fiu":
@@ -149,11 +148,7 @@ KINDS: dict[str, tuple[Callable[[Any, int], list[State]], set[str]]] = {
 
 
 def states_of(kind: str, messages: Iterable[tuple[Any, int]], file: str) -> list[State]:
-    """What messages of one kind say, each given with the time of its record [ns].
-
-    Raises:
-        TrajectoryError: there are several trajectories, or something else stands where names or numbers belong.
-    """
+    """What messages of one kind say, each given with the time of its record [ns]; of trajectories there may be one."""
     messages = [*messages] if kind == TRAJECTORY else messages
     if isinstance(messages, list) and len(messages) > 1:
         what = f"has {len(messages)} trajectories of joints, each with a time of its own"
@@ -168,11 +163,7 @@ def states_of(kind: str, messages: Iterable[tuple[Any, int]], file: str) -> list
 
 
 def read_messages(name: str) -> list[State]:
-    """What a file of messages says: a trajectory, or states one after another.
-
-    Raises:
-        TrajectoryError: it cannot be read, is beyond a limit, or has no messages about joints, or of several kinds.
-    """
+    """What a file of messages of one kind says: a trajectory, or states one after another."""
     as_json = name.lower().endswith(".json")
     if not as_json:
         need("YAML files", "pyyaml", file=name)
@@ -246,11 +237,7 @@ class LogTable(ArrayTable):
         super().__init__(file, columns)
 
     def choose(self, columns: Sequence[int]) -> None:
-        """Leave out rows that are not between messages about joints of these columns.
-
-        Raises:
-            TrajectoryError: none is.
-        """
+        """Leave out rows that are not between messages about joints of these columns; raises if none is."""
         between = {name: self._between[name] for name in (self.names[i] for i in columns) if name in self._between}
         if not between:
             return
@@ -266,11 +253,7 @@ class LogTable(ArrayTable):
 
 
 def whole_joints(columns: Mapping[str, str], there: Collection[str]) -> dict[str, str]:
-    """Our names -> those of a log, with the other quantities of joints whose positions are among them.
-
-    Args:
-        there: the columns of the log.
-    """
+    """Our names -> those of a log that are `there`, with other quantities of joints whose positions are among them."""
     found = dict(columns)
     for ours, theirs in columns.items():
         if ours.startswith("q_") and theirs.startswith("q_"):

@@ -17,11 +17,7 @@ _FURTHER = re.compile(r"([-+]?)\.(inf|Inf|INF|nan|NaN|NAN)")
 
 
 def yaml_documents(text: bytes, file: str) -> list[Any]:
-    """The documents: mappings, lists, numbers, texts and None.
-
-    Raises:
-        TrajectoryError: it is no YAML, has an alias, or is beyond a limit; with the line.
-    """
+    """The documents: mappings, lists, numbers, texts and None; raises where it is no YAML or beyond a limit."""
     import yaml
 
     documents: list[Any] = []
