@@ -11,7 +11,7 @@ import numpy as np
 from robodyn.dynamics.effects.effect import Sample, Terms
 from robodyn.dynamics.plan import Plan
 from robodyn.dynamics.recursions.momentum import dual_state, momenta, momentum_of_bodies
-from robodyn.programs.dual import rate_of, value_of
+from robodyn.programs.derivative import rate_of, value_of
 from robodyn.programs.program import traced
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Array, Scalar, cross

@@ -2,7 +2,8 @@
 
 Two ways lead to the same numbers. *Forwards*, the rate of every operation along one direction follows from those of its
 operands. *Backwards*, the weight with which an operation enters one output follows from those of the operations that
-use it. Which one needs fewer operations depends on the output; see `jacobian`.
+use it. Which one needs fewer operations depends on the output; see `jacobian`. Along a motion any recursion yields the
+rates of its results on *dual* scalars, whatever these are made of.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 import operator
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
 
 from robodyn.programs.program import Program, trace
 from robodyn.programs.scalar import ADD, CONSTANT, COS, DIV, EXP, INPUT, MUL, NEG, SIGN, SIN, SQRT, SUB, Tape, Traced
@@ -194,3 +196,69 @@ def _shares(rows: Sequence[Row]) -> Counter[int]:
                 if isinstance(operand, Traced):
                     needed[operand] = needed.get(operand, 0) | needed[node]
     return shares
+
+
+class Dual:
+    """x + x' eps with eps^2 = 0: forward differentiation along the motion. Both parts are any scalar."""
+
+    __slots__ = ("rate", "value")
+
+    def __init__(self, value: Scalar, rate: Scalar) -> None:
+        self.value, self.rate = value, rate
+
+    def __neg__(self) -> Dual:
+        return Dual(-self.value, -self.rate)
+
+    def __add__(self, other: Any) -> Dual:
+        value, rate = _parts(other)
+        return Dual(self.value + value, self.rate + rate)
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Any) -> Dual:
+        value, rate = _parts(other)
+        return Dual(self.value - value, self.rate - rate)
+
+    def __rsub__(self, other: Any) -> Dual:
+        return Dual(other, 0.0) - self
+
+    def __mul__(self, other: Any) -> Dual:
+        value, rate = _parts(other)
+        return Dual(self.value * value, self.rate * value + self.value * rate)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Dual:
+        value, rate = _parts(other)
+        ratio = self.value / value
+        return Dual(ratio, (self.rate - ratio * rate) / value)
+
+    def __rtruediv__(self, other: Any) -> Dual:
+        return Dual(other, 0.0) / self
+
+    def sin(self) -> Dual:
+        return Dual(sin(self.value), self.rate * cos(self.value))
+
+    def cos(self) -> Dual:
+        return Dual(cos(self.value), -(self.rate * sin(self.value)))
+
+    def exp(self) -> Dual:
+        value = exp(self.value)
+        return Dual(value, self.rate * value)
+
+    def sign(self) -> Dual:
+        return Dual(sign(self.value), 0.0)
+
+
+def _parts(x: Any) -> tuple[Scalar, Scalar]:
+    return (x.value, x.rate) if isinstance(x, Dual) else (x, 0.0)
+
+
+def value_of(x: Any) -> Scalar:
+    """Return the value of a dual; anything else is its own value."""
+    return _parts(x)[0]
+
+
+def rate_of(x: Any) -> Scalar:
+    """Return the rate of a dual; anything else is constant."""
+    return _parts(x)[1]

@@ -5,20 +5,256 @@ and settings, which are tried from coarse to fine. Errors are relative to the la
 for rotation matrices), against power series of the solution in 77 digits. One thread each; robots are read, and machine
 code is made, before. SciPy's methods are given plain Python where the equations are short, else Pinocchio's `aba`;
 Pinocchio has no integrator: RK4 is called from Python; MuJoCo does all steps in one call.
+
+Every run returns what is compared: angles and rates of robots of hinges, the rotation matrix and the angular velocity
+in the body's axes of the free body and of the top.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+from functools import partial
+from itertools import count
+from math import cos, pi, sin
 from time import perf_counter
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+import mujoco
 import numpy as np
-from benchmarks.work_precision_systems import Run, System, mujocos, ours, pinocchios, scipys, systems
+import pinocchio as pin
+from benchmarks.pinocchio_runs import bare_description
+from helpers.example_robots import path_of
 from helpers.machine import machine
 from helpers.markdown_tables import main, table
+from helpers.oracles import ROBOTS
+from helpers.series_reference import motion_reference
+from scipy.integrate import solve_ivp
 
+import robodyn
+from robodyn.dynamics.plan import plan
 from robodyn.measure.accuracy.ladder import timed
+from robodyn.programs.vectors import rotation_from_rpy
+from robodyn.robot.model import Model
+from robodyn.scene.parts import Friction
+from robodyn.scene.scene import Scene
+from robodyn.simulation.methods import METHODS, MethodOptions
+from robodyn.simulation.simulate import integrated
+
+Run = Callable[[], Any]
+STEPS = 8
+"""Steps per second, which are doubled from there on."""
+FREE_BODY = """<mujoco><option gravity="0 0 0"/><worldbody><body><freejoint/>
+<inertial pos="0 0 0" mass="12" diaginertia="1 2 3"/></body></worldbody></mujoco>"""
+TOP = """<mujoco><option gravity="0 0 -9.81"/><worldbody><body><joint type="ball"/>
+<inertial pos="0 0 0.1" mass="1" diaginertia="0.002 0.002 0.004"/></body></worldbody></mujoco>"""
+
+
+@dataclass(frozen=True)
+class System:
+    """A motion from an initial state.
+
+    Attributes:
+        duration: s.
+        observe: what is compared, of q and qd.
+        rates: plain Python of the equations, of y = what SciPy integrates; None where Pinocchio's `aba` serves.
+        mjcf: MuJoCo's description where it cannot read ours.
+    """
+
+    name: str
+    model: Model
+    scene: Scene
+    duration: float
+    observe: Callable[[Any, Any], Any] = field(default=lambda q, qd: np.concatenate((q, qd)))
+    rates: Callable[[float, Any], Any] | None = None
+    mjcf: str = ""
+
+    @property
+    def start(self) -> tuple[Any, Any]:
+        q = dict.fromkeys(self.model.coordinates, 0.0)
+        q |= {"base_qw": 1.0} if self.model.floating else {}
+        qd = dict.fromkeys(self.model.rates, 0.0) | dict(self.scene.initial_qd)
+        return np.array(list((q | dict(self.scene.initial_q)).values())), np.array(list(qd.values()))
+
+    def reference(self) -> tuple[Any, Any, str]:
+        """What is to be observed at the end, the scale of each number, and how that is known."""
+        known = motion_reference(plan(self.model, self.scene), self.duration)
+        q, qd = np.split(known.at(np.array([self.duration]))[0], [self.model.nq])
+        expected = self.observe(q, qd)
+        half = self.model.nq if expected.size == self.model.nq + self.model.n else 9
+        scale = np.concatenate((np.full(half, np.abs(expected[:half]).max()), np.full(expected.size - half, 1.0)))
+        scale[half:] = max(np.abs(self.observe(*row)[half:]).max() for row in self._along(known.at))
+        if half == self.model.nq:
+            scale[:half] = max(np.abs(row[0]).max() for row in self._along(known.at))
+        return expected, scale, known.how
+
+    def _along(self, at: Callable[[Any], Any]) -> Iterator[tuple[Any, Any]]:
+        for row in at(np.linspace(0.0, self.duration, 200)):
+            yield row[: self.model.nq], row[self.model.nq :]
+
+
+def systems() -> tuple[System, ...]:
+    one, two = (robodyn.load(ROBOTS / f"{name}.urdf") for name in ("pendulum", "double_pendulum"))
+    ur5 = robodyn.load(path_of("ur5_robot"))
+    free, top = robodyn.load(ROBOTS / "rigid_body.urdf", moving_base=True), robodyn.load(ROBOTS / "heavy_top.urdf")
+    lean = dict(zip(two.coordinates, (pi / 4, 0.0), strict=True))
+    bent = dict(zip(ur5.coordinates, (0.3, -1.0, 1.0, 0.2, 0.5, 0.1), strict=True))
+    smooth = {name: Friction() for name in ur5.joint_names}
+    flip = Scene(gravity=(0, 0, 0), initial_qd={"base_wx": 1e-3, "base_wy": 1.0, "base_wz": 1e-3}, moving_base=True)
+    spin = Scene(initial_q={"nutation": 0.5}, initial_qd={"spin": 50.0})
+    return (
+        System("pendulum, 10 s", one, Scene(), 10.0, rates=_pendulum),
+        System("double pendulum, chaotic, 5 s", two, Scene(initial_q=lean), 5.0),
+        System("free body, flip, 20 s", free, flip, 20.0, _of_body, _body, FREE_BODY),
+        System("heavy top, 2 s", top, spin, 2.0, _of_top, mjcf=TOP),
+        System("UR5, free swing, 1 s", ur5, Scene(initial_q=bent, friction=smooth, joint_limits="ignore"), 1.0),
+    )
+
+
+def ours(system: System, method: str) -> Iterator[tuple[str, Run]]:
+    """Settings from coarse to fine."""
+    chosen = next(each for each in METHODS if each.name == method)
+    a_plan, (q, qd) = plan(system.model, system.scene), system.start
+    if chosen.adaptive:
+        for digits in range(3, 14):
+            how = MethodOptions(chosen, 0.0, 10.0**-digits)
+            yield f"rtol 1e-{digits}", partial(_ending, system, integrated, a_plan, how, system.duration, "compiled")
+    for k in count(0) if not chosen.adaptive else ():
+        steps = max(round(system.duration * STEPS * 2**k), 1)
+        run = partial(robodyn.rollouts, system.model, q[None], qd[None], steps, system.duration / steps, every=steps)
+        run = partial(run, scene=system.scene, method=method, executor="compiled", threads=1)
+        yield f"{steps} steps", partial(_last, system, run)
+
+
+def scipys(system: System, method: str) -> Iterator[tuple[str, Run]]:
+    """By plain Python where equations are short, else by Pinocchio's `aba`, called from Python."""
+    q, qd = system.start
+    rates, first, observe = system.rates, np.concatenate((q, qd)), system.observe
+    if system.model.floating:
+        first, observe = np.concatenate((q[3:7], qd[:3])), lambda h, w: _of_body(np.concatenate((q[:3], h)), w)
+    split = len(first) - (3 if system.model.floating else system.model.n)
+    rates = rates or _by_aba(system)
+    for digits in range(3, 14):
+        how = {"method": method, "rtol": max(10.0**-digits, 3e-14), "atol": 10.0**-digits}
+
+        def run(how: dict[str, Any] = how) -> Any:
+            found = solve_ivp(rates, (0.0, system.duration), first, t_eval=[system.duration], **how)
+            return observe(*np.split(found.y[:, -1], [split]))
+
+        yield f"rtol 1e-{digits}", run
+
+
+def mujocos(system: System, integrator: str) -> Iterator[tuple[str, Run]]:
+    """All steps in one call, in C."""
+    spec = mujoco.MjSpec.from_string(system.mjcf or bare_description(system.model))
+    spec.compiler.boundinertia = 2e-15
+    for joint in spec.joints:
+        joint.limited = 0
+    model = spec.compile()
+    model.opt.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{integrator.upper()}")
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+    model.dof_damping[:] = model.dof_frictionloss[:] = 0.0
+    data = mujoco.MjData(model)
+    mujoco.set_mju_user_warning(lambda _: None)  # steps that are too long are not told in a file
+    for k in count(0):
+        steps = max(round(system.duration * STEPS * 2**k), 1)
+
+        def run(steps: int = steps) -> Any:
+            mujoco.mj_resetData(model, data)
+            data.qpos[:], data.qvel[:] = _mujoco_state(system)
+            model.opt.timestep = system.duration / steps
+            mujoco.mj_step(model, data, steps)
+            if not system.mjcf:
+                return system.observe(data.qpos.copy(), data.qvel.copy())
+            return np.concatenate((_matrix(np.roll(data.qpos[-4:], -1)), data.qvel[-3:]))
+
+        yield f"{steps} steps", run
+
+
+def pinocchios(system: System) -> Iterator[tuple[str, Run]]:
+    """RK4 from Python around `aba`."""
+    if system.model.floating:
+        return
+    rates, (q, qd) = _by_aba(system), system.start
+    for k in count(0):
+        steps = max(round(system.duration * STEPS * 2**k), 1)
+
+        def run(steps: int = steps) -> Any:
+            y, h = np.concatenate((q, qd)), system.duration / steps
+            for _ in range(steps):
+                a = rates(0.0, y)
+                b = rates(0.0, y + 0.5 * h * a)
+                c = rates(0.0, y + 0.5 * h * b)
+                y = y + h / 6 * (a + 2 * b + 2 * c + rates(0.0, y + h * c))
+            return system.observe(*np.split(y, [system.model.nq]))
+
+        yield f"{steps} steps", run
+
+
+def _last(system: System, run: Callable[[], Any]) -> Any:
+    found = run()
+    return system.observe(found.q[-1, 0], found.qd[-1, 0])
+
+
+def _ending(system: System, run: Callable[..., Any], *how: Any) -> Any:
+    state, model = run(*how)[0].states[-1], system.model
+    return system.observe(state[: model.nq], state[model.nq : model.nq + model.n])
+
+
+def _by_aba(system: System) -> Callable[[float, Any], Any]:
+    model = pin.buildModelFromXML(bare_description(system.model))
+    data, n = model.createData(), model.nv
+    still, flat = np.zeros(n), model.nq == model.nv
+    turning = [joint.nq == 2 for joint in model.joints[1:]]
+
+    def rates(_: float, y: Any) -> Any:
+        q, v = y[:n], y[n:]
+        if not flat:
+            parts = [(cos(x), sin(x)) if turns else (x,) for x, turns in zip(q.tolist(), turning, strict=True)]
+            q = np.array([x for part in parts for x in part])
+        return np.concatenate((v, pin.aba(model, data, q, v, still)))
+
+    return rates
+
+
+def _pendulum(_: float, y: Any) -> tuple[float, float]:
+    return y[1], -9.81 * cos(y[0])
+
+
+def _body(_: float, y: Any) -> tuple[float, ...]:
+    """Quaternion x y z w and angular velocity of a body with moments 1, 2, 3."""
+    x, y_, z, s, a, b, c = y.tolist()
+    half = (s * a + y_ * c - z * b, s * b + z * a - x * c, s * c + x * b - y_ * a, -x * a - y_ * b - z * c)
+    return (*(0.5 * part for part in half), -b * c, c * a, -a * b / 3)
+
+
+def _of_body(q: Any, qd: Any) -> Any:
+    return np.concatenate((_matrix(q[3:7]), qd[:3]))
+
+
+def _matrix(h: Any) -> Any:
+    x, y, z, s = h / np.linalg.norm(h)
+    rows = (1 - 2 * (y * y + z * z), 2 * (x * y - z * s), 2 * (x * z + y * s))
+    rows += (2 * (x * y + z * s), 1 - 2 * (x * x + z * z), 2 * (y * z - x * s))
+    return np.array((*rows, 2 * (x * z - y * s), 2 * (y * z + x * s), 1 - 2 * (x * x + y * y)))
+
+
+def _of_top(q: Any, qd: Any) -> Any:
+    """Precession about z, nutation about y, spin about z."""
+    turn, lean, spin = (rotation_from_rpy(0, 0, q[0]), rotation_from_rpy(0, q[1], 0), rotation_from_rpy(0, 0, q[2]))
+    R = (turn @ lean @ spin).astype(float)
+    w = qd[0] * (lean @ spin).T[:, 2] + qd[1] * spin.T[:, 1] + qd[2] * np.array((0.0, 0.0, 1.0))
+    return np.concatenate((R.ravel(), w.astype(float)))
+
+
+def _mujoco_state(system: System) -> tuple[Any, Any]:
+    q, qd = system.start
+    if not system.mjcf:
+        return q, qd
+    if system.model.floating:
+        return np.array((0, 0, 0, 1.0, 0, 0, 0)), np.concatenate((qd[3:], qd[:3]))
+    return np.array((cos(q[1] / 2), 0.0, sin(q[1] / 2), 0.0)), system.observe(q, qd)[9:]
+
 
 TARGETS = 1e-6, 1e-10
 COARSEST, FINEST = 1e-3, 1e-12

@@ -12,7 +12,7 @@ from robodyn.dynamics.effects.catalogue import EFFECTS
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.plan import applied, loads
 from robodyn.dynamics.recursions.newton_euler import newton_euler
-from robodyn.programs.dual import Dual
+from robodyn.programs.derivative import Dual
 from robodyn.programs.vectors import vector
 from robodyn.robot.kinematics import REST, joint_motion
 from robodyn.robot.model import Joint

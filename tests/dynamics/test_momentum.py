@@ -11,7 +11,7 @@ from robodyn.dynamics.inverse import bias_forces, inverse_dynamics
 from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.dynamics.recursions.momentum import dual_state, momenta, momentum_of_bodies
-from robodyn.programs.dual import rate_of, value_of
+from robodyn.programs.derivative import rate_of, value_of
 from robodyn.programs.vectors import cross
 from robodyn.robot.kinematics import motions, poses
 from robodyn.scene.scene import Scene

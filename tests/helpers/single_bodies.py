@@ -8,7 +8,7 @@ from helpers.oracles import random_state
 from helpers.small_robots import body_numbers, built, chain, joint, link
 from robodyn.equations.dae.constraints import STILL, Place, Speed, State
 from robodyn.equations.dae.dae import dae_at
-from robodyn.programs.dual import Dual
+from robodyn.programs.derivative import Dual
 from robodyn.programs.vectors import rotation_about, skew
 from robodyn.scene.parts import Loop
 from robodyn.scene.scene import DEFAULT, Scene

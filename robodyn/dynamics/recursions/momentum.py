@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from robodyn.programs.dual import Dual
+from robodyn.programs.derivative import Dual
 from robodyn.programs.vectors import Array, Scalar, cross
 from robodyn.robot.kinematics import Motion, velocities
 from robodyn.robot.model import Model

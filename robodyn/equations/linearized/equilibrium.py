@@ -18,7 +18,7 @@ from robodyn.dynamics.loops.closure import moved, unit
 from robodyn.dynamics.plan import plan
 from robodyn.equations.ode import units_of
 from robodyn.errors import InputError
-from robodyn.programs.dual import Dual, rate_of
+from robodyn.programs.derivative import Dual, rate_of
 from robodyn.programs.linear import eigen, min_norm_solution, null_space, range_basis
 from robodyn.programs.vectors import length, product
 from robodyn.robot.model import Model

@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from robodyn.errors import InputError
+
 SPREAD_BUDGET, SPREAD_ROUNDS = 1.0, 5
 """Seconds for which rounds are repeated; so many at least, and at most 200 times as many."""
 SLOW, CACHED = 0.5, 0.01
@@ -64,6 +66,17 @@ def _run(act: Callable[[], Any]) -> tuple[Any, float]:
     begin = perf_counter()
     result = act()
     return result, perf_counter() - begin
+
+
+ROUNDING = 2.0**-53
+"""Of a result to a float."""
+
+
+def refuse_beyond_doubles(target: float) -> None:
+    """Raise InputError if no result in doubles can be that accurate."""
+    if target < ROUNDING:
+        what = f"an accuracy of {target:g} cannot be promised: results are doubles, which are rounded to {ROUNDING:.1e}"
+        raise InputError(what, remedy=f"ask for {ROUNDING:.1e} or more")
 
 
 @dataclass(frozen=True)

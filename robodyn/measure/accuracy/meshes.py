@@ -11,7 +11,7 @@ from math import isfinite, sqrt
 import numpy as np
 
 from robodyn.errors import InputError, MeshError
-from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Price, Rung, timed
+from robodyn.measure.accuracy.ladder import ROUNDING, Accuracy, Ladder, Price, Rung, refuse_beyond_doubles, timed
 from robodyn.measure.accuracy.mesh_methods import (
     by_box,
     by_chance,
@@ -168,19 +168,13 @@ def _prices(given: Triangles, triangles: Triangles, whole: Integrals, corners: F
     return tuple(Price(name, time) for name, (_, time) in timed(acts).items())
 
 
-ROUNDING = 2.0**-53
-"""Of a result to a float."""
-
-
 def needs_rationals(target: float) -> bool:
     """Whether floats, which are escalated until their bounds are below 1e-12, are not enough for a relative error.
 
     Raises:
         InputError: no result in doubles can be that accurate.
     """
-    if target < ROUNDING:
-        what = f"an accuracy of {target:g} cannot be promised: results are doubles, which are rounded to {ROUNDING:.1e}"
-        raise InputError(what, remedy=f"ask for {ROUNDING:.1e} or more")
+    refuse_beyond_doubles(target)
     return target < LIMIT
 
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.dynamics.recursions.momentum import position_rates
 from robodyn.robot.model import Model
@@ -32,7 +31,14 @@ class MotionError:
     @classmethod
     def over(cls, model: Model, states: Floats) -> MotionError:
         """Args: states: (N, nq + n) of a motion that is nearly right."""
-        kinds = _kinds(model)
+        q, qd = np.full(model.nq, _ANGLE), np.full(model.n, _RATE)
+        for joint in model.independent:
+            k, i = joint.coordinate, joint.rate
+            if joint.kind == "floating":
+                q[k : k + 3], q[k + 3 : k + 7], qd[i + 3 : i + 6] = _LENGTH, _TURN, _SPEED
+            elif joint.kind == "prismatic":
+                q[k], qd[i] = _LENGTH, _SPEED
+        kinds = np.concatenate((q, qd))
         largest = np.abs(states).max(axis=0, initial=0.0)
         sizes = np.array([largest[kinds == kind].max(initial=0.0) for kind in range(5)])
         sizes[_TURN] = 1.0
@@ -61,17 +67,6 @@ def between_records(motion: Simulation) -> Callable[[Floats], Floats]:
         degree = min(7, len(motion.time) - 1)
         spline = make_interp_spline(motion.time, states, k=degree - 1 + degree % 2)
     return lambda times: np.asarray(spline(times), dtype=float)
-
-
-def _kinds(model: Model) -> NDArray[np.int64]:
-    q, qd = np.full(model.nq, _ANGLE), np.full(model.n, _RATE)
-    for joint in model.independent:
-        k, i = joint.coordinate, joint.rate
-        if joint.kind == "floating":
-            q[k : k + 3], q[k + 3 : k + 7], qd[i + 3 : i + 6] = _LENGTH, _TURN, _SPEED
-        elif joint.kind == "prismatic":
-            q[k], qd[i] = _LENGTH, _SPEED
-    return np.concatenate((q, qd))
 
 
 SEEN = 50

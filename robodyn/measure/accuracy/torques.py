@@ -15,7 +15,17 @@ from robodyn.dynamics.plan import Plan, plan, runner_of
 from robodyn.errors import InputError
 from robodyn.loads.result import Promise, Result
 from robodyn.loads.statistics import REMEDY
-from robodyn.measure.accuracy.ladder import Accuracy, EffectPrice, Ladder, Price, Rung, Spread, timed
+from robodyn.measure.accuracy.ladder import (
+    ROUNDING,
+    Accuracy,
+    EffectPrice,
+    Ladder,
+    Price,
+    Rung,
+    Spread,
+    refuse_beyond_doubles,
+    timed,
+)
 from robodyn.programs.program import Program
 from robodyn.programs.run.compiled_blocks import CompiledBlocks, kernel_of
 from robodyn.programs.run.double_double import BLOCK, DoubleDouble
@@ -283,8 +293,6 @@ PROMISE_SAMPLES = 64
 PROMISE_DIGITS = 40
 MARGIN = 4.0
 """Of what the largest error elsewhere may be, of that among the samples."""
-ROUNDING = 2.0**-53
-"""Of a result to a float."""
 
 
 @dataclass(frozen=True)
@@ -324,9 +332,7 @@ def arithmetic_within(model: Model, samples: Trajectory, scene: Scene, target: f
 
     Accuracy: covers the error of every sample in 95 of 100 random motions.
     """
-    if target < ROUNDING:
-        what = f"an accuracy of {target:g} cannot be promised: results are doubles, which are rounded to {ROUNDING:.1e}"
-        raise InputError(what, remedy=f"ask for {ROUNDING:.1e} or more")
+    refuse_beyond_doubles(target)
     need("accuracies that are promised", "mpmath")
     a_plan = plan(model, scene)
     program, sources = a_plan.torques(), sources_of(samples, scene)

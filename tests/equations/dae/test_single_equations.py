@@ -22,7 +22,7 @@ from robodyn.equations.dae.constraints import (
     values,
 )
 from robodyn.equations.dae.system import joint_connections, system_at
-from robodyn.programs.dual import rate_of, value_of
+from robodyn.programs.derivative import rate_of, value_of
 from robodyn.scene.scene import DEFAULT
 
 

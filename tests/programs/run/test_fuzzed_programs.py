@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from functools import cache, lru_cache
+from collections.abc import Callable
+from functools import cache, lru_cache, partial
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 from helpers.busy_robot import BUSY_SCENE, busy_robot
-from helpers.executors import EXECUTORS, Executor
 from helpers.oracles import golden_model, random_state, robot
 from helpers.random_programs import OPERATIONS, programs, random_inputs, seeded
 from helpers.rounding_bounds import bounds, exactly
@@ -19,9 +20,30 @@ from mpmath import isnan
 
 from robodyn.dynamics.plan import Plan
 from robodyn.programs.run import numpy_blocks
+from robodyn.programs.run.compiled_blocks import CompiledBlocks
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
 from robodyn.programs.scalar import CONSTANT, INPUT
 from robodyn.scene.scene import Scene
+
+
+class Executor(NamedTuple):
+    """What makes a program ready to run: (program, widths) -> (sources, samples) -> outputs, all in one format.
+
+    Its sines, cosines and exponentials are right to so many units in the last place.
+    """
+
+    ready: Callable[..., Any]
+    dtype: Any = np.float64
+    ulps: int = 1
+
+
+EXECUTORS = {
+    "numpy": Executor(NumpyBlocks),
+    "numpy float32": Executor(partial(NumpyBlocks, dtype=np.float32), np.float32, ulps=3),
+    "compiled": Executor(CompiledBlocks),
+    "compiled float32": Executor(partial(CompiledBlocks, dtype=np.float32), np.float32),
+}
+
 
 SEEDS = 15
 ROWS = 4
