@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from robodyn.checks.bodies.masses import STILL
 from robodyn.checks.bodies.shapes import Solid, Solids, box_of, real_shapes, size_of, solids
 from robodyn.checks.context import Context
-from robodyn.checks.meshes.units import reach
+from robodyn.checks.meshes.files import reach
 from robodyn.programs.vectors import length
 from robodyn.robot.urdf.view import GeometryView, LinkView
 from robodyn.solids.inertia.validity import Box, around

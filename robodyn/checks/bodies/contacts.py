@@ -14,7 +14,7 @@ from robodyn.checks.bodies.collision_fit import misfits
 from robodyn.checks.bodies.masses import STILL, behind, pose
 from robodyn.checks.bodies.shapes import link_boxes, real_shapes, size_of, solids
 from robodyn.checks.context import Context
-from robodyn.checks.meshes.extremes import extremes, spread_out
+from robodyn.checks.meshes.facts import extremes, spread_out
 from robodyn.checks.meshes.files import all_facts, mesh_names
 from robodyn.checks.srdf import own_srdf
 from robodyn.checks.tree import Group

@@ -13,8 +13,7 @@ import numpy as np
 from robodyn.checks.bodies.masses import STILL, link_poses, pose
 from robodyn.checks.context import Context
 from robodyn.checks.meshes.facts import MeshFacts
-from robodyn.checks.meshes.files import all_facts
-from robodyn.checks.meshes.units import mesh_slips
+from robodyn.checks.meshes.files import all_facts, mesh_slips
 from robodyn.checks.tree import Group
 from robodyn.programs.vectors import length, product
 from robodyn.robot.kinematics import Pose

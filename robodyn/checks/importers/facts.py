@@ -476,8 +476,7 @@ FACTS = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Opinion:
+class Opinion(NamedTuple):
     """What one program makes of a file: the verdict, for each fact that counts where it was found, and what the program
     itself said, if it was run."""
 

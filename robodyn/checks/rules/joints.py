@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from math import degrees, hypot
 
-from robodyn.checks.bodies.limit_units import of_numbers
 from robodyn.checks.examples import LIMIT, arm, longer_arm
 from robodyn.checks.rule import Context, Edit, Fault, Faults, Fix, Severity, rule
+from robodyn.checks.rules.ranges import of_numbers
 from robodyn.robot.urdf.description import cycles
 from robodyn.robot.urdf.document import unexpanded
 from robodyn.robot.urdf.numbers import value_span

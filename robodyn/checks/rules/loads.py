@@ -5,11 +5,11 @@ from __future__ import annotations
 from math import degrees
 
 from robodyn.checks.bodies.contacts import detached
-from robodyn.checks.bodies.limit_units import of_numbers
 from robodyn.checks.bodies.shapes import other_unit
 from robodyn.checks.bodies.statics import StaticTorque, gravity_bounds, reflected_inertias, static_torques
 from robodyn.checks.examples import INERTIA, arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rules.ranges import of_numbers
 from robodyn.robot.model import Model
 from robodyn.support.wording import figure
 

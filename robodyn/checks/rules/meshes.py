@@ -10,8 +10,7 @@ from robodyn.checks.context import STDIN
 from robodyn.checks.examples import a_mesh, a_shaped_link
 from robodyn.checks.importers.facts import READS, unread
 from robodyn.checks.meshes.facts import MeshFacts
-from robodyn.checks.meshes.files import MeshName, State, all_facts, mesh_names, mesh_uses
-from robodyn.checks.meshes.units import mesh_slips
+from robodyn.checks.meshes.files import MeshName, State, all_facts, mesh_names, mesh_slips, mesh_uses
 from robodyn.checks.rule import Context, Fault, Faults, Fix, Severity, rule
 from robodyn.robot.urdf.numbers import value_span
 from robodyn.robot.urdf.packages import package_of

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from helpers.mesh_samples import binary_stl
 
-from robodyn.checks.meshes.extremes import extremes, spread_out
+from robodyn.checks.meshes.facts import extremes, spread_out
 from robodyn.programs.vectors import product
 from robodyn.solids.mesh.triangles import BLOCK
 

@@ -11,7 +11,7 @@ from helpers.example_robots import PATHS
 from helpers.other_robots import other_paths
 
 from robodyn.checks.context import Context
-from robodyn.checks.mirror.namesakes import Odd, odd_parents
+from robodyn.checks.rules.placement import Odd, odd_parents
 from robodyn.robot.urdf.document import read
 from robodyn.robot.urdf.numbers import value_span
 from robodyn.robot.urdf.view import JointView
