@@ -117,15 +117,8 @@ STANDARD = Options()
 
 @dataclass(frozen=True, eq=False)
 class Context:
-    """One file under check.
-
-    Attributes:
-        reading: the file as XML.
-        thresholds: what the rules measure against.
-        package_path: folders in which `package://` names are looked up first.
-        asked: what is asked beyond the file itself.
-        codes: of all rules.
-    """
+    """One file under check: its XML, what the rules measure against, the folders in which `package://` names are looked
+    up first, what is asked beyond the file itself, and the codes of all rules."""
 
     reading: Document
     thresholds: Thresholds = Thresholds()

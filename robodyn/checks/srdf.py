@@ -63,13 +63,8 @@ def srdf_of(file: str, robot: str | None) -> Path | None:
 
 @dataclass(frozen=True, eq=False)
 class Srdf:
-    """The SRDF that goes with a description.
-
-    Attributes:
-        document: as it is written.
-        is_namesake: whether its file has the description's name; one of another name may be of a variant of the robot.
-        used: every use of the name of a link or a joint; missing: the first use of each that the robot does not have.
-    """
+    """The SRDF that goes with a description, every use in it of the name of a link or a joint, and of each that the
+    robot does not have the first; one that is no namesake of the description's may be of a variant of the robot."""
 
     document: Document
     is_namesake: bool

@@ -198,20 +198,13 @@ _NARROW = (0.3, 0.15, 0.08, 0.04, 0.02, 0.01)
 
 @dataclass(frozen=True, eq=False)
 class Hull:
-    """The convex hull of a shape at a pose in the root's frame.
-
-    Attributes:
-        kind: box, cylinder, sphere, capsule or mesh.
-        half: (3,) half the sides of the box around it in its own axes [m]; of a mesh, not used.
-        points: (k, 3) of a mesh, in its own axes.
-        box: around it, along the root's axes.
-    """
+    """The convex hull of a shape at a pose in the root's frame: a box, cylinder, sphere or capsule of `half` (3,) the
+    sides of the box around it, or a mesh of `points` (k, 3), in its own axes [m]."""
 
     kind: str
     half: Floats
     points: Floats | None
     pose: Pose
-    box: Box
 
     def reach(self, directions: Floats) -> Floats:
         """Return (n,) how far it reaches in unit directions (n, 3) of the root's frame [m].
@@ -337,7 +330,7 @@ def _hull(context: Context, link: LinkView, shape: GeometryView) -> Hull | None:
         if points is None or scale is None:
             return None
         points = points * np.array(scale)
-    return Hull(shape.shape.tag, half, points, at, solid.box.placed(*at))
+    return Hull(shape.shape.tag, half, points, at)
 
 
 def _meeting(boxes: Sequence[Box], links: Sequence[str]) -> Iterator[tuple[int, int, float]]:

@@ -208,10 +208,6 @@ def _has_inertia(link: LinkView) -> bool:
     return link.mass >= _LEAST_MASS and any(link.tensor)
 
 
-def _incomplete(_: Context, link: LinkView) -> bool:
-    return link.inertial is None or link.inertial.inertia_element is None or link.inertial.mass_element is None
-
-
 def _inferred(context: Context) -> Iterator[Found]:
     """Links whose mass MuJoCo infers, with it; what stands still with the root has none to it."""
     moving = (link for group in context.tree.groups[1:] for link in group.links)
@@ -306,11 +302,6 @@ def _dropped(context: Context) -> list[Found]:
     return [_part(link) for link in context.once(_lumps).dropped if link.name in moving]
 
 
-def _nowhere(context: Context) -> list[Found]:
-    found = context.once(_lumps)
-    return [_part(context.view.link[name]) for name in found.links if name in found.kept & found.nowhere]
-
-
 def _unphysical_lumps(context: Context) -> Iterator[Found]:
     """Links whose mass or inertia, with that of what is fixed to them, no body has."""
     found = context.once(_lumps)
@@ -375,6 +366,9 @@ _FIXED = _joints(lambda joint: joint.type == "fixed")
 _UNACTUATED = _joints(lambda joint: joint.type in ("floating", "planar"))
 _HEAVY_ROOT = _root(lambda link: link.mass)
 _REFUSED_TENSOR, _MALFORMED = _inertials(_unphysical), _joints(_malformed)
+_INCOMPLETE = _inertials(
+    lambda _, link: link.inertial and None in (link.inertial.inertia_element, link.inertial.mass_element)
+)
 FACTS = (
     *_facts(
         "mujoco",
@@ -382,7 +376,7 @@ FACTS = (
         rejects={
             "requires mass and inertia in what moves": _massless,
             "requires principal moments of 1e-14 kg m^2 or more, no two of them below the third": _REFUSED_TENSOR,
-            "requires <mass> and <inertia> in <inertial>": _inertials(_incomplete),
+            "requires <mass> and <inertia> in <inertial>": _INCOMPLETE,
             "requires an axis of 1e-7 or more": _axis_shorter_than(1e-7),
             "requires positive sizes of what collides": _sizeless,
         },
@@ -432,7 +426,11 @@ FACTS = (
                 [] if context.once(_lumps).kept - {"world"} else [_part(context.tree.root)]
             ),
             "requires inertia that a body can have, of links with what is fixed to them": _unphysical_lumps,
-            "finds no centre of mass of <inertial>s without mass that are fixed to each other": _nowhere,
+            "finds no centre of mass of <inertial>s without mass that are fixed to each other": lambda context: [
+                _part(context.view.link[name])
+                for name in context.once(_lumps).links
+                if name in context.once(_lumps).kept & context.once(_lumps).nowhere
+            ],
             "knows no floating and no planar joints": _UNACTUATED,
             "requires an axis of 1e-6 or more": _axis_shorter_than(1e-6),
             "requires numbers, and <limit> with effort and velocity, in revolute and prismatic joints": _MALFORMED,

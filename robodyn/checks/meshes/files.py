@@ -47,15 +47,8 @@ class MeshUse:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MeshName:
-    """A file name, and every <mesh> that has it.
-
-    Attributes:
-        uri: as it is written.
-        uses: in the order of the file.
-        state: see `State`.
-        path: of the file, if it is found.
-        found: the name as it should be written, where its case is wrong.
-    """
+    """A file name as it is written, every <mesh> that has it in the order of the file, the path of the file if it is
+    found, and the name as it should be written where its case is wrong."""
 
     uri: str
     uses: tuple[MeshUse, ...]

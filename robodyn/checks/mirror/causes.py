@@ -125,7 +125,6 @@ class Cause:
 
     Attributes:
         code: of the rule that documents it.
-        what: what went wrong, and what shows it.
         tensor: the corrected entries; None where they cannot be told.
         fix: the edit that writes them; None likewise, and where it may as well be the twin that is wrong.
         physical: whether a body could have the tensor as it stands, so that no other rule reports it.

@@ -59,11 +59,8 @@ def row_of(name: str) -> str:
 
 
 def named_pairs(names: Collection[str]) -> Iterator[tuple[str, str]]:
-    """Yield (left, right) of the names that are each other's but for left and right.
-
-    Understood are left and right, l and r, two letters such as FL, LF, RL or LH, all in lower and upper case, and L as
-    the first letter of LHipYaw and the last of ElbowL.
-    """
+    """Yield (left, right) of the names that are each other's but for left and right, l and r, two letters such as FL,
+    LF, RL or LH, all in lower and upper case, and L as the first letter of LHipYaw and the last of ElbowL."""
     known = frozenset(names)
     for name in names:
         swapped = (pattern.sub(to, name, count=count) for pattern, to in _SWAPS for count in (0, 1))
@@ -192,13 +189,8 @@ _SQUARE = 0.02
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """Two links that are where each other's mirror image is.
-
-    Attributes:
-        left, right: the links, as their names have it.
-        left_joint, right_joint: the joints they hang on.
-        D: (3, 3) the reflection from the axes of the left link to those of the right: x -> D x, det D = -1.
-    """
+    """Two links, left and right as their names have it, that are where each other's mirror image is; D (3, 3) is the
+    reflection from the axes of the left link to those of the right: x -> D x, det D = -1."""
 
     left: Link
     right: Link
@@ -231,13 +223,11 @@ class Symmetry:
     """How far a robot is its own mirror image.
 
     Attributes:
-        plane: the mirror.
         R, p: rotation and origin of every link in the root's axes at q = 0 [m].
         near: how far a frame may be from its mirror image [m].
         above: the joint that each link hangs on.
-        links: by name.
-        named: the pairs that names propose, left and right.
-        pairs: those that are confirmed, in the order of the right links in the file.
+        named: the pairs that names propose, left and right; pairs: those that are confirmed, in the order of the right
+            links in the file.
     """
 
     plane: Plane

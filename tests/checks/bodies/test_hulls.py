@@ -15,7 +15,6 @@ from robodyn.checks.context import Context
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.robot.kinematics import Pose
 from robodyn.robot.urdf.document import read_document
-from robodyn.solids.inertia.validity import Box
 
 CORNERS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
 
@@ -24,7 +23,7 @@ def hull(kind, half, at=(0.0, 0.0, 0.0), rpy=(0.0, 0.0, 0.0)):
     half = np.array(half, float)
     pose = Pose(rotation_from_rpy(*rpy).astype(float), np.array(at, float))
     points = CORNERS * half if kind == "mesh" else None
-    return Hull(kind, half, points, pose, Box(-half, half).placed(*pose))
+    return Hull(kind, half, points, pose)
 
 
 @pytest.mark.parametrize(
