@@ -6,7 +6,7 @@ import glob
 import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import closing
+from contextlib import closing, suppress
 from pathlib import Path
 from typing import Any, TypeVar
 from warnings import warn
@@ -143,17 +143,14 @@ def _below(folder: str, suffix: str) -> list[str]:
 
 def worth_processes(files: Sequence[str | bytes]) -> bool:
     """Return whether there is more work, in XML and in the meshes that it names, than starting processes is."""
-    return len(files) > 1 and cores() > 1 and sum(map(_work, files)) > _LEAST_WORK
-
-
-def _work(file: str | bytes) -> int:
-    if isinstance(file, bytes):
-        return 0
-    try:
-        data = read_input(file)
-    except (OSError, ValueError, InputError):  # told when it is checked
-        return 0
-    return len(data) + _MESH * data.count(b"<mesh")
+    if len(files) < 2 or cores() < 2:
+        return False
+    work = 0
+    for file in (file for file in files if not isinstance(file, bytes)):
+        with suppress(OSError, ValueError, InputError):  # told when it is checked
+            data = read_input(file)
+            work += len(data) + _MESH * data.count(b"<mesh")
+    return work > _LEAST_WORK
 
 
 def each_in_a_process(work: Callable[..., R], calls: Sequence[tuple[Any, ...]]) -> Iterator[R | InputError]:

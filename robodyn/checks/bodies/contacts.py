@@ -285,13 +285,18 @@ def overlaps(context: Context) -> list[Overlap]:
     ]
     pairs = [] if srdf is None else srdf.root.findall("disable_collisions")
     disabled = {frozenset((pair.get("link1"), pair.get("link2"))) for pair in pairs}
-    hull, neighbours = cache(partial(_hull, context)), cache(partial(_neighbours, context))
+    hull, group = cache(partial(_hull, context)), context.tree.group
+    neighbours = cache(lambda one, other: one is other or _hangs_on(one, other) or _hangs_on(other, one))
     found: dict[tuple[str, str], Overlap] = {}
     tried = Counter[tuple[str, str]]()
     for k, n, shared in _meeting([box for *_, box in shapes], [link.name for link, *_ in shapes]):
         (link, shape, box), (other, its, its_box) = shapes[k], shapes[n]
         bound = max(_LEAST_DEPTH, _SHARE * min(size_of(box), size_of(its_box)))
-        if shared <= bound or neighbours(link, other) or frozenset((link.name, other.name)) in disabled:
+        if (
+            shared <= bound
+            or neighbours(group[link.name], group[other.name])
+            or frozenset((link.name, other.name)) in disabled
+        ):
             continue
         tried[link.name, other.name] += 1
         if tried[link.name, other.name] > _MOST_PAIRS:
@@ -302,11 +307,6 @@ def overlaps(context: Context) -> list[Overlap]:
         if deep:
             found[link.name, other.name] = Overlap(link, other, its, deep)
     return sorted(found.values(), key=lambda overlap: -overlap.depth)
-
-
-def _neighbours(context: Context, link: LinkView, other: LinkView) -> bool:
-    first, second = context.tree.group[link.name], context.tree.group[other.name]
-    return first is second or _hangs_on(first, second) or _hangs_on(second, first)
 
 
 def _hangs_on(group: Group, other: Group) -> bool:

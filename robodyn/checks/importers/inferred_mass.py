@@ -56,19 +56,16 @@ def _of_shape(context: Context, shape: GeometryView) -> float | None:
         return None
     try:
         if name.path.suffix.lower() == ".obj":
-            triangles = load_triangles(first_object(read_input(name.path)), file_type="obj")
+            data = read_input(name.path)
+            face = _FACE.search(data)
+            cut = None if face is None else _OBJECT.search(data, face.start())
+            first = data[: cut.start()] if cut is not None and _FACE.search(data, cut.start()) else data
+            triangles = load_triangles(first, file_type="obj")
         else:
             triangles = load_triangles(name.path)
         return _fan(triangles.array() * triangles.scale * np.array(scale))
     except (RobodynError, OSError):
         return None
-
-
-def first_object(data: bytes) -> bytes:
-    """An .obj up to its second object or group that has faces; all of it where there is none."""
-    face = _FACE.search(data)
-    cut = None if face is None else _OBJECT.search(data, face.start())
-    return data[: cut.start()] if cut is not None and _FACE.search(data, cut.start()) else data
 
 
 def _fan(corners: Floats) -> float:

@@ -76,16 +76,15 @@ def serve(target: str, file: str, packages: str) -> None:
     """Read a file, and write as the last line of JSON why it is refused; null where it is not."""
     said = None
     try:
-        {"mujoco": _in_mujoco, "drake": _in_drake}[target](file, json.loads(packages))
+        if target == "mujoco":
+            import mujoco
+
+            mujoco.MjModel.from_xml_path(file)
+        else:
+            _in_drake(file, json.loads(packages))
     except Exception as error:
         said = " ".join(str(error).split())
     sys.stdout.write(f"\n{json.dumps(said)}\n")
-
-
-def _in_mujoco(file: str, _: dict[str, str]) -> None:
-    import mujoco
-
-    mujoco.MjModel.from_xml_path(file)
 
 
 def _in_drake(file: str, packages: dict[str, str]) -> None:

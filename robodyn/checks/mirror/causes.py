@@ -149,27 +149,20 @@ def causes(context: Context) -> Mapping[str, Cause]:
     explain nothing, but that a copy of the twin also has wrong signs, and that several orders of the entries are one
     cause without a correction.
     """
-    twins = {pair.right.name: pair for pair in context.once(pairs)}
-    found = {}
+    twins, found = {pair.right.name: pair for pair in context.once(pairs)}, dict[str, Cause]()
+    shapes = {} if context.tree_or_none is None else context.once(shaped)
     for link in context.view.links:
-        twin, wrong = twins.get(link.name), link
-        cause = _cause(context, link, twin)
-        if twin is not None and cause is not None and cause.by_image and _leads_away(context, link, cause.tensor):
-            wrong = context.view.link[twin.left.name]
-            cause = _cause(context, wrong, twin.turned)
+        twin, wrong, said = twins.get(link.name), link, given(link)
+        cause, shape = _cause(context, link, twin), shapes.get(link.name)
+        if twin and said and shape and cause is not None and cause.by_image and cause.tensor is not None:
+            solid = shape.solid.along(said.R)
+            now, then = (from_shapes(I, said.mass, solid) for I in (said.tensor, symmetric(cause.tensor)))
+            if now < then:
+                wrong = context.view.link[twin.left.name]
+                cause = _cause(context, wrong, twin.turned)
         if cause is not None:
             found[wrong.name] = cause
     return found
-
-
-def _leads_away(context: Context, link: LinkView, correction: Tensor | None) -> bool:
-    """Whether a correction is farther from the inertia of the link's shapes than the tensor that it has."""
-    said, shapes = given(link), {} if context.tree_or_none is None else context.once(shaped)
-    if correction is None or said is None or link.name not in shapes:
-        return False
-    solid = shapes[link.name].solid.along(said.R)
-    now, then = (from_shapes(I, said.mass, solid) for I in (said.tensor, symmetric(correction)))
-    return now < then
 
 
 def explained(context: Context, fault: Fault, link: LinkView) -> Fault:

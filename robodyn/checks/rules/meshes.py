@@ -118,7 +118,7 @@ def mesh_path(context: Context) -> Faults:
 
 
 def _why(context: Context, name: MeshName) -> str | None:
-    uri = name.uri
+    uri, root = name.uri, context.search.home
     if uri.startswith("/") or _DRIVE.match(uri) or uri.startswith("\\\\"):
         return "is an absolute path"
     if uri.startswith("file://"):
@@ -126,20 +126,13 @@ def _why(context: Context, name: MeshName) -> str | None:
     package = package_of(uri)
     if package is not None and os.path.normpath(package[1]).startswith(".."):
         return "leads out of its package"
-    if package is None and "://" not in uri and _leaves(context, uri):
-        return "leads out of this file's package"
+    if package is None and "://" not in uri and ".." in uri and root and context.reading.file != STDIN:
+        places = [Path(os.path.normpath(folder.absolute() / uri)) for folder in context.search.folders]
+        if all(root not in place.parents for place in places):
+            return "leads out of this file's package"
     if "\\" in uri and name.state is State.FOUND:
         return "has \\ between folders, which Windows alone reads"
     return None
-
-
-def _leaves(context: Context, uri: str) -> bool:
-    """Return whether a relative name leads out of the package that the file is in, if there is one."""
-    root = context.search.home
-    if context.reading.file == STDIN or ".." not in uri or root is None:
-        return False
-    places = (Path(os.path.normpath(folder.absolute() / uri)) for folder in context.search.folders)
-    return all(root not in place.parents for place in places)
 
 
 _REMEDY = "repair it where mass, collision or simulation is computed from it; `robodyn inertia` says what to do"
@@ -181,20 +174,17 @@ def _wrong(facts: MeshFacts, name: MeshName) -> tuple[str, Severity] | None:
     elif facts.mixed:
         what = "has faces wound against their neighbours"
     elif not facts.closed and facts.problem is None:
-        what, severity = _gaps(facts), severity if facts.left or facts.mended is None else Severity.NOTE
+        what = "is not closed" if facts.mended is None else "is closed but for faces without area, or given twice"
+        if facts.left:
+            share = figure(100 * facts.missing, 2)
+            what = f"is not closed: {share} % of its surface is missing, in gaps that are too large to be filled"
+        elif facts.mended:
+            what = f"is open by small gaps only ({facts.mended}): filled, it encloses a volume"
+        severity = severity if facts.left or facts.mended is None else Severity.NOTE
     elif facts.overlapping:
         what = "has shells that overlap: what they share counts twice where they are not united"
         severity = Severity.NOTE
     return None if what is None else (what, severity)
-
-
-def _gaps(facts: MeshFacts) -> str:
-    if facts.left:
-        share = figure(100 * facts.missing, 2)
-        return f"is not closed: {share} % of its surface is missing, in gaps that are too large to be filled"
-    if facts.mended:
-        return f"is open by small gaps only ({facts.mended}): filled, it encloses a volume"
-    return "is not closed" if facts.mended is None else "is closed but for faces without area, or given twice"
 
 
 _SCALED = """<robot name="arm">

@@ -12,7 +12,7 @@ from robodyn.robot.urdf.description import cycles
 from robodyn.robot.urdf.document import unexpanded
 from robodyn.robot.urdf.numbers import value_span
 from robodyn.robot.urdf.parts import JOINT_TYPES
-from robodyn.robot.urdf.view import JointView, LinkView, View
+from robodyn.robot.urdf.view import JointView, LinkView
 from robodyn.support.wording import alternatives, listed, shown
 
 
@@ -22,10 +22,13 @@ def dangling_reference(context: Context) -> Faults:
 
     Readers refuse the file, or leave out the joint and everything below it.
     """
-    links = context.view.link
-    if _explained(context.view):
-        return
-    for joint in context.view.joints:
+    view, links = context.view, context.view.link
+    missing = {name for joint in view.joints for name in (joint.parent, joint.child) if name} - links.keys()
+    nameless = any(not joint.parent or not joint.child for joint in view.joints)
+    unique = {link.name for link in view.links if not unexpanded(link.name)} - {""}
+    if not view.links or (not nameless and len(missing) <= len(view.links) - len(unique)):
+        return  # all that is missing are links that other rules report: unnamed, duplicate, not expanded
+    for joint in view.joints:
         for role, name in (("parent", joint.parent), ("child", joint.child)):
             if name in links or unexpanded(name):
                 continue
@@ -34,14 +37,6 @@ def dangling_reference(context: Context) -> Faults:
             what = f"its {role} is link {shown(name)}, which does not exist" if name else f"it names no {role} link"
             remedy = alternatives(name, links, "links") if name else f'write <{role} link="..."/>'
             yield Fault(at, what, remedy)
-
-
-def _explained(view: View) -> bool:
-    """Whether no name is missing but those of links that other rules report: unnamed, duplicate, not expanded."""
-    named = [link.name for link in view.links if not unexpanded(link.name)]
-    missing = {name for joint in view.joints for name in (joint.parent, joint.child) if name} - view.link.keys()
-    nameless = any(not joint.parent or not joint.child for joint in view.joints)
-    return not view.links or (not nameless and len(missing) <= len(view.links) - len({*named} - {""}))
 
 
 @rule(
