@@ -122,9 +122,8 @@ def test_deep_nesting_ends_the_reading() -> None:
 
 
 def test_many_attributes_of_one_element() -> None:
-    assert codes(found("<link name='a'><visual " + " ".join(f"b{k}=''" for k in range(MANY)) + "/></link>")) == {
-        "RD005": MANY
-    }
+    attributes = " ".join(f"b{k}=''" for k in range(MANY // 4))
+    assert codes(found(f"<link name='a'><visual {attributes}/></link>")) == {"RD005": MANY // 4}
 
 
 def test_an_expansion_bomb_is_never_expanded() -> None:

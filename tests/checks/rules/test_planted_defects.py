@@ -16,10 +16,6 @@ IDS = [f"{defect.code}-{k}" for k, defect in enumerate(DEFECTS)]
 N, W, E = Severity.NOTE, Severity.WARNING, Severity.ERROR
 
 
-def test_the_healthy_robot_has_neither_errors_nor_warnings() -> None:
-    assert [finding.code for finding in findings(HEALTHY)] == ["RD211"]
-
-
 @pytest.mark.parametrize("defect", DEFECTS, ids=IDS)
 def test_found_once_at_its_place_and_by_no_other_rule(defect: Defect) -> None:
     finding = of_code(defect.text, defect.code)
