@@ -3,8 +3,7 @@
 All take turns on the same torus, and the shortest runs count. robodyn reads its bytes block by block; trimesh is given
 the same bytes, and once more the corners as an array, as libigl is where it is installed. Long doubles and exact
 integers are asked for on a mesh that does not need them. All have one thread: NumPy's calls on a block are so short
-that a second one takes longer, because they wait for each other. Machine code is ready, as it is in a process that has
-had a large mesh before; what NumPy does without it has a row of its own.
+that a second one takes longer, because they wait for each other.
 """
 
 from __future__ import annotations
@@ -22,12 +21,10 @@ from helpers.mesh_samples import binary_stl, torus
 
 from robodyn.solids.mesh.closed import fingerprint, is_one_shell
 from robodyn.solids.mesh.integrals import integrate, measure, swept
-from robodyn.solids.mesh.kernel import kernel_for, volume_kernel
+from robodyn.solids.mesh.kernel import volume_kernel
 from robodyn.solids.mesh.read.load import load_triangles
 
 OURS = "integral"
-WORTH_ANYTHING = 10**9
-"""Triangles of a mesh for which machine code is made wherever it can be."""
 SLOW = 1000.0
 """Nanoseconds per triangle above which a way has one turn only."""
 
@@ -37,11 +34,9 @@ def ways(corners: np.ndarray, data: bytes, path: Path) -> dict[str, Callable[[],
     import trimesh
 
     path.write_bytes(data)
-    kernel_for(WORTH_ANYTHING)
     triangles, streamed = load_triangles(data, file_type="stl"), load_triangles(path)
     return {
         OURS: lambda: integrate(triangles),
-        "integral by NumPy": lambda: swept(triangles, volume_kernel),
         "integral, from a file": lambda: integrate(streamed),
         "integral and proof of closedness": lambda: measure(triangles),
         "proof alone": lambda: fingerprint(triangles),

@@ -29,23 +29,6 @@ MUTATIONS = {
     "checks/test_selection.py": [
         ("checks/catalogue.py", "not select or DEFAULT in select", "not select"),
     ],
-    "solids/mesh/test_compiled_kernel.py": [
-        (
-            "solids/mesh/kernel.py",
-            "[[D * x for x in edge] for edge in (v, w, u)]",
-            "[[D * x for x in edge] for edge in (v, w, w)]",
-        ),
-        (
-            "solids/mesh/kernel.py",
-            "[[tape.input(_SOURCE, (3 * c + i) * TOGETHER + k) for i in range(3)] for c in range(3)]",
-            "[[tape.input(_SOURCE, (3 * c + i) * TOGETHER + k) for i in range(3)] for c in (0, 2, 1)]",
-        ),
-        (
-            "solids/mesh/kernel.py",
-            "times(Work(_program().size, count // TOGETHER, blocks, blocks))[1]",
-            "times(Work(_program().size, count // TOGETHER, blocks, blocks))[0]",
-        ),
-    ],
     "dynamics/test_golden.py": [
         (
             "dynamics/recursions/newton_euler.py",

@@ -19,7 +19,7 @@ from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import Array, Scalar
 from robodyn.solids.inertia.laws import exact
 from robodyn.solids.mesh.closed import EdgeSums, Fingerprint
-from robodyn.solids.mesh.kernel import PAIRS, Kernel, kernel_for, surface_kernel, symmetric, volume_kernel
+from robodyn.solids.mesh.kernel import PAIRS, Kernel, surface_kernel, symmetric, volume_kernel
 from robodyn.solids.mesh.triangles import Triangles, block_space, fill, reference_in
 from robodyn.support.floats import LARGEST, Floats
 
@@ -369,7 +369,7 @@ def integrate(triangles: Triangles, exact: bool = False) -> Integrals:
         and principal second moments within `bound` and `bound_second`, and so within 1e-12, on every closed surface.
         Correctly rounded if exact.
     """
-    return _refined(triangles, swept(triangles, kernel_for(triangles.count)), exact)
+    return _refined(triangles, swept(triangles, volume_kernel), exact)
 
 
 def measure(triangles: Triangles, exact: bool = False) -> tuple[Integrals, Fingerprint]:
@@ -380,7 +380,7 @@ def measure(triangles: Triangles, exact: bool = False) -> tuple[Integrals, Finge
     Raises:
         MeshError: as `integrate`, or it is too large or too small for products of moments.
     """
-    sweep = swept(triangles, kernel_for(triangles.count), edges=True)
+    sweep = swept(triangles, volume_kernel, edges=True)
     assert sweep.edges is not None
     sweep.check_size(triangles)
     return _refined(triangles, sweep, exact, limit=LIMIT if sweep.edges.closed else np.inf), sweep.edges

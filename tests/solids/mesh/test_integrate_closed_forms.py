@@ -9,8 +9,6 @@ from helpers.mesh_samples import box, cone, cylinder, moved, tetrahedron, torus,
 from robodyn.solids.mesh.integrals import integrate
 from robodyn.solids.mesh.triangles import MemoryTriangles
 
-pytestmark = pytest.mark.usefixtures("either_kernel")
-
 EPS = np.finfo(float).eps
 
 

@@ -13,8 +13,6 @@ from hypothesis import strategies as st
 from robodyn.solids.mesh.integrals import integrate
 from robodyn.solids.mesh.triangles import MemoryTriangles
 
-pytestmark = pytest.mark.usefixtures("either_kernel")
-
 EPS = np.finfo(float).eps
 BODIES = {
     "box": box((0.3, 2.0, 0.7)),

@@ -16,8 +16,6 @@ from robodyn.solids.mesh.integrals import integrate, measure
 from robodyn.solids.mesh.read.load import load_triangles
 from robodyn.solids.mesh.triangles import BLOCK, ROWS, MemoryTriangles, reference_in
 
-pytestmark = pytest.mark.usefixtures("either_kernel")
-
 EPS = np.finfo(float).eps
 BODY = moved(torus(2.0, 0.5, 60, 40), (0.3, 0.2, 0.1), rotation(1))
 

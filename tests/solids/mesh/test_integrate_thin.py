@@ -14,8 +14,6 @@ from robodyn.solids.inertia.properties import from_integrals
 from robodyn.solids.mesh.integrals import integrate
 from robodyn.solids.mesh.triangles import MemoryTriangles
 
-pytestmark = pytest.mark.usefixtures("either_kernel")
-
 EPS = np.finfo(float).eps
 BODIES = {
     "box": box(),

@@ -14,8 +14,6 @@ from robodyn.solids.mesh.kernel import volume_kernel
 from robodyn.solids.mesh.read.load import load_triangles
 from robodyn.solids.mesh.triangles import ROWS, MemoryTriangles
 
-pytestmark = pytest.mark.usefixtures("either_kernel")
-
 SQUARES = slice(11, 17)
 BODIES = {
     "box": box((1, 2, 3)),
