@@ -10,41 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.programs.vectors import Array, arctan2
-from robodyn.solids.mesh.indexed import Mask, components, hashed
+from robodyn.solids.mesh.indexed import Mask, components, hashed, paired
 from robodyn.support.floats import Floats
 
 Integers = NDArray[np.int64]
-
-_UPPER = np.uint64(32)
-_LOW = np.uint64(2**32 - 1)
-
-
-def paired_edges(X: Array) -> tuple[Integers, Integers]:
-    """Return the numbers, triangle plus m times corner, of edges that are the same pair of corners, where just two are.
-
-    In ascending order, so that what they refer to is read nearly in order as well.
-
-    Method: keys that hold as many bits of the hash of an edge as its number leaves free, so that one sort without an
-    index brings equal edges together. Where two edges share a key, which of a million triangles happens to about one
-    edge, neither is found.
-
-    Args:
-        X: (3 corners, 3 coordinates, m) with the same bits in both triangles of an edge.
-    """
-    hashes = hashed(X)
-    keys = np.concatenate([hashes[i - 3] + hashes[i - 2] for i in range(3)])
-    low = np.uint64((1 << (len(keys) - 1).bit_length()) - 1)
-    keys &= ~low
-    keys |= np.arange(len(keys), dtype=np.uint64)
-    keys.sort()
-    edge = keys & ~low
-    same = np.concatenate([[False], edge[1:] == edge[:-1], [False]])
-    (begin,) = np.nonzero(~same[:-2] & same[1:-1] & ~same[2:])
-    keys &= low
-    both = (keys[begin] << _UPPER) | keys[begin + 1]
-    both.sort()
-    return (both >> _UPPER).view(np.int64), (both & _LOW).view(np.int64)
-
 
 SHARPEST = radians(65)
 """Facets that meet at a larger angle are meant so, unless both belong to curved faces."""
@@ -102,7 +71,8 @@ def bent_edges(corners: Array) -> BentEdges:
     X = np.ascontiguousarray(corners.transpose(1, 2, 0))
     points = np.ascontiguousarray(X.transpose(0, 2, 1)).reshape(-1, 3)
     normals = _normals(X)
-    one, other = paired_edges(X)
+    hashes = hashed(X)
+    one, other = paired(np.concatenate([hashes[i - 3] + hashes[i - 2] for i in range(3)]))
     coplanar: list[Integers] = []
     blocks = (slice(k, k + _EDGES) for k in range(0, max(len(one), 1), _EDGES))
     parts = [_bent(points, normals, one[block], other[block], coplanar) for block in blocks]

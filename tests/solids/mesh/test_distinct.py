@@ -6,16 +6,19 @@ import numpy as np
 import pytest
 
 from robodyn.solids.mesh import indexed as module
-from robodyn.solids.mesh.indexed import distinct, distinct_points, numbered
+from robodyn.solids.mesh.indexed import distinct, distinct_points, numbered, paired
 
 RNG = np.random.default_rng(5)
 
 
 @pytest.mark.parametrize("count", [0, 1, 2, 7, 1000])
+@pytest.mark.parametrize("few", [0, 1000])
 @pytest.mark.parametrize("most", [1, 30, 2**40, 2**53 + 1, 2**63 - 1])
-def test_keys_as_numpy_has_them(count: int, most: int) -> None:
+def test_keys_as_numpy_has_them(count: int, most: int, few: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "_FEW", few)
     keys = RNG.choice(RNG.integers(0, most, 100), count)
     keys[:1] = most - 1
+    keys[1:2] = max(most - 2, 0)
     _, first, of = np.unique(keys, return_index=True, return_inverse=True)
     found = distinct(keys)
     assert np.array_equal(found.first, first)
@@ -27,9 +30,7 @@ def test_keys_as_numpy_has_them(count: int, most: int) -> None:
 
 
 @pytest.mark.parametrize("collide", [False, True])
-@pytest.mark.parametrize("few", [0, 18])
-def test_points_by_their_coordinates(collide: bool, few: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "_FEW_BITS", few)
+def test_points_by_their_coordinates(collide: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     points = RNG.integers(-3, 3, (500, 3)) / 7
     points[:5] = points[5:10] + 1e-16
     if collide:
@@ -38,3 +39,11 @@ def test_points_by_their_coordinates(collide: bool, few: int, monkeypatch: pytes
     found = distinct_points(points)
     assert np.array_equal(found.first, first)
     assert np.array_equal(found.of, of.reshape(-1))
+
+
+@pytest.mark.parametrize("bits", [5, 63])
+def test_places_of_keys_that_two_have(bits: int) -> None:
+    keys = RNG.choice(RNG.integers(0, 2**bits, 100, dtype=np.uint64), 150)
+    places = [np.flatnonzero(keys == key) for key in dict.fromkeys(keys.tolist())]
+    expected = np.array([place for place in places if len(place) == 2]).reshape(-1, 2)
+    np.testing.assert_array_equal(np.stack(paired(keys), axis=1), expected)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tracemalloc
 from collections import defaultdict
 
 import numpy as np
@@ -14,7 +13,7 @@ from hypothesis import strategies as st
 
 from robodyn.solids.mesh import closed
 from robodyn.solids.mesh.closed import is_one_shell
-from robodyn.solids.mesh.triangles import BLOCK, ROWS, IndexedTriangles, MemoryTriangles
+from robodyn.solids.mesh.triangles import ROWS, IndexedTriangles, MemoryTriangles
 
 
 def found(array):
@@ -89,55 +88,6 @@ def test_faces_of_numbered_vertices():
     assert is_one_shell(IndexedTriangles("body", points, faces.reshape(-1, 3)))
 
 
-def test_memory_is_that_of_the_sides_held(monkeypatch):
-    monkeypatch.setattr(closed, "HELD", 1 << 16)
-    mesh = MemoryTriangles("body", torus(2.0, 0.5, 500, 100).astype(np.float32))
-    tracemalloc.start()
-    try:
-        assert is_one_shell(mesh)
-        _, peak = tracemalloc.get_traced_memory()
-    finally:
-        tracemalloc.stop()
-    assert peak < 3 << 20 < 3 * 8 * len(mesh.corners) * 1.5
-
-
-class Counted(MemoryTriangles):
-    """Triangles that count how often they are read."""
-
-    reads: list[int]
-
-    def records(self, rows=BLOCK):
-        self.reads.append(rows)
-        return super().records(rows)
-
-
-def counted(array):
-    mesh = Counted("body", array)
-    object.__setattr__(mesh, "reads", [])
-    return mesh
-
-
-@pytest.mark.parametrize("body", [*ONE, *OTHER])
-def test_parts_of_a_large_mesh(monkeypatch, body):
-    array = {**ONE, **OTHER}[body]
-    mesh = counted(array)
-    monkeypatch.setattr(closed, "HELD", max(len(array) // 2, 6))
-    assert is_one_shell(mesh) == (body in ONE)
-    assert len(mesh.reads) > 1 or body in OTHER
-
-
-def test_a_mesh_that_fits_is_read_once():
-    mesh = counted(torus())
-    assert is_one_shell(mesh)
-    assert len(mesh.reads) == 1
-
-
-def test_a_mesh_without_strips_is_read_again():
-    mesh = counted(np.random.default_rng(3).permutation(torus(2.0, 0.5, 120, 80)))
-    assert is_one_shell(mesh)
-    assert len(mesh.reads) == 2
-
-
 points = st.lists(st.tuples(*[st.integers(-2, 2)] * 3), min_size=5, max_size=9, unique=True)
 
 
@@ -152,18 +102,15 @@ def test_glued_tetrahedra(places, data):
         assert found(array) == visited(array)
 
 
-SCARCE = 44
-"""Bits for strips that leave so few for hashes that some edges share theirs."""
-
-
-@pytest.mark.parametrize("held", [closed.HELD, 2000])
-def test_edges_with_a_hash_in_common_are_told_apart(monkeypatch, held):
-    monkeypatch.setattr(closed, "HELD", held)
-    body = torus(2.0, 0.5, 40, 30)
-    mesh = counted(np.random.default_rng(5).permutation(body))
-    split = (3 * len(body) // held).bit_length()
-    assert closed._is_linked(mesh, SCARCE) is True
-    assert len(mesh.reads) == 2 << split
-    pair = np.concatenate([body, moved(body, (9, 0, 0))])
-    for other in (pair, body[1:], np.concatenate([body, body[:2]]), np.concatenate([body, body])):
-        assert not closed._is_linked(MemoryTriangles("body", np.random.default_rng(5).permutation(other)), SCARCE)
+def test_edges_with_a_hash_in_common_are_told_apart(monkeypatch):
+    """Hashes of 33 bits, of which strips leave some 20."""
+    body, sides_of, exact = torus(2.0, 0.5, 40, 30), closed._sides, closed._two_on_each
+    asked = []
+    monkeypatch.setattr(closed, "_sides", lambda mesh: (sides_of(mesh)[0] >> np.uint64(30), sides_of(mesh)[1]))
+    monkeypatch.setattr(closed, "_two_on_each", lambda sides: asked.append(len(sides)) or exact(sides))
+    rng = np.random.default_rng(5)
+    assert found(rng.permutation(body))
+    assert asked
+    for other in (moved(body, (9, 0, 0)), body[:2], body):
+        assert not found(rng.permutation(np.concatenate([body, other])))
+    assert not found(rng.permutation(body)[1:])

@@ -7,7 +7,6 @@ from helpers.smooth_solids import solids
 from helpers.symmetric_bodies import any_rotation, bracket
 from helpers.tessellation_errors import case, cases, estimated
 
-from robodyn.solids.mesh.facets import paired_edges
 from robodyn.solids.mesh.integrals import integrate
 from robodyn.solids.mesh.read.load import from_array
 from robodyn.solids.mesh.tessellation import line_masses
@@ -120,18 +119,3 @@ def test_float32_files_are_told_the_same():
     found = line_masses(placed)
     assert found.size == pytest.approx(wanted.size, rel=1e-3)
     assert found.doubt.sum() == pytest.approx(wanted.doubt.sum(), rel=1e-3)
-
-
-def test_edges_are_paired_where_two_triangles_share_them():
-    body = bracket()
-    X = np.ascontiguousarray(body.transpose(1, 2, 0))
-    m = len(body)
-    found = {frozenset((int(a), int(b))) for a, b in zip(*paired_edges(X), strict=True)}
-    seen: dict[frozenset, list[int]] = {}
-    for corner in range(3):
-        for triangle in range(m):
-            ends = frozenset((tuple(body[triangle, corner]), tuple(body[triangle, (corner + 1) % 3])))
-            seen.setdefault(ends, []).append(triangle + m * corner)
-    assert found == {frozenset(numbers) for numbers in seen.values()}
-    doubled = np.ascontiguousarray(np.concatenate([body, body]).transpose(1, 2, 0))
-    assert len(paired_edges(doubled)[0]) == 0
