@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from robodyn.errors import MeshError
 from robodyn.solids.mesh.read.source import Source, open_source, scale_of
-from robodyn.solids.mesh.read.stl import is_complete, open_binary, read_stl_text
+from robodyn.solids.mesh.read.stl import is_complete, open_binary
 from robodyn.solids.mesh.triangles import MemoryTriangles, Triangles, check_finite
 from robodyn.support.input_file import LFS_POINTER
 
@@ -96,6 +96,8 @@ def _read_stl(source: Source, scale: float, notes: tuple[str, ...]) -> Triangles
         return open_binary(source, head, scale, notes)
     if b"solid" not in head.lower() and b"facet" not in head.lower():
         raise source.error("is text without 'solid' or 'facet', no STL", remedy="is its type another?")
+    from robodyn.solids.mesh.read.text import read_stl_text
+
     return read_stl_text(source, scale, notes)
 
 

@@ -1,12 +1,7 @@
-"""STL: binary, streamed, or as text.
-
-Binary: 80 bytes of header, the number of triangles, then 50 bytes for each of them. Text: `facet normal x y z`,
-`outer loop`, three times `vertex x y z`, `endloop`, `endfacet`, each on a line of its own.
-"""
+"""Binary STL, streamed: 80 bytes of header, the number of triangles, then 50 bytes for each of them."""
 
 from __future__ import annotations
 
-from array import array
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -14,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from robodyn.solids.mesh.read.source import Source
-from robodyn.solids.mesh.triangles import BLOCK, Corners, MemoryTriangles, Triangles, checked
+from robodyn.solids.mesh.triangles import BLOCK, Corners, Triangles, checked
 
 START, RECORD = 84, 50
 
@@ -99,49 +94,3 @@ def open_binary(source: Source, head: bytes, scale: float, notes: tuple[str, ...
         notes = (*notes, f"{extra} bytes after the last triangle are left out")
     labels: dict[str, Any] = {"significand": 24, "scale": scale, "notes": notes, "warnings": warnings}
     return StlTriangles(source.name, source, count, **labels)
-
-
-_FACET = (b"facet", b"outer", b"vertex", b"vertex", b"vertex", b"endloop", b"endfacet")
-"""How the lines of a facet begin."""
-
-
-def read_stl_text(source: Source, scale: float, notes: tuple[str, ...]) -> MemoryTriangles:
-    """Return the facets of all solids of a text, in any case of letters; normals are left out.
-
-    Raises:
-        MeshError: there are none, one is malformed, or the last solid does not end.
-    """
-    from robodyn.solids.mesh.read.text import TRUNCATED, Digits, lines, point
-
-    corners, digits = array("d"), Digits()
-    solids, is_open, at = 0, False, 0
-    for line, text in lines(source):
-        words = text.split()
-        if not words:
-            continue
-        word = words[0].lower()
-        if word == _FACET[at]:
-            if word == b"vertex":
-                corners.extend(point(source, line, words[1:]))
-                digits.see(words[1:4])
-            at = (at + 1) % len(_FACET)
-        elif at == 0 and word in (b"solid", b"endsolid"):
-            is_open = word == b"solid"
-            solids += is_open
-        elif _FACET[at].startswith(word):
-            break
-        else:
-            what = f"{words[0][:40].decode('utf-8', 'replace')!r} where {_FACET[at].decode()!r} should stand"
-            raise source.error(what, "a facet has three vertices", line)
-    if at:
-        raise source.error(f"ends where {_FACET[at].decode()!r} should follow", remedy=TRUNCATED)
-    count = len(corners) // 9
-    if not count:
-        raise source.error("holds no facets", remedy="export the mesh again")
-    if is_open or not solids:
-        missing = "without 'endsolid'" if is_open else "but no line begins with 'solid'"
-        raise source.error(f"{count} facets {missing}", remedy=TRUNCATED)
-    if solids > 1:
-        notes = (*notes, f"{solids} solids are taken together")
-    found = np.array(corners).reshape(-1, 3, 3)
-    return MemoryTriangles(source.name, found, significand=digits.significand, scale=scale, notes=notes)

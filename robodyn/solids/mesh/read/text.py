@@ -1,7 +1,8 @@
-"""Meshes as text, line by line: Wavefront OBJ, OFF, and what text of PLY and STL needs as well.
+"""Meshes as text, line by line: Wavefront OBJ, OFF and STL, and what text of PLY needs as well.
 
 OBJ has lines `v x y z` and `f i/t/n j/t/n k/t/n ...`; all others do not matter here. OFF has the word OFF, the numbers
-of vertices and faces, vertices, and faces as `n i j k ...`.
+of vertices and faces, vertices, and faces as `n i j k ...`. STL has `facet normal x y z`, `outer loop`, three times
+`vertex x y z`, `endloop`, `endfacet`, each on a line of its own.
 """
 
 from __future__ import annotations
@@ -9,47 +10,17 @@ from __future__ import annotations
 import math
 import re
 from array import array
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from robodyn.errors import MeshError
 from robodyn.solids.mesh.read.source import Source
-from robodyn.solids.mesh.triangles import IndexedTriangles, polygon_triangles
+from robodyn.solids.mesh.triangles import IndexedTriangles, MemoryTriangles, polygon_triangles
 
-_PART = 1 << 18
 _LONGEST_LINE = 1 << 24
 _MARK = b"\xef\xbb\xbf"
-_OFF = re.compile(rb"\s*(?:ST)?C?N?OFF\s+(\d{1,18})[ \t]+(\d{1,18})([ \t]+\d{1,18})?[ \t]*(?=[\r\n])")
-_COMMENT = re.compile(rb"#[^\r\n]*")
 _HEAD = 1 << 16
-_REST = re.compile(rb"/[^ \t\n]*")
-"""Indices of texture coordinates and normals, behind that of a vertex."""
 TRUNCATED = "the file is cut short: get it again"
-
-
-def _parts(source: Source, start: int = 0) -> Iterator[tuple[int, bytes]]:
-    """Whole lines of a file from a byte on, some hundred kB at a time, with the number of the first.
-
-    Raises:
-        MeshError: a line is longer than 16 MB.
-    """
-    with source.opened() as stream:
-        before = stream.read(start)
-        number = len(before.splitlines()) + (before[-1:] in (b"", b"\n", b"\r"))
-        rest = b""
-        while data := stream.read(_PART):
-            text = rest + data
-            if number == 1 and text.startswith(_MARK):
-                text = text[len(_MARK) :]
-            end = text.rfind(b"\n") + 1 or text.rfind(b"\r", 0, -1) + 1
-            rest = text[end:]
-            if end:
-                yield number, text[:end]
-                number += len(text[:end].splitlines())
-            if len(rest) > _LONGEST_LINE:
-                raise _too_long(source, number)
-        yield number, rest
 
 
 def lines(source: Source, start: int = 0) -> Iterator[tuple[int, bytes]]:
@@ -58,12 +29,17 @@ def lines(source: Source, start: int = 0) -> Iterator[tuple[int, bytes]]:
     Raises:
         MeshError: one is longer than 16 MB.
     """
-    for first, text in _parts(source, start):
-        yield from enumerate(text.splitlines(), first)
+    data = source.data()
+    before = data[:start]
+    first = len(before.splitlines()) + (before[-1:] in (b"", b"\n", b"\r"))
+    found = data[start:].removeprefix(b"" if start else _MARK).splitlines()
+    return enumerate(_checked(source, found), first)
 
 
-def _too_long(source: Source, line: int) -> MeshError:
-    return source.error("a line longer than 16 MB", remedy="is it the text of a mesh?", line=line)
+def _checked(source: Source, found: list[bytes]) -> list[bytes]:
+    if source.size > _LONGEST_LINE and max(map(len, found)) > _LONGEST_LINE:
+        raise source.error("a line longer than 16 MB", remedy="is it the text of a mesh?")
+    return found
 
 
 def number(source: Source, line: int, word: bytes) -> float:
@@ -82,17 +58,11 @@ def number(source: Source, line: int, word: bytes) -> float:
     raise source.error(f"{shown!r} is not a number", remedy, line)
 
 
-def point(source: Source, line: int, words: list[bytes]) -> list[float]:
+def _point(source: Source, line: int, words: list[bytes]) -> list[float]:
     """Return the first three words as coordinates."""
     if len(words) < 3:
         raise source.error(f"a vertex with {len(words)} coordinates", "write x y z", line)
-    try:
-        found = [float(word) for word in words[:3]]
-    except ValueError:
-        found = []
-    if not found or b"_" in b"".join(words[:3]):
-        return [number(source, line, word) for word in words[:3]]
-    return found
+    return [number(source, line, word) for word in words[:3]]
 
 
 def indices(source: Source, line: int, words: list[bytes], slash: bool = False) -> list[int]:
@@ -101,59 +71,39 @@ def indices(source: Source, line: int, words: list[bytes], slash: bool = False) 
     Raises:
         MeshError: a word is not one of at most 18 digits.
     """
-    digits = [word.partition(b"/")[0] for word in words] if slash else words
-    joined = b"".join(digits)
-    if not joined.isdigit() or b"" in digits or (len(joined) > 18 and max(map(len, digits)) > 18):
-        for word, said in zip(words, digits, strict=True):
-            if len(said) > 18 or not re.fullmatch(rb"[-+]?\d+", said):
-                shown = word[:40].decode("utf-8", "replace")
-                raise source.error(f"{shown!r} is not an index", "indices are integers", line)
-    return [int(said) for said in digits]
+    found = [word.partition(b"/")[0] for word in words] if slash else words
+    if b"".join(found).isdigit() and all(found) and max(map(len, found)) <= 18:
+        return [*map(int, found)]
+    for word, said in zip(words, found, strict=True):
+        if len(said) > 18 or not re.fullmatch(rb"[-+]?\d+", said):
+            shown = word[:40].decode("utf-8", "replace")
+            raise source.error(f"{shown!r} is not an index", "indices are integers", line)
+    return [int(said) for said in found]
 
 
-class Digits:
-    """To how many bits the numbers of a text are rounded, told from some of them."""
+_SAMPLE = 1024
+_EXACT, _FLOAT32, _FLOAT64 = 5, 9, 16
 
-    _MOST, _EACH = 1024, 32
-    _FEW, _FLOAT32, _FLOAT64 = 5, 9, 16
 
-    def __init__(self) -> None:
-        self._lines = self._words = self._digits = 0
+def significand_of(coordinates: array[float]) -> int:
+    """Return to how many bits the numbers of a text are rounded, told from some of them.
 
-    def see(self, words: list[bytes]) -> None:
-        """Count the digits of these words, of one line in 32 at most, zeros at their ends left out."""
-        if self._lines % self._EACH == 0 and self._words < self._MOST:
-            for word in words:
-                mantissa = word.lower().partition(b"e")[0].lstrip(b"+-")
-                self._digits = max(self._digits, len(mantissa.replace(b".", b"").strip(b"0")))
-            self._words += len(words)
-        self._lines += 1
-
-    @property
-    def enough(self) -> bool:
-        """Whether no more words are looked at."""
-        return self._words >= self._MOST
-
-    @property
-    def significand(self) -> int:
-        """Bits of the numbers.
-
-        Numbers of fewer than 5 digits are taken as exact, as in a box drawn by hand: 53. Up to 9 digits are what
-        programs write for float32: at most 24.
-        """
-        if not self._FEW <= self._digits < self._FLOAT64:
-            return 53
-        bits = math.floor(self._digits * math.log2(10.0))
-        return min(bits, 24 if self._digits <= self._FLOAT32 else 53)
+    Numbers of fewer than 5 digits are taken as exact, as in a box drawn by hand: 53. Up to 9 digits are what programs
+    write for float32: at most 24.
+    """
+    some = coordinates[:: len(coordinates) // _SAMPLE + 1]
+    digits = max((len(repr(x).partition("e")[0].replace(".", "").strip("-0")) for x in some), default=0)
+    if not _EXACT <= digits < _FLOAT64:
+        return 53
+    return min(math.floor(digits * math.log2(10.0)), 24 if digits <= _FLOAT32 else 53)
 
 
 class _Polygons:
-    """Vertices and polygons of a text, taken line by line."""
+    """Vertices and polygons of a text."""
 
     def __init__(self, source: Source) -> None:
         self._source = source
         self._coordinates, self._corners, self._sizes = array("d"), array("q"), array("q")
-        self._digits = Digits()
 
     @property
     def points(self) -> int:
@@ -164,19 +114,20 @@ class _Polygons:
         return len(self._sizes)
 
     def add_vertex(self, line: int, words: list[bytes]) -> None:
-        self._coordinates.extend(point(self._source, line, words))
-        self._digits.see(words[:3])
+        self._coordinates.extend(_point(self._source, line, words))
+
+    def add_face(self, corners: Iterable[int]) -> None:
+        """Take the numbers of its vertices, from 0 on."""
+        before = len(self._corners)
+        self._corners.extend(corners)
+        self._sizes.append(len(self._corners) - before)
 
     def add_vertices(self, text: bytes) -> bool:
         """Take lines of `v x y z`; return whether all are numbers, and take nothing if they are not."""
         try:
-            coordinates = array("d", map(float, text.replace(b"v", b" ").split()))
+            self._coordinates.extend(array("d", map(float, text.replace(b"v", b" ").split())))
         except ValueError:
             return False
-        self._coordinates.extend(coordinates)
-        if not self._digits.enough:
-            for line in text.splitlines():
-                self._digits.see(line.split()[1:])
         return True
 
     def add_triangles(self, text: bytes) -> bool:
@@ -188,21 +139,33 @@ class _Polygons:
         self._sizes.extend([3] * (len(corners) // 3))
         return True
 
-    def add_face(self, corners: list[int]) -> None:
-        """Take the numbers of its vertices, from 0 on."""
-        self._corners.extend(corners)
-        self._sizes.append(len(corners))
-
     def triangles(self, scale: float, notes: tuple[str, ...]) -> IndexedTriangles:
         return polygon_triangles(
             self._source.name,
             np.array(self._coordinates).reshape(-1, 3),
             np.array(self._corners),
             np.array(self._sizes),
-            significand=self._digits.significand,
+            significand=significand_of(self._coordinates),
             scale=scale,
             notes=notes,
         )
+
+
+_REST = re.compile(rb"/[^ \t\n]*")
+"""Indices of texture coordinates and normals, behind that of a vertex."""
+
+_CONTINUED = re.compile(rb"(?m)^([^#\n]*)\\\n")
+"""A line that the next one goes on with."""
+
+_RUN = re.compile(
+    rb"((?:v(?:[ \t]+[-+.\deE]+){3}[ \t]*\n)+)"
+    rb"|((?:f(?:[ \t]+\d{1,18}(?:/\d*){0,2}){3}[ \t]*\n)+)"
+    rb"|((?:v[nt][^\n]*\n)+)"
+)
+"""Lines of plain vertices, of triangles whose indices count from 1, and of normals and texture coordinates."""
+_VERTICES, _TRIANGLES, _OTHERS = 1, 2, 3
+_PART = 1 << 18
+"""Bytes of a run, at most: its numbers stay in the cache."""
 
 
 def read_obj(source: Source, scale: float, notes: tuple[str, ...]) -> IndexedTriangles:
@@ -215,52 +178,23 @@ def read_obj(source: Source, scale: float, notes: tuple[str, ...]) -> IndexedTri
         MeshError: a line of a vertex or a face is malformed, a face names a vertex that does not exist, there are none.
     """
     found = _Polygons(source)
-    begun, parts, size = 0, list[bytes](), 0
-    for first, text, kind in _obj_runs(source):
-        if kind == _OTHERS or (kind == _VERTICES and found.add_vertices(text)):
-            continue
-        if kind == _TRIANGLES and found.add_triangles(text):
-            continue
-        for line, said in enumerate(text.splitlines(), first):
-            begun = begun or line
-            words = said.partition(b"#")[0].split()
-            if said[-1:] == b"\\" and b"#" not in said:  # the next line goes on with this one
-                size += len(said) + 1
-                if size > _LONGEST_LINE:
-                    raise _too_long(source, begun)
-                parts += said[:-1].split()
-                continue
-            _take_obj_line(found, source, begun, parts + words)
-            begun, parts, size = 0, [], 0
-    _take_obj_line(found, source, begun, parts)
+    given = source.data().removeprefix(_MARK).replace(b"\r\n", b"\n").replace(b"\r", b"\n") + b"\n"
+    text = _CONTINUED.sub(rb"\1  ", given) if b"\\\n" in given else given  # as long, so that places are the same
+    if len(text) > _LONGEST_LINE:
+        _checked(source, text.split(b"\n"))
+    line, at = 1, 0
+    while at < len(text):
+        run = _RUN.match(text, at, at + _PART)
+        end = run.end() if run else text.index(b"\n", at) + 1
+        part, kind = text[at:end], run.lastindex if run else None
+        taken = kind == _OTHERS or (kind == _VERTICES and found.add_vertices(part))
+        if not taken and not (kind == _TRIANGLES and found.add_triangles(part)):
+            for own, said in enumerate(part.splitlines(), line):
+                _take_obj_line(found, source, own, said.partition(b"#")[0].split())
+        line, at = line + given.count(b"\n", at, end), end
     if not found.points and not found.faces:
         raise source.error("no line begins with 'v' or 'f'", remedy="this is no OBJ; is its type another?")
     return found.triangles(scale, notes)
-
-
-_VERTICES, _TRIANGLES, _OTHERS = 1, 2, 3
-_RUN = re.compile(
-    rb"((?:v(?:[ \t]+[-+.\deE]+){3}[ \t]*\n)+)"
-    rb"|((?:f(?:[ \t]+\d{1,18}(?:/\d*){0,2}){3}[ \t]*\n)+)"
-    rb"|((?:v[nt][^\n\\]*\n)+)"
-)
-"""Lines of plain vertices, of triangles whose indices count from 1, and of normals and texture coordinates."""
-
-
-def _obj_runs(source: Source) -> Iterator[tuple[int, bytes, int]]:
-    """Runs of lines of one kind, each with the number of its first line, and other lines one by one with kind 0."""
-    joined = False
-    for first, part in _parts(source):
-        text, line, at = part.replace(b"\r\n", b"\n"), first, 0
-        if b"\r" in text:
-            text = b"\n".join(text.splitlines()) + b"\n"
-        while at < len(text):
-            run = None if joined else _RUN.match(text, at)
-            end = run.end() if run else text.find(b"\n", at) + 1 or len(text)
-            piece = text[at:end]
-            yield line, piece, (run.lastindex or 0) if run else 0
-            joined = piece.rstrip(b"\n")[-1:] == b"\\"
-            line, at = line + (piece.count(b"\n") if run else 1), end
 
 
 def _take_obj_line(found: _Polygons, source: Source, line: int, words: list[bytes]) -> None:
@@ -269,21 +203,17 @@ def _take_obj_line(found: _Polygons, source: Source, line: int, words: list[byte
         found.add_vertex(line, words[1:])
     elif words[:1] == [b"f"]:
         if len(words) < 4:
-            what = f"a face with {len(words) - 1} corners"
-            raise source.error(what, "a face needs three; leave it out", line)
-        found.add_face(_obj_corners(source, line, words[1:], found.points))
+            raise source.error(f"a face with {len(words) - 1} corners", "a face needs three; leave it out", line)
+        corners, before = indices(source, line, words[1:], slash=True), found.points
+        for corner in corners:
+            if corner == 0 or corner < -before:
+                remedy = "indices count from 1, or back from -1"
+                raise source.error(f"vertex {corner} of the {before} before this face", remedy, line)
+        found.add_face(corner - 1 if corner > 0 else before + corner for corner in corners)
 
 
-def _obj_corners(source: Source, line: int, words: list[bytes], before: int) -> list[int]:
-    """The vertices of a face, from 0 on, with so many vertices before it."""
-    corners = indices(source, line, words, slash=True)
-    if min(corners) > 0:
-        return [corner - 1 for corner in corners]
-    for corner in corners:
-        if corner == 0 or corner < -before:
-            remedy = "indices count from 1, or back from -1"
-            raise source.error(f"vertex {corner} of the {before} before this face", remedy, line)
-    return [corner - 1 if corner > 0 else before + corner for corner in corners]
+_OFF = re.compile(rb"\s*(?:ST)?C?N?OFF\s+(\d{1,18})[ \t]+(\d{1,18})([ \t]+\d{1,18})?[ \t]*(?=[\r\n])")
+_COMMENT = re.compile(rb"#[^\r\n]*")
 
 
 def read_off(source: Source, scale: float, notes: tuple[str, ...]) -> IndexedTriangles:
@@ -315,3 +245,46 @@ def read_off(source: Source, scale: float, notes: tuple[str, ...]) -> IndexedTri
         if there < wanted:
             raise source.error(f"the header promises {wanted} {name}, {there} are there", remedy=TRUNCATED)
     return found.triangles(scale, notes)
+
+
+_FACET = (b"facet", b"outer", b"vertex", b"vertex", b"vertex", b"endloop", b"endfacet")
+"""How the lines of a facet begin."""
+
+
+def read_stl_text(source: Source, scale: float, notes: tuple[str, ...]) -> MemoryTriangles:
+    """Return the facets of all solids of a text, in any case of letters; normals are left out.
+
+    Raises:
+        MeshError: there are none, one is malformed, or the last solid does not end.
+    """
+    corners = array("d")
+    solids, is_open, at = 0, False, 0
+    for line, text in lines(source):
+        words = text.split()
+        if not words:
+            continue
+        word = words[0].lower()
+        if word == _FACET[at]:
+            if word == b"vertex":
+                corners.extend(_point(source, line, words[1:]))
+            at = (at + 1) % len(_FACET)
+        elif at == 0 and word in (b"solid", b"endsolid"):
+            is_open = word == b"solid"
+            solids += is_open
+        elif _FACET[at].startswith(word):
+            break
+        else:
+            what = f"{words[0][:40].decode('utf-8', 'replace')!r} where {_FACET[at].decode()!r} should stand"
+            raise source.error(what, "a facet has three vertices", line)
+    if at:
+        raise source.error(f"ends where {_FACET[at].decode()!r} should follow", remedy=TRUNCATED)
+    count = len(corners) // 9
+    if not count:
+        raise source.error("holds no facets", remedy="export the mesh again")
+    if is_open or not solids:
+        missing = "without 'endsolid'" if is_open else "but no line begins with 'solid'"
+        raise source.error(f"{count} facets {missing}", remedy=TRUNCATED)
+    if solids > 1:
+        notes = (*notes, f"{solids} solids are taken together")
+    found = np.array(corners).reshape(-1, 3, 3)
+    return MemoryTriangles(source.name, found, significand=significand_of(corners), scale=scale, notes=notes)
