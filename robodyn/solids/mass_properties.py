@@ -29,7 +29,7 @@ from robodyn.solids.inertia.properties import MassProperties, Pose, composite
 from robodyn.solids.inertia.solids import WATER
 from robodyn.solids.inertia.validity import Box, around, counted_twice
 from robodyn.solids.mesh.integrals import Integrals
-from robodyn.solids.mesh.measured import Measured, Shape, measured, shape, sheet, solid
+from robodyn.solids.mesh.measured import Shape, measured, shape, sheet, solid
 from robodyn.solids.mesh.read.load import from_array, load_triangles
 from robodyn.solids.mesh.triangles import Triangles, scaled
 from robodyn.support.floats import Floats
@@ -135,7 +135,11 @@ def mass_properties(
     _check(density, mass, shell)
     if cavities and not repair:
         raise InputError("cavities are told from bodies by repair", remedy="leave out --cavities or --no-repair")
-    triangles = scaled(_triangles(source, unit, file_type), scale)
+    if isinstance(source, (str, os.PathLike, bytes)):
+        source = load_triangles(source, file_type=file_type, unit=unit, typed=True)
+    elif not isinstance(source, Triangles):
+        source = from_array(source, unit=unit or "m")
+    triangles = scaled(source, scale)
     found = measured(triangles, exact=exact, repair=repair and shell is None, strict=strict, cavities=cavities)
     triangles, integrals = found.triangles, found.integrals
     weight = WATER if density is None else density
@@ -152,6 +156,11 @@ def mass_properties(
     finished = partial(_finished, mass=mass, found=form, symmetrize=symmetrize)
     smooth = form.tessellation
     lo, hi = integrals.lo * triangles.scale, integrals.hi * triangles.scale
+    warnings, longest = [*triangles.warnings], float((hi - lo).max())
+    if longest > LONGEST:
+        warnings.append(f"the part is {longest:.4g} m long: if the file is in millimetres, say --unit mm")
+    if shell is None and not found.closed and found.region is None:
+        warnings.append("the surface is not closed: its integral depends on where the origin is")
     return Part(
         name=triangles.name,
         triangles=integrals.count,
@@ -168,21 +177,9 @@ def mass_properties(
         symmetry=form.symmetry,
         tessellation=smooth,
         corrected=None if smooth is None else finished(solid(smooth.corrected, triangles, weight)),
-        warnings=(*triangles.warnings, *_doubts(hi - lo), *_undefined(found, shell), *found.remarks),
+        warnings=(*warnings, *found.remarks),
         notes=triangles.notes + form.notes + _averaged(form, symmetrize),
     )
-
-
-def _triangles(
-    source: str | os.PathLike[str] | bytes | ArrayLike | Triangles,
-    unit: str | None,
-    file_type: str | None,
-) -> Triangles:
-    if isinstance(source, Triangles):
-        return source
-    if isinstance(source, (str, os.PathLike, bytes)):
-        return load_triangles(source, file_type=file_type, unit=unit, typed=True)
-    return from_array(source, unit=unit or "m")
 
 
 def _check(density: float | None, mass: float | None, shell: float | None) -> None:
@@ -222,19 +219,6 @@ def _rounding(integrals: Integrals, triangles: Triangles) -> float:
         return np.inf
     half = max(np.abs(integrals.lo).max(), np.abs(integrals.hi).max()) * 2.0**-triangles.significand
     return float(half * integrals.area / abs(integrals.volume))
-
-
-def _doubts(size: Floats) -> tuple[str, ...]:
-    longest = float(size.max())
-    if longest <= LONGEST:
-        return ()
-    return (f"the part is {longest:.4g} m long: if the file is in millimetres, say --unit mm",)
-
-
-def _undefined(found: Measured, shell: float | None) -> tuple[str, ...]:
-    if shell is not None or found.closed or found.region is not None:
-        return ()
-    return ("the surface is not closed: its integral depends on where the origin is",)
 
 
 HOME: Pose = (IDENTITY, ZERO)
@@ -280,13 +264,11 @@ def combined(parts: Sequence[Part], poses: Sequence[Pose] = (), mass: float | No
     if mass is not None:
         if not 0 < mass < float("inf"):
             raise InputError(f"a mass of {mass:g} kg is not positive and finite")
-        shares = [mass * part.body.mass / body.mass for part in parts]
-        parts = [_weighing(part, share) for part, share in zip(parts, shares, strict=True)]
-        body = body.scaled_to_mass(mass)
+        weighed = []
+        for part in parts:
+            share = mass * part.body.mass / body.mass
+            smooth = part.corrected and part.corrected.scaled_to_mass(share)
+            weighed.append(replace(part, body=part.body.scaled_to_mass(share), corrected=smooth, assumed=False))
+        parts, body = weighed, body.scaled_to_mass(mass)
     boxes = [Box(part.lo, part.hi).placed(*pose) for part, pose in zip(parts, where, strict=True)]
     return Combination(tuple(parts), where, body, around(boxes), counted_twice(boxes))
-
-
-def _weighing(part: Part, mass: float) -> Part:
-    smooth = part.corrected and part.corrected.scaled_to_mass(mass)
-    return replace(part, body=part.body.scaled_to_mass(mass), corrected=smooth, assumed=False)

@@ -50,12 +50,10 @@ def around(boxes: Sequence[Box]) -> Box:
 
 def overlaps(boxes: Sequence[Box]) -> int:
     """Return the number of pairs that share more than a layer of 1e-6 of the smaller one."""
-    return sum(_overlap(a, b) for a, b in combinations(boxes, 2))
-
-
-def _overlap(a: Box, b: Box) -> bool:
-    shared = np.minimum(a.hi, b.hi) - np.maximum(a.lo, b.lo)
-    return bool((shared > _TOUCH * np.minimum(a.hi - a.lo, b.hi - b.lo)).all())
+    return sum(
+        bool((np.minimum(a.hi, b.hi) - np.maximum(a.lo, b.lo) > _TOUCH * np.minimum(a.hi - a.lo, b.hi - b.lo)).all())
+        for a, b in combinations(boxes, 2)
+    )
 
 
 def counted_twice(boxes: Sequence[Box]) -> tuple[str, ...]:
@@ -156,7 +154,9 @@ def validity(body: MassProperties, relative: float = PRINTED) -> Validity:
     faults = [] if fault is None else [fault]
     if not body.mass > 0:
         faults.insert(0, f"the mass is not positive ({body.mass:.6g} kg)")
-    return Validity(body.mass, principal.moments, _slack(principal.second, principal.moments), tuple(faults))
+    largest = np.abs(principal.moments).max()
+    slack = float(2 * principal.second[2] / largest) if largest else 0.0
+    return Validity(body.mass, principal.moments, slack, tuple(faults))
 
 
 def unphysical(I_c: Array, relative: float = PRINTED) -> str | None:
@@ -169,11 +169,6 @@ def unphysical(I_c: Array, relative: float = PRINTED) -> str | None:
     size = float(np.abs(I_c).max()) or 1.0
     second, _ = eigen(second_moments(I_c / size))
     return _fault(second, principal_moments(second), relative, size)
-
-
-def _slack(second: Floats, moments: Floats) -> float:
-    largest = np.abs(moments).max()
-    return float(2 * second[2] / largest) if largest else 0.0
 
 
 def _fault(second: Floats, moments: Floats, relative: float, unit: float = 1.0) -> str | None:

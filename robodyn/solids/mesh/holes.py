@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from heapq import heapify, heappop, heappush
 from math import sqrt
 
 import numpy as np
 
-from robodyn.solids.mesh.indexed import Edges, Numbers, areas, merged
+from robodyn.solids.mesh.indexed import Numbers, areas, merged
 from robodyn.solids.mesh.shells import Shells, welded, without_degenerate, without_duplicates, wound
 from robodyn.solids.mesh.triangles import Triangles
 from robodyn.support.floats import Floats
@@ -75,7 +75,11 @@ def filled(shells: Shells) -> Filling:
     fill = [gap for gap in gaps if not loose or gap.share <= LARGEST_OF_SHELL]
     caps = [cap for gap in fill for cap in gap.caps]
     sizes = [size for gap in fill for size in gap.sizes]
-    around = perimeters(mesh.vertices, [loop for gap in fill for loop in gap.loops])
+    around = [
+        float(np.linalg.norm(mesh.vertices[loop] - mesh.vertices[np.roll(loop, -1)], axis=1).sum())
+        for gap in fill
+        for loop in gap.loops
+    ]
     seams = sum(size <= _SEAM * length**2 for size, length in zip(sizes, around, strict=True))
     after = _with(shells, fill, [gap.caps for gap in fill], fill)
     apex = next((gap.loops[0][0] for gap in loose if gap.patch), -1)
@@ -142,19 +146,8 @@ def _loops(shells: Shells) -> dict[int, list[list[int]]]:
     found = {}
     for shell in np.flatnonzero(~shells.closed).tolist():
         first, last = np.searchsorted(shell_of, [shell, shell + 1])
-        found[shell] = _followed(starts[first:last].tolist(), stops[first:last].tolist())
+        found[shell] = followed(starts[first:last].tolist(), stops[first:last].tolist())
     return found
-
-
-def perimeters(vertices: Floats, loops: Sequence[Sequence[int]]) -> list[float]:
-    """Return how long each loop is."""
-    many = [len(loop) for loop in loops]
-    of = np.repeat(np.arange(len(loops)), many)
-    here = np.array([vertex for loop in loops for vertex in loop], np.int64)
-    next_one = np.array([vertex for loop in loops for vertex in (*loop[1:], loop[0])], np.int64)
-    lower, higher = np.minimum(here, next_one), np.maximum(here, next_one)
-    order = np.lexsort((higher, lower, of))
-    return _sums(np.linalg.norm(vertices[lower[order]] - vertices[higher[order]], axis=1), many)
 
 
 def _sums(values: Floats, many: Iterable[int]) -> list[float]:
@@ -176,12 +169,7 @@ def _with(shells: Shells, gaps: list[_Gap], caps: list[list[Numbers]], closed: l
     return replace(shells, mesh=mesh, label=np.concatenate([shells.label, *labels]), closed=done, rim=rim)
 
 
-def boundary_loops(faces: Numbers) -> list[list[int]]:
-    """The boundary as loops of vertices that pass none twice, in the direction that triangles filling them have."""
-    return _followed(*Edges.between(faces).boundary()[1].T.tolist())
-
-
-def _followed(starts: list[int], stops: list[int]) -> list[list[int]]:
+def followed(starts: list[int], stops: list[int]) -> list[list[int]]:
     """Return directed edges as loops that pass no vertex twice."""
     onward: dict[int, list[int]] = {}
     for start, stop in zip(starts, stops, strict=True):

@@ -125,8 +125,15 @@ def manifold(vertices: Floats, faces: Numbers) -> Any:
     """Return a body for manifold3d, None if it is no manifold."""
     from manifold3d import Error, Manifold, Mesh64
 
-    solid = Manifold(Mesh64(vertices, faces.astype(np.uint64)))
-    return solid if solid.status() == Error.NoError else None
+    found = Manifold(Mesh64(vertices, faces.astype(np.uint64)))
+    return found if found.status() == Error.NoError else None
+
+
+def solid(shell: Indexed) -> Any:
+    """Return what a shell encloses, however it is wound, for manifold3d; None if it is no manifold."""
+    used, faces = np.unique(shell.faces, return_inverse=True)
+    faces, vertices = faces.reshape(-1, 3), shell.vertices[used]
+    return manifold(vertices, faces if shell.volume(vertices[0]) > 0 else faces[:, ::-1])
 
 
 def triangle_boxes(corners: Floats) -> Floats:

@@ -340,8 +340,6 @@ def _upwards(bound: float) -> float:
     return float(f"{ceil(bound / float(f'1e{power}'))}e{power}")
 
 
-__all__ = ["Integrals", "integrate", "measure"]
-
 LIMIT = 1e-12
 """Bounds of the error above this call for the next finer arithmetic."""
 
@@ -419,7 +417,8 @@ def _integrals(
         volume, centre, S = (np.asarray(part).astype(np.float64) for part in moments)
     except OverflowError:
         raise first.beyond(triangles, "large") from None
-    if first.reach.max() < _SMALL and any(map(_lost, (moments.volume, *moments.second.diagonal()))):
+    sizes = map(abs, (moments.volume, *moments.second.diagonal()))
+    if first.reach.max() < _SMALL and any(0 < size < float_info.min for size in sizes):
         raise first.beyond(triangles, "small")
     return Integrals(
         volume=float(volume),
@@ -436,8 +435,3 @@ def _integrals(
         least=first.least / 2,
         unrounded=moments,
     )
-
-
-def _lost(number: Scalar) -> bool:
-    """Return whether a number that is not zero is below the least float of full precision."""
-    return bool(0 < abs(number) < float_info.min)

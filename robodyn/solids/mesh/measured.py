@@ -183,7 +183,7 @@ TESSELLATION_TRIANGLES = 100_000
 """Up to which facets are asked unasked: a tenth of a second."""
 
 _LARGEST = 1 << 24
-"""Bytes of an array that may be needed again and again."""
+"""Bytes of an array that may be needed again and again: new memory for each would be a sixth of the time."""
 
 _UNDEFINED = "symmetry and tessellation: not of sheets, and not of surfaces that are open or overlap themselves"
 
@@ -229,21 +229,13 @@ def shape(
     from robodyn.solids.mesh.symmetry import symmetry
     from robodyn.solids.mesh.tessellation import tessellation
 
-    _keep_what_is_freed()
+    np.empty(_LARGEST, np.uint8)  # glibc keeps the memory of arrays up to this size, once one of them is freed
     body = CentredBody.of(triangles, integrals)
     return Shape(
         symmetry(body).scaled(triangles.scale) if seek else None,
         tessellation(body.line_masses, integrals, body.centre, fixed_mass=fixed_mass) if ask else None,
         notes_even + notes_smooth,
     )
-
-
-def _keep_what_is_freed() -> None:
-    """Let glibc keep the memory of arrays up to this size for the next ones, as it does once one of them is freed.
-
-    Without, every array of a few hundred kilobytes is new memory, and touching that is a sixth of the time.
-    """
-    np.empty(_LARGEST, np.uint8)
 
 
 def _wanted(name: str, asked: bool | None, count: int, most: int) -> tuple[bool, tuple[str, ...]]:

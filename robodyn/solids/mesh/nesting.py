@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Any
 
 import numpy as np
 
 from robodyn.errors import MeshError
-from robodyn.solids.mesh.indexed import Indexed, Mask, Numbers, areas, in_parts, merged, triple
-from robodyn.solids.mesh.inside import Interior, OpenInterior, manifold, may_cross, triangle_boxes
+from robodyn.solids.mesh.indexed import Mask, Numbers, areas, in_parts, merged, triple
+from robodyn.solids.mesh.inside import Interior, OpenInterior, may_cross, solid, triangle_boxes
 from robodyn.solids.mesh.shells import Shells
 from robodyn.support.floats import Floats
 from robodyn.support.input_limits import beyond, limits
@@ -87,7 +86,10 @@ def nested(
     np.maximum.at(most, shells.label, often)
     volumes, flat = _volumes(shells)
     closed = shells.closed & ~flat
-    around, order = _containers(shells, volumes, closed, _open(shells, caps), name)
+    gaping = ~shells.closed[shells.label]
+    gaping[len(gaping) - caps :] = False
+    patches_inside = OpenInterior(shells.mesh.keep(gaping)) if gaping.any() else None
+    around, order = _containers(shells, volumes, closed, patches_inside, name)
     patches = volumes[~shells.closed].sum()
     inside_out = bool(patches < 0 and not flat[~shells.closed].all())
     ways = np.where(volumes < 0, -1, 1)
@@ -168,13 +170,6 @@ def _volumes(shells: Shells) -> tuple[Floats, Mask]:
     return volumes, flat
 
 
-def _open(shells: Shells, caps: int) -> OpenInterior | None:
-    """Return what open shells enclose, if there are some."""
-    chosen = ~shells.closed[shells.label]
-    chosen[len(chosen) - caps :] = False
-    return OpenInterior(shells.mesh.keep(chosen)) if chosen.any() else None
-
-
 def _containers(
     shells: Shells, volumes: Floats, proper: Mask, patches: OpenInterior | None, name: str | None
 ) -> tuple[list[list[int]], list[int]]:
@@ -207,14 +202,8 @@ def _containers(
 
 def _reaches_out(corners: Floats, other: Floats) -> bool:
     """Return whether a closed shell (n, 3, 3) has volume outside another, so far as both are manifolds."""
-    one, two = (_solid(merged(each)) for each in (corners, other))
+    one, two = (solid(merged(each)) for each in (corners, other))
     return None not in (one, two) and bool((one - two).volume() > _TOUCH * one.volume())
-
-
-def _solid(shell: Indexed) -> Any:
-    """Return what a shell encloses, however it is wound, for manifold3d; None if it is no manifold."""
-    outwards = shell.volume(shell.vertices[0]) > 0
-    return manifold(shell.vertices, shell.faces if outwards else shell.faces[:, ::-1])
 
 
 def _holds(interior: Interior | OpenInterior, points: list[Floats], all_of_them: bool = True) -> bool:

@@ -9,7 +9,7 @@ from robodyn.solids.mesh.columns import Quadrature, as_given, by_columns, by_win
 from robodyn.solids.mesh.holes import Filling, filled, one_sided
 from robodyn.solids.mesh.indexed import Edges, Indexed, merged
 from robodyn.solids.mesh.nesting import Nesting, nested
-from robodyn.solids.mesh.shells import Shells, without_degenerate, without_duplicates, wound
+from robodyn.solids.mesh.shells import without_degenerate, without_duplicates, wound
 from robodyn.solids.mesh.triangles import MemoryTriangles, Triangles
 from robodyn.solids.mesh.union import United, united
 from robodyn.support.floats import Floats
@@ -88,13 +88,20 @@ def repair(triangles: Triangles, cavities: bool = False) -> Repaired:
     """
     mesh = merged(triangles.array())
     steps = _Steps(mesh.middle)
-    mesh = steps.taken(mesh, *_dropped(mesh, without_degenerate(mesh), "degenerate", "without area"))
-    given, (single, copies) = mesh, without_duplicates(mesh)
-    mesh = steps.taken(mesh, *_dropped(mesh, single, "duplicate", "given more than once"))
+    given = steps.dropped(mesh, without_degenerate(mesh), "degenerate", "without area")
+    single, copies = without_duplicates(given)
+    mesh = steps.dropped(given, single, "duplicate", "given more than once")
     if not len(mesh.faces):
         raise MeshError("has no triangle with an area", remedy="give a surface", file=triangles.name)
     shells, turned = wound(mesh)
-    _check_sides(shells, triangles.name)
+    twisted = one_sided(shells)
+    if twisted:
+        raise MeshError(
+            f"{twisted} of {many(len(shells.mesh.faces), 'face')} form surfaces with one side only, like a "
+            "Moebius strip or a Klein bottle: they cannot be wound and enclose no definite volume",
+            remedy="--shell THICKNESS takes the surface as a sheet, --no-repair integrates it as it is",
+            file=triangles.name,
+        )
     steps.taken(mesh, shells.mesh, turned, "winding", f"{many(turned, 'face')} turned to agree with neighbours")
     filling = filled(shells)
     count = filling.holes + filling.seams
@@ -111,6 +118,10 @@ def repair(triangles: Triangles, cavities: bool = False) -> Repaired:
     mesh, region = _region(union, filling, steps)
     if (nesting.uneven or shells.tangled) and not Edges.between(given.faces).balance.any():
         region = _by_all_faces(given, mesh, region, steps)
+    remarks = []
+    if filling.left and region is None:
+        share = f"{100 * filling.missing:.2g} % of their surface"
+        remarks.append(f"{many(filling.left, 'gap')} too large to be filled: {share} is missing")
     changed = any(step.name not in _BY_REGION for step in steps.all)
     return Repaired(
         triangles=MemoryTriangles(corners=mesh.corners, **triangles.labels) if changed else triangles,
@@ -120,20 +131,8 @@ def repair(triangles: Triangles, cavities: bool = False) -> Repaired:
         doubt=filling.doubt,
         missing=filling.missing,
         quadrature=region,
-        remarks=(*_remarks(filling, region), *_within(nesting, triangles.scale)),
+        remarks=(*remarks, *_within(nesting, triangles.scale)),
     )
-
-
-def _check_sides(shells: Shells, name: str) -> None:
-    """Refuse a surface that cannot be wound."""
-    twisted = one_sided(shells)
-    if twisted:
-        raise MeshError(
-            f"{twisted} of {many(len(shells.mesh.faces), 'face')} form surfaces with one side only, like a "
-            "Moebius strip or a Klein bottle: they cannot be wound and enclose no definite volume",
-            remedy="--shell THICKNESS takes the surface as a sheet, --no-repair integrates it as it is",
-            file=name,
-        )
 
 
 def _region(union: United, filling: Filling, steps: _Steps) -> tuple[Indexed, Quadrature | None]:
@@ -176,17 +175,17 @@ class _Steps:
         if region is not None:
             self.all.append(Step(name, count, what, before.volume(self._reference), region.volume))
 
+    def dropped(self, before: Indexed, after: Indexed, name: str, why: str) -> Indexed:
+        """Return the mesh after faces were dropped."""
+        count = len(before.faces) - len(after.faces)
+        return self.taken(before, after, count, name, f"{many(count, 'face')} {why} dropped")
+
     def taken(self, before: Indexed, after: Indexed, count: int, name: str, what: str) -> Indexed:
         """Return the mesh after a step, which is kept in mind if it was done to anything."""
         if not count:
             return before
         self.all.append(Step(name, count, what, *(mesh.volume(self._reference) for mesh in (before, after))))
         return after
-
-
-def _dropped(before: Indexed, after: Indexed, name: str, why: str) -> tuple[Indexed, int, str, str]:
-    count = len(before.faces) - len(after.faces)
-    return after, count, name, f"{many(count, 'face')} {why} dropped"
 
 
 def _filling(found: Filling) -> str:
@@ -204,14 +203,6 @@ def _overlaps(found: United) -> str:
     bodies = [f"{found.untested} bodies"] if found.untested else []
     shells = [many(found.folded, "folded shell")] if found.folded else []
     return f"overlaps of {' and '.join(bodies + shells)} counted once, by columns"
-
-
-def _remarks(found: Filling, region: Quadrature | None) -> tuple[str, ...]:
-    remarks = []
-    if found.left and region is None:
-        share = f"{100 * found.missing:.2g} % of their surface"
-        remarks.append(f"{many(found.left, 'gap')} too large to be filled: {share} is missing")
-    return tuple(remarks)
 
 
 def _within(found: Nesting, scale: float) -> tuple[str, ...]:

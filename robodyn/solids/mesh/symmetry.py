@@ -14,7 +14,7 @@ from robodyn.solids.inertia.laws import exact, fraction
 from robodyn.solids.inertia.properties import MassProperties
 from robodyn.solids.mesh.asymmetry import GOLDEN_TURN, CentredBody, mirror
 from robodyn.solids.mesh.columns import frame_along
-from robodyn.solids.mesh.symmetry_search import Axis, Product, Search, Symmetry
+from robodyn.solids.mesh.symmetry_search import Product, Search, Symmetry
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
 
@@ -40,7 +40,9 @@ def symmetry(body: CentredBody, tolerance: float = 1e-6) -> Symmetry:
     axes = search.axes()
     planes = search.planes(axes)
     accepted = [mirror(plane.normal) for plane in planes if plane.holds]
-    accepted += [_turn(axis) for axis in axes if axis.holds]
+    for axis in axes:
+        if axis.holds:  # for second moments all folds above 2 are the same
+            accepted.append(rotation_about(axis.direction, pi if axis.fold == 2 else GOLDEN_TURN))
     worst = max((each.asymmetry for each in (*planes, *axes) if each.holds), default=0.0)
     invariants = _invariants(accepted)
     return Symmetry(planes, axes, _products(body.S, invariants, max(tolerance, 2 * worst)), invariants)
@@ -81,11 +83,6 @@ def _shift(com: Array, found: Symmetry) -> Floats:
     values, rows = eigen(einsum("ki,kj->ij", N, N))
     there = rows[values > _FIXED**2 * values[0]]
     return np.asarray(einsum("mi,mj,kj,k->i", there / values[: len(there), None], there, N, off))
-
-
-def _turn(axis: Axis) -> Array:
-    """For second moments all folds above 2 are the same."""
-    return rotation_about(axis.direction, pi if axis.fold == 2 else GOLDEN_TURN)
 
 
 def _invariants(maps: list[Array]) -> Floats:

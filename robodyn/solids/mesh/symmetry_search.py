@@ -101,15 +101,6 @@ class Symmetry:
         )
 
 
-def verdict_of(asymmetry: float, tolerance: float, facets: float) -> Verdict:
-    """Return the verdict on an asymmetry where facets may have left out such a part of the volume."""
-    if asymmetry <= tolerance:
-        return "exact"
-    if asymmetry > NEAR:
-        return "none"
-    return "within tessellation" if asymmetry <= 2 * facets else "near"
-
-
 DISTINCT = 1e-9
 """Principal second moments that are closer than this part of the largest leave their axes open."""
 
@@ -161,7 +152,7 @@ def _strongest(axial: Array) -> tuple[int, float, int]:
 
 
 def rim_angles(points: Array, frame: Array) -> Floats:
-    """The angles about the axis, ascending, of the points (n, 3) that are farthest from it; a symmetry permutes them.
+    """The angles about the axis, each once, ascending, of the points (n, 3) farthest from it; a symmetry permutes them.
 
     Args:
         frame: (3, 3) rows: two directions from the axis on, and its own.
@@ -169,19 +160,8 @@ def rim_angles(points: Array, frame: Array) -> Floats:
     x, y = einsum("ij,nj->in", frame[:2], points)
     radius = np.hypot(x, y)
     outer = radius >= radius.max() * (1 - _RIM)
-    return distinct_angles(np.array([atan2(b, a) for a, b in zip(x[outer].tolist(), y[outer].tolist(), strict=True)]))
-
-
-def rim_folds(count: int) -> list[float]:
-    """Return the folds of an axis with so many points on its rim: divisors, the largest first."""
-    return [float(n) for n in range(count, 1, -1) if count % n == 0][:4]
-
-
-def distinct_angles(angles: Array) -> Floats:
-    """Each angle once, within a millionth of a turn, ascending from that of the least."""
-    ordered = np.sort(angles)
-    apart = np.diff(ordered, append=ordered[0] + 2 * np.pi) > 2 * np.pi * _RIM
-    found: Floats = ordered[apart]
+    angles = np.sort([atan2(b, a) for a, b in zip(x[outer].tolist(), y[outer].tolist(), strict=True)])
+    found: Floats = angles[np.diff(angles, append=angles[0] + 2 * np.pi) > 2 * np.pi * _RIM]
     return found
 
 
@@ -369,7 +349,8 @@ class Search:
         folds = possible_folds(axial)
         revolved = self._first(direction, (inf,)) if inf in folds and not self._ball else []
         if inf in folds:
-            folds += rim_folds(len(rim_angles(self._points, frame)))
+            count = len(rim_angles(self._points, frame))
+            folds += [float(n) for n in range(count, 1, -1) if count % n == 0][:4]
         finite = self._first(direction, sorted({fold for fold in folds if fold < inf}, reverse=True))
         implied = self._ball or any(axis.holds for axis in revolved)
         return revolved + [axis for axis in finite if axis.verdict == "exact" or not implied]
@@ -462,8 +443,11 @@ class Search:
         return Plane(normal, float(product(normal, self.body.centre)), asymmetry, self._verdict(asymmetry))
 
     def _verdict(self, asymmetry: float) -> Verdict:
-        facets = self.body.facets if self.tolerance < asymmetry <= NEAR else 0.0
-        return verdict_of(asymmetry, self.tolerance, facets)
+        if asymmetry <= self.tolerance:
+            return "exact"
+        if asymmetry > NEAR:
+            return "none"
+        return "within tessellation" if asymmetry <= 2 * self.body.facets else "near"
 
 
 def _once(found: Sequence[Found], line: Callable[[Found], tuple[float, Array]]) -> tuple[Found, ...]:

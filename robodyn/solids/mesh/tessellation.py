@@ -236,7 +236,9 @@ def tessellation(masses: LineMasses, integrals: Integrals, centre: Array, *, fix
     given, on = body.smooth(parts, 0, 0), body.smooth(parts, 1, 1)
     places = [body.smooth(parts, one, other) for one in (1, -OUTSIDE) for other in (1, -OUTSIDE)]
     doubt, lean, spread = _line_moments(masses, masses.doubt)
-    shift = (length(lean) + SHIFT * _reach(masses)) / min(one.volume for one in (given, *places))
+    middle = (masses.start + masses.end) / 2
+    moment = float((masses.doubt * np.sqrt((middle * middle).sum(axis=0))).sum())
+    shift = (length(lean) + SHIFT * moment) / min(one.volume for one in (given, *places))
     doubts = np.array([doubt, _largest(spread) + (_largest(body.S) * doubt / V if fixed_mass else 0.0), shift])
     volume, first, second = (one + other for one, other in zip(*parts, strict=True))
     return Tessellation(
@@ -292,12 +294,6 @@ def _bars(found: _Smooth, places: Sequence[_Smooth], doubts: Floats) -> Bars:
         shares.append(np.where(errors < sizes, errors / np.where(sizes > 0, sizes, 1.0), np.inf))
     volume, inertia, centre = np.max(shares, axis=0).tolist()
     return Bars(volume, inertia, centre)
-
-
-def _reach(masses: LineMasses) -> float:
-    """Return the doubt of edges times their distance from the centre, in sum."""
-    middle = (masses.start + masses.end) / 2
-    return float((masses.doubt * np.sqrt((middle * middle).sum(axis=0))).sum())
 
 
 def _line_moments(masses: LineMasses, weights: Floats) -> tuple[float, Floats, Floats]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from robodyn.programs.vectors import IDENTITY, ZERO, rotation_from_rpy
 from robodyn.solids.mesh.indexed import Edges, Indexed, Mask, Numbers, in_parts
-from robodyn.solids.mesh.inside import manifold, may_cross, triangle_boxes
+from robodyn.solids.mesh.inside import may_cross, solid, triangle_boxes
 from robodyn.solids.mesh.nesting import Nesting
 from robodyn.support.floats import Floats
 from robodyn.support.input_limits import limits
@@ -137,12 +137,12 @@ def _region(
 
     inner = [name for name in shells if name not in cavities]
     cross = _any_cross([triangle_boxes(shells[name].corners) for name in inner])
-    solids = {name: _solid(shell, name in inner) for name, shell in shells.items()}
+    solids = {name: solid(shell) for name, shell in shells.items()}
     if None in solids.values():
         return None
     reference, found = next(iter(shells.values())).corners[0, 0], list[Indexed]()
     for turn in _TURNS:
-        turned = {name: solid.transform(np.column_stack([turn, ZERO])) for name, solid in solids.items()}
+        turned = {name: body.transform(np.column_stack([turn, ZERO])) for name, body in solids.items()}
         if cross:
             outer, holes = ([(turned[name], int(copies[name])) for name in names] for names in (cavities, inner))
             whole = _more_bodies_than_cavities(outer, holes)
@@ -156,13 +156,6 @@ def _region(
                 return other
         found.append(region)
     return None
-
-
-def _solid(shell: Indexed, inward: bool) -> Any:
-    """Return what a shell encloses, however it is wound, for manifold3d; None if it is no manifold."""
-    used, faces = np.unique(shell.faces, return_inverse=True)
-    faces = faces.reshape(-1, 3)
-    return manifold(shell.vertices[used], faces[:, ::-1] if inward else faces)
 
 
 def _any_cross(boxes: list[Floats]) -> bool:
@@ -194,8 +187,8 @@ def _more_bodies_than_cavities(bodies: list[tuple[Any, int]], cavities: list[tup
 def _layers(solids: list[tuple[Any, int]]) -> list[Any]:
     """Return where at least one of the solids is, at least two of them, and so on."""
     layers: list[Any] = []
-    for solid, often in solids:
-        for rest in repeat(solid, min(often, _MOST_COPIES)):
+    for body, often in solids:
+        for rest in repeat(body, min(often, _MOST_COPIES)):
             for n, layer in enumerate(layers):
                 layers[n], rest = layer + rest, layer ^ rest  # noqa: PLW2901
             if not rest.is_empty():

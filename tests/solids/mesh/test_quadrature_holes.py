@@ -8,8 +8,8 @@ from helpers.mesh_samples import box, cylinder, flipped, moved, sheet, tetrahedr
 from helpers.repaired_meshes import R, repaired, taken
 
 from robodyn.solids.mesh.columns import by_winding_numbers
-from robodyn.solids.mesh.holes import boundary_loops, cap_of
-from robodyn.solids.mesh.indexed import merged
+from robodyn.solids.mesh.holes import cap_of, followed
+from robodyn.solids.mesh.indexed import Edges, merged
 from robodyn.solids.mesh.integrals import integrate
 from robodyn.solids.mesh.triangles import MemoryTriangles
 
@@ -21,9 +21,8 @@ def volume(triangles):
 def by_winding(triangles):
     """The region of an open surface, none of whose holes is filled."""
     mesh = merged(triangles)
-    return by_winding_numbers(
-        mesh, np.concatenate([cap_of(mesh.vertices, loop) for loop in boundary_loops(mesh.faces)])
-    )
+    loops = followed(*Edges.between(mesh.faces).boundary()[1].T.tolist())
+    return by_winding_numbers(mesh, np.concatenate([cap_of(mesh.vertices, loop) for loop in loops]))
 
 
 def patches(body, gap, seed=0):

@@ -69,7 +69,7 @@ def test_a_pin_in_its_bore_only_touches():
 
 
 def test_columns_where_one_body_is_no_manifold(monkeypatch):
-    monkeypatch.setattr("robodyn.solids.mesh.union.manifold", lambda vertices, faces: None)
+    monkeypatch.setattr("robodyn.solids.mesh.inside.manifold", lambda vertices, faces: None)
     parts = box((2, 2, 2)), moved(box((2, 2, 2)), (1, 0.5, 0.25)), moved(box(), (9, 0, 0))
     found = repaired(*parts)
     assert taken(found) == [("overlaps", 2)]
@@ -80,7 +80,7 @@ def test_columns_where_one_body_is_no_manifold(monkeypatch):
 
 
 def test_bodies_of_which_only_the_boxes_overlap(monkeypatch):
-    monkeypatch.setattr("robodyn.solids.mesh.union.manifold", lambda vertices, faces: None)
+    monkeypatch.setattr("robodyn.solids.mesh.inside.manifold", lambda vertices, faces: None)
     found = repaired(moved(box((4, 1, 1)), R=R), moved(box((4, 1, 1)), R @ (0, 1.5, 0), R))
     assert found.steps == ()
     assert found.quadrature is None

@@ -6,7 +6,7 @@ import json
 import math
 import zipfile
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from io import BytesIO
 from typing import Any, BinaryIO
@@ -47,7 +47,15 @@ def _dae(source: Source, stream: BinaryIO) -> Asset:
     root = ElementTree.parse(stream).getroot()
     asset = root.find("{*}asset")
     unit = None if asset is None else asset.find("{*}unit")
-    metres = None if unit is None or "meter" not in unit.attrib else _positive(source, unit.attrib["meter"])
+    metres = None
+    if unit is not None and "meter" in unit.attrib:
+        text = unit.attrib["meter"]
+        try:
+            metres = float(text)
+        except ValueError:
+            metres = math.nan
+        if not 0 < metres < math.inf:
+            raise source.error(f"the unit {text[:40]!r} is not a length in metres", remedy="repair <unit meter>")
     up = "" if asset is None else (asset.findtext("{*}up_axis") or "").strip()
     _check_positions(source, root)
     _count_collada(source, root)
@@ -65,39 +73,20 @@ def _tag(element: Element) -> str:
     return element.tag.rpartition("}")[2] if isinstance(element.tag, str) else ""
 
 
-def _positive(source: Source, text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not 0 < value < math.inf:
-        raise source.error(f"the unit {text[:40]!r} is not a length in metres", remedy="repair <unit meter>")
-    return value
-
-
 def _check_positions(source: Source, root: Element) -> None:
-    for name, numbers in _positions(root):
-        text = numbers.text or ""
-        if "n" not in text.lower():
-            continue
-        for at, word in enumerate(text.split()):
-            if not math.isfinite(float(word)):
-                what = f"vertex {at // 3 + 1} of {name!r} has the coordinate {word}"
-                raise source.error(what, remedy="coordinates must be finite")
-
-
-def _positions(root: Element) -> Iterator[tuple[str, Element]]:
-    """Name and array of each source of positions."""
     used = {
         place.get("source", "").removeprefix("#")
         for place in root.iterfind(".//{*}vertices/{*}input")
         if place.get("semantic") == "POSITION"
     }
     for known in root.iterfind(".//{*}source"):
-        numbers = known.find("{*}float_array")
-        name = known.get("id", "")
-        if name in used and numbers is not None:
-            yield name, numbers
+        name, text = known.get("id", ""), known.findtext("{*}float_array") or ""
+        if name not in used or "n" not in text.lower():
+            continue
+        for at, word in enumerate(text.split()):
+            if not math.isfinite(float(word)):
+                what = f"vertex {at // 3 + 1} of {name!r} has the coordinate {word}"
+                raise source.error(what, remedy="coordinates must be finite")
 
 
 _UNITS_3MF = {
@@ -121,11 +110,7 @@ def asset_of(source: Source, kind: str) -> Asset:
         MeshError: it holds what would be read wrongly: compressed geometry, lying sizes, positions that are not finite.
     """
     with source.opened() as stream:
-        return _READERS.get(kind, _nothing)(source, stream)
-
-
-def _nothing(source: Source, stream: BinaryIO) -> Asset:
-    return Asset(None)
+        return _READERS[kind](source, stream) if kind in _READERS else Asset(None)
 
 
 def _3mf(source: Source, stream: BinaryIO) -> Asset:
@@ -187,10 +172,6 @@ def _glb(source: Source, stream: BinaryIO) -> Asset:
         what = f"the header promises {length} bytes, the file has {source.size}"
         raise source.error(what, remedy="the file is cut short: get it again")
     return _gltf_of(source, json.loads(stream.read(min(chunk, source.size))))
-
-
-def _gltf(source: Source, stream: BinaryIO) -> Asset:
-    return _gltf_of(source, json.loads(stream.read()))
 
 
 def _gltf_of(source: Source, header: Any) -> Asset:
@@ -267,5 +248,5 @@ _READERS: dict[str, Callable[[Source, BinaryIO], Asset]] = {
     "zae": _zae,
     "3dxml": _zip,
     "glb": _glb,
-    "gltf": _gltf,
+    "gltf": lambda source, stream: _gltf_of(source, json.load(stream)),
 }

@@ -13,7 +13,7 @@ import numpy as np
 from robodyn.errors import MeshError
 from robodyn.solids.mesh.read.source import Source
 from robodyn.solids.mesh.read.text import TRUNCATED, indices, lines, number
-from robodyn.solids.mesh.triangles import IndexedTriangles, polygon_triangles
+from robodyn.solids.mesh.triangles import Corners, IndexedTriangles, polygon_triangles
 
 Encoding = Literal["ascii", "<", ">"]
 
@@ -127,7 +127,7 @@ def read_ply(source: Source, scale: float, notes: tuple[str, ...]) -> IndexedTri
     single = all(known.type == "f" for known in vertex.properties if known.name in _AXES)
     with np.errstate(over="ignore"):
         columns = [np.asarray(found["vertex"][axis][1]) for axis in _AXES]
-        vertices = np.stack(columns, axis=1).astype(np.float32 if single else np.float64)
+        vertices: Corners = np.stack(columns, axis=1).astype(np.float32 if single else np.float64)
     sizes, corners = map(np.asarray, found["face"][corners_name])
     return polygon_triangles(
         source.name,

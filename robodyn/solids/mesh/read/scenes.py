@@ -175,10 +175,8 @@ def _library_errors(source: Source, kind: str) -> Iterator[None]:
     except InputError:
         raise
     except Exception as error:
-        what = f"cannot be read as {kind.upper()}: {_first_line(error)}"
+        line = str(error).strip().partition("\n")[0]
+        if not line or isinstance(error, KeyError):
+            line = f"{type(error).__name__} {line}".strip()
+        what = f"cannot be read as {kind.upper()}: {line[:200]}"
         raise source.error(what, remedy="export it again, or as STL, OBJ or PLY") from None
-
-
-def _first_line(error: Exception) -> str:
-    line = str(error).strip().partition("\n")[0]
-    return line[:200] if line and not isinstance(error, KeyError) else f"{type(error).__name__} {line}".strip()[:200]

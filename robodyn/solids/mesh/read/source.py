@@ -69,14 +69,13 @@ def open_source(source: str | os.PathLike[str] | bytes, typed: bool = False) -> 
     Raises:
         MeshError: there is no such file, it cannot be read, or it is empty.
     """
-    found = _memory(source) if isinstance(source, bytes) else _named(os.fspath(source), typed)
+    if isinstance(source, bytes):
+        found = Source("<bytes>", len(source), None, io.BytesIO(source))
+    else:
+        found = _named(os.fspath(source), typed)
     if not found.size:
         raise MeshError("is empty", remedy="a mesh is needed", file=found.name)
     return found
-
-
-def _memory(data: bytes) -> Source:
-    return Source("<bytes>", len(data), None, io.BytesIO(data))
 
 
 def _named(path: str, typed: bool) -> Source:
