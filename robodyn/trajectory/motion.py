@@ -98,7 +98,7 @@ class Trajectory:
         stamps: (N,) the time as the table gives it; None if that is `time`.
         origin: what `time` counts from [s], in the table's count.
         held: position [rad or m] of each coordinate without a column that is held.
-        followed: joints without columns, which loops tell; zero until they are filled in, see `loads.follow`.
+        followed: joints without columns, which loops tell; zero until they are filled in, see `loads.constraints`.
         caveats: what makes the table's units doubtful, by all samples up to the last of these.
         sampling: how far the derived accelerations of these samples can be trusted; None if that is not known.
         slowest: (n,) speeds below which a joint cannot be told from one that stands still [rad/s, m/s]; speeds are 0

@@ -218,7 +218,10 @@ def dae_at(model: Model, scene: Scene, q: Floats, qd: Floats, tau: Floats) -> Da
     if not all(np.isfinite(part).all() for part in found):
         raise InputError("the equations overflow at this configuration", remedy="smaller numbers", file=model.file)
     residuals = Residuals(values(system.equations, system.at), found.G @ system.at.v)
-    rows = scaled_rows(found.G, system.length)
+    # angles count as arcs of the robot's length, and each row has length 1: the rank has then no unit
+    rows = found.G * np.tile(np.repeat((1.0 / system.length, 1.0), 3), found.G.shape[1] // 6)
+    sizes = np.linalg.norm(rows, axis=1, keepdims=True)
+    rows = rows / np.where(sizes > 0.0, sizes, 1.0)
     independent = independent_rows(rows, system.tree)
     left = reduced(system)
     counts = counted(system, rows, independent, left)
@@ -244,13 +247,6 @@ def dae_at(model: Model, scene: Scene, q: Floats, qd: Floats, tau: Floats) -> Da
         comparison,
         (*_contradictions(found, independent, solution), *beyond_limits(model, q), *model.notes),
     )
-
-
-def scaled_rows(G: Floats, length: float) -> Floats:
-    """G with angles counted as arcs of this length, and each row of length 1; its rank has then no unit."""
-    rows = G * np.tile(np.repeat((1.0 / length, 1.0), 3), G.shape[1] // 6)
-    sizes = np.linalg.norm(rows, axis=1, keepdims=True)
-    return np.asarray(rows / np.where(sizes > 0.0, sizes, 1.0))
 
 
 def independent_rows(rows: Floats, first: int = 0) -> NDArray[np.bool_]:

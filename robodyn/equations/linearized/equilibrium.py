@@ -101,7 +101,7 @@ class Balance(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Standing:
+class RobotAtRest:
     """A robot in a scene at rest, its drives closed.
 
     Attributes:
@@ -183,7 +183,7 @@ def overflow(model: Model) -> InputError:
     return InputError("the equations overflow at this state", remedy="smaller numbers", file=model.file)
 
 
-def standing(model: Model, scene: Scene, q: Floats) -> Standing:
+def robot_at_rest(model: Model, scene: Scene, q: Floats) -> RobotAtRest:
     """Return the robot; q, at which loops are closed, says which of their equations depend on each other.
 
     Raises:
@@ -191,7 +191,7 @@ def standing(model: Model, scene: Scene, q: Floats) -> Standing:
     """
     tree, drives = replace(scene, loops=()), drives_of(model, scene, q)
     if not scene.loops:
-        return Standing(model, tree, drives, None, np.zeros(model.n, dtype=bool))
+        return RobotAtRest(model, tree, drives, None, np.zeros(model.n, dtype=bool))
     if model.floating:
         remedy = 'bolt the base down: leave out motion = "moving"'
         raise InputError("a closed chain on a base that moves is not linearized", remedy=remedy, file=model.file)
@@ -209,7 +209,7 @@ def standing(model: Model, scene: Scene, q: Floats) -> Standing:
             joint = model.bodies[k].joint
             if joint.kind in ("revolute", "prismatic"):
                 tied[joint.rate] = True
-    return Standing(model, tree, drives, chain, tied)
+    return RobotAtRest(model, tree, drives, chain, tied)
 
 
 def _beyond(model: Model, link: str) -> set[int]:
@@ -250,7 +250,7 @@ _SUNK = 1e-5
 """A part of the torques that balance, from which Newton's method ends it."""
 
 
-def equilibrium_near(robot: Standing, q: Floats) -> Floats:
+def equilibrium_near(robot: RobotAtRest, q: Floats) -> Floats:
     """Return q (nq,) at which the robot stays at rest.
 
     Method: Newton's, the shortest step that makes the linear torques vanish, halved until it helps, which finds what is
@@ -274,7 +274,7 @@ def equilibrium_near(robot: Standing, q: Floats) -> Floats:
     return plain if robot.balance(plain).part <= max(here.part, _NEAR) else found
 
 
-def _check_exists(robot: Standing, q: Floats) -> None:
+def _check_exists(robot: RobotAtRest, q: Floats) -> None:
     """Raise if a torque is missing that does not change with the configuration, here and elsewhere: nothing balances
     the weight of a free base, or of a slide that is not held."""
     elsewhere = None if robot.chain else robot.moved(q, 0.1 + 0.618 * np.arange(1.0, robot.model.n + 1.0) % 1.0)
@@ -293,12 +293,12 @@ def _check_exists(robot: Standing, q: Floats) -> None:
         )
 
 
-def _most(robot: Standing, here: Balance) -> str:
+def _most(robot: RobotAtRest, here: Balance) -> str:
     k = first_largest(here.parts)
     return f"{abs(here.missing[k]):.3g} {robot.units[k]} at {robot.model.rates[k]}"
 
 
-def _by_newton(robot: Standing, q: Floats, around: float) -> tuple[Floats, Balance]:
+def _by_newton(robot: RobotAtRest, q: Floats, around: float) -> tuple[Floats, Balance]:
     """Return where it ends, within this distance, and what is not balanced there."""
     here, gone = robot.balance(q), np.zeros(robot.model.n)
     for _ in range(_STEPS):
@@ -312,7 +312,7 @@ def _by_newton(robot: Standing, q: Floats, around: float) -> tuple[Floats, Balan
     return q, here
 
 
-def newton_step(robot: Standing, here: Balance) -> Floats:
+def newton_step(robot: RobotAtRest, here: Balance) -> Floats:
     """Return the shortest step (n,) after which nothing would be missing if torques were linear."""
     N = _scaled(robot, here)
     return np.asarray(
@@ -320,7 +320,7 @@ def newton_step(robot: Standing, here: Balance) -> Floats:
     )
 
 
-def _scaled(robot: Standing, here: Balance) -> Floats:
+def _scaled(robot: RobotAtRest, here: Balance) -> Floats:
     """Return the directions in coordinates in which all joints are about as stiff, however small what they carry."""
     stiff = here.scale / robot.lengths
     stiff = np.where(stiff > 0.0, stiff, 1.0)
@@ -329,7 +329,7 @@ def _scaled(robot: Standing, here: Balance) -> Floats:
 
 
 def _first_that_helps(
-    robot: Standing, q: Floats, here: Balance, step: Floats, within: Floats, gone: Floats
+    robot: RobotAtRest, q: Floats, here: Balance, step: Floats, within: Floats, gone: Floats
 ) -> tuple[Floats, Balance, Floats] | None:
     """Return q, what is missing and how far it is after the step, halved until less is missing."""
     scale = np.where(here.scale > 0.0, here.scale, 1.0)
@@ -342,7 +342,7 @@ def _first_that_helps(
     return None
 
 
-def _sunk(robot: Standing, q: Floats) -> Floats:
+def _sunk(robot: RobotAtRest, q: Floats) -> Floats:
     """Return q after steps downhill, each accepted if the torques do work along it."""
     here, longest, gone = robot.balance(q), _LONGEST, np.zeros(robot.model.n)
     for _ in range(_SINKS):
@@ -358,7 +358,7 @@ def _sunk(robot: Standing, q: Floats) -> Floats:
     return q
 
 
-def _downhill(robot: Standing, here: Balance, longest: float) -> Floats:
+def _downhill(robot: RobotAtRest, here: Balance, longest: float) -> Floats:
     """Return the step (n,) that ends along each principal direction of the stiffness where its torque would vanish."""
     N = _scaled(robot, here)
     S = product(N.T, here.stiffness, N)
@@ -383,7 +383,7 @@ def along(stiffness: Floats, directions: Floats, own: list[int]) -> Floats:
     return np.asarray(product(N.T, stiffness, N))
 
 
-def stiffness_in_doubt(robot: Standing, q: Floats, here: Balance, own: list[int]) -> Floats:
+def stiffness_in_doubt(robot: RobotAtRest, q: Floats, here: Balance, own: list[int]) -> Floats:
     """Return how the stiffness (k, k) changes on the way to where the equilibrium may be, which is off by what is
     missing and by rounding: next to nothing, but near a fold, where a stable equilibrium meets an unstable one."""
     missing = np.where(np.abs(here.missing) < _ROUNDED * here.scale, _ROUNDED * here.scale, here.missing)

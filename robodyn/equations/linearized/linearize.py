@@ -14,11 +14,11 @@ from robodyn.dynamics.effects.motors import coupled_motors
 from robodyn.dynamics.inverse import bias_forces
 from robodyn.equations.dae.dae import begun, closed_state
 from robodyn.equations.linearized.equilibrium import (
-    Standing,
+    RobotAtRest,
     equilibrium_near,
     overflow,
     positions,
-    standing,
+    robot_at_rest,
     stiffness_in_doubt,
 )
 from robodyn.equations.linearized.modes import Modes, SmallMotion, modes_of
@@ -172,7 +172,7 @@ def linearize(
     check_equations(model, scene)
     with np.errstate(all="ignore"):
         q, speeds = _state(model, scene, at, qd)
-        robot = standing(model, scene, q)
+        robot = robot_at_rest(model, scene, q)
         if equilibrium:
             if speeds.any():
                 raise InputError("an equilibrium is at rest", remedy="leave out the speeds, or do not look for one")
@@ -180,7 +180,7 @@ def linearize(
         found = _near(robot, q, speeds)
         if not all(np.isfinite(part).all() for part in (found.A, found.B, found.held, found.motion.weight)):
             raise overflow(model)
-        found = replace(found, warnings=(*_not_taken(scene, speeds, equilibrium), *found.warnings))
+        found = replace(found, warnings=(*_left_out(robot, scene, speeds, equilibrium), *found.warnings))
         return found if step is None else in_steps(found, step)
 
 
@@ -194,7 +194,7 @@ def _state(model: Model, scene: Scene, at: Values | None, qd: Values) -> tuple[F
     return closed_state(model, replace(scene, initial_qd={}), at, ())
 
 
-def _near(robot: Standing, q: Floats, qd: Floats) -> Linearized:
+def _near(robot: RobotAtRest, q: Floats, qd: Floats) -> Linearized:
     """Return the linear equations at a state."""
     model, moves = robot.model, bool(qd.any())
     balance = robot.balance(q)
@@ -235,36 +235,33 @@ def _near(robot: Standing, q: Floats, qd: Floats) -> Linearized:
         held=np.zeros(model.n) if balanced else held,
         balanced=balanced,
         motion=SmallMotion(N, M, damping, stiffness, doubt, A, B, inertia, weight, condition, not moves),
-        warnings=(*_left_out(robot, qd), *beyond_limits(model, q), *model.notes),
+        warnings=(*beyond_limits(model, q), *model.notes),
     )
 
 
-def _not_taken(scene: Scene, speeds: Floats, equilibrium: bool) -> list[str]:
-    """Return what the scene says that the state has not."""
+def _left_out(robot: RobotAtRest, scene: Scene, qd: Floats, equilibrium: bool) -> list[str]:
+    """Return what the scene says that the state has not, and what holds in truth and is not linear."""
     out = []
-    if follow := [name for name, drive in scene.drive.items() if drive.columns]:
-        out = [f"drives of {listed(follow)} follow a table: their references are taken where the joints are put"]
+    if tabled := [name for name, drive in scene.drive.items() if drive.columns]:
+        out = [f"drives of {listed(tabled)} follow a table: their references are taken where the joints are put"]
     moving = [name for name, value in scene.initial_qd.items() if value]
-    if moving and not equilibrium and not speeds.any():
+    if moving and not equilibrium and not qd.any():
         out.append(
             f"initial qd of {listed(moving)} in the scene is left out: linearized at rest (--qd gives joints speeds)"
+        )
+    rubs = joints_with_friction(robot.model, robot.tree)
+    dry = [joint.name for _, joint, friction in rubs if friction.dry and not qd[joint.rate]]
+    for motor, turned in coupled_motors(robot.model, robot.tree):
+        if motor.friction.dry and not sum(share * joint.multiplier * qd[joint.rate] for _, joint, share in turned):
+            dry.append(motor.name)
+    if dry and not scene.slip_speed:
+        out.append(
+            f"Coulomb friction of {listed(dry)} is left out: at rest it jumps; slip_speed in the scene makes it smooth"
         )
     return out
 
 
-def _left_out(robot: Standing, qd: Floats) -> list[str]:
-    """Return what holds in truth and is not linear."""
-    scene, rubs = robot.tree, joints_with_friction(robot.model, robot.tree)
-    dry = [joint.name for _, joint, friction in rubs if friction.dry and not qd[joint.rate]]
-    for motor, turned in coupled_motors(robot.model, scene):
-        if motor.friction.dry and not sum(share * joint.multiplier * qd[joint.rate] for _, joint, share in turned):
-            dry.append(motor.name)
-    if not dry or scene.slip_speed:
-        return []
-    return [f"Coulomb friction of {listed(dry)} is left out: at rest it jumps; slip_speed in the scene makes it smooth"]
-
-
-def _coordinates(robot: Standing, N: Floats) -> tuple[list[int], Floats]:
+def _coordinates(robot: RobotAtRest, N: Floats) -> tuple[list[int], Floats]:
     """Return the rates that are coordinates, driven ones and then first ones before others, and N in terms of them."""
     left, own = N.copy(), []
     order = sorted(range(len(N)), key=lambda k: (not robot.drives.kp[k] and not robot.drives.torque[k], k))
