@@ -1,4 +1,4 @@
-"""Every method: its order, what it keeps, and that machine code and NumPy do the same."""
+"""Every method: its order, what it keeps, over a million steps too, and that machine code and NumPy do the same."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from helpers.oracles import robot
 from helpers.sampled import sampled
-from helpers.simulated_robots import pendulum, tumbling
+from helpers.simulated_robots import pendulum, slide, tumbling
 
 import robodyn
 from robodyn.errors import InputError
+from robodyn.scene.parts import Drive, ExternalWrench, Friction, Spring
 from robodyn.scene.scene import Scene
 from robodyn.simulation.methods import METHODS
 
@@ -128,3 +129,114 @@ def test_sweeps_that_do_not_settle(executor, monkeypatch):
     monkeypatch.setattr("robodyn.programs.run.stepper.SWEEPS", 2)
     with pytest.raises(InputError, match="the steps of gauss4 do not settle at 0 s"):
         robodyn.simulate(pendulum(), Scene(initial_q={"j1": 1.0}), 1.0, method="gauss4", step=0.1, executor=executor)
+
+
+PULLED = Scene(
+    spring={"j1": Spring(20.0, 0.3)},
+    drive={"j1": Drive(torque=1.5, kp=4.0, reference=-0.2)},
+    wrenches=(ExternalWrench("l1", (0.4, 0.0, 0.7), point=(0.0, 0.0, -1.0), frame="world"),),
+    initial_q={"j1": 0.9},
+    initial_qd={"j1": 0.5},
+)
+
+
+def last(found):
+    return np.array([found.q[-1, 0], found.qd[-1, 0], found.work[-1]])
+
+
+def test_order_with_every_force_that_it_can_take():
+    settled = last(robodyn.simulate(pendulum(), PULLED, 2.0, method="gauss6", step=2e-3))
+    errors = [
+        np.abs(last(robodyn.simulate(pendulum(), PULLED, 2.0, method="verlet", step=2.0 / steps)) - settled).max()
+        for steps in (256, 512)
+    ]
+    assert abs(np.log2(errors[0] / errors[1]) - 2) <= 0.05
+    assert errors[1] <= 1e-3
+
+
+def test_machine_code_and_numpy_agree_on_one_evaluation_per_step():
+    first, second = (
+        robodyn.simulate(pendulum(), PULLED, 0.1, method="verlet", step=1e-3, executor=executor)
+        for executor in ("numpy", "compiled")
+    )
+    assert np.abs(first.columns - second.columns).max() <= 1e-13 * np.abs(first.columns).max()
+    assert first.evaluations == first.steps == 100
+
+
+def test_a_step_back_undoes_a_step():
+    there = robodyn.simulate(pendulum(), PULLED, 1.0, method="verlet", step=0.01)
+    turned = Scene(**{**vars(PULLED), "initial_q": {"j1": there.q[-1, 0]}, "initial_qd": {"j1": -there.qd[-1, 0]}})
+    back = robodyn.simulate(pendulum(), turned, 1.0, method="verlet", step=0.01)
+    assert abs(back.q[-1, 0] - 0.9) <= 1e-12
+    assert abs(back.qd[-1, 0] + 0.5) <= 1e-12
+
+
+def test_energy_is_bounded_over_a_million_steps():
+    found = robodyn.simulate(pendulum(), Scene(initial_q={"j1": 2.0}), 10_000.0, method="verlet", step=0.01)
+    error = np.abs(found.figures.energy - found.figures.energy[0])
+    assert found.steps == 1_000_000
+    parts = [part.max() for part in np.array_split(error, 10)]
+    assert max(parts) <= 1.05 * parts[0] <= 0.02
+
+
+REFUSED = {
+    "two hinges": (pendulum(masses=2), Scene(), "coriolis"),
+    "a free body": (robot("rigid_body"), Scene(moving_base=True), "coriolis"),
+    "a drive that damps": (slide(), Scene(drive={"j1": Drive(kd=1.0)}), "drives with kd"),
+    "friction": (slide(), Scene(friction={"j1": Friction(1.0, 2.0, -2.0)}), "viscous friction, coulomb friction"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_robots_to_which_it_does_not(name):
+    model, scene, causes = REFUSED[name]
+    with pytest.raises(InputError) as caught:
+        robodyn.simulate(model, scene, 0.01, method="verlet")
+    assert caught.value.what == f"verlet does not apply: accelerations depend on speeds ({causes})"
+    assert caught.value.remedy == "--method gauss2 keeps energy too, whatever forces there are"
+
+
+STEPS = 1_000_000
+BOUNDS = {"gauss2": 4e-4, "gauss4": 2e-7, "gauss6": 2e-10}
+
+
+@pytest.mark.parametrize(
+    "method", ["gauss2", pytest.param("gauss4", marks=pytest.mark.slow), pytest.param("gauss6", marks=pytest.mark.slow)]
+)
+def test_energy_of_a_double_pendulum(method):
+    """20 000 s of some 7000 swings: the largest error of each tenth is that of the first."""
+    scene = Scene(initial_q={"j1": 0.8})
+    found = robodyn.simulate(pendulum(masses=2), scene, STEPS * 0.02, method=method, step=0.02)
+    assert found.steps == STEPS
+    error = np.abs(found.figures.energy - found.figures.energy[0])
+    parts = [part.max() for part in np.array_split(error, 10)]
+    assert max(parts) <= 1.1 * parts[0]
+    assert parts[0] <= BOUNDS[method]
+
+
+FLOATING = {
+    "rigid_body": {"base_wx": 1e-3, "base_wy": 1.0, "base_wz": 1e-3},
+    "satellite": {"base_wx": 0.1, "base_wy": 0.3, "base_wz": -0.05, "base_vx": 0.2, "left_array": 0.05},
+}
+
+
+SLOW = pytest.mark.slow
+
+
+@pytest.mark.parametrize(
+    ("method", "name"),
+    [
+        ("rk4-momenta", "rigid_body"),
+        *(pytest.param(*case, marks=SLOW) for case in [("rk4-momenta", "satellite"), ("gauss6", "satellite")]),
+        pytest.param("gauss6", "rigid_body", marks=SLOW),
+    ],
+)
+def test_momenta_of_free_robots(method, name):
+    scene = Scene(gravity=(0, 0, 0), initial_qd=FLOATING[name], joint_limits="ignore")
+    found = robodyn.simulate(
+        robot(name, moving_base=name == "satellite"), scene, STEPS * 0.02, method=method, step=0.02
+    )
+    assert found.steps == STEPS
+    linear, angular = found.momentum_drift
+    assert linear <= 1e-12 * max(np.abs(found.figures.linear).max(), 1e-300)
+    assert angular <= 1e-12 * np.abs(found.figures.angular).max()

@@ -1,10 +1,13 @@
-"""Simulated motions against closed forms and references of 30 digits."""
+"""Simulated motions against closed forms and references of 30 digits, IFToMM's benchmark A01 among them."""
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
-from helpers.oracles import reference, robot
+from helpers.oracles import ROBOTS, reference, robot
 from helpers.simulated_robots import pendulum, slide
 
 import robodyn
@@ -116,3 +119,29 @@ def test_a_heavy_top_precesses_steadily(root, method):
     assert np.abs(found.q[:, 1] - lean).max() <= 1e-10
     assert np.abs(found.q[:, 0] - rate * found.time).max() <= 1e-9
     assert np.abs(found.q[:, 2] - spin * found.time).max() <= 1e-9
+
+
+REFERENCE = Path(__file__).parents[1] / "data" / "reference" / "analytic.json"
+BAR = 1e-3
+
+
+def exact(last):
+    """Rows of t, x, z at whole multiples of 10 s."""
+    rows = np.array(json.loads(REFERENCE.read_text())["A01_pendulum_exact"]["rows"], dtype=float)
+    return [row[:3] for row in rows if row[0] > 0 and row[0] % 10 == 0 and row[0] <= last]
+
+
+@pytest.mark.parametrize(
+    ("method", "step", "last"),
+    [("rk4", 1e-2, 100), ("rk4", 1 / 120, 2000), ("gauss6", 0.1, 2000), ("verlet", 0.0125, 2000)],
+)
+def test_within_a_millimetre(method, step, last):
+    scene = robodyn.load_scene(ROBOTS / "pendulum_a01.toml")
+    result = robodyn.simulate(robot("pendulum"), scene, float(last), step=step, method=method)
+    rows = exact(last)
+    assert len(rows) == {100: 2, 2000: 4}[last]
+    for t, *place in rows:
+        k = np.argmin(np.abs(result.time - t))
+        assert result.time[k] == pytest.approx(t, rel=1e-12)
+        q = result.q[k, 0]
+        assert np.hypot(np.cos(q) - place[0], np.sin(q) - place[1]) <= BAR
