@@ -196,7 +196,10 @@ def _shared(model: Model, k: int, P: Floats) -> tuple[dict[str, MassProperties],
         changed = {name: from_inertia(share * b.mass, b.com, share * b.inertia) for name, b in others.items()}
         what = f"the links {listed(list(others))} are more than body {shown(model.bodies[k].name)} is found to be"
         notes.append(f"{what}: their masses and inertias are scaled by {figure(share)}")
-    return {main.name: _to_link(model, main.name, P - share * total), **changed}, notes
+    m, mx, my, mz, *moments = parameters_of(P - share * total).tolist()
+    frame = model.links[main.name]
+    body = from_moments(Inertia(m, np.array((mx, my, mz)), symmetric(moments)))
+    return {main.name: body.placed(frame.R.T, -product(frame.R.T, frame.p)), **changed}, notes
 
 
 def _main(links: Sequence[Link], name: str) -> Link:
@@ -216,14 +219,6 @@ def _share(P: Floats, others: Floats) -> float:
     half = np.linalg.solve(L, others)
     largest = float(np.linalg.eigvalsh(np.linalg.solve(L, half.T)).max())
     return 1.0 if largest <= 1.0 - _LEFT else float(f"{0.5 / largest:.3g}")
-
-
-def _to_link(model: Model, name: str, P: Floats) -> MassProperties:
-    """Return the body of a pseudo-inertia about its body's frame, in the frame of a link."""
-    m, mx, my, mz, *moments = parameters_of(P).tolist()
-    frame = model.links[name]
-    body = from_moments(Inertia(m, np.array((mx, my, mz)), symmetric(moments)))
-    return body.placed(frame.R.T, -product(frame.R.T, frame.p))
 
 
 def calibrated(model: Model, names: Sequence[str], theta: Floats, scene: Scene = DEFAULT) -> Scene:

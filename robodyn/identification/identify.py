@@ -37,7 +37,7 @@ from robodyn.identification.parameters.structure import (
     without_one,
 )
 from robodyn.identification.passes import FOLDS, RESTS, Run, begun, first_fit, repeated, weighted_rows
-from robodyn.identification.result import BaseFit, Errors, Identified, MotorFit, motor_fits, outcome
+from robodyn.identification.result import BaseFit, Errors, Identified, motor_fits, outcome
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
@@ -134,6 +134,11 @@ def identify(
     of_train, held = errors(train), errors([FOLDS]) if holds else [None] * 3
     alone, of = _told_by_description(structure, theta), [FOLDS] if holds else train
     motors = motor_fits(structure, theta)
+    beyond = {name: abs(fit.offset) - fit.coulomb for name, fit in motors.items()}
+    delays = {run.model.rates[j]: float(run.logs[0].delays[j]) for j in run.measured}
+    late = [f"{1e3 * delay:.3g} ms ({name})" for name, delay in delays.items() if delay]
+    if late:
+        late = [f"torques are logged late beside positions, which is taken out: {', '.join(late)}"]
     names, described, calibrated, after = outcome(run.model, run.scene, structure, theta, run.slip_speed)
     shown = [body for body in prior.bodies if base.matrix[:, body.columns].any()]
     return Identified(
@@ -152,7 +157,7 @@ def identify(
         original_train=of_train[2],
         original_held_out=held[2],
         discrepancy=dict(zip(rates, deviation.tolist(), strict=True)),
-        delays={run.model.rates[j]: float(run.logs[0].delays[j]) for j in run.measured},
+        delays=delays,
         alone=_ratio(float(off(of, alone).sum()), float(plain.squares[of].sum())),
         strength=chosen,
         cutoff=run.cutoff,
@@ -166,7 +171,7 @@ def identify(
         faults=tuple(first.faults),
         warnings=(
             *first.faults,
-            *_late(run),
+            *late,
             *first.caveats,
             *(_worse(of_train[0], held[0], held[2]) if held[0] and held[2] else ()),
             *lacking,
@@ -174,7 +179,11 @@ def identify(
             *_assumed(run, first.coupled, *of_train[:2]),
             *(() if held[0] else ("nothing is held out: the errors are of what was fitted",)),
             *prior.notes,
-            *_offsets(motors),
+            *(
+                f"{name}: {size:.3g} N m of its offset are no friction, and in no file: the torque sensor's?"
+                for name, size in beyond.items()
+                if size > 0.0
+            ),
             _GAIN,
         ),
     )
@@ -197,14 +206,6 @@ def _prior(run: Run, structure: Structure, shapes: bool) -> Prior:
 
 def _ratio(off: float, of: float) -> float:
     return float(np.sqrt(off / of)) if of > 0.0 else 0.0
-
-
-def _late(run: Run) -> Iterator[str]:
-    """Yield a line if torques are late, and by how much."""
-    delays = run.logs[0].delays
-    late = [f"{1e3 * delays[j]:.3g} ms ({run.model.rates[j]})" for j in run.measured if delays[j]]
-    if late:
-        yield f"torques are logged late beside positions, which is taken out: {', '.join(late)}"
 
 
 def _worse(fitted: Errors, held: Errors, described: Errors) -> Iterator[str]:
@@ -231,14 +232,6 @@ def _told_by_description(structure: Structure, theta: Floats) -> Floats:
             elif not own or kind not in ("viscous", "coulomb"):
                 found[name] = 0.0
     return np.array([found[name] for name in structure.names])
-
-
-def _offsets(motors: Mapping[str, MotorFit]) -> Iterator[str]:
-    """Yield a warning for each motor with an offset that is no friction."""
-    for name, fit in motors.items():
-        beyond = abs(fit.offset) - fit.coulomb
-        if beyond > 0.0:
-            yield f"{name}: {beyond:.3g} N m of its offset are no friction, and in no file: the torque sensor's?"
 
 
 def _like_weight(structure: Structure, R: Floats) -> list[str]:

@@ -41,7 +41,8 @@ class Log:
         cutoff: above which torques are noise [Hz].
         spikes: (n,) how far off their neighbours torques are left out [N m].
         limits: (2, n) the least and the largest torque, where an amplifier clips it; infinite where none does [N m].
-        delays: (n,) by which torques are logged late [s]; loud: (n,) standard deviation of their noise [N m].
+        delays: (n,) by which torques are logged late [s]; loud: (n,) standard deviation of
+            their noise as if it were white, by second differences; 0 of coarse steps [N m].
         held: joints without columns, and where.
         notes: what was assumed and left out, one line each; caveats: about its units and its given rates.
     """
@@ -175,7 +176,7 @@ def read_log(path: str, model: Model, scene: Scene = DEFAULT, *, cutoff: float |
         spikes=spikes,
         limits=clipped,
         delays=np.zeros(model.n),
-        loud=noise_of(tau),
+        loud=np.median(np.abs(np.diff(tau, 2, axis=0)), axis=0) / (0.6745 * np.sqrt(6.0)),
         held=held,
         notes=notes,
         caveats=scan.last.caveats,
@@ -390,11 +391,6 @@ def step_of(tau: Floats) -> float:
     size = float(np.ptp(tau)) or 1.0
     values = np.unique(np.round(tau / size, 9))
     return float(np.diff(values).min()) * size if 1 < len(values) < _VALUES else 0.0
-
-
-def noise_of(tau: Floats) -> Floats:
-    """Return (n,) the standard deviation of white noise, by the median of second differences; 0 of coarse steps."""
-    return np.asarray(np.median(np.abs(np.diff(tau, 2, axis=0)), axis=0) / (0.6745 * np.sqrt(6.0)))
 
 
 def _medians(tau: Floats) -> Floats:

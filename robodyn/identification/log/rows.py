@@ -33,7 +33,11 @@ def states(log: Log, cutoff: float) -> Iterator[Samples]:
     Where positions are noisy, they pass a zero-phase filter of `POSITIONS` times the cutoff, and the derivatives are of
     what passes; the ends of each stretch are lost to it.
     """
-    parts = (part for block in log.blocks() for part in _cut(block))
+    parts = (
+        block.cut(slice(start, start + _ROWS), block.begins and start == 0)
+        for block in log.blocks()
+        for start in range(0, len(block.time), _ROWS)
+    )
     if not log.noisy:
         yield from parts
         return
@@ -62,11 +66,6 @@ def filtered(log: Log, cutoff: float, compute: Callable[[Samples], Floats]) -> I
             convolved(values, taps, every),
             convolved(tau, taps, every),
         )
-
-
-def _cut(block: Samples) -> Iterator[Samples]:
-    for start in range(0, len(block.time), _ROWS):
-        yield block.cut(slice(start, start + _ROWS), block.begins and start == 0)
 
 
 def _windows(parts: Iterable[tuple[bool, Arrays]], length: int, every: int) -> Iterator[tuple[bool, Arrays, int]]:

@@ -171,19 +171,15 @@ class Moments:
     def add(self, columns: Sequence[Floats], residuals: Floats) -> None:
         """Add consecutive rows: of each joint (k, a), and (k, joints) residuals."""
         self.count += len(residuals)
-        pairs = zip(self._columns, columns, strict=True)
-        self._columns = [_added(*pair, sums) for pair, sums in zip(pairs, self.columns, strict=True)]
+        for j, (new, sums) in enumerate(zip(columns, self.columns, strict=True)):
+            whole = np.concatenate([self._columns[j], new])
+            for lag, (first, second) in _apart(whole, len(new), 2 * LAGS):
+                sums[lag] += first.T @ second
+            self._columns[j] = whole[-2 * LAGS :]
         whole = np.concatenate([self._residuals, residuals])
         for lag, (first, second) in _apart(whole, len(residuals), LAGS):
             self.residuals[lag] += einsum("kj,kj->j", first, second)
         self._residuals = whole[-LAGS:]
-
-
-def _added(last: Floats, new: Floats, sums: Floats) -> Floats:
-    whole = np.concatenate([last, new])
-    for lag, (first, second) in _apart(whole, len(new), 2 * LAGS):
-        sums[lag] += first.T @ second
-    return whole[-2 * LAGS :]
 
 
 def _apart(whole: Floats, new: int, lags: int) -> list[tuple[int, tuple[Floats, Floats]]]:

@@ -164,8 +164,8 @@ def refined(effort: Effort, name: str, target: float) -> Settled:
             problem = error.what
         finer = _finer(options, motion)
         if motion is not None and before is not None:
-            if not _is_finer(motion, before):
-                continue
+            if motion.step is not None and motion.steps < GROWN * before.steps:
+                continue  # where rows of a table or an early end make steps short, half of one is no finer
             last, change = change, apart(before, motion)
             expected = _expected(name, last, change, target)
             if expected <= 2.0 * target:
@@ -176,11 +176,6 @@ def refined(effort: Effort, name: str, target: float) -> Settled:
     raise UnsettledError(
         f"going to {shown(options)} changes the motion by {change:.0e} yet" if change < inf else problem, change
     )
-
-
-def _is_finer(motion: Simulation, before: Simulation) -> bool:
-    """Whether steps are shorter indeed: where rows of a table or an early end make them short, half of one is none."""
-    return motion.step is None or motion.steps >= GROWN * before.steps
 
 
 def _finer(options: dict[str, float], motion: Simulation | None) -> dict[str, float] | None:

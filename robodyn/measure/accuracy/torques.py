@@ -134,7 +134,9 @@ def _executor_ladder(
     name = f"mpmath, {FEWER_DIGITS} digits"
     found |= timed({name: partial(digits, few, len(rows))}, 1 / len(rows))
     finite = {name: each for name, each in found.items() if np.isfinite(each[0].astype(float)).all()}
-    rungs = [Rung(name, (_error(tau, expected),), time, float(program.size)) for name, (tau, time) in finite.items()]
+    largest = abs(expected).max() or 1  # in the arithmetic of what is expected
+    errors = {name: float(abs(expected - tau.astype(object)).max() / largest) for name, (tau, _) in finite.items()}
+    rungs = [Rung(name, (errors[name],), time, float(program.size)) for name, (_, time) in finite.items()]
     against = f"{DIGITS} digits on {len(rows)} of {count} samples"
     notes = [f"{name}: the torques overflow" for name in found.keys() - finite.keys()]
     return Ladder("torques", ("torque",), against, "sample", tuple(rungs)), notes
@@ -148,13 +150,6 @@ def _pairs(program: Program, sources: Sources, count: int, rows: Any) -> tuple[A
     high, low = run({name: values[rows] for name, values in sources.items()}, len(rows))
     convert = np.frompyfunc(context_of(DIGITS).mpf, 1, 1)
     return convert(high) + convert(low), time
-
-
-def _error(tau: Any, expected: Any) -> float:
-    """max |tau - expected| / max |expected|, in the arithmetic of what is expected."""
-    largest = abs(expected).max()
-    difference = abs(expected - tau.astype(object)).max()
-    return float(difference / largest) if largest else float(difference)
 
 
 def _effects(a_plan: Plan, sources: Sources, count: int) -> tuple[EffectPrice, ...]:
