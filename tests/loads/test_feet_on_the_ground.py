@@ -63,7 +63,7 @@ def test_forces_balance_the_base_and_leave_the_torques_that_pinocchio_finds(name
     assert not found.tau[:, :6].any()
 
 
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", ONE_QUICK)
 def test_a_walk_keeps_within_friction_and_soles(name):
     found = report(name)
     assert found.balanced
