@@ -292,24 +292,20 @@ def statistics_sections(checked: Checked) -> Iterator[Section]:
     fixes; and one of what is not shown."""
     if not checked.findings:
         yield [Paragraph("no findings")]
-    for caption, findings in (("", checked.findings), (_HIDDEN, checked.hidden)):
+    hidden = "Not shown, since they are minor; --select ALL shows them"
+    for caption, findings in (("", checked.findings), (hidden, checked.hidden)):
         if findings:
-            yield [_counted(caption, findings)]
-
-
-_HIDDEN = "Not shown, since they are minor; --select ALL shows them"
-
-
-def _counted(caption: str, findings: Sequence[Finding]) -> Table:
-    places = [(finding.code, place) for finding in findings for place in finding.places]
-    counts, at = Counter(finding.code for finding in findings), Counter(code for code, _ in places)
-    files = Counter(code for code, _ in {(finding.code, finding.file) for finding in findings})
-    fixes = Counter((code, place.fix.safe) for code, place in places if place.fix)
-    names = {finding.code: f"{finding.code} {finding.name}" for finding in findings}
-    figures = {code: (counts[code], at[code], files[code], fixes[code, True], fixes[code, False]) for code in counts}
-    order = sorted(counts, key=lambda code: (-counts[code], code))
-    rows = [[names[code], *(str(figure or "-") for figure in figures[code])] for code in order]
-    return Table(caption, ("rule", "findings", "places", "files", "safe fixes", "unsafe fixes"), rows)
+            places = [(finding.code, place) for finding in findings for place in finding.places]
+            counts, at = Counter(finding.code for finding in findings), Counter(code for code, _ in places)
+            files = Counter(code for code, _ in {(finding.code, finding.file) for finding in findings})
+            fixes = Counter((code, place.fix.safe) for code, place in places if place.fix)
+            names = {finding.code: f"{finding.code} {finding.name}" for finding in findings}
+            figures = {
+                code: (counts[code], at[code], files[code], fixes[code, True], fixes[code, False]) for code in counts
+            }
+            order = sorted(counts, key=lambda code: (-counts[code], code))
+            rows = [[names[code], *(str(figure or "-") for figure in figures[code])] for code in order]
+            yield [Table(caption, ("rule", "findings", "places", "files", "safe fixes", "unsafe fixes"), rows)]
 
 
 def check_json(checked: Checked) -> str:

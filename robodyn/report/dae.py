@@ -30,16 +30,6 @@ def shortened(title: str, content: Content, what: str) -> Section:
 
 def numbers_sections(found: Dae) -> Iterator[Section]:
     """Yield the tables of numbers."""
-    yield [*shortened("State", _state_table(found), "coordinates"), *paragraphs(_consistent(found))]
-    if found.solution is not None:
-        title = "Accelerations of the bodies: wd in the body's axes, dv/dt of the mass centre in the ground's"
-        yield shortened(title, _accelerations(found), "bodies")
-        if found.counts.reactions:
-            title = "Reactions lambda on the body that a joint carries, along its axes at q = 0, fixed in the parent"
-            yield shortened(title, _reactions(found), "joints")
-
-
-def _state_table(found: Dae) -> Content:
     model, qdd = found.system.model, found.qdd
     at = dict(zip(model.coordinates, found.q.tolist(), strict=True))
     rows = []
@@ -47,7 +37,14 @@ def _state_table(found: Dae) -> Content:
         given = [number(float(x)) if x else "0" for x in (found.qd[k], found.tau[k])]
         falling = [] if qdd is None else [number(float(qdd[k]), _fastest(found))]
         rows.append((name, f"{at[name]:.6g}" if name in at else "-", *given, *falling))
-    return ("coordinate", "q", "qd", "tau", *(["qdd"] if qdd is not None else [])), rows
+    head = ("coordinate", "q", "qd", "tau", *(["qdd"] if qdd is not None else []))
+    yield [*shortened("State", (head, rows), "coordinates"), *paragraphs(_consistent(found))]
+    if found.solution is not None:
+        title = "Accelerations of the bodies: wd in the body's axes, dv/dt of the mass centre in the ground's"
+        yield shortened(title, _accelerations(found), "bodies")
+        if found.counts.reactions:
+            title = "Reactions lambda on the body that a joint carries, along its axes at q = 0, fixed in the parent"
+            yield shortened(title, _reactions(found), "joints")
 
 
 def _fastest(found: Dae) -> float:
@@ -195,17 +192,6 @@ def dae_sections(found: Dae) -> Iterator[Section]:
     head = f"{system.model.name}: DAE form, {several}, {base_text(system.model.floating)}, "
     head += gravity_text(system.scene.gravity)
     yield paragraphs([head, "M a = f + G^T lambda,  g = 0,  G v = 0,  G a = gamma"])
-    yield [Table("Unknowns and equations", *_unknowns(counts)), *paragraphs(_ranks(counts))]
-    yield _bodies(found)
-    yield _connections(found)
-    yield paragraphs(_levels(found))
-    yield from numbers_sections(found)
-    yield paragraphs(elimination_lines(found))
-    yield paragraphs(both_lines(found))
-    yield remarks("warning", found.warnings)
-
-
-def _unknowns(counts: Counts) -> Content:
     six, m = 6 * counts.bodies, counts.reactions
     rows = [
         ("differential", "positions R, c", str(six), "their rates are the velocities", str(six)),
@@ -213,7 +199,15 @@ def _unknowns(counts: Counts) -> Content:
         ("algebraic", "reactions lambda", str(m), "constraints", str(m)),
         ("together", "", str(counts.unknowns), "", str(counts.unknowns)),
     ]
-    return ("", "unknowns", "", "equations", ""), rows
+    unknowns = Table("Unknowns and equations", ("", "unknowns", "", "equations", ""), rows)
+    yield [unknowns, *paragraphs(_ranks(counts))]
+    yield _bodies(found)
+    yield _connections(found)
+    yield paragraphs(_levels(found))
+    yield from numbers_sections(found)
+    yield paragraphs(elimination_lines(found))
+    yield paragraphs(both_lines(found))
+    yield remarks("warning", found.warnings)
 
 
 def _ranks(counts: Counts) -> list[str]:
@@ -347,6 +341,16 @@ def dae_json(found: Dae) -> str:
         steps=steps,
         loops=select(found.reduced, "G gamma"),
     )
+    counts, index = found.counts, found.counts.index
+    out, row, free = [], 0, 0
+    names = dict(enumerate(body.name for body in found.system.model.bodies))
+    for connection in found.system.connections:
+        held = [_held_json(found, connection, j, row + j) for j in range(len(connection.equations))]
+        own = [_free_json(found, equation, k) for k, equation in enumerate(connection.free, free)]
+        row, free = row + len(held), free + len(own)
+        ends = {"body": names.get(connection.body), "other": names.get(connection.other)}
+        keys = "name kind body other equations coordinates"
+        out.append(select(connection, keys, **ends, equations=held, coordinates=own))
     return written(
         {
             "robot": system.model.name,
@@ -354,9 +358,16 @@ def dae_json(found: Dae) -> str:
             "gravity": system.scene.gravity,
             **select(system.model, "coordinates rates"),
             **select(found, "q qd tau"),
-            "counts": _counts_json(found),
+            "counts": select(
+                counts,
+                "bodies positions velocities reactions equations:unknowns rank degrees_of_freedom:freedom redundant "
+                "undetermined coefficient_ranks:coefficients coefficient_size:size index",
+                positions=6 * counts.bodies,
+                velocities=6 * counts.bodies,
+                index=index and dict(zip(("positions", "velocities", "accelerations"), index, strict=True)),
+            ),
             "bodies": [_body_json(found, i) for i in range(found.counts.bodies)],
-            "connections": _connections_json(found),
+            "connections": out,
             "residual": {
                 name: float(np.abs(part).max(initial=0.0)) for name, part in found.residuals._asdict().items()
             },
@@ -365,18 +376,6 @@ def dae_json(found: Dae) -> str:
             "comparison": both and select(both, "qdd accelerations forces moments"),
             "warnings": found.warnings,
         }
-    )
-
-
-def _counts_json(found: Dae) -> dict[str, Any]:
-    counts, index = found.counts, found.counts.index
-    return select(
-        counts,
-        "bodies positions velocities reactions equations:unknowns rank degrees_of_freedom:freedom redundant "
-        "undetermined coefficient_ranks:coefficients coefficient_size:size index",
-        positions=6 * counts.bodies,
-        velocities=6 * counts.bodies,
-        index=index and dict(zip(("positions", "velocities", "accelerations"), index, strict=True)),
     )
 
 
@@ -399,19 +398,6 @@ def _body_json(found: Dae, i: int) -> dict[str, Any]:
         "vd": None if a is None else a[3:],
         "joint_wrench": wrench and select(wrench, "force:f moment:n"),
     }
-
-
-def _connections_json(found: Dae) -> list[dict[str, Any]]:
-    out, row, free = [], 0, 0
-    names = dict(enumerate(body.name for body in found.system.model.bodies))
-    for connection in found.system.connections:
-        held = [_held_json(found, connection, j, row + j) for j in range(len(connection.equations))]
-        own = [_free_json(found, equation, k) for k, equation in enumerate(connection.free, free)]
-        row, free = row + len(held), free + len(own)
-        ends = {"body": names.get(connection.body), "other": names.get(connection.other)}
-        keys = "name kind body other equations coordinates"
-        out.append(select(connection, keys, **ends, equations=held, coordinates=own))
-    return out
 
 
 def _held_json(found: Dae, connection: Connection, j: int, k: int) -> dict[str, Any]:

@@ -116,7 +116,13 @@ def free_body_sections(found: FreeBodies, state: str) -> Iterator[Section]:
     """Yield the report of one state."""
     size = free_body_sizes(found)
     yield [Paragraph(f"{found.robot}: {len(found.bodies)} bodies, {state}, {gravity_text(found.gravity)}")]
-    yield [Table("Joints", *_joints(found, size)), Paragraph(_counted(found.joints))]
+    freedom, reactions = (sum(getattr(row, name) for row in found.joints) for name in ("freedom", "reactions"))
+    many = len(found.joints)
+    balanced = (
+        f"{many} bodies x 6 equations = {6 * many} = {reactions} reactions + {freedom} along the degrees of freedom"
+    )
+    where = Paragraph(f"in the axes of the body that the joint carries; {balanced}")
+    yield [Table("Joints", *_joints(found, size)), where]
     yield from (_body(body, size) for body in found.bodies)
     yield [
         Paragraph(
@@ -167,14 +173,6 @@ def _components(row: JointRow, size: Sizes) -> list[str]:
         if row.kind in ("revolute", "prismatic") and abs(row.axis[k]) == 1.0:
             cells[k + (3 if row.kind == "revolute" else 0)] = "-"
     return cells
-
-
-def _counted(joints: Sequence[JointRow]) -> str:
-    freedom, reactions = sum(row.freedom for row in joints), sum(row.reactions for row in joints)
-    return (
-        f"in the axes of the body that the joint carries; {len(joints)} bodies x 6 equations = {6 * len(joints)} "
-        f"= {reactions} reactions + {freedom} along the degrees of freedom"
-    )
 
 
 def _body(body: FreeBody, size: Sizes) -> Section:

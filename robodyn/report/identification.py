@@ -39,7 +39,11 @@ _DECIMALS = 8
 def identified_sections(found: Identified) -> Iterator[Section]:
     """Yield errors by joint, friction and rotors, base parameters with their standard errors, and what was assumed."""
     yield paragraphs(_identified_head(found))
-    yield [_errors_table(found)]
+    head = ("relative error", "fitted", "held out", "description, fitted", "description, held out")
+    parts = (found.train, found.held_out, found.original_train, found.original_held_out)
+    rows = [("all joints", *(_of(each, None) for each in parts))]
+    rows += [(name, *(_of(each, name) for each in parts)) for name in found.train.joints]
+    yield [Table("", head, rows, "||computed - measured|| / ||measured||, in N m")]
     yield [_motor_table(found)]
     yield [_base_table(found)]
     if found.unseen:
@@ -81,14 +85,6 @@ def _identified_head(found: Identified) -> list[str]:
 
 def _percent(part: float) -> str:
     return f"{100.0 * part:.2f}%"
-
-
-def _errors_table(found: Identified) -> Table:
-    head = ("relative error", "fitted", "held out", "description, fitted", "description, held out")
-    parts = (found.train, found.held_out, found.original_train, found.original_held_out)
-    rows = [("all joints", *(_of(each, None) for each in parts))]
-    rows += [(name, *(_of(each, name) for each in parts)) for name in found.train.joints]
-    return Table("", head, rows, "||computed - measured|| / ||measured||, in N m")
 
 
 def _of(errors: Errors | None, joint: str | None) -> str:
@@ -195,23 +191,19 @@ def excitation_page(found: Excitation, pictures: bool = True) -> Document:
     """Return the same as a page, with plots of the joints, and the motion as data."""
     blocks: list[Block] = [Verdict("good", _shown(found), (_compared(found),))]
     if pictures:
-        blocks += _plots(found)
+        from robodyn.report.pictures.simulation import joint_figure
+
+        joints = [(k, joint) for k, joint in enumerate(found.joints) if joint.moves]
+        shown = [
+            joint_figure(joint.name, joint.unit == "N", found.time, (*found.motion[:2, :, k], found.torques[:, k]))
+            for k, joint in joints[:_PICTURED]
+        ]
+        some = [Paragraph(f"The first {_PICTURED} of {len(joints)} joints.")] if len(joints) > _PICTURED else []
+        blocks += [Heading("Along the motion"), *some, Gallery(tuple(shown))]
     motion = csv_text(("time", *found.names), [[t, *row] for t, row in zip(found.time, found.columns, strict=True)])
     files = [("excite.json", excitation_json(found)), ("motion.csv", motion)]
     how, what = "robodyn excite --format json and --out write it to a file", "A motion that shows parameters"
     return page(found.model.name, what, blocks, excitation_sections(found), "Motion", files, how)
-
-
-def _plots(found: Excitation) -> list[Block]:
-    from robodyn.report.pictures.simulation import joint_figure
-
-    joints = [(k, joint) for k, joint in enumerate(found.joints) if joint.moves]
-    shown = [
-        joint_figure(joint.name, joint.unit == "N", found.time, (*found.motion[:2, :, k], found.torques[:, k]))
-        for k, joint in joints[:_PICTURED]
-    ]
-    some = [Paragraph(f"The first {_PICTURED} of {len(joints)} joints.")] if len(joints) > _PICTURED else []
-    return [Heading("Along the motion"), *some, Gallery(tuple(shown))]
 
 
 def _excited_head(found: Excitation) -> list[str]:

@@ -42,7 +42,17 @@ def inertia_sections(parts: Sequence[Part], view: View) -> Iterator[Section]:
         yield [amounts(part.body, _reach(part), ", at an assumed density" if part.assumed else "", part.body.area)]
         yield from inertia_tables(part.body, view)
         yield _symmetry(part)
-        yield _trust(part)
+        errors = (
+            f"relative error of the volume: arithmetic {part.arithmetic:.0e} ({part.method}), "
+            f"rounding of the file at most {part.rounding:.0e}"
+        )
+        repairs = [
+            f"{step.what}; volume {number(step.volume_before)} to {number(step.volume_after)} m^3"
+            for step in part.repairs
+        ]
+        union = [] if part.union is None else [f"holes and overlaps: relative error at most {part.union:.0e}"]
+        more = paragraphs([*union, *_tessellation(part), *part.notes])
+        yield [Paragraph(errors), *remarks("repaired", repairs), *more, *remarks("warning", part.warnings)]
 
 
 def amounts(body: MassProperties, reach: float = 0.0, remark: str = "", area: float | None = None) -> Facts:
@@ -74,20 +84,6 @@ def inertia_tables(body: MassProperties, view: View) -> Iterator[Section]:
     head = ("", "moment [kg m^2]", *(f"axis {name}" for name in AXES))
     moments = Table("Principal moments about the centre of mass", head, rows)
     yield [moments, *paragraphs([principal.remark] if principal.remark else [])]
-
-
-def _trust(part: Part) -> Section:
-    """Return errors, repairs, notes and warnings."""
-    errors = (
-        f"relative error of the volume: arithmetic {part.arithmetic:.0e} ({part.method}), "
-        f"rounding of the file at most {part.rounding:.0e}"
-    )
-    repairs = [
-        f"{step.what}; volume {number(step.volume_before)} to {number(step.volume_after)} m^3" for step in part.repairs
-    ]
-    union = [] if part.union is None else [f"holes and overlaps: relative error at most {part.union:.0e}"]
-    more = paragraphs([*union, *_tessellation(part), *part.notes])
-    return [Paragraph(errors), *remarks("repaired", repairs), *more, *remarks("warning", part.warnings)]
 
 
 def _symmetry(part: Part) -> Section:

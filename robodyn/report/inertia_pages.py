@@ -14,21 +14,17 @@ from robodyn.programs.vectors import Array, product
 from robodyn.report.document import (
     Block,
     Document,
-    Facts,
     Gallery,
-    Heading,
     Level,
     Section,
     Verdict,
-    data_blocks,
     encode,
     finite,
-    on_page,
+    page,
     select,
     written,
 )
 from robodyn.report.inertia import (
-    amounts,
     combination_sections,
     comparison_sections,
     inertia_sections,
@@ -45,7 +41,6 @@ if TYPE_CHECKING:
     from robodyn.checks.check import Checked
     from robodyn.robot.masses.declared import LinkInertia, RobotInertia
     from robodyn.robot.masses.shapes import Comparison, Difference, LinkComparison, LinkShapes
-    from robodyn.robot.urdf.description import Shape
     from robodyn.robot.urdf.parts import Description
     from robodyn.solids.mass_properties import Combination
     from robodyn.solids.mesh.tessellation import Bars, Tessellation
@@ -56,22 +51,17 @@ COM = View()
 
 def inertia_json(outcomes: Sequence[Part | MeshError], view: View) -> str:
     """Return {"meshes": [...]}; of a mesh that failed its `name` and, as a text, the `error` alone."""
-    return written({"meshes": [_outcome_json(each, view) for each in outcomes]})
-
-
-def _outcome_json(outcome: Part | MeshError, view: View) -> dict[str, Any]:
-    if isinstance(outcome, MeshError):
-        return select(outcome, "name:file error:sentence")
-    return part_data(outcome, view)
+    meshes = [
+        select(each, "name:file error:sentence") if isinstance(each, MeshError) else part_data(each, view)
+        for each in outcomes
+    ]
+    return written({"meshes": meshes})
 
 
 def combination_json(found: Combination, view: View) -> str:
     """Return {"meshes": [each in its own axes], "combined": {...}}."""
     places = [_pose(pose) for pose in found.poses]
-    combined = {
-        **body_data(found.body, view),
-        **select(found, "box places warnings", places=places),
-    }
+    combined = {**body_data(found.body, view), **select(found, "box places warnings", places=places)}
     return written({"meshes": [part_data(part, view) for part in found.parts], "combined": combined})
 
 
@@ -79,22 +69,16 @@ def robot_json(found: RobotInertia, view: View, checked: Checked) -> str:
     """Return the robot as one body in the frame of its base, every link with an <inertial>, and what a check says."""
     from robodyn.report.check import check_data
 
-    links = [
-        {**_declared_json(link), "pose": _pose(link.pose), "com_in_base": link.placed.com.tolist()}
-        for link in found.links
-    ]
-    check, valid = check_data(checked), validity_data(validity(found.body))
+    links = [{**_declared_json(link), "pose": _pose(link.pose), "com_in_base": link.placed.com} for link in found.links]
     return written(
         {
             **select(found, "robot:name file at"),
             **body_data(found.body, view),
-            **select(
-                found,
-                "validity check links_with_mass:massive links warnings",
-                validity=valid,
-                check=check,
-                links=links,
-            ),
+            "validity": validity_data(validity(found.body)),
+            "check": check_data(checked),
+            "links_with_mass": found.massive,
+            "links": links,
+            "warnings": found.warnings,
         }
     )
 
@@ -110,17 +94,10 @@ def link_json(robot: str, found: LinkInertia, view: View, checked: Checked) -> s
 
 def link_shapes_json(robot: str, found: LinkShapes, view: View) -> str:
     """Return what the shapes of a link make."""
-    return written(
-        {
-            "robot": robot,
-            **select(found, "link:name line geometry:kind"),
-            **body_data(found.body, view),
-            "validity": validity_data(validity(found.body)),
-            "box": encode(found.shapes.box),
-            "meshes": [part.name for part in found.shapes.parts],
-            "warnings": found.shapes.remarks,
-        }
-    )
+    meshes, remarks = [part.name for part in found.shapes.parts], found.shapes.remarks
+    of, valid = select(found, "link:name line geometry:kind"), validity_data(validity(found.body))
+    rest = {"validity": valid, "box": found.shapes.box, "meshes": meshes, "warnings": remarks}
+    return written({"robot": robot, **of, **body_data(found.body, view), **rest})
 
 
 def comparison_json(found: Comparison) -> str:
@@ -131,29 +108,18 @@ def comparison_json(found: Comparison) -> str:
 def body_data(body: MassProperties, view: View = COM) -> dict[str, Any]:
     """Return the mass properties of a body; principal axes are rows."""
     about = dict(zip(("point", "matrix"), view.inertia(body), strict=True))
-    return select(
-        body,
-        "mass volume area density com inertia inertia_about principal",
-        inertia_about=about,
-        principal=select(body.principal, "moments axes"),
-    )
+    principal = select(body.principal, "moments axes")
+    keys = "mass volume area density com inertia inertia_about principal"
+    return select(body, keys, inertia_about=about, principal=principal)
 
 
 def part_data(part: Part, view: View = COM) -> dict[str, Any]:
     """Return what there is to say of one mesh."""
     error: dict[str, Any] = {"arithmetic": finite(part.arithmetic), "rounding": finite(part.rounding)}
     error |= {"tessellation": _tessellation_json(part), "union": part.union}
-    return {
-        **select(part, "name triangles"),
-        **body_data(part.body, view),
-        **select(
-            part,
-            "symmetry box closed repairs error arithmetic:method notes warnings",
-            symmetry=_symmetry_json(part),
-            box=Box(part.lo, part.hi),
-            error=error,
-        ),
-    }
+    keys = "symmetry box closed repairs error arithmetic:method notes warnings"
+    more = select(part, keys, symmetry=_symmetry_json(part), box=Box(part.lo, part.hi), error=error)
+    return {**select(part, "name triangles"), **body_data(part.body, view), **more}
 
 
 def _symmetry_json(part: Part) -> dict[str, Any] | None:
@@ -204,34 +170,27 @@ def _declared_json(link: LinkInertia, view: View = COM) -> dict[str, Any]:
 
 def _compared(link: LinkComparison) -> dict[str, Any]:
     declared, difference = link.declared, link.difference
+    keys = "shape line size filename file scale xyz:origin.xyz rpy:origin.rpy"
     return select(
         link,
         "link:name line shapes declared derived difference reason remarks",
-        shapes=list(map(_shape, link.shapes)),
+        shapes=[select(each.geometry, keys, file=each.path) for each in link.shapes],
         declared=declared and {**body_data(declared.body), "validity": validity_data(declared.validity)},
         derived=difference and _derived(difference),
-        difference=difference and _difference(difference),
+        difference=difference
+        and select(
+            difference,
+            "density com_distance:distance com_offset:offset moment_ratios inertia box_spread",
+            density=finite(difference.density),
+            moment_ratios=[finite(ratio) for ratio in difference.ratios],
+            box_spread=finite(difference.room),
+        ),
     )
-
-
-def _shape(shape: Shape) -> dict[str, Any]:
-    keys = "shape line size filename file scale xyz:origin.xyz rpy:origin.rpy"
-    return select(shape.geometry, keys, file=shape.path)
 
 
 def _derived(found: Difference) -> dict[str, Any]:
     meshes = [part_data(part) for part in found.shapes.parts]
     return {**body_data(found.body), "box": encode(found.shapes.box), "meshes": meshes}
-
-
-def _difference(found: Difference) -> dict[str, Any]:
-    return select(
-        found,
-        "density com_distance:distance com_offset:offset moment_ratios inertia box_spread",
-        density=finite(found.density),
-        moment_ratios=[finite(ratio) for ratio in found.ratios],
-        box_spread=finite(found.room),
-    )
 
 
 def _pose(pose: Sequence[Any]) -> dict[str, Any]:
@@ -250,19 +209,14 @@ def parts_page(outcomes: Sequence[Part | MeshError], view: View, shapes: Sequenc
     """
     parts = [each for each in outcomes if isinstance(each, Part)]
     failures = [each for each in outcomes if isinstance(each, MeshError)]
-    names = ", ".join(part.name for part in parts)
     failed = f"{len(failures)} of {len(outcomes)} meshes failed"
     blocks: list[Block] = [Verdict("bad", failed, tuple(f"{each}." for each in failures))] if failures else []
     blocks.append(_verdict(parts))
     for k, (part, triangles) in enumerate(zip(parts, shapes, strict=True)):
-        if len(outcomes) > 1:
-            blocks.append(Heading(printable(part.name)))
-        blocks.append(_weights(part.body))
         blocks += _solid(PurePath(part.name).name, part.body, triangles, f"mesh {k}")
-        blocks += _numbers(inertia_sections([part], view))
-    blocks += _data(inertia_json(outcomes, view))
     title = PurePath(parts[0].name).name if len(outcomes) == 1 else "Meshes"
-    return Document(title, f"Mass properties: {names}", tuple(blocks))
+    what = f"Mass properties: {', '.join(part.name for part in parts)}"
+    return _page(title, what, blocks, inertia_sections(parts, view), inertia_json(outcomes, view))
 
 
 def combination_page(found: Combination, view: View, shapes: Sequence[Array | None]) -> Document:
@@ -279,8 +233,8 @@ def combination_page(found: Combination, view: View, shapes: Sequence[Array | No
     names = ", ".join(part.name for part in found.parts)
     doubts = [*(f"{part.name}: {text}" for part in found.parts for text in part.warnings), *found.warnings]
     figures = _solid("The whole", found.body, np.concatenate(placed) if placed else None, "whole")
-    blocks = _body(found.body, _possible(found.body, doubts), combination_sections(found, view), figures)
-    return Document("Meshes as one rigid body", names, (*blocks, *_data(combination_json(found, view))))
+    first, sections = [_possible(found.body, doubts), *figures], combination_sections(found, view)
+    return _page("Meshes as one rigid body", names, first, sections, combination_json(found, view))
 
 
 def robot_page(found: RobotInertia, description: Description, view: View, checked: Checked, pictures: bool) -> Document:
@@ -295,26 +249,24 @@ def robot_page(found: RobotInertia, description: Description, view: View, checke
         q = configuration(model, found.at)
         figures.append(Gallery((robot_figure(model, q, "", "this configuration", shapes_of(description)[0], "robot"),)))
     what = f"Mass properties of the whole robot, {found.massive} of {found.count} links with mass"
-    verdict = _possible(found.body, found.warnings, checked)
-    blocks = _body(found.body, verdict, robot_sections(found, view, checked), figures)
-    return Document(found.name, what, (*blocks, *_data(robot_json(found, view, checked))))
+    first = [_possible(found.body, found.warnings, checked), *figures]
+    return _page(found.name, what, first, robot_sections(found, view, checked), robot_json(found, view, checked))
 
 
 def link_page(found: LinkInertia, description: Description, view: View, checked: Checked, pictures: bool) -> Document:
     """Return a link as declared."""
-    sections, figures = link_sections(description.file, found, view, checked), _link(description, found, pictures)
-    blocks = _body(found.body, _possible(found.body, (), checked), sections, figures)
-    data = _data(link_json(description.name, found, view, checked))
-    return Document(f"{description.name}: {found.name}", f"Link {found.name} as declared", (*blocks, *data))
+    first = [_possible(found.body, (), checked), *_link(description, found, pictures)]
+    sections = link_sections(description.file, found, view, checked)
+    title, what = f"{description.name}: {found.name}", f"Link {found.name} as declared"
+    return _page(title, what, first, sections, link_json(description.name, found, view, checked))
 
 
 def link_shapes_page(found: LinkShapes, description: Description, view: View, pictures: bool) -> Document:
     """Return a link made of its shapes."""
-    sections, figures = link_shapes_sections(description.file, found, view), _link(description, found, pictures)
-    blocks = _body(found.body, _possible(found.body, found.shapes.remarks), sections, figures)
-    what = f"Link {found.name} from its {found.kind} shapes, {found.weight}"
-    data = _data(link_shapes_json(description.name, found, view))
-    return Document(f"{description.name}: {found.name}", what, (*blocks, *data))
+    first = [_possible(found.body, found.shapes.remarks), *_link(description, found, pictures)]
+    sections = link_shapes_sections(description.file, found, view)
+    title, what = f"{description.name}: {found.name}", f"Link {found.name} from its {found.kind} shapes, {found.weight}"
+    return _page(title, what, first, sections, link_shapes_json(description.name, found, view))
 
 
 def differences_page(found: Comparison) -> Document:
@@ -324,14 +276,14 @@ def differences_page(found: Comparison) -> Document:
     level: Level = "doubtful" if far else "good" if differences else "neutral"
     headline = f"{far} of {len(differences)} links differ from their shapes by more than {100 * _FAR:.0f} %"
     verdict = Verdict(level, headline, (f"{rest} more links cannot be compared.",) if rest else ())
-    blocks = [verdict, Heading("Links"), *on_page(comparison_sections(found), "Declared against shapes")]
-    data = _data(comparison_json(found), "comparison.json")
-    return Document(found.name, "Declared inertias against shapes", (*blocks, *data))
+    what = "Declared inertias against shapes"
+    return _page(found.name, what, [verdict], comparison_sections(found), comparison_json(found), "comparison.json")
 
 
-def _body(body: MassProperties, verdict: Verdict, sections: Iterable[Section], figures: Sequence[Block]) -> list[Block]:
-    """Return the blocks on one rigid body: whether it can exist, what it weighs, and the figures of the text."""
-    return [verdict, _weights(body), *figures, Heading("In numbers"), *_numbers(sections)]
+def _page(
+    title: str, what: str, first: Sequence[Block], sections: Iterable[Section], data: str, name: str = "inertia.json"
+) -> Document:
+    return page(title, what, first, sections, "Values", [(name, data)], "robodyn inertia --format json prints it")
 
 
 def _solid(name: str, body: MassProperties, triangles: Array | None, key: str) -> list[Block]:
@@ -387,19 +339,3 @@ def _verdict(parts: Sequence[Part]) -> Verdict:
     if doubts or repairs:
         return Verdict("doubtful", "Mass and inertia, with repairs or doubts", tuple(reasons))
     return Verdict("good", f"{'Closed' if len(parts) == 1 else 'All closed'} and without faults", tuple(reasons))
-
-
-def _weights(body: MassProperties) -> Facts:
-    size = float(np.sqrt(body.principal.moments.max() / body.mass)) if body.mass else 0.0
-    items = amounts(body, size, area=body.area).items
-    names = {"area": "Surface"}
-    return Facts(tuple((names.get(name, name.capitalize()), value, more) for name, value, more in items))
-
-
-def _numbers(sections: Iterable[Section]) -> list[Block]:
-    """Return what the text says beyond the facts at the top."""
-    return [block for block in on_page(sections, "Values") if not isinstance(block, Facts)]
-
-
-def _data(text: str, name: str = "inertia.json") -> list[Block]:
-    return data_blocks([(name, text)], "robodyn inertia --format json prints it")

@@ -197,7 +197,8 @@ def torques_verdict(result: Result) -> Verdict:
     met; doubtful, neutral or good as `verdict_on_limits` has it."""
     over, sizing = sorted(_exceeded_things(result)), result.sizing
     doubtful = tuple(caveat.text for caveat in result.caveats)
-    kept, unmet = _kept(result), _unmet(result)
+    kept, accuracy = _kept(result), result.accuracy
+    unmet = () if accuracy is None or accuracy.met else (f"The accuracy asked for is not met: {accuracy.said}.",)
     if over:
         names = {each.joint for each in over}
         who = f"{len(names)} of {len(result.joints)} joints" if len(result.joints) > 1 else "The joint"
@@ -242,7 +243,9 @@ def accuracy_blocks(result: Result) -> Iterator[Block]:
 def _exceeded_things(result: Result) -> Iterator[_Excess]:
     """Yield everything that is exceeded, what the description limits and sizing repeats once."""
     for excess in result.exceeded:
-        yield _Excess(False, -_times(excess), excess.joint, exceeded_words(excess))
+        beyond, position = abs(excess.value - excess.limit), excess.quantity == "position"
+        times = float(steady(1.0 + beyond if position else excess.value / excess.limit))  # [rad, m] beyond a position
+        yield _Excess(False, -times, excess.joint, exceeded_words(excess))
     if result.sizing is None or not result.sizing.exceeded:
         return
     from robodyn.report.sizing import in_words
@@ -253,17 +256,6 @@ def _exceeded_things(result: Result) -> Iterator[_Excess]:
                 times = each.value / each.limit if each.limit > 0.0 else float("inf")
                 line = f"{printable(joint.name)}: {in_words(each)}."
                 yield _Excess(each.level == "over continuous", -float(steady(times)), joint.name, line)
-
-
-def _times(excess: Excess) -> float:
-    """Return how many times its limit something is; of a position 1 and how far it is beyond [rad, m]."""
-    beyond = abs(excess.value - excess.limit)
-    return float(steady(1.0 + beyond if excess.quantity == "position" else excess.value / excess.limit))
-
-
-def _unmet(result: Result) -> tuple[str, ...]:
-    accuracy = result.accuracy
-    return () if accuracy is None or accuracy.met else (f"The accuracy asked for is not met: {accuracy.said}.",)
 
 
 def _kept(result: Result) -> Verdict:

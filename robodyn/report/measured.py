@@ -112,7 +112,15 @@ _ROUNDED = 1e-9
 def measured_sections(found: Comparison) -> Iterator[Section]:
     """Yield the diagnosis, what is told of each joint, its effects with their standard errors, and notes."""
     verdict = verdict_on(found)
-    yield paragraphs([_head(found), f"{verdict.headline}.", *verdict.reasons])
+    what = f"{count(len(found.joints), 'joint')} with measured torques, {count(found.samples, 'sample')}"
+    yield paragraphs(
+        [
+            f"{found.robot}: {what}, {found.duration:.6g} s, compared below {found.cutoff:g} Hz over "
+            f"{found.compared:.4g} s",
+            f"{verdict.headline}.",
+            *verdict.reasons,
+        ]
+    )
     told = [fault for fault in found.faults if fault.shares.max() >= _LEAST]
     lines = [*_gross(found), *(fault_words(found, fault) for fault in told)]
     few = count(len(found.faults) - len(told), "effect")
@@ -121,7 +129,17 @@ def measured_sections(found: Comparison) -> Iterator[Section]:
     said = numbered or ["nothing that is more than noise"]
     yield paragraphs(["What explains the difference", *said, *rest, *_left(found)])
     yield [Table("Measured against computed", *_joints(found))]
-    yield [Table("Effects, each beside all others", *_effects(found))]
+    head = ["joint", "gain", "offset", "viscous", "Coulomb", "rotor", "delay [ms]"]
+    rows = []
+    for joint in found.joints:
+        row = [joint.name]
+        for kind in OWN:
+            size = 1.0 if kind in (OWN[GAIN], OWN[DELAY]) else joint.measured
+            value, error = joint.effects.get(kind, (0.0, 0.0))
+            scale, shift = (1e3 if kind == OWN[DELAY] else 1.0), (1.0 if kind == OWN[GAIN] else 0.0)
+            row.append(bar(scale * value + shift, scale * error, size) if kind in joint.effects else "cannot be told")
+        rows.append(row)
+    yield [Table("Effects, each beside all others", head, rows)]
     yield remarks("note", found.notes)
 
 
@@ -145,13 +163,6 @@ def _pictures(found: Comparison) -> list[Block]:
         Paragraph("What is measured beyond the computed torque and all told effects but friction, over speed."),
         Gallery(tuple(friction_figure(found, j) for j in places)),
     ]
-
-
-def _head(found: Comparison) -> str:
-    what = f"{count(len(found.joints), 'joint')} with measured torques, {count(found.samples, 'sample')}"
-    return (
-        f"{found.robot}: {what}, {found.duration:.6g} s, compared below {found.cutoff:g} Hz over {found.compared:.4g} s"
-    )
 
 
 def verdict_on(found: Comparison) -> Verdict:
@@ -208,20 +219,6 @@ def _joints(found: Comparison) -> tuple[list[str], list[list[str]]]:
         ]
         for joint in found.joints
     ]
-    return head, rows
-
-
-def _effects(found: Comparison) -> tuple[list[str], list[list[str]]]:
-    head = ["joint", "gain", "offset", "viscous", "Coulomb", "rotor", "delay [ms]"]
-    rows = []
-    for joint in found.joints:
-        row = [joint.name]
-        for kind in OWN:
-            size = 1.0 if kind in (OWN[GAIN], OWN[DELAY]) else joint.measured
-            value, error = joint.effects.get(kind, (0.0, 0.0))
-            scale, shift = (1e3 if kind == OWN[DELAY] else 1.0), (1.0 if kind == OWN[GAIN] else 0.0)
-            row.append(bar(scale * value + shift, scale * error, size) if kind in joint.effects else "cannot be told")
-        rows.append(row)
     return head, rows
 
 

@@ -12,7 +12,7 @@ from robodyn.programs.vectors import product
 from robodyn.report.check import check_data, check_line
 from robodyn.report.document import Section, Table, finite, paragraphs, select, written
 from robodyn.report.inertia import point_text
-from robodyn.report.table import Content, axis_text, number
+from robodyn.report.table import axis_text, number
 from robodyn.robot.urdf.parts import Joint, Limit
 from robodyn.support.wording import count, shown
 
@@ -29,7 +29,13 @@ _DEEPEST = 40
 def overview_sections(found: Overview) -> Iterator[Section]:
     """Yield counts and mass, the tree as a table, then meshes, findings and what to run next."""
     yield paragraphs(_head(found))
-    yield [Table("", *_tree(found.branches))]
+    branches = found.branches
+    deepest = max(branch.depth for branch in branches)
+    step = 2 if deepest <= _DEEPEST // 2 else 1
+    rows = [_row(branch, min(branch.depth * step, _DEEPEST)) for branch in branches]
+    head = ["link", "mass [kg]", "joint", "type", "axis", "lower", "upper", "effort", "velocity", "mimics"]
+    kept = [k for k in range(len(head)) if k < 2 or any(row[k] for row in rows)]
+    yield [Table("", [head[k] for k in kept], [[row[k] for k in kept] for row in rows])]
     yield paragraphs([*_meshes(found.meshes), f"check: {check_line(found.checked)}"])
     if found.next:
         yield paragraphs(["next:", *(f"  {command}" for command in found.next)])
@@ -66,15 +72,6 @@ def _centre(found: Overview) -> str:
         where = f"where every joint is zero or at its limit nearest to zero: {values}"
     point = point_text(found.com, float(np.abs(found.com).max()))
     return f", centre of mass {point} m in the frame of {shown(found.base)}, {where}"
-
-
-def _tree(branches: tuple[Branch, ...]) -> Content:
-    deepest = max(branch.depth for branch in branches)
-    step = 2 if deepest <= _DEEPEST // 2 else 1
-    rows = [_row(branch, min(branch.depth * step, _DEEPEST)) for branch in branches]
-    head = ["link", "mass [kg]", "joint", "type", "axis", "lower", "upper", "effort", "velocity", "mimics"]
-    kept = [k for k in range(len(head)) if k < 2 or any(row[k] for row in rows)]
-    return [head[k] for k in kept], [[row[k] for k in kept] for row in rows]
 
 
 def _row(branch: Branch, indent: int) -> list[str]:
@@ -168,11 +165,9 @@ def overview_json(found: Overview) -> str:
 
 def _joint_json(joint: Joint) -> dict[str, Any]:
     return {
-        **select(joint, "name line type parent child axis", **_without_axis(joint)),
+        **select(
+            joint, "name line type parent child axis", **{"axis": None} if joint.type in ("fixed", "floating") else {}
+        ),
         **select(joint.limit or Limit(), "lower upper effort velocity"),
         "mimic": joint.mimic and select(joint.mimic, "joint multiplier offset"),
     }
-
-
-def _without_axis(joint: Joint) -> dict[str, None]:
-    return {"axis": None} if joint.type in ("fixed", "floating") else {}

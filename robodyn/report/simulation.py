@@ -55,7 +55,15 @@ def simulation_sections(result: Simulation, explain: bool = False) -> Iterator[S
         yield [_limits(result, size)]
     yield paragraphs(_drift(result, size))
     if result.loops:
-        yield paragraphs(_counted(result.loops))
+        loops = result.loops
+        kept = loops.equations - len(loops.dropped)
+        lines = [f"loops: {count(loops.equations, 'equation')}, {loops.rank} of them independent at the start"]
+        lines[0] += f"; degrees of freedom left: {loops.freedoms}; {loops.stabilised}"
+        if loops.dropped:
+            lines.append(f"left out, for the others imply them: {first_names(loops.dropped, _NAMED)}")
+        if loops.rank < kept:
+            lines.append(f"{kept - loops.rank} depend on the others there: how they share their reactions is arbitrary")
+        yield paragraphs(lines)
         yield [_loops(result.loops, result.model.reach)]
     if explain:
         rows = [(effect.name, "on" if why.active else "off", why.reason) for effect, why in result.effects]
@@ -165,18 +173,6 @@ def _loops(loops: LoopFigures, reach: float) -> Table:
     return Table("", head, rows)
 
 
-def _counted(loops: LoopFigures) -> list[str]:
-    """Return how many equations there are, and which of them are left out."""
-    kept = loops.equations - len(loops.dropped)
-    lines = [f"loops: {count(loops.equations, 'equation')}, {loops.rank} of them independent at the start"]
-    lines[0] += f"; degrees of freedom left: {loops.freedoms}; {loops.stabilised}"
-    if loops.dropped:
-        lines.append(f"left out, for the others imply them: {first_names(loops.dropped, _NAMED)}")
-    if loops.rank < kept:
-        lines.append(f"{kept - loops.rank} depend on the others there: how they share their reactions is arbitrary")
-    return lines
-
-
 PLOTTED = 12
 """Joints that have plots; those that move most where there are more."""
 _WORST_FIRST: tuple[Level, ...] = ("bad", "doubtful", "neutral", "good")
@@ -190,7 +186,15 @@ def simulation_page(result: Simulation, pictures: bool = True) -> Document:
     verdicts = [_energy_verdict(result), *([limits_verdict(result)] if result.joints or result.caveats else [])]
     blocks: list[Block] = [*sorted(verdicts, key=lambda verdict: _WORST_FIRST.index(verdict.level))]
     if pictures:
-        blocks += [*_poses(result), *_plots(result)]
+        from robodyn.report.pictures.robot import robot_figure, shapes_of
+
+        assert result.model.description is not None, "it is not a model of bodies alone"
+        shapes, why = shapes_of(result.model.description)
+        figures = [
+            robot_figure(result.model, result.q[row], "", f"{name}, {result.time[row]:.6g} s", shapes, f"picture {row}")
+            for row, name in ((0, "the start"), (-1, "the end"))
+        ]
+        blocks += [*titled("Start and end", [*gallery(figures), *paragraphs([why] if why else [])]), *_plots(result)]
     table = csv_text(("time", *result.names), np.column_stack((result.time, result.columns)).tolist())
     files = [("result.json", simulation_json(result)), ("motion.csv", table)]
     how = "robodyn simulate --format json and --out write it to a file"
@@ -209,18 +213,6 @@ def _energy_verdict(result: Simulation) -> Verdict:
     if relative > _DRIFT:
         return Verdict("doubtful", "The energy drifts: take shorter steps or a smaller tolerance", (energy,))
     return Verdict("good", f"The motion ran for its {result.time[-1]:.6g} s, and its energy balances", (energy,))
-
-
-def _poses(result: Simulation) -> list[Block]:
-    from robodyn.report.pictures.robot import robot_figure, shapes_of
-
-    assert result.model.description is not None, "it is not a model of bodies alone"
-    shapes, why = shapes_of(result.model.description)
-    figures = [
-        robot_figure(result.model, result.q[row], "", f"{name}, {result.time[row]:.6g} s", shapes, f"picture {row}")
-        for row, name in ((0, "the start"), (-1, "the end"))
-    ]
-    return titled("Start and end", [*gallery(figures), *paragraphs([why] if why else [])])
 
 
 def _plots(result: Simulation) -> list[Block]:

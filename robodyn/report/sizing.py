@@ -55,7 +55,19 @@ def sizing_sections(result: Result) -> Iterator[Section]:
         yield [Table("Motors, torque and speed at their shafts", *_motors(sizing, size))]
     if sizing.bearings:
         title = "Bearings: largest loads, parent on child, at the joint's origin"
-        yield [Table(title, *_bearings(sizing, size))]
+        rows = []
+        for bearing in sizing.bearings:
+            found = {part.name: part for part in (*bearing.components, bearing.radial, bearing.tilting)}
+            cells = [
+                number(found[name].peak, size[found[name].unit]) if name in found else "-"
+                for name in ("fu", "fv", "fa", "mu", "mv", "ma", "radial", "tilting")
+            ]
+            most = (found[name] for name in ("radial", "tilting"))
+            when = [moment(part.peak_time, part.peak, size[part.unit]) for part in most]
+            axes = (axis_text(axis, "{:.3g}", " ") for axis in bearing.directions)
+            rows.append((bearing.joint, *axes, *cells[:7], when[0], cells[7], when[1]))
+        head = ("joint", "u", "v", "axis a", "fu [N]", "fv", "fa", "mu [N m]", "mv", "ma")
+        yield [Table(title, (*head, "radial f", "at [s]", "tilting m", "at [s]"), rows)]
     yield [Table("Foundation: ground on robot, in the base's axes", *_foundation(sizing, size))]
     if sizing.joints:
         yield [Paragraph("Verdicts"), verdicts(result.joints, sizing)]
@@ -172,22 +184,6 @@ def _motors(sizing: Sizing, size: Sizes) -> Content:
     return (*head, "mean speed", "peak power [W]", "least", "work [J]", "returned [J]", "inertia ratio"), rows
 
 
-def _bearings(sizing: Sizing, size: Sizes) -> Content:
-    rows = []
-    for bearing in sizing.bearings:
-        found = {part.name: part for part in (*bearing.components, bearing.radial, bearing.tilting)}
-        cells = [
-            number(found[name].peak, size[found[name].unit]) if name in found else "-"
-            for name in ("fu", "fv", "fa", "mu", "mv", "ma", "radial", "tilting")
-        ]
-        most = (found[name] for name in ("radial", "tilting"))
-        when = [moment(part.peak_time, part.peak, size[part.unit]) for part in most]
-        axes = (axis_text(axis, "{:.3g}", " ") for axis in bearing.directions)
-        rows.append((bearing.joint, *axes, *cells[:7], when[0], cells[7], when[1]))
-    head = ("joint", "u", "v", "axis a", "fu [N]", "fv", "fa", "mu [N m]", "mv", "ma")
-    return (*head, "radial f", "at [s]", "tilting m", "at [s]"), rows
-
-
 def _foundation(sizing: Sizing, size: Sizes) -> Content:
     rows = []
     for load in sizing.foundation:
@@ -213,7 +209,20 @@ def constraint_tables(result: Result) -> Iterator[tuple[str, Content]]:
     found, size = result.constraints, result_sizes(result)
     assert found is not None
     if found.loops:
-        yield "Loops: force and moment on the link", _loop_table(found.loops, size)
+        loops = found.loops
+        columns: Columns[LoopLoad] = [
+            ("loop", lambda loop: loop.name),
+            ("on", lambda loop: loop.link),
+            ("by", lambda loop: loop.to),
+            ("kind", lambda loop: loop.kind),
+            ("force [N]", lambda loop: number(loop.force.value, size["N"])),
+            ("at [s]", lambda loop: size.moment(loop.force.time, loop.force.value, "N")),
+            ("RMS", lambda loop: number(loop.rms_force, size["N"])),
+            ("moment [N m]", lambda loop: number(loop.moment.value, size["N m"])),
+            ("RMS", lambda loop: number(loop.rms_moment, size["N m"])),
+            ("determined", lambda loop: "yes" if loop.determined else f"but {', '.join(loop.open)}"),
+        ]
+        yield "Loops: force and moment on the link", by_columns(columns, loops)
     if found.contacts:
         yield "Contacts: what the link stands on, while it does", _contact_table(found.contacts, size)
     if found.missing:
@@ -273,22 +282,6 @@ def _friction(found: Constraints) -> str:
     if not found.least_friction:
         return "The motion takes no friction."
     return f"The least friction that suffices, alike at all contacts: {figure(found.least_friction)}."
-
-
-def _loop_table(loops: tuple[LoopLoad, ...], size: Sizes) -> Content:
-    columns: Columns[LoopLoad] = [
-        ("loop", lambda loop: loop.name),
-        ("on", lambda loop: loop.link),
-        ("by", lambda loop: loop.to),
-        ("kind", lambda loop: loop.kind),
-        ("force [N]", lambda loop: number(loop.force.value, size["N"])),
-        ("at [s]", lambda loop: size.moment(loop.force.time, loop.force.value, "N")),
-        ("RMS", lambda loop: number(loop.rms_force, size["N"])),
-        ("moment [N m]", lambda loop: number(loop.moment.value, size["N m"])),
-        ("RMS", lambda loop: number(loop.rms_moment, size["N m"])),
-        ("determined", lambda loop: "yes" if loop.determined else f"but {', '.join(loop.open)}"),
-    ]
-    return by_columns(columns, loops)
 
 
 def _contact_table(contacts: tuple[ContactLoad, ...], size: Sizes) -> Content:

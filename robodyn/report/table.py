@@ -136,16 +136,12 @@ def _column(cells: Sequence[str]) -> list[str]:
     matches = [_NUMBER.match(cell) for cell in cells]
     before = [match.group(1) if match else "" for match in matches]
     after = [cell[len(whole) :] for cell, whole in zip(cells, before, strict=True)]
-    digits = [_fraction(match) for match in matches]
+    digits = [("" if match is None else (match.group(2) or "") + (match.group(3) or "")) for match in matches]
     units = [rest[len(part) :] for rest, part in zip(after, digits, strict=True)]
     whole, part = max(map(len, before)), max(map(len, digits))
     body = _left([f"{a:>{whole}}{b:<{part}}{unit}" for a, b, unit in zip(before, digits, units, strict=True)])
     wide = max(_width(title), _width(body[0]))
     return [" " * (wide - _width(line)) + line for line in (title, *body)]
-
-
-def _fraction(match: re.Match[str] | None) -> str:
-    return "" if match is None else (match.group(2) or "") + (match.group(3) or "")
 
 
 def _left(cells: Sequence[str]) -> list[str]:

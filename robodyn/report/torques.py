@@ -46,7 +46,9 @@ def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]
         explain: add why each effect is on or off, what it costs, and the plan.
     """
     result = offenders_first(result)
-    yield _head(result)
+    what = f"{count(len(result.joints), 'joint')}, {count(result.samples, 'sample')}, {result.duration:.6g} s"
+    robot = f"{result.robot}: {what}, {gravity_text(result.gravity)}"
+    yield paragraphs([robot, *_input_words(result)])
     if result.joints:
         yield [Table("", *load_table(result))]
         yield [Table("What makes the peaks", *share_table(result))]
@@ -70,16 +72,18 @@ def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]
     if explain:
         plan = f"{result.operations} operations per sample for the torques; {result.executor}: {result.reason}"
         yield [Table(f"Effects: {plan}", *effect_table(result))]
-    yield _checks(result)
+    (work, stored, residual, _, sampling), laws = balance_words(result)
+    losses = " less friction and drag" if any(map(_takes, result.effects)) else ""
+    lines = (
+        "Self-checks, from momenta and energy",
+        f"energy: work{losses} {work} J, stored {stored} J, residual {residual} J (sampling explains {sampling} J)",
+        f"laws at {count(result.checks.samples, 'sample')}, relative error: Euler's first {laws[0]}, second {laws[1]}, "
+        f"power {laws[2]}",
+    )
+    yield paragraphs(lines)
     yield exceeded_section(result)
     yield [*accuracy_blocks(result)]
     yield remarks("warning", result.warnings)
-
-
-def _head(result: Result) -> Section:
-    what = f"{count(len(result.joints), 'joint')}, {count(result.samples, 'sample')}, {result.duration:.6g} s"
-    robot = f"{result.robot}: {what}, {gravity_text(result.gravity)}"
-    return paragraphs([robot, *_input_words(result)])
 
 
 def _constraints(result: Result, found: Constraints) -> Iterator[Section]:
@@ -97,18 +101,6 @@ def _base(result: Result) -> Section:
     if all(rms == "0" for *_, rms in rows):
         return [Paragraph(f"{title}: zero throughout")]
     return [Table(title, head, rows)]
-
-
-def _checks(result: Result) -> Section:
-    (work, stored, residual, _, sampling), laws = balance_words(result)
-    losses = " less friction and drag" if any(map(_takes, result.effects)) else ""
-    lines = (
-        "Self-checks, from momenta and energy",
-        f"energy: work{losses} {work} J, stored {stored} J, residual {residual} J (sampling explains {sampling} J)",
-        f"laws at {count(result.checks.samples, 'sample')}, relative error: Euler's first {laws[0]}, second {laws[1]}, "
-        f"power {laws[2]}",
-    )
-    return paragraphs(lines)
 
 
 _TAKES = ("coulomb friction", "viscous friction", "load friction", "fluid")

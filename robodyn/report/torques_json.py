@@ -11,19 +11,24 @@ from robodyn.robot.limits import Coverage
 
 if TYPE_CHECKING:
     from robodyn.loads.many import Batch, Outcome
-    from robodyn.loads.result import Checks, EffectReport, JointLoad, Result
+    from robodyn.loads.result import EffectReport, JointLoad, Result
     from robodyn.loads.sizing_result import BearingLoad, Sizing
 
 
 def torques_json(result: Result) -> str:
     """Return the document of `torques`, with the keys of docs/reference/schemas; units are SI."""
+    checks = result.checks
+    balance = select(
+        checks.energy_balance,
+        "work energy_change residual quadrature_error:quadrature turnover largest_residual:worst consistent",
+    )
     document = select(
         result,
         "robot samples duration gravity joints base_wrench effects checks plan derivatives time_origin:origin held "
         "limits_exceeded:exceeded limits within_limits verdict doubts:caveats warnings",
         base_wrench={part.name: select(part, "peak peak_time rms") for part in result.base_wrench},
         effects=[_effect(effect, result.joints) for effect in result.effects],
-        checks=_checks(result.checks),
+        checks=select(checks, "energy_balance first_law second_law power samples", energy_balance=balance),
         plan=select(result, "executor operations reason"),
         derivatives=result.derivation.joints if result.derivation else [],
         limits=limits_data(result.limits),
@@ -39,14 +44,6 @@ def _effect(effect: EffectReport, joints: Sequence[JointLoad]) -> dict[str, Any]
     share = {joint.name: joint.shares[effect.name] for joint in joints if effect.name in joint.shares}
     data = select(effect, "name active:verdict.active reason:verdict.reason share operations", share=share)
     return data if effect.saved is None else {**data, "operations_saved_without": effect.saved}
-
-
-def _checks(checks: Checks) -> dict[str, Any]:
-    balance = select(
-        checks.energy_balance,
-        "work energy_change residual quadrature_error:quadrature turnover largest_residual:worst consistent",
-    )
-    return select(checks, "energy_balance first_law second_law power samples", energy_balance=balance)
 
 
 def limits_data(limits: Sequence[Coverage]) -> dict[str, Any]:

@@ -227,7 +227,12 @@ def _result(finding: Finding, index: dict[str, int], name: str, region: Region) 
     if known := {key: value for key, value in numbers.items() if value is not None and math.isfinite(value)}:
         result["properties"] = known
     if finding.fix is not None:
-        result["fixes"] = [_fix_json(finding, finding.fix.what, _edits(finding, finding.fix), region)]
+        replacements = [
+            {"deletedRegion": region(finding.file, edit.start, edit.end), "insertedContent": {"text": edit.text}}
+            for edit in _edits(finding, finding.fix)
+        ]
+        change = {"artifactLocation": _artifact(finding.file), "replacements": replacements}
+        result["fixes"] = [{"description": {"text": finding.fix.what}, "artifactChanges": [change]}]
     return result
 
 
@@ -261,15 +266,6 @@ def _edits(finding: Finding, fix: Fix) -> Sequence[Edit]:
     every = {edit for place in finding.places if place.fix for edit in place.fix.edits}
     edits = sorted(every, key=lambda edit: edit.start)
     return fix.edits if any(a.end > b.start for a, b in pairwise(edits)) else edits
-
-
-def _fix_json(finding: Finding, what: str, edits: Sequence[Edit], region: Region) -> Object:
-    replacements = [
-        {"deletedRegion": region(finding.file, edit.start, edit.end), "insertedContent": {"text": edit.text}}
-        for edit in edits
-    ]
-    change = {"artifactLocation": _artifact(finding.file), "replacements": replacements}
-    return {"description": {"text": what}, "artifactChanges": [change]}
 
 
 def _places(reading: Document) -> SourcePositions:

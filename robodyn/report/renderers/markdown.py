@@ -31,7 +31,9 @@ def markdown(document: Document) -> str:
     parts = [f"# {escaped(document.title)}", escaped(document.subtitle)]
     parts += [part for part in map(_block, _worth(document.blocks)) if part]
     if document.command:
-        parts += ["---", _code(document.command), escaped(", ".join(document.versions))]
+        text = document.command
+        ticks = "`" * (1 + max([2, *map(len, re.findall("`+", text))]))
+        parts += ["---", f"{ticks}console\n$ {printable(text)}\n{ticks}", escaped(", ".join(document.versions))]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
@@ -88,9 +90,3 @@ def _table(table: Table) -> str:
     lines = [f"| {' | '.join(row)} |" for row in ([escaped(title) or " " for title in table.head], rule, *rows)]
     note = f"\n\n{escaped(table.note)}" if table.note else ""
     return f"**{escaped(table.caption)}**\n\n" + "\n".join(lines) + note
-
-
-def _code(text: str) -> str:
-    """Return a line of code, fenced by more backquotes than it has in a row."""
-    ticks = "`" * (1 + max([2, *map(len, re.findall("`+", text))]))
-    return f"{ticks}console\n$ {printable(text)}\n{ticks}"
