@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -21,69 +21,55 @@ MOST = 16
 """Rows of a table."""
 
 
-def shortened(title: str, content: Content, what: str) -> Section:
+def _shortened(title: str, content: Content, what: str) -> Section:
     """Return a table of at most `MOST` rows, and how many more there are."""
     head, rows = content
     more = f"... and {len(rows) - MOST} more {what}; --format json has them all"
     return [Table(title, head, rows[:MOST]), *paragraphs([more] if len(rows) > MOST else [])]
 
 
-def numbers_sections(found: Dae) -> Iterator[Section]:
-    """Yield the tables of numbers."""
-    model, qdd = found.system.model, found.qdd
+def _numbers(found: Dae) -> Iterator[Section]:
+    """Yield state, accelerations and reactions; what vanishes beside the largest acceleration, of bodies and of free
+    fall, is 0."""
+    model, qdd, solution = found.system.model, found.qdd, found.solution
+    scale = float(np.abs([*([] if solution is None else solution.a), *found.system.scene.gravity]).max())
     at = dict(zip(model.coordinates, found.q.tolist(), strict=True))
     rows = []
     for k, name in enumerate(model.rates):
         given = [number(float(x)) if x else "0" for x in (found.qd[k], found.tau[k])]
-        falling = [] if qdd is None else [number(float(qdd[k]), _fastest(found))]
+        falling = [] if qdd is None else [number(float(qdd[k]), scale)]
         rows.append((name, f"{at[name]:.6g}" if name in at else "-", *given, *falling))
     head = ("coordinate", "q", "qd", "tau", *(["qdd"] if qdd is not None else []))
-    yield [*shortened("State", (head, rows), "coordinates"), *paragraphs(_consistent(found))]
-    if found.solution is not None:
-        title = "Accelerations of the bodies: wd in the body's axes, dv/dt of the mass centre in the ground's"
-        yield shortened(title, _accelerations(found), "bodies")
-        if found.counts.reactions:
-            title = "Reactions lambda on the body that a joint carries, along its axes at q = 0, fixed in the parent"
-            yield shortened(title, _reactions(found), "joints")
-
-
-def _fastest(found: Dae) -> float:
-    """Return the largest acceleration, of bodies and of free fall too, beside which others vanish."""
-    assert found.solution is not None
-    return float(np.abs([*found.solution.a, *found.system.scene.gravity]).max())
+    yield [*_shortened("State", (head, rows), "coordinates"), *paragraphs(_consistent(found))]
+    if solution is None:
+        return
+    bodies = enumerate(zip(model.bodies, solution.a.reshape(-1, 6).tolist(), strict=True))
+    cells = [(f"{i} {body.name}", *(number(x, scale) for x in row)) for i, (body, row) in bodies]
+    title = "Accelerations of the bodies: wd in the body's axes, dv/dt of the mass centre in the ground's"
+    yield _shortened(title, (("body", "wd x [rad/s^2]", "y", "z", "dv/dt x [m/s^2]", "y", "z"), cells), "bodies")
+    if found.counts.reactions:
+        title = "Reactions lambda on the body that a joint carries, along its axes at q = 0, fixed in the parent"
+        yield _shortened(title, _reactions(found, solution.reactions.tolist()), "joints")
 
 
 def _consistent(found: Dae) -> Iterator[str]:
     off, rate = found.residuals
-    if not len(off):
-        return
-    turns = np.array([isinstance(equation, Across) for equation in found.system.equations])
-    points = float(np.abs(off[~turns]).max(initial=0.0))
-    angles = float(np.abs(off[turns]).max(initial=0.0))
-    yield (
-        f"consistent: g = 0 within {relative_text(points)} m and {relative_text(angles)} rad, "
-        f"G v = 0 within {relative_text(float(np.abs(rate).max()))} per s"
-    )
+    if len(off):
+        turns = np.array([isinstance(equation, Across) for equation in found.system.equations])
+        points, angles = (float(np.abs(off[which]).max(initial=0.0)) for which in (~turns, turns))
+        yield (
+            f"consistent: g = 0 within {relative_text(points)} m and {relative_text(angles)} rad, "
+            f"G v = 0 within {relative_text(float(np.abs(rate).max()))} per s"
+        )
 
 
-def _accelerations(found: Dae) -> Content:
-    assert found.solution is not None
-    each = found.solution.a.reshape(-1, 6)
-    scale = _fastest(found)
-    rows = [
-        (f"{i} {body.name}", *(number(x, scale) for x in row))
-        for i, (body, row) in enumerate(zip(found.system.model.bodies, each.tolist(), strict=True))
-    ]
-    return ("body", "wd x [rad/s^2]", "y", "z", "dv/dt x [m/s^2]", "y", "z"), rows
-
-
-def _reactions(found: Dae) -> Content:
-    assert found.solution is not None
-    values = iter(found.solution.reactions.tolist())
+def _reactions(found: Dae, reactions: list[float]) -> Content:
+    """Return a row for each joint, forces before moments, and x, y, z before the directions of oblique joints."""
+    values, places = iter(reactions), ("x", "y", "z", "1", "2", "a", "3", "")
     own = [
         (connection, {name: next(values) for name in connection.reactions}) for connection in found.system.connections
     ]
-    names = sorted({name for _, part in own for name in part}, key=_place)
+    names = sorted({name for _, part in own for name in part}, key=lambda name: (name[0], places.index(name[1:])))
     forces, moments = ([x for _, part in own for name, x in part.items() if name[0] == kind] for kind in "FM")
     weight = found.system.model.total_mass * float(np.abs(found.system.scene.gravity).max())
     scales = dict(zip("FM", sizes([*forces, weight], moments, found.system.model.reach).values(), strict=True))
@@ -95,66 +81,47 @@ def _reactions(found: Dae) -> Content:
     return ("joint", *(f"{name} [{'N' if name[0] == 'F' else 'N m'}]" for name in names)), rows
 
 
-def _place(name: str) -> tuple[str, int]:
-    """Return a key that sorts forces before moments, and x, y, z before the directions of oblique joints."""
-    return name[0], ("x", "y", "z", "1", "2", "a", "3", "").index(name[1:])
-
-
-def elimination_lines(found: Dae) -> Iterator[str]:
+def _eliminated(found: Dae) -> Iterator[str]:
     """Yield every step with its identity and its residual."""
-    n = found.system.model.n
-    yield f"Elimination of the reactions, to the ODE form with {n} velocities qd"
+    yield f"Elimination of the reactions, to the ODE form with {found.system.model.n} velocities qd"
     for k, step in enumerate(found.steps, 1):
         yield from (f"{k}  {step.title}", f"   {step.formula}", f"   {step.checks}: within {relative_text(step.error)}")
     yield "errors are parts of the sum of magnitudes that add up to the largest number"
 
 
-def both_lines(found: Dae) -> tuple[str, ...]:
-    """Return how far the DAE and the ODE form are apart."""
+def _both(found: Dae) -> Iterator[str]:
+    """Yield how far the DAE and the ODE form are apart, or what the mass matrix resists least."""
     both = found.comparison
     if both is None:
-        return (f'hardly anything resists "{_weakest(found)}": accelerations and reactions are not defined',)
-    loops = bool(found.system.scene.loops)
-    other = "the closed chain in joint coordinates" if loops else "the ODE form's recursions"
-    return (
-        f"Both forms: against {other} accelerations qdd differ by {relative_text(both.accelerations)} of the largest,",
-        f"forces at joints by {relative_text(both.forces)} and moments by {relative_text(both.moments)}",
-    )
+        sizes, motions = eigen(found.reduced.M)
+        weakest = found.system.model.rates[first_largest(np.abs(motions[first_largest(-np.abs(sizes))]))]
+        yield f'hardly anything resists "{printable(weakest)}": accelerations and reactions are not defined'
+        return
+    other = "the closed chain in joint coordinates" if found.system.scene.loops else "the ODE form's recursions"
+    largest = f"{relative_text(both.accelerations)} of the largest"
+    yield f"Both forms: against {other} accelerations qdd differ by {largest},"
+    yield f"forces at joints by {relative_text(both.forces)} and moments by {relative_text(both.moments)}"
 
 
-def _weakest(found: Dae) -> str:
-    """Return the rate that moves most in the motion that the mass matrix resists least."""
-    sizes, motions = eigen(found.reduced.M)
-    return printable(found.system.model.rates[first_largest(np.abs(motions[first_largest(-np.abs(sizes))]))])
+def acting(found: Dae, i: int) -> list[tuple[str, str, bool]]:
+    """Return what acts on body i: its own joint i, those of the bodies that it carries, and L1, L2 ... for loops.
 
-
-class Acting(NamedTuple):
-    """A force F and, unless it can carry none, a moment M: what joint or loop, "-" on the body that holds the other."""
-
-    sign: str
-    name: str
-    moment: bool = True
-
-
-def acting(found: Dae, i: int) -> list[Acting]:
-    """Return what acts on body i: its own joint i, those of the bodies that it carries, and L1, L2 ... for loops."""
+    Returns:
+        "-" on the body that holds the other, the name, and whether it carries a moment beside a force.
+    """
     model, system = found.system.model, found.system
-    felt = [k for k, joint in enumerate(system.joints) if joint.kind != "floating" or _driven(found, k)]
-    own = [Acting("", str(i))] if i in felt else []
-    carried = [Acting("-", str(k)) for k in felt if model.parents[k] == i]
+    rates = [body.joint.rate for body in model.bodies]
+    driven = [bool(found.tau[rate : rate + 6].any()) for rate in rates]
+    felt = [k for k, joint in enumerate(system.joints) if joint.kind != "floating" or driven[k]]
+    own = [("", str(i), True)] if i in felt else []
+    carried = [("-", str(k), True) for k in felt if model.parents[k] == i]
     loops = [
-        Acting(sign, f"L{k}", loop.kind not in ("point", "directions"))
+        (sign, f"L{k}", loop.kind not in ("point", "directions"))
         for k, loop in enumerate(system.loops, 1)
         for sign, end in (("", loop.body), ("-", loop.other))
         if end == i
     ]
     return own + carried + loops
-
-
-def _driven(found: Dae, i: int) -> bool:
-    """Return whether something drives the floating joint of body i."""
-    rate = found.system.model.bodies[i].joint.rate
-    return bool(found.tau[rate : rate + 6].any())
 
 
 ALONG = """\
@@ -204,9 +171,9 @@ def dae_sections(found: Dae) -> Iterator[Section]:
     yield _bodies(found)
     yield _connections(found)
     yield paragraphs(_levels(found))
-    yield from numbers_sections(found)
-    yield paragraphs(elimination_lines(found))
-    yield paragraphs(both_lines(found))
+    yield from _numbers(found)
+    yield paragraphs(_eliminated(found))
+    yield paragraphs(_both(found))
     yield remarks("warning", found.warnings)
 
 
@@ -244,7 +211,7 @@ def _bodies(found: Dae) -> Section:
     pushed = {i for i, _ in found.system.terms.wrenches}
     rows = []
     for i, (body, inertia) in enumerate(zip(model.bodies, system.inertias, strict=True)):
-        forces, moments = law_of(found, i)
+        forces, moments = _law_of(found, i)
         outside = ["E"] if i in pushed else []
         weight = [f"m{i} g"] if inertia.m and any(found.system.scene.gravity) else []
         newton, euler = _sum(weight + forces + outside), _sum(moments + outside)
@@ -252,10 +219,10 @@ def _bodies(found: Dae) -> Section:
     head = ("body", "mass", "m dv/dt =", "I_c wd + w x I_c w =")
     title = "Bodies: six coordinates each, Newton's and Euler's laws about the mass centre c"
     legend = "F_i and M_i, drives included, act through joint i on body i and, opposite, on its parent, r and s from c"
-    return [*shortened(title, (head, rows), "bodies"), Paragraph(legend)]
+    return [*_shortened(title, (head, rows), "bodies"), Paragraph(legend)]
 
 
-def law_of(found: Dae, i: int) -> tuple[list[str], list[str]]:
+def _law_of(found: Dae, i: int) -> tuple[list[str], list[str]]:
     """Return the terms of forces and moments on body i: of its joint, of joints that it carries, and of loops."""
     forces, moments = [], []
     every = acting(found, i)
@@ -295,7 +262,7 @@ def _connections(found: Dae) -> Section:
     order = sorted(range(len(rows)), key=lambda k: numbered[k][0].isdigit())
     rows = [rows[k] for k in order] if len(rows) > MOST and system.loops else rows
     title = "Joints: a constraint equation and a reaction for each direction in which it holds"
-    return [*shortened(title, (head, rows), "joints"), *paragraphs(_along(found))]
+    return [*_shortened(title, (head, rows), "joints"), *paragraphs(_along(found))]
 
 
 def _along(found: Dae) -> list[str]:
@@ -322,9 +289,7 @@ def _axis(found: Dae, connection: Connection, label: str) -> str:
 def _levels(found: Dae) -> list[str]:
     equations = found.system.equations
     kinds = {type(equation).__name__ for equation in equations}
-    text = (
-        (ALONG if "Along" in kinds else "") + (ACROSS if "Across" in kinds else "") + (MIMIC if "Sum" in kinds else "")
-    )
+    text = "".join(words for kind, words in (("Along", ALONG), ("Across", ACROSS), ("Sum", MIMIC)) if kind in kinds)
     if not text:
         return []
     where = "x is the joint's point of a body, y that of its parent p; r = x - c, s = x - c_p; n moves with p"
@@ -417,8 +382,8 @@ def _held_json(found: Dae, connection: Connection, j: int, k: int) -> dict[str, 
 
 def _free_json(found: Dae, equation: Equation, k: int) -> dict[str, Any]:
     matrices = found.system.matrices
-    along = {"sigma": matrices.sigma[k], "along": matrices.along[k], "rotor": np.diag(matrices.armature)[k]}
-    return {"rows": _rows_json(found, equation), **{key: float(value) for key, value in along.items()}}
+    rows, rotor = _rows_json(found, equation), np.diag(matrices.armature)[k]
+    return {"rows": rows, "sigma": matrices.sigma[k], "along": matrices.along[k], "rotor": rotor}
 
 
 def _rows_json(found: Dae, equation: Equation) -> list[dict[str, Any]]:

@@ -34,11 +34,7 @@ class Paragraph:
 
 @dataclass(frozen=True)
 class Verdict:
-    """The answer: a headline, and what it rests on in plain words.
-
-    Attributes:
-        level: whether all is well; colour follows it, and the words say it too.
-    """
+    """The answer: whether all is well, a headline, and what it rests on in plain words."""
 
     level: Level
     headline: str
@@ -64,12 +60,7 @@ class Table:
 
 @dataclass(frozen=True)
 class HeatMap:
-    """How much of several limits each of many things uses.
-
-    Attributes:
-        head: what the limits are of.
-        rows: names, and for each limit words and the share of it that is used, None where there is none.
-    """
+    """How much of several limits each of many things uses: words and the share of each, None where there is none."""
 
     caption: str
     head: Sequence[str]
@@ -95,13 +86,7 @@ def heat_level(share: float | None) -> str:
 
 @dataclass(frozen=True)
 class Figure:
-    """A picture.
-
-    Attributes:
-        caption: what it shows, which is said to everybody.
-        alt: what is to be seen in it, for those who cannot.
-        svg: an element whose colours are those of the page.
-    """
+    """A picture: what it shows, what is to be seen for those who cannot, and an SVG element in the page's colours."""
 
     caption: str
     alt: str
@@ -117,11 +102,7 @@ class Gallery:
 
 @dataclass(frozen=True)
 class Findings:
-    """Remarks on places of a file.
-
-    Attributes:
-        items: each a level, a title, and lines; lines of the source are among them as (text, True).
-    """
+    """Remarks, each a level, a title, and lines; lines of a source are among them as (text, True)."""
 
     items: tuple[tuple[Level, str, tuple[tuple[str, bool], ...]], ...]
 
@@ -150,12 +131,7 @@ Section = Sequence[Block]
 
 @dataclass(frozen=True)
 class Document:
-    """A report.
-
-    Attributes:
-        title: what it is about; subtitle: what was done.
-        command: as it was called; versions: of what it was made with.
-    """
+    """A report: what it is about, what was done, and by which command and versions."""
 
     title: str
     subtitle: str
@@ -210,11 +186,7 @@ def paragraphs(lines: Iterable[str]) -> list[Block]:
 
 
 def on_page(sections: Iterable[Section], caption: str = "") -> list[Block]:
-    """Return the blocks of sections for a page.
-
-    Args:
-        caption: of tables without one, before the title of their first column.
-    """
+    """Return the blocks of sections for a page, with a caption for tables without one, before their first title."""
     blocks = [block for section in sections for block in section]
     return [
         replace(block, caption=f"{caption}: {block.head[0]}")

@@ -9,7 +9,7 @@ from typing import Any
 
 from robodyn.identification.excitation.excite import Excitation, Information, JointSwing
 from robodyn.identification.excitation.motion import MARGIN
-from robodyn.identification.result import Errors, Identified, MotorFit
+from robodyn.identification.result import Errors, Identified
 from robodyn.report.document import (
     Block,
     Document,
@@ -45,7 +45,14 @@ def identified_sections(found: Identified) -> Iterator[Section]:
     rows += [(name, *(_of(each, name) for each in parts)) for name in found.train.joints]
     yield [Table("", head, rows, "||computed - measured|| / ||measured||, in N m")]
     yield [_motor_table(found)]
-    yield [_base_table(found)]
+    fit = found.base
+    columns = (fit.values.tolist(), fit.standard_errors.tolist(), fit.consistent.tolist())
+    known = [
+        (group, *(_known(each, error) for each in (value, error, after)))
+        for group, value, error, after in zip(fit.base.short_groups, *columns, strict=True)
+    ]
+    note = "Values by least squares without bounds; errors count that residuals of neighbouring rows are alike."
+    yield [Table("", ("base parameter", "value", "standard error", "calibrated"), known, note)]
     if found.unseen:
         yield paragraphs([f"no torque of the log shows anything of {listed(found.unseen)}: as described"])
     yield remarks("note", found.warnings)
@@ -95,25 +102,14 @@ def _of(errors: Errors | None, joint: str | None) -> str:
 
 def _motor_table(found: Identified) -> Table:
     head = ("motor", "viscous", "Coulomb", "offset", "breakaway", "decays with", "load", "rotor")
+    names = ("viscous", "coulomb", "offset", "stribeck", "stribeck_velocity", "load", "rotor")
+    rows = []
+    for name, fit in found.motors.items():
+        values = [getattr(fit, each) for each in names]
+        rows.append((name, *("-" if value is None else figure(value) for value in values)))
     units = "N m s/rad, N m, N m, N m, rad/s, part of the torque through the gear, kg m^2; of slides likewise in m."
     offset = "Offset: half of what friction differs by direction, or the sensor's."
-    return Table("", head, [_motor(*pair) for pair in found.motors.items()], f"{units} {offset}")
-
-
-def _motor(name: str, fit: MotorFit) -> tuple[str, ...]:
-    values = (fit.viscous, fit.coulomb, fit.offset, fit.stribeck, fit.stribeck_velocity, fit.load, fit.rotor)
-    return (name, *("-" if value is None else figure(value) for value in values))
-
-
-def _base_table(found: Identified) -> Table:
-    fit = found.base
-    columns = (fit.values.tolist(), fit.standard_errors.tolist(), fit.consistent.tolist())
-    rows = [
-        (group, *(_known(each, error) for each in (value, error, after)))
-        for group, value, error, after in zip(fit.base.short_groups, *columns, strict=True)
-    ]
-    note = "Values by least squares without bounds; errors count that residuals of neighbouring rows are alike."
-    return Table("", ("base parameter", "value", "standard error", "calibrated"), rows, note)
+    return Table("", head, rows, f"{units} {offset}")
 
 
 def _known(value: float, error: float) -> str:
@@ -236,11 +232,8 @@ def _words(information: Information) -> str:
 
 def _joint(joint: JointSwing) -> tuple[str, ...]:
     unit = "m" if joint.unit == "N" else "rad"
-    used = (
-        use(joint.speed, joint.speed_limit),
-        use(joint.acceleration, joint.acceleration_limit),
-        use(joint.effort, joint.effort_limit),
-    )
+    names = ("speed", "acceleration", "effort")
+    used = [use(getattr(joint, name), getattr(joint, f"{name}_limit")) for name in names]
     noise = f"{joint.noise:.3g} {joint.unit}"
     if not joint.moves:
         return (joint.name, f"{joint.centre:.3f}", "held", unit, "-", "-", used[2], noise)
@@ -264,15 +257,10 @@ def _invisible(found: Excitation) -> str:
 def excitation_json(found: Excitation) -> str:
     """Return joints with their series, base parameters with predicted standard errors, and what plain waves show."""
     base = found.base
+    columns = (found.values.tolist(), found.information.standard_errors.tolist())
     parameters = [
         {"name": group, "parameter": base.names[k], "value": value, "standard_error": error}
-        for group, k, value, error in zip(
-            base.groups,
-            base.independent,
-            found.values.tolist(),
-            found.information.standard_errors.tolist(),
-            strict=True,
-        )
+        for group, k, value, error in zip(base.groups, base.independent, *columns, strict=True)
     ]
     return written(
         select(
@@ -291,8 +279,5 @@ def excitation_json(found: Excitation) -> str:
 
 def _told(information: Information) -> dict[str, Any]:
     """Return numbers, null where not all parameters are shown."""
-    return {
-        "rank": information.rank,
-        "condition": finite(information.condition),
-        "log_determinant": finite(information.log_determinant),
-    }
+    known = {name: finite(getattr(information, name)) for name in ("condition", "log_determinant")}
+    return {"rank": information.rank, **known}

@@ -48,10 +48,17 @@ def linearized_sections(found: Linearized) -> Iterator[Section]:
     verdict = stability(found)
     how = "an equilibrium" if found.balanced else "the state given"
     sizes = f"{count(len(found.states), 'state')}, {count(len(found.inputs), 'input')}"
-    yield paragraphs([f"{found.robot}: linear about {how}, {sizes}", *_held(found), *_discrete(found)])
+    lines = [f"{found.robot}: linear about {how}, {sizes}", *_held(found)]
+    if found.step is not None:
+        step = f"steps of {found.step:.6g} s, inputs held in between"
+        lines.append(f"A and B are those of {step}; modes are those of A before")
+    yield paragraphs(lines)
     yield [Table("State", ("joint", "q", "qd", "drive", "torque added", "unit"), _state(found))]
     rows = [_row(found, mode) for mode in found.modes.modes]
-    yield [Table("Modes, the slowest first", _HEAD, rows, _note(found.modes))]
+    error = max((mode.error for mode in found.modes.modes), default=0.0)
+    above = f"1e{ceil(log10(error)):03d}" if error else "0"  # its digits are the processor's
+    note = f"Eigenvalues are within {above} /s. What moves: rad or m of each joint per 1 of the first."
+    yield [Table("Modes, the slowest first", _HEAD, rows, note)]
     yield from _matrices(found)
     yield remarks("warning", found.warnings)
     yield paragraphs([f"{verdict.headline}.", *verdict.reasons])
@@ -137,12 +144,6 @@ def _held(found: Linearized) -> list[str]:
     ]
 
 
-def _discrete(found: Linearized) -> list[str]:
-    if found.step is None:
-        return []
-    return [f"A and B are those of steps of {found.step:.6g} s, inputs held in between; modes are those of A before"]
-
-
 def _state(found: Linearized) -> list[tuple[str, ...]]:
     names, n = found.model.coordinates, len(found.qd)
     floating = len(names) - n
@@ -206,22 +207,9 @@ def _phase(entry: complex) -> str:
     return f" {'ahead' if angle > 0 else 'behind'} by {abs(angle) * 180 / pi:.0f} deg"
 
 
-def _up(error: float) -> str:
-    """Return the power of ten above an error of rounding, whose digits are the processor's."""
-    return f"1e{ceil(log10(error)):03d}" if error else "0"
-
-
-def _note(modes: Modes) -> str:
-    error = max((mode.error for mode in modes.modes), default=0.0)
-    return f"Eigenvalues are within {_up(error)} /s. What moves: rad or m of each joint per 1 of the first."
-
-
 def linearized_json(found: Linearized) -> str:
     """Return A and B by rows, the state, and the modes; `stable` is null where it is not decided, see `verdict`."""
-    state = select(
-        found,
-        "is_one:balanced coordinates:model.coordinates q rates:model.rates qd drive added:held",
-    )
+    state = select(found, "is_one:balanced coordinates:model.coordinates q rates:model.rates qd drive added:held")
     return written(
         select(
             found,

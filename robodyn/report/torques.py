@@ -32,7 +32,6 @@ from robodyn.support.wording import count
 from robodyn.trajectory.motion import NOISE, Derivation, JointDerivation
 
 if TYPE_CHECKING:
-    from robodyn.loads.constraint_result import Constraints
     from robodyn.loads.many import Batch, Outcome, Status, Worst
 
 
@@ -53,7 +52,11 @@ def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]
         yield [Table("", *load_table(result))]
         yield [Table("What makes the peaks", *share_table(result))]
     if result.constraints:
-        yield from _constraints(result, result.constraints)
+        from robodyn.report.sizing import constraint_lines, constraint_tables
+
+        yield paragraphs(["Constraints", *constraint_lines(result.constraints)])
+        for title, rows in constraint_tables(result):
+            yield [Table(title, *rows)]
     if result.derivation:
         methods, rows = derivation_table(result.derivation, result.samples_suffice)
         yield [Table(methods, *rows) if rows else Paragraph(methods)]
@@ -72,8 +75,12 @@ def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]
     if explain:
         plan = f"{result.operations} operations per sample for the torques; {result.executor}: {result.reason}"
         yield [Table(f"Effects: {plan}", *effect_table(result))]
-    (work, stored, residual, _, sampling), laws = balance_words(result)
-    losses = " less friction and drag" if any(map(_takes, result.effects)) else ""
+    checks, balance, size = result.checks, result.checks.energy_balance, result_sizes(result)
+    energies = balance.work, balance.energy_change, balance.residual, abs(balance.quadrature)
+    work, stored, residual, sampling = (size.number(each, "J") for each in energies)
+    laws = [relative_text(each) for each in (checks.first_law, checks.second_law, checks.power)]
+    active = {effect.name for effect in result.effects if effect.verdict.active}
+    losses = " less friction and drag" if active.intersection(_TAKES) else ""
     lines = (
         "Self-checks, from momenta and energy",
         f"energy: work{losses} {work} J, stored {stored} J, residual {residual} J (sampling explains {sampling} J)",
@@ -86,14 +93,6 @@ def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]
     yield remarks("warning", result.warnings)
 
 
-def _constraints(result: Result, found: Constraints) -> Iterator[Section]:
-    from robodyn.report.sizing import constraint_lines, constraint_tables
-
-    yield paragraphs(["Constraints", *constraint_lines(found)])
-    for title, rows in constraint_tables(result):
-        yield [Table(title, *rows)]
-
-
 def _base(result: Result) -> Section:
     head, rows = base_table(result)
     beside = ", beside its contacts" if result.constraints and result.constraints.contacts else ""
@@ -104,19 +103,7 @@ def _base(result: Result) -> Section:
 
 
 _TAKES = ("coulomb friction", "viscous friction", "load friction", "fluid")
-
-
-def _takes(effect: EffectReport) -> bool:
-    """Return whether an effect takes energy, which the work in the balance is without."""
-    return effect.verdict.active and effect.name in _TAKES
-
-
-def balance_words(result: Result) -> tuple[list[str], list[str]]:
-    """Return work, stored energy, residual, turnover, what sampling explains [J]; errors of the laws and of power."""
-    checks, balance, size = result.checks, result.checks.energy_balance, result_sizes(result)
-    energies = balance.work, balance.energy_change, balance.residual, balance.turnover, abs(balance.quadrature)
-    laws = checks.first_law, checks.second_law, checks.power
-    return [size.number(each, "J") for each in energies], [relative_text(each) for each in laws]
+"""Effects that take energy, which the work in the balance is without."""
 
 
 def _input_words(result: Result) -> Iterator[str]:

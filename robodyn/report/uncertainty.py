@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from robodyn.loads.result import Result
-from robodyn.loads.uncertainty_result import Bar, Uncertain, UncertainJoint, UncertainLoad
-from robodyn.report.document import Facts, Paragraph, Section, Table
+from robodyn.loads.uncertainty_result import Uncertain, UncertainJoint, UncertainLoad
+from robodyn.report.document import Facts, Paragraph, Section, Table, paragraphs
 from robodyn.report.sizes import Sizes, result_sizes
 from robodyn.report.table import Content, first_names, is_noise, printable
 from robodyn.support.wording import count
@@ -25,12 +25,11 @@ def uncertainty_sections(result: Result) -> Iterator[Section]:
     size = result_sizes(result)
     for title, loads in _groups(found):
         yield [Table(title, *_bars(loads, size))]
-    shares = [each.load for each in found.joints]
-    if shares:
-        yield [Table("Which parameters matter most, by their share of the variance", *_ranks(shares))]
-    notes = [*_drawn(found), *_unnamed(found)]
-    if notes:
-        yield [Paragraph(line) for line in notes]
+    rows = [(each.load.name, ranks(each.load.shares), ranks(each.load.rms_shares)) for each in found.joints]
+    if rows:
+        title = "Which parameters matter most, by their share of the variance"
+        yield [Table(title, ("joint", "of the peak", "of the RMS"), rows)]
+    yield paragraphs(_notes(found))
     limited = [joint for joint in found.joints if joint.suffices is not None]
     if limited:
         yield [Paragraph("Limits are kept with these probabilities"), _chances(found, limited)]
@@ -45,18 +44,15 @@ def _groups(found: Uncertain) -> Iterator[tuple[str, list[tuple[str, UncertainLo
         for load in loads
         if load.name in ("radial", "tilting")
     ]
+    many = count(len(found.parameters), "uncertain parameter")
     for title, loads in (
-        (
-            f"Joints: error bars of {count(len(found.parameters), 'uncertain parameter')}",
-            [[(each.load.name, each.load) for each in found.joints]],
-        ),
-        ("Motors: error bars", [[(load.name, load) for load in motors]]),
-        ("Bearings: error bars", [resultants]),
-        ("Base wrench: error bars", [[(load.name, load) for load in found.base]]),
+        (f"Joints: error bars of {many}", [(each.load.name, each.load) for each in found.joints]),
+        ("Motors: error bars", [(load.name, load) for load in motors]),
+        ("Bearings: error bars", resultants),
+        ("Base wrench: error bars", [(load.name, load) for load in found.base]),
     ):
-        (rows,) = loads
-        if any(load.shares or load.rms_shares for _, load in rows):
-            yield title, rows
+        if any(load.shares or load.rms_shares for _, load in loads):
+            yield title, loads
 
 
 def _bars(loads: Sequence[tuple[str, UncertainLoad]], size: Sizes) -> Content:
@@ -75,11 +71,6 @@ def _error(error: float, size: float) -> str:
     return "0" if is_noise(error, size) else f"{error:.2g}"
 
 
-def _ranks(loads: Sequence[UncertainLoad]) -> Content:
-    rows = [(load.name, ranks(load.shares), ranks(load.rms_shares)) for load in loads]
-    return ("joint", "of the peak", "of the RMS"), rows
-
-
 def ranks(shares: Mapping[str, float]) -> str:
     """Return the parameters with most of a variance in words: "mass of forearm 61 %, friction of elbow 30 %"."""
     most = [(name, share) for name, share in list(shares.items())[:_SHOWN] if share >= _LEAST]
@@ -92,32 +83,26 @@ def parameter(name: str) -> str:
     return printable(f"{_OF_LINKS[quantity]} of {owner}" if quantity in _OF_LINKS else name)
 
 
-def _drawn(found: Uncertain) -> Iterator[str]:
-    """Yield which error bars derivatives alone would have got wrong."""
-    names = [name for name, bar in _named(found) if bar.method == "draws"]
+def _notes(found: Uncertain) -> Iterator[str]:
+    """Yield which error bars derivatives alone would have got wrong, and what a covariance leaves out."""
+    bars = [(name, load) for _, loads in _groups(found) for name, load in loads]
+    both = [
+        (f"{what} of {printable(name)}", bar)
+        for name, load in bars
+        for what, bar in (("peak", load.peak), ("RMS", load.rms))
+    ]
+    names = [name for name, bar in both if bar.method == "draws"]
     if names:
         most = first_names(names, _SHOWN)
         yield (
             f"By {found.draws} draws of the parameters, for they are not linear in them: {most}. The other error bars "
             "are by derivatives."
         )
-
-
-def _unnamed(found: Uncertain) -> Iterator[str]:
-    """Yield what a covariance of an identification leaves out."""
     if any(name.rpartition(".")[2] not in _OF_LINKS for name in found.parameters):
         yield (
             "Parameters that the covariance does not name count as sure: what a log did not show, such as most of what "
             "bearings and the base bear, is less sure than this."
         )
-
-
-def _named(found: Uncertain) -> Iterator[tuple[str, Bar]]:
-    """Yield every bar with its name."""
-    for _, loads in _groups(found):
-        for name, load in loads:
-            yield f"peak of {printable(name)}", load.peak
-            yield f"RMS of {printable(name)}", load.rms
 
 
 def _chances(found: Uncertain, limited: Sequence[UncertainJoint]) -> Facts:

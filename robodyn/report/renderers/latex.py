@@ -2,7 +2,7 @@ r"""The closed form and the DAE form as LaTeX, to be put into a document that us
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from robodyn.equations.closed import Closed, decimal
@@ -11,6 +11,7 @@ from robodyn.equations.dae.dae import Dae
 from robodyn.programs.run.symbolic import module
 from robodyn.report.dae import acting
 from robodyn.report.equations import checked
+from robodyn.report.table import printable
 from robodyn.support.wording import count
 
 DIGITS = 6
@@ -44,7 +45,8 @@ def closed_latex(closed: Closed) -> str:
         f"with the coordinates {coordinates}, gravity $({x:g}, {y:g}, {z:g})$\\,m/s$^2$, SI units, coefficients to\n"
         f"{DIGITS} digits, $c_{{i}} = \\cos q_{{i}}$, $s_{{i}} = \\sin q_{{i}}$, "
         "$c_{ij} = \\cos(q_{i} + q_{j})$, $s_{ij} = \\sin(q_{i} + q_{j})$\n"
-        "and so on, $M_{ij} = M_{ji}$, and\n" + _aligned(entries, closed)
+        "and so on, $M_{ij} = M_{ji}$, and\n"
+        + _aligned_lines([f"{name} &= {_broken(entry, closed)}" for name, entry in entries.items()])
     )
 
 
@@ -54,11 +56,6 @@ def _part(effect: str, index: str) -> str:
         return letter + (f"_{{{index}}}" if index else arguments)
     name = rf"\tau^{{\text{{{effect}}}}}"
     return name + (f"_{{{index}}}" if index else "")
-
-
-def _aligned(entries: Mapping[str, Any], closed: Closed) -> str:
-    lines = [f"{name} &= {_broken(entry, closed)}" for name, entry in entries.items()]
-    return "\\begin{align*}\n" + " \\\\\n".join(lines) + "\n\\end{align*}\n"
 
 
 def _broken(expression: Any, closed: Closed) -> str:
@@ -120,8 +117,7 @@ def _printer(n: int) -> Any:
 
 def escaped(text: str) -> str:
     """Return the text as LaTeX prints it."""
-    printable = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
-    return "".join(ESCAPES.get(character, character) for character in printable)
+    return "".join(ESCAPES.get(character, character) for character in printable(text))
 
 
 HEAD = r"""% Needs \usepackage{amsmath}.
@@ -165,16 +161,13 @@ $G_l J\,\ddot{q} = \gamma_l - G_l \dot{J}\,\dot{q}$.
 """
 MOST = 8
 """Terms of a line."""
+_TOGETHER = r"x_{0} = y_{0}"
+_TURNED, _AXIS = r"a_k \cdot b_{{k+1}} = 0,\ k = 1, 2, 3", r"a_{0} \cdot b_1 = a_{0} \cdot b_2 = 0"
 HELD = {
-    "fixed": (r"x_{0} = y_{0}", r"a_k \cdot b_{{k+1}} = 0,\ k = 1, 2, 3"),
-    "revolute": (r"x_{0} = y_{0}", r"a_{0} \cdot b_1 = a_{0} \cdot b_2 = 0"),
-    "prismatic": (
-        r"n_1 \cdot (x_{0} - y_{0}) = n_2 \cdot (x_{0} - y_{0}) = 0",
-        r"a_k \cdot b_{{k+1}} = 0,\ k = 1, 2, 3",
-    ),
-    "point": (r"x_{0} = y_{0}", ""),
-    "hinge": (r"x_{0} = y_{0}", r"a_{0} \cdot b_1 = a_{0} \cdot b_2 = 0"),
-    "weld": (r"x_{0} = y_{0}", r"a_k \cdot b_{{k+1}} = 0,\ k = 1, 2, 3"),
+    **dict.fromkeys(("fixed", "weld"), (_TOGETHER, _TURNED)),
+    **dict.fromkeys(("revolute", "hinge"), (_TOGETHER, _AXIS)),
+    "prismatic": (r"n_1 \cdot (x_{0} - y_{0}) = n_2 \cdot (x_{0} - y_{0}) = 0", _TURNED),
+    "point": (_TOGETHER, ""),
     "directions": (r"n_k \cdot (x_{0} - y_{0}) = 0", ""),
     "mimic": (r"q_{0} - k\,q_j - q^0 = 0", ""),
 }
