@@ -36,16 +36,15 @@ def accuracy_sections(accuracy: Accuracy, target: float | None = None) -> Iterat
         target: the error for which the quickest method is named.
     """
     for ladder in accuracy.ladders:
-        answer = [] if target is None else [Paragraph(_answer(ladder, target))]
-        yield [_ladder(accuracy.name, ladder), *answer]
+        answer = []
+        if target is not None:
+            best, found = error_text(min(rung.error for rung in ladder.rungs)), ladder.cheapest(target)
+            none = f"no method reaches {target:g}; the best error is {best}"
+            answer.append(f"cheapest within {target:g}: {found.name}" if found else none)
+        yield [_ladder(accuracy.name, ladder), *paragraphs(answer)]
     if accuracy.prices:
-        yield [
-            Table(
-                "Beside it",
-                ("what", "time [ms]", "quartiles [ms]"),
-                [(price.name, *_time(price.time, 1e3)) for price in accuracy.prices],
-            )
-        ]
+        prices = [(price.name, *_time(price.time, 1e3)) for price in accuracy.prices]
+        yield [Table("Beside it", ("what", "time [ms]", "quartiles [ms]"), prices)]
     if accuracy.effects:
         head = ("without", "torque lost, at most", "at", "operations saved")
         rows = [
@@ -71,24 +70,11 @@ def _ladder(name: str, ladder: Ladder) -> Table:
             *_time(rung.time, scale),
             *((_count(rung.evaluations),) if moves else ()),
             _count(rung.operations),
-            _verdict(ladder, rung),
+            f"dominated by {other.name}" if (other := ladder.dominator(rung)) else "front",
         )
         for rung in sorted(ladder.rungs, key=lambda rung: rung.time.median)
     ]
     return Table(f"{printable(name)}: {ladder.title}{per}, errors against {ladder.reference}", head, rows)
-
-
-def _answer(ladder: Ladder, target: float) -> str:
-    found = ladder.cheapest(target)
-    if found is None:
-        best = min(rung.error for rung in ladder.rungs)
-        return f"no method reaches {target:g}; the best error is {error_text(best)}"
-    return f"cheapest within {target:g}: {found.name}"
-
-
-def _verdict(ladder: Ladder, rung: Rung) -> str:
-    other = ladder.dominator(rung)
-    return "front" if other is None else f"dominated by {other.name}"
 
 
 def _time(time: Spread, scale: float) -> tuple[str, str]:
@@ -129,16 +115,12 @@ def _met(accuracy: Accuracy, target: float | None) -> Verdict:
     found = [(ladder, ladder.cheapest(target)) for ladder in accuracy.ladders]
     met = all(rung is not None for _, rung in found)
     headline = f"The target of {target:g} {'is met' if met else 'is not met by every task'}"
-    reasons = [
-        f"{ladder.title}: {f'{rung.name} has an error of {error_text(rung.error)}' if rung else _best(ladder)}."
-        for ladder, rung in found
-    ]
+    reasons = []
+    for ladder, rung in found:
+        best = rung or min(ladder.rungs, key=lambda each: each.error)
+        who = f"{best.name} has" if rung else f"no method reaches it; the best is {best.name} with"
+        reasons.append(f"{ladder.title}: {who} an error of {error_text(best.error)}.")
     return Verdict("good" if met else "bad", headline, tuple(reasons))
-
-
-def _best(ladder: Ladder) -> str:
-    best = min(ladder.rungs, key=lambda rung: rung.error)
-    return f"no method reaches it; the best is {best.name} with an error of {error_text(best.error)}"
 
 
 def _front(ladder: Ladder) -> str:
@@ -176,19 +158,13 @@ def doctor_sections(lines: tuple[Line, ...]) -> Iterator[Section]:
 
 def accuracy_json(accuracy: Accuracy, target: float | None = None) -> str:
     """Return the document of `accuracy`; times [s] are the median, the quartiles `low` and `high`, and the `runs`."""
-    ladders = [_ladder_json(ladder, target) for ladder in accuracy.ladders]
+    ladders = []
+    for ladder in accuracy.ladders:
+        cheapest = None if target is None else ladder.cheapest(target)
+        methods, front = [_rung_json(ladder, rung) for rung in ladder.rungs], [rung.name for rung in ladder.front]
+        keys, best = "title reference per methods front cheapest", cheapest and cheapest.name
+        ladders.append(select(ladder, keys, methods=methods, front=front, cheapest=best))
     return written(select(accuracy, "name target ladders prices effects notes", target=target, ladders=ladders))
-
-
-def _ladder_json(ladder: Ladder, target: float | None) -> dict[str, Any]:
-    cheapest = None if target is None else ladder.cheapest(target)
-    return select(
-        ladder,
-        "title reference per methods front cheapest",
-        methods=[_rung_json(ladder, rung) for rung in ladder.rungs],
-        front=[rung.name for rung in ladder.front],
-        cheapest=cheapest and cheapest.name,
-    )
 
 
 def _rung_json(ladder: Ladder, rung: Rung) -> dict[str, Any]:

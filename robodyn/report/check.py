@@ -108,11 +108,9 @@ def further(finding: Finding) -> list[str]:
     if alike:
         row = ", ".join([*map(place_words, shown), *rest])
         return wrap(row, _WIDTH, break_long_words=False, break_on_hyphens=False)
-    return [*(f"{place_words(other)}: {other.what}{_other_cause(other, finding)}" for other in shown), *rest]
-
-
-def _other_cause(other: Finding, finding: Finding) -> str:
-    return "" if other.cause in (None, finding.cause) else f"; {other.cause}"
+    causes = ["" if other.cause in (None, finding.cause) else f"; {other.cause}" for other in shown]
+    said = [f"{place_words(other)}: {other.what}{cause}" for other, cause in zip(shown, causes, strict=True)]
+    return [*said, *rest]
 
 
 def place_words(finding: Finding) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from robodyn.equations.closed import STATES, Closed, decimal
 from robodyn.equations.free_body.types import Action, FreeBodies, FreeBody, JointRow
@@ -13,13 +13,7 @@ from robodyn.report.document import Paragraph, Section, Table, finite, paragraph
 from robodyn.report.inertia import point_text
 from robodyn.report.sizes import Sizes, free_body_sizes
 from robodyn.report.table import Content, axis_text, gravity_text, number, printable, relative_text
-from robodyn.support.floats import Floats
 from robodyn.support.wording import count
-
-if TYPE_CHECKING:
-    from robodyn.equations.closed import Closed
-    from robodyn.equations.ode import Ode
-
 
 DIGITS = 15
 
@@ -33,7 +27,8 @@ def ode_sections(ode: Ode) -> Iterator[Section]:
     )
     yield [Table("Configuration", *_configuration(ode))]
     mass = Table("Mass matrix M(q) [kg m^2, kg m or kg]", ("", *ode.rates), rows)
-    yield [mass, Paragraph(_condition(ode.cond))]
+    singular = "M is singular to working precision: nothing resists some motion"
+    yield [mass, Paragraph(singular if ode.cond == float("inf") else f"Condition number {ode.cond:.4g}")]
     yield [Table("What tau must supply where nothing accelerates", *_bias(ode))]
     yield remarks("warning", ode.warnings)
 
@@ -86,12 +81,6 @@ def _configuration(ode: Ode) -> Content:
     return ("coordinate", "value"), [(name, f"{x:.6g}") for name, x in pairs]
 
 
-def _condition(cond: float) -> str:
-    if cond == float("inf"):
-        return "M is singular to working precision: nothing resists some motion"
-    return f"Condition number {cond:.4g}"
-
-
 def _bias(ode: Ode) -> Content:
     columns: Sequence[Any] = [*ode.shares.values(), ode.bias]
     scale = max(float(abs(column).max()) for column in columns)
@@ -136,32 +125,13 @@ def free_body_sections(found: FreeBodies, state: str) -> Iterator[Section]:
 def _joints(found: FreeBodies, size: Sizes) -> Content:
     rows = []
     for row in found.joints:
-        along = "" if row.drive is None else _amount(row, size)
-        rows.append(
-            (
-                f"{row.number} {row.name}",
-                f"{row.parent} - {row.child}",
-                row.kind,
-                _axis(row),
-                str(row.freedom),
-                str(row.reactions),
-                *_components(row, size),
-                along,
-            )
-        )
+        unit = "N m" if row.kind == "revolute" else "N"
+        along = "" if row.drive is None else f"{number(row.drive, size[unit])} {unit}"
+        axis = axis_text(row.axis) if row.kind in ("revolute", "prismatic") else "-"
+        joint = (f"{row.number} {row.name}", f"{row.parent} - {row.child}", row.kind, axis)
+        rows.append((*joint, str(row.freedom), str(row.reactions), *_components(row, size), along))
     head = ("joint", "between", "type", "axis", "f", "6 - f", "fx [N]", "fy", "fz", "mx [N m]", "my", "mz", "drive")
     return head, rows
-
-
-def _axis(row: JointRow) -> str:
-    if row.kind not in ("revolute", "prismatic"):
-        return "-"
-    return axis_text(row.axis)
-
-
-def _amount(row: JointRow, size: Sizes) -> str:
-    unit = "N m" if row.kind == "revolute" else "N"
-    return f"{number(row.drive or 0.0, size[unit])} {unit}"
 
 
 def _components(row: JointRow, size: Sizes) -> list[str]:
@@ -186,32 +156,21 @@ def _body(body: FreeBody, size: Sizes) -> Section:
 
 def action_table(body: FreeBody, size: Sizes) -> Content:
     """Return every force and moment on a body, and their sums."""
-    rows = [_action_row(action, size) for action in body.actions]
-    rows.append(("sum", "", "", *_vector(body.force, size["N"]), *_vector(body.moment, size["N m"])))
+
+    def cells(acting: Action | FreeBody) -> list[str]:
+        return [number(x, size["N"]) for x in acting.force] + [number(x, size["N m"]) for x in acting.moment]
+
+    rows = [(action.what, action.by, point_text(action.point, 1.0), *cells(action)) for action in body.actions]
+    rows.append(("sum", "", "", *cells(body)))
     return ("", "by", "at [m]", "fx [N]", "fy", "fz", "mx [N m]", "my", "mz"), rows
-
-
-def _action_row(action: Action, size: Sizes) -> tuple[str, ...]:
-    vectors = (*_vector(action.force, size["N"]), *_vector(action.moment, size["N m"]))
-    return (action.what, action.by, point_text(action.point, 1.0), *vectors)
-
-
-def _vector(vector: Floats, scale: float) -> list[str]:
-    return [number(x, scale) for x in vector]
 
 
 def free_bodies_json(found: FreeBodies, state: str) -> str:
     """Return vectors in each body's own axes, and forces and moments in the ground's too."""
-    return written(
-        select(
-            found,
-            "robot file state q qd qdd gravity tau joints bodies residual warnings",
-            state=state,
-            joints=list(map(_joint_json, found.joints)),
-            bodies=list(map(_free_body_json, found.bodies)),
-            residual={"force": found.residual_force, "moment": found.residual_moment},
-        )
-    )
+    joints, bodies = list(map(_joint_json, found.joints)), list(map(_free_body_json, found.bodies))
+    residual = {"force": found.residual_force, "moment": found.residual_moment}
+    keys = "robot file state q qd qdd gravity tau joints bodies residual warnings"
+    return written(select(found, keys, state=state, joints=joints, bodies=bodies, residual=residual))
 
 
 def _joint_json(row: JointRow) -> dict[str, Any]:
@@ -244,8 +203,6 @@ def ode_json(ode: Ode) -> str:
 
 def closed_json(closed: Closed) -> str:
     """Return the closed form; expressions are SymPy's, fractions exact."""
-    from robodyn.equations.closed import STATES
-
     joints = zip(closed.joints, closed.kinds, map(str, closed.q), map(str, closed.qd), strict=True)
     return written(
         select(

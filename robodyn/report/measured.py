@@ -65,12 +65,9 @@ def effect_words(joint: JointComparison, kind: str, value: float, error: float) 
         return f"A gain of {bar(1 + value, error)} at {name} (torque constant or gear)"
     if kind == "delay":
         return f"A delay of the measured torque of {bar(1e3 * value, 1e3 * error)} ms at {name}"
-    words = {
-        "offset": ("An offset", unit),
-        "viscous": ("Viscous friction", f"{unit} s/{per}"),
-        "coulomb": ("Coulomb friction", unit),
-        "rotor": ("Rotor inertia", "kg m^2" if unit == "N m" else "kg"),
-    }
+    inertia = "kg m^2" if unit == "N m" else "kg"
+    words = {"offset": ("An offset", unit), "viscous": ("Viscous friction", f"{unit} s/{per}")}
+    words |= {"coulomb": ("Coulomb friction", unit), "rotor": ("Rotor inertia", inertia)}
     title, of = words[kind]
     return f"{title} of {bar(value, error, joint.measured)} {of} at {name}"
 
@@ -179,11 +176,8 @@ def verdict_on(found: Comparison) -> Verdict:
             f"The model differs from the log by {before} of the measured torques; no effect stands out of the noise",
         )
     level: Level = "bad" if reasons else "doubtful" if found.relative_error > _GOOD else "good"
-    return Verdict(
-        level,
-        f"The model differs from the log by {before} of the measured torques, {after} with what is told below",
-        tuple(reasons),
-    )
+    headline = f"The model differs from the log by {before} of the measured torques, {after} with what is told below"
+    return Verdict(level, headline, tuple(reasons))
 
 
 def _left(found: Comparison) -> Iterator[str]:
@@ -239,12 +233,9 @@ def measured_json(found: Comparison) -> str:
 
 
 def _joint_json(joint: JointComparison) -> dict[str, Any]:
-    effects = {
-        kind: None
-        if kind not in joint.effects
-        else {"value": joint.effects[kind][0] + (kind == "gain"), "standard_error": joint.effects[kind][1]}
-        for kind in OWN
-    }
+    effects: dict[str, Any] = dict.fromkeys(OWN)
+    for kind, (value, error) in joint.effects.items():
+        effects[kind] = {"value": value + (kind == "gain"), "standard_error": error}
     keys = "name unit measured_rms:measured computed_rms:computed residual_rms:residual residual_rms_left:left"
     return select(joint, f"{keys} relative_error correlation moves effects", effects=effects)
 

@@ -66,10 +66,8 @@ def _head(found: Overview) -> list[str]:
 def _centre(found: Overview) -> str:
     if found.com is None:
         return ""
-    where = "where every joint is zero"
-    if found.moved:
-        values = ", ".join(f"{name} {value:.6g}" for name, value in found.moved.items())
-        where = f"where every joint is zero or at its limit nearest to zero: {values}"
+    values = ", ".join(f"{name} {value:.6g}" for name, value in found.moved.items())
+    where = "where every joint is zero" + (f" or at its limit nearest to zero: {values}" if values else "")
     point = point_text(found.com, float(np.abs(found.com).max()))
     return f", centre of mass {point} m in the frame of {shown(found.base)}, {where}"
 

@@ -113,18 +113,11 @@ def _rates(result: Simulation, size: MotionSizes) -> Table:
 def _limits(result: Simulation, size: MotionSizes) -> Table:
     rows = []
     for k, joint in zip(result.driven, result.joints, strict=True):
-        load, speed = size.tau[k], size.qd[k]
+        load, speed, unit = size.tau[k], size.qd[k], speed_unit(joint.unit)
         peak = (f"{number(joint.peak, load)} {joint.unit}", moment(joint.peak_time, joint.peak, load))
-        rows.append(
-            (
-                joint.name,
-                f"{number(joint.max_speed, speed)} {speed_unit(joint.unit)}",
-                moment(joint.max_speed_time, joint.max_speed, speed),
-                use(joint.max_speed, joint.velocity_limit),
-                *(peak if joint.driven else ("-", "-")),
-                use(joint.peak, joint.effort_limit),
-            )
-        )
+        fastest = f"{number(joint.max_speed, speed)} {unit}", moment(joint.max_speed_time, joint.max_speed, speed)
+        used = use(joint.max_speed, joint.velocity_limit), use(joint.peak, joint.effort_limit)
+        rows.append((joint.name, *fastest, used[0], *(peak if joint.driven else ("-", "-")), used[1]))
     head = ("joint", "max speed", "at [s]", "of velocity limit", "drive's peak", "at [s]", "of effort limit")
     return Table("", head, rows)
 
@@ -149,25 +142,14 @@ def _drift(result: Simulation, size: MotionSizes) -> Iterator[str]:
 
 
 def _loops(loops: LoopFigures, reach: float) -> Table:
-    """Return what each loop carries at most, and how far it comes apart.
-
-    Args:
-        reach: of the robot [m].
-    """
+    """Return what each loop carries at most, and how far it comes apart beside the robot's reach [m]."""
     force, turning = (np.sqrt(np.square(loops.wrenches[:, :, part]).sum(axis=2)) for part in (slice(3), slice(3, 6)))
     size = sizes(force.ravel().tolist(), turning.ravel().tolist(), reach)
     apart = max(reach, 1.0)
+    columns = loops.names, force.max(axis=0), turning.max(axis=0), loops.gap, loops.slip
     rows = [
-        (
-            name,
-            number(f, size["N"]),
-            number(m, size["N m"]),
-            drift_text(gap, apart),
-            drift_text(slip, apart),
-        )
-        for name, f, m, gap, slip in zip(
-            loops.names, force.max(axis=0), turning.max(axis=0), loops.gap, loops.slip, strict=True
-        )
+        (name, number(f, size["N"]), number(m, size["N m"]), drift_text(gap, apart), drift_text(slip, apart))
+        for name, f, m, gap, slip in zip(*columns, strict=True)
     ]
     head = ("loop", "largest force [N]", "largest moment [N m]", "|phi| [m, rad]", "|phi'| [m/s, rad/s]")
     return Table("", head, rows)

@@ -55,8 +55,7 @@ def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]
         from robodyn.report.sizing import constraint_lines, constraint_tables
 
         yield paragraphs(["Constraints", *constraint_lines(result.constraints)])
-        for title, rows in constraint_tables(result):
-            yield [Table(title, *rows)]
+        yield from ([Table(title, *content)] for title, content in constraint_tables(result))
     if result.derivation:
         methods, rows = derivation_table(result.derivation, result.samples_suffice)
         yield [Table(methods, *rows) if rows else Paragraph(methods)]

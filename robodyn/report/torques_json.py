@@ -10,7 +10,7 @@ from robodyn.report.limits import torques_verdict
 from robodyn.robot.limits import Coverage
 
 if TYPE_CHECKING:
-    from robodyn.loads.many import Batch, Outcome
+    from robodyn.loads.many import Batch, Outcome, Status
     from robodyn.loads.result import EffectReport, JointLoad, Result
     from robodyn.loads.sizing_result import BearingLoad, Sizing
 
@@ -61,12 +61,9 @@ def sizing_data(sizing: Sizing) -> dict[str, Any]:
 
 
 def _bearing(bearing: BearingLoad) -> dict[str, Any]:
-    return select(
-        bearing,
-        "joint kind directions components",
-        directions=dict(zip(("u", "v", "axis"), bearing.directions, strict=True)),
-        components={part.name: _unnamed(part) for part in (*bearing.components, bearing.radial, bearing.tilting)},
-    )
+    directions = dict(zip(("u", "v", "axis"), bearing.directions, strict=True))
+    parts = {part.name: _unnamed(part) for part in (*bearing.components, bearing.radial, bearing.tilting)}
+    return select(bearing, "joint kind directions components", directions=directions, components=parts)
 
 
 def _unnamed(load: object) -> dict[str, Any]:
@@ -75,16 +72,10 @@ def _unnamed(load: object) -> dict[str, Any]:
 
 def batch_json(batch: Batch) -> str:
     """Return `robot`, `files` in the order of the trajectories, the `worst` of each joint, and counts."""
-    return written(
-        select(
-            batch,
-            "robot files worst computed finished_before failed within_limits",
-            files=list(map(_file, batch.outcomes)),
-            computed=batch.count("computed"),
-            finished_before=batch.count("finished before"),
-            failed=batch.count("failed"),
-        )
-    )
+    kinds: tuple[Status, ...] = ("computed", "finished before", "failed")
+    counts = {kind.replace(" ", "_"): batch.count(kind) for kind in kinds}
+    keys = "robot files worst computed finished_before failed within_limits"
+    return written(select(batch, keys, files=list(map(_file, batch.outcomes)), **counts))
 
 
 def _file(outcome: Outcome) -> dict[str, Any]:

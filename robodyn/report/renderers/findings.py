@@ -7,6 +7,7 @@ import math
 import os
 from collections.abc import Callable, Sequence
 from functools import cache
+from html import escape
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -78,17 +79,13 @@ def _case(finding: Finding, fatal: set[Severity]) -> str:
     return f"{head}\n      {what}\n    </testcase>"
 
 
-def _attribute(text: str) -> str:
-    # Imported here, for it brings the client for HTTP along.
-    from xml.sax.saxutils import quoteattr
-
-    return quoteattr(printable(text))
-
-
 def _text(text: str) -> str:
-    from xml.sax.saxutils import escape
+    """Return text as XML has it; html's functions, for those of xml bring a client for HTTP along."""
+    return "\n".join(escape(printable(line), quote=False) for line in text.split("\n"))
 
-    return "\n".join(escape(printable(line)) for line in text.split("\n"))
+
+def _attribute(text: str) -> str:
+    return '"{}"'.format(escape(printable(text), quote=False).replace('"', "&quot;"))
 
 
 COMMANDS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "notice"}
@@ -105,12 +102,8 @@ def check_github(findings: Sequence[Finding], unread: Sequence[Unread] = ()) -> 
 
 
 def _github_line(finding: Finding) -> str:
-    properties = {
-        "file": _path(finding.file),
-        "line": str(finding.line),
-        "col": str(finding.column),
-        "title": f"{finding.code} {finding.name}",
-    }
+    place = {"file": _path(finding.file), "line": str(finding.line), "col": str(finding.column)}
+    properties = {**place, "title": f"{finding.code} {finding.name}"}
     listed = ",".join(f"{key}={_property(value)}" for key, value in properties.items())
     return f"::{COMMANDS[finding.severity]} {listed}::{_escaped(_message(finding))}\n"
 
@@ -158,28 +151,35 @@ def check_sarif(
     Columns count characters from 1. `partialFingerprints` stay the same when lines move or numbers change.
 
     Args:
-        findings: what was found.
-        rules: those that ran.
         reading: from the name of a file to its reading, in whose bytes the findings have their places.
-        unread: files that could not be checked.
     """
     from importlib.metadata import version
 
-    places = cache(lambda file: _places(reading(file)))
+    @cache
+    def places(file: str) -> SourcePositions:
+        found = reading(file)
+        return SourcePositions(found.data, found.encoding)
+
+    def region(file: str, start: int, end: int) -> Object:
+        first, last = places(file).span(start, start), places(file).span(end, end)
+        return {"startLine": first.line, "startColumn": first.column, "endLine": last.line, "endColumn": last.column}
+
     index = {rule.code: k for k, rule in enumerate(rules)}
     results = [
-        _result(finding, index, name, lambda file, start, end: _region(places(file), start, end))
-        for finding, name in zip(findings, fingerprints(findings), strict=True)
+        _result(finding, index, name, region) for finding, name in zip(findings, fingerprints(findings), strict=True)
     ]
-    driver = {
-        "name": "robodyn",
-        "version": version("robodyn"),
-        "semanticVersion": version("robodyn"),
-        "rules": [_rule_json(rule) for rule in rules],
-    }
+    own = version("robodyn")
+    driver = {"name": "robodyn", "version": own, "semanticVersion": own, "rules": list(map(_rule_json, rules))}
     invocation: Object = {"executionSuccessful": not unread}
     if unread:
-        invocation["toolExecutionNotifications"] = list(map(_notification, unread))
+        invocation["toolExecutionNotifications"] = [
+            {
+                "level": "error",
+                "message": {"text": each.why},
+                "locations": [{"physicalLocation": {"artifactLocation": _artifact(each.file)}}],
+            }
+            for each in unread
+        ]
     run = {
         "tool": {"driver": driver},
         "invocations": [invocation],
@@ -187,11 +187,6 @@ def check_sarif(
         "results": results,
     }
     return json.dumps({"$schema": SCHEMA, "version": "2.1.0", "runs": [run]}, indent=2) + "\n"
-
-
-def _notification(unread: Unread) -> Object:
-    location = {"physicalLocation": {"artifactLocation": _artifact(unread.file)}}
-    return {"level": "error", "message": {"text": unread.why}, "locations": [location]}
 
 
 def _rule_json(rule: Rule) -> Object:
@@ -266,15 +261,6 @@ def _edits(finding: Finding, fix: Fix) -> Sequence[Edit]:
     every = {edit for place in finding.places if place.fix for edit in place.fix.edits}
     edits = sorted(every, key=lambda edit: edit.start)
     return fix.edits if any(a.end > b.start for a, b in pairwise(edits)) else edits
-
-
-def _places(reading: Document) -> SourcePositions:
-    return SourcePositions(reading.data, reading.encoding)
-
-
-def _region(places: SourcePositions, start: int, end: int) -> Object:
-    first, last = places.span(start, start), places.span(end, end)
-    return {"startLine": first.line, "startColumn": first.column, "endLine": last.line, "endColumn": last.column}
 
 
 def _artifact(file: str) -> Object:
