@@ -70,6 +70,16 @@ def checked(source: str) -> Page:
     return page
 
 
+def contrast(one: str, other: str) -> float:
+    """The ratio of luminances of two colours, #rrggbb, by WCAG 2."""
+    found = []
+    for colour in (one, other):
+        parts = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
+        linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts]
+        found.append(sum(weight * part for weight, part in zip((0.2126, 0.7152, 0.0722), linear, strict=True)))
+    return (max(found) + 0.05) / (min(found) + 0.05)
+
+
 def _alone(page: Page) -> None:
     """Nothing is fetched: no address but those that name XML's vocabularies, in no attribute and no style."""
     for element in page.elements:

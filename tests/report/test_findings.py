@@ -6,12 +6,10 @@ import json
 import os
 import re
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import pytest
 from helpers.clean_arm import FAMILIES, IDENTITY, INERTIA, arm
-from helpers.command_line import run
 from helpers.schemas import JUNIT, SARIF, json_schema
 from hypothesis import given
 from hypothesis import strategies as st
@@ -47,11 +45,8 @@ BAD = arm(upper=IDENTITY, shoulder="0 0 0").encode()
 def test_a_test_for_each_finding_and_one_for_a_clean_file() -> None:
     document = junit(("a.urdf", BAD), ("b.urdf", arm().encode()), ("c.urdf", b"<robot"))
     assert [suite.get("name") for suite in document] == ["a.urdf", "b.urdf", "c.urdf"]
-    assert [[case.get("name").split()[0] for case in suite] for suite in document] == [
-        ["RD208", "RD501"],
-        ["no"],
-        ["RD001"],
-    ]
+    names = [[case.get("name").split()[0] for case in suite] for suite in document]
+    assert names == [["RD208", "RD501"], ["no"], ["RD001"]]
     assert len(document.findall("testsuite[@name='b.urdf']/testcase/failure")) == 0
 
 
@@ -93,8 +88,12 @@ BOTH = arm(upper=IDENTITY, fore=INERTIA.replace("iyz", 'iyx="0" iyz'), shoulder=
 
 
 def sarif(data: bytes, name: str = "robots/arm.urdf") -> Any:
-    text = check_sarif(check_one(data, name=name), RULES, lambda file: read(data, file))
-    document = json.loads(text, parse_constant=pytest.fail)
+    return of_findings(check_one(data, name=name), data)
+
+
+def of_findings(findings: list[Finding], data: bytes) -> Any:
+    """SARIF that keeps to its schema."""
+    document = json.loads(check_sarif(findings, RULES, lambda file: read(data, file)), parse_constant=pytest.fail)
     Draft7Validator(json_schema(SARIF)).validate(document)
     return document
 
@@ -128,8 +127,7 @@ def test_rules_are_described() -> None:
     described = sarif(BOTH.encode())["runs"][0]["tool"]["driver"]["rules"]
     assert [one["id"] for one in described] == [rule.code for rule in RULES]
     assert all(one["shortDescription"]["text"] and one["help"]["text"] for one in described)
-    levels = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "note"}
-    assert [one["defaultConfiguration"]["level"] for one in described] == [levels[rule.severity] for rule in RULES]
+    assert [one["defaultConfiguration"]["level"] for one in described] == [rule.severity.value for rule in RULES]
 
 
 @pytest.mark.parametrize("newline", ["\n", "\r\n"])
@@ -147,17 +145,14 @@ def test_regions_are_the_places_of_the_findings(newline: str, comment: str) -> N
 
 def test_fixes_make_the_edits() -> None:
     data = BOTH.encode()
+    changed = []
     for result in results(data):
         for fix in result.get("fixes", ()):
             (change,) = fix["artifactChanges"]
             assert change["artifactLocation"] == result["locations"][0]["physicalLocation"]["artifactLocation"]
             assert fix["description"]["text"]
-    changed = [
-        (region_text(data, one["deletedRegion"]), one["insertedContent"]["text"])
-        for result in results(data)
-        for fix in result.get("fixes", ())
-        for one in fix["artifactChanges"][0]["replacements"]
-    ]
+            for one in change["replacements"]:
+                changed.append((region_text(data, one["deletedRegion"]), one["insertedContent"]["text"]))
     assert changed == [(' iyx="0"', ""), ("0 2 0", "0.0 1.0 0.0")]
 
 
@@ -165,9 +160,7 @@ def test_an_edit_over_several_lines() -> None:
     data = BOTH.encode()
     finding = check_one(data)[0]
     spread = Fix("join", (Edit(data.index(b"<inertial>"), data.index(b"</inertial>"), ""),), True)
-    changed = [type(finding)(**{name: getattr(finding, name) for name in finding.__slots__} | {"fix": spread})]
-    document = json.loads(check_sarif(changed, RULES, lambda file: read(data, file)))
-    Draft7Validator(json_schema(SARIF)).validate(document)
+    document = of_findings([replace(finding, fix=spread)], data)
     replacement = document["runs"][0]["results"][0]["fixes"][0]["artifactChanges"][0]["replacements"][0]
     assert region_text(data, replacement["deletedRegion"]).startswith("<inertial>\n")
     assert region_text(data, replacement["deletedRegion"]).endswith(f"{IDENTITY}\n    ")
@@ -213,8 +206,7 @@ def test_what_is_not_utf_8() -> None:
 def test_places_of_a_finding_are_related_locations_that_its_message_links_to() -> None:
     data = arm(shoulder="0 2 0", elbow="0 3 0").encode()
     found = found_in(data, Options(("RD502",)), "arm.urdf").shown
-    document = json.loads(check_sarif(found, RULES, lambda file: read(data, file)))
-    Draft7Validator(json_schema(SARIF)).validate(document)
+    document = of_findings(found, data)
     (result,) = document["runs"][0]["results"]
     (related,) = result["relatedLocations"]
     assert (result["occurrenceCount"], related["id"]) == (2, 1)
@@ -227,10 +219,9 @@ def test_places_of_a_finding_are_related_locations_that_its_message_links_to() -
 
 
 def test_of_many_places_the_message_links_to_some() -> None:
-    finding = check_one(arm(shoulder="0 2 0").encode(), Options(("RD502",)), "arm.urdf")[0]
-    many = [replace(finding, others=(finding,) * 30)]
-    document = json.loads(check_sarif(many, RULES, lambda file: read(arm(shoulder="0 2 0").encode(), file)))
-    (result,) = document["runs"][0]["results"]
+    data = arm(shoulder="0 2 0").encode()
+    finding = check_one(data, Options(("RD502",)), "arm.urdf")[0]
+    (result,) = of_findings([replace(finding, others=(finding,) * 30)], data)["runs"][0]["results"]
     assert result["message"]["text"].count("](") == 20
     assert ", 10 more places. " in result["message"]["text"]
     assert len(result["relatedLocations"]) == 30
@@ -271,14 +262,6 @@ def test_a_line_for_each_finding() -> None:
 )
 def test_paths_as_the_repository_has_them(file: str, shown: str) -> None:
     assert parsed(check_github([finding(file)]).rstrip("\n"))[1]["file"] == shown
-
-
-def test_escape_sequences_in_names_of_files_are_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    name = "a\x1b[31m\x1b]8;;b.urdf"
-    Path(name).write_text(arm(upper=IDENTITY))
-    first = run("check", name, "--format", "github").out.splitlines()[0]
-    assert parsed(first)[1]["file"] == r"a\x1b[31m\x1b]8;;b.urdf"
 
 
 def test_escapes() -> None:

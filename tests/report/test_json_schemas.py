@@ -14,6 +14,7 @@ ROOT = Path(__file__).parents[2]
 SCHEMAS = ROOT / "docs" / "reference" / "schemas"
 SWEEP = "torques robots/puma560.urdf robots/puma560_sweep.csv"
 TUMBLE = "simulate robots/rigid_body.urdf --scene robots/rigid_body_tumble.toml --duration 0.05"
+TX40 = "tests/data/tx40_log/tx40.urdf tests/data/tx40_log/log.parquet"
 COMMANDS = (
     ("torques", "torques robots/scara.urdf robots/scara_pick_and_place.csv --explain --accuracy 1e-9"),
     ("torques", f"{SWEEP} --scene robots/puma560_sizing.toml --momentum"),

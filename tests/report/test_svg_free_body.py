@@ -8,6 +8,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from helpers.html_pages import contrast
 from helpers.oracles import random_state, robot
 
 import robodyn
@@ -89,23 +90,10 @@ def test_a_vector_towards_the_reader_is_a_ring():
     assert 'r="3.5"' in drawing(body, "", size)
 
 
-def _contrast(one, other):
-    """The ratio of luminances of WCAG 2."""
-
-    def luminance(colour):
-        parts = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
-        linear = [x / 12.92 if x <= 0.04045 else ((x + 0.055) / 1.055) ** 2.4 for x in parts]
-        return float(np.dot(linear, (0.2126, 0.7152, 0.0722)))
-
-    low, high = sorted((luminance(one), luminance(other)))
-    return (high + 0.05) / (low + 0.05)
-
-
-@pytest.mark.parametrize("kind", COLOURS)
-def test_colours_can_be_read_on_both_papers(kind):
+def test_colours_can_be_read_on_both_papers():
     for paper in PAPERS:
         assert paper in STYLE
-        assert _contrast(COLOURS[kind], paper) >= 3.0
+        assert [kind for kind, colour in COLOURS.items() if contrast(colour, paper) < 3.0] == []
 
 
 def test_every_effect_has_its_colour():
