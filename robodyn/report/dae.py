@@ -82,7 +82,6 @@ def _reactions(found: Dae, reactions: list[float]) -> Content:
 
 
 def _eliminated(found: Dae) -> Iterator[str]:
-    """Yield every step with its identity and its residual."""
     yield f"Elimination of the reactions, to the ODE form with {found.system.model.n} velocities qd"
     for k, step in enumerate(found.steps, 1):
         yield from (f"{k}  {step.title}", f"   {step.formula}", f"   {step.checks}: within {relative_text(step.error)}")

@@ -10,9 +10,8 @@ from robodyn.equations.free_body.types import Action, FreeBodies, FreeBody, Join
 from robodyn.equations.ode import Ode
 from robodyn.programs.vectors import product
 from robodyn.report.document import Paragraph, Section, Table, finite, paragraphs, remarks, select, written
-from robodyn.report.inertia import point_text
 from robodyn.report.sizes import Sizes, free_body_sizes
-from robodyn.report.table import Content, axis_text, gravity_text, number, printable, relative_text
+from robodyn.report.table import Content, axis_text, gravity_text, number, point_text, printable, relative_text
 from robodyn.support.wording import count
 
 DIGITS = 15

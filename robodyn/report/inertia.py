@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robodyn.programs.vectors import Array
 from robodyn.report.document import Block, Facts, Paragraph, Section, Table, paragraphs, remarks
-from robodyn.report.table import is_noise, number, printable
+from robodyn.report.table import is_noise, number, point_text, printable
 from robodyn.solids.inertia.properties import MassProperties, View
 from robodyn.solids.inertia.validity import Validity, validity
 from robodyn.solids.mass_properties import Part
@@ -68,11 +67,6 @@ def amounts(body: MassProperties, reach: float = 0.0, remark: str = "", area: fl
     return Facts((*items, ("centre of mass", f"{point_text(body.com, reach)} m", "")))
 
 
-def point_text(point: Array, reach: float = 0.0) -> str:
-    """Return coordinates in brackets; 0 for what vanishes beside `reach`."""
-    return f"({', '.join(number(x, reach) for x in point)})"
-
-
 def inertia_tables(body: MassProperties, view: View) -> Iterator[Section]:
     """Yield the inertia matrix as the view asks for it; principal moments and axes, and which axes are not unique."""
     _, matrix = view.inertia(body)
@@ -113,7 +107,6 @@ def _row(thing: Plane | Axis, reach: float) -> tuple[str, ...]:
 
 
 def _zeros(part: Part) -> Iterator[str]:
-    """Yield the products that are 0 by symmetry, with what was computed."""
     products = [product for product in part.symmetry.products if product.zero] if part.symmetry else []
     if products and part.body.density is not None:
         density, scale = part.body.density, float(np.trace(part.body.inertia))
@@ -141,7 +134,6 @@ def _tessellation(part: Part) -> Sequence[str]:
 
 
 def _bars(bars: Bars, gyration: float) -> tuple[str, str, str]:
-    """Return those of volume, inertia and centre of mass."""
     centre = bars.centre * gyration
     length = f"{centre:.1g} m" if isfinite(centre) else _UNKNOWN
     return _percent(bars.volume), _percent(bars.inertia), length

@@ -37,12 +37,9 @@ def verdict_on_limits(
     caveats: Sequence[Caveat] = (),
     nearest: Sequence[str] = (),
 ) -> Verdict:
-    """Return the verdict, green only where every limit was checked and nothing is in doubt.
+    """Return the verdict on so many joints, green only where every limit was checked and nothing is in doubt.
 
     Args:
-        joints: how many there are.
-        exceeded: what is beyond a limit; limits: which there are.
-        caveats: what else the verdict depends on.
         nearest: remarks on limits that are nearly reached.
     """
     doubtful = tuple(caveat.text for caveat in caveats)
@@ -259,7 +256,6 @@ def _exceeded_things(result: Result) -> Iterator[_Excess]:
 
 
 def _kept(result: Result) -> Verdict:
-    """Return the verdict on a motion that exceeds nothing."""
     nearest, sizing = tuple(nearest_limits(result.joints)), result.sizing
     verdict = verdict_on_limits(len(result.joints), (), result.limits, result.caveats, nearest)
     if not any(each.checked for each in result.limits) and sizing and any(joint.motor for joint in sizing.joints):

@@ -183,7 +183,6 @@ def _kind(mode: Mode) -> str:
 
 
 def _figures(mode: Mode) -> str:
-    """Return what kind of mode it is, with its figures."""
     if mode.oscillates:
         return f"{mode.frequency:.4g} Hz, damping ratio {mode.damping_ratio:.3g}"
     return _kind(mode) if mode.undecided else f"{_kind(mode)}, time constant {mode.time_constant:.4g} s"

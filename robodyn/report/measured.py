@@ -181,7 +181,6 @@ def verdict_on(found: Comparison) -> Verdict:
 
 
 def _left(found: Comparison) -> Iterator[str]:
-    """Yield which joints' residuals none of the effects explains."""
     dark = [
         f"{printable(joint.name)} ({100 * (joint.left / joint.residual) ** 2:.0f} %)"
         for joint in found.joints

@@ -11,8 +11,7 @@ from robodyn.checks.overview import Branch, Meshes, Overview
 from robodyn.programs.vectors import product
 from robodyn.report.check import check_data, check_line
 from robodyn.report.document import Section, Table, finite, paragraphs, select, written
-from robodyn.report.inertia import point_text
-from robodyn.report.table import axis_text, number
+from robodyn.report.table import axis_text, number, point_text
 from robodyn.robot.urdf.parts import Joint, Limit
 from robodyn.support.wording import count, shown
 

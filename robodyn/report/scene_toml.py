@@ -29,7 +29,6 @@ def scene_toml(model: Model) -> str:
 
 
 def _sections(model: Model) -> Iterator[tuple[str, Sequence[str]]]:
-    """Yield what each part is for, and its examples."""
     single = [body.joint for body in model.bodies if body.joint.kind in ("revolute", "prismatic")]
     own = [joint for joint in model.independent if joint.kind != "floating"]
     tip = toml_string(_tip(model))
@@ -125,7 +124,6 @@ def _row(joint: Joint) -> tuple[str, ...]:
 
 
 def _of_each(table: str, joints: Sequence[Joint], values: Callable[[Joint], Sequence[tuple[str, float]]]) -> list[str]:
-    """Return a line for each joint."""
     return [
         f"{table}.{toml_key(joint.name)} = {{ {', '.join(f'{key} = {value!r}' for key, value in values(joint))} }}"
         for joint in joints

@@ -252,7 +252,6 @@ def simulation_json(result: Simulation) -> str:
 
 
 def _state(result: Simulation, row: int) -> dict[str, dict[str, float]]:
-    """Return the positions and speeds of a row, by name."""
     return {
         "q": dict(zip(result.model.coordinates, result.q[row].tolist(), strict=True)),
         "qd": dict(zip(result.model.rates, result.qd[row].tolist(), strict=True)),

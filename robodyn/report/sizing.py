@@ -18,8 +18,8 @@ from robodyn.report.table import (
     is_noise,
     moment,
     number,
+    point_text,
 )
-from robodyn.scene.parts import Vector
 from robodyn.support.wording import count, figure
 
 _WORDS = {
@@ -129,27 +129,17 @@ def _use(result: Result, sizing: Sizing) -> Content:
     for joint, load in zip(sizing.joints, result.joints, strict=True):
         torque, unit = size[joint.unit], speed_unit(joint.unit)
         speed = size[unit]
-        rows.append(
-            (
-                joint.name,
-                f"{100 * joint.duty_cycle:.3g} %",
-                f"{number(joint.mean_speed, speed)} {unit}",
-                moment(load.peak_row, load.peak, torque),
-                number(load.peak_speed, speed),
-                moment(load.max_speed_time, load.max_speed, speed),
-                number(load.torque_at_max_speed, torque),
-                number(load.least_power, size["W"]),
-                f"{number(joint.static_peak, torque)} {joint.unit}",
-                number(joint.static_rms, torque),
-                _share(joint.static_share) if not is_noise(load.rms, torque) else "-",
-            )
-        )
+        row = [joint.name, f"{100 * joint.duty_cycle:.3g} %", f"{number(joint.mean_speed, speed)} {unit}"]
+        row += [moment(load.peak_row, load.peak, torque), number(load.peak_speed, speed)]
+        row += [moment(load.max_speed_time, load.max_speed, speed), number(load.torque_at_max_speed, torque)]
+        row += [number(load.least_power, size["W"]), f"{number(joint.static_peak, torque)} {joint.unit}"]
+        held = _share(joint.static_share) if not is_noise(load.rms, torque) else "-"
+        rows.append((*row, number(joint.static_rms, torque), held))
     head = ("joint", "duty", "mean speed", "peak in row", "speed then", "max speed at [s]", "torque then")
     return (*head, "least power [W]", "static peak", "static RMS", "hold share"), rows
 
 
 def _share(share: float) -> str:
-    """Return a share in percent, 0 where it is less than a thousandth of one."""
     return f"{number(100 * share)} %" if share >= 1e-5 else "0 %"
 
 
@@ -161,25 +151,13 @@ def _motors(sizing: Sizing, size: Sizes) -> Content:
             continue
         torque = max(size[joint.unit] / motor.gear, abs(motor.peak))
         speed = max(size[speed_unit(joint.unit)] * motor.gear, abs(motor.max_speed))
-        rows.append(
-            (
-                joint.name,
-                f"{motor.gear:.6g}",
-                f"{motor.efficiency:g}",
-                f"{number(motor.peak, torque)} {motor.unit}",
-                moment(motor.peak_time, motor.peak, torque),
-                number(motor.peak_speed, speed),
-                number(motor.rms, torque),
-                f"{number(motor.max_speed, speed)} {motor.speed_unit}",
-                number(motor.torque_at_max_speed, torque),
-                number(motor.mean_speed, speed),
-                number(motor.peak_power, size["W"]),
-                number(motor.least_power, size["W"]),
-                number(motor.work_positive, size["J"]),
-                number(motor.work_negative, size["J"]),
-                "-" if motor.inertia_ratio is None else f"{motor.inertia_ratio:.3g}",
-            )
-        )
+        row = [joint.name, f"{motor.gear:.6g}", f"{motor.efficiency:g}", f"{number(motor.peak, torque)} {motor.unit}"]
+        row += [moment(motor.peak_time, motor.peak, torque), number(motor.peak_speed, speed), number(motor.rms, torque)]
+        row += [f"{number(motor.max_speed, speed)} {motor.speed_unit}", number(motor.torque_at_max_speed, torque)]
+        row += [number(motor.mean_speed, speed)]
+        row += [number(power, size["W"]) for power in (motor.peak_power, motor.least_power)]
+        row += [number(work, size["J"]) for work in (motor.work_positive, motor.work_negative)]
+        rows.append((*row, "-" if motor.inertia_ratio is None else f"{motor.inertia_ratio:.3g}"))
     head = ("joint", "gear", "efficiency", "peak", "at [s]", "speed then", "RMS", "max speed", "torque then")
     return (*head, "mean speed", "peak power [W]", "least", "work [J]", "returned [J]", "inertia ratio"), rows
 
@@ -199,8 +177,8 @@ def _foundation(sizing: Sizing, size: Sizes) -> Content:
 
 _FINE = 1e3
 """mm beside which the places of centres of pressure are noise or not."""
-_FEW = 3
-"""Joints that are named instead of counted."""
+_FEW, _NAMED = 3, 8
+"""Joints that are named instead of counted, and that are named at most."""
 _MISSING = {"slip": "would slip", "pull": "had to pull", "tip": "would tip over", "fly": "stands on nothing"}
 
 
@@ -231,12 +209,8 @@ def constraint_tables(result: Result) -> Iterator[tuple[str, Content]]:
         yield "What the motion takes at passive joints and nothing gives", _unbalanced(found.unbalanced)
 
 
-def constraint_lines(found: Constraints, joints: int = 8) -> Iterator[str]:
-    """Yield in words: ranks and freedoms, which torques are determined, how others were chosen, the least friction.
-
-    Args:
-        joints: that are named at most.
-    """
+def constraint_lines(found: Constraints) -> Iterator[str]:
+    """Yield in words: ranks and freedoms, which torques are determined, how others were chosen, the least friction."""
     yield _ranks(found)
     open_drives = [name for name, sure in found.determined.items() if not sure]
     if found.determined and not open_drives:
@@ -244,44 +218,36 @@ def constraint_lines(found: Constraints, joints: int = 8) -> Iterator[str]:
     elif open_drives and len(open_drives) == len(found.determined):
         yield f"No torque is determined by the motion alone: of all that balance it, {found.share} are taken."
     elif open_drives:
-        open_names = first_names(open_drives, joints)
+        open_names = first_names(open_drives, _NAMED)
         yield f"Not determined by the motion alone: {open_names}; of all that balance it, {found.share} are taken."
     if open_loops := [f"{loop.name} {', '.join(loop.open)}" for loop in found.loops if not loop.determined]:
-        yield f"Loop forces that are not determined, of which the least are given: {first_names(open_loops, joints)}."
+        yield f"Loop forces that are not determined, of which the least are given: {first_names(open_loops, _NAMED)}."
     if found.undriven:
-        yield f"Moved by no drive: {first_names(found.undriven, joints)}."
+        yield f"Moved by no drive: {first_names(found.undriven, _NAMED)}."
     if found.followed:
-        yield f"Follow from the loops, for want of columns: {first_names(found.followed, joints)}."
+        yield f"Follow from the loops, for want of columns: {first_names(found.followed, _NAMED)}."
     if found.contacts:
-        yield _friction(found)
+        if found.least_friction is None:
+            yield "No friction suffices for this motion."
+        elif not found.least_friction:
+            yield "The motion takes no friction."
+        else:
+            yield f"The least friction that suffices, alike at all contacts: {figure(found.least_friction)}."
     if found.beyond_limits is not None:
         since = figure(found.beyond_limits)
         yield f"From {since} s on there are samples at which no contact forces keep the effort limits."
 
 
 def _ranks(found: Constraints) -> str:
-    drives = _drives(list(found.determined))
+    names = list(found.determined)
+    who = first_names(names, _FEW) if len(names) <= _FEW else count(len(names), "joint")
+    drives = f"{who} {'drives' if len(names) == 1 else 'drive'}" if names else "no joint drives"
     if not found.equations:
         return f"{drives[:1].upper()}{drives[1:]}." if not found.determined else f"{drives}."
     over = f", {found.overconstrained} of which others imply" if found.overconstrained else ""
     freedoms = "degree of freedom" if found.freedoms == 1 else "degrees of freedom"
     spare = f", {found.redundancy} more than the freedoms that they drive" if found.redundancy else ""
     return f"{count(found.equations, 'equation')} of loops{over}; {found.freedoms} {freedoms}; {drives}{spare}."
-
-
-def _drives(names: list[str]) -> str:
-    if not names:
-        return "no joint drives"
-    who = first_names(names, len(names)) if len(names) <= _FEW else count(len(names), "joint")
-    return f"{who} {'drives' if len(names) == 1 else 'drive'}"
-
-
-def _friction(found: Constraints) -> str:
-    if found.least_friction is None:
-        return "No friction suffices for this motion."
-    if not found.least_friction:
-        return "The motion takes no friction."
-    return f"The least friction that suffices, alike at all contacts: {figure(found.least_friction)}."
 
 
 def _contact_table(contacts: tuple[ContactLoad, ...], size: Sizes) -> Content:
@@ -299,17 +265,14 @@ def _contact_table(contacts: tuple[ContactLoad, ...], size: Sizes) -> Content:
         ("at [s]", lambda each: _time_of(each.friction_used)),
         ("margin [mm]", lambda each: f"{1e3 * each.margin.value:.3g}" if each.margin else ""),
         ("at [s]", lambda each: _time_of(each.margin)),
-        ("centre of pressure [mm]", lambda each: _centre(each.centre)),
+        (
+            "centre of pressure [mm]",
+            lambda each: point_text((1e3 * x for x in each.centre), _FINE) if each.centre else "",
+        ),
     ]
     if all(each.margin is None for each in contacts):
         columns = columns[:-3]
     return by_columns(columns, contacts)
-
-
-def _centre(centre: Vector | None) -> str:
-    if centre is None:
-        return ""
-    return f"({', '.join(number(1e3 * x, _FINE) for x in centre)})"
 
 
 def _time_of(peak: Peak | None) -> str:

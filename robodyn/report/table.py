@@ -86,6 +86,11 @@ def axis_text(direction: Iterable[float], number: str = "{:.4g}", gap: str = ", 
     return f"({gap.join(map(number.format, parts))})"
 
 
+def point_text(point: Iterable[float], reach: float = 0.0) -> str:
+    """Return coordinates in brackets; 0 for what vanishes beside `reach`."""
+    return f"({', '.join(number(x, reach) for x in point)})"
+
+
 def printable(text: str) -> str:
     """Return the text with control characters escaped."""
     return text if text.isprintable() else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)

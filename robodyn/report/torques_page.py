@@ -64,7 +64,6 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
 
 
 def _facts(result: Result) -> Facts:
-    """Return the figures that are looked for first."""
     joints, size = result.joints, result_sizes(result)
     items = []
     for share, what in ((effort_use, "effort"), (speed_use, "speed")):
@@ -142,12 +141,10 @@ def _joint_figures(result: Result, history: History, in_order: list[int]) -> Ite
 
 
 def _rests(joint: JointLoad, size: Sizes) -> bool:
-    """Return whether a joint neither moves nor carries anything."""
     return is_noise(abs(joint.peak), size[joint.unit]) and is_noise(abs(joint.max_speed), size[speed_unit(joint.unit)])
 
 
 def _curves(history: History) -> Iterator[tuple[str, str]]:
-    """Yield what is plotted as a file, one row for each sample and joint."""
     if history.joints is not None:
         rows = []
         for k, name in enumerate(history.joints.names):

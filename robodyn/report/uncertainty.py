@@ -36,7 +36,6 @@ def uncertainty_sections(result: Result) -> Iterator[Section]:
 
 
 def _groups(found: Uncertain) -> Iterator[tuple[str, list[tuple[str, UncertainLoad]]]]:
-    """Yield a title, and loads with their names."""
     motors = [each.motor for each in found.joints if each.motor is not None]
     resultants = [
         (f"{joint} {load.name}", load)

@@ -56,7 +56,6 @@ def _suite(file: str, findings: Sequence[Finding], fatal: set[Severity]) -> str:
 
 
 def _unread_suite(unread: Unread) -> str:
-    """Return the suite of a file that could not be read."""
     file = _attribute(unread.file)
     return f"""  <testsuite name={file} tests="1" failures="0" errors="1" time="0">
     <testcase name="reading" classname={file} time="0">

@@ -65,7 +65,6 @@ def _asset(name: str) -> str:
 
 
 def _numeric(table: Any) -> list[bool]:
-    """Return for each column whether it is one of numbers."""
     return [is_numeric([row[k] for row in table.rows]) for k in range(len(table.head))]
 
 

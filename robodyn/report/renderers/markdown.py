@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from textwrap import indent
 
 from robodyn.report.document import (
     Block,
@@ -54,7 +55,6 @@ def _head(block: Block) -> bool:
 
 
 def _block(block: Block) -> str:
-    """Return a block as Markdown; nothing of pictures and downloads."""
     if isinstance(block, (Heading, Paragraph)):
         return ("## " if isinstance(block, Heading) else "") + escaped(block.text)
     if isinstance(block, Verdict):
@@ -74,13 +74,9 @@ def _fact(what: str, figure: str, more: str) -> str:
 
 
 def _finding(level: str, title: str, lines: Sequence[tuple[str, bool]]) -> str:
-    rows = "".join(f"\n{_indented(text) if code else '  ' + escaped(text)}\n" for text, code in lines)
+    shown = [indent(code_lines(text), " " * 6, bool) if code else f"  {escaped(text)}" for text, code in lines]
+    rows = "".join(f"\n{each}\n" for each in shown)
     return f"- {_SIGNS[level]} **{escaped(title)}**\n{rows}"
-
-
-def _indented(code: str) -> str:
-    """Return lines of code within a list."""
-    return "\n".join(f"      {line}" for line in code_lines(code).split("\n"))
 
 
 def _table(table: Table) -> str:
