@@ -2,7 +2,7 @@
 
 1. Which files: `sources` finds them in folders and patterns, and the descriptions that a mesh or an SRDF belongs to.
 2. How each is checked: `config` reads the settings of its project, `catalogue` has the rules and which are selected.
-3. One file (`check_one`): read as far as it can be, of xacro its expansion (`origins` leads back to the macros), into a
+3. One file (`check_one`): read as far as it can be, of xacro its expansion (`Origins` leads back to the macros), into a
    `context`, which derives what rules ask for (`tree`, `grammar`, `srdf`, `meshes/`, `bodies/`, `mirror/`) once.
 4. The rules (`run_rules`): `rule` says what one is; those of a family are a file in `rules/`. `waivers` allow findings.
 5. What is shown (`select_findings`): of two rules that tell of one defect one, places of one cause together (`groups`).
@@ -13,8 +13,11 @@ from __future__ import annotations
 
 import os
 from bisect import bisect_right
+from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
+from typing import TYPE_CHECKING
 from warnings import warn
 
 from robodyn.checks.catalogue import BY_CODE, CODES, is_selected, rules_for
@@ -22,17 +25,21 @@ from robodyn.checks.config import Config, find_config, read_config
 from robodyn.checks.context import STANDARD, STDIN, Context, Options
 from robodyn.checks.fixes import Fixed, fixed
 from robodyn.checks.groups import deduplicate, grouped, kind_of, places
-from robodyn.checks.origins import Origins
 from robodyn.checks.rule import HERE, Fault, Finding, Rule, Severity, excerpt
 from robodyn.checks.rules.text import unused_waiver, without_use
 from robodyn.checks.sources import each_in_a_process, files_of, worth_processes
 from robodyn.checks.waivers import waived, waivers
 from robodyn.errors import InputError, NoRobotError, RobodynWarning
-from robodyn.robot.urdf.document import read
+from robodyn.robot.urdf.document import Document, read
+from robodyn.robot.urdf.elements import Element, SourcePositions, Span
 from robodyn.robot.urdf.packages import EXPANDED
 from robodyn.robot.urdf.parts import Description
 from robodyn.robot.urdf.sources import is_xacro, read_source
 from robodyn.robot.urdf.view import Subject
+from robodyn.support.input_file import read_input
+
+if TYPE_CHECKING:
+    from robodyn.robot.urdf.xacro import Expansion
 
 __all__ = [
     "STANDARD",
@@ -274,6 +281,57 @@ def check_one(source: Source, options: Options = STANDARD, name: str | None = No
     context = Context(reading, options.thresholds, options.package_path, options.asked, CODES)
     findings = run_rules(context, rules_for(options.select, options.ignore))
     return findings if expansion is None else tuple(map(Origins(reading, expansion).located, findings))
+
+
+class Origins:
+    """Where the elements of an expanded description were written."""
+
+    def __init__(self, reading: Document, expansion: Expansion) -> None:
+        self._reading = reading
+        self._expansion = expansion
+        elements = [] if reading.robot is None else list(reading.root.walk())
+        self._elements = elements if len(elements) == len(expansion.places) else []
+        self._starts = [element.start for element in self._elements]
+        self._read = cache(lambda file: Document(file, read_input(file), "utf-8", (), None))
+
+    def located(self, finding: Finding) -> Finding:
+        """Return the finding at the attribute, or the start tag, that it comes from: of a macro, in the macro.
+
+        A fix of the expanded text is none of that. What cannot be traced back is at the beginning of the file, and the
+        message says where in the expanded text it is; what is in another file, as an SRDF, stays there.
+        """
+        described = self._reading.file.removesuffix(EXPANDED)
+        if finding.file != self._reading.file:
+            return replace(finding, description=described)
+        k = bisect_right(self._starts, finding.start) - 1
+        number, start = self._expansion.places[max(k, 0)]
+        source, message = self._read(self._expansion.files[number]), finding.message
+        if k < 0:
+            at = SourcePositions(source.data, source.encoding).span(0, 0)
+            message += f" (line {finding.line} of what `xacro {source.file}` prints)"
+        else:
+            at = _in_source(self._elements[k], finding, source, start)
+        return replace(
+            finding,
+            message=message,
+            file=source.file,
+            description=None if source.file == described else described,
+            line=at.line,
+            column=at.column,
+            start=at.start,
+            end=at.end,
+            fix=None,
+            excerpt=excerpt(source, at),
+        )
+
+
+def _in_source(element: Element, finding: Finding, source: Document, start: int) -> Span:
+    written = Element("", defaultdict(str), 0, start, SourcePositions(source.data, source.encoding))
+    for name, attribute in element.attributes.items():
+        if attribute.span.start <= finding.start <= attribute.span.end and name in written.attributes:
+            whole = finding.start < attribute.value_span.start
+            return written.attributes[name].span if whole else written.attributes[name].value_span
+    return written.span
 
 
 def run_rules(context: Context, rules: Sequence[Rule]) -> tuple[Finding, ...]:
