@@ -39,11 +39,13 @@ class Config:
     def of(self, path: str, given: Options) -> Options:
         """Return the options for one file, `given` being those of the call: its `select` and package path win over the
         project's, its `ignore` is added to it."""
-        own = self.options
+        own, relative = self.options, os.path.relpath(path, self.folder).replace(os.sep, "/")
+        names = (relative, f"./{relative}", os.path.basename(path))
+        hit = [codes for pattern, codes in self.per_file if any(fnmatchcase(name, pattern) for name in names)]
         return replace(
             own,
             select=given.select or own.select,
-            ignore=(*own.ignore, *self._ignored_in(path), *given.ignore),
+            ignore=(*own.ignore, *(code for codes in hit for code in codes), *given.ignore),
             package_path=(*given.package_path, *(self._of_xacro() if is_xacro(path) else own.package_path)),
             xacro_args=given.xacro_args,
             trust_xacro=given.trust_xacro,
@@ -59,12 +61,6 @@ class Config:
                 yield str(path)
             else:
                 yield from sorted(str(manifest.parent) for manifest in path.glob("*/package.xml"))
-
-    def _ignored_in(self, path: str) -> tuple[str, ...]:
-        relative = os.path.relpath(path, self.folder).replace(os.sep, "/")
-        names = (relative, f"./{relative}", os.path.basename(path))
-        hit = [codes for pattern, codes in self.per_file if any(fnmatchcase(name, pattern) for name in names)]
-        return tuple(code for codes in hit for code in codes)
 
 
 def find_config(folder: str, known: dict[str, Config | None]) -> Config | None:
