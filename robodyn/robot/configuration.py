@@ -59,10 +59,7 @@ def rates(model: Model, values: Values = ()) -> Floats:
     """Return the velocities or accelerations of the joints, a base that moves being at rest; what is not given is zero.
 
     Args:
-        values: of all joints in the order of `model.rates`, or of some by name [rad or m, per s or s^2].
-
-    Raises:
-        InputError: there are more or fewer values than joints move, or a name is none.
+        values: of all joints in the order of `model.rates`, or of some by name; see `named` [rad or m, per s or s^2].
     """
     given = named(model, values, model.rates[6 if model.floating else 0 :])
     return np.array([given.get(name, 0.0) for name in model.rates])

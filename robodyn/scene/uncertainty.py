@@ -117,11 +117,7 @@ def covariance_json(known: Covariance) -> bytes:
 
 
 def read_covariance(path: str | os.PathLike[str]) -> Covariance:
-    """Return what a covariance file holds.
-
-    Raises:
-        SceneError: it cannot be read, is not such a file, or holds what is no covariance.
-    """
+    """Return what a covariance file holds; SceneError where that is none."""
     file = os.fspath(path)
     try:
         content = parse_json(read_input(path), file)

@@ -108,7 +108,7 @@ class ObjectCache:
             if not _private(self._folder):
                 return
             try:
-                with open(part, "xb", opener=_for_this_user) as stream:
+                with open(part, "xb", opener=lambda path, flags: os.open(path, flags, 0o600)) as stream:
                     stream.write(MARK + _digest(key, content) + content)
                 os.replace(part, path)
             finally:
@@ -142,11 +142,7 @@ def _files(folder: Path) -> Iterator[tuple[Path, os.stat_result]]:
 
 
 def _name(key: Key) -> str:
-    return f"{_short(key.content)}-{_short(key.maker)}"
-
-
-def _short(text: str) -> str:
-    return hashlib.sha256(text.encode()).hexdigest()[:32]
+    return "-".join(hashlib.sha256(text.encode()).hexdigest()[:32] for text in key)
 
 
 def _digest(key: Key, content: bytes) -> bytes:
@@ -156,10 +152,6 @@ def _digest(key: Key, content: bytes) -> bytes:
 def _at_once(path: str, flags: int) -> int:
     """Opens without waiting for the other end of a pipe."""
     return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
-
-
-def _for_this_user(path: str, flags: int) -> int:
-    return os.open(path, flags, 0o600)
 
 
 def _private(path: Path, status: os.stat_result | None = None) -> bool:

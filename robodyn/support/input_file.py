@@ -74,12 +74,7 @@ def read_standard_input() -> bytes:
 
 
 def parse_json(text: bytes, file: str) -> Any:
-    """Return what JSON says.
-
-    Raises:
-        ValueError, RecursionError: it is none.
-        InputError: there are more values than are read; each has a comma or a bracket before it.
-    """
+    """Return what JSON says; InputError if there are more values than are read, before each a comma or a bracket."""
     import json
 
     if sum(map(text.count, (b",", b"[", b"{"))) > limits().message_values:
@@ -94,11 +89,7 @@ def vetted(path: str | os.PathLike[str]) -> str:
 
 
 def copied(stream: BinaryIO, file: str) -> BinaryIO:
-    """Return a temporary file with all that comes out of a pipe.
-
-    Raises:
-        InputError: that is more than the limit.
-    """
+    """Return a temporary file with all that comes out of a pipe; InputError beyond the limit."""
     import tempfile
 
     most = limits().stream_bytes

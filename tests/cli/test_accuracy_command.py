@@ -12,6 +12,7 @@ from robodyn.simulation.methods import METHODS
 
 BRACKET = str(ROBOTS / "meshes" / "bracket.stl")
 SCARA = (str(ROBOTS / "scara.urdf"), str(ROBOTS / "scara_pick_and_place.csv"))
+PLANAR = (str(ROBOTS / "two_link_planar.urdf"), str(ROBOTS / "two_link_planar_swing_down.toml"))
 
 
 @pytest.fixture(autouse=True)
@@ -80,6 +81,10 @@ def test_a_target_beyond_reach() -> None:
         (("no.stl",), "no.stl: there is no such file"),
         ((SCARA[0], "no.csv"), "no.csv: cannot be read"),
         ((str(ROBOTS / "meshes" / "worn_pad.stl"), "--format", "xml"), "invalid value for '--format'"),
+        ((*PLANAR, "--scene", PLANAR[1]), "the scene is given twice"),
+        ((*SCARA, "--duration", "1"), "--duration and --traj are for a URDF and a scene"),
+        ((BRACKET, "--plot", "front.bmp"), "front.bmp: unknown type of picture by this suffix"),
+        ((BRACKET, "--plot", BRACKET), f"{BRACKET}: the output would overwrite an input"),
     ],
 )
 def test_wrong_calls(call: tuple[str, ...], line: str) -> None:
@@ -97,9 +102,6 @@ def test_robot_as_json() -> None:
     assert list(found["effects"][0]) == ["name", "torque", "unit", "joint", "saved"]
     assert found["prices"][0]["name"] == "tracing the recursion"
     assert found["target"] is None
-
-
-PLANAR = (str(ROBOTS / "two_link_planar.urdf"), str(ROBOTS / "two_link_planar_swing_down.toml"))
 
 
 def test_simulation(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -121,22 +123,6 @@ def test_simulation(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     (ladder,) = json.loads(data.out)["ladders"]
     assert list(ladder["methods"][0]["errors"]) == ["end", "way"]
     assert {"evaluations", "drift"} <= ladder["methods"][0].keys()
-
-
-@pytest.mark.parametrize(
-    ("call", "line"),
-    [
-        ((*PLANAR, "--scene", PLANAR[1]), "the scene is given twice"),
-        ((*PLANAR, "--duration", "0"), "invalid value for '--duration': 0 is no positive finite number"),
-        ((*SCARA, "--duration", "1"), "--duration and --traj are for a URDF and a scene"),
-        ((BRACKET, "--plot", "front.bmp"), "front.bmp: unknown type of picture by this suffix"),
-        ((BRACKET, "--plot", BRACKET), f"{BRACKET}: the output would overwrite an input"),
-    ],
-)
-def test_wrong_calls_of_simulations_and_plots(call: tuple[str, ...], line: str) -> None:
-    outcome = run("accuracy", *call)
-    assert (outcome.status, outcome.out) == (2, "")
-    assert outcome.err.startswith(f"error: {line}"), outcome.err
 
 
 def test_a_simulation_as_accurate_as_asked() -> None:

@@ -240,6 +240,7 @@ WRONG = [
     ((ARM, "--at", "1,2"), f"{ARM}: 2 values for 5 coordinates (in the order: 'waist', 'shoulder', 'elbow', 'wrist', "),
     ((ARM, "--at", "elbw=1"), f"{ARM}: no joint 'elbw' to set (did you mean 'elbow'?)"),
     ((ARM, "--at", "right_finger_slide=1"), f"{ARM}: no joint 'right_finger_slide' to set (it follows 'finger_slide')"),
+    ((ARM, "--at", "1,2,3,4,5,6"), f"{ARM}: 6 values for 5 coordinates"),
     ((ARM, "--at", "elbow=1,elbow=2"), "invalid value for '--at': 'elbow=1,elbow=2' names 'elbow' twice"),
     ((ARM, "--at", "nan"), "invalid value for '--at': 'nan' is neither numbers"),
     ((ARM, "--at", "elbow=,"), "invalid value for '--at'"),

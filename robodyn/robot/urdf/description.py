@@ -37,13 +37,7 @@ def load_description(
     xacro_args: Mapping[str, str] | None = None,
     trust_xacro: bool = False,
 ) -> Description:
-    """Return `read_description` of `read_document`, with the errors of both; a xacro file is expanded first.
-
-    Args:
-        package_paths: packages, or folders of packages, that are looked at before others; see `Search.packages`.
-        xacro_args: values of the arguments of a xacro file.
-        trust_xacro: let it run any Python, read any file and all of the environment.
-    """
+    """Return `read_description` of `read_document`, with the errors of both; options as of `robodyn.load`."""
     folders = tuple(os.fspath(path) for path in package_paths)
     file, data = content_of(source, name, folders, xacro_args, trust_xacro)
     return replace(read_description(read_document(data, file)), search=Search(file, folders), data=data)

@@ -109,14 +109,7 @@ def read_document(source: str | os.PathLike[str] | bytes, name: str | None = Non
 
 
 def read(source: str | os.PathLike[str] | bytes, name: str | None = None) -> Document:
-    """Return what can be read of a file, with all its faults.
-
-    Args:
-        source, name: as for `read_document`.
-
-    Raises:
-        DescriptionError: the file cannot be opened.
-    """
+    """Return what can be read of a file, with all its faults; DescriptionError where it cannot be opened."""
     file, original = read_source(source, name)
     try:
         data, transcoded = as_utf8(original)
@@ -129,9 +122,8 @@ def read(source: str | os.PathLike[str] | bytes, name: str | None = None) -> Doc
         what = f"{kind} of {end - start} bytes; more than {LONGEST} from one tag to the next are not read"
         seen = data[: min(start + _KEPT, end)]
         at = SourcePositions(seen, "utf-8").span(start, len(seen))
-        return Document(
-            file, seen, "utf-8", (TextFault("RD001", at, what, "shorten it; no robot needs as much"),), None
-        )
+        fault = TextFault("RD001", at, what, "shorten it; no robot needs as much")
+        return Document(file, seen, "utf-8", (fault,), None)
     reader = _Reader(file, data, "utf-8" if transcoded else None)
     root = reader.run()
     return Document(file, data, reader.positions.encoding, tuple(reader.faults), root)

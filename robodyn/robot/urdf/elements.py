@@ -130,22 +130,18 @@ class Element:
             waiting += reversed(element.children)
 
     def _scanned(self) -> tuple[Mapping[str, Attribute], Span]:
+        """Return the attributes and the span of the start tag, which expat has accepted, from its bytes."""
         if self._start_tag is None:
-            self._start_tag = _scan(self)
+            positions, attributes = self.positions, {}
+            place = _end(_TAG.match(positions.data, self.start))
+            while match := _ATTRIBUTE.match(positions.data, place):
+                place = match.end()
+                name = positions.decode(*match.span(1))
+                span, value_span = positions.span(match.start(1), place), positions.span(match.start(2) + 1, place - 1)
+                attributes[name] = Attribute(name, self.values[name], span, value_span)
+            end = _end(_TAG_END.match(positions.data, place))
+            self._start_tag = attributes, positions.span(self.start, end)
         return self._start_tag
-
-
-def _scan(element: Element) -> tuple[Mapping[str, Attribute], Span]:
-    """Return the attributes and the span of a start tag that expat has accepted, from its bytes."""
-    positions = element.positions
-    attributes = {}
-    position = _end(_TAG.match(positions.data, element.start))
-    while match := _ATTRIBUTE.match(positions.data, position):
-        position = match.end()
-        name = positions.decode(*match.span(1))
-        value_span = positions.span(match.start(2) + 1, position - 1)
-        attributes[name] = Attribute(name, element.values[name], positions.span(match.start(1), position), value_span)
-    return attributes, positions.span(element.start, _end(_TAG_END.match(positions.data, position)))
 
 
 def _end(match: re.Match[bytes] | None) -> int:

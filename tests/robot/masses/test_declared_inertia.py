@@ -162,22 +162,6 @@ def test_limits_and_faults_are_warned_of():
     assert first == "link 'base' (line 2): principal moments 1 + 1 < 3 kg m^2 break the triangle inequality"
 
 
-@pytest.mark.parametrize(
-    ("at", "message"),
-    [
-        ([1.0], "1 value for 2 coordinates (in the order: 'slide', 'turn')"),
-        ([1.0] * 3, "3 values for 2 coordinates (in the order: 'slide', 'turn')"),
-        ({"trun": 1.0}, "no joint 'trun' to set (did you mean 'turn'?)"),
-        ({"twin": 1.0}, "no joint 'twin' to set (it follows 'turn')"),
-        ({"stick": 1.0}, "no joint 'stick' to set"),
-    ],
-)
-def test_values_that_do_not_fit(at, message):
-    with pytest.raises(InputError) as caught:
-        robot_inertia(boxes(), at)
-    assert message in str(caught.value)
-
-
 def test_no_mass():
     description = load_description(b'<robot name="r"><link name="a"/></robot>')
     with pytest.raises(InputError, match="the robot has no mass"):
