@@ -171,7 +171,7 @@ def torque_runner(model: Model, scene: Scene, zero_columns: ZeroColumns = frozen
     return runner_of(a_plan.torques(), a_plan)
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=64)
 def ready(program: Callable[[Plan], Program], a_plan: Plan) -> Runner:
     """Return a program of a plan, ready to run; the same one for the same arguments."""
     return runner_of(program(a_plan), a_plan)

@@ -105,17 +105,10 @@ def test_non_unit_axes_are_normalised_with_a_note():
     assert not unit.notes
 
 
-def _with_massless(joints):
+def test_massless_links_between_joints():
     """A heavy tip behind three joints, two of which carry nothing."""
     parts = [link("l0"), link("l1"), link("l2"), link("l3", 1, (0, 0.5, 0), (1, 0, 0, 1, 0, 1))]
-    return built(*parts, *joints)
-
-
-def test_massless_links_between_joints():
-    axes = {"j1": (0, 0, 1), "j2": (0, 1, 0), "j3": (1, 0, 0)}
-    model = _with_massless(
-        [joint(name, f"l{i}", f"l{i + 1}", axis=axis) for i, (name, axis) in enumerate(axes.items())]
-    )
+    model = built(*parts, *(joint(f"j{i}", f"l{i}", f"l{i + 1}", axis=np.roll((0, 0, 1), -i)) for i in range(3)))
     state = _states(model, 52)
     with mpmath.workdps(50):
         expected = [[float(x) for x in torques_of(model, *row)] for row in zip(*state, strict=True)]
