@@ -250,12 +250,12 @@ MUTATIONS = {
         ),
     ],
     "measure/accuracy/test_bars_of_motions.py": [
-        ("trajectory/derivatives/estimates.py", "cut[2] + largest", "0.2 * cut[2]"),
-        ("trajectory/derivatives/estimates.py", "times * noise + WIDER * change", "times * noise"),
+        ("trajectory/derivatives/derive.py", "cut[2] + largest", "0.2 * cut[2]"),
+        ("trajectory/derivatives/derive.py", "times * noise + WIDER * change", "times * noise"),
     ],
     "loads/test_largest_torque.py": [
         (
-            "trajectory/derivatives/estimates.py",
+            "trajectory/derivatives/derive.py",
             "weights[np.abs(values - surest) > bars + least] = 0.0",
             "weights[:] = weights",
         ),

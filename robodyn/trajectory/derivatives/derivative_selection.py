@@ -218,7 +218,7 @@ class Selection:
         method: that differentiates them, or that the user chose if `forced`.
         noisy: whether noise does harm; smooth: whether one window serves all samples.
         noise: found in the columns; sigma: standard deviation that bars are made of; scale: the same for windows of
-            every length (`noise.by_window`).
+            every length (`by_window`).
         window: samples of the one window that suits the table best.
         level: rms of the highest derivative that is wanted, which is of this `order`; std: what noise leaves in it.
     """
@@ -245,7 +245,7 @@ class Selection:
 def select(runs: Sequence[Run], order: int, mode: str, declared: float = 0.0) -> Selection:
     """The method that differentiates these columns best.
 
-    1. The noise s is estimated by `noise.estimate`; a signal without noise, or one that moves in steps or is too coarse
+    1. The noise s is estimated by `estimate`; a signal without noise, or one that moves in steps or is too coarse
        to tell, gets the quintic spline.
     2. So does a signal whose noise is harmless: s times the spline's gain below 1e-3 of the rms of the derivative.
     3. A smooth motion gets quartic Savitzky-Golay with the window at which the derivative changes least, in the mean
@@ -253,7 +253,7 @@ def select(runs: Sequence[Run], order: int, mode: str, declared: float = 0.0) ->
        the noise changes the derivative more, above it the error of smoothing does. The search ends where that change
        has risen to twice its least value, or the fit leaves more than twice the noise (discrepancy: Morozov 1966).
     4. A motion is smooth if that change then rises as fast as the error of smoothing does without corners; others get
-       local polynomials with windows of their own for every sample (`estimates.local_rates`).
+       local polynomials with windows of their own for every sample (`derive.local_rates`).
 
     Args:
         runs: (time (N,), values as given (N, c), values to differentiate (N, c)) of stretches of the table.

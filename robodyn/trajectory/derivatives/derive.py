@@ -1,23 +1,39 @@
-"""Missing velocities and accelerations: how each is derived, the deriving, and what too few samples leave open.
+"""Missing velocities and accelerations: how each is derived, the deriving, and how far it can be trusted.
 
-The steps: `groups.py` tells which columns are derived from which; `derivative_selection.py` chooses a method for each
-by the noise in it; `estimates.py` derives with error bars, from `differentiate.py`; `given_rates.py` holds what the
+`groups.py` tells which columns are derived from which, `derivative_selection.py` chooses a method for each by the noise
+in it; one window, the spline or the best of many windows derives (`differentiate.py`). `given_rates.py` holds what the
 table gives against its positions.
+
+Of motions with corners, from noisy samples, those windows count that know most. A polynomial of degree d is fitted to a
+window, and one of degree d + 2 beside it. By how much the two differ is what the window leaves in doubt; noise, judged
+by what the fit leaves, is the rest of the error bar. A sample belongs to the last third of some windows, to the middle
+third of others, and to the first third of others again. Of each kind that with the least bar counts, so that windows
+end at corners. Where the one before a sample and the one after it disagree, as at jumps, the bar covers both.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from robodyn.errors import TrajectoryError
 from robodyn.support.floats import Floats, median
-from robodyn.trajectory.derivatives.derivative_selection import Selection, select
-from robodyn.trajectory.derivatives.estimates import NOISY, Rate, estimated
+from robodyn.trajectory.derivatives.derivative_selection import NEAR, Selection, select
+from robodyn.trajectory.derivatives.differentiate import (
+    SIZES,
+    SPLINE,
+    Method,
+    Windows,
+    all_windows,
+    differentiate,
+    equal_spacing,
+)
 from robodyn.trajectory.derivatives.groups import Group, source, straight, turns_ahead
-from robodyn.trajectory.motion import FEW, Derivation, JointDerivation, Sampling, Trajectory
+from robodyn.trajectory.motion import FEW, NOISE, Derivation, JointDerivation, Sampling, Trajectory
 
 
 @dataclass(frozen=True)
@@ -153,3 +169,229 @@ def _guess(samples: Trajectory, plan: Plan) -> Floats:
             guess[:-1, column] = needed[:, component]
             guess[1:, column] = np.maximum(guess[1:, column], needed[:, component])
     return guess
+
+
+INNER, END, WIDER = 3.0, 8.0, 3.0
+"""Bars of one window for all samples: standard deviations of the noise, in the middle and near an end, and how often
+counts what a wider window changes."""
+CORNER = 1e-3
+"""Of the rms of a derivative: where the spline may be off by more, there may be a corner."""
+FEWEST = 6
+"""Samples of which half are enough for a second derivative."""
+NOISY = 128
+"""Rows of a table below which what looks like noise may as well be the motion."""
+CLEAR = 3.0
+"""Doubt over noise, up to which a window is not suspected to have a jump in it."""
+ALIKE = 8.0
+"""Ratio of two bars, up to which neither of two windows that disagree is taken for the better one."""
+EDGE = 2.0
+"""Of what an acceleration changes by from one sample to the next: how much that may be off at either end of a window,
+since positions do not tell a corner just before the last sample."""
+
+
+class Rate(NamedTuple):
+    """A derivative (N,) with its standard deviation by noise, and by how much it may be off in 19 of 20 cases."""
+
+    value: Floats
+    noise: Floats
+    off: Floats
+
+
+def estimated(
+    time: Floats, values: Floats, turns: Floats | None, selection: Selection, first: int = 0
+) -> tuple[Rate, Rate]:
+    """The first and second derivatives (N, c) of values (N, c), with error bars.
+
+    Args: as of `differentiate`; first: of the samples, counted in the table.
+
+    Accuracy: bars cover 19 of 20 errors of peaks, for motions of all kinds (`accuracy/test_bars_of_motions.py`).
+    """
+    method, sigma = selection.method, selection.sigma
+    if method.kind == "savgol" and selection.smooth and not selection.forced:
+        return _by_one_window(time, values, turns, method, sigma)
+    best = _best(time, values, turns, selection, first)
+    if not selection.forced:
+        return best
+    own = zip(differentiate(time, values, method, turns), _noises(time, method, sigma), best, strict=True)
+    slopes, curves = (
+        Rate(value, noise + 0.0 * value, np.abs(value - each.value) + each.off) for value, noise, each in own
+    )
+    return slopes, curves
+
+
+def _noises(time: Floats, method: Method, sigma: float) -> list[Floats]:
+    """(N, 1) the standard deviations that noise gives both derivatives."""
+    spacing, count, found = np.float64((time[-1] - time[0]) / max(1, len(time) - 1)), len(time), []
+    for order, gains in enumerate(method.gains, start=1):
+        noise, near = np.full(count, gains[-1]), gains[:-1][: count // 2]
+        noise[: len(near)], noise[count - len(near) :] = near, near[::-1]
+        found.append((noise * sigma / spacing**order)[:, None])
+    return found
+
+
+def _by_one_window(
+    time: Floats, values: Floats, turns: Floats | None, method: Method, sigma: float
+) -> tuple[Rate, Rate]:
+    """What one window gives, with what the noise leaves, and what a window a third wider changes nearby.
+
+    The window is as wide as makes what it smooths away no larger than the noise that it leaves; near an end a
+    polynomial smooths less well.
+    """
+    wider, ends, near = method.window * 4 // 3 | 1, min(method.window // 2, len(time) // 2), method.window // 4
+    times = np.full((len(time), 1), INNER)
+    times[:ends] = times[len(time) - ends :] = END
+    own = differentiate(time, values, method, turns)
+    others = differentiate(time, values, replace(method, window=wider), turns)
+    rates = []
+    for value, other, noise in zip(own, others, _noises(time, method, sigma), strict=True):
+        padded = np.pad(np.abs(other - value), ((near, near), (0, 0)))
+        change = sliding_window_view(padded, 2 * near + 1, axis=0).max(axis=-1)
+        rates.append(Rate(value, noise + 0.0 * value, times * noise + WIDER * change))
+    return rates[0], rates[1]
+
+
+def _best(time: Floats, values: Floats, turns: Floats | None, selection: Selection, first: int) -> tuple[Rate, Rate]:
+    """The quintic spline where it can be trusted, and what local polynomials make of it elsewhere."""
+    spline, order = _spline(time, values, turns, selection.sigma), selection.order
+    changes = [rate.off - NOISE * rate.noise for rate in spline]
+    wanted = changes[order - 1] > CORNER * selection.level
+    if selection.noisy:
+        wanted[:] = True
+    spacing = equal_spacing(time)
+    unit = spacing or 1.0
+    for k in np.flatnonzero(wanted.any(axis=0)):
+        rows, turned = wanted[:, k], None if turns is None else turns[:, k]
+        parts = spline[0].value[:, k], *(part[:, k] for part in spline[order - 1])
+        slope, *rate = (part * unit**each for part, each in zip(parts, (1, *[order] * 3), strict=True))
+        stamps = None if spacing else time
+        own, found = local_rates(stamps, values[:, k], turned, selection, (slope, Rate(*rate)), first)
+        for whole, part, each in zip(parts, (own, *found), (1, *[order] * 3), strict=True):
+            whole[rows] = part[rows] / unit**each
+    if len(time) < NOISY:
+        for found, least in zip(spline, changes, strict=True):
+            np.maximum(found.off, least, out=found.off)
+    return spline
+
+
+def _spline(time: Floats, values: Floats, turns: Floats | None, sigma: float) -> tuple[Rate, Rate]:
+    """The quintic spline, with twice the largest change nearby that leaving out every second sample makes.
+
+    That is 32 times the error of a smooth motion, and about the error at corners of the velocity.
+    """
+    whole = differentiate(time, values, SPLINE, turns)
+    changes = [np.zeros((len(time) + 2 * NEAR, values.shape[1])) for _ in whole]
+    for first in (0, 1) if len(time) >= FEWEST else ():
+        rows = slice(first, None, 2)
+        coarse = differentiate(time[rows], values[rows], SPLINE, None if turns is None else turns[rows])
+        for change, half, full in zip(changes, coarse, whole, strict=True):
+            off = np.abs(half - full[rows])
+            change[NEAR:-NEAR][rows] = np.where(np.isfinite(off), off, np.abs(full[rows]))
+    rates = []
+    for full, change, noise in zip(whole, changes, _noises(time, SPLINE, sigma), strict=True):
+        largest = sliding_window_view(change, 2 * NEAR + 1, axis=0).max(axis=-1)
+        rates.append(Rate(full.copy(), noise + np.zeros_like(full), NOISE * noise + 2.0 * largest))
+    return rates[0], rates[1]
+
+
+class _Best(NamedTuple):
+    """Of the first, middle and last thirds of windows (3, N): value, noise, bar, slope, what noise has in the bar."""
+
+    value: Floats
+    noise: Floats
+    bar: Floats
+    slope: Floats
+    noisy: Floats
+
+
+def local_rates(
+    time: Floats | None,
+    values: Floats,
+    turns: Floats | None,
+    selection: Selection,
+    other: tuple[Floats, Rate],
+    first: int,
+) -> tuple[Floats, Rate]:
+    """The first derivative of a column, and that of the wanted order with its bars, by local polynomials.
+
+    Args:
+        time: (N,) s, or None for samples a unit apart; values: (N,); turns: (N,) of 2 pi that they are ahead by.
+        other: the same otherwise found, which is weighed with what windows tell.
+        first: of the samples, counted in the table.
+    """
+    noise, order = selection.scale, selection.order
+    best = _Best(*(np.full((3, len(values)), start) for start in (0.0, np.inf, np.inf, 0.0, np.inf)))
+    of_length = dict(zip((parts * part for parts, part in SIZES), noise, strict=False))
+    for fits in all_windows(time, values, turns, first, len(noise)):
+        for degree in range(order, min(order + 3, len(fits.basis.on) - 2)):
+            _improve(best, fits, degree, order, of_length[fits.length], selection.noisy)
+    return _weighed(best, other)
+
+
+def _improve(best: _Best, fits: Windows, degree: int, order: int, sigma: float, noisy_data: bool) -> None:
+    """Take what fits of a degree tell of the samples that they know better than those before."""
+    basis, shape = fits.basis, (fits.length, len(fits.starts))
+    which = basis.curve if order == 2 else basis.slope
+    unit = fits.half**order
+    terms = [fits.coefficients[k] * which[k] for k in range(order, degree + 3)]
+    value = sum(terms[:-2]) + np.zeros(shape)
+    doubt = np.maximum(np.abs(terms[-2]), np.abs(terms[-2] + terms[-1])) / unit
+    scale = fits.scatter(degree + 2, sigma, noisy_data) / unit
+    edge = np.zeros(shape)
+    for sample, inner in ((0, 1), (-1, -2)):
+        edge[sample] = EDGE * np.abs(value[sample] - value[inner]) / unit
+    slope = sum(fits.coefficients[k] * basis.slope[k] for k in range(1, degree + 1)) / fits.half
+    gains = (np.sqrt((which[order : top + 1] ** 2).sum(axis=0)) for top in (degree, degree + 2))
+    own, noisy = (np.broadcast_to(gain * scale, shape) for gain in gains)
+    third = fits.parts // 3
+    for kind, parts in enumerate(((0, third), (third, fits.parts - third), (fits.parts - third, fits.parts))):
+        _take(best, kind, fits, parts, (value / unit, own, NOISE * noisy + edge, slope, NOISE * noisy), doubt)
+
+
+def _take(
+    best: _Best, kind: int, fits: Windows, parts: tuple[int, int], found: tuple[Floats, ...], doubt: Floats
+) -> None:
+    """Take in a third of every window: the bar is that of noise and the largest doubt in the third."""
+    part, count = fits.length // fits.parts, len(fits.starts)
+    own = slice(parts[0] * part, parts[1] * part)
+    largest = doubt[own].max(axis=0)
+    if count == 1:
+        stretches = [(own, slice(fits.starts[0] + own.start, fits.starts[0] + own.stop))]
+    else:
+        begins = [k * part for k in range(*parts)]
+        at = [int(fits.starts[0]) + begin for begin in begins]
+        stretches = [(slice(k, k + part), slice(row, row + part * count)) for k, row in zip(begins, at, strict=True)]
+    for samples, rows in stretches:
+        cut = [each[samples] for each in found]
+        cut[2] = cut[2] + largest
+        flat = [each.T.ravel() for each in cut]
+        old = best.bar[kind, rows]
+        better = (flat[2] < old) & (np.abs(flat[0] - best.value[kind, rows]) <= flat[2] + old)
+        for whole, new in zip(best, flat, strict=True):
+            np.copyto(whole[kind, rows], new, where=better)
+
+
+def _weighed(best: _Best, other: tuple[Floats, Rate]) -> tuple[Floats, Rate]:
+    """The mean of all, weighed by their bars; where those before and after disagree, what lies between."""
+    slope, rate = other
+    bars = np.vstack((best.bar, rate.off))
+    least = bars.min(axis=0)
+    values = np.vstack((best.value, rate.value))
+    surest = np.take_along_axis(values, bars.argmin(axis=0)[None], axis=0)
+    weights = np.where(bars == least, 1.0, (least / np.where(bars > 0.0, bars, 1.0)) ** 2)
+    weights[np.abs(values - surest) > bars + least] = 0.0
+    weights /= weights.sum(axis=0)
+    means = []
+    for own, more in ((best.value, rate.value), (best.noise, rate.noise), (best.bar, rate.off), (best.slope, slope)):
+        each = np.where(np.isfinite(bars), np.vstack((own, more)), 0.0)
+        means.append(sum(weights[k] * each[k] for k in range(len(bars))))
+    value, noise, off, of_slope = means
+    ends = [0, 2]
+    left, right = best.bar[ends]
+    clear = (best.bar <= CLEAR * best.noisy)[ends].all(axis=0)
+    alike = np.maximum(left, right) <= ALIKE * np.minimum(left, right)
+    apart = np.abs(best.value[0] - best.value[2]) > left + right
+    jump = apart & (clear | alike)
+    reach = np.where(jump, np.minimum(left, right), 0.0)
+    low, high = (best.value[ends] - reach).min(axis=0), (best.value[ends] + reach).max(axis=0)
+    value, off = np.where(jump, 0.5 * (low + high), value), np.where(jump, 0.5 * (high - low), off)
+    return of_slope, Rate(value, noise, off)

@@ -236,7 +236,7 @@ class Method:
 
     Args:
         kind: "spline" (interpolating quintic), "savgol" (least-squares polynomial over `window` samples), "central"
-            (parabola through three samples) or "local" (`estimates.local_rates`, with windows up to `window`).
+            (parabola through three samples) or "local" (`derive.local_rates`, with windows up to `window`).
         window: number of samples; 0 for the spline, which sees them all.
         order: of the polynomial.
     """
