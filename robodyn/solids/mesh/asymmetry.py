@@ -12,6 +12,7 @@ import numpy as np
 from robodyn.errors import MeshError
 from robodyn.programs.vectors import IDENTITY, Array, length, product, rotation_about
 from robodyn.solids.mesh.columns import COLUMNS, Lattice, differing_volume, frame_along
+from robodyn.solids.mesh.indexed import hashed
 from robodyn.solids.mesh.integrals import Integrals
 from robodyn.solids.mesh.tessellation import LineMasses, line_masses
 from robodyn.solids.mesh.triangles import Triangles
@@ -217,8 +218,8 @@ _FOLDED, _FOLDED_WEIGHTS = _folded()
 _BITS = 30
 _HASH_BLOCK = 1 << 14
 _SHIFT = 0.3819660113
-_FACTORS = tuple(map(np.uint64, (0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9)))
-_HALF = np.uint64(29)
+_MIX = np.uint64(0xBF58476D1CE4E5B9)
+_HALF = np.uint64(32)
 
 
 class TriangleSet:
@@ -247,13 +248,8 @@ class TriangleSet:
 
     def _hash(self, X: Array) -> int:
         """The sum over the triangles (3 coordinates, 3 corners, n) of a mix of the sum of a mix of each corner."""
-        places = np.floor(X * self._scale + _SHIFT).astype(np.int64).view(np.uint64)
-        words = places[0] * _FACTORS[0]
-        for i in (1, 2):
-            words = (words ^ (words >> _HALF)) * _FACTORS[i] + places[i] * _FACTORS[i - 1]
-        words = (words ^ (words >> _HALF)) * _FACTORS[0]
-        triangles = (words[0] + words[1] + words[2]) * _FACTORS[1]
-        return int(((triangles ^ (triangles >> _HALF)) * _FACTORS[2]).sum())
+        triangles = hashed(np.floor(X * self._scale + _SHIFT).transpose(1, 0, 2)).sum(axis=0) * _MIX
+        return int(((triangles ^ (triangles >> _HALF)) * _MIX).sum())
 
 
 GOLDEN_TURN = pi * (3 - 5**0.5)

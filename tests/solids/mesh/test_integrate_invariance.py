@@ -7,13 +7,12 @@ import re
 import numpy as np
 import pytest
 from helpers.mesh_oracle import deviation, exact, rational_moments, rotation
-from helpers.mesh_samples import binary_stl, box, cylinder, flipped, moved, sheet, torus
+from helpers.mesh_samples import box, cylinder, flipped, moved, sheet, torus
 from helpers.sampled import sampled
 
 from robodyn.errors import MeshError
 from robodyn.solids.mesh.closed import fingerprint
 from robodyn.solids.mesh.integrals import integrate, measure
-from robodyn.solids.mesh.read.load import load_triangles
 from robodyn.solids.mesh.triangles import BLOCK, ROWS, MemoryTriangles, reference_in
 
 EPS = np.finfo(float).eps
@@ -74,11 +73,6 @@ def test_triangles_without_area_add_nothing():
     assert found.area == pytest.approx(integrals(BODY).area, rel=8 * EPS)
 
 
-def test_a_face_counts_as_often_as_it_is_there():
-    twice = integrals(np.concatenate([BODY, BODY]))
-    assert twice.volume == pytest.approx(2 * integrals(BODY).volume, rel=4 * EPS)
-
-
 @pytest.mark.parametrize("count", sampled([ROWS, ROWS - 4, ROWS + 4, 2 * ROWS], 2))
 @pytest.mark.parametrize("spare", [0, 1])
 def test_the_edge_of_a_block(count, spare):
@@ -102,11 +96,6 @@ def test_layout_of_the_corners_does_not_matter(layout):
     found, expected = integrals(array), integrals(whole.astype(np.float64))
     assert (found.volume, found.area) == (expected.volume, expected.area)
     assert (found.S == expected.S).all()
-
-
-def test_a_file_is_integrated_as_its_corners():
-    found = integrate(load_triangles(binary_stl(BODY)))
-    assert found.volume == integrals(BODY.astype(np.float32)).volume
 
 
 def test_box_and_reference():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 from helpers.mesh_oracle import centred, deviation, rational_moments, rotation
@@ -11,7 +13,7 @@ from hypothesis import strategies as st
 
 from robodyn.solids.inertia.principal import principal_axes
 from robodyn.solids.inertia.properties import from_integrals
-from robodyn.solids.mesh.integrals import integrate
+from robodyn.solids.mesh.integrals import Moments, integrate, volume_bound
 from robodyn.solids.mesh.triangles import MemoryTriangles
 
 EPS = np.finfo(float).eps
@@ -91,3 +93,15 @@ def test_no_bound_is_broken(body, exponents, seed, offset):
     assert deviation(found.volume, V) <= found.bound <= 1e-12
     assert principal_errors(found, array).max() <= found.bound_second + 16 * EPS
     assert found.bound_second <= 1e-12
+
+
+ONE = Moments(Fraction(1), np.zeros(3), np.eye(3))
+
+
+@pytest.mark.parametrize("perm", [1.0, 3.3, 12.34567, 9.999e5, 1e-3])
+def test_last_digits_do_not_show(perm: float) -> None:
+    bounds = [volume_bound(ONE, perm * (1 + k * 1e-15), 1e-16) for k in (-3, 0, 5)]
+    exact = 8e-16 * perm + 2.0**-53
+    assert len(set(bounds)) == 1
+    assert exact <= bounds[0] <= 1.01 * exact
+    assert float(f"{bounds[0]:.2e}") == bounds[0]

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from helpers.point_groups import GOLDEN, axes, body, group, hulled, planes
 from helpers.symmetric_bodies import extrusion, found
+from helpers.symmetry_cases import bodies
 
 AXIAL = ["C", "Cv", "Ch", "D", "Dh", "Dd", "S"]
 REGULAR = ["T", "Td", "Th", "O", "Oh", "I", "Ih"]
@@ -77,3 +78,17 @@ def test_every_element_is_found_where_it_is_near(name: str, n: int) -> None:
 @pytest.mark.parametrize(("name", "n"), ALMOST)
 def test_every_element_of_a_group_is_found_where_it_is_near(name: str, n: int, noise: float) -> None:
     all_found(name, n, noise, seed=1, within=max(1e-4, min(0.05, 1e3 * noise)))
+
+
+@pytest.mark.slow
+def test_fewer_than_one_verdict_in_a_hundred_is_false():
+    wrong, told = (sum(part) for part in zip(*(body.false_verdicts() for body in bodies(100)), strict=True))
+    assert told == 300
+    assert wrong < 0.01 * told
+
+
+def test_the_bodies_are_of_all_kinds():
+    given = list(bodies(100))
+    assert sum(len(body.holding) for body in given) > 80
+    assert sum(len(body.broken) for body in given) > 80
+    assert len({body.name for body in given}) > 20

@@ -23,11 +23,6 @@ def test_cube_has_nine_planes():
     assert sorted(map(tuple, directions.round(6))) == sorted([(0, 0, 2)] * 3 + [(0, 1, 1)] * 6)
 
 
-def test_regular_tetrahedron_has_six_planes():
-    body = samples.tetrahedron(((1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)))
-    assert verdicts(found(body).planes) == ["exact"] * 6
-
-
 @pytest.mark.parametrize("sectors", [3, 4, 5, 6, 7, 8])
 def test_prism_on_a_regular_polygon_has_a_plane_for_each_corner_and_one_across(sectors):
     body = samples.cylinder(height=3.0, sectors=sectors)

@@ -28,40 +28,10 @@ NATIVE = {
 }
 SCENES = {"dae": [dae(SOLID, material=True)], "glb": [glb(SOLID)], "3mf": [three_mf(SOLID)]}
 TOKENS = [
-    *(
-        b"",
-        b"\0",
-        b"\n",
-        b"\r",
-        b" ",
-        b"-",
-        b"/",
-        b".",
-        b"#",
-        b"\\\n",
-        b"\xff",
-        b"_",
-        b",",
-        b'"',
-        b"<",
-        b">",
-        b"[",
-        b"{",
-    ),
-    *(
-        b"0",
-        b"-1",
-        b"3",
-        b"1e999",
-        b"nan",
-        b"999999999",
-        b"99999999999999999999",
-        b"4294967295",
-        b"-2147483648",
-        b"0.5",
-    ),
-    *(b"solid", b"endsolid", b"facet", b"vertex", b"endfacet", b"outer", b"v", b"f", b"ply", b"element", b"property"),
-    *(b"list", b"uint64", b"double", b"end_header", b"OFF", b"\xff\xff\xff\xff", b"\xff\xff\xff\x7f", b"\0\0\xc0\x7f"),
+    *(b"", b"\0", b"\n", b"\r", b" ", b"\\\n", b"\xff", b"\xff\xff\xff\xff", b"\xff\xff\xff\x7f", b"\0\0\xc0\x7f"),
+    *b'- / . # _ , " < > [ {'.split(),
+    *b"0 -1 3 1e999 nan 999999999 99999999999999999999 4294967295 -2147483648 0.5".split(),
+    *b"solid endsolid facet vertex endfacet outer v f ply element property list uint64 double end_header OFF".split(),
 ]
 EDITS = st.lists(
     st.tuples(st.floats(0, 1), st.integers(0, 12), st.sampled_from(TOKENS) | st.binary(max_size=4)), max_size=4
