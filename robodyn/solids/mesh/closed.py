@@ -135,7 +135,8 @@ def is_one_shell(triangles: Triangles) -> bool:
     sides, strip = _sides(triangles)
     strips = int(strip[-1]) + 1
     low, mask = np.uint64(strips.bit_length()), np.uint64((1 << strips.bit_length()) - 1)
-    keys = (sides << np.uint64(1)) & ~mask
+    keys = sides << np.uint64(1)
+    keys &= ~mask
     keys |= strip
     keys = keys.ravel()
     keys.sort()
@@ -168,4 +169,5 @@ def _sides(triangles: Triangles) -> tuple[Words, Words]:
         sides[:, first : first + rows] = block
         shared = (block[:, None, 1:] == block[:, :-1]).any(axis=(0, 1))
         starts[first + 1 : first + rows] = ~shared
-    return sides, np.cumsum(starts, dtype=np.uint64) - np.uint64(1)
+    starts[0] = False
+    return sides, np.cumsum(starts, dtype=np.uint64)

@@ -1,4 +1,4 @@
-"""Five million triangles of a binary STL go through a new process in less than 100 MB; to measure them takes 500."""
+"""Five million triangles of a binary STL go through a new process in less than 100 MB; measuring takes 100 bytes each."""
 
 from __future__ import annotations
 
@@ -52,4 +52,4 @@ def test_peak_resident_memory_of_a_measured_shell(tmp_path):
     done = subprocess.run([sys.executable, "-c", MEASURE, str(path)], capture_output=True, text=True, check=True)
     count, peak = map(int, done.stdout.split())
     assert count == COUNT
-    assert peak < 100 * 1024 + 80 * COUNT // 1024
+    assert peak < 100 * 1024 + 100 * COUNT // 1024
