@@ -41,7 +41,9 @@ CORE = (
 )
 """What an installation always has, and needs."""
 COMPILER = Library("llvmlite", "llvmlite.binding", "machine code: long trajectories take ten times longer")
-SCENES = Library("yourdfpy", "yourdfpy", "what brings trimesh with the libraries of its readers, such as that of COLLADA")
+SCENES = Library(
+    "yourdfpy", "yourdfpy", "what brings trimesh with the libraries of its readers, such as that of COLLADA"
+)
 OPTIONAL = (
     Library("matplotlib", "matplotlib.figure", "plots and HTML reports", "report"),
     Library("jinja2", "jinja2", "HTML reports", "report"),
