@@ -8,6 +8,7 @@ from helpers.busy_robot import BUSY_SCENE, EVERY_EFFECT, busy_robot
 from helpers.exact_rates import exact_rates
 from helpers.example_robots import VARIANTS, cases, real
 from helpers.oracles import EPS, frictionless, random_state, robot, tangent, worst
+from helpers.oracles import ROBOTS as FOLDER
 from helpers.pinocchio_robots import PinocchioRobot
 from helpers.sampled import sampled
 
@@ -18,6 +19,7 @@ from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError, SceneError
 from robodyn.robot.load import load
 from robodyn.scene.parts import Friction, Loop
+from robodyn.scene.read import load_scene
 from robodyn.scene.scene import Scene
 
 SAMPLES = 2
@@ -104,6 +106,51 @@ def test_forward_undoes_inverse(path, moving_base):
     assert worst(M @ forward.dtau, np.broadcast_to(np.eye(model.n), M.shape), np.linalg.cond(M).max()) <= 1e-13
 
 
+def scenes():
+    """Every robot of robots/ with the scenes of trees named after it, its base fixed and free, where that goes."""
+    trees = [scene for scene in sorted(FOLDER.glob("*.toml")) if not load_scene(scene).constraint_names]
+    for scene in (None, *trees):
+        for path in sorted(FOLDER.glob("*.urdf")):
+            if scene is None or scene.stem.startswith(f"{path.stem}_"):
+                for moving_base in (False, True):
+                    kind = "free" if moving_base else "fixed"
+                    yield pytest.param(path, scene, moving_base, id=f"{(scene or path).stem}-{kind}")
+
+
+OF_A_FREE_BASE = ("composite_throw", "satellite_deploy")
+"""Scenes that do not fit a fixed base."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("path", "scene_path", "moving_base"), list(scenes()))
+def test_robots_and_scenes(path, scene_path, moving_base):
+    model, scene = load(path, moving_base=moving_base), Scene() if scene_path is None else load_scene(scene_path)
+    if not model.n or (scene_path and scene_path.stem in OF_A_FREE_BASE and not moving_base):
+        pytest.skip("nothing moves, or the scene is of a free base")
+    rng = np.random.default_rng(0)
+    state, columns = random_state(model, rng, 2), {name: rng.uniform(-1, 1, 2) for name in scene.columns}
+    found = inverse_dynamics_derivatives(model, *state, scene=scene, columns=columns)
+    names = ("q", "qd", "qdd")
+    sources = {**dict(zip(names, state, strict=True)), "columns": np.column_stack([*columns.values(), state[1][:, :0]])}
+    program = Plan(model, scene).torques()
+    expected = thirds(exact_rates(program, directions(model, state[0], "qdd"), sources), model.n)
+    tau = robodyn.inverse_dynamics(model, *state, scene=scene, columns=columns)
+    for a, b in zip(found, expected, strict=True):
+        assert worst(a, b, max(np.abs(b).max(), np.abs(tau).max())) <= 32 * EPS
+
+
+def test_a_pendulum():
+    """tau = m l^2 qdd + d qd + m g l cos q."""
+    model = robot("pendulum")
+    q = np.linspace(-3, 3, 7)[:, None]
+    found = inverse_dynamics_derivatives(
+        model, q, 0.0, 0.0, scene=Scene(friction={model.joint_names[0]: Friction(0.3)})
+    )
+    weight = robodyn.inverse_dynamics(model, [[0.0]], 0.0, 0.0, scene=frictionless(model))[0, 0]
+    assert worst(found.dq[:, 0, 0], -weight * np.sin(q[:, 0])) <= 8 * EPS
+    assert (found.dqd == 0.3).all()
+
+
 def test_friction_has_a_slope_where_it_is_smooth():
     model = robot("pendulum")
     (name,) = model.joint_names
@@ -135,6 +182,30 @@ def test_shapes_and_out(executor):
     in_32 = inverse_dynamics_derivatives(model, q, qd, qdd, scene=EVERY_EFFECT, columns=columns, dtype=np.float32)
     assert in_32.dq.dtype == np.float32
     assert max(map(worst, in_32, whole)) <= 1e-5
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "bound"), [("ur5_robot", 1e-5), ("anymal", 1e-4)])
+def test_single_precision_of_free_robots(name, bound):
+    """At rest, d tau / dq of ANYmal's base is the small rest of large weights."""
+    model = real(name, True)
+    q = random_state(model, np.random.default_rng(7), 20)[0].astype(np.float32)
+    for executor in EXECUTORS:
+        whole, in_32 = (
+            inverse_dynamics_derivatives(model, q, 0, 0, executor=executor, dtype=x) for x in (np.float64, np.float32)
+        )
+        assert max(map(worst, in_32, whole)) <= bound
+
+
+def test_the_threads_agree():
+    model, q, qd, qdd, columns = busy_state(True)
+    many = [np.resize(x, (3000, x.shape[1])) for x in (q, qd, qdd)]
+    more = {name: np.resize(x, 3000) for name, x in columns.items()}
+    one, two = (
+        inverse_dynamics_derivatives(model, *many, scene=EVERY_EFFECT, columns=more, executor="compiled", threads=k)
+        for k in (1, 2)
+    )
+    assert all((a == b).all() for a, b in zip(one, two, strict=True))
 
 
 def test_refusals():

@@ -88,6 +88,16 @@ def test_single_precision(name, free):
         assert worst(found, exact) <= 1e-6
 
 
+def test_single_precision_of_inverse_dynamics():
+    model = robot("puma560")
+    state = random_state(model, np.random.default_rng(4), 1000)
+    exact = inverse_dynamics(model, *state)
+    for executor in ("numpy", "compiled"):
+        tau = inverse_dynamics(model, *state, executor=executor, dtype=np.float32)
+        assert tau.dtype == np.float32
+        assert 1e-9 < worst(tau, exact) <= 1e-6
+
+
 MODEL = golden_model("puma560_corke")
 STATE = random_state(MODEL, np.random.default_rng(5), 5000)
 
@@ -105,6 +115,21 @@ def test_neither_threads_nor_order_nor_company_change_a_bit():
     np.testing.assert_array_equal(bits(torques([x[order] for x in STATE])), bits(right[order]))
     for part in (slice(0, 1), slice(1000, 1009), slice(4990, None)):
         np.testing.assert_array_equal(bits(torques([x[part] for x in STATE])), bits(right[part]))
+
+
+LAYOUTS = {
+    "columns": np.asfortranarray,
+    "backwards": lambda x: np.ascontiguousarray(x[::-1])[::-1],
+    "every third row": lambda x: np.repeat(x, 3, axis=0)[::3],
+    "other bytes first": lambda x: x.astype(">f8"),
+    "nested lists": lambda x: x.tolist(),
+}
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_arrays_of_any_layout(layout):
+    state = [x[:300] for x in STATE]
+    np.testing.assert_array_equal(bits(torques([LAYOUTS[layout](x) for x in state])), bits(torques(state)))
 
 
 def test_output_arrays():

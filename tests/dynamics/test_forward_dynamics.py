@@ -20,6 +20,7 @@ from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.programs.run.multiprecision import Multiprecision
+from robodyn.scene.parts import ExternalWrench, Friction, Immersed, Payload, Rotor, Spring
 from robodyn.scene.scene import Scene
 
 MODEL = golden_model("puma560_corke")
@@ -37,6 +38,29 @@ def test_it_undoes_inverse_dynamics_with_every_effect(moving_base, scene, times)
     assert worst(robodyn.forward_dynamics(model, q, qd, tau, **more), qdd) <= times * EPS * cond
     assert worst(forward_by_factorisation(model, q, qd, tau, **more), qdd) <= times * EPS * cond
     assert worst(inverse_dynamics(model, q, qd, forward_dynamics(model, q, qd, tau, **more), **more), tau) <= 1e-14
+
+
+def test_shapes():
+    q = np.full((2, 3, 4, 6), 0.3)
+    assert forward_dynamics(MODEL, q, 0, 0).shape == (2, 3, 4, 6)
+    assert forward_dynamics(MODEL, q[0, 0, 0], 0, 0).shape == (6,)
+    assert forward_dynamics(MODEL, q[0], q, q[0, 0, 0]).shape == (2, 3, 4, 6)
+    assert forward_dynamics(MODEL, q[:0], 0, 0).shape == (0, 3, 4, 6)
+    assert forward_by_factorisation(MODEL, q[0], 0, q).shape == (2, 3, 4, 6)
+
+
+WRONG = {
+    "q has 5 columns, the robot has 6": ([0] * 5, 0, 0),
+    "qd has 7 columns, the robot has 6": (0, [0] * 7, 0),
+    "tau has 1 columns, the robot has 6": (0, 0, [0]),
+    "the shapes do not go together": (np.zeros((2, 6)), np.zeros((3, 6)), 0),
+}
+
+
+@pytest.mark.parametrize("message", WRONG)
+def test_wrong_shapes(message):
+    with pytest.raises(InputError, match=message):
+        forward_dynamics(MODEL, *WRONG[message])
 
 
 def test_wrong_arguments():
@@ -93,10 +117,38 @@ def test_upper_bounds_of_operations(name):
         assert acceleration_program(Plan(model, frictionless(model))).size <= bound
 
 
+ABSENT = {
+    "viscous and Coulomb friction": {"friction": {"elbow": Friction(0.1, 0.2, -0.3)}},
+    "rotor": {"rotor": {"elbow": Rotor(0.1)}},
+    "spring": {"spring": {"elbow": Spring(2.0, 0.1)}},
+    "external wrench": {"wrenches": (ExternalWrench("flange", (1.0, 2.0, 3.0)),)},
+    "fluid": {"immersed": (Immersed("flange", 0.1, (0, 0, 0), (1, 1, 1)),), "fluid_density": 1000.0},
+}
+NOTHING = {
+    "viscous and Coulomb friction": {"friction": {"elbow": Friction()}},
+    "rotor": {"rotor": {"elbow": Rotor(0.0, -50.0)}},
+    "spring": {"spring": {"elbow": Spring(0.0, 0.7)}},
+    "external wrench": {"wrenches": (ExternalWrench("flange", point=(1, 2, 3)),)},
+    "fluid": {"immersed": (Immersed("flange", 0.0, (1, 2, 3)),), "fluid_density": 1000.0},
+}
+
+
 def _size(model, zero_columns=frozenset(), **scene):
     bare = frictionless(model)
     friction = {**bare.friction, **scene.pop("friction", {})}
     return acceleration_program(Plan(model, Scene(friction=friction, **scene), zero_columns)).size
+
+
+@pytest.mark.parametrize("name", ABSENT)
+def test_an_absent_effect_costs_no_operation(name):
+    model = robot("puma560")
+    assert _size(model, **NOTHING[name]) == _size(model) < _size(model, **ABSENT[name])
+
+
+def test_a_payload_costs_what_its_link_would_cost_with_its_mass():
+    model = robot("puma560")
+    heavier = _size(model, payloads=(Payload("flange", 1.0, (0.1, 0.2, 0.3), (1, 0.1, 0.1, 1, 0.1, 1)),))
+    assert _size(model, payloads=(Payload("flange", 0.0, (0.3, 0.2, 0.1)),)) == _size(model) < heavier
 
 
 def test_rest_weightlessness_and_no_torque_are_cheaper():
@@ -107,6 +159,15 @@ def test_rest_weightlessness_and_no_torque_are_cheaper():
     assert _size(model, names["tau"]) < _size(model)
     assert _size(model, **weightless) < _size(model)
     assert _size(model, names["qd"] | names["tau"], **weightless) == 0
+
+
+@pytest.mark.parametrize("name", NOTHING)
+def test_zero_coefficients_leave_every_bit(name):
+    model = robot("puma560")
+    state = random_state(model, np.random.default_rng(1), 100)
+    scene = {**NOTHING[name], "friction": frictionless(model).friction}
+    found = forward_dynamics(model, *state, scene=Scene(**scene))
+    np.testing.assert_array_equal(found, forward_dynamics(model, *state, scene=frictionless(model)))
 
 
 SAMPLES = 10
@@ -145,7 +206,7 @@ def _with_tip(n, skew, ratio):
     return built(*parts)
 
 
-RATIOS = [1e-12, 1e-6, 1e6, 1e12]
+RATIOS = [1e-12, 1e-9, 1e-6, 1e-3, 1e3, 1e6, 1e9, 1e12]
 LONG_CHAIN = [pytest.param(100, False, ratio, marks=pytest.mark.slow) for ratio in (1e-12, 1e12)]
 
 
@@ -161,6 +222,14 @@ def test_tips(n, skew, ratio):
 def test_tapering_chains(taper, skew):
     """Twelve decades from the first of nine links to the last."""
     assert max(_residuals(chain(9, skew, taper=taper), 42)) <= 1e-14
+
+
+def test_a_straight_chain_moves_as_well_as_a_bent_one():
+    model = chain(30)
+    tau = np.random.default_rng(2).uniform(-3, 3, (SAMPLES, model.n))
+    qdd = forward_dynamics(model, np.zeros_like(tau), 0.0, tau)
+    called_for = (np.abs(mass_matrix(model, np.zeros(model.n))) @ np.abs(qdd.T)).max()
+    assert worst(inverse_dynamics(model, 0 * tau, 0.0, qdd), tau, called_for) <= 1e-14
 
 
 @pytest.mark.parametrize("scale", [1e-75, 1e-8, 1e8, 1e75])

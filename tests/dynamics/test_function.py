@@ -12,6 +12,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 from helpers.busy_robot import BUSY_SCENE, busy_robot
+from helpers.c_functions import compiled_c, needs_c
 from helpers.oracles import EPS, random_state, robot, worst
 
 import robodyn
@@ -167,6 +168,33 @@ def test_the_c_function():
     assert f(*(x.ctypes.data for x in (*given, out))) == 0
     assert (out == found(*given)).all()
     assert f(*(x.ctypes.data for x in (given[0] + 1e9, *given[1:], out))) == 1
+
+
+@needs_c
+def test_called_from_c(tmp_path):
+    """A program of C that is handed the address falls with the arm: semi-implicit steps, as here."""
+    text = """#include <stdint.h>
+typedef int64_t acceleration(const double *q, const double *qd, const double *tau, double *qdd);
+int fall(acceleration *f, double *q, double *qd, const double *tau, int steps, double h) {
+    double qdd[6];
+    for (int k = 0; k < steps; k++) {
+        if (f(q, qd, tau, qdd)) return k;
+        for (int i = 0; i < 6; i++) { qd[i] += h * qdd[i]; q[i] += h * qd[i]; }
+    }
+    return steps;
+}"""
+    fall = compiled_c(text, tmp_path).fall
+    found, tau = function(robot("puma560"), "forward_dynamics"), np.zeros(6)
+    states = [[np.full(6, 0.3), np.zeros(6)] for _ in range(2)]
+    at = [ctypes.c_void_p(x.ctypes.data) for x in (*states[0], tau)]
+    assert fall(ctypes.c_void_p(found.address), *at, 100, ctypes.c_double(1e-3)) == 100
+    q, qd = states[1]
+    for _ in range(100):
+        qd += 1e-3 * found(q, qd, tau)
+        q += 1e-3 * qd
+    assert worst(states[0], states[1]) <= 1e-12
+    states[0][0][:] = 1e9
+    assert fall(ctypes.c_void_p(found.address), *at, 100, ctypes.c_double(1e-3)) == 0
 
 
 def test_called_by_threads_at_once():

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import math
+
 import mpmath
 import numpy as np
 import pytest
 from helpers.independent_dynamics import torques_of
-from helpers.oracles import EPS, random_state, run, worst
-from helpers.small_robots import body_numbers, built, chain, joint, link, random_tree
+from helpers.oracles import EPS, random_state, reference, run, worst
+from helpers.small_robots import body_numbers, built, chain, joint, link, random_tree, random_tree_parts, urdf
 
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan, applied, loads
+from robodyn.programs.vectors import rotation_from_rpy
+from robodyn.robot.load import load
 from robodyn.scene.scene import Scene
 
 
@@ -68,6 +72,16 @@ def test_mass_ratios_of_twenty_four_decades():
             assert np.max(np.abs(found - expected) / np.abs(expected)) <= 1e-12
 
 
+@pytest.mark.parametrize(
+    "n", [4, 5, 6, 8, 10, 15, 20, 30, 50, *(pytest.param(n, marks=pytest.mark.slow) for n in (75, 100))]
+)
+def test_condition_of_the_mass_matrix_of_equal_links(n):
+    cond = np.linalg.cond(mass_matrix(chain(n), np.zeros(n)))
+    assert abs(cond / (4 * n**4) - 1) <= 0.09
+    printed = dict(row[:2] for row in reference("cond")["cond_q0"]["chain planar"])
+    assert abs(cond / printed[n] - 1) <= 1e-6
+
+
 @pytest.mark.parametrize("scale", [1e-8, 1e-4, 1e4, 1e75, 1e150])
 def test_scales_of_speed(scale):
     """Without gravity tau(q, s qd, s^2 qdd) = s^2 tau(q, qd, qdd)."""
@@ -95,6 +109,38 @@ def test_scales_of_mass_and_length(scale):
     np.testing.assert_array_equal(tau * scale, inverse_dynamics(robot(1, 1), *state, scene=weightless))
 
 
+@pytest.mark.parametrize("place", [(1e6, 0, 0), (-7e5, 3e5, 1e6)])
+def test_a_base_a_thousand_kilometres_away(place):
+    """A world link carries the robot by a fixed joint: not one bit of tau changes."""
+    parts = random_tree_parts(np.random.default_rng(47), 8)
+    here = load(urdf(link("world"), *parts, joint("mount", "world", "l0", "fixed")))
+    there = load(urdf(link("world"), *parts, joint("mount", "world", "l0", "fixed", xyz=place)))
+    free, state = load(urdf(*parts), moving_base=True), _states(here, 48)
+    np.testing.assert_array_equal(inverse_dynamics(there, *state), inverse_dynamics(here, *state))
+    q, qd, qdd = random_state(free, np.random.default_rng(49), 5)
+    away = q.copy()
+    away[:, :3] = place
+    np.testing.assert_array_equal(inverse_dynamics(free, away, qd, qdd), inverse_dynamics(free, q, qd, qdd))
+
+
+def test_reversed_axes():
+    """tau(-axis, -q) = -tau(axis, q), joint by joint."""
+    parts = random_tree_parts(np.random.default_rng(50), 7, kinds=("revolute", "prismatic"))
+    model = load(urdf(*parts))
+    state = _states(model, 51)
+    for k, name in enumerate(model.joint_names):
+        flipped = load(urdf(*(_flipped(part) if f'joint name="{name}"' in part else part for part in parts)))
+        sign = np.where(np.arange(model.n) == k, -1.0, 1.0)
+        tau = inverse_dynamics(flipped, *(sign * x for x in state))
+        assert worst(sign * tau, inverse_dynamics(model, *state)) <= 8 * EPS
+
+
+def _flipped(part):
+    before, _, rest = part.partition('<axis xyz="')
+    axis, _, after = rest.partition('"')
+    return f'{before}<axis xyz="{" ".join(repr(-float(x)) for x in axis.split())}"{after}'
+
+
 def test_non_unit_axes_are_normalised_with_a_note():
     arm = link("arm", 2, (0.5, 0.1, 0.2), (0.1, 0, 0, 0.2, 0, 0.3))
     for axis in ((0, 3, 4), (0, 3e-200, 4e-200), (0, 3e29, 4e29)):
@@ -105,10 +151,17 @@ def test_non_unit_axes_are_normalised_with_a_note():
     assert not unit.notes
 
 
-def test_massless_links_between_joints():
+def _with_massless(joints):
     """A heavy tip behind three joints, two of which carry nothing."""
     parts = [link("l0"), link("l1"), link("l2"), link("l3", 1, (0, 0.5, 0), (1, 0, 0, 1, 0, 1))]
-    model = built(*parts, *(joint(f"j{i}", f"l{i}", f"l{i + 1}", axis=np.roll((0, 0, 1), -i)) for i in range(3)))
+    return built(*parts, *joints)
+
+
+def test_massless_links_between_joints():
+    axes = {"j1": (0, 0, 1), "j2": (0, 1, 0), "j3": (1, 0, 0)}
+    model = _with_massless(
+        [joint(name, f"l{i}", f"l{i + 1}", axis=axis) for i, (name, axis) in enumerate(axes.items())]
+    )
     state = _states(model, 52)
     with mpmath.workdps(50):
         expected = [[float(x) for x in torques_of(model, *row)] for row in zip(*state, strict=True)]
@@ -142,3 +195,26 @@ def test_negative_mass_is_computed_and_noted():
     model = built(link("base"), link("arm", -2, (0.5, 0, 0)), joint("j", "base", "arm", axis=(0, 1, 0)))
     assert any("mass" in note for note in model.notes)
     assert inverse_dynamics(model, [0.0], [0.0], [0.0])[0] == 2 * 9.81 * 0.5
+
+
+def test_physical_robots_have_no_such_note():
+    assert not random_tree(54).notes
+
+
+@pytest.mark.parametrize("pitch", [math.pi / 2, -math.pi / 2, math.nextafter(math.pi / 2, 0), 1.5707963])
+def test_a_joint_frame_at_the_gimbal(pitch):
+    """Where roll and yaw turn about the same axis; no angle is ever recovered from the matrix."""
+    R = rotation_from_rpy(0.3, pitch, 0.7)
+    with mpmath.workdps(40):
+        expected = [[float(x) for x in row] for row in _rpy(0.3, pitch, 0.7)]
+    assert worst(R, expected) <= 4 * EPS
+    assert worst(R @ R.T, np.eye(3)) <= 4 * EPS
+
+
+def _rpy(roll, pitch, yaw):
+    cr, sr, cp, sp, cy, sy = (f(mpmath.mpf(x)) for x in (roll, pitch, yaw) for f in (mpmath.cos, mpmath.sin))
+    return [
+        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+        [-sp, cp * sr, cp * cr],
+    ]

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import replace
 from decimal import Decimal
+from itertools import combinations
 
 import numpy as np
 import pytest
 from helpers.oracles import frictionless, golden_model, reference, robot, run, worst
 from helpers.robot_files import FOLDER
+from helpers.small_robots import built, joint, link
 
 from robodyn.dynamics.effects import rigid_bodies
 from robodyn.dynamics.inverse import bias_forces, inverse_dynamics
-from robodyn.dynamics.mass import coriolis_matrix, mass_matrix
+from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.scene.parts import ExternalWrench, Payload
 from robodyn.scene.read import load_scene
@@ -89,8 +92,19 @@ def test_acceleration_of_given_torques():
 
 
 def test_coriolis_matrix():
-    C = coriolis_matrix(MODEL, QN, [1.0, 2, 3, 1, 2, 3], scene=SMOOTH)
+    """Built from the Coriolis share of unit speeds as the Robotics Toolbox builds it: c is quadratic in qd."""
+    qd = np.array([1.0, 2, 3, 1, 2, 3])
+    plan, still = Plan(MODEL, SMOOTH), np.zeros(6)
+    share = plan.share(rigid_bodies.CORIOLIS)
+    squares = np.array([run(share, plan, QN, unit, still)[0] for unit in np.eye(6)])
+    C = squares.T * qd
+    for j, k in combinations(range(6), 2):
+        mixed = run(share, plan, QN, np.eye(6)[j] + np.eye(6)[k], still)[0] - squares[j] - squares[k]
+        C[:, j] += mixed * qd[k] / 2
+        C[:, k] += mixed * qd[j] / 2
     assert _agrees(C, PRINTED["coriolis(qn,qd=[1,2,3,1,2,3])"])
+    speed = run(share, plan, QN, qd, still)[0]
+    assert worst(C @ qd, speed) <= 1e-14
 
 
 def test_payload():
@@ -173,3 +187,100 @@ class TestModernRobotics:
         push = 1.3 * error + 1.2 * (0.2 + error) + 1.1 * (np.array([2, 1.2, 2]) - rate) + 0.1
         tau = inverse_dynamics(self.model, self.ours("q"), self.ours("qd"), self.stretch * push, scene=self.weight)
         assert self.printed("ComputedTorque", self.stretch * tau)
+
+
+AXES = {key: value for key, value in OTHERS_PRINTED["negative_and_oblique_axis"].items() if key.startswith("(")}
+
+
+def _arm(axis):
+    return built(
+        link("base"), link("arm", 2, (0.5, 0, 0), (0.1, 0, 0, 0.1, 0, 0.1)), joint("j", "base", "arm", axis=axis)
+    )
+
+
+@pytest.mark.parametrize("axis", AXES)
+def test_negative_and_oblique_axes(axis):
+    direction = json.loads(axis.replace("(", "[").replace(")", "]"))
+    tau = inverse_dynamics(_arm(direction), 0.3, 0, 0)
+    assert abs(tau[0] - AXES[axis]) <= 1e-8
+    long = inverse_dynamics(_arm(7.3 * np.array(direction)), 0.3, 0, 0)
+    assert worst(long, tau) <= 4e-16
+
+
+def test_one_joint_with_friction():
+    printed = OTHERS_PRINTED["effects_one_joint"]
+    model = built(
+        link("base"),
+        link("l1", 2, (0.5, 0, 0)),
+        link("l2", 1, (0.5, 0, 0)),
+        joint("j1", "base", "l1", axis=(0, 1, 0), more='<dynamics damping="3" friction="5"/>'),
+        joint("j2", "l1", "l2", axis=(0, 1, 0), xyz=(1, 0, 0)),
+    )
+    state = [0, 0], [1, 0], [0, 0]
+    assert worst(inverse_dynamics(model, *state, scene=frictionless(model)), printed["bias"]) <= 1e-15
+    assert worst(inverse_dynamics(model, *state), printed["mujoco_qfrc_inverse"]) <= 1e-15
+
+
+UNIT = (1, 0, 0, 1, 0, 1)
+
+
+def _rbdl_tree():
+    return built(
+        link("base"),
+        *(link(f"l{i}", 1, com, UNIT) for i, com in enumerate([(1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 1, 0), (0, 0, 1)])),
+        joint("j0", "base", "l0"),
+        joint("j1", "l0", "l1", axis=(0, 1, 0), xyz=(1, 0, 0)),
+        joint("j2", "l1", "l2", axis=(1, 0, 0), xyz=(0, 1, 0)),
+        joint("j3", "l0", "l3", axis=(0, 1, 0), xyz=(-0.5, 0, 0)),
+        joint("j4", "l3", "l4", axis=(1, 0, 0), xyz=(0, -0.5, 0)),
+    )
+
+
+def _rbdl_chain(n):
+    links = [link(f"l{i}", 1, (1, 0, 0), UNIT) for i in range(n)]
+    joints = [joint(f"j{i}", f"l{i - 1}" if i else "base", f"l{i}", xyz=(float(i > 0), 0, 0)) for i in range(n)]
+    return built(link("base"), *links, *joints)
+
+
+def _rbdl_massless():
+    return built(
+        link("base"),
+        link("l0"),
+        link("l1"),
+        link("l2", 1, (0, 0.5, 0), UNIT),
+        joint("j0", "base", "l0"),
+        joint("j1", "l0", "l1", axis=(0, 1, 0)),
+        joint("j2", "l1", "l2", axis=(1, 0, 0)),
+    )
+
+
+RBDL = {
+    "single com(1,0,0) axis z": (lambda: _rbdl_chain(1), [0]),
+    "single com(1.5,1,1) I_C=diag(1,2,3)": (
+        lambda: built(link("base"), link("l", 1, (1.5, 1, 1), (1, 0, 0, 2, 0, 3)), joint("j", "base", "l")),
+        [0],
+    ),
+    "double chain x-offset 1": (lambda: _rbdl_chain(2), [0, 0]),
+    "triple chain": (lambda: _rbdl_chain(3), [0, 0, 0]),
+    "double 3D: z then y, com2 (0,1,0)": (
+        lambda: built(
+            link("base"),
+            link("l0", 1, (1, 0, 0), UNIT),
+            link("l1", 1, (0, 1, 0), UNIT),
+            joint("j0", "base", "l0"),
+            joint("j1", "l0", "l1", axis=(0, 1, 0), xyz=(1, 0, 0)),
+        ),
+        [0, 0],
+    ),
+    "tree: z; (y@+x1 com y, x@+y1 com z); (y@-0.5x com y, x@-0.5y com z)": (_rbdl_tree, [0] * 5),
+    "massless intermediates z,y,x; body com(0,.5,0); q1=1": (_rbdl_massless, [1, 0, 0]),
+}
+
+
+@pytest.mark.parametrize("key", RBDL)
+def test_no_torque_at_the_accelerations_of_rbdl(key):
+    make, q = RBDL[key]
+    model, down = make(), Scene(gravity=(0, -g, 0))
+    qdd = OTHERS_PRINTED["rbdl_forward_dynamics"][key]
+    tau = inverse_dynamics(model, q, 0, qdd, scene=down)
+    assert worst(tau, np.zeros(model.n), np.abs(inverse_dynamics(model, q, 0, 0, scene=down)).max()) <= 1e-13

@@ -131,8 +131,66 @@ def runner(kind: str, rows: int, points: int) -> Runner:
 
 ENOUGH = 1e-4
 """The part of what a step promises that the function must fall by (Armijo)."""
-SHORTER = 0.3
-"""Where it does not, the next look is at this part of the length."""
+FLATTER = 0.5
+"""The slope where a search ends is at most this part of that where it began (Wolfe)."""
+NARROW = 0.1
+"""A search also ends where this part of the length is left, as at kinks of the slope."""
+MARGIN = 0.1
+"""The part of what is left that each look at least takes away."""
+
+TOWARDS = 0.2
+"""Where to look between the ends once the same one has moved twice."""
+
+
+class Search(NamedTuple):
+    """Of each sample (N,): the length to look at, the ends between which the slope is 0, and the slopes there.
+
+    Attributes:
+        slope: where the step begins.
+        side: the end that moved last, 1 or -1; 0: none has.
+    """
+
+    slope: Floats
+    length: Floats
+    low: Floats
+    high: Floats
+    slope_low: Floats
+    slope_high: Floats
+    side: Any
+
+
+def begun(slope: Floats) -> Search:
+    """Return the search along steps of length 1 that begin with these slopes."""
+    zero, one = np.zeros_like(slope), np.ones_like(slope)
+    return Search(slope, one, zero, one, slope, zero, zero)
+
+
+def ended(search: Search, slope: Floats, fall: Floats) -> Any:
+    """Return whether to go no further than to where the function is less by `fall` and has this slope."""
+    flat = np.abs(slope) <= FLATTER * np.abs(search.slope)
+    narrow = search.high - search.low <= NARROW * search.length
+    return lower(search, fall) & (flat | narrow | (search.length == 1.0))
+
+
+def lower(search: Search, fall: Floats) -> Any:
+    """Return whether the function fell by enough."""
+    return fall >= ENOUGH * search.length * np.abs(search.slope)
+
+
+def narrowed(search: Search, slope: Floats, fall: Floats) -> Search:
+    """Return the search after such a look: where a line between the slopes is 0, or nearer to an end that stays."""
+    right = (slope >= 0.0) | ~lower(search, fall)
+    side = np.where(right, 1.0, -1.0)
+    low, high = np.where(right, search.low, search.length), np.where(right, search.length, search.high)
+    slope_low, slope_high = np.where(right, search.slope_low, slope), np.where(right, slope, search.slope_high)
+    left = high - low
+    with np.errstate(all="ignore"):
+        zero = np.nan_to_num(low + left * slope_low / (slope_low - slope_high), nan=0.0)
+    length = np.clip(zero, low + MARGIN * left, high - MARGIN * left)
+    length = np.where(side == search.side, low + TOWARDS * left, length)
+    return Search(search.slope, length, low, high, slope_low, slope_high, side)
+
+
 HARDEST = 1e-12
 """The least rho; that of the first look, where cones do not matter."""
 SOFTNESS = np.array((1e-2, 1e-4, 1e-6))
@@ -152,7 +210,7 @@ NOISE = 4e-15
 """Of |nu|: likewise."""
 SHORTEST = 1e-10
 """A part of a step that is lost in rounding."""
-STEPS = 400
+STEPS = 200
 """So many looks of a sample are enough; of random ones all but one in a hundred take fewer than 40."""
 KEPT = 0.7
 """Samples that are done go on with the others until no more than this part is left."""
@@ -217,8 +275,8 @@ class _State(NamedTuple):
 
     Attributes:
         sample: (N,). stage: (N,), place in SOFTNESS, or more.
-        at, centre, step: (R, N), nu, c and the step that is searched along; length: (N,) the part of it to look at.
-        value, gradient, slope, residual: (N,), psi, |its gradient|, that along the step, and |b - G f| at nu.
+        at, centre, step: (R, N), nu, c and the step that is searched along.
+        value, gradient, residual: (N,), psi, |its gradient| and |b - G f| at nu.
         best: (N,), the residual where the stage began. soft: (R, N), nu at the end of the last stage of SOFTNESS.
     """
 
@@ -227,10 +285,8 @@ class _State(NamedTuple):
     at: Floats
     centre: Floats
     step: Floats
-    length: Floats
     value: Floats
     gradient: Floats
-    slope: Floats
     residual: Floats
     best: Floats
     soft: Floats
@@ -238,66 +294,64 @@ class _State(NamedTuple):
     @property
     def rho(self) -> Floats:
         later = np.maximum(self.stage - LAST, 0)
-        return np.asarray(np.maximum(SOFTNESS[np.minimum(self.stage, LAST)] * SHRINK**later, HARDEST))
-
-    @property
-    def found(self) -> Floats:
-        """nu, where nothing balances that of the last stage of SOFTNESS."""
-        return np.where((self.stage > LAST) & (self.residual > FEASIBLE), self.soft, self.at)
+        found: Floats = np.maximum(SOFTNESS[np.minimum(self.stage, LAST)] * SHRINK**later, HARDEST)
+        return found
 
 
 def _least(cones: Cones, nu: Floats, run: Callable[..., Floats]) -> Floats:
     """Return nu (R, N) of samples that need friction or would pull, from a guess."""
     R, N = cones.b.shape
-    zero, infinite = np.zeros((R, N)), np.full(N, np.inf)
-    found, part, going = np.zeros((R, N)), cones, np.ones(N, dtype=bool)
-    state = _State(
-        sample=np.arange(N), stage=np.zeros(N, dtype=int), at=nu, centre=zero, step=zero, length=np.ones(N),
-        value=infinite, gradient=infinite, slope=np.zeros(N), residual=infinite, best=infinite, soft=zero,
-    )  # fmt: skip
+    zero, none, infinite = np.zeros((R, N)), np.zeros(N), np.full(N, np.inf)
+    found, part = np.zeros((R, N)), cones
+    state = _State(np.arange(N), np.zeros(N, dtype=int), nu, zero, zero, infinite, infinite, infinite, infinite, zero)
+    search, going = begun(none), np.ones(N, dtype=bool)
     for _ in range(STEPS):
-        trial = state.at + state.length * state.step
+        trial = state.at + search.length * state.step
         out = run("step", part, nu=trial, centre=state.centre, rho=state.rho)
-        state, done = _next_stage(_looked(state, trial, out))
+        state, search = _looked(state, search, trial, out)
+        state, search, done = _next_stage(state, search)
         done &= going
         if done.any():
-            found[:, state.sample[done]] = state.found[:, done]
+            found[:, state.sample[done]] = _final(state)[:, done]
             going &= ~done
         if np.count_nonzero(going) <= KEPT * len(going):
             if not going.any():
                 return found
-            part, state = part.chosen(going), _State(*(each[..., going] for each in state))
+            part, search = part.chosen(going), Search(*(each[going] for each in search))
+            state = _State(*(each[..., going] for each in state))
             going = going[going]
-    found[:, state.sample[going]] = state.found[:, going]
+    found[:, state.sample[going]] = _final(state)[:, going]
     return found
 
 
-def _looked(state: _State, trial: Floats, out: Floats) -> _State:
-    """Return the state at the trials that are low or flat enough, with new steps; others look nearer."""
+def _final(state: _State) -> Floats:
+    lost = (state.stage > LAST) & (state.residual > FEASIBLE)
+    return np.where(lost, state.soft, state.at)
+
+
+def _looked(state: _State, search: Search, trial: Floats, out: Floats) -> tuple[_State, Search]:
+    """Return the state at the trials that end their searches, with new steps; the others look elsewhere."""
     R = len(trial)
     value, down, ahead = out[0], out[1 : 1 + R], out[1 + R :]
-    gradient = _size(down)
+    gradient, slope = _size(down), -_dot(down, state.step)
     with np.errstate(invalid="ignore"):
-        low = state.value - value >= ENOUGH * state.length * np.abs(state.slope)
-    good = low | (gradient <= 0.5 * state.gradient)
-    residual = _size(down + state.rho * (trial - state.centre))
-    slope, one = -_dot(down, ahead), np.ones_like(value)
-    reached = state._replace(
-        at=trial, step=ahead, length=one, value=value, gradient=gradient, slope=slope, residual=residual
-    )
-    stayed = state._replace(length=SHORTER * state.length)
-    return _State(*(x if x is y else np.where(good, x, y) for x, y in zip(reached, stayed, strict=True)))
+        good = ended(search, slope, state.value - value) | (gradient <= 0.5 * state.gradient)
+        again, new = narrowed(search, slope, state.value - value), begun(-_dot(down, ahead))
+    search = Search(*_where(good, new, again))
+    rest = down + state.rho * (trial - state.centre)
+    reached = state._replace(at=trial, step=ahead, value=value, gradient=gradient, residual=_size(rest))
+    return _State(*_where(good, reached, state)), search
 
 
-def _next_stage(state: _State) -> tuple[_State, Any]:
+def _next_stage(state: _State, search: Search) -> tuple[_State, Search, Any]:
     """Return the samples whose stage has ended in the next one, and which are done."""
     noise = np.maximum(ROUNDING, NOISE * _size(state.at))
     near = np.maximum(noise, NEAR[np.minimum(state.stage, LAST + 1)] * state.residual)
-    over = ((state.length == 1.0) & (state.gradient <= near)) | (state.length < SHORTEST)
+    over = ((search.length == 1.0) & (state.gradient <= near)) | (search.high - search.low < SHORTEST)
     done = over & (state.stage > LAST) & ((state.residual <= noise) | (state.residual > HALT * state.best))
     follows = over & (state.stage >= LAST)
     if not over.any():
-        return state, done
+        return state, search, done
     state = state._replace(
         stage=state.stage + over,
         centre=np.where(follows, state.at, state.centre),
@@ -305,11 +359,13 @@ def _next_stage(state: _State) -> tuple[_State, Any]:
         best=np.where(follows, state.residual, state.best),
         value=np.where(over, np.inf, state.value),
         gradient=np.where(over, np.inf, state.gradient),
-        slope=np.where(over, 0.0, state.slope),
-        length=np.where(over, 1.0, state.length),
         step=np.where(over, 0.0, state.step),
     )
-    return state, done
+    return state, Search(*_where(over, begun(np.zeros(len(over))), search)), done
+
+
+def _where(good: Any, ones: Iterable[Any], others: Iterable[Any]) -> list[Any]:
+    return [x if x is y else np.where(good, x, y) for x, y in zip(ones, others, strict=True)]
 
 
 def _dot(x: Floats, y: Floats) -> Floats:
