@@ -42,8 +42,8 @@ def in_a_checkout(code: str, folder: Path) -> subprocess.CompletedProcess[str]:
     [
         (
             "pytest",
-            ["tests/cli/test_core_only.py", "--collect-only", "-p", "no:cacheprovider"],
-            "test_the_core_suffices",
+            ["tests/cli/test_bad_calls.py", "--collect-only", "-p", "no:cacheprovider"],
+            "test_call",
         ),
         ("robodyn", ["info", "robots/scara.urdf"], "robot 'scara'"),
     ],

@@ -171,6 +171,11 @@ class ClosedChain:
             longest = np.maximum(longest, np.sqrt([sum(x * x for x in column) for column in columns]))
         return longest
 
+    def resisting(self) -> ClosedChain:
+        """This chain; InputError where nothing resists a joint."""
+        assert len(self.sizes) == self.count
+        return self
+
     def sample(self, q: Sequence[Scalar], qd: Sequence[Scalar] | None = None) -> Sample:
         """A sample without accelerations, and without speeds if there are none."""
         nothing = (0.0,) * self.model.n

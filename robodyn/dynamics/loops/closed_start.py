@@ -40,7 +40,7 @@ def closed_start(plan: Plan, state: Floats) -> Floats:
 
     Accuracy: 1e-13 m or rad, for links of up to a metre.
     """
-    chain = closed_chain(plan)
+    chain = closed_chain(plan).resisting()
     model, scene = plan.model, plan.scene
     q, qd = state[: model.nq], state[model.nq : model.nq + model.n]
     closed = _keeping(_rates_of(model, scene.initial_q), lambda kept: closed_by(chain, q, _others(model.n, kept)))
@@ -211,7 +211,7 @@ def independent_equations(plan: Plan) -> ClosedChain:
     Steps leave the loops by a little, and there such equations contradict each other. Where the rank is less at the
     start alone, as for four-bars that lie flat, all are kept.
     """
-    chain = closed_chain(plan)
+    chain = closed_chain(plan).resisting()
     try:
         begun = closed_start(plan, initial_state(plan.model, plan.scene))[: plan.model.nq]
     except InputError:

@@ -219,7 +219,7 @@ def compared(system: System, a: Floats, reactions: Floats, qdd: Floats, wrenches
     """
     model, scene, sample = system.model, system.scene, system.sample
     if scene.loops:
-        chain = closed_chain(plan(model, scene))
+        chain = closed_chain(plan(model, scene)).resisting()
         closed = replace(sample, model=chain.model)
         found, _ = chain.accelerations(
             closed, applied(bias_plan(model, scene).effects, closed, scene), list(system.tau)
