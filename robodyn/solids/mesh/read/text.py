@@ -33,12 +33,13 @@ def lines(source: Source, start: int = 0) -> Iterator[tuple[int, bytes]]:
     before = data[:start]
     first = len(before.splitlines()) + (before[-1:] in (b"", b"\n", b"\r"))
     found = data[start:].removeprefix(b"" if start else _MARK).splitlines()
-    return enumerate(_checked(source, found), first)
+    return enumerate(_checked(source, found, first), first)
 
 
-def _checked(source: Source, found: list[bytes]) -> list[bytes]:
+def _checked(source: Source, found: list[bytes], first: int = 1) -> list[bytes]:
     if source.size > _LONGEST_LINE and max(map(len, found)) > _LONGEST_LINE:
-        raise source.error("a line longer than 16 MB", remedy="is it the text of a mesh?")
+        line = next(number for number, text in enumerate(found, first) if len(text) > _LONGEST_LINE)
+        raise source.error("a line longer than 16 MB", remedy="is it the text of a mesh?", line=line)
     return found
 
 
