@@ -74,6 +74,11 @@ class JointUse:
     velocity_limit: float | None
     seconds_over_velocity: float
 
+    @property
+    def exceeded(self) -> tuple[Excess, ...]:
+        """The limits that it exceeds."""
+        return tuple(reached_beyond(self))
+
 
 @dataclass(frozen=True, eq=False)
 class Simulation:
@@ -134,7 +139,7 @@ class Simulation:
     @property
     def exceeded(self) -> tuple[Excess, ...]:
         """Every limit of speed and effort that the motion exceeds."""
-        return tuple(excess for joint in self.joints for excess in reached_beyond(joint))
+        return tuple(excess for joint in self.joints for excess in joint.exceeded)
 
     @cached_property
     def limits(self) -> tuple[Coverage, ...]:

@@ -103,3 +103,15 @@ def test_blocks_of_a_trajectory_share_what_all_so_far_have_in_common(model):
     result = robodyn.torques(model, Pieces(trajectory, [10] * 40))
     assert accumulate._loads.cache_info().misses - before <= 3
     assert result.operations == robodyn.torques(model, trajectory).operations
+
+
+@pytest.mark.parametrize("executor", ["numpy", pytest.param("compiled", marks=needs_compiler)])
+def test_results_do_not_depend_on_patterns_seen_before(executor, model):
+    """Nor on whether columns of zeros stand alone or among others."""
+    fresh = robodyn.load(ROBOTS / "puma560.urdf")
+    states = [_state(moves) for moves in PATTERNS]
+    warm = [robodyn.inverse_dynamics(model, *state, executor=executor) for state in states]
+    for state, found in list(zip(states, warm, strict=True))[::-13]:
+        np.testing.assert_array_equal(robodyn.inverse_dynamics(fresh, *state, executor=executor), found)
+    together = robodyn.inverse_dynamics(model, *np.concatenate(states, axis=1), executor=executor)
+    np.testing.assert_array_equal(together, np.concatenate(warm))

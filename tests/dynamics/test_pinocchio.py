@@ -107,3 +107,16 @@ def test_joints_that_nothing_resists_are_named(name, moving_base):
     with pytest.raises(InputError, match=f'joint "{MASSLESS[name]}" moves nothing that has inertia'):
         forward_dynamics(model, q, qd, tau)
     assert not mass_matrix(model, q)[0, model.rates.index(MASSLESS[name])].any()
+
+
+def test_base_wrench_of_a_fixed_base():
+    path = path_of("talos_reduced")
+    model, _, (q, qd, qdd) = _pair(path, False)
+    plan = Plan(model, frictionless(model))
+    base = run(plan.wrenches(), plan, q, qd, qdd)[:, model.n :]
+    free = load(path, moving_base=True)
+    still = np.zeros((SAMPLES, 6))
+    pose = np.tile([0.0, 0, 0, 0, 0, 0, 1], (SAMPLES, 1))
+    state = np.hstack((pose, q)), np.hstack((still, qd)), np.hstack((still, qdd))
+    tau = PinocchioRobot(path, free=True).torques(free, *state)
+    assert worst(base, tau[:, [3, 4, 5, 0, 1, 2]]) <= TOLERANCE

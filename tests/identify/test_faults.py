@@ -261,3 +261,18 @@ def test_a_joint_at_rest_has_no_friction(tmp_path):
     assert log.noisy
     assert not evidence.own[at > 13.0, :, 1].any()
     assert (np.abs(evidence.own[at < 9.0, :, 1]) > 0.5).mean() > 0.5
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["white", "band"])
+def test_intervals_hold_the_truth(bench, kind):
+    """Of 95 % intervals of all parameters, with a payload and a gain, 93 to 97 % hold the truth."""
+    faults = [("payload", None, 0.0), ("coulomb", 1, bench.size("coulomb", 1)), ("gain", 2, 0.2)]
+    truth, tau = bench.truth(faults), bench.injected(faults)
+    rng, inside = np.random.default_rng(8), []
+    for _ in range(25):
+        found = explain(bench.evidence(tau + bench.noise(rng, kind)))
+        told = sorted(found.told)
+        errors = np.sqrt(np.diag(found.covariance))[told]
+        inside.append(np.abs(found.theta - truth)[told] <= 1.96 * errors)
+    assert 0.93 <= np.mean(np.concatenate(inside)) <= 0.97

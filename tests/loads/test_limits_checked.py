@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
+from helpers.batch_runs import write_motion
 from helpers.command_line import ARM, motion, run
 
 from robodyn.report.limits import unchecked_words, verdict_on_limits
@@ -128,3 +129,20 @@ def test_within_limits_has_three_values(text: str, within: bool | None, tmp_path
     files = arm(tmp_path, text)
     assert json.loads(run("torques", *files, "--format", "json").out)["within_limits"] is within
     assert run("torques", *files, "--fail-on-limits").status == (within is False)
+
+
+def test_batches_say_what_was_not_checked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("arm.urdf").write_text(ARM.replace('effort="50"', 'effort="0"'))
+    for name in ("one", "two"):
+        write_motion(Path(f"runs/{name}.csv"))
+    call = ("torques", "arm.urdf", "runs/*.csv", "--out", "results/", "--jobs", "1", "--executor", "numpy")
+    call += ("--fail-on-limits",)
+    outcome = run(*call)
+    assert outcome.status == 0, outcome.err
+    assert outcome.out.endswith(f"\n{NO_EFFORT}\nNo limit is exceeded where there is one.\n")
+    found = json.loads(run(*call, "--format", "json").out)  # finished before: from the documents
+    assert found["finished_before"] == 2
+    assert found["within_limits"] is None
+    assert [each["within_limits"] for each in found["files"]] == [None, None]
+    assert [one["joint"] for one in found["files"][0]["limits"]["effort"]["unchecked"]] == ["shoulder", "elbow"]

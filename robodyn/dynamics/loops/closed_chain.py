@@ -173,7 +173,7 @@ class ClosedChain:
 
     def resisting(self) -> ClosedChain:
         """This chain; InputError where nothing resists a joint."""
-        assert len(self.sizes) == self.count
+        _ = self.sizes
         return self
 
     def sample(self, q: Sequence[Scalar], qd: Sequence[Scalar] | None = None) -> Sample:

@@ -1,1 +1,1 @@
-"""What the columns of a table mean: names, units and time; `layout.py` is the door."""
+"""What the columns of a table mean: names, units and time. `resolve` in `layout.py` is the door."""

@@ -14,13 +14,39 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
+from robodyn.errors import MeshError
 from robodyn.solids.mesh.read.source import Source
 from robodyn.solids.mesh.triangles import IndexedTriangles, MemoryTriangles, polygon_triangles
 
 _LONGEST_LINE = 1 << 24
 _MARK = b"\xef\xbb\xbf"
 _HEAD = 1 << 16
+_READ = 1 << 18
 TRUNCATED = "the file is cut short: get it again"
+
+
+def _parts(source: Source, start: int = 0) -> Iterator[tuple[int, bytes]]:
+    """Whole lines of a file from a byte on, some hundred kB at a time, with the number of the first.
+
+    Raises:
+        MeshError: a line is longer than 16 MB.
+    """
+    with source.opened() as stream:
+        before = stream.read(start)
+        number = len(before.splitlines()) + (before[-1:] in (b"", b"\n", b"\r"))
+        rest = b""
+        while data := stream.read(_READ):
+            text = rest + data
+            if number == 1 and text.startswith(_MARK):
+                text = text[len(_MARK) :]
+            end = text.rfind(b"\n") + 1 or text.rfind(b"\r", 0, -1) + 1
+            rest = text[end:]
+            if end:
+                yield number, text[:end]
+                number += len(text[:end].splitlines())
+            if len(rest) > _LONGEST_LINE:
+                raise _too_long(source, number)
+        yield number, rest
 
 
 def lines(source: Source, start: int = 0) -> Iterator[tuple[int, bytes]]:
@@ -29,18 +55,12 @@ def lines(source: Source, start: int = 0) -> Iterator[tuple[int, bytes]]:
     Raises:
         MeshError: one is longer than 16 MB.
     """
-    data = source.data()
-    before = data[:start]
-    first = len(before.splitlines()) + (before[-1:] in (b"", b"\n", b"\r"))
-    found = data[start:].removeprefix(b"" if start else _MARK).splitlines()
-    return enumerate(_checked(source, found, first), first)
+    for first, text in _parts(source, start):
+        yield from enumerate(text.splitlines(), first)
 
 
-def _checked(source: Source, found: list[bytes], first: int = 1) -> list[bytes]:
-    if source.size > _LONGEST_LINE and max(map(len, found)) > _LONGEST_LINE:
-        line = next(number for number, text in enumerate(found, first) if len(text) > _LONGEST_LINE)
-        raise source.error("a line longer than 16 MB", remedy="is it the text of a mesh?", line=line)
-    return found
+def _too_long(source: Source, line: int) -> MeshError:
+    return source.error("a line longer than 16 MB", remedy="is it the text of a mesh?", line=line)
 
 
 def number(source: Source, line: int, word: bytes) -> float:
@@ -92,7 +112,8 @@ def significand_of(coordinates: array[float]) -> int:
     Numbers of fewer than 5 digits are taken as exact, as in a box drawn by hand: 53. Up to 9 digits are what programs
     write for float32: at most 24.
     """
-    some = coordinates[:: len(coordinates) // _SAMPLE + 1]
+    step = len(coordinates) // _SAMPLE + 1
+    some = coordinates[:: step + (step % 3 == 0)]  # x, y and z in turn
     digits = max((len(repr(x).partition("e")[0].replace(".", "").strip("-0")) for x in some), default=0)
     if not _EXACT <= digits < _FLOAT64:
         return 53
@@ -181,8 +202,13 @@ def read_obj(source: Source, scale: float, notes: tuple[str, ...]) -> IndexedTri
     found = _Polygons(source)
     given = source.data().removeprefix(_MARK).replace(b"\r\n", b"\n").replace(b"\r", b"\n") + b"\n"
     text = _CONTINUED.sub(rb"\1  ", given) if b"\\\n" in given else given  # as long, so that places are the same
-    if len(text) > _LONGEST_LINE:
-        _checked(source, text.split(b"\n"))
+    text += b"\n"
+    at = 0
+    while at + _LONGEST_LINE < len(text):
+        end = text.rfind(b"\n", at, at + _LONGEST_LINE + 1) + 1
+        if not end:
+            raise _too_long(source, given.count(b"\n", 0, at) + 1)
+        at = end
     line, at = 1, 0
     while at < len(text):
         run = _RUN.match(text, at, at + _PART)

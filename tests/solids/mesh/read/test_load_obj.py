@@ -122,5 +122,16 @@ def test_what_is_wrong_is_told(text, what):
 
 
 def test_a_line_without_end_is_refused():
-    with pytest.raises(MeshError, match="^<bytes>:2: a line longer than 16 MB"):
+    with pytest.raises(MeshError, match=r"^<bytes>:2: a line longer than 16 MB"):
         read(b"v 1 2 3\nf 1 2 3 " + b"1 " * (9 << 20))
+
+
+def test_a_last_line_that_goes_on_nowhere():
+    assert read(TEXT + "f 1 2 3 \\").count == 1
+
+
+@pytest.mark.parametrize("count", [1000, 1025, 1500, 2500, 5000])
+def test_digits_are_told_from_every_coordinate(count):
+    """However many points are looked at, y and z are among the numbers."""
+    points = "".join(f"v {k % 2} {np.sin(k):.6e} {np.cos(k):.6e}\n" for k in range(count))
+    assert read(points + "f 1 2 3\n").significand == 23
