@@ -1,8 +1,8 @@
 """Motions of a robot from files and arrays: the door to this room.
 
-`read_motion` and `motion` say what the robot requires (`signals`; `Signals.find` in `columns/signals.py` tells what a column
-is), open the table by its suffix (`readers/`) and hand it to `reader.py`, which tells the steps of a block.
-`reading.py` is how a person wants it read, `motion.py` what comes out, `write.py` writes tables.
+`read_motion` and `motion` say what the robot requires (`signals`; its `find` in `columns/signals.py` tells a column),
+open the table by its suffix (`readers/`) and hand it to `reader.py`, which tells the steps of a block. `reading.py` is
+how a person wants it read, `motion.py` what comes out, `write.py` writes tables.
 """
 
 from __future__ import annotations

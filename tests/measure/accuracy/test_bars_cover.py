@@ -12,7 +12,7 @@
 | `torques` | what sampling explains of the energy residual | here |
 | `torques --accuracy` | arithmetic, beside the noise above | here |
 | `simulate --accuracy` | expected error | here |
-| `accuracy` | errors of simulated motions, bound of their reference | here |
+| `accuracy` | errors of simulated motions, bound of their reference | `test_simulation_ladder.py` |
 
 Asymmetry, drift, differences of executors and quartiles of times are measured: no bar goes with them.
 """
