@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.command_line import ROBOTS
-from helpers.flywheels import EXAMPLE, SIZING, in_space, swing, wheel, worked_example
-from helpers.oracles import EPS
+from helpers.oracles import EPS, reference
+from helpers.small_robots import built, joint, link
 from scipy.integrate import trapezoid
 
 import robodyn
@@ -16,13 +16,53 @@ from robodyn.errors import SceneError
 from robodyn.loads.motors import allowed
 from robodyn.loads.torques import torques
 from robodyn.scene.parts import Motor, Rotor
+from robodyn.scene.scene import Scene
 from robodyn.support.floats import first_largest
 from robodyn.trajectory.read import motion
+
+SIZING = reference("sizing")
+LIMITS = '<limit lower="-9" upper="9" effort="1000" velocity="100"/>'
+
+
+def wheel(kind="revolute", limits=LIMITS, J=2.0):
+    hinge = joint("j", "base", "wheel", kind).replace(LIMITS, limits)
+    return built(link("base"), link("wheel", J, inertia=(J, 0, 0, J, 0, J)), hinge)
+
+
+def swing(model, n=4001):
+    """q = 0.5 sin(2 pi t) over one cycle."""
+    t = np.linspace(0, 1, n)[:, None]
+    w = 2 * np.pi
+    return motion(model, t[:, 0], 0.5 * np.sin(w * t), 0.5 * w * np.cos(w * t), -0.5 * w * w * np.sin(w * t))
+
+
+def floating_in_space(motor=None, rotor=None):
+    return Scene(
+        gravity=(0.0, 0.0, 0.0), motor={"j": motor} if motor else {}, rotor={"j": rotor} if rotor is not None else {}
+    )
 
 
 def of_swing(motor, rotor=None, kind="revolute"):
     model = wheel(kind)
-    return torques(model, swing(model), in_space(motor, rotor)).sizing.joints[0]
+    return torques(model, swing(model), floating_in_space(motor, rotor)).sizing.joints[0]
+
+
+def test_a_motor_without_gear_does_what_the_joint_does():
+    """J = 2: peak 39.4784, RMS 27.9155, power 62.0126 W, work 19.7392 J per cycle."""
+    expected, found = SIZING["closed_form_test"], of_swing(Motor())
+    motor = found.motor
+    assert abs(abs(motor.peak) / expected["tau_peak"] - 1) <= 4 * EPS
+    assert abs(motor.rms / expected["tau_rms"] - 1) <= 2e-9
+    assert abs(motor.peak_power / expected["power_peak"] - 1) <= 1e-6
+    assert abs(motor.least_power / -expected["power_peak"] - 1) <= 1e-6
+    assert abs(motor.work_positive / expected["positive_work_per_cycle"] - 1) <= 3e-6
+    assert abs(motor.work_positive + motor.work_negative) <= 1e-12 * motor.work_positive
+    assert (motor.peak_time, motor.peak_row) == (0.25, 1001)
+    assert (motor.max_speed, motor.max_speed_time, motor.max_speed_row) == (np.pi, 0.0, 1)
+    assert abs(motor.mean_speed - 2.0) <= 1e-6
+    assert abs(found.mean_speed - 2.0) <= 1e-6
+    assert (motor.inertia_ratio, motor.unit, motor.speed_unit) == (None, "N m", "rad/s")
+    assert (found.static_peak, found.static_rms, found.static_share) == (0, 0, 0)
 
 
 @pytest.mark.parametrize("G", [20.0, -20.0])
@@ -44,7 +84,7 @@ def test_gear_and_efficiency(G):
 def test_the_rotor_counts_once_and_before_the_gear():
     """T = G J qdd + (tau - G^2 J qdd) / (G e^s), and tau itself holds G^2 J qdd."""
     e, G, J_rotor, J = 0.8, 10.0, 0.01, 2.0
-    model, scene = wheel(), in_space(Motor(efficiency=e), Rotor(0.01, 10.0))
+    model, scene = wheel(), floating_in_space(Motor(efficiency=e), Rotor(0.01, 10.0))
     taken = swing(model)
     result = torques(model, taken, scene)
     qd, qdd = taken.qd[:, 0], taken.qdd[:, 0]
@@ -56,11 +96,29 @@ def test_the_rotor_counts_once_and_before_the_gear():
     assert motor.inertia_ratio == pytest.approx(J / (G * G * J_rotor), rel=1e-13)
 
 
+def test_a_lossless_gear_keeps_power_and_work():
+    found = of_swing(Motor(), Rotor(0.01, -37.0))
+    load = torques(wheel(), swing(wheel()), floating_in_space(Motor(), Rotor(0.01, -37.0))).joints[0]
+    for name in ("peak_power", "least_power", "work_positive", "work_negative"):
+        assert getattr(found.motor, name) == pytest.approx(getattr(load, name), rel=1e-13)
+
+
+def worked_example():
+    """150, 82, 130, 0 N m for 0.2, 3, 0.3, 0.2 s at 10, 20, 10, 0 rpm, as a motion of a flywheel."""
+    example = SIZING["harmonic_drive"]["worked_example"]
+    rows = [(T, n * np.pi / 30, t) for T, n, t in zip(*(example[key] for key in ("T", "n", "t")), strict=True)]
+    ends = np.cumsum([0, *(t for *_, t in rows)])
+    time = np.column_stack((ends[:-1] + 1e-9, ends[1:])).ravel()
+    speed, push = (np.repeat([row[k] for row in rows], 2)[:, None] for k in (1, 0))
+    return motion(wheel(), time, 0 * speed, speed, push / 2.0)
+
+
 def test_harmonic_drives_example_against_the_gears_limits():
     """Cubic mean 89.3868 N m, duty cycle 3.5 of 3.7 s, mean speed 17.5676 rpm."""
+    example = SIZING["harmonic_drive"]["worked_example"]
 
     def sized(**gear):
-        return torques(wheel(), worked_example(), in_space(Motor(**gear))).sizing.joints[0]
+        return torques(wheel(), worked_example(), floating_in_space(Motor(**gear))).sizing.joints[0]
 
     joint = sized(gear_average=89.0, gear_peak=140.0)
     peak, mean = joint.exceeded
@@ -71,7 +129,7 @@ def test_harmonic_drives_example_against_the_gears_limits():
     assert (peak.quantity, peak.value, peak.limit, peak.row) == ("gear torque", 150.0, 140.0, 1)
     assert peak.seconds == pytest.approx(0.2, abs=1e-6)
     assert joint.duty_cycle == pytest.approx(3.5 / 3.7, abs=1e-6)
-    assert joint.mean_speed * 30 / np.pi == pytest.approx(EXAMPLE["n_out_av_rpm"], abs=1e-5)
+    assert joint.mean_speed * 30 / np.pi == pytest.approx(example["n_out_av_rpm"], abs=1e-5)
     assert sized(gear_average=89.4, gear_peak=150.0).level == "OK"
     assert sized(gear_average=89.0).level == "over continuous"
 
@@ -116,12 +174,12 @@ def test_peak_curve_and_speed():
 
 def test_limits_of_the_description_are_part_of_the_verdict():
     model = wheel(limits='<limit lower="-9" upper="9" effort="30" velocity="3"/>')
-    joint = torques(model, swing(model), in_space(), sizing=True).sizing.joints[0]
+    joint = torques(model, swing(model), floating_in_space(), sizing=True).sizing.joints[0]
     assert [(x.quantity, x.limit) for x in joint.exceeded] == [("effort", 30.0), ("velocity", 3.0)]
     assert (joint.exceeded[0].time, joint.exceeded[0].row) == (0.25, 1001)
     assert (joint.exceeded[1].time, joint.exceeded[1].row) == (0.0, 1)
     endless = wheel("continuous")
-    assert torques(endless, swing(endless), in_space(), sizing=True).sizing.joints[0].level == "no limits"
+    assert torques(endless, swing(endless), floating_in_space(), sizing=True).sizing.joints[0].level == "no limits"
 
 
 def test_units_of_slides():
@@ -146,7 +204,7 @@ def test_curves():
 def test_one_sample():
     model = wheel()
     at = motion(model, [1.0], [[0.0]], [[0.5]], [[3.0]])
-    joint = torques(model, at, in_space(Motor(continuous=5.0, peak=7.0))).sizing.joints[0]
+    joint = torques(model, at, floating_in_space(Motor(continuous=5.0, peak=7.0))).sizing.joints[0]
     assert (joint.motor.rms, joint.motor.mean_speed, joint.mean_speed, joint.duty_cycle) == (6, 0.5, 0.5, 1)
     assert [x.quantity for x in joint.exceeded] == ["RMS motor torque"]
 
@@ -154,11 +212,11 @@ def test_one_sample():
 def test_without_motors_nothing_is_sized():
     model = wheel()
     taken = swing(model, 11)
-    bare, sized = (torques(model, taken, in_space(), sizing=sizing) for sizing in (None, True))
+    bare, sized = (torques(model, taken, floating_in_space(), sizing=sizing) for sizing in (None, True))
     assert bare.sizing is None
     assert bare.operations == sized.operations
     assert replace(sized, sizing=None) == bare
-    assert torques(model, taken, in_space(Motor()), sizing=False).sizing is None
+    assert torques(model, taken, floating_in_space(Motor()), sizing=False).sizing is None
 
 
 def test_motors_at_joints_that_nothing_drives():
