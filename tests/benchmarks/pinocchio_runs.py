@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pinocchio as pin
 from benchmarks.timing import Timing
 from helpers.example_robots import path_of
 from helpers.oracles import ROBOTS as FOLDER
@@ -84,6 +83,8 @@ def in_parallel(model: Model, name: str, state: Sequence[Floats]) -> tuple[Calla
     Returns:
         What computes q, qd and qdd (or torques) anew, and what returns (N, n) its last results in the order of ours.
     """
+    import pinocchio as pin
+
     q, qd, last = state
     other = pin.buildModelFromXML(bare_description(model))
     S, offset = following(model)
