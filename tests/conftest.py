@@ -31,7 +31,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collection_finish() -> None:
-    """MeshSearch no more at what is there for good: a third of the time of collecting 15 000 tests went into that."""
+    """Look no more at what is there for good: a third of the time of collecting 15 000 tests went into that."""
     gc.freeze()
     gc.set_threshold(YOUNG, 20, 20)
     gc.enable()
