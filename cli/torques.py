@@ -233,13 +233,8 @@ def _write_example(path: str, model: Model, scene: Scene) -> None:
 
 def _arithmetic(call: Call, target: float, trajectory: str, model: Model, scene: Scene) -> Arithmetic:
     """Return the arithmetic for an accuracy, by the first block of the trajectory, which is read anew for torques."""
-    from robodyn.measure.accuracy.torques import arithmetic_within
-    from robodyn.trajectory.read import read_motion
+    from robodyn.measure.accuracy.torques import arithmetic_within, first_block
 
     if trajectory == STANDARD_INPUT:
         raise InputError("--accuracy reads the trajectory twice", remedy="name a file", file="<stdin>")
-    with read_motion(trajectory, model, scene, **call.reading) as reader:
-        for block in reader.blocks():
-            if len(block):
-                return arithmetic_within(model, block, scene, target)
-    raise InputError("the trajectory has no samples", file=trajectory)
+    return arithmetic_within(model, first_block(model, scene, trajectory, **call.reading), scene, target)

@@ -33,11 +33,9 @@ class Line:
     """One thing that was looked at.
 
     Attributes:
-        group, name: what it is.
         found: its version or state, in words.
         verdict: "note" is worth knowing, "missing" costs something, "broken" is to be repaired.
-        remark: what that costs, and what to do; empty where all is well.
-        figures: measured, seconds, bytes or a ratio.
+        remark: what that costs, and what to do; figures: measured, seconds, bytes or a ratio.
     """
 
     group: str
@@ -91,7 +89,11 @@ def _library(group: str, library: Library, here: Installed, absent: Verdict) -> 
 
 def _processor(loads: bool) -> Iterator[Line]:
     """Args: loads: whether the compiler can be asked; it might end this process."""
-    name = _model_name() or platform.processor() or platform.machine()
+    lines = list[str]()
+    with suppress(OSError):
+        lines = Path("/proc/cpuinfo").read_text(errors="replace").splitlines()
+    model = next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), "")
+    name = model or platform.processor() or platform.machine()
     yield Line("machine", "processor", f"{name} ({platform.machine()}, {platform.system()})")
     with suppress(ImportError, OSError, RuntimeError):
         if loads:
@@ -103,14 +105,6 @@ def _processor(loads: bool) -> Iterator[Line]:
     limited = usable < whole
     remark = "this process is bound to fewer cores than there are" if limited else ""
     yield Line("machine", "cores", f"{usable} of {whole}", "note" if limited else "ok", remark)
-
-
-def _model_name() -> str:
-    try:
-        text = Path("/proc/cpuinfo").read_text(errors="replace")
-    except OSError:
-        return ""
-    return next((line.partition(":")[2].strip() for line in text.splitlines() if line.startswith("model name")), "")
 
 
 def tried_apart() -> SelfTest:
@@ -155,7 +149,7 @@ def _cache() -> Iterator[Line]:
 
 
 def _environment(variables: Mapping[str, str]) -> Iterator[Line]:
-    unset = {
+    meanings = {
         "ROBODYN_CACHE": "not set: the user's cache folder",
         "ROBODYN_LIMITS": "not set: inputs have the limits of robodyn",
         "ROBODYN_CPU": "not set: machine code is for this processor",
@@ -163,14 +157,12 @@ def _environment(variables: Mapping[str, str]) -> Iterator[Line]:
         "ROBODYN_TRACEBACK": "not set: an error is one line",
         "NO_COLOR": "not set: bold headers on terminals",
     }
-    for name, meaning in unset.items():
+    for name, meaning in meanings.items():
         value = variables.get(name)
-        lost = []
-        if name in VARIABLES:
-            lost = [entry for entry in listed(name) if not os.path.isdir(entry)]
-        verdict: Verdict = "note" if lost else "ok"
+        lost = [entry for entry in listed(name) if not os.path.isdir(entry)] if name in VARIABLES else []
         remark = f"no such folder: {', '.join(lost)}" if lost else ""
-        yield Line("environment", name, meaning if value is None else value or "empty", verdict, remark)
+        found = meaning if value is None else value or "empty"
+        yield Line("environment", name, found, "note" if lost else "ok", remark)
 
 
 TOLERANCE = 8 * float(np.finfo(float).eps)
@@ -183,10 +175,8 @@ class SelfTest:
     """What became of the program.
 
     Attributes:
-        problem: why there is no machine code; None if there is.
-        broken: whether that is a fault, and not what is missing here.
-        build, load, run: seconds to compile, to bring to memory, and to run all samples as machine code.
-        numpy: seconds to run all samples by NumPy.
+        problem: why there is no machine code; None if there is. broken: whether that is a fault, not what is missing.
+        numpy: seconds to run all samples by NumPy; build, load, run: to compile, load and run machine code.
         difference: between the results, of the largest.
     """
 

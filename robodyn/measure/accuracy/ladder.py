@@ -19,12 +19,7 @@ SLOW, CACHED = 0.5, 0.01
 
 @dataclass(frozen=True)
 class Spread:
-    """Times of several runs.
-
-    Attributes:
-        median, low, high: of all runs, with the quartiles.
-        runs: how many.
-    """
+    """Times of several runs: the median, and the quartiles `low` and `high`."""
 
     median: float
     low: float
@@ -47,10 +42,8 @@ def timed(acts: Mapping[str, Callable[[], Any]], share: float = 1.0) -> dict[str
     Args:
         share: of each time that counts.
     """
-    results: dict[str, Any] = {}
-    first: dict[str, float] = {}
-    for name, act in acts.items():
-        results[name], first[name] = _run(act)
+    results = {name: _run(act) for name, act in acts.items()}
+    first = {name: took for name, (_, took) in results.items()}
     spent: dict[str, list[float]] = {name: [] for name in acts if first[name] < SLOW}
     start, rounds = perf_counter(), 0
     while rounds < SPREAD_ROUNDS or (perf_counter() - start < SPREAD_BUDGET and rounds < 200 * SPREAD_ROUNDS):
@@ -59,7 +52,7 @@ def timed(acts: Mapping[str, Callable[[], Any]], share: float = 1.0) -> dict[str
                 acts[name]()
             times.append(_run(acts[name])[1])
         rounds += 1
-    return {name: (result, Spread.of(spent.get(name) or [first[name]], share)) for name, result in results.items()}
+    return {name: (found, Spread.of(spent.get(name) or [took], share)) for name, (found, took) in results.items()}
 
 
 def _run(act: Callable[[], Any]) -> tuple[Any, float]:
@@ -84,11 +77,10 @@ class Rung:
     """One method.
 
     Attributes:
-        errors: true relative errors, one for each of the ladder's `measures`.
-        time: seconds.
-        operations: floating-point operations, None where they cannot be counted.
-        evaluations: of the equations of motion, None where there are none.
-        drift: of the energy along a motion, relative to the largest kinetic energy; None where there is none.
+        errors: true relative errors, one for each of the ladder's `measures`; time: seconds.
+        operations: floating-point operations, None where they are not counted.
+        evaluations: of the equations of motion; drift: of the energy along a motion, relative to the largest kinetic
+            energy; None where there is none.
     """
 
     name: str
@@ -97,10 +89,6 @@ class Rung:
     operations: float | None = None
     evaluations: int | None = None
     drift: float | None = None
-
-    @property
-    def seconds(self) -> float:
-        return self.time.median
 
     @property
     def error(self) -> float:
@@ -118,12 +106,7 @@ class Price:
 
 @dataclass(frozen=True)
 class EffectPrice:
-    """What leaving an effect out costs, and what it saves.
-
-    Attributes:
-        torque: the largest at any joint, in its unit: N m, or N.
-        saved: operations per sample.
-    """
+    """What leaving an effect out costs, its largest torque at any joint, and saves: operations per sample."""
 
     name: str
     torque: float
@@ -134,13 +117,7 @@ class EffectPrice:
 
 @dataclass(frozen=True)
 class Ladder:
-    """Methods for one task.
-
-    Attributes:
-        measures: what the errors of its rungs are of.
-        reference: what the errors were measured against.
-        per: what times and operations are for.
-    """
+    """Methods for one task: what errors are of and were measured against, what times and operations are for."""
 
     title: str
     measures: tuple[str, ...]
@@ -158,7 +135,7 @@ class Ladder:
         best = self.front
         if rung in best:
             return None
-        return next(other for other in best if other.seconds <= rung.seconds and other.error <= rung.error)
+        return next(other for other in best if other.time.median <= rung.time.median and other.error <= rung.error)
 
     def cheapest(self, target: float) -> Rung | None:
         """Return the quickest rung whose errors are all within the target; None if there is none."""
@@ -170,10 +147,8 @@ class Accuracy:
     """What accuracy costs in time.
 
     Attributes:
-        name: of the mesh or the robot.
         prices: of what makes a result trustworthy, or ready.
-        effects: of a robot, those that are on.
-        notes: what was left out, and why.
+        effects: of a robot, those that are on; notes: what was left out, and why.
     """
 
     name: str
@@ -186,7 +161,7 @@ class Accuracy:
 def front(rungs: Iterable[Rung]) -> tuple[Rung, ...]:
     """Return those that are more accurate than all that take no longer, by median time."""
     found: list[Rung] = []
-    for rung in sorted(rungs, key=lambda rung: (rung.seconds, rung.error)):
+    for rung in sorted(rungs, key=lambda rung: (rung.time.median, rung.error)):
         if not found or rung.error < found[-1].error:
             found.append(rung)
     return tuple(found)

@@ -7,35 +7,27 @@ from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from math import isfinite, sqrt
+from typing import Any
 
 import numpy as np
 
 from robodyn.errors import InputError, MeshError
 from robodyn.measure.accuracy.ladder import ROUNDING, Accuracy, Ladder, Price, Rung, refuse_beyond_doubles, timed
-from robodyn.measure.accuracy.mesh_methods import (
-    by_box,
-    by_chance,
-    by_columns,
-    by_decimation,
-    by_hull,
-    by_triangles,
-    by_voxels,
-    by_winding_numbers,
-    counted,
-    inertia,
-    integral_operations,
-    union_with_a_copy,
-)
+from robodyn.programs.vectors import Array, length, product
 from robodyn.solids.inertia.laws import exact, fraction
 from robodyn.solids.mass_properties import Part
 from robodyn.solids.mesh.asymmetry import CentredBody
 from robodyn.solids.mesh.closed import fingerprint, is_one_shell
-from robodyn.solids.mesh.integrals import LIMIT, Integrals, Moments, integrate
+from robodyn.solids.mesh.columns import Lattice, Pieces, directions, pieces
+from robodyn.solids.mesh.indexed import merged
+from robodyn.solids.mesh.inside import manifold, winding_numbers
+from robodyn.solids.mesh.integrals import LIMIT, Integrals, Moments, integrate, swept
+from robodyn.solids.mesh.kernel import symmetric, volume_kernel
 from robodyn.solids.mesh.measured import SYMMETRY_TRIANGLES, measured
 from robodyn.solids.mesh.repair import repair
 from robodyn.solids.mesh.symmetry import symmetry
 from robodyn.solids.mesh.tessellation import tessellation
-from robodyn.solids.mesh.triangles import MemoryTriangles, Triangles
+from robodyn.solids.mesh.triangles import CHUNK, MemoryTriangles, Triangles, workspace
 from robodyn.support.floats import Floats
 
 COLUMNS = 256, 4096, 65536
@@ -45,9 +37,6 @@ TOLERANCES = 3e-2, 3e-3
 """Of decimated surfaces, shares of the diagonal of the box."""
 MOST_TESTS = 20_000_000
 """Of random points against triangles: a second or two."""
-MEASURES = "volume", "inertia"
-
-Act = Callable[[], Moments]
 
 
 def mesh_accuracy(triangles: Triangles) -> Accuracy:
@@ -74,67 +63,54 @@ def mesh_accuracy(triangles: Triangles) -> Accuracy:
         )
     whole = found.integrals
     corners = np.ascontiguousarray(found.triangles.array() - whole.reference)
-    crude, notes = _crude(corners)
-    notes += triangles.warnings
     surface = MemoryTriangles(triangles.name, found.triangles.array())
-    acts, counts = _acts(surface, whole, corners, crude)
+    acts, notes = _crude(corners)
+    notes += triangles.warnings
+    floats: dict[str, Any] = {
+        f"integral, {name}": dtype for name, dtype in (("float32", np.float32), ("float64", np.float64))
+    }
+    if np.finfo(np.longdouble).nmant > np.finfo(np.float64).nmant:
+        floats["integral, long double"] = np.longdouble
+    acts |= {name: partial(by_triangles, surface, dtype, whole.reference) for name, dtype in floats.items()}
+    acts[f"integral, escalated to {integrate(surface).method}"] = lambda: integrate(surface).moments
+    acts["integral, exact rationals"] = lambda: integrate(surface, exact=True).moments
     rungs = []
     for name, (moments, time) in timed(acts).items():
         errors = _errors(moments, whole)
         if all(map(isfinite, errors)):
-            rungs.append(Rung(name, errors, time, counts.get(name)))
+            rungs.append(Rung(name, errors, time, integral_operations(surface.count) if name in floats else None))
         else:
             notes.append(f"{name}: finds no volume")
-    ladder = Ladder("volume and inertia", MEASURES, "exact rationals", "mesh", tuple(rungs))
+    ladder = Ladder("volume and inertia", ("volume", "inertia"), "exact rationals", "mesh", tuple(rungs))
     return Accuracy(triangles.name, (ladder,), _prices(triangles, surface, whole, corners), notes=tuple(notes))
 
 
-def _crude(corners: Floats) -> tuple[dict[str, Callable[[Floats], Moments]], list[str]]:
-    """Methods on an array of corners, and why some are missing."""
-    ways: dict[str, Callable[[Floats], Moments]] = {"bounding box": by_box, "convex hull": by_hull}
+def _crude(corners: Floats) -> tuple[dict[str, Callable[[], Moments]], list[str]]:
+    """Return methods on an array of corners, and why some are missing."""
+    acts: dict[str, Callable[[], Moments]] = {
+        "bounding box": partial(by_box, corners),
+        "convex hull": partial(by_hull, corners),
+    }
+    acts |= {f"voxels on {count} columns": partial(by_voxels, corners, count) for count in VOXELS}
+    acts |= {f"{count} columns": partial(by_columns, corners, count) for count in COLUMNS}
     notes = []
-    for count in VOXELS:
-        ways[f"voxels on {count} columns"] = partial(by_voxels, count=count)
-    for count in COLUMNS:
-        ways[f"{count} columns"] = partial(by_columns, count=count)
     for count in POINTS:
         if count * len(corners) <= MOST_TESTS:
-            ways[f"Monte Carlo, {count} points"] = partial(by_chance, count=count)
-            ways[f"winding numbers at {count} points"] = partial(by_winding_numbers, count=count)
+            acts[f"winding numbers at {count} points"] = partial(by_winding_numbers, corners, count)
         else:
             notes.append(f"{count} random points: left out, {count * len(corners):.0e} tests")
     try:
         for share in TOLERANCES:
-            way = partial(by_decimation, tolerance=share)
-            way(corners)
-            ways[f"decimated within {100 * share:g} % of its size"] = way
+            way = partial(by_decimation, corners, share)
+            way()
+            acts[f"decimated within {100 * share:g} % of its size"] = way
     except MeshError as error:
         notes.append(f"decimated: left out, {error.what}")
-    return ways, notes
-
-
-def _acts(
-    triangles: Triangles, whole: Integrals, corners: Floats, crude: dict[str, Callable[[Floats], Moments]]
-) -> tuple[dict[str, Act], dict[str, float]]:
-    """Methods ready to be called, and operations of those whose operations can be counted."""
-    acts: dict[str, Act] = {name: partial(way, corners) for name, way in crude.items()}
-    uncounted = by_hull, by_decimation, by_winding_numbers  # whose arithmetic is not all NumPy's
-    counts: dict[str, float] = {
-        name: counted(way, corners) for name, way in crude.items() if getattr(way, "func", way) not in uncounted
-    }
-    floats: dict[str, type] = {"float32": np.float32, "float64": np.float64}
-    if np.finfo(np.longdouble).nmant > np.finfo(np.float64).nmant:
-        floats["long double"] = np.longdouble
-    for name, dtype in floats.items():
-        acts[f"integral, {name}"] = partial(by_triangles, triangles, dtype, whole.reference)
-        counts[f"integral, {name}"] = integral_operations(triangles.count)
-    acts[f"integral, escalated to {integrate(triangles).method}"] = lambda: integrate(triangles).moments
-    acts["integral, exact rationals"] = lambda: integrate(triangles, exact=True).moments
-    return acts, counts
+    return acts, notes
 
 
 def _errors(moments: Moments, whole: Integrals) -> tuple[float, float]:
-    """Relative errors of volume and inertia, rounded to floats; infinite where there is no volume."""
+    """Return relative errors of volume and inertia, rounded to floats; infinite where there is no volume."""
     expected = whole.moments
     try:
         volume, matrix = fraction(float(moments.volume)), exact(inertia(moments).astype(float))
@@ -148,7 +124,7 @@ def _errors(moments: Moments, whole: Integrals) -> tuple[float, float]:
 
 
 def _prices(given: Triangles, triangles: Triangles, whole: Integrals, corners: Floats) -> tuple[Price, ...]:
-    """Of what makes the numbers trustworthy; the repair is that of the mesh as it was given."""
+    """Return times of what makes the numbers trustworthy; the repair is that of the mesh as it was given."""
 
     def facets() -> object:
         body = CentredBody.of(triangles, whole)
@@ -166,6 +142,145 @@ def _prices(given: Triangles, triangles: Triangles, whole: Integrals, corners: F
     if triangles.count <= SYMMETRY_TRIANGLES:
         acts["symmetry"] = lambda: symmetry(CentredBody.of(triangles, whole))
     return tuple(Price(name, time) for name, (_, time) in timed(acts).items())
+
+
+def by_box(corners: Floats) -> Moments:
+    """Of the box around the corners (m, 3, 3)."""
+    lo, hi = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+    size, middle = hi - lo, lo / 2 + hi / 2
+    volume = size[0] * size[1] * size[2]
+    return Moments(volume, volume * middle, volume * (np.outer(middle, middle) + np.diag(size * size / 12)))
+
+
+def by_hull(corners: Floats) -> Moments:
+    """Of the convex hull.
+
+    Raises:
+        scipy.spatial.QhullError: the corners lie in a plane.
+    """
+    from scipy.spatial import ConvexHull
+
+    hull = ConvexHull(corners.reshape(-1, 3))
+    faces = hull.points[hull.simplices]
+    normals = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
+    inwards = (normals * hull.equations[:, :3]).sum(axis=1) < 0
+    faces[inwards] = faces[inwards, ::-1]
+    return _about_origin(faces)
+
+
+def by_columns(corners: Floats, count: int) -> Moments:
+    """By about so many columns along one direction, exact in depth."""
+    lattice = Lattice.over(corners, directions()[0], count=count)
+    return _of_matrix(_inside(corners, lattice).moments(lattice))
+
+
+def by_voxels(corners: Floats, count: int) -> Moments:
+    """By cubes on about so many columns; a cube counts where its centre is inside."""
+    lattice = Lattice.over(corners, directions()[0], count=count)
+    inside, step = _inside(corners, lattice), lattice.step
+    first = np.ceil(inside.start / step - 0.5).astype(np.int64)
+    counts = np.maximum(np.ceil(inside.stop / step - 0.5).astype(np.int64) - first, 0)
+    which = np.repeat(np.arange(len(counts)), counts)
+    height = first[which] + np.arange(len(which)) - (np.cumsum(counts) - counts)[which] + 0.5
+    places = lattice.places(inside.column[which])
+    points = np.stack([*places, height * step, np.ones(len(which))])
+    frame = np.eye(4)
+    frame[:3, :3] = lattice.frame
+    return _of_matrix(step**3 * product(frame.T, product(points, points.T), frame))
+
+
+def _inside(corners: Floats, lattice: Lattice) -> Pieces:
+    every = pieces(lattice.hits(corners))
+    found = every.of(every.weight > 0)
+    return found._replace(weight=np.ones(len(found.column)))
+
+
+def by_winding_numbers(corners: Floats, count: int) -> Moments:
+    """By so many random points in the box; one counts where the surface goes around it, by its solid angle."""
+    lo, hi = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+    points = lo + (hi - lo) * np.random.default_rng(0).random((count, 3))
+    inside = points[winding_numbers(points, merged(corners)) > 0.5]
+    Y = np.concatenate([inside, np.ones((len(inside), 1))], axis=1)
+    return _of_matrix(product(Y.T, Y) * (np.prod(hi - lo) / count))
+
+
+def _of_matrix(matrix: Floats) -> Moments:
+    """Of the integral (4, 4) of y y^T with y = (x, 1)."""
+    return Moments(matrix[3, 3], matrix[:3, 3], matrix[:3, :3])
+
+
+def by_decimation(corners: Floats, tolerance: float) -> Moments:
+    """Of the body with fewer triangles, none of which is farther off than this share of the box's diagonal.
+
+    Raises:
+        MeshError: the surface is no manifold.
+    """
+    mesh = _manifold(corners).simplify(tolerance * length(np.ptp(corners, axis=(0, 1)))).to_mesh64()
+    return _about_origin(mesh.vert_properties[:, :3][mesh.tri_verts])
+
+
+def union_with_a_copy(corners: Floats) -> Any:
+    """Return the body united with itself moved by a fifth of its box: what uniting bodies of this size takes.
+
+    Raises:
+        MeshError: the surface is no manifold.
+    """
+    from manifold3d import Manifold, OpType
+
+    solid = _manifold(corners)
+    moved = solid.translate(tuple(np.ptp(corners, axis=(0, 1)) / 5))
+    return Manifold.batch_boolean([solid, moved], OpType.Add).volume()
+
+
+def _manifold(corners: Floats) -> Any:
+    mesh = merged(corners)
+    solid = manifold(mesh.vertices, mesh.faces)
+    if solid is None or not hasattr(solid, "simplify"):
+        raise MeshError("the surface is no manifold" if solid is None else "manifold3d is older than 3.1")
+    return solid
+
+
+def _about_origin(corners: Floats) -> Moments:
+    """Return the integral over a closed surface."""
+    found = integrate(MemoryTriangles("surface", np.ascontiguousarray(corners)))
+    r, V = found.reference, found.volume
+    mixed = np.outer(found.first, r)
+    return Moments(V, found.first + V * r, found.S + mixed + mixed.T + V * np.outer(r, r))
+
+
+def by_triangles(triangles: Triangles, dtype: type, reference: Floats) -> Moments:
+    """The integral over the surface in floats of this type, about a point of reference; nan where it overflows."""
+    sweep = swept(triangles, volume_kernel, dtype=dtype, reference=reference.astype(dtype))
+    if not np.isfinite(sweep.sums[:, :10]).all():
+        return Moments(np.nan, np.full(3, np.nan), np.full((3, 3), np.nan))
+    sums = sweep.totals(slice(10))
+    return Moments(sums[0] / 6, sums[1:4] / 24, symmetric(sums[4:10] / 120))
+
+
+def inertia(moments: Moments) -> Array:
+    """Return (3, 3) fractions, about the centre of mass at density 1, without any rounding of their own."""
+    V, first, S = (exact(part) if isinstance(part, np.ndarray) else exact(part).item() for part in moments)
+    about = S - np.outer(first, first) / V
+    turned: Array = np.eye(3, dtype=int) * about.trace() - about
+    return turned
+
+
+_RECENTRING = 9
+"""Subtractions that take the three corners of a triangle to the point of reference."""
+
+
+def integral_operations(triangles: int) -> int:
+    """Of the exact integral over so many triangles, in floats of any width."""
+    kernel = volume_kernel(workspace(12, CHUNK).reshape(4, 3, CHUNK))
+    total = 0
+    for function, arguments in kernel.steps:
+        if function is np.matmul:
+            total += 2 * arguments[0].size
+        elif function == np.add.reduce:
+            total += arguments[0].size
+        elif function is not np.copyto:
+            total += arguments[-1].size
+    return triangles * (_RECENTRING + round(total / CHUNK))
 
 
 def needs_rationals(target: float) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import inf
@@ -24,16 +24,13 @@ from robodyn.simulation.result import Simulation
 from robodyn.simulation.simulate import simulate
 from robodyn.simulation.stiff_steps import DRIFTS, TOO_LONG
 from robodyn.simulation.stiffness import with_friction
-from robodyn.support.floats import Floats, first_largest
+from robodyn.support.floats import first_largest
 
-CODE = 2e-9
-"""Seconds of machine code per operation, one step after another."""
-SCIPY = 1e-4
-"""Seconds that a method of SciPy takes per evaluation, beside the evaluation."""
+CODE, SCIPY, CALLED = 2e-9, 1e-4, 1e-7
+"""Seconds of machine code per operation, one step after another; that a method of SciPy takes per evaluation, beside
+the evaluation; and of machine code per evaluation, beside its operations."""
 ALLOWED = 20.0
 """Seconds of work on a typical machine that the search for an accuracy may take in all."""
-CALLED = 1e-7
-"""Seconds of machine code per evaluation, beside its operations."""
 SHARES = 4
 """Ways among which the work is divided."""
 FIRST = 5e4
@@ -131,13 +128,9 @@ class Settled(NamedTuple):
 
 
 class UnsettledError(InputError):
-    """A method that does not get there.
+    """A method that does not get there; `reached` is the change that its last two motions leave."""
 
-    Attributes:
-        reached: the change that its last two motions leave; inf if there are no two.
-    """
-
-    def __init__(self, what: str, reached: float = inf) -> None:
+    def __init__(self, what: str, reached: float) -> None:
         super().__init__(what)
         self.reached = reached
 
@@ -162,7 +155,8 @@ def refined(effort: Effort, name: str, target: float) -> Settled:
             ) from None
         except InputError as error:
             problem = error.what
-        finer = _finer(options, motion)
+        made = {"step": motion.step} if motion is not None and motion.step is not None else options
+        finer = _finer(made, LAST_STEP)
         if motion is not None and before is not None:
             if motion.step is not None and motion.steps < GROWN * before.steps:
                 continue  # where rows of a table or an early end make steps short, half of one is no finer
@@ -171,19 +165,18 @@ def refined(effort: Effort, name: str, target: float) -> Settled:
             if expected <= 2.0 * target:
                 return Settled(motion, expected)
             if change * SLOWEST > last and last < 1e-6:
-                raise UnsettledError(f"going to {shown(options)} changes the motion by {change:.0e} yet", change)
+                break
         before = motion or before
-    raise UnsettledError(
-        f"going to {shown(options)} changes the motion by {change:.0e} yet" if change < inf else problem, change
-    )
+    told = f"going to {shown(options)} changes the motion by {change:.0e} yet" if change < inf else problem
+    raise UnsettledError(told, change)
 
 
-def _finer(options: dict[str, float], motion: Simulation | None) -> dict[str, float] | None:
-    """Half the step that a motion had, whose records these are too, or a smaller tolerance; None at the end."""
+def _finer(options: dict[str, float], least: float, part: float = 0.01) -> dict[str, float] | None:
+    """Return half a step, down to the least, or a part of a tolerance; None at the end."""
     if "rtol" in options:
-        return {"rtol": max(options["rtol"] / 100.0, LEAST_RTOL)} if options["rtol"] > LEAST_RTOL else None
-    step = 0.5 * (options["step"] if motion is None or motion.step is None else motion.step)
-    return {"step": step} if step >= LAST_STEP else None
+        return {"rtol": max(part * options["rtol"], LEAST_RTOL)} if options["rtol"] > LEAST_RTOL else None
+    step = 0.5 * options["step"]
+    return {"step": step} if step >= least else None
 
 
 def _expected(name: str, last: float, change: float, target: float) -> float:
@@ -226,24 +219,15 @@ class Graze(NamedTuple):
 def graze(motion: Simulation) -> Graze | None:
     """Return the limit that the least error of a motion would turn from missed to reached, or the other way round.
 
-    Places at which joints turn back are looked at, and how far the joint would go on that ended the motion.
+    Of the places at which joints turn back before a limit the nearest are looked at; and how far the joint that ended
+    the motion would have gone on, braked as it is at the limit.
     """
     limits = Limits(motion.model, motion.scene.joint_limits == "stop")
     if not limits.stops:
         return None
     scale = MotionError.over(motion.model, np.hstack((motion.q, motion.qd))).scale[: motion.model.nq]
     moved = np.abs(limits.room(scale) - limits.room(0.0 * scale))
-    found = [*_missed(limits, motion, moved), *_passed(limits, motion)]
-    if not found:
-        return None
-    errors = [abs(depth) / moved[place] for place, depth, _ in found]
-    first = first_largest(-np.array(errors))
-    place, depth, time = found[first]
-    return Graze(limits.stops[place], depth, time, float(errors[first]))
-
-
-def _missed(limits: Limits, motion: Simulation, moved: Floats) -> Iterator[tuple[int, float, float]]:
-    """Yield where joints turn back before a limit: which, minus what was left to it, and when; the nearest of them."""
+    found = list[tuple[int, float, float]]()
     room, rate, length = limits.room(motion.q), limits.rate(motion.qd), np.diff(motion.time)
     rows, places = np.nonzero((rate[:-1] < 0.0) & (rate[1:] >= 0.0))
     least = np.minimum(room[rows, places], room[rows + 1, places])
@@ -252,17 +236,18 @@ def _missed(limits: Limits, motion: Simulation, moved: Floats) -> Iterator[tuple
         row, place, h = int(rows[k]), int(places[k]), float(length[rows[k]])
         ends = room[row, place], h * rate[row, place], room[row + 1, place], h * rate[row + 1, place]
         at, left = lowest_of_cubic(*map(float, ends))
-        yield place, -left, float(motion.time[row] + at * h)
-
-
-def _passed(limits: Limits, motion: Simulation) -> Iterator[tuple[int, float, float]]:
-    """Yield how far the joint that ended a motion would have gone on, braked as it is at the limit."""
-    if not motion.ended:
-        return
-    place = first_largest(-limits.room(motion.q[-1]))
-    speed, braked = limits.rate(motion.qd[-1])[place], limits.rate(motion.qdd[-1])[place]
-    if braked > 0.0:
-        yield place, float(0.5 * speed * speed / braked), float(motion.time[-1])
+        found.append((place, -left, float(motion.time[row] + at * h)))
+    if motion.ended:
+        place = first_largest(-room[-1])
+        speed, braked = rate[-1, place], limits.rate(motion.qdd[-1])[place]
+        if braked > 0.0:
+            found.append((place, float(0.5 * speed * speed / braked), float(motion.time[-1])))
+    if not found:
+        return None
+    errors = np.array([abs(depth) / moved[place] for place, depth, _ in found])
+    first = first_largest(-errors)
+    place, depth, time = found[first]
+    return Graze(limits.stops[place], depth, time, float(errors[first]))
 
 
 HALVED, TIGHTENED = ("rk4", "gauss6"), ("radau",)
@@ -294,7 +279,17 @@ def simulate_within(model: Model, scene: Scene, duration: float | None, target: 
     Accuracy: `expected_error` covers the true error in 95 of 100 random motions.
     """
     effort = Effort(model, scene, duration, options)
-    settled, checked, error = _agreed(effort, target, effort.is_stiff())
+    stiff, aim, doubt = effort.is_stiff(), target, ""
+    while True:
+        try:
+            settled, checked, error = _within(effort, aim, stiff)
+        except InputError as problem:
+            raise InputError(doubt or problem.what, remedy=APART if doubt else problem.remedy) from None
+        near = graze(settled.motion)
+        if near is None or error < near.error:
+            break
+        doubt = f"an accuracy of {target:g} cannot be promised: {near}, and an error of {error:.0e} does not tell which"
+        aim = 0.5 * min(near.error, aim)
     quicker, other = sorted((settled.motion, checked.motion), key=effort.work)
     said = (
         f"accuracy: {target:g} asked, {_named(quicker)} is expected to be within {error:.0e} of the largest angle, "
@@ -304,25 +299,6 @@ def simulate_within(model: Model, scene: Scene, duration: float | None, target: 
     settled_now = (TOO_LONG, DRIFTS)  # of which there is no more doubt
     shaky = tuple(caveat for caveat in quicker.shaky if caveat.kind not in settled_now)
     return replace(quicker, notes=(*quicker.notes, said), shaky=shaky, target=target, expected_error=error)
-
-
-def _agreed(effort: Effort, target: float, stiff: bool) -> tuple[Settled, Settled, float]:
-    """Two motions that agree, and the error of either, which leaves no doubt about limits that they only just reach.
-
-    Raises:
-        InputError: there are no two.
-    """
-    aim, doubt = target, ""
-    while True:
-        try:
-            settled, checked, error = _within(effort, aim, stiff)
-        except InputError as problem:
-            raise InputError(doubt or problem.what, remedy=APART if doubt else problem.remedy) from None
-        near = graze(settled.motion)
-        if near is None or error < near.error:
-            return settled, checked, error
-        doubt = f"an accuracy of {target:g} cannot be promised: {near}, and an error of {error:.0e} does not tell which"
-        aim = 0.5 * min(near.error, aim)
 
 
 def _within(effort: Effort, target: float, stiff: bool) -> tuple[Settled, Settled, float]:
@@ -374,8 +350,10 @@ def _confirmed(effort: Effort, settled: Settled, target: float) -> Settled:
     best, problem = Settled(motion, inf), ""
     for name in CONFIRMING[motion.method.name]:
         effort.next_way(0.5 * effort.left)
-        fixed = {"step": 0.5 * (motion.step or FIRST_STEP)}
-        options: dict[str, float] | None = {"rtol": target / 10.0} if method_named(name).adaptive else fixed
+        step = motion.step or FIRST_STEP
+        options: dict[str, float] | None = (
+            {"rtol": target / 10.0} if method_named(name).adaptive else {"step": 0.5 * step}
+        )
         while options:
             try:
                 other = effort.run(name, also=seen(motion), **options)
@@ -384,7 +362,7 @@ def _confirmed(effort: Effort, settled: Settled, target: float) -> Settled:
                 break
             off = apart(motion, other)
             best = min(best, Settled(other, off), key=lambda each: each.error)
-            options = _closer(options, motion, off / target)
+            options = _finer(options, 0.2 * step, min(0.01, 0.1 / max(off / target, TINY)))
             if off + settled.error <= target and (off <= settled.error or off <= 0.1 * target or options is None):
                 return best
         if best.error + settled.error <= target:
@@ -393,15 +371,6 @@ def _confirmed(effort: Effort, settled: Settled, target: float) -> Settled:
         what = f"no second method gets through to confirm it: {problem}"
         _refuse(effort, target, what, settled.error + (best.error if best.error < inf else 0.0))
     return best
-
-
-def _closer(options: dict[str, float], motion: Simulation, off: float) -> dict[str, float] | None:
-    """Return a smaller tolerance or step, of a method that is so many targets off from a motion; None at the end."""
-    if "rtol" in options:
-        rtol = max(options["rtol"] * min(0.01, 0.1 / max(off, TINY)), LEAST_RTOL)
-        return {"rtol": rtol} if options["rtol"] > LEAST_RTOL else None
-    step = 0.5 * options["step"]
-    return {"step": step} if step > 0.2 * (motion.step or FIRST_STEP) else None
 
 
 def _named(motion: Simulation) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from math import inf
@@ -20,7 +20,7 @@ from robodyn.robot.model import Model
 from robodyn.scene.fit import check_moves
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.simulation.equations import Equations
-from robodyn.simulation.methods import METHODS, Method, MethodOptions
+from robodyn.simulation.methods import METHODS, Method, MethodOptions, method_named
 from robodyn.simulation.result import Simulation
 from robodyn.simulation.simulate import integrated, simulate, start_of
 from robodyn.simulation.steps import Steps
@@ -41,10 +41,8 @@ class Reference:
     """A motion that is known to a bound.
 
     Attributes:
-        at: states (N, nq + n) at times (N,).
-        error: measures other states.
+        at: states (N, nq + n) at times (N,); error: measures other states.
         bound, bound_at_end: of the error of `at`, anywhere and at the end, measured like those.
-        how: it was found, in words.
     """
 
     at: Callable[[Floats], Floats]
@@ -93,15 +91,13 @@ def _first(run: Run, duration: float, ways: list[tuple[str, dict[str, Any]]]) ->
     raise InputError(f"no reference: {problem.what}", remedy="give a shorter --duration, or a softer friction or drive")
 
 
-DURATION = 2.0
-"""s of a motion, where none is given."""
+DURATION, LONGEST = 2.0, 2.0
+"""s of a motion, where none is given, and that one run may take."""
 STEPS = 1.6e-2, 4e-3, 1e-3, 2.5e-4, 6.25e-5
 """s, of methods with a fixed step, while they gain digits."""
 TOLERANCES = 1e-4, 1e-7, 1e-10, 1e-13
 MOST = 1e5
 """Evaluations of an adaptive method: stiff motions are not for every one."""
-LONGEST = 2.0
-"""Seconds that one run may take."""
 GAIN = 0.5
 """A shorter step is tried if the one before left less than this share of the error."""
 SEEN = 64
@@ -146,8 +142,12 @@ def simulation_accuracy(
         notes += lost
     rungs = tuple(replace(ready[name], time=time) for name, (_, time) in timed(acts).items())
     ladder = Ladder("simulation", ("end", "way"), reference.how, "motion", rungs)
-    name = f"{model.name}, {duration:g} s"
-    return Accuracy(name, (ladder,), _prices(a_plan), notes=(*assumed, *notes))
+    traced: dict[str, Callable[[], object]] = {
+        "tracing the equations": Equations(a_plan).derivatives,
+        "tracing a step, rk4": lambda: Steps(Equations(a_plan), method_named("rk4")).step,
+    }
+    prices = tuple(Price(name, time) for name, (_, time) in timed(traced).items())
+    return Accuracy(f"{model.name}, {duration:g} s", (ladder,), prices, notes=(*assumed, *notes))
 
 
 def _tries(
@@ -159,10 +159,17 @@ def _tries(
     """
     found: list[tuple[tuple[MethodOptions, float, str], Rung]] = []
     failed: list[str] = []
-    why, before = "", inf
+    why, before, equations = "", inf, Equations(a_plan)
     executor = "auto" if method.adaptive or compiler_problem() else "compiled"
     run = partial(run, method=method.name, executor=executor)
-    for name, options, given in _settings(method, duration):
+    ways: list[tuple[str, MethodOptions, dict[str, float]]]
+    if method.adaptive:
+        ways = [(f"rtol {rtol:g}", MethodOptions(method, 0.0, rtol), {"rtol": rtol}) for rtol in TOLERANCES]
+    else:
+        shorter = [step for step in STEPS if step < duration]
+        ways = [(f"{1e3 * step:g} ms", MethodOptions(method, step, 0.0), {"step": step}) for step in shorter]
+    for way, options, given in ways:
+        name = f"{method.name}, {way}"
         try:
             if not found:
                 run(duration / 1024, **given)  # so that machine code is ready
@@ -177,24 +184,19 @@ def _tries(
             failed, why = [*failed, name], "a number overflows"
             continue
         drift = motion.energy_drift / (float(motion.figures.kinetic.max()) or 1.0)
-        once, work = Spread(took, took, took, 1), _operations(a_plan, method, motion)
-        found.append(((options, duration, executor), Rung(name, errors, once, work, motion.evaluations, drift)))
+        if method.adaptive:
+            work = motion.evaluations * equations.derivatives().size
+        else:
+            steps = Steps(equations, method)
+            swept = steps.sweep.size * motion.evaluations // len(method.b) if steps.sweep else 0
+            work = motion.steps * steps.step.size + swept
+        once = Spread(took, took, took, 1)
+        found.append(((options, duration, executor), Rung(name, errors, once, float(work), motion.evaluations, drift)))
         if took > LONGEST / 4 or errors[1] > GAIN * before:
             break
         before = errors[1]
     lost = "; ".join(failed) if found else method.name
     return found, [f"left out: {lost}: {why}"] if failed else []
-
-
-def _settings(method: Method, duration: float) -> Iterator[tuple[str, MethodOptions, dict[str, Any]]]:
-    """Yield names, and steps or tolerances, of the rungs of a method."""
-    if method.adaptive:
-        for rtol in TOLERANCES:
-            yield f"{method.name}, rtol {rtol:g}", MethodOptions(method, 0.0, rtol), {"rtol": rtol}
-    else:
-        for step in STEPS:
-            if step < duration:
-                yield f"{method.name}, {1e3 * step:g} ms", MethodOptions(method, step, 0.0), {"step": step}
 
 
 def state_errors(motion: Simulation, reference: Reference) -> tuple[float, float]:
@@ -206,16 +208,6 @@ def state_errors(motion: Simulation, reference: Reference) -> tuple[float, float
     states = np.hstack((motion.q, motion.qd))[some]
     errors = reference.error(states, reference.at(motion.time[some]))
     return float(errors[-1]) + reference.bound_at_end, float(errors.max()) + reference.bound
-
-
-def _operations(a_plan: Plan, method: Method, motion: Simulation) -> float:
-    """Of all steps of a motion, with the sweeps of implicit ones, or of all evaluations of an adaptive method."""
-    equations = Equations(a_plan)
-    if method.adaptive:
-        return float(motion.evaluations * equations.derivatives().size)
-    steps = Steps(equations, method)
-    swept = steps.sweep.size * motion.evaluations // len(method.b) if steps.sweep else 0
-    return float(motion.steps * steps.step.size + swept)
 
 
 def _until_limit(run: Run, duration: float) -> tuple[float, list[str]]:
@@ -231,12 +223,3 @@ def _until_limit(run: Run, duration: float) -> tuple[float, list[str]]:
         remedy = 'write joint_limits = "ignore" in the scene'
         raise InputError(f"the motion is over at once: {motion.ended}", remedy=remedy)
     return until, [f"compared up to {until:g} s: {motion.ended}"]
-
-
-def _prices(a_plan: Plan) -> tuple[Price, ...]:
-    rk4 = next(method for method in METHODS if method.name == "rk4")
-    acts: dict[str, Callable[[], object]] = {
-        "tracing the equations": Equations(a_plan).derivatives,
-        "tracing a step, rk4": lambda: Steps(Equations(a_plan), rk4).step,
-    }
-    return tuple(Price(name, time) for name, (_, time) in timed(acts).items())

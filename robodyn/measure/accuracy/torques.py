@@ -22,7 +22,6 @@ from robodyn.measure.accuracy.ladder import (
     Ladder,
     Price,
     Rung,
-    Spread,
     refuse_beyond_doubles,
     timed,
 )
@@ -42,9 +41,6 @@ from robodyn.trajectory.motion import Derivation, Trajectory
 from robodyn.trajectory.read import motion, read_motion, sources_of
 from robodyn.trajectory.reading import MODES
 
-Ways = dict[str, tuple[Any, Callable[..., Any]]]
-"""By its name each executor that runs here, its type of numbers, and what makes it ready from a program and widths."""
-
 
 def compile_anew(program: Program, widths: Mapping[str, int], dtype: Any = np.float64) -> None:
     """Make machine code of a program and load it, whatever the cache holds."""
@@ -58,10 +54,11 @@ def laid_out(sources: Mapping[str, Floats], order: Literal["F", "C"], dtype: DTy
 
 LADDER_SAMPLES = 16
 """Of the motion, evenly spaced, on which errors are measured."""
-DIGITS = 50
-FEWER_DIGITS = 20
+DIGITS, FEWER_DIGITS = 50, 20
 
 Sources = Mapping[str, np.ndarray[Any, Any]]
+Ways = dict[str, tuple[Any, Callable[..., Any]]]
+"""By its name each executor that runs here, its type of numbers, and what makes it ready from a program and widths."""
 
 
 @np.errstate(all="ignore")
@@ -106,11 +103,17 @@ def file_accuracy(model: Model, scene: Scene, trajectory: str, **reading: Any) -
     Raises:
         InputError: the trajectory is wrong or empty, or what `torque_accuracy` raises.
     """
+    block = first_block(model, scene, trajectory, **reading)
+    found = torque_accuracy(model, block, scene)
+    return replace(found, notes=(*(f"warning: {caveat.text}" for caveat in block.caveats), *found.notes))
+
+
+def first_block(model: Model, scene: Scene, trajectory: str, **reading: Any) -> Trajectory:
+    """Return the first samples of a trajectory in a file."""
     with read_motion(trajectory, model, scene, **reading) as reader:
         for block in reader.blocks():
             if len(block):
-                found = torque_accuracy(model, block, scene)
-                return replace(found, notes=(*(f"warning: {caveat.text}" for caveat in block.caveats), *found.notes))
+                return block
     raise InputError("the trajectory has no samples", file=trajectory)
 
 
@@ -130,26 +133,22 @@ def _executor_ladder(
     few = {name: values[rows] for name, values in sources.items()}
     expected = reference(few, len(rows))
     found = {name: (tau[rows], time) for name, (tau, time) in results.items()}
-    found["double-double"] = _pairs(program, sources, count, rows)
-    name = f"mpmath, {FEWER_DIGITS} digits"
-    found |= timed({name: partial(digits, few, len(rows))}, 1 / len(rows))
-    finite = {name: each for name, each in found.items() if np.isfinite(each[0].astype(float)).all()}
+    pairs, block = DoubleDouble(program), min(count, BLOCK)
+    given = {name: values[:block] for name, values in sources.items()}
+    ((_, time),) = timed({"": partial(pairs, given, block)}, 1 / block).values()
+    high, low = map(np.frompyfunc(context_of(DIGITS).mpf, 1, 1), pairs(few, len(rows)))
+    found["double-double"] = high + low, time
+    found |= timed({f"mpmath, {FEWER_DIGITS} digits": partial(digits, few, len(rows))}, 1 / len(rows))
     largest = abs(expected).max() or 1  # in the arithmetic of what is expected
-    errors = {name: float(abs(expected - tau.astype(object)).max() / largest) for name, (tau, _) in finite.items()}
-    rungs = [Rung(name, (errors[name],), time, float(program.size)) for name, (_, time) in finite.items()]
+    rungs, notes = [], []
+    for name, (tau, time) in found.items():
+        if np.isfinite(tau.astype(float)).all():
+            error = float(abs(expected - tau.astype(object)).max() / largest)
+            rungs.append(Rung(name, (error,), time, float(program.size)))
+        else:
+            notes.append(f"{name}: the torques overflow")
     against = f"{DIGITS} digits on {len(rows)} of {count} samples"
-    notes = [f"{name}: the torques overflow" for name in found.keys() - finite.keys()]
     return Ladder("torques", ("torque",), against, "sample", tuple(rungs)), notes
-
-
-def _pairs(program: Program, sources: Sources, count: int, rows: Any) -> tuple[Any, Spread]:
-    """Return the torques of some rows as mpmath numbers, and the time for a sample of up to a block."""
-    run, few = DoubleDouble(program), min(count, BLOCK)
-    given = {name: values[:few] for name, values in sources.items()}
-    ((_, time),) = timed({"": partial(run, given, few)}, 1 / few).values()
-    high, low = run({name: values[rows] for name, values in sources.items()}, len(rows))
-    convert = np.frompyfunc(context_of(DIGITS).mpf, 1, 1)
-    return convert(high) + convert(low), time
 
 
 def _effects(a_plan: Plan, sources: Sources, count: int) -> tuple[EffectPrice, ...]:
@@ -167,11 +166,6 @@ def _effects(a_plan: Plan, sources: Sources, count: int) -> tuple[EffectPrice, .
             EffectPrice(effect.name, float(tau[place]), "N" if place in forces else "N m", model.rates[place], saved)
         )
     return tuple(found)
-
-
-MEASURES = "middle", "whole"
-SEED = 0
-"""Of the noise that is added to a motion like the given one."""
 
 
 def derivative_ladder(a_plan: Plan, samples: Trajectory) -> Ladder:
@@ -193,15 +187,14 @@ def derivative_ladder(a_plan: Plan, samples: Trajectory) -> Ladder:
         data, against = noisy(a_plan.model, truth.q, samples.derivation)
     expected = torques(a_plan, truth)
     scale = np.abs(expected).max() or 1.0
-    modes: tuple[Any, ...] = tuple(mode for mode in MODES if mode not in ("given", "anew"))
-    derived = partial(motion, a_plan.model, truth.time, data, columns=truth.extra)
-    acts = {str(mode): partial(derived, derivatives=mode) for mode in modes}
+    derived: Any = partial(motion, a_plan.model, truth.time, data, columns=truth.extra)
+    acts = {mode: partial(derived, derivatives=mode) for mode in MODES if mode not in ("given", "anew")}
     rungs = []
     for name, (found, time) in timed(acts, 1 / len(truth)).items():
         off = np.abs(torques(a_plan, found) - expected).max(axis=1) / scale
         quarter = len(off) // 4
         rungs.append(Rung(name, (float(off[quarter : len(off) - quarter].max()), float(off.max())), time))
-    return Ladder("derivatives", MEASURES, against, "sample", tuple(rungs))
+    return Ladder("derivatives", ("middle", "whole"), against, "sample", tuple(rungs))
 
 
 def torques(a_plan: Plan, samples: Trajectory) -> Floats:
@@ -240,16 +233,15 @@ def noisy(model: Model, q: Floats, derivation: Derivation) -> tuple[Floats, str]
     sigma, grid = (
         np.array([getattr(found.get(name), part, 0.0) for name in model.coordinates]) for part in ("noise", "quantum")
     )
-    data = q + sigma * np.random.default_rng(SEED).standard_normal(q.shape)
+    data = q + sigma * np.random.default_rng(0).standard_normal(q.shape)
     fine = grid > 0.0
     data[:, fine] = grid[fine] * np.round(data[:, fine] / grid[fine])
     size = f"noise of {sigma.max():.1e} as in it" if sigma.any() else "as free of noise"
     return data, f"a smooth motion like the given one, with {size}" if sigma.any() else f"a motion like it, {size}"
 
 
-EVERY = 1, 2, 4, 8
-FEWEST = 32
-"""Samples that are left at least."""
+EVERY, FEWEST = (1, 2, 4, 8), 32
+"""Of so many samples one is kept, and samples that are left at least."""
 
 
 def rate_ladder(a_plan: Plan, samples: Trajectory) -> Ladder:
@@ -283,9 +275,8 @@ def _peaks(a_plan: Plan, samples: Trajectory, every: int) -> Floats:
     return found
 
 
-PROMISE_SAMPLES = 64
-"""Of the motion, evenly spaced, on which errors are measured."""
-PROMISE_DIGITS = 40
+PROMISE_SAMPLES, PROMISE_DIGITS = 64, 40
+"""Of the motion, evenly spaced, on which errors are measured; of what they are measured against."""
 MARGIN = 4.0
 """Of what the largest error elsewhere may be, of that among the samples."""
 
