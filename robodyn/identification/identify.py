@@ -40,7 +40,7 @@ from robodyn.identification.passes import FOLDS, RESTS, Run, begun, first_fit, r
 from robodyn.identification.result import BaseFit, Errors, Identified, motor_fits, outcome
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
-from robodyn.support.sums import einsum
+from robodyn.support.sums import einsum, unit_columns
 
 _REPEATED = 3
 """Gauss-Newton's steps where friction grows with load, which is not linear in the parameters."""
@@ -238,8 +238,7 @@ def _like_weight(structure: Structure, R: Floats) -> list[str]:
     """Return a line if constant torques, columns of weighted rows R (k, p), look much like what bodies weigh."""
     kinds = [name.rpartition(".")[2] for name in structure.names]
     bodies = R[:, [k for k, kind in enumerate(kinds) if kind in INERTIAL]]
-    lengths = np.linalg.norm(bodies, axis=0)
-    axes, size, _ = np.linalg.svd(bodies / np.where(lengths > 0.0, lengths, 1.0), full_matrices=False)
+    axes, size, _ = np.linalg.svd(unit_columns(bodies)[0], full_matrices=False)
     axes = axes[:, size > _RANK * size.max(initial=0.0)]
     alike = []
     for name, kind, column in zip(structure.names, kinds, R.T, strict=True):

@@ -10,21 +10,17 @@ import numpy as np
 
 from robodyn.identification.faults.faults import Evidence
 from robodyn.support.floats import Floats
+from robodyn.support.sums import unit_columns
 
-_CLEAR = 0.25
-"""Of the residual's sum of squares with channels as they are, what the right ones leave at most, as geometric mean."""
-_LESS = 0.7
-"""What each of them leaves at most."""
+_CLEAR, _LESS = 0.25, 0.7
+"""Of the residual's sum of squares with channels as they are, what the right ones leave at most: as geometric mean, and
+each of them."""
 _FAR = 10.0
 """Measured torques that are so many times the computed ones, or so small a part of them, are doubtful."""
 
 
 class Channels(NamedTuple):
-    """Which measured torque is that of which joint.
-
-    Attributes:
-        source: for each joint the channel that has its torque; sign: 1 or -1 of each.
-    """
+    """For each joint the channel that has its torque, and with which sign, 1 or -1."""
 
     source: tuple[int, ...]
     sign: tuple[int, ...]
@@ -131,7 +127,6 @@ def _fitted(columns: Floats, right: Floats) -> tuple[Floats, float]:
     """Return the values of columns, none of them negative, and what they leave of the squares."""
     from scipy.optimize import nnls
 
-    size = np.linalg.norm(columns, axis=0)
-    size[size == 0.0] = 1.0
-    values, left = nnls(columns / size, right)
-    return np.asarray(values / size), float(left) ** 2
+    unit, lengths = unit_columns(columns)
+    values, left = nnls(unit, right)
+    return np.asarray(values / lengths), float(left) ** 2

@@ -148,7 +148,7 @@ def compare(
         load_link=load_body(model),
         channels=right,
         faults=found.faults,
-        gross=np.asarray(1.0 - (rms(found.difference) / np.where(before > 0.0, before, 1.0)) ** 2),
+        gross=np.asarray(1.0 - (rms(routed.difference) / np.where(before > 0.0, before, 1.0)) ** 2),
         notes=(*log.notes, *notes),
         curves=curves,
     )

@@ -11,7 +11,7 @@ import numpy as np
 
 from robodyn.identification.faults.noise import score_covariance, variance_of_sums, window_length
 from robodyn.support.floats import Floats, ranked
-from robodyn.support.sums import einsum
+from robodyn.support.sums import einsum, unit_columns
 
 OWN = ("gain", "offset", "viscous", "coulomb", "rotor", "delay")
 """The parameters of each joint, in order: `gain` is relative, less one."""
@@ -26,11 +26,9 @@ NOTHING = 0.05
 """Of friction or a rotor that the model has: so much less than nothing may be noise."""
 ROUNDING = 1e-5
 """Of the measured torques: none is known better, nor are accelerations from positions."""
-LOST = 0.01
-"""A gain below this tells nothing of the robot."""
-BLURRED = 0.03
-"""Standard error of a gain beyond which neither it nor a delay is looked for: the computed torque is next to nothing,
-and is itself estimated."""
+LOST, BLURRED = 0.01, 0.03
+"""A gain below this tells nothing of the robot; beyond this standard error neither it nor a delay is looked for, as the
+computed torque is next to nothing, and is itself estimated."""
 _MOST_DELAY, _LATE, _FAR = 0.25, 0.05, 2.0
 """s, and a tenth of the log: delays that are looked for; what one leaves less of the squares than none does, to begin
 with it; samples that it may move from there."""
@@ -62,7 +60,7 @@ class Evidence:
 
     @property
     def parameters(self) -> int:
-        """Of the joints, `OWN` of each, and then of the payload."""
+        """The number of parameters: `OWN` of each joint, and then those of the payload."""
         return int(len(OWN) * self.joints + self.load.shape[2])
 
     @property
@@ -99,13 +97,7 @@ class Evidence:
 
 
 class Effect(NamedTuple):
-    """What may explain residuals.
-
-    Attributes:
-        kind: one of `OWN`, or "payload".
-        joint: whose; None of a payload.
-        places: of its parameters among all (see `Evidence`).
-    """
+    """What may explain residuals: one of `OWN` of a joint, or "payload" of none; `places`: of its parameters."""
 
     kind: str
     joint: int | None
@@ -118,7 +110,7 @@ class Fit(NamedTuple):
     Attributes:
         theta, covariance: of all parameters, zero of those that are not fitted.
         told: the places of those that no other column could stand for.
-        residual: (N, n), measured in weights (n,), as scores are: the covariance of the columns' products with noise.
+        residual: (N, n), of weights (n,); scores: the covariance of the columns' products with noise, so weighted.
     """
 
     theta: Floats
@@ -151,17 +143,15 @@ class Explained:
 
     Attributes:
         faults: in the order in which each explains most of what is left.
-        theta, covariance: of all parameters (see `Evidence`) with every effect that can be told, whether noise explains
-            it or not; zero where it cannot.
+        theta, covariance: of all parameters with every effect that can be told, be it more than noise or not, else 0.
         told: the places of those parameters that the log can tell.
-        difference, residual: (N, n) measured less computed torques, before and after.
+        residual: (N, n) measured less computed torques, after all faults.
     """
 
     faults: tuple[Fault, ...]
     theta: Floats
     covariance: Floats
     told: frozenset[int]
-    difference: Floats
     residual: Floats
 
 
@@ -198,7 +188,12 @@ def explain(evidence: Evidence, present: Floats | None = None) -> Explained:
     every = _clear(evidence, start, effects(evidence))
     while True:
         found = _explained(evidence, start, every)
-        wrong = [fault.effect for fault in found.faults if present is not None and _is_impossible(fault, present)]
+        wrong = []
+        for effect, values in ((fault.effect, fault.values) for fault in found.faults):
+            if present is not None and effect.joint is not None and effect.kind in OWN[VISCOUS : ROTOR + 1]:
+                there = float(present[effect.joint, OWN.index(effect.kind) - VISCOUS])
+                if there + float(values[0]) < -NOTHING * there:
+                    wrong.append(effect)
         if not wrong:
             return found
         every = [effect for effect in every if effect not in wrong]
@@ -212,52 +207,36 @@ def effects(evidence: Evidence) -> list[Effect]:
     return found + ([Effect("payload", None, tuple(range(len(OWN) * n, len(OWN) * n + m)))] if m else [])
 
 
-def _is_impossible(fault: Fault, present: Floats) -> bool:
-    """Return whether an effect would make friction or a rotor less than nothing."""
-    kind, j = fault.effect.kind, fault.effect.joint
-    if j is None or kind not in OWN[VISCOUS : ROTOR + 1]:
-        return False
-    there = float(present[j, OWN.index(kind) - VISCOUS])
-    return there + float(fault.values[0]) < -NOTHING * there
-
-
 def _explained(evidence: Evidence, start: Floats, every: list[Effect]) -> Explained:
     """Return what of these effects explains the difference."""
     level, whole = LEVEL / max(1, len(every)), fit(evidence, start, every)
     sure = [effect for effect in every if _chance(whole, effect) < level]
-    chosen = _chosen(evidence, whole, every, sure, level)
+    near_whole = _Shares(evidence, whole)
+
+    def is_more_than_noise(before: Sequence[Effect], effect: Effect) -> bool:
+        return near_whole.chance([*before, effect], effect) < level
+
+    others = [effect for effect in every if effect not in sure]
+    added = [effect for effect, _ in near_whole.ranked(sure, others, SHARE, is_more_than_noise)]
+    for effect in list(added):
+        rest = [each for each in (*sure, *added) if each is not effect]
+        if not near_whole.ranked(rest, [effect], SHARE, is_more_than_noise):
+            added.remove(effect)
+    chosen = [*sure, *added]
     final = fit(evidence, whole.theta, chosen)
     gains = [effect.joint for effect in chosen if effect.joint is not None and effect.kind == OWN[GAIN]]
-    of = {certain: _of_robot(each, gains) for certain, each in ((True, whole), (False, final))}
+    of_whole, of_final = _of_robot(whole, gains), _of_robot(final, gains)
     large, size = (LEAST * rms(evidence.measured)) ** 2, rms(evidence.difference) ** 2
     faults = []
     for effect, shares in _Shares(evidence, final).ranked([], chosen, 0.0):
-        certain = effect in sure
+        certain, places = effect in sure, [*effect.places]
         if (certain or (shares >= SHARE).any()) and (shares * size >= large).any():
-            values, covariance = of[whole.told.issuperset(effect.places)]
-            places = [*effect.places]
-            known = np.isin(places, [*(whole if whole.told.issuperset(places) else final).told])
+            by_whole = whole.told.issuperset(places)
+            (values, covariance), told = (of_whole, whole.told) if by_whole else (of_final, final.told)
+            known = np.isin(places, [*told])
             part = covariance[np.ix_(places, places)] * np.outer(known, known)
             faults.append(Fault(effect, np.where(known, values[places], 0.0), part, certain, shares))
-    return Explained(tuple(faults), *of[True], whole.told, evidence.difference, final.residual)
-
-
-def _chosen(
-    evidence: Evidence, whole: Fit, every: Sequence[Effect], sure: Sequence[Effect], level: float
-) -> list[Effect]:
-    """Return the sure effects and those that would do."""
-    shares = _Shares(evidence, whole)
-
-    def is_more_than_noise(before: Sequence[Effect], effect: Effect) -> bool:
-        return shares.chance([*before, effect], effect) < level
-
-    others = [effect for effect in every if effect not in sure]
-    added = [effect for effect, _ in shares.ranked(sure, others, SHARE, is_more_than_noise)]
-    for effect in list(added):
-        rest = [each for each in (*sure, *added) if each is not effect]
-        if not shares.ranked(rest, [effect], SHARE, is_more_than_noise):
-            added.remove(effect)
-    return [*sure, *added]
+    return Explained(tuple(faults), *of_whole, whole.told, final.residual)
 
 
 class _Shares:
@@ -265,8 +244,7 @@ class _Shares:
 
     def __init__(self, evidence: Evidence, at: Fit) -> None:
         self.fit = at
-        found, difference = _secants(evidence, at.theta), evidence.difference
-        self.rows, self.heights = _rows(evidence, found, difference, at.weights)
+        self.rows, self.heights = _rows(evidence, _secants(evidence, at.theta), evidence.difference, at.weights)
 
     def left(self, effects: Sequence[Effect]) -> Floats:
         """Return (n,) the squares that some effects leave."""
@@ -381,9 +359,8 @@ def _rows(evidence: Evidence, found: Sequence[Floats], left: Floats, weights: Fl
 
 def _pseudoinverse(matrix: Floats) -> Floats:
     """Pseudoinverse, of columns scaled to length 1."""
-    size = np.sqrt(einsum("ij,ij->j", matrix, matrix))
-    size = np.where(size > 0.0, size, 1.0)
-    return np.linalg.pinv(matrix / size, rcond=_DEPENDENT) / size[:, None]
+    unit, size = unit_columns(matrix)
+    return np.linalg.pinv(unit, rcond=_DEPENDENT) / size[:, None]
 
 
 def _sandwich(inverse: Floats, scores: Floats) -> Floats:
@@ -396,10 +373,9 @@ def _sandwich(inverse: Floats, scores: Floats) -> Floats:
 def _told(rows: Floats, places: Sequence[int]) -> frozenset[int]:
     """Return the places of columns that are in no combination of them that comes to nothing."""
     some = rows[:, places]
-    size = np.sqrt(einsum("ij,ij->j", some, some))
-    _, values, axes = np.linalg.svd(some / np.where(size > 0.0, size, 1.0))
+    _, values, axes = np.linalg.svd(unit_columns(some)[0])
     rank = int((values > _DEPENDENT * values.max(initial=0.0)).sum())
-    known = (np.abs(axes[rank:]) < _PART).all(axis=0) & (size > 0.0)
+    known = (np.abs(axes[rank:]) < _PART).all(axis=0) & some.any(axis=0)
     return frozenset(place for place, each in zip(places, known.tolist(), strict=True) if each)
 
 
@@ -428,8 +404,7 @@ def _columns(evidence: Evidence, theta: Floats) -> tuple[list[Floats], Floats]:
 def _secants(evidence: Evidence, theta: Floats) -> list[Floats]:
     """Return columns of which `theta` makes exactly what is explained of measured less computed.
 
-    As `_columns`, with the secant of the delay in place of its derivative, and the gain's column with all that it
-    scales.
+    As `_columns`, with the secant of the delay for its derivative, and the gain's column with all that it scales.
     """
     found, _ = _columns(evidence, theta)
     for j, each in enumerate(found):
@@ -458,10 +433,9 @@ def _of_robot(fit: Fit, gains: Sequence[int]) -> tuple[Floats, Floats]:
     return found, rate @ fit.covariance @ rate.T
 
 
-def _basis(columns: Floats) -> Floats:
-    """Return an orthonormal basis of what columns span."""
-    size = np.sqrt(einsum("ki,ki->i", columns, columns))
-    basis, values, _ = np.linalg.svd(columns[:, size > 0.0] / size[size > 0.0], full_matrices=False)
+def range_basis(columns: Floats) -> Floats:
+    """Return an orthonormal basis (k, r) of what columns (k, w) span."""
+    basis, values, _ = np.linalg.svd(unit_columns(columns)[0], full_matrices=False)
     return np.asarray(basis[:, values > _DEPENDENT * values.max(initial=0.0)])
 
 
@@ -469,7 +443,7 @@ def _first_delays(evidence: Evidence) -> Floats:
     """Return the delay of each joint [s] at which all other effects leave least, to a sample; 0 unless it is clear."""
     found, margin = np.zeros(evidence.joints), evidence.margin
     for j, each in enumerate(_columns(evidence, np.zeros(evidence.parameters))[0]):
-        Q = _basis(np.delete(each, DELAY, axis=1))
+        Q = range_basis(np.delete(each, DELAY, axis=1))
         windows = np.lib.stride_tricks.sliding_window_view(evidence.measured[:, j], len(each))[1:-1]
         rest = einsum("sk,sk->s", windows, windows) - np.square(windows @ Q).sum(axis=1)
         best = int(np.argmin(rest))
@@ -482,7 +456,7 @@ def _clear(evidence: Evidence, start: Floats, every: Sequence[Effect]) -> list[E
     """Return the effects without gains and delays of joints whose computed torque is next to nothing beside noise."""
     hidden: set[int] = set()
     for j, each in enumerate(_columns(evidence, start)[0]):
-        Q = _basis(each)
+        Q = range_basis(each)
         target = evidence.shifted(j, start[len(OWN) * j + DELAY])
         rest = (target - Q @ (Q.T @ target))[:, None]
         column = each[:, [GAIN]]

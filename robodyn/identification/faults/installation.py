@@ -7,6 +7,7 @@ from itertools import combinations
 
 import numpy as np
 
+from robodyn.identification.faults.faults import range_basis
 from robodyn.identification.log.log import Log, Samples, joined
 from robodyn.identification.log.rows import filtered, states
 from robodyn.identification.parameters.regressor_columns import RegressorColumns
@@ -24,20 +25,14 @@ CLEAR = 0.6
 """What a delay leaves of the squares at most."""
 _BENDS = (0.003, 0.01, 0.03)
 """Of a joint's usual speed times 1 s: displacements over which dry friction may turn its sign, which looks late."""
-_DEPENDENT = 1e-6
 _LEAN, _ALIKE, _ROUNDS, _SMALL = 1.0, 0.45, 2, 1e-3
 """Degrees that are told, if both halves of a log tell them alike but for a part; rounds; rad of differences."""
 
 
 class Raw:
-    """Some instants of logs that are fitted.
-
-    Attributes:
-        late: (n,) how late torques were found [s].
-    """
+    """Some instants of logs that are fitted, each until a time `stop` [s]; `late` (n,) is how late torques are [s]."""
 
     def __init__(self, logs: Sequence[Log], cutoff: float, regressor: RegressorColumns, stop: Sequence[float]) -> None:
-        """Read logs, each until a time `stop` [s]."""
         self.regressor, self.logs = regressor, logs
         self.whole = [_until(log, cutoff, end) for log, end in zip(logs, stop, strict=True)]
         count = min(_ROWS, _VALUES // sum(regressor.widths)) // len(logs)
@@ -49,8 +44,7 @@ class Raw:
         """Return (n,) the delay of each torque that leaves least of it [s]; 0 unless it is clear.
 
         Each torque some time later is fitted by all columns of its joint, free of other joints, and by dry friction
-        that turns its sign over a displacement. The least of what is left is that of a parabola between the delays that
-        are compared.
+        that turns its sign over a displacement.
         """
         step = self.logs[0].step
         reach = min(_MOST, 0.1 * min(log.stop - log.start for log in self.logs))
@@ -65,7 +59,7 @@ class Raw:
             there = np.isfinite(late).all(axis=1)
             if there.sum() > 2 * columns.shape[1]:
                 own = np.concatenate([columns[:, :-2], slow[:, j]], axis=1)[there]
-                self.late[j] = _best(shifts, _left(own, late[there] - columns[there, -2:-1]))
+                self.late[j] = _best(shifts, own, late[there] - columns[there, -2:-1])
         return self.late
 
     def leaning(self, structure: Structure, theta: Floats, sigma: Floats, scene: Scene) -> list[str]:
@@ -114,8 +108,7 @@ class Raw:
 
     def _columns(self, regressor: RegressorColumns, few: Samples) -> list[Floats]:
         """Return of each measured joint what `RegressorColumns.compute` does, wherever its torque may be later."""
-        there = few._replace(tau=np.zeros_like(few.tau))
-        return np.split(regressor.compute(there), np.cumsum(regressor.widths)[:-1], axis=1)
+        return regressor.by_joint(regressor.compute(few._replace(tau=np.zeros_like(few.tau))))
 
     def _later(self, shifts: Floats, j: int) -> Floats:
         """Return (k, shifts) the torque of a joint later than at the instants, NaN outside of the log."""
@@ -150,17 +143,14 @@ def _presliding(whole: Samples, step: float) -> Floats:
     return found
 
 
-def _left(columns: Floats, targets: Floats) -> Floats:
-    """Return the squares that columns (k, w) leave of each of targets (k, s)."""
-    size = np.sqrt(einsum("kw,kw->w", columns, columns))
-    Q, values, _ = np.linalg.svd(columns[:, size > 0.0] / size[size > 0.0], full_matrices=False)
-    Q = Q[:, values > _DEPENDENT * values[0]]
+def _best(shifts: Floats, columns: Floats, targets: Floats) -> float:
+    """Return where columns (k, w) leave least of targets (k, shifts), if that is inside and much less than at 0.
+
+    The least is that of a parabola between the shifts.
+    """
+    Q = range_basis(columns)
     rest = targets - Q @ (Q.T @ targets)
-    return np.asarray(einsum("ks,ks->s", rest, rest))
-
-
-def _best(shifts: Floats, left: Floats) -> float:
-    """Return where what is left is least, if that is inside and much less than at 0."""
+    left = einsum("ks,ks->s", rest, rest)
     k = int(np.argmin(left))
     if not 0 < k < len(shifts) - 1 or left[k] > CLEAR * left[len(left) // 2]:
         return 0.0
@@ -209,16 +199,15 @@ def misread(logs: Sequence[Log], cutoff: float, structure: Structure, sigma: Flo
 
 def _readings(names: Sequence[str], joints: Sequence[int]) -> Iterator[tuple[list[int], Floats, bool, str]]:
     """Yield which rate's columns are read as each rate's, with which sign, whether torques go along, and the words."""
-    as_is = list(range(len(names)))
-    for torques, what, verb in ((False, "the measured position", "s"), (True, "position and torque", "")):
+    as_is, ahead = list(range(len(names))), np.ones(len(names))
+    for torques, what, has in ((False, "the measured position", "has"), (True, "position and torque", "have")):
         for j in joints:
             sign = np.where(np.arange(len(names)) == j, -1.0, 1.0)
-            yield as_is, sign, torques, f"{what} of {names[j]} ha{verb or 've'} the wrong sign"
+            yield as_is, sign, torques, f"{what} of {names[j]} {has} the wrong sign"
         for i, j in combinations(joints, 2):
             order = as_is.copy()
             order[i], order[j] = j, i
-            said = f"{what}{verb} of {names[i]} and {names[j]} are exchanged"
-            yield order, np.ones(len(names)), torques, said
+            yield order, ahead, torques, f"{what if torques else what + 's'} of {names[i]} and {names[j]} are exchanged"
 
 
 def _instants(logs: Sequence[Log], cutoff: float) -> Samples:
@@ -239,24 +228,9 @@ def _instants(logs: Sequence[Log], cutoff: float) -> Samples:
 def _left_by_joint(rows: Samples, structure: Structure, sigma: Floats) -> Floats:
     """Return (joints,) the squares that least squares leave, not less than rounding."""
     regressor, shape = structure.regressor, structure.shape
-    parts, pairs = np.split(regressor.compute(rows), np.cumsum(regressor.widths)[:-1], axis=1), []
+    parts, pairs = regressor.by_joint(regressor.compute(rows)), []
     for j, used, columns, scale in zip(regressor.measured, regressor.used, parts, sigma, strict=True):
         pairs.append((product(columns[:, :-2], shape[used]) / scale, (rows.tau[:, j] - columns[:, -2]) / scale))
-    theta = _possible_fit(*whole_system([np.column_stack(pair) for pair in pairs], structure.names), structure.names)
+    R, z = whole_system([np.column_stack(pair) for pair in pairs], structure.names)
+    theta = least_squares(R, z, structure.driving)
     return np.array([np.sum((product(Y, theta) - z) ** 2) + 1e-20 * np.sum(z * z) + 1e-300 for Y, z in pairs])
-
-
-def _possible_fit(R: Floats, z: Floats, names: Sequence[str]) -> Floats:
-    """Return least squares in which viscous and Coulomb friction and rotors are not negative."""
-    from scipy.optimize import nnls
-
-    signed = np.array([name.rpartition(".")[2] in ("viscous", "coulomb", "rotor") for name in names])
-    free, bound = R[:, ~signed], R[:, signed]
-    right = np.column_stack((bound, z))
-    rest = right - product(free, least_squares(free, right))
-    lengths = np.linalg.norm(rest[:, :-1], axis=0)
-    lengths[lengths == 0.0] = 1.0
-    theta = np.zeros(len(names))
-    theta[signed] = nnls(rest[:, :-1] / lengths, rest[:, -1])[0] / lengths
-    theta[~signed] = least_squares(free, z - product(bound, theta[signed]))
-    return theta

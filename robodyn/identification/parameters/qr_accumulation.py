@@ -86,13 +86,12 @@ def gather(
     Args:
         edges: times [s] at which a fold ends and the next begins, ascending.
     """
-    splits = np.cumsum(regressor.widths)[:-1]
     if guess is not None:
         guess.moments.restart()
     for rows in filtered(log, cutoff, regressor.compute):
         folds = np.searchsorted(np.asarray(edges), rows.time, side="right")
         parts, described = [], []
-        for j, columns in zip(regressor.measured, np.split(rows.values, splits, axis=1), strict=True):
+        for j, columns in zip(regressor.measured, regressor.by_joint(rows.values), strict=True):
             parts.append(np.concatenate([columns[:, :-2], rows.tau[:, j, None] - columns[:, -2:-1]], axis=1))
             described.append(columns[:, -1] - rows.tau[:, j])
         weights, fit = None, folds < len(edges)

@@ -197,6 +197,10 @@ class RegressorColumns:
         """How many columns of `compute` belong to each measured joint: those in `used`, and two more."""
         return [len(each) + 2 for each in self.used]
 
+    def by_joint(self, values: Floats) -> list[Floats]:
+        """Return of what `compute` returns the columns of each measured joint."""
+        return np.split(values, np.cumsum(self.widths)[:-1], axis=1)
+
     def compute(self, samples: Samples) -> Floats:
         """Return (k, sum of widths): of each measured joint its columns, what is known, and the description's torque.
 

@@ -6,12 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robodyn.identification.parameters.base import Base, shown
 from robodyn.identification.parameters.qr_accumulation import LAGS, Gathered, Moments, stacked
 from robodyn.identification.parameters.regressor_columns import RegressorColumns, Shape
 from robodyn.support.floats import Floats
-from robodyn.support.sums import einsum
+from robodyn.support.sums import einsum, unit_columns
 
 _RIDGE = 1e-4
 """Of a column's length: what is shown by less is left where it is in comparisons."""
@@ -51,6 +52,11 @@ class Structure:
             found[starts[k] : starts[k + 1], column : column + part.shape[1]] = part
             column += part.shape[1]
         return found
+
+    @property
+    def driving(self) -> NDArray[np.bool_]:
+        """(p,) which parameters make power if they are negative: viscous and Coulomb friction and rotors."""
+        return np.array([name.rpartition(".")[2] in ("viscous", "coulomb", "rotor") for name in self.names])
 
     @property
     def loaded(self) -> bool:
@@ -113,16 +119,22 @@ def counts(gathered: Gathered, folds: Sequence[int]) -> Floats:
     return np.asarray(np.sum([[float(each.count) for each in gathered.parts[fold]] for fold in folds], axis=0))
 
 
-def least_squares(R: Floats, z: Floats) -> Floats:
-    """Return the theta (p, ...) that minimises |R theta - z|^2 for z (k, ...), short where next to nothing is shown."""
-    lengths = np.linalg.norm(R, axis=0)
-    lengths[lengths == 0.0] = 1.0
-    count = R.shape[1]
-    rows = np.concatenate([R / lengths, _RIDGE * np.eye(count)])
-    right = np.concatenate([z.reshape(len(z), -1), np.zeros((count, z.size // max(len(z), 1)))])
-    whole = stacked([np.concatenate([rows, right], axis=1)])
-    theta = np.linalg.solve(whole[:count, :count], whole[:count, count:]) / lengths[:, None]
-    return np.asarray(theta.reshape(count, *z.shape[1:]))
+def least_squares(R: Floats, z: Floats, signed: NDArray[np.bool_] | None = None) -> Floats:
+    """Return the theta (p,) that minimises |R theta - z|^2, short where next to nothing is shown.
+
+    Args:
+        signed: (p,) which parameters are not negative.
+    """
+    from scipy.optimize import lsq_linear
+
+    unit, lengths = unit_columns(R)
+    rows = np.concatenate([unit, _RIDGE * np.eye(len(lengths))])
+    whole = stacked([np.column_stack((rows, np.concatenate((z, np.zeros(len(lengths))))))])
+    triangle, right = whole[: len(lengths), :-1], whole[: len(lengths), -1]
+    if signed is None:
+        return np.linalg.solve(triangle, right) / lengths
+    least = np.where(signed, 0.0, -np.inf)
+    return np.asarray(lsq_linear(triangle, right, (least, np.inf), method="bvls").x / lengths)
 
 
 def fitted(gathered: Gathered, folds: Sequence[int], structure: Structure) -> tuple[Floats, Floats]:
