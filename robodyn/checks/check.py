@@ -41,23 +41,7 @@ from robodyn.support.input_file import read_input
 if TYPE_CHECKING:
     from robodyn.robot.urdf.xacro import Expansion
 
-__all__ = [
-    "STANDARD",
-    "Checked",
-    "Found",
-    "Options",
-    "Task",
-    "Unread",
-    "check",
-    "check_description",
-    "check_one",
-    "check_tasks",
-    "fix_task",
-    "found_in",
-    "run_rules",
-    "select_findings",
-    "tasks_for",
-]
+__all__ = ["STANDARD", "Options"]
 Source = str | os.PathLike[str] | bytes
 
 

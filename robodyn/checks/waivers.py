@@ -30,20 +30,17 @@ _COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
 _WAIVER = re.compile(rb"<!--\s*robodyn:(.*?)-->", re.DOTALL)
 _ALLOW = re.compile(r"allow\s+(\w+(?:\s*,\s*\w+)*)\b[\s:;,.-]*(.*)", re.DOTALL)
 _REST = re.compile(rb"[ \t]*(?:\r\n|\r|\n)")
-_LONGEST_TAG = 4096
+_IN_LINE = re.compile(rb"[^\r\n]")
 _NONE = np.array([], int)
 _END_TAG = re.compile(rb"</([^ \t\r\n>]+)[ \t\r\n]*>\s*")
 
 
 @dataclass(frozen=True, slots=True)
 class Waiver:
-    """A comment that is meant as a waiver.
+    """A comment that is meant as a waiver, with its text after `robodyn:`; without codes where it is not understood.
 
-    Attributes:
-        text: what it says after `robodyn:`.
-        codes: which findings it allows; none where it is not understood.
-        erased: bytes that go when the waiver goes: the comment, with its line where nothing else is on that.
-        start, end: bytes from the element that it is about to the next one outside that; equal where there is none.
+    The bytes `erased` go when the waiver goes: the comment, with its line where nothing else is on that. From `start`
+    to `end` are the element that it is about and what follows up to the next one outside that; equal without one.
     """
 
     at: Span
@@ -117,43 +114,31 @@ def waived(
 
 
 class _Places:
-    """What comments are about, asked in the order of a file; each part of a line is looked at once."""
+    """What the comments of a file are about."""
 
     def __init__(self, reading: Document) -> None:
-        self._data = reading.data
+        blank = _COMMENT.sub(lambda comment: _IN_LINE.sub(b" ", comment[0]), reading.data)
+        self._text = blank.replace(b"\r", b"\n")
         elements = list(reading.root.walk())
         self._starts = [element.start for element in elements]
         self._with_tag: dict[str, list[int]] = {}
         for k, element in enumerate(elements):
             self._with_tag.setdefault(element.tag, []).append(k)
-        after = {id(elements[0]): len(self._data)}  # where the next element begins that is not within this one
+        after = {id(elements[0]): len(blank)}  # where the next element begins that is not within this one
         for element in elements:
             following = [*(child.start for child in element.children[1:]), after[id(element)]]
             after.update(zip(map(id, element.children), following, strict=False))
         self._ends = [after[id(element)] for element in elements]
-        self._last, self._done = 0, 0
-        self._written, self._tag = False, b""
 
     def about(self, at: Span) -> tuple[int, int]:
         """Return the bytes from the element that a comment is about to the next element outside it."""
-        self._go_to(at)
+        written = self._text[self._text.rfind(b"\n", 0, at.start) + 1 : at.start].rstrip()
         first = k = bisect_left(self._starts, at.start)
-        if self._written:
-            closed = _END_TAG.fullmatch(self._tag)
+        if written:
+            closed = _END_TAG.fullmatch(written[written.rfind(b"<") :])
             of_tag = range(first) if closed is None else self._with_tag.get(closed.group(1).decode("latin-1"), ())
             before = bisect_left(of_tag, first)
             k = of_tag[before - 1] if before else first
         if k == len(self._starts):
-            return len(self._data), len(self._data)
+            return len(self._text), len(self._text)
         return self._starts[k], self._ends[k]
-
-    def _go_to(self, at: Span) -> None:
-        """Note whether something is written before this comment on its line, and the last tag of that."""
-        line = 1 + max(self._data.rfind(end, self._last, at.start) for end in (b"\n", b"\r"))
-        if line:
-            self._done, self._written, self._tag = line, False, b""
-        text = _COMMENT.sub(b"", self._data[self._done : at.start])
-        self._written |= bool(text.strip())
-        tag = text.rfind(b"<")
-        self._tag = (self._tag and self._tag + text if tag < 0 else text[tag:]).rstrip()[:_LONGEST_TAG]
-        self._last, self._done = at.start, at.end

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from enum import IntEnum
 from math import hypot
 from os.path import splitext
-from types import MappingProxyType
 from typing import NamedTuple
 
 from robodyn.checks.bodies.masses import link_poses, pose, principal_moments
@@ -70,10 +69,6 @@ class Fact:
     find: Find
     files: bool = False
 
-    def says(self, found: Iterable[Found]) -> str:
-        """What it does."""
-        return self.does.replace("KG", f"{sum(one.mass for one in found):.3g} kg")
-
 
 class Reads(NamedTuple):
     """Suffixes that a program reads, what it does with others, how that is known, and for which kinds of shapes."""
@@ -94,12 +89,12 @@ READS: Mapping[str, Reads] = {
 def unread(context: Context, target: str) -> dict[str, list[MeshUse]]:
     """Shapes whose mesh a program does not read, by the suffix."""
     found: dict[str, list[MeshUse]] = {}
-    reads = READS.get(target)
-    for name in context.once(mesh_names).values() if reads else ():
-        suffix = splitext(name.uri)[1].lower()
-        uses = [use for use in name.uses if reads and use.geometry.kind in reads.kinds]
-        if uses and reads and suffix not in reads.suffixes:
-            found.setdefault(suffix, []).extend(uses)
+    if (reads := READS.get(target)) is not None:
+        for name in context.once(mesh_names).values():
+            suffix = splitext(name.uri)[1].lower()
+            for use in name.uses:
+                if use.geometry.kind in reads.kinds and suffix not in reads.suffixes:
+                    found.setdefault(suffix, []).append(use)
     return found
 
 
@@ -128,7 +123,6 @@ def _joints(holds: Callable[[JointView], object]) -> Find:
 
 
 def _limits(types: Collection[str], holds: Callable[[LimitView], object]) -> Find:
-    """Joints of these types with a <limit> of this kind."""
     return _joints(lambda joint: joint.type in types and joint.limit is not None and holds(joint.limit))
 
 
@@ -346,21 +340,6 @@ def _taken_names(context: Context) -> Iterator[Found]:
     yield from (_part(one) for one in context.view.joints if one.moves and one.name in first and one.child in kept)
 
 
-def _facts(
-    target: str,
-    source: str,
-    rejects: Mapping[str, Find] = MappingProxyType({}),
-    alters: Mapping[str, Find] = MappingProxyType({}),
-    rejects_files: Mapping[str, Find] = MappingProxyType({}),
-) -> tuple[Fact, ...]:
-    columns = (Verdict.REJECTS, rejects, False), (Verdict.ALTERS, alters, False), (Verdict.REJECTS, rejects_files, True)
-    return tuple(
-        Fact(target, verdict, does, source, find, files)
-        for verdict, column, files in columns
-        for does, find in column.items()
-    )
-
-
 _MIMIC = _joints(lambda joint: joint.mimic)
 _FIXED = _joints(lambda joint: joint.type == "fixed")
 _UNACTUATED = _joints(lambda joint: joint.type in ("floating", "planar"))
@@ -369,109 +348,96 @@ _REFUSED_TENSOR, _MALFORMED = _inertials(_unphysical), _joints(_malformed)
 _INCOMPLETE = _inertials(
     lambda _, link: link.inertial and None in (link.inertial.inertia_element, link.inertial.mass_element)
 )
-FACTS = (
-    *_facts(
-        "mujoco",
-        "MuJoCo 4.0, run; its XML reference, compiler",
-        rejects={
-            "requires mass and inertia in what moves": _massless,
-            "requires principal moments of 1e-14 kg m^2 or more, no two of them below the third": _REFUSED_TENSOR,
-            "requires <mass> and <inertia> in <inertial>": _INCOMPLETE,
-            "requires an axis of 1e-7 or more": _axis_shorter_than(1e-7),
-            "requires positive sizes of what collides": _sizeless,
-        },
-        alters={
-            "infers KG: links without <inertial> weigh what water in their collision shapes does": _inferred,
-            "leaves out what is only <visual>": _visuals,
-            "makes the root a part of the world, without its mass": _HEAVY_ROOT,
-            "ignores limits unless lower < upper, both given": _limits(WITH_RANGE, _unlimited),
-            "makes mimic a soft equality constraint": _MIMIC,
-        },
-        rejects_files={
-            "reads meshes in .stl, .obj and .msh only": _unread_meshes("mujoco"),
-            "requires meshes to be there": _missing_meshes("collision"),
-            'opens no URI without <mujoco><compiler strippath="true" meshdir="..."/>': _uris,
-        },
-    ),
-    *_facts(
-        "drake",
-        "Drake 1.51, run",
-        rejects={
-            "requires lower <= upper": _limits(_LIMITED, _turned),
-            "requires a velocity that is not negative, and ends the process otherwise": _limits(
-                _LIMITED, lambda limit: (limit.velocity.value or 0.0) < 0
-            ),
-            "requires an axis of 1e-8 or more": _axis_shorter_than(1e-8),
-            "requires damping that is not negative": _joints(
-                lambda joint: joint.type in _LIMITED and (joint.damping.value or 0.0) < 0
-            ),
-            "requires mimic and another joint as leader, with equal degrees of freedom": _mimic_leader,
-            "requires a name of the robot": _nameless,
-        },
-        alters={
-            "ignores joint friction": _joints(lambda joint: joint.friction.value),
-            "lets the root float unless it is called world": _root(lambda link: link.name != "world"),
-            "leaves the child of a floating joint free of its parent": _joints(lambda joint: joint.type == "floating"),
-        },
-        rejects_files={
-            "collides with meshes in .obj, .vtk and .gltf only": _unread_meshes("drake"),
-            "requires meshes to be there": _missing_meshes("visual", "collision"),
-        },
-    ),
-    *_facts(
-        "gz",
-        "sdformat 12.3 with urdfdom 3.0, run",
-        rejects={
-            "keeps nothing, since it drops links without mass and all behind them": lambda context: (
-                [] if context.once(_lumps).kept - {"world"} else [_part(context.tree.root)]
-            ),
-            "requires inertia that a body can have, of links with what is fixed to them": _unphysical_lumps,
-            "finds no centre of mass of <inertial>s without mass that are fixed to each other": lambda context: [
-                _part(context.view.link[name])
-                for name in context.once(_lumps).links
-                if name in context.once(_lumps).kept & context.once(_lumps).nowhere
-            ],
-            "knows no floating and no planar joints": _UNACTUATED,
-            "requires an axis of 1e-6 or more": _axis_shorter_than(1e-6),
-            "requires numbers, and <limit> with effort and velocity, in revolute and prismatic joints": _MALFORMED,
-            "requires names of joints that are no links', and none like __this__": _taken_names,
-            "requires a name of the robot": _nameless,
-        },
-        alters={
-            "drops links without mass, and all joints and links behind them": _dropped,
-            "exchanges limits where lower > upper": _limits(WITH_RANGE, _turned),
-            "merges links on fixed joints": _FIXED,
-        },
-    ),
-    *_facts(
-        "gz",
-        "gz-common 6, MeshManager",
-        alters={"leaves out meshes in formats that it does not read": _unread_meshes("gz")},
-    ),
-    *_facts(
-        "kdl",
-        "kdl_parser.cpp",
-        alters={
-            "ignores the mass of the root": _HEAVY_ROOT,
-            "makes the joint fixed": _UNACTUATED,
-            "moves mimic joints on their own": _MIMIC,
-        },
-    ),
-    *_facts(
-        "isaac",
-        "Isaac Sim 5, URDF importer and its ImportConfig",
-        alters={
-            "replaces characters in names by _": lambda context: [
-                *(_part(link) for link in context.view.links if not link.name.isidentifier()),
-                *(_part(joint) for joint in context.view.joints if not joint.name.isidentifier()),
-            ],
-            "merges links on fixed joints": _FIXED,
-            "makes up a mass for links without one": lambda context: [
-                _part(group.links[0]) for group in context.tree.groups[1:] if not group.links[0].mass
-            ],
-        },
-    ),
+_MUJOCO, _DRAKE = "MuJoCo 4.0, run; its XML reference, compiler", "Drake 1.51, run"
+_GAZEBO, _KDL = "sdformat 12.3 with urdfdom 3.0, run", "kdl_parser.cpp"
+_ISAAC = "Isaac Sim 5, URDF importer and its ImportConfig"
+_TABLE: Mapping[tuple[str, Verdict, str, bool], Mapping[str, Find]] = {
+    ("mujoco", Verdict.REJECTS, _MUJOCO, False): {
+        "requires mass and inertia in what moves": _massless,
+        "requires principal moments of 1e-14 kg m^2 or more, no two of them below the third": _REFUSED_TENSOR,
+        "requires <mass> and <inertia> in <inertial>": _INCOMPLETE,
+        "requires an axis of 1e-7 or more": _axis_shorter_than(1e-7),
+        "requires positive sizes of what collides": _sizeless,
+    },
+    ("mujoco", Verdict.ALTERS, _MUJOCO, False): {
+        "infers KG: links without <inertial> weigh what water in their collision shapes does": _inferred,
+        "leaves out what is only <visual>": _visuals,
+        "makes the root a part of the world, without its mass": _HEAVY_ROOT,
+        "ignores limits unless lower < upper, both given": _limits(WITH_RANGE, _unlimited),
+        "makes mimic a soft equality constraint": _MIMIC,
+    },
+    ("mujoco", Verdict.REJECTS, _MUJOCO, True): {
+        "reads meshes in .stl, .obj and .msh only": _unread_meshes("mujoco"),
+        "requires meshes to be there": _missing_meshes("collision"),
+        'opens no URI without <mujoco><compiler strippath="true" meshdir="..."/>': _uris,
+    },
+    ("drake", Verdict.REJECTS, _DRAKE, False): {
+        "requires lower <= upper": _limits(_LIMITED, _turned),
+        "requires a velocity that is not negative, and ends the process otherwise": _limits(
+            _LIMITED, lambda limit: (limit.velocity.value or 0.0) < 0
+        ),
+        "requires an axis of 1e-8 or more": _axis_shorter_than(1e-8),
+        "requires damping that is not negative": _joints(
+            lambda joint: joint.type in _LIMITED and (joint.damping.value or 0.0) < 0
+        ),
+        "requires mimic and another joint as leader, with equal degrees of freedom": _mimic_leader,
+        "requires a name of the robot": _nameless,
+    },
+    ("drake", Verdict.ALTERS, _DRAKE, False): {
+        "ignores joint friction": _joints(lambda joint: joint.friction.value),
+        "lets the root float unless it is called world": _root(lambda link: link.name != "world"),
+        "leaves the child of a floating joint free of its parent": _joints(lambda joint: joint.type == "floating"),
+    },
+    ("drake", Verdict.REJECTS, _DRAKE, True): {
+        "collides with meshes in .obj, .vtk and .gltf only": _unread_meshes("drake"),
+        "requires meshes to be there": _missing_meshes("visual", "collision"),
+    },
+    ("gz", Verdict.REJECTS, _GAZEBO, False): {
+        "keeps nothing, since it drops links without mass and all behind them": lambda context: (
+            [] if context.once(_lumps).kept - {"world"} else [_part(context.tree.root)]
+        ),
+        "requires inertia that a body can have, of links with what is fixed to them": _unphysical_lumps,
+        "finds no centre of mass of <inertial>s without mass that are fixed to each other": lambda context: [
+            _part(context.view.link[name])
+            for name in context.once(_lumps).links
+            if name in context.once(_lumps).kept & context.once(_lumps).nowhere
+        ],
+        "knows no floating and no planar joints": _UNACTUATED,
+        "requires an axis of 1e-6 or more": _axis_shorter_than(1e-6),
+        "requires numbers, and <limit> with effort and velocity, in revolute and prismatic joints": _MALFORMED,
+        "requires names of joints that are no links', and none like __this__": _taken_names,
+        "requires a name of the robot": _nameless,
+    },
+    ("gz", Verdict.ALTERS, _GAZEBO, False): {
+        "drops links without mass, and all joints and links behind them": _dropped,
+        "exchanges limits where lower > upper": _limits(WITH_RANGE, _turned),
+        "merges links on fixed joints": _FIXED,
+    },
+    ("gz", Verdict.ALTERS, READS["gz"].source, False): {
+        "leaves out meshes in formats that it does not read": _unread_meshes("gz")
+    },
+    ("kdl", Verdict.ALTERS, _KDL, False): {
+        "ignores the mass of the root": _HEAVY_ROOT,
+        "makes the joint fixed": _UNACTUATED,
+        "moves mimic joints on their own": _MIMIC,
+    },
+    ("isaac", Verdict.ALTERS, _ISAAC, False): {
+        "replaces characters in names by _": lambda context: [
+            *(_part(link) for link in context.view.links if not link.name.isidentifier()),
+            *(_part(joint) for joint in context.view.joints if not joint.name.isidentifier()),
+        ],
+        "merges links on fixed joints": _FIXED,
+        "makes up a mass for links without one": lambda context: [
+            _part(group.links[0]) for group in context.tree.groups[1:] if not group.links[0].mass
+        ],
+    },
+}
+FACTS = tuple(
+    Fact(target, verdict, does, source, find, files)
+    for (target, verdict, source, files), column in _TABLE.items()
+    for does, find in column.items()
 )
+"""The table, row by row: what a program does, and where to find that."""
 
 
 class Opinion(NamedTuple):

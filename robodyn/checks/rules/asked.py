@@ -91,7 +91,8 @@ def _verdict(context: Context, one: Opinion) -> Fault:
     reasons = []
     for fact, found in shown:
         more = f" and {len(found) - _MOST} more" if len(found) > _MOST else ""
-        reasons.append(f"it {fact.says(found)} ({', '.join(each.what for each in found[:_MOST])}{more})")
+        does = fact.does.replace("KG", f"{sum(each.mass for each in found):.3g} kg")
+        reasons.append(f"it {does} ({', '.join(each.what for each in found[:_MOST])}{more})")
     sources, answer = dict.fromkeys(fact.source for fact, _ in shown), one.answer
     if answer is not None and answer.refusal is not None:
         reasons.insert(0, f'it says "{answer.refusal[:_LONGEST]}"')
