@@ -93,7 +93,7 @@ def misfits(context: Context) -> tuple[Misfit, ...]:
 def _foreign(one: _Link, visual: Callable[[LinkView], Box | None], context: Context) -> Iterator[Misfit]:
     """A collision mesh that fits what is seen of another link; it does not fit its own."""
     own, box = one.seen_box, one.felt_box
-    if own is None or box is None or shared(own, box) > _OWN or any(_kind(shape) != "mesh" for shape in one.felt):
+    if own is None or box is None or shared(own, box) > _OWN or any(shape.tag != "mesh" for shape in one.felt):
         return
     fit = shared(own, box)
     others = [(other.name, shared(seen, box)) for other in context.view.links if (seen := visual(other)) is not None]
@@ -117,15 +117,15 @@ def _aside(one: _Link) -> Iterator[Misfit]:
         box = one.known[shape].placed(STILL)
         away = float(np.linalg.norm(places[twins] - (box.lo, box.hi), axis=2).max(axis=1).min())
         if away > max(_ASIDE * size_of(box), _LEAST):
-            what = f"its collision {_kind(shape)} is not where its visual is, but up to {away:.3g} m from there"
+            what = f"its collision {shape.tag} is not where its visual is, but up to {away:.3g} m from there"
             yield Misfit(shape, what, "give both the same <origin>", away, _ASIDE * size_of(box))
 
 
 def _scaled(one: _Link) -> Iterator[Misfit]:
     """A mesh of another size than the same mesh, or the link's only one, that is seen."""
-    seen = [shape for shape in one.seen if _kind(shape) == "mesh"]
-    for shape in (shape for shape in one.felt if _kind(shape) == "mesh" and shape in one.known):
-        twins = [other for other in seen if _file(other) == _file(shape)] or (seen if len(one.felt) == 1 else [])
+    seen = [shape for shape in one.seen if shape.tag == "mesh"]
+    for shape in (shape for shape in one.felt if shape.tag == "mesh" and shape in one.known):
+        twins = [other for other in seen if other.uri == shape.uri] or (seen if len(one.felt) == 1 else [])
         if len(twins) != 1 or twins[0] not in one.known:
             continue
         sides, own = (_sides(each, one.known) for each in (shape, twins[0]))
@@ -142,10 +142,10 @@ def _enormous(one: _Link, context: Context) -> Iterator[Misfit]:
     """A primitive that is far larger than what is seen."""
     seen = reach(context) if one.seen_box is None else size_of(one.seen_box)
     for shape in one.felt if seen >= _SEEN else ():
-        ratio = size_of(one.known[shape].box) / seen if shape in one.known and _kind(shape) != "mesh" else 0.0
+        ratio = size_of(one.known[shape].box) / seen if shape in one.known and shape.tag != "mesh" else 0.0
         if ratio > _LARGE:
             than = "the robot's longest offset between joints" if one.seen_box is None else "what is seen of the link"
-            what = f"its collision {_kind(shape)} is {ratio:.3g} times as large as {than}"
+            what = f"its collision {shape.tag} is {ratio:.3g} times as large as {than}"
             cause = "its numbers are in millimetres" if ratio / 1e3 < 2 * _BETTER and ratio > 100 else None
             yield Misfit(shape, what, "write its size in metres", ratio, _LARGE, cause)
 
@@ -155,7 +155,7 @@ def _exchanged(one: _Link) -> Iterator[Misfit]:
     if one.seen_box is None or one.felt_box is None:
         return
     as_is = shared(one.seen_box, one.felt_box)
-    for shape in (shape for shape in one.felt if shape.shape is not None and shape.shape.tag == "cylinder"):
+    for shape in (shape for shape in one.felt if shape.tag == "cylinder"):
         x, _, z = one.known[shape].box.hi
         half = np.array((2 * z, 2 * z, x / 2))
         exchanged = Solid(Box(-half, half), one.known[shape].pose)
@@ -183,13 +183,13 @@ def _away(one: _Link) -> Iterator[Misfit]:
         gap = length(np.maximum(np.maximum(own.lo - box.hi, box.lo - own.hi), 0.0))
         bound = max(_APART * max(size_of(own), size_of(box)), _LEAST)
         if gap > bound:
-            what = f"there are {gap:.3g} m between its collision {_kind(shape)} and its visual"
+            what = f"there are {gap:.3g} m between its collision {shape.tag} and its visual"
             yield Misfit(shape, what, "check the <origin> of both", gap, bound)
 
 
 def _unlike(one: _Link) -> Iterator[Misfit]:
     """A collision mesh that is hardly where the visual one is: it is turned, or one of them is another part's."""
-    if one.seen_box is None or one.felt_box is None or [*map(_kind, one.felt), *map(_kind, one.seen)] != ["mesh"] * 2:
+    if one.seen_box is None or one.felt_box is None or [shape.tag for shape in (*one.felt, *one.seen)] != ["mesh"] * 2:
         return
     fit = shared(one.seen_box, one.felt_box)
     if fit <= _UNLIKE:
@@ -211,14 +211,6 @@ def _of_kind(link: LinkView, kind: str) -> list[GeometryView]:
     return [shape for shape in real_shapes(link) if shape.kind == kind]
 
 
-def _kind(shape: GeometryView) -> str:
-    return "" if shape.shape is None else shape.shape.tag
-
-
-def _file(shape: GeometryView) -> str | None:
-    return None if shape.shape is None else shape.shape.get("filename")
-
-
 def _sides(shape: GeometryView, known: Solids) -> Floats:
     """Return (3,) the sides of its box in its own axes, ascending [m]."""
     return np.sort(known[shape].box.hi - known[shape].box.lo)
@@ -226,7 +218,7 @@ def _sides(shape: GeometryView, known: Solids) -> Floats:
 
 def _kinds_and_sides(shapes: Sequence[GeometryView], known: Solids) -> tuple[NDArray[np.str_], Floats]:
     sides = np.array([_sides(shape, known) for shape in shapes]).reshape(-1, 3)
-    return np.array([_kind(shape) for shape in shapes], np.str_), sides
+    return np.array([shape.tag for shape in shapes], np.str_), sides
 
 
 def _same(k: int, among: tuple[NDArray[np.str_], Floats], others: tuple[NDArray[np.str_], Floats]) -> NDArray[np.bool_]:

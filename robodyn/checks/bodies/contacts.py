@@ -321,16 +321,14 @@ def _hull(context: Context, link: LinkView, shape: GeometryView) -> Hull | None:
     solid = context.once(solids)[shape]
     at = behind(context.once(rest_poses)[link.name], solid.pose)
     half, points = (solid.box.hi - solid.box.lo) / 2, None
-    assert shape.shape is not None, "it is known"
-    if shape.shape.tag == "mesh":
-        uri = shape.shape.get("filename") or ""
-        path, facts = context.once(mesh_names)[uri].path, context.once(all_facts)[uri]
+    if shape.tag == "mesh":
+        path, facts = context.once(mesh_names)[shape.uri].path, context.once(all_facts)[shape.uri]
         points = None if path is None else extremes(path, facts.digest)
         scale = shape.scale.or_default(1.0, 1.0, 1.0)
         if points is None or scale is None:
             return None
         points = points * np.array(scale)
-    return Hull(shape.shape.tag, half, points, at)
+    return Hull(shape.tag, half, points, at)
 
 
 def _meeting(boxes: Sequence[Box], links: Sequence[str]) -> Iterator[tuple[int, int, float]]:

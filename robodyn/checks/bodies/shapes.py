@@ -91,15 +91,13 @@ def other_unit(context: Context) -> OtherUnit | None:
 
 def _box(geometry: GeometryView, facts: Mapping[str, MeshFacts]) -> Box | None:
     """Return the box around a shape in its own axes [m]; None where it is not known, or has no size."""
-    if geometry.shape is None:
-        return None
-    if geometry.shape.tag != "mesh":
+    if geometry.tag != "mesh":
         sizes = [size.values for size in geometry.sizes]
         if not sizes or None in sizes:
             return None
-        half = half_size(geometry.shape.tag, [length for values in sizes for length in values or ()])
+        half = half_size(geometry.tag, [length for values in sizes for length in values or ()])
         return Box(-half, half) if (half > 0).all() else None
-    known, scale = facts.get(geometry.shape.get("filename") or ""), geometry.scale.or_default(1.0, 1.0, 1.0)
+    known, scale = facts.get(geometry.uri), geometry.scale.or_default(1.0, 1.0, 1.0)
     if known is None or known.problem is not None or scale is None or not all(scale):
         return None
     ends = np.array((known.lo, known.hi)) * np.array(scale)
@@ -202,12 +200,10 @@ def together(parts: Sequence[Uniform]) -> Uniform | None:
 
 def _solid(shape: GeometryView, box: Box, facts: Mapping[str, MeshFacts]) -> Uniform | None:
     """Return a primitive, or what a mesh encloses; None where that is nothing definite."""
-    if shape.shape is None:
-        return None
-    if shape.shape.tag != "mesh":
-        body = SHAPES[shape.shape.tag](*(length for size in shape.sizes for length in size.values or ()), mass=1.0)
+    if shape.tag != "mesh":
+        body = SHAPES[shape.tag](*(length for size in shape.sizes for length in size.values or ()), mass=1.0)
         return Uniform(body.volume or 0.0, body.com, body.S_c)
-    one, scale = facts[shape.shape.get("filename") or ""], np.array(shape.scale.or_default(1.0, 1.0, 1.0))
+    one, scale = facts[shape.uri], np.array(shape.scale.or_default(1.0, 1.0, 1.0))
     volume = abs(one.volume * float(scale.prod()))
     c, S = np.array(one.centre) * scale, symmetric(one.second) * np.outer(scale, scale)
     sides = box.hi - box.lo

@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.checks.context import Context
-from robodyn.programs.vectors import arctan2, length, product, rotation_about, skew
+from robodyn.programs.vectors import arctan2, length, narrowed, product, skew
+from robodyn.robot.configuration import body_poses
 from robodyn.robot.model import Joint, Model
 from robodyn.support.floats import Floats, first_largest
 
@@ -23,12 +24,7 @@ class Sweep:
     that matters, plus a constant, with x in the axes of body j and y in those of the joint. At t and above, x is
     v = a_t x sum m (c - p_t) and y points up (u). Below t, x is the first moment h = sum m (c - p_j) of what joint j
     carries and y is w = u x a_t. A row's v is zero beside and below its target, its w beside and above.
-
-    Args:
-        targets: bodies.
-        starts: (s, n) positions of the coordinates.
-        low, high: (n,) what they may be.
-        free: (n,) whether a coordinate may be changed.
+    Poses begin at `starts` (s, n), stay between `low` and `high` (n,), and change the coordinates that are `free` (n,).
     """
 
     def __init__(
@@ -48,7 +44,7 @@ class Sweep:
 
     def torques(self, x: Mapping[int, Floats] | None = None) -> Floats:
         """Return (targets * rows,) torque / g, of given h and v, otherwise of those at q."""
-        x, torques = self._inward() if x is None else x, np.zeros(self.q.shape[1])
+        x, torques = x or self._inward(), np.zeros(self.q.shape[1])
         for t, rows in self._rows.items():
             if t in self._up:
                 torques[rows] = (self._up[t] * x[t][:, 1, rows]).sum(axis=0)
@@ -63,8 +59,7 @@ class Sweep:
         return before
 
     def _positions(self, joint: Joint) -> Floats:
-        position: Floats = joint.multiplier * self.q[joint.coordinate] + joint.offset
-        return position
+        return np.asarray(joint.multiplier * self.q[joint.coordinate] + joint.offset)
 
     def _turned(self, joint: Joint, x: Floats, back: float = 1.0) -> Floats:
         """Return Rot(a, q) x, or turned back, of (3, 2, rows)."""
@@ -183,10 +178,9 @@ def static_torques(context: Context) -> tuple[StaticTorque, ...]:
     mass M that it carries. As a function of the angle of one joint it is a + b cos q + c sin q: of one above, which
     turns u, of one below, which turns a part of r, and of the joint itself. So the best angle of one joint within its
     limits is known in closed form, and going through the joints again and again only ever raises the torque. From
-    STARTS poses up and as many down, the same for every robot, until a sweep gains less than 0.1 %, SWEEPS at most.
-    What is found is reached, and may be short of the most where there are several local ones. Joints that others mimic
-    are left out, and stay where they start. Robots on a floating base have no such torque and give nothing,
-    nor do robots of more than MOST_BODIES bodies.
+    STARTS poses up and as many down, until a sweep gains less than 0.1 %, SWEEPS at most. What is found is reached, and
+    may be short of the most where there are several local ones. Joints that others mimic are left out, and stay where
+    they start. Robots on a floating base, and of more than MOST_BODIES bodies, give nothing.
 
     Accuracy: `torque` is that of `bias_forces` at `q` within 1e-12 of the weight at the farthest reach; of 4000 random
         poses none asks for more than 1.02 times as much.
@@ -245,8 +239,7 @@ def starts(low: Floats, high: Floats) -> Floats:
     n = len(low)
     spread = np.outer(np.arange(STARTS), np.sqrt(np.arange(2, n + 2))) % 1.0
     spread[0] = 0.5
-    inside: Floats = low + spread * (high - low)
-    return inside
+    return np.asarray(low + spread * (high - low))
 
 
 def gravity_bounds(context: Context) -> Mapping[str, GravityBound]:
@@ -293,10 +286,8 @@ _WORTH = 1e-2
 
 
 def reflected_inertias(context: Context) -> tuple[tuple[Joint, float], ...]:
-    """Return (joint, J) of the joints whose damping may be fast; J = 1 / (M^-1)_ii at the middle of the ranges.
-
-    From stage MODEL on. Empty for a robot whose mass matrix is singular, that has a floating joint or more than
-    MOST_BODIES bodies.
+    """Return (joint, J) of the joints whose damping may be fast; J = 1 / (M^-1)_ii at the middle of the ranges. From
+    stage MODEL on; empty for a singular mass matrix, a floating joint or more than MOST_BODIES bodies.
 
     Accuracy: M within 1e-12 of its largest entry.
     """
@@ -333,38 +324,28 @@ def inverse_of_definite(M: Floats) -> Floats | None:
         A -= A[:, k, None] * row
         A[k] = A[:, k] = row
         A[k, k] = -1.0 / pivot
-    inverse: Floats = -A
-    return inverse
+    return np.asarray(-A)
 
 
 def joint_space_inertia(model: Model, q: Floats) -> Floats:
     """M(q) = sum of m J_v^T J_v + J_w^T I_c J_w over the bodies, with rotor inertias on the diagonal.
 
-    For one pose this is ready long before the recursion of `robodyn.mass_matrix` is traced.
-
-    Args:
-        q: (n,) rad or m, of a robot without floating joints.
+    For one pose (n,) of a robot without floating joints this is ready long before `robodyn.mass_matrix` is traced.
 
     Accuracy: 1e-12 of the largest entry.
     """
-    M = np.zeros((model.n, model.n))
-    placed: list[tuple[Floats, Floats, Floats]] = []
-    for body in model.bodies:
-        joint = body.joint
-        still = np.eye(3), np.zeros((3, model.n)), np.zeros((3, model.n))
-        R, J_w, J_v = placed[body.parent] if body.parent >= 0 else still
-        J_v = J_v - product(skew(product(R, joint.p)), J_w)
-        R, J_w = product(R, joint.R), J_w.copy()
+    M, columns = np.zeros((model.n, model.n)), list[Floats]()
+    for body, pose in zip(model.bodies, body_poses(model, q), strict=True):
+        R, p, joint = narrowed(pose.R), narrowed(pose.p), body.joint
         axis = product(R, joint.axis)
+        J = columns[body.parent].copy() if body.parent >= 0 else np.zeros((6, model.n))  # of a point at the origin
         if joint.kind == "revolute":
-            R = product(R, rotation_about(joint.axis, joint.multiplier * q[joint.coordinate] + joint.offset))
-            J_w[:, joint.rate] += joint.multiplier * axis
+            J[:, joint.rate] += joint.multiplier * np.concatenate((axis, np.cross(p, axis)))
         elif joint.kind == "prismatic":
-            J_v -= product(skew((joint.multiplier * q[joint.coordinate] + joint.offset) * axis), J_w)
-            J_v[:, joint.rate] += joint.multiplier * axis
+            J[3:, joint.rate] += joint.multiplier * axis
         if joint.kind != "fixed":
             M[joint.rate, joint.rate] += joint.multiplier**2 * joint.reduction**2 * joint.rotor_inertia
-        placed.append((R, J_w, J_v))
-        J_c = J_v - product(skew(product(R, body.inertia.centre_of_mass)), J_w)
-        M += body.inertia.m * product(J_c.T, J_c) + product(J_w.T, R, body.inertia.about_centre, R.T, J_w)
+        columns.append(J)
+        J_c = J[3:] - product(skew(product(R, body.inertia.centre_of_mass) + p), J[:3])
+        M += body.inertia.m * product(J_c.T, J_c) + product(J[:3].T, R, body.inertia.about_centre, R.T, J[:3])
     return M

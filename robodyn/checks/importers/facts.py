@@ -226,7 +226,11 @@ def _visuals(context: Context) -> Iterator[Found]:
 def _uris(context: Context) -> list[Found]:
     if context.once(_compiler).get("strippath") == "true":
         return []
-    return [_used(use, use.uri) for use in mesh_uses(context) if "://" in use.uri and use.geometry.kind == "collision"]
+    return [
+        _used(use, use.geometry.uri)
+        for use in mesh_uses(context)
+        if "://" in use.geometry.uri and use.geometry.kind == "collision"
+    ]
 
 
 def _turned(limit: LimitView) -> bool:

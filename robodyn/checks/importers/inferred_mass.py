@@ -46,11 +46,10 @@ def _kept(context: Context) -> dict[str, float | None]:
 def _of_shape(context: Context, shape: GeometryView) -> float | None:
     from robodyn.solids.mesh.read.load import load_triangles
 
-    assert shape.shape is not None, "it is one"
     if shape.sizes:
         sizes = [value for size in shape.sizes for value in size.values or (0.0,)]
-        return SHAPES[shape.shape.tag](*sizes, density=WATER).mass if min(sizes) > 0 else None
-    name = context.once(mesh_names).get(shape.shape.get("filename") or "")
+        return SHAPES[shape.tag](*sizes, density=WATER).mass if min(sizes) > 0 else None
+    name = context.once(mesh_names).get(shape.uri)
     scale = shape.scale.or_default(1.0, 1.0, 1.0)
     if name is None or name.path is None or scale is None:
         return None

@@ -10,6 +10,7 @@ from enum import Enum
 from functools import cache, partial
 from math import dist
 from pathlib import Path
+from typing import NamedTuple
 
 from robodyn.checks.context import STDIN, Context
 from robodyn.checks.meshes.facts import MeshFacts, facts_of
@@ -30,19 +31,12 @@ class State(Enum):
     REMOTE = "somewhere else"
 
 
-@dataclass(frozen=True, slots=True)
-class MeshUse:
+class MeshUse(NamedTuple):
+    """A mesh of a link, and where its file is named."""
+
     link: LinkView
     geometry: GeometryView
-
-    @property
-    def at(self) -> Span:
-        assert self.geometry.shape is not None, "it is a mesh"
-        return value_span(self.geometry.shape, "filename")
-
-    @property
-    def uri(self) -> str:
-        return (self.geometry.shape and self.geometry.shape.get("filename")) or ""
+    at: Span
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,16 +69,16 @@ class MeshName:
 def mesh_uses(context: Context) -> Iterator[MeshUse]:
     for link in context.view.links:
         for geometry in link.geometries:
-            if geometry.shape is not None and geometry.shape.tag == "mesh":
-                yield MeshUse(link, geometry)
+            if geometry.shape is not None and geometry.tag == "mesh":
+                yield MeshUse(link, geometry, value_span(geometry.shape, "filename"))
 
 
 def mesh_names(context: Context) -> Mapping[str, MeshName]:
     """Return the names of meshes; those that are empty or not expanded are none."""
     uses: dict[str, list[MeshUse]] = {}
     for use in mesh_uses(context):
-        if use.uri and not unexpanded(use.uri):
-            uses.setdefault(use.uri, []).append(use)
+        if use.geometry.uri and not unexpanded(use.geometry.uri):
+            uses.setdefault(use.geometry.uri, []).append(use)
     meshes = MeshSearch(context)
     return {uri: meshes.find(uri, tuple(found)) for uri, found in uses.items()}
 
@@ -168,8 +162,7 @@ _KILOMETRES = 900.0
 """A scale in all axes that no file asks for: of 86 published robots none has more than 1."""
 
 
-@dataclass(frozen=True, slots=True)
-class UnitSlip:
+class UnitSlip(NamedTuple):
     """A mesh as it is used: its longest side [m], or that of its scale where the file is not known, the factor of its
     size, and how that shows."""
 
@@ -186,15 +179,14 @@ def mesh_slips(context: Context) -> Mapping[GeometryView, UnitSlip]:
     twin = cache(partial(_twin, context))
     for name in context.once(mesh_names).values():
         for use in name.uses:
-            side = longest(use.geometry, name.uri, context)
+            side = longest(use.geometry, context)
+            sizes = sorted(map(abs, use.geometry.scale.or_default(1.0, 1.0, 1.0) or (1.0,)))
             if side is None:
-                scale = min(map(abs, use.geometry.scale.or_default(1.0, 1.0, 1.0) or (1.0,)))
-                if scale >= _KILOMETRES:
-                    how = f"a scale of {scale:g} is for a file in kilometres"
-                    found[use.geometry] = UnitSlip(name, scale, 1e3, how)
+                if sizes[0] >= _KILOMETRES:
+                    how = f"a scale of {sizes[0]:g} is for a file in kilometres"
+                    found[use.geometry] = UnitSlip(name, sizes[0], 1e3, how)
                 continue
             mistaken = _mistaken(side, twin(use.link, use.geometry.kind), around)
-            sizes = sorted(map(abs, use.geometry.scale.or_default(1.0, 1.0, 1.0) or (1.0,)))
             if mistaken is None and sizes[0] > 0 and _UNEVEN[0] <= sizes[-1] / sizes[0] <= _UNEVEN[1]:
                 mistaken = sizes[-1] / sizes[0], "its scale differs by a factor of 1000 between axes"
             if mistaken is not None:
@@ -202,9 +194,9 @@ def mesh_slips(context: Context) -> Mapping[GeometryView, UnitSlip]:
     return found
 
 
-def longest(geometry: GeometryView, uri: str, context: Context) -> float | None:
+def longest(geometry: GeometryView, context: Context) -> float | None:
     """Return the longest side of the box of a mesh, scaled [m]; None where it is not known."""
-    known = context.once(all_facts).get(uri)
+    known = context.once(all_facts).get(geometry.uri)
     scale = geometry.scale.or_default(1.0, 1.0, 1.0)
     if known is None or known.problem is not None or scale is None or not all(scale):
         return None
@@ -229,8 +221,7 @@ def _mistaken(side: float, twin: float | None, reach: float) -> tuple[float, str
 
 def _twin(context: Context, link: LinkView, kind: str) -> float | None:
     """Return the longest side of the largest mesh of a link that is of another kind, collision or visual."""
-    others = [MeshUse(link, other) for other in link.geometries if other.kind != kind]
-    sides = [longest(other.geometry, other.uri, context) for other in others]
+    sides = (longest(other, context) for other in link.geometries if other.kind != kind)
     return max((side for side in sides if side is not None), default=None)
 
 

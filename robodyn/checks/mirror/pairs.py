@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from statistics import median
@@ -139,16 +139,17 @@ def carried(left: Link, right: Link, D: Floats, still: bool = False) -> Carried 
 
     The <visual> ones count, since collision meshes are simplified, to something symmetric even; or the <collision> ones
     where there are no others. Links without meshes are one part if their primitives stand at the same places, and these
-    are not each other's images, or both links are fixed: then it is most often a sensor that was bought twice.
-
-    D (3, 3) is the reflection from the axes of the left link to those of the right; `still` says whether both links are
-    fixed to what carries them.
+    are not each other's images, or both links are fixed (`still`): most often a sensor that was bought twice.
+    D (3, 3) is the reflection from the axes of the left link to those of the right.
     """
     for kind in ("visual", "collision"):
         one, other = ([shape for shape in link.geometries if shape.kind == kind] for link in (left, right))
         meshes = [[shape for shape in shapes if shape.shape == "mesh"] for shapes in (one, other)]
         if any(meshes):
-            return _common(*meshes)
+            if [mesh.filename for mesh in meshes[0]] != [mesh.filename for mesh in meshes[1]]:
+                return None
+            first, *others = (_move(*both) for both in zip(*meshes, strict=True))
+            return first if all(_is_same(first, move) for move in others) else None
         if one or other:
             made_of = [[(shape.shape, shape.size, shape.origin) for shape in shapes] for shapes in (one, other)]
             places = [np.array(shape.origin.xyz) for shape in one]
@@ -157,16 +158,10 @@ def carried(left: Link, right: Link, D: Floats, still: bool = False) -> Carried 
     return None
 
 
-def _common(one: list[Geometry], other: list[Geometry]) -> Carried | None:
-    if [mesh.filename for mesh in one] != [mesh.filename for mesh in other]:
-        return None
-    first, *others = (_move(*meshes) for meshes in zip(one, other, strict=True))
-    for move in others:
-        if first is None or move is None or np.abs(first.G - move.G).max() > _SAME_PART:
-            return None
-        if length(first.p - move.p) > _SAME_PART:
-            return None
-    return first
+def _is_same(one: Carried | None, other: Carried | None) -> bool:
+    if one is None or other is None:
+        return False
+    return bool(np.abs(one.G - other.G).max() <= _SAME_PART) and length(one.p - other.p) <= _SAME_PART
 
 
 def _move(one: Geometry, other: Geometry) -> Carried | None:
@@ -264,8 +259,8 @@ def symmetry(context: Context) -> Symmetry | None:
     if description is None:
         return None
     above = {joint.child: joint for joint in description.joints}
-    links = {link.name: link for link in description.links}
-    named = tuple(names for names in named_pairs(links) if names[0] in above and names[1] in above)
+    links, outward = {link.name: link for link in description.links}, [link.name for link in context.tree.links]
+    named = tuple(names for names in named_pairs(outward) if names[0] in above and names[1] in above)
     if not named:
         return None
     R, p = {description.root: np.eye(3)}, {description.root: np.zeros(3)}
@@ -359,18 +354,12 @@ def link_inertia(inertial: Inertial) -> tuple[Floats, Floats]:
     return c, product(R, symmetric(inertial.inertia), R.T)
 
 
-def _rooted(found: Collection[Names], above: Mapping[str, Joint], within: Collection[str] | None = None) -> list[Names]:
-    """Return the pairs whose joints hang on one link, if given one of those within; or on the two of another such
-    pair."""
-    known, verdicts = frozenset(found), dict[Names, bool]()
-    for names in found:
-        chain, one = [], names
-        while one not in verdicts:
-            chain.append(one)
-            over = above[one[0]].parent, above[one[1]].parent
-            if over in known and over[0] != over[1]:
-                one = over
-            else:
-                verdicts[one] = over[0] == over[1] and (within is None or over[0] in within)
-        verdicts.update((link, verdicts[one]) for link in chain)
-    return [names for names in found if verdicts[names]]
+def _rooted(found: Iterable[Names], above: Mapping[str, Joint], within: Collection[str] | None = None) -> list[Names]:
+    """Return the pairs, parents first as given, whose joints hang on one link, if given one of those within; or on the
+    two of another such pair."""
+    rooted: dict[Names, None] = {}
+    for left, right in found:
+        over = above[left].parent, above[right].parent
+        if over in rooted or (over[0] == over[1] and (within is None or over[0] in within)):
+            rooted[left, right] = None
+    return list(rooted)

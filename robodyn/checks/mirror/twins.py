@@ -142,43 +142,33 @@ def directions(pair: Pair, context: Context) -> Iterator[int]:
             yield 1 if along > 0 else -1
 
 
-def unlike_the_other_legs(context: Context) -> Mapping[str, Pair]:
-    """Return by the name of the right joint the pair of another row of legs that is turned the other way.
+def reversed_axes(context: Context) -> Mapping[str, tuple[Pair, ...]]:
+    """Return by the name of the right joint the pairs that show that its axis is reversed.
 
-    On four legs and more the joints of all rows are turned alike: of 13 published robots none differs. Of rows that do,
-    the later ones are returned with the first.
+    On four legs and more the joints of all rows are turned alike: of 13 published robots none differs. Of a row that
+    is turned the other way it is the first pair of the kind. And the axes of a limb that lie in the mirror plane are
+    turned alike, and so are those across it: either equal positions of all are mirror images, or opposite ones of all
+    are. Of a joint for which all others of its limb say otherwise it is these, `_OTHERS` at least.
     """
-    first: dict[str, tuple[Pair, int]] = {}
-    unlike = {}
-    for pair in context.once(pairs):
-        row = row_of(pair.left.name)
-        kinds = {pair.left_joint.type, pair.right_joint.type}
-        if row == pair.left.name or not kinds <= {"revolute", "continuous", "prismatic"}:
-            continue
-        ways = set(directions(pair, context))
-        if len(ways) == 1:
-            way = ways.pop()
-            other, other_way = first.setdefault(row, (pair, way))
-            if way != other_way:
-                unlike[pair.right_joint.name] = other
-    return unlike
-
-
-def unlike_their_limb(context: Context) -> Mapping[str, tuple[Pair, ...]]:
-    """Return by the name of the right joint the other pairs of its limb, where all of them are turned the other way.
-
-    The axes of a limb that lie in the mirror plane are turned alike, and so are those across it: either equal positions
-    of all are mirror images, or opposite ones of all are.
-    """
-    found, unlike = context.once(symmetry), dict[str, tuple[Pair, ...]]()
-    for alike in () if found is None else _lying_alike(found):
+    found, reversed_by = context.once(symmetry), dict[str, tuple[Pair, ...]]()
+    if found is None:
+        return reversed_by
+    for alike in _lying_alike(found):
         ways = [set(directions(pair, context)) for pair in alike]
         count = Counter(way for each in ways for way in each)
         for k, pair in enumerate(alike):
             others = (*alike[:k], *alike[k + 1 :])
             if len(others) >= _OTHERS and any(count[-way] == len(others) and ways[k] == {way} for way in ways[k]):
-                unlike[pair.right_joint.name] = others
-    return unlike
+                reversed_by[pair.right_joint.name] = others
+    first: dict[str, tuple[Pair, set[int]]] = {}
+    for pair in found.pairs:
+        row, kinds = row_of(pair.left.name), {pair.left_joint.type, pair.right_joint.type}
+        if row != pair.left.name and kinds <= {"revolute", "continuous", "prismatic"}:
+            way = set(directions(pair, context))
+            other, other_way = first.setdefault(row, (pair, way)) if len(way) == 1 else (pair, way)
+            if way != other_way:
+                reversed_by[pair.right_joint.name] = (other,)
+    return reversed_by
 
 
 def _lying_alike(found: Symmetry) -> list[list[Pair]]:
@@ -188,11 +178,10 @@ def _lying_alike(found: Symmetry) -> list[list[Pair]]:
     carried = Counter(joint.parent for name, joint in found.above.items() if name in heavy)
     alike: dict[tuple[str, bool], list[Pair]] = defaultdict(list)
     for pair in found.pairs:
-        joint = pair.right_joint
+        joint, first = pair.right_joint, pair
         if joint.type in ("revolute", "prismatic"):
             axis = product(found.R[joint.child], np.array(joint.axis))
             across = abs(float(product(found.plane.normal, axis))) / length(axis)
-            first = pair
             while (over := found.by_right.get(first.right_joint.parent)) is not None and carried[over.right.name] == 1:
                 first = over
             if min(across, abs(1.0 - across)) <= _AXIS:

@@ -36,7 +36,7 @@ def mesh_missing(context: Context) -> Faults:
     file out of its package, one remark says so for all meshes. Nothing is fetched.
     """
     for use in mesh_uses(context):
-        if not use.uri:
+        if not use.geometry.uri:
             yield Fault(use.at, "the mesh names no file", 'write filename="..."')
     names = context.once(mesh_names).values()
     for name in names:
@@ -213,8 +213,9 @@ def mesh_unit(context: Context) -> Faults:
     """
     reported = set()
     for geometry, slip in context.once(mesh_slips).items():
-        scale = None if geometry.shape is None else geometry.shape.get("scale")
-        if geometry.shape is None or (slip.name.uri, scale) in reported:
+        assert geometry.shape is not None, "it is a mesh"
+        scale = geometry.shape.get("scale")
+        if (slip.name.uri, scale) in reported:
             continue
         reported.add((slip.name.uri, scale))
         what = f"the mesh {shown_path(slip.name.uri)} has the wrong unit: {slip.how}"

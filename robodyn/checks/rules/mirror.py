@@ -18,9 +18,8 @@ from robodyn.checks.mirror.twins import (
     Twins,
     directions,
     heavy_links,
+    reversed_axes,
     twins,
-    unlike_the_other_legs,
-    unlike_their_limb,
 )
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.programs.vectors import length, product, rotation_from_rpy
@@ -31,18 +30,15 @@ from robodyn.support.floats import Floats
 from robodyn.support.wording import figure, place, shown
 
 _ONE_OF_TWO = "correct the one of the two that is wrong, or allow it where the {} differ"
-_UNITS = (
-    (1000.0, "in grams, 1000 times the other"),
-    (1 / 0.45359237, "in pounds, 2.2046 times the other"),
+_FACTORS = (
+    (1000.0, True, "in grams, 1000 times the other"),
+    (1 / 0.45359237, True, "in pounds, 2.2046 times the other"),
+    (10.0, False, "10 times the other, as with the decimal point one place off"),
+    (100.0, False, "100 times the other, as with the decimal point two places off"),
 )
-_DIGITS = (
-    (10.0, "10 times the other, as with the decimal point one place off"),
-    (100.0, "100 times the other, as with the decimal point two places off"),
-)
+"""Of masses, each with whether the larger one is in another unit."""
 _EXACT = 1e-3
 """How far the ratio may be from a factor: masses of twins are equal or differ by chance."""
-_LEGS = 16
-"""More than any robot has in a row."""
 
 
 @rule(
@@ -64,7 +60,10 @@ def mirror_mass(context: Context) -> Faults:
         left, right = one.masses
         if abs(left - right) <= MASS * max(left, right):
             continue
-        unit, others = _named(one, _UNITS), _others(context, one)
+        named = (
+            factor for factor in _FACTORS if isclose(max(left, right) / min(left, right), factor[0], rel_tol=_EXACT)
+        )
+        (_, unit, how), others = next(named, (1.0, False, None)), _others(context, one)
         is_left = left > right if unit else others is not None and others[0]
         link = context.view.link[one.pair.left.name] if is_left else one.link
         assert link.inertial is not None, "it has mass"
@@ -73,37 +72,22 @@ def mirror_mass(context: Context) -> Faults:
         told = "" if others is None else f"; {others[1]} other links of this row weigh that"
         apart = figure(100 * abs(left - right) / max(left, right), 2)
         what = f"the mass is {mass:g} kg, that of its mirror twin {twin} {its:g} kg, {apart} % apart{told}"
-        how = unit or _named(one, _DIGITS)
         cause = None if how is None else f"{'it' if mass > its else 'that of the twin'} is {how}"
-        remedy = f"correct it, to {its:g} kg if the parts are alike"
-        if unit is None and others is None:
-            remedy = _ONE_OF_TWO.format("parts")
+        known = unit or others is not None
+        remedy = f"correct it, to {its:g} kg if the parts are alike" if known else _ONE_OF_TWO.format("parts")
         yield Fault(link.inertial.mass.span, what, remedy, mass, its, cause=cause)
-
-
-def _named(one: Twins, factors: tuple[tuple[float, str], ...]) -> str | None:
-    """Return what makes one mass a round number of times the other, if it is one."""
-    ratio = max(one.masses) / min(one.masses)
-    return next((how for factor, how in factors if isclose(ratio, factor, rel_tol=_EXACT)), None)
 
 
 def _others(context: Context, one: Twins) -> tuple[bool, int] | None:
     """Return whether it is the left link that weighs what no other leg's does, and how many weigh what the right one
     does, or the other way round; None where the other legs do not tell."""
-    legs = context.once(_legs)[row_of(one.pair.left.name)]
-    masses = [mass for other in legs if other is not one for mass in other.masses][:_LEGS]
+    row = row_of(one.pair.left.name)
+    legs = [other for other in context.once(twins) if other is not one and row_of(other.pair.left.name) == row]
+    masses = [mass for other in legs for mass in other.masses]
     alike = [sum(abs(other - mass) <= MASS * mass for other in masses) for mass in one.masses]
     if len(masses) < 2 or max(alike) < len(masses) or min(alike):
         return None
     return alike[1] > alike[0], max(alike)
-
-
-def _legs(context: Context) -> dict[str, list[Twins]]:
-    """Return the twins in front, behind and so on together."""
-    found: dict[str, list[Twins]] = {}
-    for one in context.once(twins):
-        found.setdefault(row_of(one.pair.left.name), []).append(one)
-    return found
 
 
 @rule(
@@ -205,7 +189,6 @@ def mirror_joint(context: Context) -> Faults:
     that have their axes in the mirror plane, or across it, are turned the other way. Twins are found as RD401 says.
     Ranges that RD503, RD504 or RD507 report are not compared.
     """
-    unlike, odd = context.once(unlike_the_other_legs), context.once(unlike_their_limb)
     for pair in context.once(pairs):
         left, right = pair.left_joint, pair.right_joint
         view, twin = context.view.joint[right.name], f"{shown(left.name)} (line {left.line})"
@@ -216,22 +199,22 @@ def mirror_joint(context: Context) -> Faults:
             yield Fault(value_span(context.view.joint[one.name].element, "type"), what, _CORRECT_JOINT)
         elif left.type in ("revolute", "continuous", "prismatic"):
             yield from (ranges := list(_range(pair, context, twin)))
-            legs, limb = unlike.get(right.name), odd.get(right.name)
+            others = context.once(reversed_axes).get(right.name, ())
             if not any(directions(pair, context)):
                 what = f"the axis is not parallel to the mirror image of that of its twin {twin}"
                 yield Fault(at, what, _CORRECT_JOINT)
-            elif legs is not None and not ranges and not list(_range(legs, context, "")):
-                rear = legs.right_joint
+            elif len(others) == 1 and not ranges and not list(_range(others[0], context, "")):
+                front, rear = others[0].left_joint, others[0].right_joint
                 what = (
-                    f"it and its mirror twin {twin} are turned to each other as {shown(legs.left_joint.name)} and "
+                    f"it and its mirror twin {twin} are turned to each other as {shown(front.name)} and "
                     f"{shown(rear.name)} (line {rear.line}) are not: one of the four axes is reversed"
                 )
                 yield Fault(at, what, "correct the one of the four that is wrong, or allow it where the legs differ")
-            elif limb is not None and not ranges:
-                named = " and ".join(shown(each.right_joint.name) for each in limb[:2])
+            elif len(others) > 1 and not ranges:
+                named = " and ".join(shown(each.right_joint.name) for each in others[:2])
                 what = (
                     f"it and its mirror twin {twin} are turned to each other as those of the limb whose axes lie like "
-                    f"theirs, {named} among {len(limb)}, are not: one of the two axes is reversed"
+                    f"theirs, {named} among {len(others)}, are not: one of the two axes is reversed"
                 )
                 yield Fault(at, what, _CORRECT_JOINT)
             yield from _magnitudes(pair, view, twin)

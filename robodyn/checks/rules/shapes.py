@@ -29,15 +29,15 @@ def shape_size(context: Context) -> Faults:
     """
     for geometry in (geometry for link in context.view.links for geometry in link.geometries):
         for size in geometry.sizes:
-            if geometry.shape is not None and size.values is not None and min(size.values) <= 0:
-                what = f"the {size.attribute} of the <{geometry.kind}> {geometry.shape.tag} is {_shown(size.values)}"
+            if size.values is not None and min(size.values) <= 0:
+                what = f"the {size.attribute} of the <{geometry.kind}> {geometry.tag} is {_shown(size.values)}"
                 remedy = "write the size in metres, or remove the shape"
                 yield Fault(size.span, f"{what}, not positive", remedy, min(size.values), 0.0)
     scaled: dict[tuple[str, tuple[float, ...]], list[MeshUse]] = {}
     for use in mesh_uses(context):
         scale = use.geometry.scale.or_default(1.0, 1.0, 1.0)
         if scale is not None:
-            scaled.setdefault((use.uri, scale), []).append(use)
+            scaled.setdefault((use.geometry.uri, scale), []).append(use)
     for (uri, scale), uses in scaled.items():
         if min(scale) <= 0:
             alike = [other for name, other in scaled if name == uri and [*map(abs, other)] == [*map(abs, scale)]]
@@ -183,7 +183,5 @@ def flat_shape(context: Context) -> Faults:
         sides = known[shape].box.hi - known[shape].box.lo
         thin, most = float(sides.min()), min(_THIN, _THINNER * float(sides.max()))
         if thin < most:
-            what = (
-                f"the collision {shape.shape.tag} is flat: {thin:.3g} m thick along its {'xyz'[int(np.argmin(sides))]}"
-            )
+            what = f"the collision {shape.tag} is flat: {thin:.3g} m thick along its {'xyz'[int(np.argmin(sides))]}"
             yield Fault(shape.shape.span, f"{what} axis", "give it a thickness", thin, most)

@@ -127,13 +127,20 @@ class GeometryView(Part):
         geometry = self.element.find("geometry")
         return None if geometry is None else next((child for child in geometry.children if child.tag in SHAPES), None)
 
+    @property
+    def tag(self) -> str:
+        """What the shape is; empty without one."""
+        return "" if self.shape is None else self.shape.tag
+
+    @property
+    def uri(self) -> str:
+        """The file of a mesh; empty where it names none."""
+        return ("" if self.shape is None else self.shape.get("filename")) or ""
+
     @Kept
     def sizes(self) -> tuple[Numbers, ...]:
         """The sizes of a primitive."""
-        if self.shape is None:
-            return ()
-        names = SIZES.get(self.shape.tag, ())
-        return tuple(numbers(self.shape, name, 3 if name == "size" else 1) for name in names)
+        return tuple(numbers(self.shape, name, 3 if name == "size" else 1) for name in SIZES.get(self.tag, ()))
 
     @Kept
     def scale(self) -> Numbers:
