@@ -17,8 +17,7 @@ from helpers.markdown_tables import main, table
 from helpers.stances import base_columns
 from scipy import sparse
 
-from robodyn.dynamics.contacts.problem import Problem
-from robodyn.dynamics.contacts.solve import contact_forces
+from robodyn.dynamics.contacts.solve import Problem, contact_forces
 
 HEAD = (
     *("motion", "points", "samples", "without forces", "NumPy", "compiled"),

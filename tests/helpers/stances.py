@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from robodyn.dynamics.contacts.problem import Problem
+from robodyn.dynamics.contacts.solve import Problem
 
 LENGTH = 0.3
 
@@ -73,5 +73,4 @@ def all_around(seed, samples, points):
     normals = random.normal(size=(samples, points, 3))
     normals /= np.linalg.norm(normals, axis=2, keepdims=True)
     friction = random.choice((0.0, 0.1, 0.5, 1.0, np.inf), (samples, points))
-    weights = 10.0 ** random.uniform(-1.0, 1.0, points)
-    return replace(stance(seed, samples, points), normals=normals, friction=friction, weights=weights)
+    return replace(stance(seed, samples, points), normals=normals, friction=friction)

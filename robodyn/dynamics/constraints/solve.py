@@ -28,8 +28,7 @@ from robodyn.dynamics.constraints.torque_distribution import (
     structure,
     torque_distribution,
 )
-from robodyn.dynamics.contacts.problem import Forces, FreeTerms, Problem, TorqueTerms
-from robodyn.dynamics.contacts.solve import contact_forces
+from robodyn.dynamics.contacts.solve import Forces, FreeTerms, Problem, TorqueTerms, contact_forces
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError, SceneError
 from robodyn.programs.vectors import cross, length, product

@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from robodyn.dynamics.contacts.problem import Flags, Forces, Problem, axes_of
-from robodyn.dynamics.contacts.solve import contact_forces
+from robodyn.dynamics.contacts.solve import Flags, Forces, Problem, axes_of, contact_forces
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
 

@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from robodyn.dynamics.contacts.problem import FEASIBLE
 from robodyn.programs.program import trace
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
@@ -59,9 +58,8 @@ def _inputs(tape: Tape, name: str, *shape: int) -> Array:
 
 
 def _projections(tape: Tape, rows: int, points: int) -> tuple[Array, Array, list[Projected]]:
-    """Return G by points, each times its scale, nu, and the projections P(G^T nu)."""
+    """Return G by points, nu, and the projections P(G^T nu)."""
     G, nu = _inputs(tape, "G", rows, points, 3), _inputs(tape, "nu", rows)
-    G = G * _inputs(tape, "scale", points)[:, None]
     normals = _inputs(tape, "normals", points, 3)
     cosine, sine = _inputs(tape, "cosine", points), _inputs(tape, "sine", points)
     return G, nu, [projected(G[:, k].T @ nu, normals[k], cosine[k], sine[k]) for k in range(points)]
@@ -91,9 +89,7 @@ def _step(tape: Tape, rows: int, points: int) -> Iterable[Scalar]:
 
 def _start(tape: Tape, rows: int, points: int) -> Iterable[Scalar]:
     """The nu of the least forces without cones: (G G^T + rho 1)^-1 b, and once more what that leaves of b."""
-    G, scale = _inputs(tape, "G", rows, points, 3), _inputs(tape, "scale", points)
-    b, rho = _inputs(tape, "b", rows), tape.input("rho", 0)
-    G = (G * scale[:, None]).reshape(rows, 3 * points)
+    G, b, rho = _inputs(tape, "G", rows, 3 * points), _inputs(tape, "b", rows), tape.input("rho", 0)
     H = G @ G.T
     nu = np.array(_solved(H, rho, b))
     return list(nu + np.array(_solved(H, rho, b - H @ nu)))
@@ -124,7 +120,7 @@ PROGRAMS = {"start": _start, "step": _step, "forces": _forces}
 def runner(kind: str, rows: int, points: int) -> Runner:
     """Return the program of a kind ("start", "step" or "forces"), ready to run on arrays of samples."""
     program = trace(lambda tape: PROGRAMS[kind](tape, rows, points))
-    by_point = {"G": 3 * rows, "normals": 3, "cosine": 1, "sine": 1, "scale": 1}
+    by_point = {"G": 3 * rows, "normals": 3, "cosine": 1, "sine": 1}
     widths = {name: width * points for name, width in by_point.items()}
     return Runner(program, {**widths, "nu": rows, "centre": rows, "b": rows, "rho": 1})
 
@@ -191,6 +187,8 @@ def narrowed(search: Search, slope: Floats, fall: Floats) -> Search:
     return Search(search.slope, length, low, high, slope_low, slope_high, side)
 
 
+FEASIBLE = 1e-9
+"""Of |b|: a larger residual says that the equations have no solution inside the cones."""
 HARDEST = 1e-12
 """The least rho; that of the first look, where cones do not matter."""
 SOFTNESS = np.array((1e-2, 1e-4, 1e-6))
@@ -222,9 +220,8 @@ class Cones(NamedTuple):
     """G f = b of N samples with |b| = 1, f in the cones of K points; samples are the last axis.
 
     Attributes:
-        G: (R 3 K, N), row by row, of which the columns of each point count times its scale.
-        b: (R, N).
-        normals: (3 K, N). cosine, sine: (K, N), of the half angles atan(mu). scale: (K, N).
+        G: (R 3 K, N), row by row. b: (R, N). normals: (3 K, N).
+        cosine, sine: (K, N), of the half angles atan(mu).
     """
 
     G: Floats
@@ -232,7 +229,6 @@ class Cones(NamedTuple):
     normals: Floats
     cosine: Floats
     sine: Floats
-    scale: Floats
 
     def chosen(self, samples: Any) -> Cones:
         """Return those of some samples."""

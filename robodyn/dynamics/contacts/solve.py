@@ -1,14 +1,14 @@
-"""Contact forces of blocks of samples, by the solver that suits what they cost and what bounds them."""
+"""Contact forces of blocks of samples: what is asked and found, and the solver that suits the costs and bounds."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from robodyn.dynamics.contacts.dual import SOFTNESS, Cones, least_forces
-from robodyn.dynamics.contacts.problem import FEASIBLE, Forces, Problem, axes_of
+from robodyn.dynamics.contacts.dual import FEASIBLE, SOFTNESS, Cones, least_forces
 from robodyn.errors import InputError
 from robodyn.programs.linear import min_norm_solution
 from robodyn.programs.vectors import length, product
@@ -16,35 +16,144 @@ from robodyn.support.extras import need
 from robodyn.support.floats import BEYOND, Floats
 from robodyn.support.sums import einsum
 
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class TorqueTerms:
+    """Torques tau = tau0 - T f - S x of m joints: their cost 1/2 sum w tau^2, and their limits (m,), which may be
+    infinite; T is (N, m, 3 K)."""
+
+    tau0: Floats
+    T: Floats
+    weights: Floats
+    limits: Floats | None = None
+
+
+@dataclass(frozen=True)
+class FreeTerms:
+    """Unknowns x without a sign, such as the forces of loops: G f + H x = b, H being (N, R, L).
+
+    They take S x from the torques, S being (N, m, L), or None: nothing.
+    """
+
+    H: Floats
+    S: Floats | None = None
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Forces f_k at K points, of N samples: G f = b, |f_t| <= mu f_n, f_n >= 0, at least cost.
+
+    The cost is 1/2 sum |f_k|^2, and that of the torques. Where no such forces are, |b - G f| is least first.
+
+    Attributes:
+        G: (N, R, 3 K), by components of f_1, f_2, ...
+        b: (N, R); rows of G and b are in units in which a residual of one row weighs as much as one of any other.
+        normals: (K, 3) or (N, K, 3), of length 1, to the side on which the robot is.
+        friction: (K,) or (N, K), mu; may be 0 or infinite.
+        active: (N, K); None: all. Where it is False f is 0.
+    """
+
+    G: Floats
+    b: Floats
+    normals: Floats
+    friction: Floats
+    active: Flags | None = None
+    torques: TorqueTerms | None = None
+    free: FreeTerms | None = None
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """N, R and K."""
+        samples, rows, columns = self.G.shape
+        return samples, rows, columns // 3
+
+    def chosen(self, rows: Any) -> Problem:
+        """The problem of some samples."""
+        torques, free = self.torques, self.free
+        if torques is not None:
+            torques = replace(torques, tau0=torques.tau0[rows], T=torques.T[rows])
+        if free is not None:
+            free = replace(free, H=free.H[rows], S=None if free.S is None else free.S[rows])
+        return replace(
+            self,
+            G=self.G[rows],
+            b=self.b[rows],
+            normals=self.normals if self.normals.ndim == 2 else self.normals[rows],
+            friction=self.friction if self.friction.ndim == 1 else self.friction[rows],
+            active=None if self.active is None else self.active[rows],
+            torques=torques,
+            free=free,
+        )
+
+
+@dataclass(frozen=True)
+class Forces:
+    """What was found.
+
+    Attributes:
+        f: (N, K, 3), on the robot, in the axes of the normals.
+        free: (N, L), the unknowns x; L is 0 where there are none.
+        residual: (N, R), b - G f - H x.
+        feasible: (N,), whether |residual| <= FEASIBLE |b|.
+        within_limits: (N,), False where torques had to exceed their limits.
+    """
+
+    f: Floats
+    free: Floats
+    residual: Floats
+    feasible: Flags
+    within_limits: Flags
+
+    def chosen(self, rows: Any) -> Forces:
+        """The forces of some samples."""
+        return Forces(*(getattr(self, each.name)[rows] for each in fields(self)))
+
+
+def axes_of(normals: Floats) -> Floats:
+    """Return rotations (..., 3, 3) whose columns are two tangents and the normal (..., 3).
+
+    Method: Duff and others, Building an orthonormal basis, revisited (2017).
+    """
+    x, y, z = np.moveaxis(normals, -1, 0)
+    sign = np.copysign(1.0, z)
+    a = -1.0 / (sign + z)
+    b = x * y * a
+    first = np.stack((1.0 + sign * x * x * a, sign * b, -sign * x), -1)
+    second = np.stack((b, sign + y * y * a, -y), -1)
+    return np.stack((first, second, normals), -1)
+
 
 def plain_forces(problem: Problem, executor: str = "auto", expected: int = 0) -> Forces:
     """Return what `contact_forces` returns, of a problem whose torques and free unknowns do not count."""
     cones, sizes = scaled(problem)
     N, _, K = problem.shape
     f, _ = least_forces(cones, executor, expected)
-    found = (f.reshape(K, 3, N) * (sizes * cones.scale)[:, None]).transpose(2, 0, 1)
+    found = (f.reshape(K, 3, N) * sizes).transpose(2, 0, 1)
+    if problem.active is not None:
+        found = np.where(problem.active[:, :, None], found, 0.0)
     residual = problem.b - einsum("nij,nj->ni", problem.G, found.reshape(N, 3 * K))
     missing = np.sqrt(einsum("ni,ni->n", residual, residual))
     return Forces(found, np.zeros((N, 0)), residual, missing <= FEASIBLE * sizes, np.ones(N, dtype=bool))
 
 
 def scaled(problem: Problem) -> tuple[Cones, Floats]:
-    """Return the problem with |b| = 1, weights 1 and forces of inactive points that count for nothing; and |b| (N,)."""
-    N, _, K = problem.shape
-    sizes = np.sqrt(einsum("ni,ni->n", problem.b, problem.b))
-    scale = np.ones(K) if problem.weights is None else np.sqrt(problem.weights.max() / problem.weights)
-    by_sample = scale if problem.active is None else scale * problem.active
+    """Return the problem with |b| = 1, in which forces of inactive points do nothing; and |b| (N,)."""
+    N, sizes = len(problem.b), np.sqrt(einsum("ni,ni->n", problem.b, problem.b))
+    G = problem.G if problem.active is None else problem.G * np.repeat(problem.active, 3, axis=1)[:, None]
     angle = np.arctan(problem.friction)
     cosine = np.where(np.isinf(problem.friction), 0.0, np.cos(angle))
-    parts = (problem.normals.reshape(*problem.normals.shape[:-2], -1), cosine, np.sin(angle), by_sample)
-    normals, cosine, sine, by_sample = (np.broadcast_to(part, (N, part.shape[-1])).T for part in parts)
-    b = problem.b.T / np.where(sizes > 0.0, sizes, 1.0)
-    return Cones(problem.G.reshape(N, -1).T, b, normals, cosine, sine, by_sample), sizes
+    parts = (problem.normals.reshape(*problem.normals.shape[:-2], -1), cosine, np.sin(angle))
+    normals, cosine, sine = (np.broadcast_to(part, (N, part.shape[-1])).T for part in parts)
+    return Cones(G.reshape(N, -1).T, problem.b.T / np.where(sizes > 0.0, sizes, 1.0), normals, cosine, sine), sizes
 
 
 TOLERANCES = (1e-12, 1e-10, 1e-8, 1e-6)
 """Tried in turn, for Clarabel gets stuck with small ones at times."""
 SCALES = "look for masses, inertias or efforts of unlikely sizes"
+FREE = 1e-9
+"""Cost of the square of a free unknown, beside 1 of a force's."""
 MISSING = 1.0 / SOFTNESS[-1]
 """Where there is no solution, 1/2 this |b - G f|^2 is a part of the cost, relative to its largest curvature."""
 
@@ -111,8 +220,7 @@ def _sample(problem: Problem, n: int, active: Any, axes: Floats, size: float) ->
     turn[np.arange(K), :, np.arange(K)] = axes
     turn = turn.reshape(3 * K, 3 * K)[:, np.repeat(active, 3)]
     A, b = product(problem.G[n], turn), problem.b[n] / size
-    weights = np.ones(len(active)) if problem.weights is None else problem.weights
-    diagonal = np.repeat(weights[active], 3)
+    diagonal = np.ones(A.shape[1])
     M, tau0, limits = np.zeros((0, A.shape[1])), np.zeros(0), np.zeros(0)
     terms, free = problem.torques, problem.free
     if terms is not None:
@@ -122,7 +230,7 @@ def _sample(problem: Problem, n: int, active: Any, axes: Floats, size: float) ->
         L = free.H.shape[2]
         A = np.hstack((A, free.H[n]))
         M = np.hstack((M, free.S[n] if terms is not None and free.S is not None else np.zeros((len(M), L))))
-        diagonal = np.append(diagonal, np.full(L, free.weight))
+        diagonal = np.append(diagonal, np.full(L, FREE))
     w = np.zeros(0) if terms is None else terms.weights
     P = np.diag(diagonal) + product(M.T * w, M)
     friction = np.broadcast_to(problem.friction, (problem.shape[0], len(active)))[n][active]
@@ -206,6 +314,6 @@ def contact_forces(problem: Problem, executor: str = "auto", expected: int = 0) 
     Accuracy: without costs of torques and free unknowns, the residual is at most 1e-12 of |b| or |f| where forces
         exist, and their cost is the least to 1e-8 |b|^2; else what Clarabel reaches, 1e-9 |b|.
     """
-    if not problem.plain:
-        return conic_forces(problem)
-    return plain_forces(problem, executor, expected)
+    if problem.torques is None and problem.free is None:
+        return plain_forces(problem, executor, expected)
+    return conic_forces(problem)

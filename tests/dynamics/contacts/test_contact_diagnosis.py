@@ -7,8 +7,7 @@ import pytest
 from helpers.stances import base_columns, feet
 
 from robodyn.dynamics.contacts.diagnosis import STRONGEST, centre_of_pressure, friction_used, kinds, least_friction
-from robodyn.dynamics.contacts.problem import Problem
-from robodyn.dynamics.contacts.solve import contact_forces
+from robodyn.dynamics.contacts.solve import Problem, contact_forces
 
 UP = np.array((0.0, 0.0, 1.0))
 SQUARE = np.array([(x, y, 0.0) for x in (-0.1, 0.1) for y in (-0.1, 0.1)])

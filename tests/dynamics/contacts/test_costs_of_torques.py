@@ -10,8 +10,7 @@ import pytest
 from helpers.stances import base_columns, feet, stance
 
 from robodyn.dynamics.contacts.diagnosis import least_friction
-from robodyn.dynamics.contacts.problem import FreeTerms, Problem, TorqueTerms
-from robodyn.dynamics.contacts.solve import contact_forces
+from robodyn.dynamics.contacts.solve import FreeTerms, Problem, TorqueTerms, contact_forces
 from robodyn.errors import InputError
 
 UP = np.array((0.0, 0.0, 1.0))
@@ -100,7 +99,7 @@ def test_free_unknowns_balance_what_contacts_cannot():
     problem = legs(push=0.0)
     H, S = np.zeros((1, 6, 1)), np.zeros((1, 2, 1))
     H[0, 5], S[0, 0] = 1.0, 0.5
-    pulled = replace(problem, b=-problem.b, free=FreeTerms(H, S, 1e-9))
+    pulled = replace(problem, b=-problem.b, free=FreeTerms(H, S))
     found = contact_forces(pulled)
     assert found.feasible.all()
     assert found.free[0, 0] == pytest.approx(found.f[0, :, 2].sum() * -1.0 - 100.0, rel=1e-8)
