@@ -268,8 +268,8 @@ MUTATIONS = {
         ("dynamics/loops/closure.py", "skew(here.bias.w) + spin @ spin", "skew(here.bias.w)"),
         (
             "dynamics/loops/closure.py",
+            "[Twist(ZERO, axis) for axis in (before.R @ joint.R).T]",
             "[Twist(ZERO, axis) for axis in here.R.T]",
-            "[Twist(ZERO, axis) for axis in here.R]",
         ),
         (
             "dynamics/loops/closure.py",

@@ -9,7 +9,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.dynamics.forward import floating_turns, turned
 from robodyn.dynamics.loops.closed_chain import closure_of
 from robodyn.dynamics.loops.closed_start import independent_equations
 from robodyn.dynamics.loops.closure import Closure, held
@@ -175,12 +174,8 @@ def _loop_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
     nothing = [0.0] * sample.model.n
     still = motions(sample.model, sample.q, nothing, nothing)
     found = [(closure, held(closure, closure.relative(sample.model, still))) for closure in closures(plan)]
-    turns = floating_turns(sample.model, still)
-    for _, here in found:
-        for row in here.J:
-            yield from turned([row.get(rate, 0.0) for rate in range(sample.model.n)], turns)
-    for _, here in found:
-        yield from here.error
+    yield from (row.get(rate, 0.0) for _, here in found for row in here.J for rate in range(sample.model.n))
+    yield from (error for _, here in found for error in here.error)
     for closure, here in found:
         for equation in closure.equations:
             yield from equation.moment(here.places[0].B)
@@ -219,7 +214,7 @@ def loop_wrenches(plan: Plan, loops: LoopJacobian, multipliers: Floats) -> Float
     parts, at = [np.zeros((len(multipliers), 0))], 0
     for closure in closures(plan):
         k = slice(at, at + len(closure.equations))
-        force = np.array([equation.force() for equation in closure.equations]).reshape(-1, 3)
+        force = np.array([equation.D for equation in closure.equations]).reshape(-1, 3)
         parts.append(einsum("nk,ki->ni", multipliers[:, k], force))
         parts.append(einsum("nk,nki->ni", multipliers[:, k], loops.moments[:, k]))
         at = k.stop

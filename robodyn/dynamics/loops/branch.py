@@ -69,11 +69,8 @@ class BlockEquations:
     @cached_property
     def _places(self) -> Runner:
         def outputs(tape: Tape) -> Iterable[Scalar]:
-            chain, n = self.chain, self.model.n
-            sample = chain.sample(_inputs(tape, "q", self.model.nq))
-            here = chain.equations(sample)
-            rows = [chain.along_parents(sample, [row.get(k, 0.0) for k in range(n)]) for row in here.J]
-            return [*here.error, *(row[rate] for row in rows for rate in self.rates)]
+            here = self.chain.equations(self.chain.sample(_inputs(tape, "q", self.model.nq)))
+            return [*here.error, *(row.get(rate, 0.0) for row in here.J for rate in self.rates)]
 
         return runner_of(trace(outputs), self.plan)
 

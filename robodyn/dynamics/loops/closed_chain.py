@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
@@ -17,7 +17,7 @@ from robodyn.dynamics.loops.closure import GROUND_FRAME, Closure, Equation, Equa
 from robodyn.dynamics.plan import Plan, applied, loads
 from robodyn.dynamics.recursions.composite_body import Root, composite_body, known_zero, rates_inward
 from robodyn.dynamics.recursions.elimination import aligned
-from robodyn.programs.vectors import Array, Scalar, product, sqrt, total, vector
+from robodyn.programs.vectors import Scalar, product, sqrt, total, vector
 from robodyn.robot.configuration import unit_rows
 from robodyn.robot.kinematics import Wrench
 from robodyn.robot.model import Model
@@ -41,12 +41,11 @@ class Rotation(NamedTuple):
 
 
 class GivensProjection:
-    """A = Q R, so far as its entries are not zero."""
+    """A = Q R, so far as its entries are not zero; `softness` is by column."""
 
     def __init__(self, A: Rows, softness: Sequence[float]) -> None:
-        """Args: softness: by column."""
         self.A = [{k: value for k, value in row.items() if not known_zero(value)} for row in A]
-        self.order = _order([set(row) for row in self.A], len(softness))
+        self.order = self._order(len(softness))
         place = {k: at for at, k in enumerate(self.order)}
         self.R: dict[int, dict[int, Scalar]] = {}
         self.rotations: list[Rotation] = []
@@ -54,6 +53,21 @@ class GivensProjection:
         for i in sorted(filled, key=lambda i: min(place[k] for k in self.A[i])):
             self._take_in(i, dict(self.A[i]), place)
         self.inverse = {k: R[k] / (R[k] * R[k] + softness[k] ** 2) for k, R in self.R.items()}
+
+    def _order(self, count: int) -> list[int]:
+        """Return columns in an order that leaves few entries in R: each time the one that meets the fewest others."""
+        meets: dict[int, set[int]] = {k: set() for k in range(count)}
+        for row in self.A:
+            for k in row:
+                meets[k] |= row.keys() - {k}
+        order = []
+        while meets:
+            k = min(meets, key=lambda k: (len(meets[k]), k))
+            others = meets.pop(k)
+            for j in others:
+                meets[j] = (meets[j] | others) - {j, k}
+            order.append(k)
+        return order
 
     def _take_in(self, i: int, row: dict[int, Scalar], place: dict[int, int]) -> None:
         """Rotates a row of A into R until it fills a row of R that is empty, or nothing of it is left."""
@@ -95,22 +109,6 @@ class GivensProjection:
         return [old + more for old, more in zip(x, change, strict=True)], z
 
 
-def _order(rows: Sequence[set[int]], count: int) -> list[int]:
-    """Return columns in an order that leaves few entries in R: each time the one that meets the fewest others."""
-    meets: dict[int, set[int]] = {k: set() for k in range(count)}
-    for row in rows:
-        for k in row:
-            meets[k] |= row - {k}
-    order = []
-    while meets:
-        k = min(meets, key=lambda k: (len(meets[k]), k))
-        others = meets.pop(k)
-        for j in others:
-            meets[j] = (meets[j] | others) - {j, k}
-        order.append(k)
-    return order
-
-
 EXACT = 2.0**-34
 """Softness of accelerations: above what rounding leaves of equations that depend on each other, and no more, because
 forces along directions that are about to be lost still count."""
@@ -126,19 +124,7 @@ class Dropped(NamedTuple):
     equation: Equation
 
 
-class Solver(NamedTuple):
-    """M = C C^T and C^-1 J^T = Q R.
-
-    With `y = C^T a`, `M a - J^T lambda = f` is `y = C^-1 f + C^-1 J^T lambda`, and `J a = b` is `(C^-1 J^T)^T y = b`.
-    """
-
-    root: Root
-    least: GivensProjection
-
-    def solve(self, f: Sequence[Scalar], b: Sequence[Scalar]) -> tuple[list[Scalar], list[Scalar]]:
-        """a and lambda."""
-        y, multipliers = self.least.solve(self.root.inward(f), b)
-        return self.root.outward(y), multipliers
+Solve = Callable[[Sequence[Scalar], Sequence[Scalar]], tuple[list[Scalar], list[Scalar]]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,9 +132,8 @@ class ClosedChain:
     """A model with closures: `M qdd + bias = tau + J^T lambda`, `J qdd = -J' qd`.
 
     Attributes:
-        model: of `aligned`; scene: it has these loops.
-        closures: with the equations that are kept; `independent_equations` leaves out those that others imply.
-        dropped: the equations that are not kept, which others of their loops imply.
+        model: of `aligned`.
+        closures: with the equations that are kept; dropped: those that others of their loops imply.
     """
 
     model: Model
@@ -167,7 +152,7 @@ class ClosedChain:
         longest = np.zeros(self.count)
         for q in _trials(self.model):
             sample = self.sample(q)
-            columns = self._columns(self._root(sample, self.inertial(sample)), self.equations(sample).J)
+            _, columns = self._columns(sample, self.inertial(sample), self.equations(sample).J)
             longest = np.maximum(longest, np.sqrt([sum(x * x for x in column) for column in columns]))
         return longest
 
@@ -208,29 +193,37 @@ class ClosedChain:
         """Yield what the other link of each closure does to its link, at its point, in the axes of the other."""
         left = iter(multipliers)
         for closure, place in zip(self.closures, here.places, strict=True):
-            parts = [(equation.force(), equation.moment(place.B), next(left)) for equation in closure.equations]
+            parts = [(equation.D, equation.moment(place.B), next(left)) for equation in closure.equations]
             f = [total(force[i] * value for force, _, value in parts) for i in range(3)]
             yield Wrench(
                 vector(*f), vector(*(total(moment[i] * value for _, moment, value in parts) for i in range(3)))
             )
 
-    def solver(self, sample: Sample, terms: Terms, J: Sequence[dict[int, Scalar]], softness: float) -> Solver:
-        """Return what solves `M a - J^T lambda = f`, `J a = b` at a sample; InputError if nothing resists a joint.
+    def solver(self, sample: Sample, terms: Terms, J: Sequence[dict[int, Scalar]], softness: float) -> Solve:
+        """Return what finds a and lambda of `M a - J^T lambda = f`, `J a = b` from f and b at a sample.
 
-        Singular values of C^-1 J^T that are smaller than a part `softness` of the largest count for less.
+        With `M = C C^T`, `y = C^T a` and `C^-1 J^T = Q R`, that is `y = C^-1 f + C^-1 J^T lambda` and
+        `(C^-1 J^T)^T y = b`. Singular values of C^-1 J^T that are smaller than a part `softness` of the largest count
+        for less. InputError if nothing resists a joint.
         """
-        root = self._root(sample, terms)
-        rows = [dict(enumerate(row)) for row in zip(*self._columns(root, J), strict=True)]
-        return Solver(root, GivensProjection(rows, [softness * size for size in self.sizes.tolist()]))
+        root, columns = self._columns(sample, terms, J)
+        rows = [dict(enumerate(row)) for row in zip(*columns, strict=True)]
+        least = GivensProjection(rows, [softness * size for size in self.sizes.tolist()])
+        turns = floating_turns(self.model, sample.motions())
 
-    def _root(self, sample: Sample, terms: Terms) -> Root:
-        """C, M being C C^T."""
-        M = composite_body(self.model, sample.motions(), terms.inertias, mass_entries(sample, self.scene))
-        return Root(M, rates_inward(self.model), self.model.rates)
+        def solve(f: Sequence[Scalar], b: Sequence[Scalar]) -> tuple[list[Scalar], list[Scalar]]:
+            y, multipliers = least.solve(root.inward(turned(f, turns, back=True)), b)
+            return turned(root.outward(y), turns), multipliers
 
-    def _columns(self, root: Root, J: Sequence[dict[int, Scalar]]) -> list[list[Scalar]]:
-        """C^-1 J^T, column by column."""
-        return [root.inward([row.get(rate, 0.0) for rate in range(self.model.n)]) for row in J]
+        return solve
+
+    def _columns(self, sample: Sample, terms: Terms, J: Sequence[dict[int, Scalar]]) -> tuple[Root, list[list[Scalar]]]:
+        """C, and C^-1 J^T column by column, along the bodies' axes of floating joints."""
+        motions = sample.motions()
+        M = composite_body(self.model, motions, terms.inertias, mass_entries(sample, self.scene))
+        root, turns = Root(M, rates_inward(self.model), self.model.rates), floating_turns(self.model, motions)
+        rows = ([row.get(rate, 0.0) for rate in range(self.model.n)] for row in J)
+        return root, [root.inward(turned(row, turns, back=True)) for row in rows]
 
     def accelerations(self, sample: Sample, terms: Terms, tau: Sequence[Scalar]) -> tuple[list[Scalar], list[Scalar]]:
         """qdd, and lambda by equation. Errors decay at the Baumgarte rate b: `J qdd = -J' qd - 2 b phi' - b^2 phi`.
@@ -241,10 +234,7 @@ class ClosedChain:
         free = [torque - other for torque, other in zip(tau, loads(sample, terms).tau, strict=True)]
         rows = zip(here.bias, here.rate, here.error, strict=True)
         wanted = [0.0 - bias - 2.0 * b * rate - b * b * error for bias, rate, error in rows]
-        qdd, multipliers = self.solver(sample, terms, here.J, EXACT).solve(
-            turned(free, self._floating(sample), back=True), wanted
-        )
-        return self.along_parents(sample, qdd), multipliers
+        return self.solver(sample, terms, here.J, EXACT)(free, wanted)
 
     def inertial(self, sample: Sample) -> Terms:
         return applied([rigid_bodies.PAYLOAD], sample, self.scene)
@@ -258,24 +248,15 @@ class ClosedChain:
             return list(q), list(qd)
         first = self.sample(q, qd)
         here = self.equations(first)
-        solver = self.solver(first, self.inertial(first), here.J, GENTLE)
+        solve = self.solver(first, self.inertial(first), here.J, GENTLE)
 
         def step(errors: Sequence[Scalar]) -> list[Scalar]:
-            found, _ = solver.solve([0.0] * self.model.n, [0.0 - error for error in errors])
-            return self.along_parents(first, found)
+            return solve([0.0] * self.model.n, [0.0 - error for error in errors])[0]
 
         for _ in range(CORRECTIONS):
             q = unit(self.model, moved(self.model, q, step(here.error)))
             here = self.equations(self.sample(q, qd))
         return list(q), [rate + more for rate, more in zip(qd, step(here.rate), strict=True)]
-
-    def along_parents(self, sample: Sample, rates: Sequence[Scalar]) -> list[Scalar]:
-        """The rates, those of a floating joint's position turned from its body's axes to its parent's."""
-        return turned(rates, self._floating(sample))
-
-    def _floating(self, sample: Sample) -> list[tuple[slice, Array]]:
-        free = any(body.joint.kind == "floating" for body in self.model.bodies)
-        return floating_turns(self.model, sample.motions()) if free else []
 
 
 TRIALS = 6

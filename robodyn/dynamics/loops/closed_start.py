@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
-from math import atan2
 
 import numpy as np
 
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.initial_state import initial_state
 from robodyn.dynamics.loops.closed_chain import NOTHING, ClosedChain, closed_chain, independent
-from robodyn.dynamics.loops.closure import moved, unit
+from robodyn.dynamics.loops.closure import loops_size, moved, unit
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.programs.linear import min_norm_solution, null_space, range_basis
@@ -43,12 +42,21 @@ def closed_start(plan: Plan, state: Floats) -> Floats:
     chain = closed_chain(plan).resisting()
     model, scene = plan.model, plan.scene
     q, qd = state[: model.nq], state[model.nq : model.nq + model.n]
-    closed = _keeping(_rates_of(model, scene.initial_q), lambda kept: closed_by(chain, q, _others(model.n, kept)))
+
+    def others(kept: Sequence[int]) -> list[int]:
+        return [rate for rate in range(model.n) if rate not in kept]
+
+    closed = _keeping(_rates_of(model, scene.initial_q), lambda kept: closed_by(chain, q, others(kept)))
     if closed is None:
-        raise _open(chain, q)
+        errors = np.abs(np.array(chain.equations(chain.sample(q.tolist())).error, dtype=float))
+        rows = [(closure.loop.name, equation.unit) for closure in chain.closures for equation in closure.equations]
+        name, unit_of = rows[int(np.argmax(errors))]
+        what = f'loop "{name}" does not close: it is open by {errors.max():.3g} {unit_of} at the start'
+        remedy = "give [initial] q nearer to where it closes, or leave out coordinates that are to be found"
+        raise InputError(what, remedy=remedy)
     check_dropped(chain, closed)
     given = [model.rates.index(name) for name in scene.initial_qd]
-    rolling = _keeping(given, lambda kept: _rolling(chain, closed, qd, _others(model.n, kept)))
+    rolling = _keeping(given, lambda kept: _rolling(chain, closed, qd, others(kept)))
     if rolling is None:
         raise InputError("the loops allow no speeds near those given", remedy="give [initial] qd of fewer joints")
     return np.array([*closed, *rolling, *state[model.nq + model.n :]])
@@ -57,7 +65,7 @@ def closed_start(plan: Plan, state: Floats) -> Floats:
 def _keeping(given: Sequence[int], found: Callable[[Sequence[int]], Floats | None]) -> Floats | None:
     """What is found with as many of the given kept as can be, the first before the others; None if nothing is."""
     best, low, high = found(given), 0, len(given)
-    if best is not None or not given:
+    if best is not None:
         return best
     while low < high:
         middle = (low + high) // 2
@@ -86,33 +94,32 @@ def _rates_of(model: Model, coordinates: Iterable[str]) -> list[int]:
     return list(dict.fromkeys(rate for name in coordinates for rate in owner[name]))
 
 
-def _others(n: int, given: Sequence[int]) -> list[int]:
-    return [rate for rate in range(n) if rate not in given]
-
-
 def closed_by(chain: ClosedChain, q: Floats, free: Sequence[int]) -> Floats | None:
     """q with the loops closed by moving the free coordinates alone; None if that fails."""
-    model = chain.model
-    reach = _reach(chain)
     for _ in range(TRIES):
-        sample = chain.sample(q.tolist())
-        error, J = _left(chain, sample)
-        if np.abs(error).max(initial=0.0) <= CLOSED * reach:
+        error, J = _left(chain, chain.sample(q.tolist()))
+        if np.abs(error).max(initial=0.0) <= CLOSED * _reach(chain):
             return q
-        moving = _moving(J, free)
-        step = np.zeros(model.n)
-        step[moving] = min_norm_solution(J[:, moving], -error, NOTHING)
-        step *= min(1.0, LONGEST / (np.abs(step).max(initial=0.0) + 1e-300))
-        moves = chain.along_parents(sample, step.tolist())
-        q = np.array(unit(model, moved(model, q.tolist(), moves)), dtype=float)
+        step = _least_change(J, error, free)
+        q = _displaced(chain, q, step * min(1.0, LONGEST / (np.abs(step).max(initial=0.0) + 1e-300)))
     return None
+
+
+def _least_change(J: Floats, error: Floats, free: Sequence[int]) -> Floats:
+    """The shortest change of the free rates that takes an error away; those that move no loop stay as they are."""
+    change, each = np.zeros(J.shape[1]), np.abs(J).max(axis=0, initial=0.0)
+    moving = [rate for rate in free if each[rate] > NOTHING * each.max(initial=0.0)]
+    change[moving] = min_norm_solution(J[:, moving], -error, NOTHING)
+    return change
+
+
+def _displaced(chain: ClosedChain, q: Floats, moves: Floats) -> Floats:
+    return np.array(unit(chain.model, moved(chain.model, q.tolist(), moves.tolist())), dtype=float)
 
 
 def closed_near(chain: ClosedChain, q: Floats, moves: Floats) -> Floats | None:
     """Return the closed place nearest to q after some moves; None if there is none."""
-    sample = chain.sample(q.tolist())
-    there = unit(chain.model, moved(chain.model, q.tolist(), chain.along_parents(sample, moves.tolist())))
-    return closed_by(chain, np.array(there, dtype=float), range(chain.model.n))
+    return closed_by(chain, _displaced(chain, q, moves), range(chain.model.n))
 
 
 def _left(chain: ClosedChain, sample: Sample) -> tuple[Floats, Floats]:
@@ -121,66 +128,33 @@ def _left(chain: ClosedChain, sample: Sample) -> tuple[Floats, Floats]:
     error = np.array(here.error, dtype=float)
     at = 0
     for closure, place in zip(chain.closures, here.places, strict=True):
-        turn = rotation_from_rpy(*closure.loop.rpy)
-        for k, equation in enumerate(closure.equations, at):
-            if closure.loop.kind == "weld" and equation.unit == "rad":
-                axis = equation.moment(turn)
-                error[k] = product(axis, _rotation_vector(product(place.B, turn.T)))
-                for rate, twist in place.columns.items():
-                    J[k, rate] = product(axis, twist.w)
+        if closure.loop.kind == "weld":
+            from scipy.spatial.transform import Rotation
+
+            turn = rotation_from_rpy(*closure.loop.rpy)
+            left = Rotation.from_matrix(product(place.B, turn.T).astype(float)).as_rotvec()
+            for k, equation in enumerate(closure.equations, at):
+                if equation.unit == "rad":
+                    axis = equation.moment(turn)
+                    error[k] = product(axis, left)
+                    for rate, twist in place.columns.items():
+                        J[k, rate] = product(axis, twist.w)
         at += len(closure.equations)
     return error, J
-
-
-def _rotation_vector(R: Floats) -> Floats:
-    """The vector t with exp([t]) = R, |t| <= pi."""
-    R = np.asarray(R, dtype=float)
-    v = 0.5 * np.array((R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]))
-    sine, cosine = float(np.sqrt(product(v, v))), 0.5 * (float(np.trace(R)) - 1.0)
-    if cosine > 0.0:
-        return v * (atan2(sine, cosine) / sine if sine else 1.0)
-    across = R + R.T + (1.0 - float(np.trace(R))) * np.eye(3)
-    axis = across[:, int(np.argmax(np.diag(across)))]
-    axis = axis / np.sqrt(product(axis, axis))
-    return np.asarray(axis * atan2(sine, cosine) * (1.0 if product(axis, v) >= -NOTHING else -1.0))
 
 
 def _rolling(chain: ClosedChain, q: Floats, qd: Floats, free: Sequence[int]) -> Floats | None:
     """qd with J qd = 0, the free speeds changed as little as possible; None if they cannot do it alone."""
     sample = chain.sample(q.tolist(), qd.tolist())
     J, rate = chain.jacobian(sample), np.array(chain.equations(sample).rate, dtype=float)
-    moving = _moving(J, free)
-    change = np.zeros(chain.model.n)
-    change[moving] = min_norm_solution(J[:, moving], -rate, NOTHING)
+    change = _least_change(J, rate, free)
     left = np.abs(product(J, change) + rate).max(initial=0.0)
-    if left > CLOSED * _reach(chain) * max(1.0, np.abs(qd).max(initial=0.0)):
-        return None
-    rolling: Floats = qd + np.array(chain.along_parents(sample, change.tolist()), dtype=float)
-    return rolling
-
-
-def _moving(J: Floats, free: Sequence[int]) -> list[int]:
-    """Those of the free rates that move a loop's point or axes."""
-    each = np.abs(J).max(axis=0, initial=0.0)
-    return [rate for rate in free if each[rate] > NOTHING * each.max(initial=0.0)]
+    return qd + change if left <= CLOSED * _reach(chain) * max(1.0, np.abs(qd).max(initial=0.0)) else None
 
 
 def _reach(chain: ClosedChain) -> float:
-    """m; the longest offset between joints, at least 1."""
-    lengths = [body.joint.p for body in chain.model.bodies]
-    lengths += [np.array(point) for c in chain.closures for point in (c.loop.point, c.loop.to_point)]
-    return float(np.abs(lengths).max(initial=1.0))
-
-
-def _open(chain: ClosedChain, q: Floats) -> InputError:
-    """The error about the loop that is most open where the scene begins."""
-    errors = chain.equations(chain.sample(q.tolist())).error
-    rows = [(closure.loop.name, equation.unit) for closure in chain.closures for equation in closure.equations]
-    worst = int(np.argmax(np.abs(errors)))
-    name, unit = rows[worst]
-    what = f'loop "{name}" does not close: it is open by {abs(errors[worst]):.3g} {unit} at the start'
-    remedy = "give [initial] q nearer to where it closes, or leave out coordinates that are to be found"
-    return InputError(what, remedy=remedy)
+    """m; the longest offset of the loops, at least 1."""
+    return max(1.0, loops_size(chain.model, chain.closures))
 
 
 def check_dropped(chain: ClosedChain, q: Floats) -> None:

@@ -23,7 +23,7 @@ from robodyn.programs.vectors import (
     vector,
 )
 from robodyn.robot.kinematics import Motion, acceleration_of_point
-from robodyn.robot.model import Frame, Model
+from robodyn.robot.model import Frame, Joint, Model
 from robodyn.scene.parts import Loop
 from robodyn.support.floats import Floats
 
@@ -94,8 +94,7 @@ def _series(coefficients: Sequence[float], x: Scalar) -> Scalar:
 class Equation(NamedTuple):
     """`D . d + sum_ij E_ij B_ij = 0` for the point at d and the axes B of the link, both in the axes of the other.
 
-    Being linear in d and B it gives its rates from theirs: `D . v + E : [w] B`, and so on. `unit` is "m" or "rad",
-    `about` what it holds, in a few words.
+    Being linear it gives its rates: `D . v + E : [w] B`, and so on. `unit` is "m" or "rad", `about` what it holds.
     """
 
     D: Floats
@@ -104,16 +103,14 @@ class Equation(NamedTuple):
     about: str
 
     def of(self, d: Array, B: Array) -> Scalar:
-        """Return the left side."""
         value: Scalar = product(self.D, d)
         return value + (self.E * B).sum() if self.E.any() else value
 
-    def force(self) -> Floats:
-        """Return (3,) on the link, in the axes of the other, for lambda = 1."""
-        return self.D
-
     def moment(self, B: Array) -> Array:
-        """Return (3,) on the link about its point, in the axes of the other, for lambda = 1: `n_j = E : [e_j] B`."""
+        """Return (3,) on the link about its point, in the axes of the other, for lambda = 1: `n_j = E : [e_j] B`.
+
+        The force is D.
+        """
         return np.array([(self.E * product(skew(axis), B)).sum() for axis in IDENTITY])
 
 
@@ -127,8 +124,11 @@ def equations_of(loop: Loop) -> tuple[Equation, ...]:
     along = [_unit(direction) for direction in loop.directions] or list(IDENTITY)
     held = [Equation(D, np.zeros((3, 3)), "m", f"along {_shown(D)}") for D in along]
     if loop.kind == "hinge":
-        s = _unit(loop.axis)
-        held += [Equation(np.zeros(3), np.outer(t, s), "rad", f"axis across {_shown(t)}") for t in _across(loop)]
+        s, other = _unit(loop.axis), _unit(loop.to_axis)
+        t = np.roll(IDENTITY[int(np.argmax(np.abs(other)))], 1)
+        t = _unit(t - other * product(other, t))  # coordinate axes where the hinge's axis is one
+        for each in (t, snapped(cross(other, t))):
+            held.append(Equation(np.zeros(3), np.outer(each, s), "rad", f"axis across {_shown(each)}"))
     if loop.kind == "weld":
         R = rotation_from_rpy(*loop.rpy)
         for i, axis in enumerate(IDENTITY):
@@ -136,14 +136,6 @@ def equations_of(loop: Loop) -> tuple[Equation, ...]:
             E = 0.5 * (np.outer(IDENTITY[k], R[j]) - np.outer(IDENTITY[j], R[k]))
             held.append(Equation(np.zeros(3), E, "rad", f"turn about {_shown(axis)}"))
     return tuple(held)
-
-
-def _across(loop: Loop) -> tuple[Floats, Floats]:
-    """Return two vectors across the hinge's axis in the other link, along coordinate axes where it is along one."""
-    s = _unit(loop.to_axis)
-    t = np.roll(IDENTITY[int(np.argmax(np.abs(s)))], 1)
-    t = _unit(t - s * product(s, t))
-    return t, snapped(cross(s, t))
 
 
 def _unit(values: object) -> Floats:
@@ -162,10 +154,7 @@ GROUND_FRAME = Frame(-1, np.eye(3), np.zeros(3))
 
 
 class Placed(NamedTuple):
-    """A body against one that carries it, whose axes everything is in: place, velocities and their rates.
-
-    The rates are those of a motion whose coordinates do not accelerate.
-    """
+    """A body against one that carries it, in whose axes all is: place, velocities, and their rates without qdd."""
 
     R: Array
     p: Array
@@ -175,7 +164,6 @@ class Placed(NamedTuple):
     a: Array
 
     def velocity(self, point: Array) -> Array:
-        """Of the body where `point` is."""
         velocity: Array = self.v + cross(self.w, point - self.p)
         return velocity
 
@@ -210,9 +198,7 @@ class Twist(NamedTuple):
 class Relative(NamedTuple):
     """The link in the axes of the other: its point d from the other's, its axes B, how both move, and by which joints.
 
-    Attributes:
-        speed, bias: (w, v), and its rate where no coordinate accelerates.
-        columns: by rate, what a unit of it does.
+    `speed` and `bias` are (w, v), and its rate where no coordinate accelerates; `columns`, by rate, what a unit does.
     """
 
     d: Array
@@ -255,7 +241,8 @@ class Closure:
         columns: dict[int, Twist] = {}
         for side, chain, places in zip((1.0, -1.0), self.chains, (a, b), strict=True):
             for i, before, here in zip(chain, places, places[1:], strict=False):
-                for k, twist in enumerate(_twists(model, i, before, here, point), model.bodies[i].joint.rate):
+                joint = model.bodies[i].joint
+                for k, twist in enumerate(_twists(joint, before, here, point), joint.rate):
                     old = columns.get(k, Twist(ZERO, ZERO))
                     columns[k] = Twist(old.w + turn @ twist.w * side, old.v + turn @ twist.v * side)
         bias = Twist(turn @ wd, turn @ rate)
@@ -271,12 +258,11 @@ class Closure:
         return places
 
 
-def _twists(model: Model, i: int, before: Placed, here: Placed, point: Array) -> list[Twist]:
-    """What each rate of the joint that carries body i does to a point of that body, a floating one along its axes."""
-    joint = model.bodies[i].joint
+def _twists(joint: Joint, before: Placed, here: Placed, point: Array) -> list[Twist]:
+    """What each rate of a joint does to a point of the body that it carries."""
     if joint.kind == "floating":
         turning = [Twist(axis, cross(axis, point - here.p)) for axis in here.R.T]
-        return turning + [Twist(ZERO, axis) for axis in here.R.T]
+        return turning + [Twist(ZERO, axis) for axis in (before.R @ joint.R).T]
     if joint.kind == "fixed":
         return []
     axis = here.R @ joint.axis * joint.multiplier
@@ -291,14 +277,7 @@ def loops_size(model: Model, closures: Sequence[Closure]) -> float:
 
 
 class Equations(NamedTuple):
-    """phi = 0 at one sample, equation by equation.
-
-    Attributes:
-        places: of each closure.
-        error, rate: phi [m or rad] and phi' = J qd.
-        bias: J' qd.
-        J: by rate; those of a floating joint are along its body's axes.
-    """
+    """phi [m or rad], phi' = J qd, J' qd and J by rate, equation by equation, and the place of each closure."""
 
     places: list[Relative]
     error: list[Scalar]
@@ -308,7 +287,7 @@ class Equations(NamedTuple):
 
 
 def held(closure: Closure, here: Relative) -> Equations:
-    """phi, phi' = J qd, J' qd and J of a closure."""
+    """Return the equations of one closure."""
 
     def of(twist: Twist) -> list[Scalar]:
         turned = skew(twist.w) @ here.B

@@ -59,7 +59,7 @@ def test_a_free_robot_that_is_tied_to_the_ground(kind):
     chain = closed_chain(plan(model, scene))
     sample = Sample(chain.model, tuple(q.tolist()), tuple(qd.tolist()), (0.0,) * model.n)
     place, equations = chain.equations(sample).places[0], chain.closures[0].equations
-    force = sum(value * equation.force() for value, equation in zip(multipliers, equations, strict=True))
+    force = sum(value * equation.D for value, equation in zip(multipliers, equations, strict=True))
     scale = np.abs(force).max()
     assert np.abs(needed[3:6] - force).max() <= 1e-12 * scale
     power = force @ place.speed.v + sum(
