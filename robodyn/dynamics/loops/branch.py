@@ -31,9 +31,8 @@ class BlockEquations:
     """phi, J and J' qd of the loops of a plan, for arrays of samples.
 
     Attributes:
-        chain: its equations, but for those that never change on their own.
         rates: those that move a loop; the columns of J.
-        size: the longest offset between joints or points of the loops [m]; 1 where there is none.
+        size: of `loops_size`.
         units: of each equation, "m" or "rad"; names: of its loop; scale: (equations,) `size` or 1 rad.
         shifts: (n,) which rates are those of lengths; weights: what compares them, 1 for rad, 1 / size for m.
     """
@@ -62,9 +61,7 @@ class BlockEquations:
 
     def moved(self, q: Floats, u: Floats) -> Floats:
         """Return q (N, nq) after displacements u (N, n), which turn floating joints about their bodies' axes."""
-        if self.model.quaternions:
-            return self._moved({"q": q, "u": u}, len(q))
-        return q + u
+        return self._moved({"q": q, "u": u}, len(q)) if self.model.quaternions else q + u
 
     @cached_property
     def _places(self) -> Runner:
@@ -119,8 +116,7 @@ FEW = 1e-6
 
 
 class Lost(NamedTuple):
-    """Where the branch ends: the row that is not reached, the last place (nq,) that is, and whether the coordinates
-    that follow depend on each other there."""
+    """Where the branch ends: the row that is not reached, the last place (nq,), and whether the loops are singular."""
 
     row: int
     place: Floats
@@ -128,12 +124,7 @@ class Lost(NamedTuple):
 
 
 class Corrected(NamedTuple):
-    """Samples after Newton's corrections.
-
-    Attributes:
-        q: (N, nq). J: (N, equations, rates) there.
-        change: (N,) the largest change of a coordinate, in all. closed: (N,) whether corrections have ended.
-    """
+    """Samples q (N, nq) after Newton's corrections, J there, the largest change (N,), and whether they are closed."""
 
     q: Floats
     J: Floats
@@ -142,11 +133,9 @@ class Corrected(NamedTuple):
 
 
 class Branch:
-    """What follows of given coordinates.
+    """What follows of given coordinates: rates `followed` of `given`, as columns of J `own` of `others`.
 
-    Attributes:
-        followed, given: rates of the loops; own, others: the same as columns of J.
-        coordinates: entries of q that follow.
+    `coordinates` are the entries of q that follow.
     """
 
     def __init__(self, equations: BlockEquations, followed: Sequence[int]) -> None:
@@ -163,10 +152,7 @@ class Branch:
         self.coordinates = np.array(coordinates, dtype=int)
 
     def corrected(self, q: Floats, tries: int = TRIES) -> Corrected:
-        """Return samples near q (N, nq) with the coordinates that follow on the loops, by Newton's method.
-
-        Where more is given than needed, |phi| is least.
-        """
+        """Return samples near q (N, nq) on the loops, by Newton's method; |phi| is least where too much is given."""
         weights = self.equations.weights[self.followed]
         change, u = np.zeros(len(q)), np.zeros((len(q), self.equations.model.n))
         for _ in range(tries):

@@ -28,7 +28,6 @@ from robodyn.support.caveats import Caveat
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
 
-ORDERS = ("positions", "velocities", "accelerations")
 RATES = ("", "/s", "/s^2")
 SHARE = 0.05
 """Of the largest sum of |J_k qd_k| along the motion, or of |J_k qdd_k| and |J_k qd_k| max |qd|: rates that miss by more
@@ -39,9 +38,9 @@ NOTED = 1e-3
 
 
 class Misfit(NamedTuple):
-    """The largest |phi| of a loop, or of its derivative of some order [m or rad, per s or s^2], and when [s]."""
+    """The largest |phi| of a loop, or of a derivative of it, as a share of the loops' size or of 1 rad, and when [s]."""
 
-    order: int
+    share: float
     size: float
     unit: str
     loop: str
@@ -49,77 +48,71 @@ class Misfit(NamedTuple):
 
 
 class Misfits:
-    """What is left of phi, phi' = J qd and phi'' = J qdd + J' qd along a motion, block after block."""
+    """What is left of phi, phi' = J qd and phi'' = J qdd + J' qd along a motion, block after block.
+
+    Attributes:
+        largest: of each derivative; empty before the first block.
+    """
 
     def __init__(self, equations: BlockEquations) -> None:
         self._equations = equations
-        self._largest: list[Misfit | None] = [None, None, None]
-        self._shares = [0.0, 0.0, 0.0]
-        self._left, self._sums = np.zeros((2, 2, equations.count))
-
-    @property
-    def largest(self) -> tuple[Misfit, ...]:
-        """Of each derivative, that which is the largest part of the loops' size or of 1 rad."""
-        return tuple(each for each in self._largest if each is not None)
+        self.largest: list[Misfit] = []
+        self._left, self._sums = np.zeros((2, 3, equations.count))
 
     def refuse(self, phi: Floats, time: Floats, first_row: int, follows: bool) -> None:
         """Raise if loops are open by more than OFF; phi: (N, equations), follows: whether some coordinates follow."""
-        if not phi.size:
-            return
         shares = np.abs(phi) / self._equations.scale
-        k = int(np.argmax(shares.max(axis=1) > OFF))
-        worst = int(np.argmax(shares[k]))
-        if not shares[k, worst] <= OFF:
+        beyond = ~(shares <= OFF).all(axis=1)
+        if beyond.any():
+            k = int(np.argmax(beyond))
+            worst = int(np.argmax(shares[k]))
             unit, least = self._equations.units[worst], OFF * self._equations.scale[worst]
             raise TrajectoryError(
-                f'row {first_row + k}, {time[k]:.6g} s: loop "{self._equations.names[worst]}" is open by '
+                f'{_where(first_row + k, time[k])}: loop "{self._equations.names[worst]}" is open by '
                 f"{abs(phi[k, worst]):.3g} {unit} with these columns, more than {least:.3g} {unit}",
                 remedy="correct the columns, or leave some out: what is left out follows from the loops"
                 + ("; columns of more joints than needed are given" if follows else ""),
             )
 
     def update(self, time: Floats, phi: Floats, J: Floats, qd: Floats, qdd: Floats, bias: Floats) -> None:
-        """Take in samples.
-
-        Args:
-            time: (N,). phi, bias: (N, equations). J: (N, equations, rates). qd, qdd: (N, n).
-        """
+        """Take in samples: time (N,), phi and bias (N, equations), J (N, equations, rates), qd and qdd (N, n)."""
         if not phi.size:
             return
-        qd, qdd = (each[:, list(self._equations.rates)] for each in (qd, qdd))
+        of = self._equations
+        qd, qdd = (each[:, list(of.rates)] for each in (qd, qdd))
         fast = einsum("nmk,nk->nm", np.abs(J), np.abs(qd))
         turning = fast * np.abs(qd).max(axis=1, keepdims=True, initial=0.0)
-        sums = (fast, einsum("nmk,nk->nm", np.abs(J), np.abs(qdd)) + turning)
+        sums = (phi, fast, einsum("nmk,nk->nm", np.abs(J), np.abs(qdd)) + turning)
         left = (phi, einsum("nmk,nk->nm", J, qd), einsum("nmk,nk->nm", J, qdd) + bias)
-        for order, values in enumerate(left):
-            shares = np.abs(values) / self._equations.scale
-            k, worst = (int(i) for i in np.unravel_index(int(np.argmax(shares)), shares.shape))
-            if self._largest[order] is None or shares[k, worst] > self._shares[order]:
-                unit, name = f"{self._equations.units[worst]}{RATES[order]}", self._equations.names[worst]
-                self._shares[order] = float(shares[k, worst])
-                self._largest[order] = Misfit(order, float(abs(values[k, worst])), unit, name, float(time[k]))
-            if order:
-                self._left[order - 1] = np.maximum(self._left[order - 1], np.abs(values).max(axis=0))
-                self._sums[order - 1] = np.maximum(self._sums[order - 1], sums[order - 1].max(axis=0))
+        found = []
+        for values, per in zip(left, RATES, strict=True):
+            shares = np.abs(values) / of.scale
+            k, m = (int(i) for i in np.unravel_index(int(np.argmax(shares)), shares.shape))
+            size, unit = float(abs(values[k, m])), f"{of.units[m]}{per}"
+            found.append(Misfit(float(shares[k, m]), size, unit, of.names[m], float(time[k])))
+        before = self.largest or found
+        self.largest = [new if new.share > old.share else old for old, new in zip(before, found, strict=True)]
+        self._left = np.maximum(self._left, [np.abs(values).max(axis=0) for values in left])
+        self._sums = np.maximum(self._sums, [values.max(axis=0) for values in sums])
 
     def notes(self) -> list[str]:
         """A note on loops that the positions given leave open."""
-        misfit = self._largest[0]
-        if misfit is None or self._shares[0] <= NOTED:
-            return []
-        return [f'loop "{misfit.loop}" is open by up to {misfit.size:.2g} {misfit.unit} ({misfit.time:.4g} s)']
+        open_by = [each for each in self.largest[:1] if each.share > NOTED]
+        return [
+            f'loop "{each.loop}" is open by up to {each.size:.2g} {each.unit} ({each.time:.4g} s)' for each in open_by
+        ]
 
     def caveats(self) -> list[Caveat]:
         """The caveats about given rates that the loops do not allow."""
         found = []
-        for order in (1, 2):
-            misfit, left, sums = self._largest[order], self._left[order - 1], self._sums[order - 1]
-            if misfit is not None and (left > SHARE * sums.max(initial=0.0)).any():
+        for order, what in ((1, "velocities"), (2, "accelerations")):
+            if self.largest and (self._left[order] > SHARE * self._sums[order].max(initial=0.0)).any():
+                misfit = self.largest[order]
                 said = (
-                    f'the {ORDERS[order]} given open loop "{misfit.loop}" at {misfit.size:.3g} {misfit.unit} '
+                    f'the {what} given open loop "{misfit.loop}" at {misfit.size:.3g} {misfit.unit} '
                     f"({misfit.time:.4g} s); leave columns out that follow from the loops"
                 )
-                found.append(Caveat(f"by {ORDERS[order]} that the loops do not allow", said))
+                found.append(Caveat(f"by {what} that the loops do not allow", said))
         return found
 
 
@@ -145,14 +138,7 @@ class Follow:
     """Completes a motion, block after block: what is not given follows from the loops."""
 
     def __init__(self, plan: Plan, followed: Sequence[str] = (), file: str | None = None) -> None:
-        """
-        Args:
-            plan: with loops. followed: joints that follow; the others are given, all of them where none follows.
-            file: as messages name it.
-
-        Raises:
-            TrajectoryError: a joint is in no loop.
-        """
+        """Args: followed: joints that follow from the others; TrajectoryError if one is in no loop. file: for messages."""
         self.plan, self.file = plan, file
         self.equations = block_equations(plan)
         joints = [joint for joint in plan.model.independent if joint.name in followed]
@@ -163,25 +149,20 @@ class Follow:
             raise TrajectoryError(what, remedy=f"give q_{strange[0]}, or --hold {strange[0]}=rest", file=file)
         self.branch = Branch(self.equations, rates)
         self._chosen: tuple[str, ...] = ()
-        self._misfits = Misfits(self.equations)
+        self.misfits = Misfits(self.equations)
         self._place: Floats | None = None
         self._sign, self._time = 0.0, 0.0
         self._crossed: list[float] = []
 
     @property
-    def mismatch(self) -> tuple[Misfit, ...]:
-        """The largest |phi|, |phi'| and |phi''| so far, in this order."""
-        return self._misfits.largest
-
-    @property
     def notes(self) -> tuple[str, ...]:
         """Which of several branches was chosen, and what is open."""
-        return (*self._chosen, *self._misfits.notes())
+        return (*self._chosen, *self.misfits.notes())
 
     @property
     def caveats(self) -> tuple[Caveat, ...]:
         """What makes the motion so far doubtful: ways that part, rates that do not go with the loops."""
-        found = [*self._misfits.caveats()]
+        found = [*self.misfits.caveats()]
         if self._crossed:
             times = ", ".join(f"{time:.4g}" for time in self._crossed[:4]) + (", ..." if self._crossed[4:] else "")
             said = (
@@ -257,7 +238,7 @@ class Follow:
         """Fill in velocities, accelerations and bars, and look at what is left."""
         branch, equations = self.branch, self.equations
         phi, J = equations.places(part.q)
-        self._misfits.refuse(phi, time, first_row, bool(len(branch.followed)))
+        self.misfits.refuse(phi, time, first_row, bool(len(branch.followed)))
         if len(branch.followed):
             own, others = J[:, :, branch.own], J[:, :, branch.others]
             inverse, ratio = pseudo_inverse(own)
@@ -269,7 +250,7 @@ class Follow:
             for bar in part.bars:
                 squares = einsum("ndg,ng->nd", change**2, bar[:, branch.given] ** 2)
                 bar[:, branch.followed] = np.sqrt(squares)
-        self._misfits.update(time, phi, J, part.qd, part.qdd, equations.bias(part.q, part.qd))
+        self.misfits.update(time, phi, J, part.qd, part.qdd, equations.bias(part.q, part.qd))
 
     def _watch(self, time: Floats, ratio: Floats, own: Floats, first_row: int) -> None:
         """Raise where the loops are singular; remember where they have been between rows: det J_d changes its sign."""
