@@ -38,7 +38,7 @@ NOTED = 1e-3
 
 
 class Misfit(NamedTuple):
-    """The largest |phi| of a loop, or of a derivative of it, as a share of the loops' size or of 1 rad, and when [s]."""
+    """The largest |phi| of a loop, or of a derivative, as a share of the loops' size or of 1 rad, and when [s]."""
 
     share: float
     size: float
@@ -138,7 +138,7 @@ class Follow:
     """Completes a motion, block after block: what is not given follows from the loops."""
 
     def __init__(self, plan: Plan, followed: Sequence[str] = (), file: str | None = None) -> None:
-        """Args: followed: joints that follow from the others; TrajectoryError if one is in no loop. file: for messages."""
+        """Args: followed: joints that follow from the others; TrajectoryError if one is in no loop."""
         self.plan, self.file = plan, file
         self.equations = block_equations(plan)
         joints = [joint for joint in plan.model.independent if joint.name in followed]
