@@ -38,9 +38,7 @@ class Structure:
         rank: of A; usual: its smallest singular value that counts, relative to `largest` (1 for rank 0).
         redundancy: rank of B: how many actuators there are beyond the freedoms that they drive; `usual_redundancy` as
             `usual`.
-        freedoms: n - rank(J).
-        undriven: p - rank(A), freedoms that move while all actuators stand still; `undriven_rates` (p,): the passive
-            rates that they move.
+        undriven_rates: (p,) the passive rates that move while all actuators stand still.
         overconstrained: m - rank(J), equations that others imply.
         torque_determined: (a,) the actuated torque is the same for all forces of the loops that balance the motion.
         equation_determined: (m,) so is the force of the equation.
@@ -55,8 +53,6 @@ class Structure:
     usual: float
     redundancy: int
     usual_redundancy: float
-    freedoms: int
-    undriven: int
     undriven_rates: Mask
     overconstrained: int
     torque_determined: Mask
@@ -68,10 +64,9 @@ class Structure:
 
 
 def structure(J: Floats, passive: Mask, noise: float = 0.0) -> Structure:
-    """Return what constraints determine along a motion.
+    """Return what constraints determine along a motion, by the largest ranks of all samples.
 
-    Ranks are the largest of all samples, singular values of the equilibrated J, A and B below 1e-8 of the largest, or
-    10 times the noise, taken for none.
+    Singular values of the equilibrated J, A and B below 1e-8 of the largest, or 10 times the noise, count as none.
 
     Args:
         J: (k, m, n) at reference samples, spread over the motion: up to about 16 will do.
@@ -80,17 +75,15 @@ def structure(J: Floats, passive: Mask, noise: float = 0.0) -> Structure:
     """
     none = max(NONE, NOISY * noise)
     J, passive = np.asarray(J, dtype=float), np.asarray(passive, dtype=bool)
-    _, m, n = J.shape
     equation_scale, rate_scale = _scales(np.abs(J).max(axis=0, initial=0.0))
     J = J * equation_scale[:, None] * rate_scale
-    values = _values(J)
-    largest = float(values.max(initial=0.0))
-    size = np.where(values[:, :1] > 0.0, values[:, :1], 1.0) if values.size else np.ones((len(J), 1))
-    left, sizes, right = svd(J[:, :, passive].transpose(0, 2, 1))
+    sizes_of_J = np.linalg.svd(J, compute_uv=False).max(axis=1, keepdims=True, initial=0.0)
+    largest, size = float(sizes_of_J.max(initial=0.0)), np.where(sizes_of_J > 0.0, sizes_of_J, 1.0)
+    left, sizes, right = np.linalg.svd(J[:, :, passive].transpose(0, 2, 1))
     rank, usual, good = _usual(sizes, none * size, largest)
     open_forces = right[good][:, rank:].transpose(0, 2, 1)
-    B = times(J[good][:, :, ~passive].transpose(0, 2, 1), open_forces)
-    redundancy, usual_redundancy, _ = _usual(_values(B), none * size[good], largest)
+    B = J[good][:, :, ~passive].transpose(0, 2, 1) @ open_forces
+    redundancy, usual_redundancy, _ = _usual(np.linalg.svd(B, compute_uv=False), none * size[good], largest)
     return Structure(
         passive=passive,
         equation_scale=equation_scale,
@@ -101,20 +94,15 @@ def structure(J: Floats, passive: Mask, noise: float = 0.0) -> Structure:
         usual=usual,
         redundancy=redundancy,
         usual_redundancy=usual_redundancy,
-        freedoms=n - rank - redundancy,
-        undriven=int(passive.sum()) - rank,
         undriven_rates=_rows(left[good][:, :, rank:]) > none,
-        overconstrained=m - rank - redundancy,
+        overconstrained=J.shape[1] - rank - redundancy,
         torque_determined=_rows(B) <= none * largest,
         equation_determined=_rows(open_forces) <= none,
     )
 
 
 def _scales(sizes: Floats) -> tuple[Floats, Floats]:
-    """Return powers of two for rows (m,) and columns (n,) that bring the 2-norms of both near 1.
-
-    Method: Sinkhorn and Knopp's alternation on squares; a row or column of zeros keeps 1.
-    """
+    """Return powers of two for rows (m,) and columns (n,) that bring the 2-norms of both near 1 (Sinkhorn, Knopp)."""
     squares = np.where(sizes > NOISE * sizes.max(initial=0.0), sizes, 0.0) ** 2
     rows, columns = np.ones(len(squares)), np.ones(squares.shape[1])
     for _ in range(ROUNDS):
@@ -128,11 +116,7 @@ def _inverse(sums: Floats) -> Floats:
 
 
 def _usual(sizes: Floats, none: Floats, largest: float) -> tuple[int, float, Mask]:
-    """Return the rank, its smallest singular value relative to the largest of all, and which samples are near that.
-
-    Args:
-        none: (k, 1) at each sample, up to where singular values are none.
-    """
+    """Return the rank, its smallest singular value relative to the largest of all, and which samples are near that."""
     ranks = (sizes > none).sum(axis=1)
     rank = int(ranks.max(initial=0))
     if not rank:
@@ -144,23 +128,6 @@ def _usual(sizes: Floats, none: Floats, largest: float) -> tuple[int, float, Mas
 def _rows(matrices: Floats) -> Floats:
     """The largest norm of each row among matrices (k, rows, columns)."""
     return np.asarray(np.sqrt((matrices**2).sum(axis=2)).max(axis=0, initial=0.0))
-
-
-def times(A: Floats, B: Floats) -> Floats:
-    return np.asarray(einsum("nij,njk->nik", A, B))
-
-
-def svd(A: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return U (N, p, p), the singular values (N, min(p, m)) and V^T (N, m, m) of A (N, p, m); p or m may be 0."""
-    count, p, m = A.shape
-    if A.size:
-        return np.linalg.svd(A)
-    left, right = (np.broadcast_to(np.eye(size), (count, size, size)) for size in (p, m))
-    return left, np.zeros((count, 0)), right
-
-
-def _values(A: Floats) -> Floats:
-    return np.asarray(np.linalg.svd(A, compute_uv=False)) if A.size else np.zeros((len(A), 0))
 
 
 class RankChanges:
@@ -190,8 +157,7 @@ class RankChanges:
         step = np.sqrt(((after - before) ** 2).sum(axis=(1, 2)))
         pairs = np.flatnonzero((smallest <= step) & (smallest > np.finfo(float).eps * largest))
         if len(pairs):
-            turned = times(left[pairs][:, :, :r].transpose(0, 2, 1), after[pairs])
-            turned = times(turned, right[pairs][:, :r].transpose(0, 2, 1))
+            turned = left[pairs][:, :, :r].transpose(0, 2, 1) @ after[pairs] @ right[pairs][:, :r].transpose(0, 2, 1)
             least = np.linalg.eigvals(turned / sizes[pairs][:, :r, None]).real.min(axis=1)
             lost = least < 0.0
             found[pairs[lost] + len(A) - len(before)] = 1.0 / (1.0 - least[lost])
@@ -244,8 +210,7 @@ def torque_distribution(found: Structure, J: Floats, tau: Floats, weights: Float
     passive, rank = found.passive, found.rank
     scaled, forces = found.scaled(J), tau * found.rate_scale
     A = scaled[:, :, passive].transpose(0, 2, 1)
-    parts = svd(A)
-    left, sizes, right = parts
+    left, sizes, right = parts = np.linalg.svd(A)
     kept = sizes[:, :rank] > LOST * found.usual * found.largest
     singular: Mask = ~np.all(kept, axis=1)
     given = einsum("nij,ni->nj", left[:, :, :rank], forces[:, passive])
@@ -254,15 +219,15 @@ def torque_distribution(found: Structure, J: Floats, tau: Floats, weights: Float
     if found.redundancy:
         drive = scaled[:, :, ~passive].transpose(0, 2, 1)
         roots = np.sqrt(weights / weights.max()) / found.rate_scale[~passive]
-        wanted = forces[:, ~passive] - _along(drive, x)
-        z, free, lost = _least_torque(times(drive, open_forces), wanted, roots, found)
-        x, singular = x + _along(open_forces, z), singular | lost
-        open_forces = np.where(singular[:, None, None], 0.0, times(open_forces, free))
+        wanted = forces[:, ~passive] - einsum("nij,nj->ni", drive, x)
+        z, free, lost = _least_torque(drive @ open_forces, wanted, roots, found)
+        x, singular = x + einsum("nij,nj->ni", open_forces, z), singular | lost
+        open_forces = np.where(singular[:, None, None], 0.0, open_forces @ free)
     left_over = (forces - einsum("nij,ni->nj", scaled, x)) / found.rate_scale
     multipliers = x * found.equation_scale
     if open_forces.shape[2]:
         basis = np.linalg.qr(open_forces * found.equation_scale[:, None])[0]
-        shortest = multipliers - _along(basis, einsum("nij,ni->nj", basis, multipliers))
+        shortest = multipliers - einsum("nij,nj->ni", basis, einsum("nij,ni->nj", basis, multipliers))
         multipliers = np.where(singular[:, None], multipliers, shortest)
     multipliers = np.where(J.any(axis=2), multipliers, 0.0)
     over = sizes[:, rank : rank + 1].max(axis=1, initial=0.0) > max(LOST, found.none) * found.largest
@@ -275,12 +240,9 @@ def _least_torque(B: Floats, wanted: Floats, roots: Floats, found: Structure) ->
     """Return z (N, k) with the least weighted torques `wanted - B z`, a basis (N, k, k - b) of the z that do nothing
     to them, and where B has lost rank; z is 0 there."""
     b = found.redundancy
-    lost: Mask = ~np.all(_values(B)[:, :b] > LOST * found.usual_redundancy * found.largest, axis=1)
-    left, sizes, right = svd(B * roots[:, None])
+    sizes_of_B = np.linalg.svd(B, compute_uv=False)[:, :b]
+    lost: Mask = ~np.all(sizes_of_B > LOST * found.usual_redundancy * found.largest, axis=1)
+    left, sizes, right = np.linalg.svd(B * roots[:, None])
     along = einsum("nij,ni->nj", left[:, :, :b], wanted * roots) / np.where(lost[:, None], 1.0, sizes[:, :b])
     z = np.where(lost[:, None], 0.0, einsum("nij,ni->nj", right[:, :b], along))
     return z, right[:, b:].transpose(0, 2, 1), lost
-
-
-def _along(A: Floats, x: Floats) -> Floats:
-    return np.asarray(einsum("nij,nj->ni", A, x))
