@@ -47,29 +47,25 @@ def open_scene(scene: Scene) -> Scene:
 
 @lru_cache(maxsize=16)
 def tree_scene(model: Model, scene: Scene) -> Scene:
-    """Return the scene in which constraints are wrenches whose entries are columns of `columns_of` and so on.
+    """Return the scene in which constraints are wrenches, by columns of `constraint_columns`.
 
-    A loop's wrench acts on its link at its point, in the axes of the other; the opposite on the other link, at its
-    point. A contact's acts on its link at `middle`, in the axes of the ground.
+    A loop's acts on its link at its point, in the axes of the other; the opposite on the other link, at its point. A
+    contact's acts on its link at `middle`, in the axes of the ground.
     """
+
+    def wrench(link: str, columns: tuple[str, ...], point: Vector, frame: str, cause: str, to: str) -> ExternalWrench:
+        a, b, c, d, e, f = columns
+        return ExternalWrench(link, (a, b, c), (d, e, f), point, frame, cause, to)
+
     wrenches = [*scene.wrenches]
     for loop in scene.loops:
-        fixed = loop.to == GROUND and GROUND not in model.links
-        force, moment = _entries(columns_of(loop.name))
-        to = "" if fixed else loop.to
-        wrenches.append(ExternalWrench(loop.link, force, moment, loop.point, "world", "loop", to))
-        if not fixed:
-            force, moment = _entries(reaction_columns_of(loop.name))
-            wrenches.append(ExternalWrench(loop.to, force, moment, loop.to_point, cause="loop"))
+        to = "" if loop.to == GROUND and GROUND not in model.links else loop.to
+        wrenches.append(wrench(loop.link, columns_of(loop.name), loop.point, "world", "loop", to))
+        if to:
+            wrenches.append(wrench(to, reaction_columns_of(loop.name), loop.to_point, "link", "loop", ""))
     for contact in scene.contacts:
-        force, moment = _entries(columns_of(contact.name))
-        wrenches.append(ExternalWrench(contact.link, force, moment, middle(contact), "world", "contact"))
+        wrenches.append(wrench(contact.link, columns_of(contact.name), middle(contact), "world", "contact", ""))
     return replace(open_scene(scene), wrenches=tuple(wrenches))
-
-
-def _entries(columns: tuple[str, ...]) -> tuple[tuple[str, str, str], tuple[str, str, str]]:
-    a, b, c, d, e, f = columns
-    return (a, b, c), (d, e, f)
 
 
 def constraint_columns(scene: Scene) -> tuple[str, ...]:
@@ -131,13 +127,8 @@ def loop_jacobian(plan: Plan, q: Floats, executor: str = "auto") -> LoopJacobian
 
 
 class ContactJacobian(NamedTuple):
-    """At N samples, for K points of all contacts, one contact after another; all in the axes of the ground.
-
-    Attributes:
-        J: (N, 3 K, n) what a force at each point, along each axis, does to the joints.
-        arms: (N, K, 3) of the points from the middle of their contact [m].
-        places, speeds: (N, K, 3) of the points [m, m/s].
-    """
+    """At N samples, for K points of all contacts: J (N, 3 K, n), arms from the middle of their contact (N, K, 3) [m],
+    places and speeds (N, K, 3) [m, m/s], all in the axes of the ground."""
 
     J: Floats
     arms: Floats
@@ -206,11 +197,8 @@ def _contact_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
 
 
 def loop_wrenches(plan: Plan, loops: LoopJacobian, multipliers: Floats) -> Floats:
-    """Return (N, 6 L) the wrench of each loop on its link at its point, in the axes of the other link [N, N m].
-
-    Args:
-        multipliers: (N, m) of the equations.
-    """
+    """Return (N, 6 L) the wrench of each loop on its link at its point, in the axes of the other [N, N m], by the
+    multipliers (N, m) of the equations."""
     parts, at = [np.zeros((len(multipliers), 0))], 0
     for closure in closures(plan):
         k = slice(at, at + len(closure.equations))
@@ -222,13 +210,10 @@ def loop_wrenches(plan: Plan, loops: LoopJacobian, multipliers: Floats) -> Float
 
 
 def reactions(plan: Plan, loops: LoopJacobian, wrenches: Floats) -> Floats:
-    """Return (N, 6 L) what each loop does to the other link, at that link's point and in its axes.
-
-    Args:
-        wrenches: (N, ...) of `loop_wrenches`, and what follows.
-    """
+    """Return (N, 6 L) what each loop does to the other link, at that link's point and in its axes, by what it does to
+    its own: `loop_wrenches`, and what follows."""
     parts = [np.zeros((len(wrenches), 0))]
     for k in range(len(plan.scene.loops)):
         force, moment = wrenches[:, 6 * k : 6 * k + 3], wrenches[:, 6 * k + 3 : 6 * k + 6]
-        parts += [-force, -moment - cross(loops.gaps[:, k].T, force.T).T]
+        parts += [-force, -moment - np.cross(loops.gaps[:, k], force)]
     return np.hstack(parts)

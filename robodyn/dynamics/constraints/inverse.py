@@ -29,8 +29,8 @@ class ConstrainedForces(NamedTuple):
 
     Attributes:
         tau: (..., n) of the drives [N m or N], 0 at passive rates but for what nothing gives.
-        wrenches: by loop and contact (..., 6) force [N] and moment [N m] on its link: of a loop at its point in the
-            axes of the other link, of a contact at the middle of its points in the axes of the ground.
+        wrenches: by name (..., 6) force [N] and moment [N m] on its link: of a loop at its point in the axes of the
+            other link, of a contact at the middle of its points in the axes of the ground.
     """
 
     tau: Floats
@@ -73,10 +73,8 @@ def constraint_forces(
 def as_tree(
     model: Model, state: tuple[ArrayLike, ArrayLike, ArrayLike], scene: Scene, columns: Mapping[str, ArrayLike]
 ) -> tuple[Scene, dict[str, ArrayLike], Floats]:
-    """Return the scene of `tree_scene` and its columns: the tree that constraint forces hold where constraints did.
-
-    And (..., n) what the motion, of q, qd and qdd, takes at passive rates and nothing gives, 0 elsewhere.
-    """
+    """Return the scene of `tree_scene`, its columns at a state (q, qd, qdd), and (..., n) what that takes at passive
+    rates and nothing gives, 0 elsewhere."""
     given = dict(zip(("q", "qd", "qdd"), state, strict=True))
     tau, wrenches = _solved(model, given, scene, columns, "numpy", None)
     found = dict(zip(constraint_columns(scene), np.moveaxis(wrenches, -1, 0), strict=True))
@@ -114,7 +112,7 @@ def _solved(
 
 
 def _of_samples(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Floats:
-    """(N,) a column of contacts; not a number is neither on nor off."""
+    """(N,) a column of contacts."""
     given = numbers(name, values, np.dtype(float))
     if np.isnan(given).any():
         what = f"column {shown(name)} of contacts is not a number at {np.isnan(given).sum()} of {given.size} samples"

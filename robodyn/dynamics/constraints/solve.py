@@ -31,7 +31,7 @@ from robodyn.dynamics.constraints.torque_distribution import (
 from robodyn.dynamics.contacts.solve import Forces, FreeTerms, Problem, TorqueTerms, contact_forces
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError, SceneError
-from robodyn.programs.vectors import cross, length, product
+from robodyn.programs.vectors import length, product
 from robodyn.robot.limits import binding
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.parts import ALWAYS, AUTO, EFFORT, GROUND, Contact
@@ -48,8 +48,7 @@ class Actuation(NamedTuple):
         passive: (n,) which nothing drives: those of passive joints and of floating ones, and the base's where contacts
             or loops to the ground hold it.
         driven: (n,) joints that drive; a base that is neither passive nor driven is held.
-        weights: (driven,) of the squares of their torques.
-        limits: (driven,) effort limits [N m or N], infinite where there is none.
+        weights, limits: (driven,) of the squares of their torques; of effort [N m or N], infinite where there is none.
     """
 
     passive: Mask
@@ -66,10 +65,7 @@ class Actuation(NamedTuple):
 @lru_cache(maxsize=16)
 def actuation(model: Model, scene: Scene) -> Actuation:
     """Return what drives in a scene: joints of `actuated`, or all but those of `passive`; where neither is said, those
-    of `drive` in a closed chain that has some, else all.
-
-    Raises:
-        SceneError: a weight or a cost asks for the effort limit of a joint that has none.
+    of `drive` in a closed chain that has some, else all. SceneError if an effort limit is asked for and there is none.
     """
     passive, driven = np.zeros(model.n, dtype=bool), np.zeros(model.n, dtype=bool)
     weights, limits = [], []
@@ -136,7 +132,6 @@ def touching(
 
 
 def _switched(contact: Contact, time: Floats | None, columns: Mapping[str, Floats], count: int) -> Mask:
-    """(N,) whether a contact is on by itself, by a column or by intervals."""
     if contact.on == ALWAYS:
         return np.ones(count, dtype=bool)
     if isinstance(contact.on, str):
@@ -170,7 +165,6 @@ class Found(NamedTuple):
         crossed: (N,) at what part of the way from the sample before they do so in between; NaN where they do not.
         gap: (N, m) phi of the loops' equations [m or rad].
         forces: (N, K, 3) at the contacts' points, in the axes of the ground [N].
-        contacts, problem, solved: where the points are, and what was asked and found; None without contacts.
     """
 
     wrenches: Floats
@@ -211,7 +205,7 @@ class ConstraintSolver:
                 self._units[turns] = 1.0 / (model.reach or 1.0)
 
     def pieces(self, samples: int) -> list[slice]:
-        """Return the parts of a block that `solve` takes."""
+        """The parts of a block that `solve` takes."""
         return [slice(start, start + PIECE) for start in range(0, samples, PIECE)]
 
     def solve(self, q: Floats, qd: Floats, tau: Floats, touching: Mask) -> Found:
@@ -275,7 +269,6 @@ class ConstraintSolver:
                     self.open_drives |= ~structure(J, part.passive[counted]).torque_determined
 
     def _set_structure(self, loops: LoopJacobian, rows: NDArray[np.int64]) -> None:
-        """Decide the ranks of loops by some of these samples."""
         part = self.actuation
         rows = rows[np.unique(np.linspace(0, len(rows) - 1, REFERENCES).astype(int))]
         J, noise = loops.J[rows][:, :, part.counted], self._openness(loops, rows)
@@ -284,7 +277,7 @@ class ConstraintSolver:
             self.open_drives = ~self.structure.torque_determined
 
     def _openness(self, loops: LoopJacobian, rows: NDArray[np.int64]) -> float:
-        """Return by how much loops are open, in rad, or in m of the lengths by which rates move their points."""
+        """By how much loops are open, in rad, or in m of the lengths by which rates move their points."""
         if not loops.error.size:
             return 0.0
         units = np.array([equation.unit for each in closures(self.plan) for equation in each.equations])
@@ -323,7 +316,6 @@ def _of_contacts(plan: Plan, contacts: ContactJacobian, forces: Floats) -> Float
     parts, at = [np.zeros((len(forces), 0))], 0
     for contact in plan.scene.contacts:
         k = slice(at, at + len(contact.points))
-        moments = cross(contacts.arms[:, k].transpose(2, 0, 1), forces[:, k].transpose(2, 0, 1))
-        parts += [forces[:, k].sum(axis=1), moments.sum(axis=2).T]
+        parts += [forces[:, k].sum(axis=1), np.cross(contacts.arms[:, k], forces[:, k]).sum(axis=1)]
         at = k.stop
     return np.hstack(parts)

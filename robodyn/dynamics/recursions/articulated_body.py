@@ -30,9 +30,9 @@ def at_parent(A: Array, turns: tuple[Turn, Turn, Turn], p: Array) -> Array:
     `I' = I + [p] H'^T + ([p] H^T)^T`, p being the origin from the parent's in the parent's axes.
     """
     outer, middle, inner = turns
-    I, H, M = (
-        _about_z(_about_x(_about_z(block, *inner), *middle), *outer) for block in (A[:3, :3], A[:3, 3:], A[3:, 3:])
-    )
+    blocks = [_about_z(block, *inner) for block in (A[:3, :3], A[:3, 3:], A[3:, 3:])]
+    blocks = [np.roll(_about_z(np.roll(block, -1, (0, 1)), *middle), 1, (0, 1)) for block in blocks]  # about x
+    I, H, M = (_about_z(block, *outer) for block in blocks)
     shift = skew(p)
     H_p = H + shift @ M
     I_p = symmetric((I + shift @ H_p.T + (shift @ H.T).T)[np.triu_indices(3)])
@@ -54,19 +54,10 @@ def _about_z(B: Array, c: Scalar, s: Scalar) -> Array:
     )
 
 
-def _about_x(B: Array, c: Scalar, s: Scalar) -> Array:
-    return np.roll(_about_z(np.roll(B, -1, (0, 1)), c, s), 1, (0, 1))
-
-
 def wrench_at_parent(b: Array, R: Array, p: Array) -> Array:
     """Return the same wrench (n, f) about the parent's origin in the parent's axes: `R n + p x R f`, `R f`."""
     f = R @ b[3:]
     return np.concatenate((R @ b[:3] + cross(p, f), f))
-
-
-def acceleration_from_parent(x: Array, R: Array, p: Array) -> Array:
-    """Return the parent's (wd, a) at the body's origin, in the body's axes: `R^T wd`, `R^T (a + wd x p)`."""
-    return np.concatenate((R.T @ x[:3], R.T @ (x[3:] + cross(x[:3], p))))
 
 
 AXES = {"fixed": (), "revolute": (2,), "prismatic": (5,), "floating": (0, 1, 2, 3, 4, 5)}
@@ -96,16 +87,10 @@ def articulated_body(
 
     Args:
         model: of `aligned`.
-        motions: of each body relative to its parent.
-        inertias: of each body.
         biases: the wrench on each body, in its axes, that `motions` calls for and nothing else supplies.
-        forces: n scalars, along the coordinates, those of a floating joint in the body's axes [N m or N].
+        forces: n scalars, along the coordinates, those of a floating joint in the body's axes, as is what is returned.
         rotors: reflected rotor inertias, by coordinates i <= j [kg m^2 or kg].
-        spins: (i, rate, moment) what a unit of a coordinate's acceleration asks of body i, and that of body i of the
-            coordinate, besides: of rotors whose axes are fixed in body i [kg m^2].
-
-    Returns:
-        n scalars, those of a floating joint in the body's axes [rad/s^2 or m/s^2].
+        spins: as those of `Terms`.
 
     Raises:
         InputError: nothing resists a joint.
@@ -134,7 +119,8 @@ def articulated_body(
     x: list[Array] = []
     y: list[Scalar] = [0.0] * model.n
     for i, (body, (R, p, *_)) in enumerate(zip(model.bodies, motions, strict=True)):
-        x.append(acceleration_from_parent(x[body.parent] if i else np.zeros(6), R, p).astype(object))
+        wd, a = np.split(x[body.parent] if i else np.zeros(6), 2)
+        x.append(np.concatenate((R.T @ wd, R.T @ (a + cross(wd, p)))).astype(object))
         for step in reversed(work.steps[i]):
             step.back(x[i], y)
     return y
@@ -154,34 +140,25 @@ def _coordinates(
             bodies.setdefault(rate, []).append(i)
     ends: list[list[int]] = [[] for _ in model.bodies]
     counts = [len(bodies[rate]) for rate in range(model.n)]
-    for group in _groups(model.n, rotors):
+    together = list(range(model.n))  # of each coordinate, the first of those that rotors couple with it
+    for (i, j), rotor in rotors.items():
+        if i != j and rotor:
+            low, high = sorted((together[i], together[j]))
+            together = [low if each == high else each for each in together]
+    for first in sorted(set(together)):
+        group = [rate for rate in range(model.n) if together[rate] == first]
         moved = [i for rate in group for i in bodies[rate]]
         if len(group) > 1:
             moved = [model.bodies[i].parent for i in moved]
         moved += [i for i, rate, _ in spins if rate in group]
         for rate in group if len(moved) > 1 else ():
             counts[rate] = len(moved)
-            ends[_common(model.parents, moved)].append(rate)
+            above = set(moved)
+            while len(above) > 1:
+                last = max(above)
+                above = above - {last} | {model.parents[last]}
+            ends[above.pop()].append(rate)
     return counts, ends
-
-
-def _groups(n: int, rotors: Mapping[tuple[int, int], float]) -> list[list[int]]:
-    """Return the coordinates, those together that rotors couple, in groups by their first."""
-    group = list(range(n))
-    for (i, j), rotor in rotors.items():
-        if i != j and rotor:
-            low, high = sorted((group[i], group[j]))
-            group = [low if each == high else each for each in group]
-    return [[rate for rate in range(n) if group[rate] == k] for k in range(n) if group[k] == k]
-
-
-def _common(parents: Sequence[int], bodies: Sequence[int]) -> int:
-    """Return the outermost body that carries all these, itself counted."""
-    above = set(bodies)
-    while len(above) > 1:
-        last = max(above)
-        above = above - {last} | {parents[last]}
-    return above.pop()
 
 
 def turns_of(joint: Joint, R: Array) -> tuple[Turn, Turn, Turn]:

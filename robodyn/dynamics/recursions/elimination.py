@@ -29,7 +29,6 @@ class Solved(NamedTuple):
     coupling: Mapping[int, Scalar]
 
     def back(self, x: Array, y: list[Scalar]) -> None:
-        """Finds the coordinate."""
         y[self.rate] = self.rest(x, y)
 
     def rest(self, x: Array, y: list[Scalar]) -> Scalar:
@@ -37,13 +36,12 @@ class Solved(NamedTuple):
 
 
 class Freed(NamedTuple):
-    """A joint of its own coordinate: where `solved` says how the body accelerates along its axis."""
+    """A joint of its own coordinate: `solved` says how the body accelerates along its axis."""
 
     axis: int
     solved: Solved
 
     def back(self, x: Array, y: list[Scalar]) -> None:
-        """Finds the coordinate and moves the body."""
         total = self.solved.rest(x, y)
         y[self.solved.rate] = total - x[self.axis]
         x[self.axis] = total
@@ -57,7 +55,6 @@ class Moved(NamedTuple):
     ratio: float
 
     def back(self, x: Array, y: list[Scalar]) -> None:
-        """Moves the body."""
         x[self.axis] = x[self.axis] + self.ratio * y[self.rate]
 
 
@@ -101,12 +98,16 @@ class Elimination:
 
     def _solved(self, i: int, rate: int, name: str) -> Solved:
         """Takes the coordinate out of all equations: `A - G G^T / D` and the like."""
-        G, D, u = self.G[i].pop(rate), self.D[rate, rate], self.u[rate]
-        _check(D, self.A[i], name)
+        G, D, u, A = self.G[i].pop(rate), self.D[rate, rate], self.u[rate], self.A[i]
+        known = [abs(x) for x in np.diag(A) if isinstance(x, float)]
+        if D == 0 or (isinstance(D, float) and abs(D) <= ROUNDING * max(known, default=0.0)):
+            raise unresisted(name)
         inverse = 1.0 / D
         V = G * inverse
         coupling = {other: self.D[_pair(rate, other)] * inverse for other in sorted(self.G[i])}
-        self.A[i], self.b[i] = _reduced(self.A[i], G, V), self.b[i] + V * u
+        upper = {(j, k): A[j, k] - G[j] * V[k] for j in range(6) for k in range(j, 6)}
+        self.A[i] = np.array([[upper[_pair(j, k)] for k in range(6)] for j in range(6)])
+        self.b[i] = self.b[i] + V * u
         for other, share in coupling.items():
             self.G[i][other] = self.G[i][other] - G * share
             self.u[other] = self.u[other] - share * u
@@ -138,30 +139,9 @@ def _pair(k: int, other: int) -> tuple[int, int]:
     return min(k, other), max(k, other)
 
 
-def _reduced(A: Array, G: Array, V: Array) -> Array:
-    """Return A - G V^T, which is symmetric."""
-    upper = {(i, j): A[i, j] - G[i] * V[j] for i in range(6) for j in range(i, 6)}
-    return np.array([[upper[_pair(i, j)] for j in range(6)] for i in range(6)])
-
-
-def _check(D: Scalar, A: Array, name: str) -> None:
-    """Refuses a joint that nothing resists, where that is known beforehand."""
-    known = [abs(x) for x in np.diag(A) if isinstance(x, float)]
-    if D == 0 or (isinstance(D, float) and abs(D) <= ROUNDING * max(known, default=0.0)):
-        raise unresisted(name)
-
-
 def unresisted(name: str) -> InputError:
-    """Return the error of a joint that nothing resists."""
-    return InputError(
-        f'joint "{name}" moves nothing that has inertia, so its acceleration is not defined', remedy=RESIST
-    )
-
-
-def indefinite(name: str, D: float) -> InputError:
-    """Return the error of a joint whose inertia is left with a value that is not positive."""
-    what = f'joint "{name}" moves an inertia of {D:.3g}, so its acceleration is not defined'
-    return InputError(what, remedy="robodyn check finds links with masses and inertias that cannot be")
+    what = f'joint "{name}" moves nothing that has inertia, so its acceleration is not defined'
+    return InputError(what, remedy=RESIST)
 
 
 UNDECIDED = 1e-6
@@ -204,11 +184,6 @@ def _axes(joint: Joint, carried: Joint | None) -> Floats:
 def _turned(body: Body, Q: Floats, Q_parent: Floats) -> Body:
     m, mc, I = body.inertia
     I = product(Q.T, np.triu(I) + np.triu(I, 1).T, Q)
-    R, p, axis = body.joint.R, body.joint.p, body.joint.axis
-    joint = replace(
-        body.joint,
-        R=snapped(product(Q_parent.T, R, Q)),
-        p=product(Q_parent.T, p),
-        axis=snapped(product(Q.T, axis)),
-    )
+    R, axis = snapped(product(Q_parent.T, body.joint.R, Q)), snapped(product(Q.T, body.joint.axis))
+    joint = replace(body.joint, R=R, p=product(Q_parent.T, body.joint.p), axis=axis)
     return replace(body, joint=joint, inertia=Inertia(m, product(Q.T, mc), 0.5 * (I + I.T)))
