@@ -17,14 +17,14 @@ from robodyn.dynamics.effects.motors import reflected
 from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan, applied, plan, runner_of
 from robodyn.dynamics.recursions.articulated_body import articulated_body
-from robodyn.dynamics.recursions.elimination import RESIST, aligned
+from robodyn.dynamics.recursions.elimination import RESIST, aligned, floating_turns, turned
 from robodyn.dynamics.recursions.newton_euler import inertial_wrenches
 from robodyn.errors import InputError
 from robodyn.programs.program import traced
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
-from robodyn.programs.vectors import Array, Scalar, sign, vector
-from robodyn.robot.kinematics import Motion, Wrench, motions
+from robodyn.programs.vectors import Scalar, sign
+from robodyn.robot.kinematics import Wrench, motions
 from robodyn.robot.model import Model
 from robodyn.scene.fit import refuse_constraints
 from robodyn.scene.scene import DEFAULT, Scene
@@ -125,20 +125,6 @@ def accelerations(sample: Sample, terms: Terms, tau: Sequence[Scalar], scene: Sc
     loaded = [Loaded(at[i].rate, load, terms.through_gear.get(i, 0.0)) for i, load in terms.load.items()]
     heavy = [joint.name for joint in at.values() if rotors.get((joint.rate, joint.rate))]
     return loaded_accelerations(solve, forces, rotors, loaded, repetitions(scene, heavy))
-
-
-def floating_turns(model: Model, joints: Sequence[Motion]) -> list[tuple[slice, Array]]:
-    """Return the places of the rates of each floating joint's position, and the turn from body's to parent's axes."""
-    free = [(body.joint, joint.R) for body, joint in zip(model.bodies, joints, strict=True)]
-    return [(slice(j.rate + 3, j.rate + 6), j.R.T @ R) for j, R in free if j.kind == "floating"]
-
-
-def turned(values: Sequence[Scalar], turns: list[tuple[slice, Array]], back: bool = False) -> list[Scalar]:
-    """Rates or forces, those of floating joints' positions turned to the axes of the parent, or back."""
-    out = list(values)
-    for place, turn in turns:
-        out[place] = (turn.T if back else turn) @ vector(*out[place])
-    return out
 
 
 def forward_dynamics(

@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import lru_cache
-from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from robodyn.dynamics.arrays import arrays_of, results
 from robodyn.dynamics.effects import motors, rigid_bodies
 from robodyn.dynamics.effects.motors import mass_entries
 from robodyn.dynamics.plan import Plan, applied, loads, plan, ready, runner_of
-from robodyn.dynamics.recursions.newton_euler import mass_matrix as mass_matrix_of
+from robodyn.dynamics.recursions.composite_body import composite_body
+from robodyn.dynamics.recursions.elimination import aligned, floating_turns, turned
 from robodyn.programs.derivative import again, jacobian
 from robodyn.programs.program import trace, traced
 from robodyn.programs.run.runner import Runner
@@ -44,10 +45,15 @@ def mass_runner(model: Model, scene: Scene) -> Runner:
     """Return the entries of M(q) row by row, ready to run."""
     a_plan = plan(model, scene)
 
-    def outputs(tape: Any) -> Any:
-        sample = a_plan.sample(tape)
-        inertias = applied([rigid_bodies.PAYLOAD], sample, scene).inertias
-        return mass_matrix_of(model, sample.q, inertias, mass_entries(sample, scene)).ravel()
+    def outputs(tape: Tape) -> Iterable[Scalar]:
+        sample = Plan(aligned(model), scene).sample(tape)
+        joints, inertias = sample.motions(), applied([rigid_bodies.PAYLOAD], sample, scene).inertias
+        M = np.zeros((model.n, model.n), dtype=object)
+        for (i, j), value in composite_body(sample.model, joints, inertias, mass_entries(sample, scene)).items():
+            M[i, j] = M[j, i] = value
+        turns = floating_turns(sample.model, joints)
+        rows = [turned(column, turns) for column in zip(*(turned(row, turns) for row in M), strict=True)]
+        return [rows[max(i, j)][min(i, j)] for i in range(model.n) for j in range(model.n)]
 
     return runner_of(trace(outputs), a_plan)
 

@@ -64,8 +64,7 @@ MUTATIONS = {
         ("robot/kinematics.py", "turn.T @ vector(*qdd[3:])", "turn @ vector(*qdd[3:])"),
         ("robot/kinematics.py", "(R @ axis) * q[0]", "axis * q[0]"),
         ("robot/kinematics.py", "ratio * q[own]", "q[own]"),
-        ("dynamics/recursions/newton_euler.py", "joint.multiplier", "1.0"),
-        ("dynamics/recursions/newton_euler.py", "M[i, j] + inertia", "M[i, j] - inertia"),
+        ("dynamics/recursions/composite_body.py", "not known_zero(rotor)", "known_zero(rotor)"),
         ("dynamics/recursions/momentum.py", "H[j] + R @ H[i] + cross(p, P_in)", "H[j] + R @ H[i]"),
         ("dynamics/recursions/momentum.py", "s * a + y * c - z * b", "s * a + y * c + z * b"),
     ],
@@ -130,6 +129,7 @@ MUTATIONS = {
         ),
     ],
     "dynamics/effects/test_mimic_and_base.py": [
+        ("dynamics/recursions/newton_euler.py", "joint.multiplier", "1.0"),
         ("dynamics/recursions/newton_euler.py", "joint.R.T @ (motions[i].R @ reaction.f)", "motions[i].R @ reaction.f"),
         ("robot/load.py", "product(R_link, p)", "p"),
         (
@@ -241,7 +241,7 @@ MUTATIONS = {
         ("dynamics/loops/closed_chain.py", "c * lower - s * upper", "c * lower + s * upper"),
         ("dynamics/loops/closed_chain.py", "c * change[i]", "change[i]"),
         ("dynamics/loops/closed_chain.py", "0.0 - bias", "bias"),
-        ("dynamics/forward.py", "turn.T if back else turn", "turn if back else turn"),
+        ("dynamics/recursions/elimination.py", "turn.T if back else turn", "turn if back else turn"),
         ("dynamics/recursions/composite_body.py", "share * 2.0 if other == rate else share", "share"),
         (
             "dynamics/recursions/composite_body.py",

@@ -10,7 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.errors import InputError
-from robodyn.programs.vectors import Array, Scalar, cross, length, product, snapped
+from robodyn.programs.vectors import Array, Scalar, cross, length, product, snapped, vector
+from robodyn.robot.kinematics import Motion
 from robodyn.robot.model import Body, Frame, Joint, Model
 from robodyn.solids.inertia.laws import Inertia
 from robodyn.support.floats import Floats
@@ -187,3 +188,17 @@ def _turned(body: Body, Q: Floats, Q_parent: Floats) -> Body:
     R, axis = snapped(product(Q_parent.T, body.joint.R, Q)), snapped(product(Q.T, body.joint.axis))
     joint = replace(body.joint, R=R, p=product(Q_parent.T, body.joint.p), axis=axis)
     return replace(body, joint=joint, inertia=Inertia(m, product(Q.T, mc), 0.5 * (I + I.T)))
+
+
+def floating_turns(model: Model, joints: Sequence[Motion]) -> list[tuple[slice, Array]]:
+    """Return the places of the rates of each floating joint's position, and the turn from body's to parent's axes."""
+    free = [(body.joint, joint.R) for body, joint in zip(model.bodies, joints, strict=True)]
+    return [(slice(j.rate + 3, j.rate + 6), j.R.T @ R) for j, R in free if j.kind == "floating"]
+
+
+def turned(values: Sequence[Scalar], turns: list[tuple[slice, Array]], back: bool = False) -> list[Scalar]:
+    """Rates or forces, those of floating joints' positions turned to the axes of the parent, or back."""
+    out = list(values)
+    for place, turn in turns:
+        out[place] = (turn.T if back else turn) @ vector(*out[place])
+    return out

@@ -1,13 +1,11 @@
-"""The recursive Newton-Euler algorithm (RNEA), once, for any scalar: wrenches, torques, mass matrix and bias."""
+"""The recursive Newton-Euler algorithm (RNEA), once, for any scalar: wrenches and torques."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-import numpy as np
-
 from robodyn.programs.vectors import ZERO, Array, Scalar, cross, skew, vector
-from robodyn.robot.kinematics import Motion, Wrench, motions
+from robodyn.robot.kinematics import Motion, Wrench
 from robodyn.robot.model import Joint, Model
 from robodyn.solids.inertia.laws import Inertia
 
@@ -123,27 +121,3 @@ def joint_torques(
             along = along_joint(joint, reaction)
             tau[joint.rate] = tau[joint.rate] + joint.multiplier * (along + at_joint.get(i, 0.0))
     return tau
-
-
-def mass_matrix(
-    model: Model, q: Sequence[Scalar], inertias: Sequence[Inertia], armature: Mapping[tuple[int, int], Scalar]
-) -> Array:
-    """M(q): column j is the torque of a unit acceleration of coordinate j alone, without speed or gravity.
-
-    `M e_j = ID(q, 0, e_j)`; the recursion sees a robot at rest, so a traced column holds only what the bodies beyond
-    coordinate j add, and the upper triangle is the lower one's mirror image. Accuracy: 1e-14 of the largest entry.
-
-    Args:
-        armature: what rotors add, by coordinates i <= j [kg m^2].
-    """
-    n = model.n
-    rest = [0.0] * n
-    M = np.zeros((n, n), dtype=object)
-    for j in range(n):
-        unit = [float(k == j) for k in range(n)]
-        joints = motions(model, q, rest, unit)
-        column = joint_torques(model, joints, newton_euler(model.parents, joints, inertias), {})
-        M[j:, j] = M[j, j:] = column[j:]
-    for (i, j), inertia in armature.items():
-        M[i, j] = M[j, i] = M[i, j] + inertia
-    return M
