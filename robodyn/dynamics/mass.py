@@ -52,7 +52,7 @@ def mass_runner(model: Model, scene: Scene) -> Runner:
         for (i, j), value in composite_body(sample.model, joints, inertias, mass_entries(sample, scene)).items():
             M[i, j] = M[j, i] = value
         turns = floating_turns(sample.model, joints)
-        rows = [turned(column, turns) for column in zip(*(turned(row, turns) for row in M), strict=True)]
+        rows = [turned(column, turns) for column in zip(*(turned(row, turns) for row in M.tolist()), strict=True)]
         return [rows[max(i, j)][min(i, j)] for i in range(model.n) for j in range(model.n)]
 
     return runner_of(trace(outputs), a_plan)

@@ -72,7 +72,7 @@ MUTATIONS = {
         ("dynamics/constraints/torque_distribution.py", "np.sqrt(weights / weights.max())", "weights / weights.max()"),
         (
             "dynamics/constraints/torque_distribution.py",
-            "wanted = forces[:, ~passive] - _along(drive, x)",
+            'wanted = forces[:, ~passive] - einsum("nij,nj->ni", drive, x)',
             "wanted = forces[:, ~passive]",
         ),
     ],
