@@ -2,8 +2,8 @@
 
 1. `urdf/sources` reads the bytes, `urdf/xacro` expands xacro files first.
 2. `urdf/document` makes elements of them, with their places and what is wrong as XML.
-3. `urdf/view` reads numbers and texts out of the elements, `urdf/strict` raises what is wrong with them.
-4. `urdf/description` puts links, joints and transmissions together, and sees that they are one tree.
+3. `urdf/view` reads numbers and texts out of the elements.
+4. `urdf/description` raises what is wrong with them, and sees that links and joints are one tree.
 5. `assemble` (here) makes the `model`: fixed joints merged, mimic joints mapped, parents before children.
 
 What a model says of itself: `model`, `limits`, `configuration` (named values, poses), `kinematics` (for any scalar).

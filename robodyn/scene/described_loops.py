@@ -11,11 +11,11 @@ import numpy as np
 
 from robodyn.programs.vectors import product, rotation_from_rpy
 from robodyn.robot.model import Model
+from robodyn.robot.urdf.description import Strict
 from robodyn.robot.urdf.document import read_document
 from robodyn.robot.urdf.elements import Element
 from robodyn.robot.urdf.numbers import numbers
 from robodyn.robot.urdf.parts import ZERO, Description, Vector
-from robodyn.robot.urdf.strict import Strict
 from robodyn.scene.parts import Loop
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats

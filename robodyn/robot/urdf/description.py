@@ -1,29 +1,33 @@
-"""The strict reading of a URDF: what it says, in SI units, checked to be one tree; and the shapes of its links."""
+"""The strict reading of a URDF: what it says, in SI units, checked to be one tree; and the shapes of its links.
+
+`Strict` takes its values out of a view of the document, and raises the first fault; doubts are noted.
+"""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import islice
+from math import hypot
 from pathlib import Path
-from typing import TypeVar
+from typing import NoReturn, TypeVar, cast
 
 from robodyn.errors import DescriptionError, InputError
+from robodyn.robot.urdf import parts
 from robodyn.robot.urdf.document import Document, read_document
 from robodyn.robot.urdf.elements import Element
-from robodyn.robot.urdf.numbers import TEXT, numbers
+from robodyn.robot.urdf.numbers import TEXT, Numbers, numbers
 from robodyn.robot.urdf.packages import Search, package_of
-from robodyn.robot.urdf.parts import Description, Geometry, Joint, Kind, Link, Transmission
+from robodyn.robot.urdf.parts import Description, Geometry, Joint, Kind, Link, Transmission, Vector
 from robodyn.robot.urdf.sources import content_of
-from robodyn.robot.urdf.strict import Strict
-from robodyn.robot.urdf.view import JointView, LinkView, View
+from robodyn.robot.urdf.view import GeometryView, InertialView, JointView, LinkView, Part, View
 from robodyn.support.wording import alternatives, listed, shown
 
 _REDUCTIONS = ("mechanicalReduction", "mechanical_reduction", "drake:gear_ratio")
 _ROTOR_INERTIAS = ("rotorInertia", "rotor_inertia", "motorInertia", "motor_inertia", "drake:rotor_inertia")
 _MOST_SHOWN = 6
 """Names of a cycle."""
+_UNIT_TOLERANCE = 1e-6
 
 N = TypeVar("N", Link, Joint)
 K = TypeVar("K", bound=Hashable)
@@ -44,18 +48,12 @@ def load_description(
 
 
 def read_description(document: Document, view: View | None = None) -> Description:
-    """Return links, joints and transmissions of a document, checked to be one tree.
+    """Return links, joints and transmissions of a document, in the order of the file, checked to be one tree.
 
-    Method: the values of a view of the document, of whose faults the first is raised; linear in the size of the file,
-    no recursion.
+    Linear in the size of the file, no recursion. Each doubt (negative mass, axis that is no unit vector) is a note.
 
     Args:
-        document: elements with their places.
         view: of the document, where there is one; otherwise each part of it is dropped as soon as its values are taken.
-
-    Returns:
-        The description, in the order of the file, lengths in metres, angles in radians, masses in kilograms. Each
-        doubt (negative mass, axis that is no unit vector, ...) is one of its notes.
 
     Raises:
         DescriptionError: a name is missing, duplicate or refers to nothing; a number is missing, not finite or not a
@@ -70,11 +68,174 @@ def read_description(document: Document, view: View | None = None) -> Descriptio
     joints = by_name(map(strict.joint, joint_views), "joint", strict)
     root = root_link(links, tuple(joints.values()), strict)
     check_mimics(joints, {e.values["name"]: m.line for e in joint_elements if (m := e.find("mimic"))}, strict)
-    transmissions = (_transmission(element, joints, strict) for element in robot.findall("transmission"))
-    driven = tuple(transmission for transmission in transmissions if transmission is not None)
+    driven = tuple(filter(None, (_transmission(each, joints, strict) for each in robot.findall("transmission"))))
     notes = tuple(sorted(strict.notes, key=lambda note: note[0]))
-    parts = tuple(links.values()), tuple(joints.values()), driven
-    return Description(name, document.file, *parts, root, notes, Search(document.file))
+    return Description(
+        name, document.file, tuple(links.values()), tuple(joints.values()), driven, root, notes, Search(document.file)
+    )
+
+
+class Strict:
+    """Values out of a view of one file, with doubts as notes. `owner` is the part of the robot that messages name."""
+
+    def __init__(self, file: str) -> None:
+        self.file = file
+        self.notes: list[tuple[int, str]] = []
+
+    def error(self, line: int, what: str, remedy: str) -> DescriptionError:
+        return DescriptionError(what, remedy=remedy, file=self.file, line=line)
+
+    def doubt(self, line: int, what: str) -> None:
+        self.notes.append((line, what))
+
+    def child(self, element: Element, tag: str, owner: str) -> Element | None:
+        """Return the child with that tag, of which there may be one at most."""
+        children = element.findall(tag)
+        if len(children) > 1:
+            what = f"{_where(element, owner)} has {len(children)} <{tag}> elements"
+            raise self.error(children[1].line, what, "keep one of them")
+        return children[0] if children else None
+
+    def needed_child(self, element: Element, tag: str, owner: str) -> Element:
+        child = self.child(element, tag, owner)
+        if child is None:
+            raise self.error(element.line, f"{_where(element, owner)} has no <{tag}>", f"add <{tag} .../>")
+        return child
+
+    def text(self, element: Element, attribute: str, owner: str) -> str:
+        """Return an attribute that must be there and not be empty."""
+        return element.get(attribute) or self._missing(element, attribute, owner)
+
+    def _missing(self, element: Element, attribute: str, owner: str) -> NoReturn:
+        state = "no" if element.get(attribute) is None else "an empty"
+        what = f"{_where(element, owner)} has {state} attribute '{attribute}'"
+        raise self.error(element.line, what, f'write {attribute}="..."')
+
+    def given(self, read: Numbers, owner: str) -> tuple[float, ...] | None:
+        """Return the numbers of an attribute, None where it is absent."""
+        if read.problem is not None:
+            assert read.element is not None, "it has the attribute"
+            line, what = read.element.line, f"<{read.element.tag}> of {owner} {read.problem}"
+            if read.attribute != TEXT:
+                line, what = read.element.attributes[read.attribute].span.line, f"'{read.attribute}' in {what}"
+            raise self.error(line, what, read.problem.remedy)
+        return read.values
+
+    def numbers(self, read: Numbers, owner: str, *default: float) -> tuple[float, ...]:
+        """Return the numbers of an attribute; where it is absent the default, if there is one."""
+        numbers = read.values or self.given(read, owner) or default
+        if not numbers:
+            assert read.element is not None, "its element is there"
+            self._missing(read.element, read.attribute, owner)
+        return numbers
+
+    def number(self, read: Numbers, owner: str, *default: float) -> float:
+        return self.numbers(read, owner, *default)[0]
+
+    def vector(self, read: Numbers, owner: str, *default: float) -> Vector:
+        return cast("Vector", self.numbers(read, owner, *default))
+
+    def origin(self, part: Part, owner: str) -> parts.Origin:
+        self.child(part.element, "origin", owner)
+        xyz, rpy = (self.vector(read, owner, *parts.ZERO) for read in (part.origin.xyz, part.origin.rpy))
+        return parts.Origin(xyz, rpy)
+
+    def link(self, link: LinkView) -> Link:
+        name = self.text(link.element, "name", "<link>")
+        owner = f"link {shown(name)}"
+        self.child(link.element, "inertial", owner)
+        inertial = None if link.inertial is None else self._inertial(link.inertial, owner)
+        geometries = tuple(self._geometry(geometry, owner) for geometry in link.geometries)
+        return Link(name, inertial, geometries, link.element.line)
+
+    def _inertial(self, inertial: InertialView, owner: str) -> parts.Inertial:
+        self.needed_child(inertial.element, "mass", owner)
+        mass = self.number(inertial.mass, owner)
+        if mass < 0:
+            self.doubt(inertial.element.line, f"{owner} has a negative mass: {mass:g} kg")
+        self.needed_child(inertial.element, "inertia", owner)
+        ixx, ixy, ixz, iyy, iyz, izz = (self.number(entry, owner) for entry in inertial.entries)
+        return parts.Inertial(mass, self.origin(inertial, owner), (ixx, ixy, ixz, iyy, iyz, izz))
+
+    def _geometry(self, view: GeometryView, owner: str) -> Geometry:
+        geometry = self.needed_child(view.element, "geometry", owner)
+        shapes = [child for child in geometry.children if child.tag in parts.SHAPES]
+        where = f"<geometry> in a <{view.kind}> of {owner}"
+        if len(shapes) > 1:
+            raise self.error(shapes[1].line, f"{where} has {len(shapes)} shapes", "keep one of them")
+        if not geometry.children:
+            raise self.error(geometry.line, f"{where} has no shape", f"shapes: {', '.join(parts.SHAPES)}")
+        if not shapes:
+            tag = geometry.children[0].tag
+            remedy = alternatives(tag, parts.SHAPES, "shapes")
+            raise self.error(geometry.line, f"{where} has the unknown shape {shown(tag)}", remedy)
+        shape, line = shapes[0], view.element.line
+        kind, tag = cast("Kind", view.kind), cast("parts.Shape", shape.tag)
+        if tag == "mesh":
+            scale = cast("Vector", self.given(view.scale, owner) or (1.0, 1.0, 1.0))
+            filename = self.text(shape, "filename", owner)
+            return Geometry(kind, self.origin(view, owner), tag, (), filename, scale, line)
+        size = tuple(length for read in view.sizes for length in self.numbers(read, owner))
+        if any(length <= 0 for length in size):
+            self.doubt(shape.line, f"<{tag}> of {owner} has a length that is not positive: {min(size):g} m")
+        return Geometry(kind, self.origin(view, owner), tag, size, line=line)
+
+    def joint(self, joint: JointView) -> Joint:
+        element = joint.element
+        name = self.text(element, "name", "<joint>")
+        owner = f"joint {shown(name)}"
+        kind = self.text(element, "type", owner)
+        if kind not in parts.JOINT_TYPES:
+            remedy = alternatives(kind.lower(), parts.JOINT_TYPES, "types")
+            raise self.error(element.line, f"{owner} has the unknown type {shown(kind)}", remedy)
+        ends = (self.needed_child(element, role, owner) for role in ("parent", "child"))
+        parent, child = (self.text(end, "link", owner) for end in ends)
+        dynamics, mimic = self.child(element, "dynamics", owner), joint.mimic
+        damping, friction = (self.number(read, owner, 0.0) for read in (joint.damping, joint.friction))
+        for quantity, value in (("damping", damping), ("friction", friction)):
+            if dynamics is not None and value < 0:
+                what = f"<dynamics> of {owner} has a negative {quantity}: {value:g}, which feeds energy in"
+                self.doubt(dynamics.line, what)
+        origin, axis, limit = self.origin(joint, owner), self._axis(joint, owner), self._limit(joint, owner)
+        self.child(element, "mimic", owner)
+        leader = None
+        if mimic is not None:
+            multiplier, offset = self.number(mimic.multiplier, owner, 1.0), self.number(mimic.offset, owner, 0.0)
+            leader = parts.Mimic(self.text(mimic.element, "joint", owner), multiplier, offset)
+        return Joint(name, kind, parent, child, origin, axis, limit, damping, friction, leader, element.line)
+
+    def _axis(self, joint: JointView, owner: str) -> Vector:
+        """Return the axis as written. Only the types that move along or about it need it to be a direction."""
+        written = self.child(joint.element, "axis", owner)
+        if written is None:
+            return 1.0, 0.0, 0.0
+        axis = self.vector(joint.axis, owner)
+        length = hypot(*axis)
+        if joint.type not in parts.WITH_AXIS or abs(length - 1) <= _UNIT_TOLERANCE:
+            return axis
+        if length == 0:
+            what = f"the axis of {owner} has the length 0, which gives no direction"
+            raise self.error(written.line, what, 'write a direction, for example xyz="0 0 1"')
+        self.doubt(written.line, f"the axis of {owner} has the length {length:.9g}, not 1")
+        return axis
+
+    def _limit(self, joint: JointView, owner: str) -> parts.Limit | None:
+        written, view = self.child(joint.element, "limit", owner), joint.limit
+        if written is None or view is None:
+            return None
+        reads = (view.lower, view.upper, view.effort, view.velocity)
+        limit = parts.Limit(*(None if (given := self.given(read, owner)) is None else given[0] for read in reads))
+        if limit.lower is not None and limit.upper is not None and limit.lower > limit.upper:
+            self.doubt(written.line, f"<limit> of {owner} is empty: lower {limit.lower:g} > upper {limit.upper:g}")
+        for name, value in (("effort", limit.effort), ("velocity", limit.velocity)):
+            if value is not None and value < 0:
+                self.doubt(written.line, f"<limit> of {owner} has a negative {name}: {value:g}")
+        return limit
+
+
+def _where(element: Element, owner: str) -> str:
+    """Return `owner` where the element is the owner itself, otherwise `<tag> of owner`."""
+    return owner if owner.partition(" ")[0].strip("<>") == element.tag else f"<{element.tag}> of {owner}"
 
 
 def _transmission(element: Element, joints: Collection[str], strict: Strict) -> Transmission | None:
@@ -110,10 +271,10 @@ def _value(places: Collection[Element], tags: Collection[str], owner: str, stric
     return values[0] if values else None
 
 
-def by_name(parts: Iterable[N], kind: str, strict: Strict) -> dict[str, N]:
-    """Return the parts by name; no name may stand for two."""
+def by_name(given: Iterable[N], kind: str, strict: Strict) -> dict[str, N]:
+    """Return links or joints by name; no name may stand for two."""
     named: dict[str, N] = {}
-    for part in parts:
+    for part in given:
         first = named.setdefault(part.name, part)
         if first is not part:
             what = f"a second {kind} {shown(part.name)}, the first is in line {first.line}"
@@ -184,20 +345,14 @@ def cycles(successor: Mapping[K, K]) -> Iterator[list[K]]:
 
 
 def _round(cycle: Sequence[str]) -> str:
-    names = [shown(name) for name in islice(cycle, _MOST_SHOWN)]
-    if len(cycle) > _MOST_SHOWN:
-        names.append(f"... ({len(cycle)} in all)")
-    return " -> ".join([*names, names[0]])
+    names = [shown(name) for name in cycle[:_MOST_SHOWN]]
+    more = [f"... ({len(cycle)} in all)"] if len(cycle) > _MOST_SHOWN else []
+    return " -> ".join([*names, *more, names[0]])
 
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """A shape of a link.
-
-    Attributes:
-        geometry: as described: kind, pose, sizes, file name, scale, and the line.
-        path: the file of a mesh; None where it is not found, and of other shapes.
-    """
+    """A shape of a link as described, and the file of a mesh; None where it is not found, and of other shapes."""
 
     geometry: Geometry
     path: Path | None = None

@@ -23,31 +23,24 @@ class NumbersError(ValueError):
         self.remedy = remedy
 
 
-_UNBOUNDED = frozenset({"limit", "safety_controller"})
+_UNBOUNDED = ("limit", "safety_controller")
 """Elements in which files write the largest float for no limit at all."""
 
-_DIRECTIONS = frozenset({"axis"})
-"""Elements whose numbers are made to a unit vector, so that small ones count."""
 
-
+@lru_cache(maxsize=1 << 14)
 def parse_numbers(text: str, count: int, tag: str = "") -> tuple[float, ...]:
     """Return exactly `count` finite numbers of an element with this tag, of a size that `robodyn.support.floats` has.
 
-    What is next to nothing is 0. Limits may be of any size: they are compared, not calculated with.
-
-    Python's float() is locale-proof and correctly rounded; what it takes beyond URDF (`1_000`, `inf`, `nan`, digits
-    and blanks outside ASCII) is refused.
+    What is next to nothing is 0, but of axes, which are made to unit vectors. Limits may be of any size: they are
+    compared, not calculated with. What float() takes beyond URDF (`1_000`, `inf`, `nan`, digits outside ASCII) is
+    refused.
 
     Raises:
         NumbersError: with what is wrong and what to write.
     """
-    return (_parsed_before if len(text) <= _SHORT else _parsed)(text, count, tag)
-
-
-def _parsed(text: str, count: int, tag: str) -> tuple[float, ...]:
     words = text.split()
     try:
-        numbers = (float(text),) if len(words) == 1 else tuple(map(float, words))
+        numbers = tuple(map(float, words))
     except ValueError:
         raise _not_numbers(text) from None
     if "_" in text or not text.isascii():
@@ -55,33 +48,19 @@ def _parsed(text: str, count: int, tag: str) -> tuple[float, ...]:
     if len(numbers) != count:
         wanted = "one number" if count == 1 else f"{count} numbers with blanks between them"
         raise NumbersError(f"has {len(numbers)} numbers, not {count}: {shown(text)}", f"write {wanted}")
-    for number in numbers:
-        if number and not SMALLEST <= abs(number) <= LARGEST:
-            return tuple(_settled(number, text, tag) for number in numbers)
-    return numbers
-
-
-_SHORT = 80
-_parsed_before = lru_cache(maxsize=1 << 14)(_parsed)
-"""For short texts: rules and strict reading ask for the same, and most of a description is "0 0 0" and the like."""
-
-
-def _settled(number: float, text: str, tag: str) -> float:
-    """Return a number of unusual size, or 0 for next to nothing."""
-    if not isfinite(number):
+    if not all(map(isfinite, numbers)):
         raise NumbersError(f"is not finite: {shown(text)}", "write a finite number")
-    if abs(number) > LARGEST and tag not in _UNBOUNDED:
+    if max(map(abs, numbers)) > LARGEST and tag not in _UNBOUNDED:
         raise NumbersError(f"is too large: {shown(text)}", f"nothing of a robot exceeds {LARGEST:g} in SI units")
-    return number if abs(number) >= SMALLEST or tag in _DIRECTIONS else 0.0
+    return tuple(number if abs(number) >= SMALLEST or not number or tag == "axis" else 0.0 for number in numbers)
 
 
 def _not_numbers(text: str) -> NumbersError:
     strange = next((character for character in text if not character.isascii()), None)
     if strange is not None:
         name = f"{unicodedata.name(strange, 'a character').lower()} (U+{ord(strange):04X})"
-        better = (
-            "a plain blank" if strange.isspace() else "a hyphen for minus" if strange in "\u2212\u2013" else "ASCII"
-        )
+        better = "a hyphen for minus" if strange in "\u2212\u2013" else "ASCII"
+        better = "a plain blank" if strange.isspace() else better
         article = "an" if name[0] in "aeiou" else "a"
         return NumbersError(f"has {article} {name}: {shown(text)}", f"write {better} in its place")
     if "," in text:
@@ -93,7 +72,7 @@ def _not_numbers(text: str) -> NumbersError:
 class Numbers:
     """The numbers of one attribute, or what is wrong with them: `values` is None where it is absent or has a `problem`.
 
-    `element` is None where the element that would hold the attribute is absent, too.
+    `element` is None where that of the attribute is absent, too.
     """
 
     element: Element | None

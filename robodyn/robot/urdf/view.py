@@ -1,16 +1,16 @@
 """Links, joints and numbers of a document as far as they can be read.
 
-Nothing in this view raises: what is missing or unreadable is None, what is wrong with a number is data, and every part
-knows the element it comes from. Of several children with one tag the first counts, as in urdfdom. Each attribute is
-read once, when it is first asked for. Rules report the faults; strict reading (`robodyn.robot.urdf.description`) takes
-its values out of the same view, and raises the first.
+Nothing in this view raises: what is missing or unreadable is None, what is wrong with a number is data. Of several
+children with one tag the first counts, as in urdfdom. Rules report the faults; strict reading
+(`robodyn.robot.urdf.description`) takes its values out of the same view, and raises the first.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Generic, TypeVar
+from functools import cached_property
+from typing import TypeVar
 
 from robodyn.robot.urdf.elements import Element, Span
 from robodyn.robot.urdf.numbers import Numbers, numbers, value_span
@@ -18,8 +18,7 @@ from robodyn.robot.urdf.parts import INERTIA, JOINT_TYPES, SHAPES, SIZES
 from robodyn.support.wording import shown
 
 _MOVING = frozenset(JOINT_TYPES) - {"fixed"}
-T = TypeVar("T")
-P = TypeVar("P", bound="Part")
+P = TypeVar("P")
 N = TypeVar("N", bound="_Named")
 
 
@@ -36,38 +35,24 @@ class Subject:
         return f"{self.kind} {shown(self.name)}"
 
 
-class Kept(Generic[T]):
-    """A property that is computed when it is first asked for, and kept: `cached_property` without its lock."""
-
-    def __init__(self, read: Callable[[Any], T]) -> None:
-        self._read = read
-
-    def __set_name__(self, owner: type, name: str) -> None:
-        self._name = name
-
-    def __get__(self, part: Any, owner: type) -> T:
-        part.__dict__[self._name] = value = self._read(part)
-        return value
-
-
-def _number(name: str, count: int = 1, child: str = "") -> Kept[Numbers]:
+def _number(name: str, count: int = 1, child: str = "") -> cached_property[Numbers]:
     """Return the numbers of an attribute of the part's element, or of its first child with that tag."""
-    return Kept(lambda part: numbers(part.element.find(child) if child else part.element, name, count))
+    return cached_property(lambda part: numbers(part.element.find(child) if child else part.element, name, count))
 
 
-def _text(name: str, child: str = "") -> Kept[str]:
+def _text(name: str, child: str = "") -> cached_property[str]:
     """Return an attribute of the part's element, or of its first child with that tag; empty where it is missing."""
 
     def read(part: Part) -> str:
         element = part.element.find(child) if child else part.element
         return (element and element.get(name)) or ""
 
-    return Kept(read)
+    return cached_property(read)
 
 
-def _child(tag: str, kind: Callable[[Element], P]) -> Kept[P | None]:
+def _child(tag: str, kind: Callable[[Element], P]) -> cached_property[P | None]:
     """Return the first child of the part's element with that tag, as a part."""
-    return Kept(lambda part: None if (found := part.element.find(tag)) is None else kind(found))
+    return cached_property(lambda part: None if (found := part.element.find(tag)) is None else kind(found))
 
 
 class OriginView:
@@ -86,29 +71,23 @@ class Part:
     def __init__(self, element: Element) -> None:
         self.element = element
 
-    @Kept
+    @cached_property
     def origin(self) -> OriginView:
         return OriginView(self.element)
 
 
 class InertialView(Part):
-    """<inertial>: `mass_element` and `inertia_element` are None where it has none."""
+    """<inertial>."""
 
     mass = _number("value", child="mass")
+    mass_element = _child("mass", lambda element: element)
+    inertia_element = _child("inertia", lambda element: element)
 
-    @Kept
-    def mass_element(self) -> Element | None:
-        return self.element.find("mass")
-
-    @Kept
-    def inertia_element(self) -> Element | None:
-        return self.element.find("inertia")
-
-    @Kept
+    @cached_property
     def entries(self) -> tuple[Numbers, ...]:
         return tuple(numbers(self.inertia_element, name, 1) for name in INERTIA)
 
-    @Kept
+    @cached_property
     def tensor(self) -> tuple[float, ...] | None:
         """ixx, ixy, ixz, iyy, iyz, izz [kg m^2], if all six can be read."""
         values = tuple(entry.values[0] for entry in self.entries if entry.values is not None)
@@ -122,10 +101,10 @@ class GeometryView(Part):
     def kind(self) -> str:
         return self.element.tag
 
-    @Kept
+    @cached_property
     def shape(self) -> Element | None:
-        geometry = self.element.find("geometry")
-        return None if geometry is None else next((child for child in geometry.children if child.tag in SHAPES), None)
+        found = self.element.find("geometry")
+        return None if found is None else next((child for child in found.children if child.tag in SHAPES), None)
 
     @property
     def tag(self) -> str:
@@ -137,20 +116,18 @@ class GeometryView(Part):
         """The file of a mesh; empty where it names none."""
         return ("" if self.shape is None else self.shape.get("filename")) or ""
 
-    @Kept
+    @cached_property
     def sizes(self) -> tuple[Numbers, ...]:
         """The sizes of a primitive."""
         return tuple(numbers(self.shape, name, 3 if name == "size" else 1) for name in SIZES.get(self.tag, ()))
 
-    @Kept
+    @cached_property
     def scale(self) -> Numbers:
         """The scale of a mesh."""
         return numbers(self.shape, "scale", 3)
 
 
 class LimitView(Part):
-    """<limit>."""
-
     lower = _number("lower")
     upper = _number("upper")
     effort = _number("effort")
@@ -186,11 +163,9 @@ class _Named(Part):
 
 
 class LinkView(_Named):
-    """<link>."""
-
     inertial = _child("inertial", InertialView)
 
-    @Kept
+    @cached_property
     def geometries(self) -> tuple[GeometryView, ...]:
         return tuple(GeometryView(child) for child in self.element.children if child.tag in ("visual", "collision"))
 
@@ -205,8 +180,6 @@ class LinkView(_Named):
 
 
 class JointView(_Named):
-    """<joint>."""
-
     type = _text("type")
     parent = _text("link", "parent")
     child = _text("link", "child")
@@ -231,7 +204,7 @@ class View:
         self.link, self.joint = _by_name(self.links), _by_name(self.joints)
 
 
-def _by_name(parts: Iterable[N]) -> dict[str, N]:
+def _by_name(parts: Sequence[N]) -> dict[str, N]:
     named: dict[str, N] = {}
     for part in parts:
         if part.name:
