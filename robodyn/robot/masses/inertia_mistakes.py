@@ -55,7 +55,7 @@ class Given:
 
     @property
     def steiner(self) -> Floats:
-        """m (|c|^2 1 - c c^T), the term of the parallel axis theorem."""
+        """m (|c|^2 1 - c c^T)."""
         return parallel_axis(np.zeros((3, 3)), self.mass, self.c)
 
 
@@ -65,7 +65,6 @@ class Mistake:
 
     Attributes:
         code: of the rule that documents it.
-        what: what went wrong.
         weight: how often it happens, beside the others.
         common: whether it is asked of a link without a twin: of the others there is one for nearly every tensor.
     """
@@ -235,18 +234,13 @@ def _systems() -> Iterator[tuple[Factors, str, float]]:
 def _table() -> tuple[Units, ...]:
     found: dict[Factors, Units] = {}
     for factors, reading, weight in _systems():
-        known = found.get(factors)
-        readings = known.readings if known else ()
-        more = () if reading in readings else (reading,)
-        found[factors] = Units(factors, (*readings, *more), weight + (known.weight if known else 0.0))
+        known = found.get(factors, Units(factors, (), 0.0))
+        readings = dict.fromkeys((*known.readings, reading))
+        found[factors] = Units(factors, tuple(readings), known.weight + weight)
     return tuple(found.values())
 
 
 UNITS = _table()
-FACTORS = np.array([units.factors for units in UNITS])
-"""(k, 3) of mass, centre of mass and inertia."""
-WEIGHTS = np.array([units.weight for units in UNITS])
-
 _ALIKE, _LITTLE = 2e-3, 0.02
 
 

@@ -11,41 +11,33 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 from math import hypot, inf, log, pi
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.programs.vectors import IDENTITY, length, product
-from robodyn.robot.masses.inertia_mistakes import (
-    FACTORS,
-    UNITS,
-    WEIGHTS,
-    Given,
-    Mistake,
-    Units,
-    corrections,
-    made_up,
-    tensors,
-)
+from robodyn.robot.masses.inertia_mistakes import UNITS, Given, Units, corrections, made_up, tensors
 from robodyn.support.floats import Floats, ranked
 
-Truths = NDArray[np.bool_]
-Mixture = tuple[tuple[float, ...], ...]
+Mixture = Sequence[tuple[float, ...]]
+"""Normal distributions: the share of each, and its deviation of every vector."""
 
 FORM = ((0.01, 0.02, 3e-4), (0.02, 0.02, 0.01), (0.37, 0.15, 0.12), (0.45, 0.6, 0.45), (0.15, 1.3, 1.5))
-"""Shares, and deviations of the logarithm of the size and of each of five numbers of the form."""
+"""Of the logarithm of the size, and of five numbers of the form."""
 PLACE = ((0.05, 0.003), (0.50, 0.12), (0.40, 0.45), (0.05, 1.5))
-"""Shares, and deviations of each coordinate of the centre, over the radius of gyration."""
+"""Of the centre, over the radius of gyration."""
 DENSITY = ((0.93, 0.8), (0.07, 1.6))
-"""Shares, and deviations of the logarithm. The last of each is of links that their shapes do not show."""
+"""Of the logarithm. The last of each is of links that their shapes do not show."""
 _USUAL = 1780.0
 """Median of mass over the volume of the shapes [kg/m^3]."""
 _THIN = 0.03
 """Second moments of a shape below this part of their sum count as that much: what is thin is as thick as a casing."""
 _NEGATIVE = 2e-3
 """A second moment below zero by this part of their sum is none of a body."""
+_IMPOSSIBLE, _MOST_FORM, _LEAST_LOG = -15.0, 40.0, -1e300
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,8 +67,7 @@ class Uniform:
         return I
 
 
-@dataclass(frozen=True, eq=False)
-class InertiaDistance:
+class InertiaDistance(NamedTuple):
     """How like a solid the tensors of several hypotheses are.
 
     Attributes:
@@ -87,7 +78,7 @@ class InertiaDistance:
 
     size: Floats
     form: Floats
-    possible: Truths
+    possible: NDArray[np.bool_]
 
 
 def inertia_distance(I: Floats, mass: float, shapes: Uniform) -> InertiaDistance:
@@ -104,84 +95,45 @@ def inertia_distance(I: Floats, mass: float, shapes: Uniform) -> InertiaDistance
     return InertiaDistance(np.where(possible, size, 0.0), np.where(possible, form, 0.0), possible)
 
 
-def formed(size: Floats, form: Floats, mixture: Mixture = FORM) -> Floats:
-    """Return the logarithms of the probabilities of sizes and forms."""
-    return _mixed(mixture, (1, 5), (size**2, form))
+def log_sum(logarithms: Floats) -> Floats:
+    """Return the logarithm of the sum of exponentials along the first axis."""
+    most = np.maximum(logarithms.max(axis=0), _LEAST_LOG)
+    found: Floats = most + np.log(np.exp(logarithms - most).sum(axis=0))
+    return found
 
 
-def free_mass(mass: float, size: Floats, form: Floats, shapes: Uniform) -> Floats:
-    """Return the logarithms of the probabilities of a mass that is by any factor off: their integral over it."""
-    sums = (size + log(mass / shapes.volume / _USUAL)) ** 2
-    usual = DENSITY[0][1]
-    return log_sum([log(share) + _normal(sums, hypot(s, usual), 1) + _normal(form, f, 5) for share, s, f in FORM[:-1]])
+def _normal(squares: Floats, deviation: Floats | float, count: int) -> Floats:
+    """Return the logarithms of a normal distribution of vectors of so many numbers, by the squares of their lengths."""
+    found: Floats = -0.5 * squares / deviation**2 - count * np.log(deviation * (2.0 * pi) ** 0.5)
+    return found
 
 
-def spread(squares: Floats, mixture: Mixture, count: int) -> Floats:
-    """Return the logarithms of the probabilities of vectors of so many numbers, by the squares of their lengths."""
-    return _mixed(mixture, (count,), (squares,))
-
-
-def _mixed(mixture: Mixture, counts: tuple[int, ...], squares: tuple[Floats, ...]) -> Floats:
-    """Return the logarithms of sums of normal distributions, by squares (k,) of vectors of so many numbers each."""
-    constants, halves = _terms(mixture, counts)
-    logarithms = constants
-    for half, square in zip(halves, squares, strict=True):
-        logarithms = logarithms - half * square
-    return log_sum(logarithms)
-
-
-@cache
-def _terms(mixture: Mixture, counts: tuple[int, ...]) -> tuple[Floats, list[Floats]]:
-    """Return the logarithms of the shares over the normal distributions' integrals, and 1 / (2 deviation^2); as
-    columns."""
+def _mixed(mixture: Mixture, *vectors: tuple[Floats, int]) -> Floats:
+    """Return the logarithms of a mixture of normal distributions of vectors: the squares (k,) of each one's length, and
+    how many numbers it has."""
     shares, *deviations = np.array(mixture).T[:, :, None]
-    roots = (2.0 * pi) ** 0.5
-    widths = sum((n * np.log(one * roots) for n, one in zip(counts, deviations, strict=True)), np.zeros((1, 1)))
-    return np.log(shares) - widths, [0.5 / one**2 for one in deviations]
+    found = np.log(shares)
+    for (squares, count), deviation in zip(vectors, deviations, strict=True):
+        found = found + _normal(squares, deviation, count)
+    return log_sum(found)
 
 
-def placed(centre: Floats, shapes: Uniform, mixture: Mixture = PLACE) -> Floats:
-    """Return the logarithms of the probabilities of centres (k, 3) [m]."""
-    return spread(distance(centre, shapes), mixture, 3)
+def _formed(size: Floats, form: Floats, mixture: Mixture = FORM) -> Floats:
+    return _mixed(mixture, (size**2, 1), (form, 5))
 
 
-def distance(centre: Floats, shapes: Uniform) -> Floats:
-    """Return the squares of the distances (k,) of centres, over the radius of gyration squared."""
+def _placed(centre: Floats, shapes: Uniform, mixture: Mixture = PLACE) -> Floats:
+    return _mixed(mixture, (_from_centre(centre, shapes), 3))
+
+
+def _from_centre(centre: Floats, shapes: Uniform) -> Floats:
+    """Return the squares of the distances (k,) of centres (k, 3), over the radius of gyration squared."""
     squares: Floats = ((centre - shapes.c) ** 2).sum(axis=-1) / shapes.spread
     return squares
 
 
-def dense(mass: Floats, shapes: Uniform, mixture: Mixture = DENSITY) -> Floats:
-    """Return the logarithms of the probabilities of masses (k,) [kg]."""
-    return spread(np.log(mass / shapes.volume / _USUAL) ** 2, mixture, 1)
-
-
-def anywhere(squares: float) -> float:
-    """Return the logarithm of the probability of a centre that has nothing to do with the solid: Cauchy's, in space."""
-    return -2.0 * log(1.0 + squares / 4.0) - log(8.0 * pi**2)
-
-
-def anything(found: InertiaDistance) -> float:
-    """Return the logarithm of the probability of a tensor that has nothing to do with the solid, or is none at all."""
-    if not found.possible[0]:
-        return _IMPOSSIBLE
-    return float(_normal(found.size[:1] ** 2, 3.0, 1)[0] + _normal(np.minimum(found.form[:1], _MOST_FORM), 1.5, 5)[0])
-
-
-_IMPOSSIBLE, _MOST_FORM, _LEAST_LOG = -15.0, 40.0, -1e300
-
-
-def _normal(squares: Floats, deviation: float, count: int) -> Floats:
-    found: Floats = -0.5 * squares / deviation**2 - count * log(deviation * (2.0 * pi) ** 0.5)
-    return found
-
-
-def log_sum(logarithms: Sequence[Floats] | Floats) -> Floats:
-    """Return the logarithm of the sum of exponentials along the first axis."""
-    given = np.asarray(logarithms)
-    most = np.maximum(given.max(axis=0), _LEAST_LOG)
-    found: Floats = most + np.log(np.exp(given - most).sum(axis=0))
-    return found
+def _dense(mass: Floats, shapes: Uniform, mixture: Mixture = DENSITY) -> Floats:
+    return _mixed(mixture, (np.log(mass / shapes.volume / _USUAL) ** 2, 1))
 
 
 NAMED = 0.9
@@ -194,17 +146,16 @@ _AGREES = 0.2
 """How far a corrected tensor may be from that of the shapes, and not more than half as far as the declared one."""
 _SLIP, _FACTOR, _UNLIKE = 0.0015, 0.001, 0.0025
 """How often a mistake of weight 1, a factor of no unit, and numbers of another body are met, beside right ones."""
-_FACTORS = np.concatenate((np.ones((1, 3)), FACTORS))
+_FACTORS = np.array([(1.0, 1.0, 1.0), *(units.factors for units in UNITS)])
 """Of mass, centre of mass and inertia: what is right, and the units."""
 _LOGS = np.log(_FACTORS)
-_PRIORS = np.log(np.concatenate(((1.0,), _SLIP * WEIGHTS)))
+_PRIORS = np.log([1.0, *(_SLIP * units.weight for units in UNITS)])
 _RANGE = 35.0
 """Of logarithms of a factor that belongs to no unit."""
 _STEP = 0.1
 _FAR = np.exp(np.arange(_STEP, 14.0, _STEP))
 """Factors of a centre of mass that is too far from the origin; one that is too near is never seen."""
 _SO_FAR = np.log(_RANGE / _FAR.size) - 3.0 * np.log(_FAR)
-_OF_UNITS = slice(1, 1 + len(UNITS))
 
 
 @dataclass(frozen=True, eq=False)
@@ -283,37 +234,28 @@ def mistake_posterior(given: Given, shapes: Uniform) -> Posterior:
     mistakes, entries = corrections(given)
     I = np.concatenate((given.tensor[None], tensors(entries)))
     like = inertia_distance(I, given.mass, shapes)
-    density = float(dense(np.array([given.mass]), shapes)[0])
-    place = float(placed(given.c[None], shapes)[0])
+    density = float(_dense(np.array([given.mass]), shapes)[0])
+    place = float(_placed(given.c[None], shapes)[0])
     units = _of_units(given, shapes, like, density + place)
-    wrong = (
-        np.array([log_prior(mistake) for mistake in mistakes])
-        + density
-        + place
-        + formed(like.size[1:], like.form[1:], FORM[:-1])
-    )
-    wrong = np.where(like.possible[1:], wrong + _chance(I), -np.inf)
-    rest = np.concatenate((_unlike(given, shapes, like, density, place), _no_unit(given, shapes, like, density, place)))
-    whole = float(log_sum(np.concatenate((units, wrong, rest))))
-    probable, slipped = np.exp(units - whole), np.exp(wrong - whole)
+    priors = np.array([log(_SLIP * mistake.weight) if mistake.common else -inf for mistake in mistakes])
+    # All six numbers have to agree where a term of the same size was subtracted, and much less is left than was meant.
+    lengths = np.sqrt((I**2).sum(axis=(1, 2)))
+    chance = 6.0 * np.minimum(np.log(lengths[0] / lengths[1:]), 0.0)
+    wrong = priors + density + place + _formed(like.size[1:], like.form[1:], FORM[:-1]) + chance
+    wrong = np.where(like.possible[1:], wrong, -np.inf)
+    whole = float(log_sum(np.concatenate((units, wrong, _unexplained(given, shapes, like, density, place)))))
+    right, *probable = np.exp(units - whole).tolist()
     found = []
-    left = probable[_OF_UNITS]
-    for k in np.flatnonzero(left >= LISTED).tolist():
-        by_mass, by_centre, by_inertia = UNITS[k].factors
-        mass, c, meant = given.mass / by_mass, given.c / by_centre, given.tensor / by_inertia
-        apart_so = apart(meant, mass, shapes)
-        found.append(Cause("RD305", UNITS[k].what, float(left[k]), mass, c, meant, apart_so, UNITS[k]))
-    for k in np.flatnonzero(slipped >= LISTED).tolist():
-        code, what, apart_so = mistakes[k].code, mistakes[k].what, apart(I[k + 1], given.mass, shapes)
-        found.append(Cause(code, what, float(slipped[k]), given.mass, given.c, I[k + 1], apart_so))
+    for one, probability in zip(UNITS, probable, strict=True):
+        if probability >= LISTED:
+            mass, c, meant = (x / by for x, by in zip((given.mass, given.c, given.tensor), one.factors, strict=True))
+            found.append(Cause("RD305", one.what, probability, mass, c, meant, apart(meant, mass, shapes), one))
+    for one, probability, meant in zip(mistakes, np.exp(wrong - whole).tolist(), I[1:], strict=True):
+        if probability >= LISTED:
+            off = apart(meant, given.mass, shapes)
+            found.append(Cause(one.code, one.what, probability, given.mass, given.c, meant, off))
     causes = ranked(found, lambda one: one.probability) if found else ()
-    return Posterior(float(probable[0]), tuple(causes), apart(I[0], given.mass, shapes))
-
-
-@cache
-def log_prior(mistake: Mistake) -> float:
-    """Return the logarithm of how often a mistake is met."""
-    return log(_SLIP * mistake.weight) if mistake.common else -inf
+    return Posterior(right, tuple(causes), apart(I[0], given.mass, shapes))
 
 
 def apart(I: Floats, mass: float, shapes: Uniform) -> float:
@@ -330,47 +272,41 @@ def _of_units(given: Given, shapes: Uniform, like: InertiaDistance, beside: floa
     """
     if not like.possible[0]:
         return np.full(len(_LOGS), -np.inf)
-    right = beside + formed(like.size[:1], like.form[:1])[0]
+    right = beside + _formed(like.size[:1], like.form[:1])[0]
     if made_up(given):
         return np.array((right, *[-np.inf] * len(UNITS)))
     sizes = like.size[0] - _LOGS[:, 2] + _LOGS[:, 0]
-    found: Floats = _PRIORS + formed(sizes, np.full(len(sizes), like.form[0]), FORM[:-1]) - 3.0 * _LOGS[:, 1]
-    found += dense(given.mass / _FACTORS[:, 0], shapes, DENSITY[:-1])
-    found += placed(given.c / _FACTORS[:, 1:2], shapes, PLACE[:-1])
+    found: Floats = _PRIORS + _formed(sizes, np.full(len(sizes), like.form[0]), FORM[:-1]) - 3.0 * _LOGS[:, 1]
+    found += _dense(given.mass / _FACTORS[:, 0], shapes, DENSITY[:-1])
+    found += _placed(given.c / _FACTORS[:, 1:2], shapes, PLACE[:-1])
     found[0] = right
     return found
 
 
-def _chance(I: Floats) -> Floats:
-    """Return the logarithms of how improbable it is that a tensor is much smaller than what was meant, where a term of
-    the same size was subtracted: all six numbers have to agree."""
-    sizes = np.sqrt((I**2).sum(axis=(1, 2)))
-    found: Floats = 6.0 * np.minimum(np.log(sizes[0] / sizes[1:]), 0.0)
-    return found
+def _unexplained(given: Given, shapes: Uniform, like: InertiaDistance, density: float, place: float) -> Floats:
+    """Return the logarithms of what explains nothing.
 
-
-def _no_unit(given: Given, shapes: Uniform, like: InertiaDistance, density: float, place: float) -> Floats:
-    """Return those of a factor of the tensor, of mass and tensor, of the mass, and of the centre, each of any size."""
-    if not like.possible[0]:
-        return np.full(1, -np.inf)
-    size, form, prior = like.size[:1], like.form[:1], np.log(_FACTOR / _RANGE)
-    beside, any_size = (
-        formed(size, form)[0],
-        log_sum([log(share) + _normal(form, f, 5) for share, _, f in FORM[:-1]])[0],
-    )
-    far = placed(given.c / _FAR[:, None], shapes, PLACE[1:-1]) + _SO_FAR
-    by_mass = free_mass(given.mass, size, form, shapes)[0]
-    found: Floats = prior + np.array(
-        (density + place + any_size, place + beside, place + by_mass, density + beside + float(log_sum(far)))
-    )
-    return found
-
-
-def _unlike(given: Given, shapes: Uniform, like: InertiaDistance, density: float, place: float) -> Floats:
-    """Return those of a tensor, of a centre and of both that have nothing to do with the link."""
-    formed_so = formed(like.size[:1], like.form[:1])[0] if like.possible[0] else -np.inf
-    other, away = anything(like), anywhere(float(distance(given.c, shapes)))
-    found: Floats = density + np.array(
-        (np.log(_UNLIKE) + place + other, np.log(_UNLIKE) + away + formed_so, 2 * np.log(_UNLIKE) + away + other)
-    )
-    return found
+    A factor of the tensor, of mass and tensor, of the mass, and of the centre, each of any size; and a tensor, a centre
+    (Cauchy's distribution in space) and both that have nothing to do with the link.
+    """
+    away = -2.0 * log(1.0 + float(_from_centre(given.c, shapes)) / 4.0) - log(8.0 * pi**2)
+    other, formed, by_factors = _IMPOSSIBLE, -inf, np.zeros(0)
+    if like.possible[0]:
+        size, form = like.size[:1], like.form[:1]
+        other = float(_normal(size**2, 3.0, 1)[0] + _normal(np.minimum(form, _MOST_FORM), 1.5, 5)[0])
+        formed = float(_formed(size, form)[0])
+        any_size = _mixed([(share, of_form) for share, _, of_form in FORM[:-1]], (form, 5))[0]
+        mass = (size + log(given.mass / shapes.volume / _USUAL)) ** 2
+        by_mass = [(share, hypot(of_size, DENSITY[0][1]), of_form) for share, of_size, of_form in FORM[:-1]]
+        far = log_sum(_placed(given.c / _FAR[:, None], shapes, PLACE[1:-1]) + _SO_FAR)
+        by_factors = np.log(_FACTOR / _RANGE) + np.array(
+            (
+                density + place + any_size,
+                place + formed,
+                place + _mixed(by_mass, (mass, 1), (form, 5))[0],
+                density + formed + far,
+            )
+        )
+    unlike = log(_UNLIKE)
+    others = density + np.array((unlike + place + other, unlike + away + formed, 2.0 * unlike + away + other))
+    return np.concatenate((by_factors, others))

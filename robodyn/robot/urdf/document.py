@@ -1,7 +1,6 @@
 """The file as written: every element and attribute of a URDF, with its place, and everything that is wrong as XML.
 
-A file is parsed once, by expat, and what is wrong with it is data. `read` keeps all of that, as a linter wants it;
-`read_document` is strict and raises the first.
+`read` keeps all that is wrong as data, as a linter wants it; `read_document` is strict and raises the first.
 """
 
 from __future__ import annotations
@@ -89,14 +88,10 @@ class Document:
 
 
 def read_document(source: str | os.PathLike[str] | bytes, name: str | None = None) -> Document:
-    """Return the elements and attributes of a URDF file with their places.
+    """Return the elements and attributes of a URDF file, its path or bytes, with their places.
 
     Args:
-        source: path of the file, or its bytes.
         name: the file as messages shall show it; by default the path, and `<stdin>` for bytes.
-
-    Returns:
-        The document; its root element is `<robot>`. Elements and attributes that URDF does not know are kept.
 
     Raises:
         DescriptionError: the file cannot be read, is not XML or not URDF, has a document type, an undeclared
@@ -141,7 +136,7 @@ class _UnreadableError(Exception):
 class _Reader:
     """One parse by expat, which fetches nothing: its events become elements and faults, in the order of the file.
 
-    What declares entities ends the reading before any is expanded. One pass, no recursion.
+    What declares entities ends the reading before any is expanded.
     """
 
     def __init__(self, file: str, data: bytes, encoding: str | None) -> None:
@@ -171,8 +166,7 @@ class _Reader:
             self._add("RD001", 0, len(LFS_POINTER), what, "git lfs pull fetches the description")
         elif b"\0" in data[:2]:  # which expat would take for UTF-16, other than `as_utf8`
             self._add("RD001", 0, 1, *_BINARY)
-        elif self._parse() and self._root is not None:
-            root = self._root
+        elif self._parse() and (root := self._root) is not None:
             if root.tag != "robot":
                 remedy = "give a URDF file, whose root element is <robot>"
                 remedy = _RUN_XACRO if self.file.endswith(".xacro") else _OTHER_FORMATS.get(root.tag, remedy)

@@ -13,7 +13,6 @@ BOM = b"\xef\xbb\xbf"
 _NEWLINE = re.compile(rb"\r\n|\r|\n")
 _TAG = re.compile(rb"<[^ \t\r\n/>]+")
 _ATTRIBUTE = re.compile(rb"""[ \t\r\n]+([^ \t\r\n=>/]+)[ \t\r\n]*=[ \t\r\n]*("[^"]*"|'[^']*')""")
-_TAG_END = re.compile(rb"[ \t\r\n]*/?>")
 _BLOCK = 4096
 _ALL_BUT_CONTINUATION = bytes(byte for byte in range(256) if byte & 0xC0 != 0x80)
 
@@ -29,10 +28,9 @@ class Span:
 
 
 class SourcePositions:
-    """Where byte offsets of `data` lie.
+    """Where byte offsets of `data` lie; a line ends with LF, CR or CR LF, and a byte order mark takes no column.
 
-    A line ends with LF, CR or CR LF; a byte order mark takes no column. Each index costs one pass over the text,
-    each question a bisection and at most two blocks of `_BLOCK` bytes, however long the lines are.
+    Each index costs one pass over the text, each question a bisection and at most two blocks of `_BLOCK` bytes.
     """
 
     def __init__(self, data: bytes, encoding: str) -> None:
@@ -113,10 +111,7 @@ class Element:
 
     def find(self, tag: str) -> Element | None:
         """Return the first child with that tag."""
-        for child in self.children:
-            if child.tag == tag:
-                return child
-        return None
+        return next((child for child in self.children if child.tag == tag), None)
 
     def findall(self, tag: str) -> list[Element]:
         return [child for child in self.children if child.tag == tag]
@@ -133,17 +128,14 @@ class Element:
         """Return the attributes and the span of the start tag, which expat has accepted, from its bytes."""
         if self._start_tag is None:
             positions, attributes = self.positions, {}
-            place = _end(_TAG.match(positions.data, self.start))
+            tag = _TAG.match(positions.data, self.start)
+            assert tag is not None, "the XML parser accepted this tag"
+            place = tag.end()
             while match := _ATTRIBUTE.match(positions.data, place):
                 place = match.end()
                 name = positions.decode(*match.span(1))
                 span, value_span = positions.span(match.start(1), place), positions.span(match.start(2) + 1, place - 1)
                 attributes[name] = Attribute(name, self.values[name], span, value_span)
-            end = _end(_TAG_END.match(positions.data, place))
+            end = positions.data.index(b">", place) + 1
             self._start_tag = attributes, positions.span(self.start, end)
         return self._start_tag
-
-
-def _end(match: re.Match[bytes] | None) -> int:
-    assert match is not None, "the XML parser accepted this tag"
-    return match.end()

@@ -18,9 +18,7 @@ EXPANDED = " (expanded)"
 VARIABLES = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH", "COLCON_PREFIX_PATH", "CMAKE_PREFIX_PATH")
 """The environment variables that say where packages are: the first names folders of packages, the others prefixes of
 installations, whose packages are in share/."""
-_PACKAGE, _FILE = ("package", "model"), "file"
 _NAME = re.compile(rb"<name>\s*([^<]*?)\s*</name>")
-_MANIFEST = "package.xml"
 _MOST_READ = 1 << 16
 _DEEPEST, _MOST_FOLDERS = 4, 20_000
 """How far below a folder packages are looked for, and in how many folders at most."""
@@ -80,7 +78,7 @@ class Search:
     @property
     def home(self) -> Path | None:
         """The package that the description is in: the nearest folder above it with a package.xml."""
-        return next((path for path in self._above() if package_name(path) is not None), None)
+        return home_of(*self._above())
 
     @property
     def knows_packages(self) -> bool:
@@ -92,7 +90,7 @@ class Search:
         package = package_of(uri)
         if not separator:
             yield from (folder / uri for folder in self.folders)
-        elif scheme == _FILE:
+        elif scheme == "file":
             path = rest if rest.startswith("/") else rest[rest.find("/") :]
             yield from (Path(path), Path(unquote(path)))
         elif package is not None and package[0]:
@@ -132,7 +130,7 @@ def package_of(uri: str) -> tuple[str, str] | None:
     """Return the package's name, perhaps empty, and the path in it, of `package://NAME/PATH`; None of other names."""
     scheme, separator, rest = uri.partition("://")
     name, _, path = rest.partition("/")
-    return (name, path.lstrip("/")) if separator and scheme in _PACKAGE else None
+    return (name, path.lstrip("/")) if separator and scheme in ("package", "model") else None
 
 
 def listed(variable: str) -> list[str]:
@@ -140,10 +138,8 @@ def listed(variable: str) -> list[str]:
     return [entry for entry in os.environ.get(variable, "").split(os.pathsep) if entry]
 
 
-def _here(folder: Path, name: str) -> Iterator[Path]:
-    if _is_package(folder, name):
-        yield folder
-    yield folder / name
+def _here(folder: Path, name: str) -> tuple[Path, ...]:
+    return (folder, folder / name) if _is_package(folder, name) else (folder / name,)
 
 
 def _below(root: Path, name: str) -> Iterator[Path]:
@@ -174,12 +170,12 @@ def _is_package(folder: Path, name: str) -> bool:
 def package_name(folder: Path) -> str | None:
     """Return the name in the package.xml of a folder, empty where it says none; None without one."""
     try:
-        found = _NAME.search(read_input(folder / _MANIFEST, _MOST_READ))
+        found = _NAME.search(read_input(folder / "package.xml", _MOST_READ))
     except (OSError, ValueError):
         return None
     return "" if found is None else found[1].decode(errors="replace")
 
 
-def home_of(folder: Path) -> Path | None:
-    """Return the package that a folder is in: the nearest above it with a package.xml."""
-    return next((path for path in (folder, *folder.parents) if package_name(path) is not None), None)
+def home_of(*folders: Path) -> Path | None:
+    """Return the first of some folders with a package.xml."""
+    return next((path for path in folders if package_name(path) is not None), None)

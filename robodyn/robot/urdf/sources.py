@@ -52,29 +52,25 @@ def read_source(source: str | os.PathLike[str] | bytes, name: str | None) -> tup
     except FileNotFoundError:
         remedy = "check the name" if os.path.isdir(os.path.dirname(path) or os.curdir) else "check the folder"
         remedy = "give a path, or the XML as bytes" if path.lstrip().startswith("<") else remedy
-        raise DescriptionError("there is no such file", remedy=remedy, file=file) from None
+        what = "there is no such file"
     except IsADirectoryError:
-        raise DescriptionError("this is a folder, not a file", remedy="give a URDF file", file=file) from None
+        what, remedy = "this is a folder, not a file", "give a URDF file"
     except PermissionError:
-        raise DescriptionError("no permission to read the file", remedy="change its mode", file=file) from None
+        what, remedy = "no permission to read the file", "change its mode"
     except OSError as error:
-        what = f"cannot read the file: {error.strerror}"
-        raise DescriptionError(what, remedy="check the name and the disk", file=file) from None
+        what, remedy = f"cannot read the file: {error.strerror}", "check the name and the disk"
     except ValueError as error:
-        raise DescriptionError(f"this is not a file name: {error}", remedy="check the name", file=file) from None
+        what, remedy = f"this is not a file name: {error}", "check the name"
+    raise DescriptionError(what, remedy=remedy, file=file)
+
+
+_UTF_16 = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16", b"<\0": "utf-16-le", b"\0<": "utf-16-be"}
 
 
 def as_utf8(data: bytes) -> tuple[bytes, bool]:
     """Return UTF-16 transcoded to UTF-8, everything else as it is; and whether it was transcoded."""
-    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        encoding = "utf-16"
-    elif data[:2] == b"<\0":
-        encoding = "utf-16-le"
-    elif data[:2] == b"\0<":
-        encoding = "utf-16-be"
-    else:
-        return data, False
-    return data.decode(encoding).encode(), True
+    encoding = _UTF_16.get(data[:2])
+    return (data, False) if encoding is None else (data.decode(encoding).encode(), True)
 
 
 LONGEST = 1 << 21
@@ -83,50 +79,25 @@ LONGEST = 1 << 21
 expat scans a token that is not complete yet again with every further megabyte: 100 MB in one attribute take it half a
 minute.
 """
-_COMMENT, _COMMENT_END = b"<!--", b"-->"
+_STRETCH = re.compile(rb"<!--.*?(?:-->|\Z)|<[^<]*|[^<]+", re.DOTALL)
+"""A comment, or a tag with what follows it."""
 _PIECE = re.compile(rb""">|"[^"]*(?:"|\Z)|'[^']*(?:'|\Z)""")
 
 
 def long_token(data: bytes) -> tuple[int, int, str] | None:
-    """Return the bytes [start, end) and the kind of the first token that makes it more than `LONGEST` from tag to tag.
-
-    Method: two passes over the bytes, in leaps from comment to comment and, of each window of `LONGEST` bytes, to the
-    last `<` in it.
-    """
-    comment, tag = _long_comment(data), _long_stretch(data)
-    if tag is None or (comment is not None and comment <= tag):
-        return None if comment is None else (comment, _until(data, _COMMENT_END, comment), "comment")
-    for piece in _PIECE.finditer(data, tag):
-        if piece.group() == b">":
-            return piece.end(), _until(data, b"<", piece.end()), "text"
-        if piece.end() - piece.start() > LONGEST // 2:
-            return piece.start() + 1, piece.end() - 1, "attribute"
-        if piece.end() - tag > LONGEST:
-            break
-    return tag, _until(data, b"<", tag + 1), "tag"
-
-
-def _long_stretch(data: bytes) -> int | None:
-    """Return the `<`, or the beginning of the file, that no other `<` follows within `LONGEST` bytes."""
-    start = 0
-    while start + LONGEST < len(data):
-        last = data.rfind(b"<", start + 1, start + LONGEST + 1)
-        if last < 0:
-            return start
-        start = last
+    """Return bytes [start, end) and kind of the first token that makes it more than `LONGEST` to the next tag."""
+    for stretch in _STRETCH.finditer(data) if len(data) > LONGEST else ():
+        start, end = stretch.span()
+        if end - start <= LONGEST:
+            continue
+        if data.startswith(b"<!--", start):
+            return start, end, "comment"
+        for piece in _PIECE.finditer(data, start):
+            if piece.group() == b">":
+                return piece.end(), end, "text"
+            if piece.end() - piece.start() > LONGEST // 2:
+                return piece.start() + 1, piece.end() - 1, "attribute"
+            if piece.end() - start > LONGEST:
+                break
+        return start, end, "tag"
     return None
-
-
-def _long_comment(data: bytes) -> int | None:
-    start = data.find(_COMMENT) if len(data) > LONGEST else -1
-    while start >= 0:
-        end = _until(data, _COMMENT_END, start)
-        if end - start > LONGEST:
-            return start
-        start = data.find(_COMMENT, end)
-    return None
-
-
-def _until(data: bytes, closing: bytes, start: int) -> int:
-    end = data.find(closing, start)
-    return len(data) if end < 0 else end

@@ -28,8 +28,8 @@ class Expansion(NamedTuple):
     Attributes:
         text: what the command `xacro FILE` prints.
         files: those that its elements were written in.
-        places: of each element of the text, in its order, the number of that file and the byte where it begins there;
-            for an element that no start tag stands for, those of the element around it.
+        places: of each element of the text the number of that file and the byte where it begins there, or where the
+            element around it does.
     """
 
     text: bytes
@@ -42,10 +42,10 @@ def expanded(
 ) -> Expansion:
     """Return the URDF that a xacro file stands for, and where each element of it was written.
 
-    The text is what the command `xacro FILE` prints, so that lines can be looked up there. Packages that it includes
-    from are looked for as those of meshes are. A file is not trusted: its expressions are computed without Python's
-    `eval`, from a list of what they may be (see `xacro_expressions`), it reads files of its package and of those that
-    are found alone (see `xacro_reach`), and is given no variables of the environment but those of packages.
+    Packages that it includes from are looked for as those of meshes are. A file is not trusted: its expressions are
+    computed without Python's `eval`, from a list of what they may be (see `xacro_expressions`), it reads files of its
+    package and of those that are found alone (see `xacro_reach`), and is given no variables of the environment but
+    those of packages.
 
     Args:
         args: values of its arguments by name; defaults hold for the others.

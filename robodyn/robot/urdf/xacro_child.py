@@ -13,7 +13,7 @@ import math
 import os
 import sys
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import redirect_stdout, suppress
 from io import StringIO
 from types import SimpleNamespace
@@ -38,7 +38,6 @@ _DEEPEST = 3_000
 """Calls within each other, of which a macro within another takes about eight."""
 
 _MARK = "robodyn-place"
-_PREFIX = "xacro:"
 
 
 def serve() -> None:
@@ -95,7 +94,7 @@ def answer(
         if len(text) > MOST_OUTPUT:
             raise RefusedError(f"an expansion of more than {MOST_OUTPUT} characters")
     except (Exception, SystemExit) as error:
-        refused = _refusal(error)
+        refused = next((each for each in _causes(error) if isinstance(each, RefusedError)), None)
         if refused is None:
             return {"problem": _sentence(error), "refused": False}
         file, line = expansion.place()
@@ -122,11 +121,7 @@ def bound(seconds: float, trusted: bool) -> None:
 
 
 def _replace(module: Any, **others: Any) -> None:
-    """Let others stand for functions of a module; `open` need not be there, as it is Python's own.
-
-    Raises:
-        AttributeError: there is no such function, in a version of xacro that is not known.
-    """
+    """Let others stand for functions of a module, which must have them; `open` is Python's own."""
     for name, other in others.items():
         if name != "open":
             getattr(module, name)
@@ -249,23 +244,19 @@ def _line_of(text: str, data: bytes) -> int | None:
     return found[0] if found and text.strip() else None
 
 
-def _refusal(error: BaseException | None) -> RefusedError | None:
-    """Return what was refused, where an error comes of that."""
+def _causes(error: BaseException | None) -> Iterator[BaseException]:
+    """Yield an error and those that it comes of."""
     while error is not None:
-        if isinstance(error, RefusedError):
-            return error
+        yield error
         error = getattr(error, "exc", None) or error.__cause__ or error.__context__
-    return None
 
 
 def _sentence(error: BaseException) -> str:
-    first: BaseException | None = error
-    while first is not None:
-        if isinstance(first, MemoryError):
+    for cause in _causes(error):
+        if isinstance(cause, MemoryError):
             return f"it needs more than {MEMORY >> 20} MB"
-        if isinstance(first, RecursionError):
+        if isinstance(cause, RecursionError):
             return "it is nested too deeply"
-        first = getattr(first, "exc", None) or first.__cause__ or first.__context__
     text = " ".join(str(error).split()) or type(error).__name__
     return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
 
@@ -274,7 +265,6 @@ _NEVER = (
     *("os.", "subprocess.", "socket.", "ctypes.", "shutil.", "pty.", "mmap.", "fcntl."),
     *("winreg.", "_winapi.", "msvcrt."),
 )
-_LISTS = ("os.listdir", "os.scandir")
 
 
 def _watch(event: str, arguments: tuple[Any, ...]) -> None:
@@ -282,7 +272,7 @@ def _watch(event: str, arguments: tuple[Any, ...]) -> None:
 
     To start a process, to reach the network, to write a file, to run code that is no module's.
     """
-    wrong = event.startswith(_NEVER) and event not in _LISTS
+    wrong = event.startswith(_NEVER) and event not in ("os.listdir", "os.scandir")
     if event == "open":
         _, mode, flags = arguments
         wrong = bool(set(mode or "") & set("wax+")) or bool((flags or 0) & (os.O_WRONLY | os.O_RDWR))
@@ -310,15 +300,11 @@ class _Arguments(dict[str, Any]):
 
 
 class Places:
-    """What stands in for xacro's parser: `parse`, and what it has noted.
+    """What stands in for xacro's parser: `parse`, and what it has noted, the files and their bytes.
 
     Args:
         read: returns the bytes of a file.
         parse: xacro's own, for what is no file, and for what is said of one that cannot be read.
-
-    Attributes:
-        files: those that were parsed.
-        sources: their bytes.
     """
 
     def __init__(self, read: Callable[[str], bytes], parse: Callable[..., Any]) -> None:
@@ -365,5 +351,5 @@ class _Marking(ExpatBuilderNS):
     def start_element_handler(self, name: str, attributes: Any) -> None:
         super().start_element_handler(name, attributes)
         element: Any = self.curNode
-        if not element.tagName.startswith(_PREFIX):
+        if not element.tagName.startswith("xacro:"):
             element.setAttribute(_MARK, f"{self._number} {self.getParser().CurrentByteIndex}")

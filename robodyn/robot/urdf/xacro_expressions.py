@@ -76,8 +76,6 @@ _NAMED: dict[type, str] = {
     int: "bit_length conjugate",
 }
 _METHODS = {kind: frozenset(names.split()) for kind, names in _NAMED.items()}
-_PARTS = frozenset(("real", "imag"))
-"""Attributes of numbers."""
 
 
 class Evaluator:
@@ -210,9 +208,8 @@ class Evaluator:
         return value[key]
 
     def _Slice(self, node: ast.Slice, scopes: list[Any]) -> Any:
-        return slice(
-            *(None if part is None else self._of(part, scopes) for part in (node.lower, node.upper, node.step))
-        )
+        ends = (node.lower, node.upper, node.step)
+        return slice(*(None if part is None else self._of(part, scopes) for part in ends))
 
     def _Attribute(self, node: ast.Attribute, scopes: list[Any]) -> Any:
         return self._attribute(self._of(node.value, scopes), node.attr)
@@ -232,7 +229,7 @@ class Evaluator:
             return _Method(None if isinstance(value, type) else value, name)
         if type(value).__name__ == DOTTED:
             return value[name]
-        if name in _PARTS and isinstance(value, (int, float, complex)):
+        if name in ("real", "imag") and isinstance(value, (int, float, complex)):
             return getattr(value, name)
         if hasattr(kind, name) and not isinstance(value, dict):
             raise RefusedError(f"the attribute {shown(name)} of {kind.__name__}")
@@ -336,8 +333,9 @@ class Evaluator:
 
     def _FormattedValue(self, node: ast.FormattedValue, scopes: list[Any]) -> str:
         fields = _Fields(self)
-        conversion = chr(node.conversion) if node.conversion > 0 else None
-        value = fields.convert_field(self._of(node.value, scopes), conversion)
+        value = fields.convert_field(
+            self._of(node.value, scopes), chr(node.conversion) if node.conversion > 0 else None
+        )
         return fields.format_field(value, "" if node.format_spec is None else self._of(node.format_spec, scopes))
 
 

@@ -24,22 +24,16 @@ MOST_BYTES = 1 << 24
 MOST_YAML = 1 << 20
 """Of a file of YAML, of which Python reads a megabyte in some seconds."""
 _PACKAGE = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.+-]*")
-_MANIFEST = "package.xml"
+_NAMED = "--package-path DIR names a folder to read from"
 
 
 class Reach:
-    """Reads for an expansion.
+    """Reads for an expansion: what is trusted any regular file and any variable.
 
-    A file must be regular. Links followed, it must lie in the package of the description (its folder, where no
-    package.xml is above), in a package path, in a package that was found by its package.xml, or in another copy of one
-    of these packages, as links of an installation lead to; or an argument names it from the root on. Nothing is read
-    below names that begin with a dot, such as .git.
-
-    Args:
-        file: the description.
-        package_paths: of the call.
-        arguments: of the file; they stand for variables of their names as well.
-        trusted: whether all that is regular is read, and all variables are.
+    Links followed, a file must lie in the package of the description (its folder, where no package.xml is above), in a
+    package path, in a package that was found by its package.xml, or in another copy of one of these packages, as links
+    of an installation lead to; or an argument names it from the root on. Nothing is read below names that begin with a
+    dot, such as .git. Arguments stand for variables of their names as well.
     """
 
     def __init__(
@@ -47,7 +41,8 @@ class Reach:
     ) -> None:
         self._search = Search(file, tuple(package_paths))
         self._arguments, self._trusted = arguments, trusted
-        homes = [home_of(folder.absolute()) or folder for folder in self._search.folders]
+        whole = map(Path.absolute, self._search.folders)
+        homes = [home_of(folder, *folder.parents) or folder for folder in whole]
         above = [str(home) for home in homes if os.path.realpath(home) != os.path.realpath(os.sep)]
         named = [value for value in arguments.values() if os.path.isabs(value) and os.path.isfile(value)]
         roots = [file, *above, *package_paths, *named]
@@ -56,12 +51,7 @@ class Reach:
         self._read = 0
 
     def read(self, path: str, most: int = MOST_BYTES) -> bytes:
-        """Return the bytes of a file.
-
-        Raises:
-            RefusedError: it is out of reach, or too much.
-            OSError: it is not there, no regular file, or cannot be read.
-        """
+        """Return the bytes of a file; RefusedError where it is out of reach, or too much."""
         self._check(path)
         status = os.stat(path)
         if not stat.S_ISREG(status.st_mode):
@@ -89,7 +79,6 @@ class Reach:
         """Return the folder of a package, of which files may be read from then on.
 
         Raises:
-            LookupError: it is not found.
             RefusedError: it is a folder without package.xml, which is out of reach.
         """
         found = self._search.share(name) if self._trusted or _PACKAGE.fullmatch(name) else None
@@ -98,18 +87,14 @@ class Reach:
         folder = os.path.realpath(found)
         if not self._trusted and not self._within(folder):
             if package_name(found) is None:
-                what = f"taking {shown_path(folder)}, without a {_MANIFEST}, for the package {shown(name)}"
+                what = f"taking {shown_path(folder)}, without a package.xml, for the package {shown(name)}"
                 raise RefusedError(what, _NAMED)
             self._roots.add(folder)
             self._names.add(name)
         return os.path.abspath(found)
 
     def variable(self, name: str) -> str | None:
-        """Return a variable of the environment: an argument of that name, or one that says where packages are.
-
-        Raises:
-            RefusedError: it is another one.
-        """
+        """Return an argument of that name, or a variable that says where packages are; another one is refused."""
         if name in self._arguments:
             return self._arguments[name]
         if not self._trusted and name not in VARIABLES:
@@ -122,7 +107,7 @@ class Reach:
         real = os.path.realpath(path or os.curdir)
         if self._trusted or self._within(real):
             return
-        home = home_of(Path(real).parent)
+        home = home_of(*Path(real).parents)
         if home is not None and package_name(home) in self._names and _shows(str(home), real):
             return
         leads = "" if real == os.path.abspath(path) else f", which leads to {shown_path(real)}"
@@ -132,9 +117,6 @@ class Reach:
 
     def _within(self, real: str) -> bool:
         return any(_shows(root, real) for root in self._roots)
-
-
-_NAMED = "--package-path DIR names a folder to read from"
 
 
 def _shows(root: str, real: str) -> bool:

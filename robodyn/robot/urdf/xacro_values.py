@@ -7,6 +7,7 @@ import math
 import operator
 import re
 from collections.abc import Callable
+from functools import partial, reduce
 from typing import Any
 
 MOST_ITEMS = 100_000
@@ -25,11 +26,7 @@ ADDRESS = re.compile(r"(?:<|&lt;)[^<>]{0,200} at 0x[0-9a-fA-F]")
 
 
 class RefusedError(Exception):
-    """Something asks for what no description needs, or for too much of it.
-
-    Args:
-        remedy: what else helps than to trust the file.
-    """
+    """Something asks for what no description needs, or for too much of it; what else helps than to trust the file."""
 
     def __init__(self, what: str, remedy: str = "") -> None:
         super().__init__(what)
@@ -149,23 +146,11 @@ def _rounded(value: Any, digits: Any = None) -> Any:
     return round(value, digits)
 
 
-def _typed(value: Any) -> type:
-    return type(value)
-
-
-def _product(items: Any, *, start: Any = 1) -> Any:
-    for item in items:
-        start = binary(ast.Mult, start, item)
-    return start
-
-
 def _total(items: Any, start: Any = 0) -> Any:
     items = list(items)
     if all(isinstance(item, (int, float, complex)) for item in items):
         return sum(items, start)
-    for item in items:
-        start = binary(ast.Add, start, item)
-    return start
+    return reduce(partial(binary, ast.Add), items, start)
 
 
 def _small(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -179,13 +164,6 @@ def _small(function: Callable[..., Any]) -> Callable[..., Any]:
     return bounded
 
 
-def _multiple(*values: Any) -> int:
-    found = 1
-    for value in values:
-        found = checked(math.lcm(found, value))
-    return found
-
-
 _ITERATORS = (enumerate, zip, reversed)
 PLAIN: list[tuple[Any, Callable[..., Any]]] = [
     *((each, each) for each in (list, dict, tuple, set, frozenset, len, str, float, int, bool, complex, slice, repr)),
@@ -195,10 +173,13 @@ PLAIN: list[tuple[Any, Callable[..., Any]]] = [
     (range, _counted),
     (round, _rounded),
     (sum, _total),
-    (type, _typed),
+    (type, operator.attrgetter("__class__")),
 ]
-_GROWING = {"factorial": _small(math.factorial), "comb": _small(math.comb), "perm": _small(math.perm)}
-_GROWING |= {"prod": _product, "lcm": _multiple}
+_GROWING: dict[str, Callable[..., Any]] = {name: _small(getattr(math, name)) for name in ("factorial", "comb", "perm")}
+_GROWING |= {
+    "prod": lambda items, *, start=1: reduce(partial(binary, ast.Mult), items, start),
+    "lcm": lambda *values: reduce(lambda one, other: checked(math.lcm(one, other)), values, 1),
+}
 PLAIN += [
     (function, _GROWING.get(name, function))
     for name, function in vars(math).items()
