@@ -248,12 +248,13 @@ def mistake_posterior(given: Given, shapes: Uniform) -> Posterior:
     found = []
     for one, probability in zip(UNITS, probable, strict=True):
         if probability >= LISTED:
-            mass, c, meant = (x / by for x, by in zip((given.mass, given.c, given.tensor), one.factors, strict=True))
+            by_mass, by_centre, by_inertia = one.factors
+            mass, c, meant = given.mass / by_mass, given.c / by_centre, given.tensor / by_inertia
             found.append(Cause("RD305", one.what, probability, mass, c, meant, apart(meant, mass, shapes), one))
-    for one, probability, meant in zip(mistakes, np.exp(wrong - whole).tolist(), I[1:], strict=True):
+    for mistake, probability, meant in zip(mistakes, np.exp(wrong - whole).tolist(), I[1:], strict=True):
         if probability >= LISTED:
             off = apart(meant, given.mass, shapes)
-            found.append(Cause(one.code, one.what, probability, given.mass, given.c, meant, off))
+            found.append(Cause(mistake.code, mistake.what, probability, given.mass, given.c, meant, off))
     causes = ranked(found, lambda one: one.probability) if found else ()
     return Posterior(right, tuple(causes), apart(I[0], given.mass, shapes))
 
