@@ -156,14 +156,10 @@ MUTATIONS = {
         ("programs/run/llvm/kernel.py", '"ugt"', '"ogt"'),
         ("programs/run/llvm/driver.py", "%byte = udiv i64 %start, 8", "%byte = udiv i64 %start, 16"),
         ("programs/run/compiled_blocks.py", '"little"', '"big"'),
-        ("programs/run/compiled_blocks.py", "-(-samples // (threads * block)) * block", "-(-samples // threads)"),
-        ("programs/run/compiled_blocks.py", "self._common[:] = self._begin", "self._common[1:] = self._begin[1:]"),
-        ("programs/run/llvm/driver.py", "%turn = add i64 %me, %k", "%turn = add i64 %me, 0"),
-        (
-            "programs/run/llvm/driver.py",
-            "atomicrmw or ptr %flagged, i64 %total",
-            "atomicrmw or ptr %flagged, i64 0",
-        ),
+        ("programs/run/compiled_blocks.py", "-(-samples // (pieces * block)) * block", "-(-samples // pieces)"),
+        ("programs/run/compiled_blocks.py", "self._each)), False", "self._each)), self._flagged"),
+        ("programs/run/compiled_blocks.py", "for start in self._starts", "for start in [next(self._starts)]"),
+        ("programs/run/llvm/driver.py", "or i64 %any, %some", "or i64 %any, 0"),
     ],
     "programs/run/test_elementary_functions.py": [
         ("programs/run/llvm/functions.py", '"0x1.1701b839a2520p-88"', '"0x1.1701b839a2520p-89"'),

@@ -7,7 +7,7 @@ import os
 from array import array
 from collections.abc import Callable, Mapping, Sequence
 from ctypes import c_int64, c_void_p
-from functools import cache, cached_property, partial
+from functools import cache, cached_property
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
@@ -34,8 +34,8 @@ BLOCK = 128
 """Samples gathered at a time where an array's columns are not contiguous: their rows stay in the first cache."""
 LONG_BLOCK = 512
 """Samples at a time of many with contiguous columns: what is copied to many columns is written in long stretches."""
-STEP = 8 * BLOCK
-"""Samples that a thread takes at a time."""
+PIECES = 4
+"""For each thread, which takes one after another: none waits long for another that began late."""
 MOST_STREAMS = 256
 """More columns of results than these are copied to where they belong even where they are contiguous."""
 MOST_KEPT = 1 << 22
@@ -202,7 +202,7 @@ def _address(given: NDArray[Any]) -> int:
 @cache
 def _driver(scalar: str) -> Function:
     lanes = LANES[scalar]
-    return built("share", ("driver", scalar, lanes), lambda: driver(scalar, lanes), c_void_p, c_int64)
+    return built("share", ("driver", scalar, lanes), lambda: driver(scalar, lanes), c_void_p, *[c_int64] * 3)
 
 
 _KERNEL = ctypes.PYFUNCTYPE(ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64)
@@ -265,28 +265,32 @@ class Job:
 
     def __init__(self, of: CompiledBlocks, fields: Sequence[Fields], block: int, samples: int, threads: int) -> None:
         """Args: fields: of the arrays, which the caller keeps; the last is written to. block: samples of a block."""
-        self._samples, self._share = samples, of.share
+        self._samples, self._share, self._threads, self._flagged = samples, of.share, threads, False
         self._flags = array("B", bytes(-(-samples // block) * block // 8))
-        each = -(-samples // (threads * block)) * block
-        parts = range(0, samples, each)
-        self._threads = len(parts)
-        self._begin = array("q", (0, *parts))
-        self._common, self._fields = self._begin[:], array("q", chain.from_iterable(fields))
+        pieces = 1 if threads == 1 else PIECES * threads
+        self._each = -(-samples // (pieces * block)) * block
+        self._starts = iter(range(0, samples, self._each))
+        self._fields = array("q", chain.from_iterable(fields))
         table = -(-2 * of.rows // LINE) * 8 * LINE
         pitch = block * of.dtype.itemsize + 8 * LINE  # no power of two, or columns would share sets of the cache
         room = table + of.rows * pitch
-        self._rooms = np.empty(self._threads * room + 8 * LINE, np.uint8)
+        self._rooms = np.empty(threads * room + 8 * LINE, np.uint8)
         rooms = int(self._rooms.__array_interface__["data"][0])
         rooms += -rooms % (8 * LINE)
-        places = (of.kernel.address, _place(self._fields), rooms, _place(self._flags), _place(self._common))
-        numbers = len(fields), room, table, pitch, STEP, block, samples, each, self._threads
-        self._job = array("q", (*places, *numbers))
+        places = (of.kernel.address, _place(self._fields), rooms, _place(self._flags))
+        self._job = array("q", (*places, len(fields), room, table, pitch, block))
 
     def __call__(self) -> bool:
         """Run; whether a sample is flagged."""
-        self._common[:] = self._begin
-        in_pool(partial(self._share, _place(self._job)), self._threads)
-        return bool(self._common[0])
+        self._starts, self._flagged = iter(range(0, self._samples, self._each)), False
+        in_pool(self._work, self._threads)
+        return self._flagged
+
+    def _work(self, me: int) -> None:
+        """Take pieces that no other thread has taken, until none is left."""
+        for start in self._starts:
+            if self._share(_place(self._job), me, start, min(start + self._each, self._samples)):
+                self._flagged = True
 
     def flagged(self) -> NDArray[np.int64]:
         """Return the samples that are flagged; every run writes all flags anew."""

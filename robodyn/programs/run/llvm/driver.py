@@ -176,24 +176,19 @@ done:
   ret void
 }}
 
-define internal void @run(ptr %kernel, ptr %arrays, i64 %count, ptr %table, ptr %work, i64 %pitch, ptr %flags,
-    ptr %flagged, ptr %taken, i64 %share, i64 %stop, i64 %size) #0 {{
+define i64 @share(ptr %job, i64 %me, i64 %first, i64 %until) #0 {{
 entry:
+{job}
+  %room_at = mul i64 %me, %room_bytes
+  %table = getelementptr i8, ptr %rooms, i64 %room_at
+  %work = getelementptr i8, ptr %table, i64 %table_bytes
   %last = sub i64 %count, 1
   %last_at = mul i64 %last, {array_bytes}
   %result = getelementptr i8, ptr %arrays, i64 %last_at
-  br label %take
-take:
-  %first = atomicrmw add ptr %taken, i64 %share monotonic, align 8
-  %stop0 = add i64 %first, %share
-  %until = call i64 @llvm.smin.i64(i64 %stop0, i64 %stop)
-  %work_left = icmp slt i64 %first, %stop
-  br i1 %work_left, label %shared, label %done
-shared:
   br label %block
 block:
-  %start = phi i64 [ %first, %shared ], [ %end, %used ]
-  %any = phi i64 [ 0, %shared ], [ %total, %used ]
+  %start = phi i64 [ %first, %entry ], [ %end, %ready ]
+  %any = phi i64 [ 0, %entry ], [ %total, %ready ]
   %left = sub i64 %until, %start
   %filled = call i64 @llvm.smin.i64(i64 %left, i64 %size)
   br label %array
@@ -216,44 +211,11 @@ ready:
   %some = call i64 %kernel(ptr %table, ptr %marks, i64 %groups)
   %total = or i64 %any, %some
   call void @deliver(ptr %result, i64 %row, ptr %table, i64 %start, i64 %filled)
-  br label %used
-used:
   %end = add i64 %start, %size
   %again = icmp slt i64 %end, %until
-  br i1 %again, label %block, label %finished
-finished:
-  %was_flagged = atomicrmw or ptr %flagged, i64 %total monotonic, align 8
-  br label %take
+  br i1 %again, label %block, label %done
 done:
-  ret void
-}}
-
-define i64 @share(ptr %job, i64 %me) #0 {{
-entry:
-{job}
-  %known = icmp slt i64 %me, %parts
-  br i1 %known, label %begin, label %done
-begin:
-  %room_at = mul i64 %me, %room_bytes
-  %table = getelementptr i8, ptr %rooms, i64 %room_at
-  %work = getelementptr i8, ptr %table, i64 %table_bytes
-  %taken = getelementptr i64, ptr %common, i64 1
-  br label %part
-part:
-  %k = phi i64 [ 0, %begin ], [ %k1, %part ]
-  %turn = add i64 %me, %k
-  %this = urem i64 %turn, %parts
-  %next = add i64 %this, 1
-  %end = mul i64 %next, %each
-  %stop = call i64 @llvm.smin.i64(i64 %end, i64 %samples)
-  %taken_here = getelementptr i64, ptr %taken, i64 %this
-  call void @run(ptr %kernel, ptr %arrays, i64 %count, ptr %table, ptr %work, i64 %pitch, ptr %flags, ptr %common,
-    ptr %taken_here, i64 %step, i64 %stop, i64 %size)
-  %k1 = add i64 %k, 1
-  %more = icmp slt i64 %k1, %parts
-  br i1 %more, label %part, label %done
-done:
-  ret i64 0
+  ret i64 %total
 }}
 declare i64 @llvm.smin.i64(i64, i64)
 attributes #0 = {{ nounwind "prefer-vector-width"="512" "min-legal-vector-width"="512" }}
@@ -282,9 +244,8 @@ FIELDS = ("address", "homes", "sample_stride", "column_stride", "columns", "dire
 contiguous columns themselves; `stream`: 1 where results are copied to contiguous columns past the caches.
 """
 
-POINTERS = ("kernel", "arrays", "rooms", "flags", "common", "address", "homes")
-NUMBERS = ("count", "room_bytes", "table_bytes", "pitch", "step", "size", "samples", "each", "parts")
-JOB = ("kernel", "arrays", "rooms", "flags", "common", *NUMBERS)
+POINTERS = ("kernel", "arrays", "rooms", "flags", "address", "homes")
+JOB = ("kernel", "arrays", "rooms", "flags", "count", "room_bytes", "table_bytes", "pitch", "size")
 """What a job is, in 64 bits each, in this order."""
 
 AHEAD = 512
@@ -292,13 +253,10 @@ AHEAD = 512
 
 
 def driver(scalar: str, lanes: int) -> str:
-    """Return the LLVM IR of `i64 share(job, me)`: thread `me`'s part of a job.
+    """Return the LLVM IR of `i64 share(job, me, first, until)`, which thread `me` calls: whether a sample is flagged.
 
-    Runs a kernel of `robodyn.programs.run.llvm.kernel`, at the address `kernel`, over samples in blocks of `size`, a
-    multiple of 16. The `samples` are in `parts` of `each`. A thread takes the next `step` samples of its own part, a
-    multiple of `size`, until none is left, then of the others': none depends on another that began late. `common` is a
-    number that is not 0 in the end if any sample is flagged, and after it the next sample of each part.
-    Of the `count` arrays (`FIELDS`), the last is the result. Columns are handed to the kernel where they lie if they
+    Runs a kernel of `robodyn.programs.run.llvm.kernel`, at the address `kernel`, over these samples in blocks of
+    `size`, a multiple of 16, as `first` is one of `size`. Of the `count` arrays (`FIELDS`), the last is the result. Columns are handed to the kernel where they lie if they
     are contiguous and the block is a whole number of groups; else they are gathered into rows of the thread's own room,
     `pitch` bytes apart after a table of `table_bytes`, and results are scattered from there. What the kernel calls for
     is `AHEAD` in the same column, or for arrays that are gathered a part of the next block. A result that several
