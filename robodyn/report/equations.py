@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from robodyn.equations.closed import STATES, Closed, decimal
-from robodyn.equations.free_body.types import Action, FreeBodies, FreeBody, JointRow
+from robodyn.equations.free_body.bodies import Action, FreeBodies, FreeBody, JointRow
 from robodyn.equations.ode import Ode
 from robodyn.programs.vectors import product
 from robodyn.report.document import Paragraph, Section, Table, finite, paragraphs, remarks, select, written

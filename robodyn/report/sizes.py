@@ -17,7 +17,7 @@ from robodyn.report.table import moment, number
 from robodyn.support.floats import Floats
 
 if TYPE_CHECKING:
-    from robodyn.equations.free_body.types import FreeBodies
+    from robodyn.equations.free_body.bodies import FreeBodies
     from robodyn.loads.result import Result
     from robodyn.robot.model import Model
     from robodyn.simulation.result import Simulation

@@ -95,96 +95,55 @@ class Step:
     scale: float
 
 
-_TREE = (
-    (
-        "velocities of the bodies from those of the joints: they fulfil every joint's constraints by themselves",
-        "v = J(q) qd",
-        "G J = 0",
-    ),
-    ("accelerations likewise", "a = J qdd + Jdot qd", "G Jdot qd = gamma"),
-    (
-        "inserted in M a = f + G^T lambda, and multiplied by J^T from the left: the reactions do no work and go",
-        "J^T M (J qdd + Jdot qd) = J^T f + J^T G^T lambda",
-        "J^T G^T = 0",
-    ),
-    (
-        "the masses of the bodies become the mass matrix",
-        "J^T M J = M(q)",
-        "J^T M J against M(q) of the recursion",
-    ),
-    (
-        "the forces become torques less the bias",
-        "J^T (f - M Jdot qd) = tau - bias(q, qd)",
-        "against bias(q, qd) of the recursion",
-    ),
-)
-_OPEN = ("the ODE form", "M(q) qdd = tau - bias(q, qd)", "with qdd of the DAE")
-_LOOPS = (
-    (
-        "what is left: loops keep their reactions, with G_l = G J",
-        "M(q) qdd = tau - bias(q, qd) + G_l^T lambda_l,  G_l qdd = gamma_l",
-        "with qdd and lambda of the DAE",
-    ),
-    (
-        "the motions that the loops leave, G_l N = 0: their reactions go too",
-        "qdd = q_p + N z,  N^T M N z = N^T (tau - bias - M q_p)",
-        "qdd of these against that of the DAE",
-    ),
-)
-_BACK = (
-    "back to the reactions, where they are asked for",
-    "G^T lambda = M a - f",
-    "with qdd of the ODE form and lambda of the DAE",
-)
-"""Title, formula and check of each step."""
-Sides = tuple[Floats, Floats | float, Floats]
-"""What a step says to be equal, and magnitudes that add up to it."""
+def _step(title: str, formula: str, checks: str, one: Floats, other: Floats | float, sizes: Floats) -> Step:
+    """Return a step, of what it says to be equal, and magnitudes that add up to it."""
+    scale = float(np.max(sizes, initial=0.0))
+    difference = float(np.max(np.abs(one - other), initial=0.0))
+    return Step(title, formula, checks, difference / scale if scale > VANISHING else difference, scale)
 
 
 def steps(system: System, left: Reduced, a: Floats | None, reactions: Floats) -> Iterator[Step]:
     """Yield every step with its identity, held against numbers from elsewhere; without `a` those that need none."""
-    sides, words = [*_reduction(system, left)], [*_TREE]
-    if a is not None:
-        sides += _solution(system, left, a, reactions)
-        words += [*(_LOOPS if system.loops else (_OPEN,)), _BACK]
-    for (title, formula, checks), (one, other, sizes) in zip(words, sides, strict=True):
-        scale = float(np.max(sizes, initial=0.0))
-        difference = float(np.max(np.abs(one - other), initial=0.0))
-        yield Step(title, formula, checks, difference / scale if scale > VANISHING else difference, scale)
-
-
-def _reduction(system: System, left: Reduced) -> Iterator[Sides]:
-    """Yield the sides of the identities that lead to mass matrix and bias, which the recursions have too."""
-    M, G, gamma = system.matrices.M, system.matrices.G, system.matrices.gamma
-    J, drift, rows = left.J, left.drift, system.tree
-    G, gamma = G[:rows], gamma[:rows]
-    model, scene = system.model, replace(system.scene, loops=())
+    M, f, G, gamma, *_ = system.matrices
+    J, drift = left.J, left.drift
+    held, asked = G[: system.tree], gamma[: system.tree]
     q, qd, tau = (np.array(x, dtype=float) for x in (system.sample.q, system.sample.qd, system.tau))
-    yield G @ J, 0.0, np.abs(G) @ np.abs(J)
-    yield G @ drift, gamma, np.abs(G) @ np.abs(drift) + np.abs(gamma)
-    yield J.T @ G.T, 0.0, np.abs(J.T) @ np.abs(G.T)
-    recursion = mass_matrix(model, q, scene=scene, executor="numpy")
-    yield left.M, recursion, np.abs(J.T) @ np.abs(M) @ np.abs(J)
-    bias = bias_forces(model, q, qd, scene=scene, executor="numpy")
-    yield left.free, tau - bias, _forces(system, left)
-
-
-def _solution(system: System, left: Reduced, a: Floats, reactions: Floats) -> Iterator[Sides]:
-    """Yield the sides of the identities that accelerations and reactions of the DAE form fulfil."""
-    M, f, G, *_ = system.matrices
+    tree = replace(system.scene, loops=())
+    forces = np.abs(J.T) @ (np.abs(f) + np.abs(M) @ np.abs(drift))
+    what = "velocities of the bodies from those of the joints: they fulfil every joint's constraints by themselves"
+    yield _step(what, "v = J(q) qd", "G J = 0", held @ J, 0.0, np.abs(held) @ np.abs(J))
+    sizes = np.abs(held) @ np.abs(drift) + np.abs(asked)
+    yield _step("accelerations likewise", "a = J qdd + Jdot qd", "G Jdot qd = gamma", held @ drift, asked, sizes)
+    what = "inserted in M a = f + G^T lambda, and multiplied by J^T from the left: the reactions do no work and go"
+    formula = "J^T M (J qdd + Jdot qd) = J^T f + J^T G^T lambda"
+    yield _step(what, formula, "J^T G^T = 0", J.T @ held.T, 0.0, np.abs(J.T) @ np.abs(held.T))
+    what, checks = "the masses of the bodies become the mass matrix", "J^T M J against M(q) of the recursion"
+    recursion = mass_matrix(system.model, q, scene=tree, executor="numpy")
+    yield _step(what, "J^T M J = M(q)", checks, left.M, recursion, np.abs(J.T) @ np.abs(M) @ np.abs(J))
+    what, formula = "the forces become torques less the bias", "J^T (f - M Jdot qd) = tau - bias(q, qd)"
+    bias = bias_forces(system.model, q, qd, scene=tree, executor="numpy")
+    yield _step(what, formula, "against bias(q, qd) of the recursion", left.free, tau - bias, forces)
+    if a is None:
+        return
     qdd, carried = accelerations_along(system, a), reactions[system.tree :]
-    sizes = np.abs(left.M) @ np.abs(qdd) + np.abs(left.G.T) @ np.abs(carried) + _forces(system, left)
-    yield left.M @ qdd, left.free + left.G.T @ carried, sizes
+    what, formula, checks = "the ODE form", "M(q) qdd = tau - bias(q, qd)", "with qdd of the DAE"
     if system.loops:
-        yield left.accelerations(), qdd, np.abs(qdd) + np.abs(left.drift).max(initial=0.0)
-    again = left.J @ qdd + left.drift
-    yield G.T @ reactions, M @ again - f, np.abs(M) @ np.abs(again) + np.abs(f)
-
-
-def _forces(system: System, left: Reduced) -> Floats:
-    """Return (n,) the magnitudes that add up to J^T (f - M Jdot qd)."""
-    M, f, *_ = system.matrices
-    return np.asarray(np.abs(left.J.T) @ (np.abs(f) + np.abs(M) @ np.abs(left.drift)))
+        what, checks = "what is left: loops keep their reactions, with G_l = G J", "with qdd and lambda of the DAE"
+        formula += " + G_l^T lambda_l,  G_l qdd = gamma_l"
+    sizes = np.abs(left.M) @ np.abs(qdd) + np.abs(left.G.T) @ np.abs(carried) + forces
+    yield _step(what, formula, checks, left.M @ qdd, left.free + left.G.T @ carried, sizes)
+    if system.loops:
+        what = "the motions that the loops leave, G_l N = 0: their reactions go too"
+        formula, checks = (
+            "qdd = q_p + N z,  N^T M N z = N^T (tau - bias - M q_p)",
+            "qdd of these against that of the DAE",
+        )
+        sizes = np.abs(qdd) + np.abs(drift).max(initial=0.0)
+        yield _step(what, formula, checks, left.accelerations(), qdd, sizes)
+    again = J @ qdd + drift
+    what, checks = "back to the reactions, where they are asked for", "with qdd of the ODE form and lambda of the DAE"
+    sizes = np.abs(M) @ np.abs(again) + np.abs(f)
+    yield _step(what, "G^T lambda = M a - f", checks, G.T @ reactions, M @ again - f, sizes)
 
 
 def accelerations_along(system: System, a: Floats) -> Floats:

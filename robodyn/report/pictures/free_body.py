@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.equations.free_body.types import Action, FreeBodies, FreeBody
+from robodyn.equations.free_body.bodies import Action, FreeBodies, FreeBody
 from robodyn.programs.vectors import Array, length, product
 from robodyn.report.pictures.robot import PAPER as EYES
 from robodyn.report.sizes import Sizes, free_body_sizes

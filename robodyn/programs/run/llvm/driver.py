@@ -256,11 +256,11 @@ def driver(scalar: str, lanes: int) -> str:
     """Return the LLVM IR of `i64 share(job, me, first, until)`, which thread `me` calls: whether a sample is flagged.
 
     Runs a kernel of `robodyn.programs.run.llvm.kernel`, at the address `kernel`, over these samples in blocks of
-    `size`, a multiple of 16, as `first` is one of `size`. Of the `count` arrays (`FIELDS`), the last is the result. Columns are handed to the kernel where they lie if they
-    are contiguous and the block is a whole number of groups; else they are gathered into rows of the thread's own room,
-    `pitch` bytes apart after a table of `table_bytes`, and results are scattered from there. What the kernel calls for
-    is `AHEAD` in the same column, or for arrays that are gathered a part of the next block. A result that several
-    columns share is computed once, and copied.
+    `size`, a multiple of 16, as `first` is one of `size`. Of the `count` arrays (`FIELDS`), the last is the result.
+    Columns are handed to the kernel where they lie if they are contiguous and the block is a whole number of groups;
+    else they are gathered into rows of the thread's own room, `pitch` bytes apart after a table of `table_bytes`, and
+    results are scattered from there. What the kernel calls for is `AHEAD` in the same column, or for arrays that are
+    gathered a part of the next block. A result that several columns share is computed once, and copied.
 
     Args:
         scalar: "double" or "float".
