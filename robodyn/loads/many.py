@@ -66,28 +66,15 @@ class Outcome:
 
 
 @dataclass(frozen=True)
-class Worst:
+class Worst(JointPeak):
     """The worst of one joint over all trajectories, each figure with the name of the trajectory that it is from.
 
-    Attributes:
-        peak: the torque of largest magnitude with its sign [N m or N], when [s] and in which row.
-        rms, max_speed: the largest; of the speed the magnitude [rad/s or m/s].
-        level: the worst verdict; None where nothing was sized.
+    `peak` is of largest magnitude; of `max_speed` this is the magnitude.
     """
 
-    name: str
-    unit: str
-    peak: float
-    peak_time: float
-    peak_row: int
     peak_in: str
-    rms: float
     rms_in: str
-    max_speed: float
     max_speed_in: str
-    effort_limit: float | None
-    velocity_limit: float | None
-    level: str | None
     level_in: str
 
 
@@ -125,19 +112,5 @@ def _worst(found: Sequence[tuple[str, JointPeak]]) -> Worst:
     rms_in, rms = ranked(found, key=lambda pair: pair[1].rms)[0]
     speed_in, speed = ranked(found, key=lambda pair: abs(pair[1].max_speed))[0]
     level_in, level = max(found, key=lambda pair: _LEVELS.index(pair[1].level))
-    return Worst(
-        name=peak.name,
-        unit=peak.unit,
-        peak=peak.peak,
-        peak_time=peak.peak_time,
-        peak_row=peak.peak_row,
-        peak_in=peak_in,
-        rms=rms.rms,
-        rms_in=rms_in,
-        max_speed=abs(speed.max_speed),
-        max_speed_in=speed_in,
-        effort_limit=peak.effort_limit,
-        velocity_limit=peak.velocity_limit,
-        level=level.level,
-        level_in=level_in,
-    )
+    worst = {"rms": rms.rms, "max_speed": abs(speed.max_speed), "level": level.level}
+    return Worst(**{**vars(peak), **worst}, peak_in=peak_in, rms_in=rms_in, max_speed_in=speed_in, level_in=level_in)

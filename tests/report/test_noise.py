@@ -122,8 +122,8 @@ def _by_noise(x: float, scale: float, rng) -> float:
 
 def test_a_batch_shows_no_noise() -> None:
     """A joint that carries nothing in any file, beside one that does."""
-    idle = "idle", "N m", 3e-16, 0.5, 7, "a.csv", 1e-16, "a.csv", 0.5, "a.csv"
-    worst = Worst(*idle, effort_limit=None, velocity_limit=None, level=None, level_in="")
+    idle = "idle", "N m", 3e-16, 0.5, 7, 1e-16, 0.5, None, None, None
+    worst = Worst(*idle, peak_in="a.csv", rms_in="a.csv", max_speed_in="a.csv", level_in="")
     loaded = replace(worst, name="loaded", peak=12.0, rms=5.0)
     _, rows = worst_table((worst, loaded))
     assert (rows[0][1], rows[0][2], rows[0][5]) == ("0 N m", "-", "0")

@@ -123,7 +123,7 @@ class Writer:
 
     def write(self) -> None:
         """Writes the whole program; outputs are stored as soon as they are known."""
-        program, code = self.program, self.code
+        program = self.program
         homes: dict[int, list[int]] = defaultdict(list)
         for place, position in enumerate(program.outputs):
             homes[position].append(self.first_row[""] + place)
@@ -131,10 +131,13 @@ class Writer:
         for k, (op, a, b) in enumerate(program.operations):
             self.values.append("" if k in products else self._value(k, op, a, b))
             for row in homes[k]:
-                address = self._address(row, 1)
-                code.do(f"store {code.vector} {self.values[k]}, ptr {address}, align {BYTES[code.scalar]}")
+                self._store(self.values[k], row)
                 self._divide()
             self._divide()
+
+    def _store(self, value: str, row: int) -> None:
+        address = self._address(row, 1)
+        self.code.do(f"store {self.code.vector} {value}, ptr {address}, align {BYTES[self.code.scalar]}")
 
     def _divide(self) -> None:
         """Begins a basic block where the last one is long enough."""
@@ -157,14 +160,14 @@ class Writer:
         column = self.code.new(f"load ptr, ptr {place}, align 8, !invariant.load !0")
         return self.code.new(f"getelementptr {self.code.scalar}, ptr {column}, i64 %o")
 
-    def _input(self, row: int) -> str:
-        vector, align = self.code.vector, BYTES[self.code.scalar]
-        return self.code.new(f"load {vector}, ptr {self._address(row, 0)}, align {align}, !invariant.load !0")
+    def _input(self, source: str, column: int) -> str:
+        address, align = self._address(self.first_row[source] + column, 0), BYTES[self.code.scalar]
+        return self.code.new(f"load {self.code.vector}, ptr {address}, align {align}, !invariant.load !0")
 
     def _value(self, k: int, op: str, a: Any, b: Any) -> str:
         code = self.code
         if op is INPUT:
-            return self._input(self.first_row[a] + b)
+            return self._input(a, b)
         if op is CONSTANT:
             return code.constant(a)
         if k in self.fused:

@@ -21,7 +21,6 @@ from robodyn.programs.run.llvm.build import built
 from robodyn.programs.run.llvm.functions import Code
 from robodyn.programs.run.llvm.kernel import Writer, fused_products
 from robodyn.programs.run.llvm.machine import Function
-from robodyn.programs.scalar import CONSTANT, COS, INPUT, SIN
 
 FRAME = """\
 {declared}
@@ -75,47 +74,24 @@ class _Sample(Writer):
 
     def __init__(self, program: Program, widths: Mapping[str, int]) -> None:
         super().__init__(program, program.rows(widths), Code("double", 1), fused_products(program), False)
-        self.early: dict[int, str] = {}
-        self.homes = {
-            self.first_row[source] + column: (f"%source{k}", column)
-            for k, (source, width) in enumerate(widths.items())
-            if source in self.first_row
-            for column in range(width)
-        }
-        self.homes |= {self.first_row[""] + place: ("%to", place) for place in range(len(program.outputs))}
-        rows = (self.first_row[source] + column for source, column in sorted(program.inputs))
-        self.inputs = {row: self.code.new(f"load <1 x double>, ptr {self._address(row, 0)}, align 8") for row in rows}
+        self.results: list[tuple[str, int]] = []
+        self.arrays = {source: f"%source{k}" for k, source in enumerate(widths)}
 
     def write(self) -> None:
-        """Writes the angles, a way out where they are too large, and the rest."""
-        self.values = [""] * len(self.program.operations)
-        for k in self._below_angles():
-            self.early[k] = self.values[k] = self._value(k, *self.program.operations[k])
-            self._divide()
+        """Writes the program, a way out where angles are too large, and then all results."""
+        super().write()
         if self.quarters:
             self.code.lines.append(f"  br i1 {self.too_large()}, label %refused, label %fine\nfine:")
-        self.values = []
-        super().write()
+        for value, row in self.results:
+            address = self.code.new(f"getelementptr double, ptr %to, i64 {row - self.first_row['']}")
+            self.code.do(f"store <1 x double> {value}, ptr {address}, align 8")
 
-    def _below_angles(self) -> list[int]:
-        """Return the positions of all sines and cosines, and of what they are computed from, in order."""
-        operations, needed = self.program.operations, set[int]()
-        for k in reversed(range(len(operations))):
-            op, a, b = operations[k]
-            if op is SIN or op is COS or k in needed:
-                needed.add(k)
-                needed.update(() if op in (INPUT, CONSTANT) else (x for x in (a, b) if x is not None))
-        return sorted(needed - set(self.fused.values()))
+    def _store(self, value: str, row: int) -> None:
+        self.results.append((value, row))
 
-    def _value(self, k: int, op: str, a: Any, b: Any) -> str:
-        return self.early[k] if k in self.early else super()._value(k, op, a, b)
-
-    def _input(self, row: int) -> str:
-        return self.inputs[row]
-
-    def _address(self, row: int, writes: int) -> str:
-        array, place = self.homes[row]
-        return self.code.new(f"getelementptr double, ptr {array}, i64 {place}")
+    def _input(self, source: str, column: int) -> str:
+        address = self.code.new(f"getelementptr double, ptr {self.arrays[source]}, i64 {column}")
+        return self.code.new(f"load <1 x double>, ptr {address}, align 8")
 
 
 TEXT = """\
