@@ -83,14 +83,37 @@ class Checks:
 
 
 @dataclass(frozen=True)
-class JointLoad:
-    """What one joint carries along the motion; torque [N m], power [W], work [J], or N for a prismatic joint.
+class ShaftLoad:
+    """Torque [N m], speed [rad/s], power [W] and work [J] of a joint or a motor; N and m/s of a slide.
 
     Attributes:
         peak, max_speed: of largest magnitude with its sign, when [s], in which row, and the speed or torque then.
-        rms, mean: over the whole time, dwell included; cubic_mean: cbrt(integral |qd tau^3| dt / integral |qd| dt),
-            what wears a gear.
-        peak_power, least_power: of tau qd; work_positive, work_negative: done by and returned to the actuator.
+        rms: over the whole time, dwell included.
+        work_positive, work_negative: done by the actuator and returned to it.
+    """
+
+    unit: str
+    peak: float
+    peak_time: float
+    peak_row: int
+    peak_speed: float
+    rms: float
+    max_speed: float
+    max_speed_time: float
+    max_speed_row: int
+    torque_at_max_speed: float
+    peak_power: float
+    least_power: float
+    work_positive: float
+    work_negative: float
+
+
+@dataclass(frozen=True)
+class JointLoad(ShaftLoad):
+    """What one joint carries along the motion.
+
+    Attributes:
+        mean: over the whole time; cubic_mean: cbrt(integral |qd tau^3| dt / integral |qd| dt), what wears a gear.
         hold: Coulomb friction that holds the joint at rest: any torque of gravity +- hold does; what grows with
             load is that at the peak.
         effort_limit, velocity_limit: None where the description has none or says 0; a margin is limit - |value|,
@@ -103,22 +126,8 @@ class JointLoad:
     """
 
     name: str
-    unit: str
-    peak: float
-    peak_time: float
-    peak_row: int
-    peak_speed: float
-    rms: float
     mean: float
     cubic_mean: float
-    max_speed: float
-    max_speed_time: float
-    max_speed_row: int
-    torque_at_max_speed: float
-    peak_power: float
-    least_power: float
-    work_positive: float
-    work_negative: float
     hold: float
     effort_limit: float | None
     velocity_limit: float | None
@@ -153,7 +162,7 @@ class JointLoad:
 
 @dataclass(frozen=True)
 class ComponentLoad:
-    """One component of the base wrench [N or N m]."""
+    """A component of a wrench [N or N m]: its value of largest magnitude, when [s], and RMS."""
 
     name: str
     peak: float

@@ -62,7 +62,7 @@ class BearingPass:
         def component(at: int, name: str) -> Component:
             unit = "N m" if name.startswith(("m", "t")) else "N"
             value, when = float(peaks.kept["value"][at]), float(peaks.time[at])
-            return Component(name, unit, value, when, int(peaks.row[at]), float(rms[at]))
+            return Component(name, value, when, float(rms[at]), unit, int(peaks.row[at]))
 
         loads = []
         for i, ((_, joint), turn) in enumerate(zip(self.joints, self.frames, strict=True)):
@@ -167,7 +167,7 @@ class SizingPass:
         figures = self.base.figures
         columns = zip(*(values.tolist() for values in (*figures, self.integrals.mean("base", figures[2]))), strict=True)
         foundation = [
-            FoundationLoad(name, "N" if name[0] == "f" else "N m", *row)
+            FoundationLoad(name, *row, unit="N" if name[0] == "f" else "N m")
             for name, row in zip(FOUNDATION, columns, strict=True)
         ]
         return Sizing(joints, self.bearings.report(), tuple(foundation))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
+from robodyn.loads.result import ComponentLoad, Range, ShaftLoad
 from robodyn.scene.parts import Curve
 
 Vector = tuple[float, float, float]
@@ -57,8 +58,8 @@ class Nearest:
 
 
 @dataclass(frozen=True)
-class MotorLoad:
-    """What a motor does at its shaft: torque [N m], speed [rad/s] (a linear motor N, m/s), power [W], work [J].
+class MotorLoad(ShaftLoad):
+    """What a motor does at its shaft.
 
     `T = G J qdd + (tau - G^2 J qdd) / (G e^s)`, `s = sign((tau - G^2 J qdd) qd)`, `w = G qd`: the gear of ratio G and
     efficiency e takes from the motor's power when the motor drives the load, and from the load's when the load drives
@@ -67,9 +68,7 @@ class MotorLoad:
     Attributes:
         gear, efficiency, inertia: G, e and J; inertia_ratio: of the load's inertia, reflected to the motor, over J, in
             the pose of the joint's peak torque; None without a rotor.
-        peak, max_speed: of largest magnitude with its sign, when [s], in which row, and the speed or torque then.
-        rms, mean_speed: over the whole time, dwell included; of |w|.
-        peak_power, least_power: of T w; work_positive, work_negative: done by the motor and returned to it.
+        mean_speed: of |w|, over the whole time.
         continuous, peak_curve: points of the curves as given, a torque that holds for all speeds as one of speed 0.
         continuous_limit: continuous torque at `mean_speed`; rms must not exceed it. None where it is not known.
         seconds_above_continuous: how long |T| is above the continuous curve, which a motor bears for moments.
@@ -77,26 +76,12 @@ class MotorLoad:
         speed_limit, seconds_over_speed: the largest speed allowed, and how long it is exceeded.
     """
 
-    unit: str
     speed_unit: str
     gear: float
     efficiency: float
     inertia: float
     inertia_ratio: float | None
-    peak: float
-    peak_time: float
-    peak_row: int
-    peak_speed: float
-    rms: float
     mean_speed: float
-    max_speed: float
-    max_speed_time: float
-    max_speed_row: int
-    torque_at_max_speed: float
-    peak_power: float
-    least_power: float
-    work_positive: float
-    work_negative: float
     continuous: Curve | None
     peak_curve: Curve | None
     continuous_limit: float | None
@@ -147,15 +132,11 @@ class JointSizing:
 
 
 @dataclass(frozen=True)
-class Component:
-    """A component of a bearing's load [N or N m]: its value of largest magnitude, when [s], in which row, and RMS."""
+class Component(ComponentLoad):
+    """A component of a bearing's load [N or N m]."""
 
-    name: str
     unit: str
-    peak: float
-    peak_time: float
     peak_row: int
-    rms: float
 
 
 @dataclass(frozen=True)
@@ -179,22 +160,14 @@ class BearingLoad:
 
 
 @dataclass(frozen=True)
-class FoundationLoad:
+class FoundationLoad(Range):
     """A load by which foundations are dimensioned: fxy, fz, mxy or mz, of the ground on the robot, in the base's axes.
 
     fxy and mxy are resultants in the plane, whatever their direction. The loads do not peak together.
-
-    Attributes:
-        least, greatest [N or N m], when [s]; mean over the time.
     """
 
-    name: str
-    unit: str
-    least: float
-    least_time: float
-    greatest: float
-    greatest_time: float
     mean: float
+    unit: str
 
 
 @dataclass(frozen=True)

@@ -137,7 +137,7 @@ class ShaftFigures:
         return self.torque.update(time, row, size, value=tau, speed=qd)
 
     def figures(self, k: int) -> dict[str, Any]:
-        """Return what `JointLoad` and `MotorLoad` both have; of one sample its torque is the RMS."""
+        """Return what `ShaftLoad` has; of one sample its torque is the RMS."""
         torque, speed, totals = self.torque, self.speed, self.integrals.totals
         return {
             "peak": float(torque.kept["value"][k]),
