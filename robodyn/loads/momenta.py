@@ -9,7 +9,7 @@ import numpy as np
 from robodyn.dynamics.effects.effect import ZeroColumns
 from robodyn.dynamics.momenta import COLUMNS, View, momentum_runner
 from robodyn.dynamics.plan import plan
-from robodyn.loads.result import MomentumReport, Range
+from robodyn.loads.result import MomentumReport
 from robodyn.loads.statistics import Extremes, check_loads
 from robodyn.programs.run.runner import Runner
 from robodyn.robot.model import Model
@@ -47,5 +47,4 @@ class MomentumPass:
         return columns
 
     def report(self) -> MomentumReport:
-        rows = zip(NAMES, *(values.tolist() for values in self.extremes.figures), strict=True)
-        return MomentumReport(self.view.about, self.view.frame, tuple(Range(*row) for row in rows))
+        return MomentumReport(self.view.about, self.view.frame, tuple(self.extremes.ranges()))

@@ -164,11 +164,11 @@ class SizingPass:
         duration = self.integrals.duration
         motors = {k: self.motors.load(i, duration, inertias[k]) for i, k in enumerate(self.driven)}
         joints = tuple(self._joint(k, load, motors.get(k), duration) for k, load in enumerate(loads))
-        figures = self.base.figures
-        columns = zip(*(values.tolist() for values in (*figures, self.integrals.mean("base", figures[2]))), strict=True)
+        base = self.base.ranges()
+        means = self.integrals.mean("base", np.array([each.greatest for each in base])).tolist()
         foundation = [
-            FoundationLoad(name, *row, unit="N" if name[0] == "f" else "N m")
-            for name, row in zip(FOUNDATION, columns, strict=True)
+            FoundationLoad(**vars(each), mean=mean, unit="N" if each.name[0] == "f" else "N m")
+            for each, mean in zip(base, means, strict=True)
         ]
         return Sizing(joints, self.bearings.report(), tuple(foundation))
 

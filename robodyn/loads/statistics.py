@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from robodyn.dynamics.effects.friction import friction_of
 from robodyn.dynamics.plan import Plan, runner_of
 from robodyn.errors import InputError
-from robodyn.loads.result import ComponentLoad, EffectReport, JointLoad
+from robodyn.loads.result import ComponentLoad, EffectReport, JointLoad, Range
 from robodyn.robot.limits import binding
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.scene import Scene
@@ -70,10 +70,9 @@ class Extremes:
         self._low.update(time, 1, -values.T)
         self._high.update(time, 1, values.T)
 
-    @property
-    def figures(self) -> tuple[Floats, Floats, Floats, Floats]:
-        """Of each column the least value, when [s], the greatest, when."""
-        return -self._low.score, self._low.time, self._high.score, self._high.time
+    def ranges(self) -> list[Range]:
+        columns = (-self._low.score, self._low.time, self._high.score, self._high.time)
+        return [Range(*row) for row in zip(self.names, *(each.tolist() for each in columns), strict=True)]
 
 
 class Integrals:
