@@ -5,9 +5,9 @@ from __future__ import annotations
 import ctypes
 import os
 from array import array
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from ctypes import c_int64, c_void_p
-from functools import cache, cached_property
+from functools import cache, cached_property, partial
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
@@ -269,7 +269,6 @@ class Job:
         self._flags = array("B", bytes(-(-samples // block) * block // 8))
         pieces = 1 if threads == 1 else PIECES * threads
         self._each = -(-samples // (pieces * block)) * block
-        self._starts = iter(range(0, samples, self._each))
         self._fields = array("q", chain.from_iterable(fields))
         table = -(-2 * of.rows // LINE) * 8 * LINE
         pitch = block * of.dtype.itemsize + 8 * LINE  # no power of two, or columns would share sets of the cache
@@ -282,13 +281,13 @@ class Job:
 
     def __call__(self) -> bool:
         """Run; whether a sample is flagged."""
-        self._starts, self._flagged = iter(range(0, self._samples, self._each)), False
-        in_pool(self._work, self._threads)
+        self._flagged = False
+        in_pool(partial(self._work, iter(range(0, self._samples, self._each))), self._threads)
         return self._flagged
 
-    def _work(self, me: int) -> None:
+    def _work(self, waiting: Iterator[int], me: int) -> None:
         """Take pieces that no other thread has taken, until none is left."""
-        for start in self._starts:
+        for start in waiting:
             if self._share(_place(self._job), me, start, min(start + self._each, self._samples)):
                 self._flagged = True
 
