@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
-from robodyn.loads.result import ComponentLoad, Range, ShaftLoad
+from robodyn.loads.figures import ComponentLoad, Range, ShaftLoad
 from robodyn.scene.parts import Curve
 
 Vector = tuple[float, float, float]
