@@ -16,8 +16,6 @@ Words = NDArray[np.uint64]
 
 _FACTORS = tuple(map(np.uint64, (0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9)))
 _HALF = np.uint64(32)
-_FEW = 1000
-"""Different keys whose highest bits are the same that are sorted by themselves."""
 
 
 class Distinct(NamedTuple):
@@ -27,51 +25,19 @@ class Distinct(NamedTuple):
     of: Numbers
 
 
-def order_of(keys: Words) -> Numbers:
-    """Return the places of keys (n,) in ascending order of these, equal ones by place, as a stable `np.argsort` does.
-
-    Method: the highest bits of a key and its place are sorted as one word, in a fifth of the time; then what different
-    keys there are with these bits in common, as two of a million hashes may have them.
-    """
-    bits = len(keys).bit_length()
-    low = max(int(keys.max(initial=0)).bit_length() + bits - 64, 0)
-    words = keys >> np.uint64(low)
-    words <<= np.uint64(bits)
-    words |= np.arange(len(keys), dtype=np.uint64)
-    words.sort()
-    order = (words & np.uint64((1 << bits) - 1)).view(np.int64)
-    if low:
-        words >>= np.uint64(bits)
-        ordered = keys[order]
-        torn = words[1:][(words[1:] == words[:-1]) & (ordered[1:] != ordered[:-1])]
-        if len(torn) > _FEW:
-            return np.argsort(keys, kind="stable")
-        for begin, end in zip(np.searchsorted(words, torn), np.searchsorted(words, torn, "right"), strict=True):
-            part = order[begin:end]
-            order[begin:end] = part[np.argsort(keys[part], kind="stable")]
-    return order
-
-
 def distinct(keys: Words | Numbers) -> Distinct:
-    """Return what `np.unique` finds of keys (n,), none negative."""
-    keys = keys.view(np.uint64)
-    order = order_of(keys)
-    ordered = keys[order]
-    new = np.ones(len(keys), np.bool_)
-    np.not_equal(ordered[1:], ordered[:-1], out=new[1:])
-    of = np.empty(len(keys), np.int64)
-    of[order] = np.cumsum(new) - 1
-    return Distinct(order[new], of)
+    """Return what `np.unique` finds of keys (n,)."""
+    return Distinct(*np.unique(keys, return_index=True, return_inverse=True)[1:])
 
 
 def paired(keys: Words) -> tuple[Numbers, Numbers]:
     """Return the places at which keys are that exactly two have: the first of each key, ascending, and the second."""
-    order = order_of(keys)
+    order = np.argsort(keys, kind="stable")
     ordered = keys[order]
     same = np.concatenate([[False], ordered[1:] == ordered[:-1], [False]])
     (begin,) = np.nonzero(~same[:-2] & same[1:-1] & ~same[2:])
     one, other = order[begin], order[begin + 1]
-    order = order_of(one.view(np.uint64))
+    order = np.argsort(one)
     return one[order], other[order]
 
 
@@ -84,26 +50,14 @@ def numbered(names: Numbers, most: int) -> tuple[int, Numbers]:
 
 
 def distinct_points(points: Floats) -> Distinct:
-    """Return the different points of (n, 3), none of which is -0 or no number, ordered by x, then y, then z.
-
-    Method: points of the same hash are compared bit by bit; were two different ones among them, all would be sorted.
-    """
-    first, of = distinct(hashed(np.ascontiguousarray(points.T)[None])[0])
-    found = points[first]
-    if (found[of] != points).any():
-        return _distinct_by_coordinates(points)
-    order = np.lexsort(found.T[::-1])
-    place = np.empty_like(order)
-    place[order] = np.arange(len(order))
-    return Distinct(first[order], place[of])
-
-
-def _distinct_by_coordinates(points: Floats) -> Distinct:
-    found = Distinct(np.zeros(0, np.int64), np.zeros(len(points), np.int64))
-    for coordinate in points.T:
-        _, place = np.unique(coordinate, return_inverse=True)
-        found = distinct(found.of * (int(place.max(initial=0)) + 1) + place)
-    return found
+    """Return the different points of (n, 3), none of which is -0 or no number, ordered by x, then y, then z."""
+    order = np.lexsort(points.T[::-1])
+    ordered = points[order]
+    new = np.ones(len(points), np.bool_)
+    new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    of = np.empty(len(points), np.int64)
+    of[order] = np.cumsum(new) - 1
+    return Distinct(order[new], of)
 
 
 def hashed(X: Floats) -> Words:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from itertools import product as product_of
+from functools import cache
 from math import pi
 from typing import Any
 
 import numpy as np
 
-from robodyn.solids.mesh.indexed import Indexed, Mask, Numbers, components, hashed, in_parts, triple
+from robodyn.solids.mesh.indexed import Indexed, Numbers, components, hashed, in_parts, triple
 from robodyn.solids.mesh.triangles import Triangles
 from robodyn.support.floats import Floats
 
@@ -68,15 +67,9 @@ class Interior:
         return None
 
 
-class OpenInterior:
-    """The inside of an open surface, wound either way: where its winding number is above 1/2."""
-
-    def __init__(self, mesh: Indexed) -> None:
-        self._mesh = mesh
-
-    def has(self, point: Floats) -> bool:
-        """Return whether it has this point (3,)."""
-        return bool(abs(winding_numbers(point[None], self._mesh)[0]) > 0.5)
+def is_in_open(point: Floats, mesh: Indexed) -> bool:
+    """Return whether an open surface, wound either way, has a point (3,) inside: a winding number above 1/2."""
+    return bool(abs(winding_numbers(point[None], mesh)[0]) > 0.5)
 
 
 class _Sheared:
@@ -104,7 +97,9 @@ class _Sheared:
         margin = _ROUNDING * (np.abs(p).max() + size)
         first, second = x[[1, 2, 0]] * y[[2, 0, 1]], x[[2, 0, 1]] * y[[1, 2, 0]]
         weight = first - second
-        if (np.abs(weight) <= margin * size).any(axis=0)[_straddles(weight, margin * size)].any():
+        doubt = margin * size
+        outside = (weight > doubt).any(axis=0) & (weight < -doubt).any(axis=0)
+        if ((np.abs(weight) <= doubt).any(axis=0) & ~outside).any():
             return None
         hit = (weight > 0).all(axis=0) | (weight < 0).all(axis=0)
         height = (weight * z)[:, hit].sum(axis=0)
@@ -112,13 +107,6 @@ class _Sheared:
         if (np.abs(height) <= 3 * margin[hit] * np.abs(weight[:, hit]).sum(axis=0)).any():
             return None
         return int(side[height * side > 0].sum())
-
-
-def _straddles(weight: Floats, margin: Floats) -> Mask:
-    """Triangles that a ray may meet: no weight is certainly against another."""
-    above, below = (weight > margin).any(axis=0), (weight < -margin).any(axis=0)
-    either: Mask = np.logical_not(above & below)
-    return either
 
 
 def manifold(vertices: Floats, faces: Numbers) -> Any:
@@ -142,36 +130,16 @@ def triangle_boxes(corners: Floats) -> Floats:
 
 
 _MOST_PAIRS = 2_000_000
-_CELLS = 64
 
 
 def may_cross(one: Floats, other: Floats) -> bool:
-    """Return whether triangles with these boxes (2, n, 3) may meet; True where that is not told.
-
-    Boxes are compared in pairs or, where they are many and small, by the cells of a lattice that they touch.
-    """
+    """Return whether triangles with these boxes (2, n, 3) may meet; True where there are too many to be compared."""
     lo = np.maximum(one[0].min(axis=0), other[0].min(axis=0))
     hi = np.minimum(one[1].max(axis=0), other[1].max(axis=0))
     one, other = (boxes[:, ((boxes[0] <= hi) & (boxes[1] >= lo)).all(axis=1)] for boxes in (one, other))
-    if not one.shape[1] or not other.shape[1]:
-        return False
-    if one.shape[1] * other.shape[1] <= _MOST_PAIRS:
-        return any(bool(((one[0] <= top) & (one[1] >= low)).all(axis=1).any()) for low, top in zip(*other, strict=True))
-    step = np.maximum(hi - lo, np.finfo(float).tiny) / _CELLS
-    cells = [np.clip((boxes - lo) / step, 0, _CELLS - 1).astype(np.int64) for boxes in (one, other)]
-    if max(int((last - first).max()) for first, last in cells) > 2:
+    if one.shape[1] * other.shape[1] > _MOST_PAIRS:
         return True
-    touched = [_cells_of(*each) for each in cells]
-    return bool((touched[0] & touched[1]).any())
-
-
-def _cells_of(first: Numbers, last: Numbers) -> Mask:
-    """Return which cells are touched by boxes from these cells (n, 3) on to those, at most two further."""
-    found = np.zeros(_CELLS**3, np.bool_)
-    for steps in product_of(range(3), repeat=3):
-        x, y, z = np.minimum(first + np.array(steps), last).T
-        found[(x * _CELLS + y) * _CELLS + z] = True
-    return found
+    return any(bool(((one[0] <= top) & (one[1] >= low)).all(axis=1).any()) for low, top in zip(*other, strict=True))
 
 
 _TRIED_PAIRS = 16
@@ -197,78 +165,40 @@ def shell_faults(triangles: Triangles) -> tuple[int, bool]:
     Args:
         triangles: a closed surface.
     """
-    shells = _Shells.of(triangles.array())
-    solid = np.abs(shells.volumes) > _FLAT * np.prod(shells.hi - shells.lo, axis=1)
-    bodies, inward = solid & (shells.volumes > 0), np.flatnonzero(solid & (shells.volumes < 0))
-    inside = _Interiors(shells)
-    inverted = sum(not _may_be_cavity(shells, inside, int(one), bodies) for one in inward)
-    return inverted, any(inside.overlap(one, body, inward) for one, body in _pairs(shells, bodies))
+    corners = triangles.array()
+    _, number = np.unique(hashed(corners.transpose(1, 2, 0)), return_inverse=True)
+    one, two, three = number.reshape(3, -1)
+    links = np.concatenate([one, one]), np.concatenate([two, three])
+    shells, lo, hi = in_parts(corners, components(int(number.max()) + 1, *links)[one])
+    volumes = np.array([float(triple(shell - shell[0, 0]).sum()) / 6 for shell in shells])
+    size = np.prod(hi - lo, axis=1)
+    solid = np.abs(volumes) > _FLAT * size
+    bodies, inward = solid & (volumes > 0), np.flatnonzero(solid & (volumes < 0)).tolist()
+    interior = cache(lambda shell: Interior(shells[shell]))
 
+    def has(shell: int, point: Floats) -> bool:
+        return bool(((lo[shell] < point) & (point < hi[shell])).all() and interior(shell).has(point))
 
-@dataclass(frozen=True, eq=False)
-class _Shells:
-    """Triangles (m, 3, 3) of each shell, their volumes (k,), and the corners (k, 3) of their boxes."""
+    def reaching(shell: int, body: int) -> Iterator[Floats]:
+        return (point for point in _points(shells[shell], lo[body], hi[body]) if has(body, point))
 
-    corners: list[Floats]
-    volumes: Floats
-    lo: Floats
-    hi: Floats
-
-    @classmethod
-    def of(cls, corners: Floats) -> _Shells:
-        parts, lo, hi = in_parts(corners, _labels(corners))
-        volumes = np.array([float(triple(part - part[0, 0]).sum()) / 6 for part in parts])
-        return cls(parts, volumes, lo, hi)
-
-    def shared(self, body: int, others: Mask) -> Floats:
-        """(k,) volume that the boxes of other shells share with that of a body."""
-        common = np.minimum(self.hi, self.hi[body]) - np.maximum(self.lo, self.lo[body])
-        volume: Floats = np.where((common > 0).all(axis=1) & others, np.prod(common, axis=1), 0.0)
-        volume[body] = 0.0
+    def shared(shell: int) -> Floats:
+        """(k,) volume that the boxes of other bodies share with that of a shell."""
+        common = np.minimum(hi, hi[shell]) - np.maximum(lo, lo[shell])
+        volume: Floats = np.where((common > 0).all(axis=1) & bodies, np.prod(common, axis=1), 0.0)
+        volume[shell] = 0.0
         return volume
 
-
-class _Interiors:
-    """The insides of bodies, each made when it is first asked for."""
-
-    def __init__(self, shells: _Shells) -> None:
-        self._shells = shells
-        self._known: dict[int, Interior] = {}
-
-    def reaching(self, one: int, body: int) -> Iterator[Floats]:
-        """Points (3,) of a shell that lie in a body."""
-        for point in _points(self._shells.corners[one], self._shells.lo[body], self._shells.hi[body]):
-            if self._has(body, point):
-                yield point
-
-    def overlap(self, one: int, body: int, inward: Numbers) -> bool:
-        """Return whether a body has points in another, outside the cavities among these shells."""
-        cavities = [int(shell) for shell in inward]
-        return any(not any(self._has(shell, point) for shell in cavities) for point in self.reaching(one, body))
-
-    def _has(self, shell: int, point: Floats) -> bool:
-        if not ((self._shells.lo[shell] < point) & (point < self._shells.hi[shell])).all():
-            return False
-        if shell not in self._known:
-            self._known[shell] = Interior(self._shells.corners[shell])
-        return bool(self._known[shell].has(point))
-
-
-def _may_be_cavity(shells: _Shells, inside: _Interiors, one: int, bodies: Mask) -> bool:
-    around = np.flatnonzero(shells.shared(one, bodies))
-    if len(around) > _BODIES:
-        return True
-    return any(True for body in around for _ in inside.reaching(one, int(body)))
-
-
-def _pairs(shells: _Shells, bodies: Mask) -> list[tuple[int, int]]:
-    """Bodies and others whose boxes share volume, those that share most of the first first."""
-    size = np.prod(shells.hi - shells.lo, axis=1)
+    inverted = 0
+    for shell in inward:
+        around = np.flatnonzero(shared(shell)).tolist()
+        inverted += len(around) <= _BODIES and not any(True for body in around for _ in reaching(shell, body))
     shares = []
-    for body in np.flatnonzero(bodies):
-        volume = shells.shared(int(body), bodies)
-        shares += [(-volume[one] / size[one], int(one), int(body)) for one in np.flatnonzero(volume)]
-    return [(one, body) for _, one, body in sorted(shares)[:_TRIED_PAIRS]]
+    for body in np.flatnonzero(bodies).tolist():
+        volume = shared(body)
+        shares += [(-volume[k] / size[k], k, body) for k in np.flatnonzero(volume).tolist()]
+    tried = (reaching(shell, body) for _, shell, body in sorted(shares)[:_TRIED_PAIRS])
+    return inverted, any(not any(has(cavity, point) for cavity in inward) for points in tried for point in points)
 
 
 def _points(shell: Floats, lo: Floats, hi: Floats) -> Floats:
@@ -283,10 +213,3 @@ def _points(shell: Floats, lo: Floats, hi: Floats) -> Floats:
         near = near[np.lexsort((-area, near // len(shell)))[:_POINTS]]
     chosen: Floats = points[near]
     return chosen
-
-
-def _labels(corners: Floats) -> Numbers:
-    """(m,) the shell of each triangle."""
-    _, number = np.unique(hashed(corners.transpose(1, 2, 0)), return_inverse=True)
-    one, two, three = number.reshape(3, -1)
-    return components(int(number.max()) + 1, np.concatenate([one, one]), np.concatenate([two, three]))[one]

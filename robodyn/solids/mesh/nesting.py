@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 
 from robodyn.errors import MeshError
 from robodyn.solids.mesh.indexed import Mask, Numbers, areas, in_parts, merged, triple
-from robodyn.solids.mesh.inside import Interior, OpenInterior, may_cross, solid, triangle_boxes
+from robodyn.solids.mesh.inside import Interior, is_in_open, may_cross, solid, triangle_boxes
 from robodyn.solids.mesh.shells import Shells
 from robodyn.support.floats import Floats
 from robodyn.support.input_limits import beyond, limits
+
+Inside = Callable[[Floats], bool | None]
+"""Whether a point (3,) lies inside of a surface; None where rounding cannot tell."""
 
 _NOISE = 1e-13
 """Volume over the sum of the sizes of its terms below which a shell is flat and has no sign."""
@@ -88,7 +92,7 @@ def nested(
     closed = shells.closed & ~flat
     gaping = ~shells.closed[shells.label]
     gaping[len(gaping) - caps :] = False
-    patches_inside = OpenInterior(shells.mesh.keep(gaping)) if gaping.any() else None
+    patches_inside = partial(is_in_open, mesh=shells.mesh.keep(gaping)) if gaping.any() else None
     around, order = _containers(shells, volumes, closed, patches_inside, name)
     patches = volumes[~shells.closed].sum()
     inside_out = bool(patches < 0 and not flat[~shells.closed].all())
@@ -171,12 +175,12 @@ def _volumes(shells: Shells) -> tuple[Floats, Mask]:
 
 
 def _containers(
-    shells: Shells, volumes: Floats, proper: Mask, patches: OpenInterior | None, name: str | None
+    shells: Shells, volumes: Floats, proper: Mask, patches: Inside | None, name: str | None
 ) -> tuple[list[list[int]], list[int]]:
     """Return the shells around each, the smallest first, and closed shells from the largest down."""
     corners, lo, hi = in_parts(shells.mesh.corners, shells.label)
     sizes = np.abs(volumes)
-    interiors: dict[int, Interior] = {}
+    interior = cache(lambda shell: Interior(corners[shell]))
     boxes = cache(lambda shell: triangle_boxes(corners[shell]))
     found: list[list[int]] = [[] for _ in sizes]
     tried, most = 0, limits().mesh_nesting
@@ -185,14 +189,12 @@ def _containers(
         around = proper & (sizes > sizes[shell]) & (lo <= lo[shell]).all(axis=1) & (hi >= hi[shell]).all(axis=1)
         points = _points(corners[shell]) if around.any() or patches else []
         for other in sorted(np.flatnonzero(around).tolist(), key=sizes.__getitem__):
-            if other not in interiors:
-                interiors[other] = Interior(corners[other])
             near = may_cross(boxes(shell), boxes(other))
             tried += len(points) if near else 1
             if tried > most:
                 what = f"{len(sizes)} shells to be placed in each other by {tried} points"
                 raise beyond("mesh_nesting", what, MeshError, file=name)
-            inside = _holds(interiors[other], points, all_of_them=near)
+            inside = _holds(interior(other).has, points, all_of_them=near)
             if inside and not (near and _reaches_out(corners[shell], corners[other])):
                 found[shell].append(other)
         if patches is not None and _holds(patches, points):
@@ -206,11 +208,11 @@ def _reaches_out(corners: Floats, other: Floats) -> bool:
     return None not in (one, two) and bool((one - two).volume() > _TOUCH * one.volume())
 
 
-def _holds(interior: Interior | OpenInterior, points: list[Floats], all_of_them: bool = True) -> bool:
+def _holds(inside: Inside, points: list[Floats], all_of_them: bool = True) -> bool:
     """Return whether points lie in a shell, as far as that can be told; or whether the first does for which it can."""
     found = False
     for point in points:
-        answer = interior.has(point)
+        answer = inside(point)
         if answer is False:
             return False
         found = found or answer is True
