@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from math import comb, factorial, pi
+from math import comb, pi
 
 import numpy as np
 
@@ -17,7 +17,6 @@ from robodyn.solids.mesh.integrals import Integrals
 from robodyn.solids.mesh.tessellation import LineMasses, line_masses
 from robodyn.solids.mesh.triangles import Triangles
 from robodyn.support.floats import Floats
-from robodyn.support.sums import einsum
 
 FREQUENCIES = 8
 """Highest order of the moments about an axis."""
@@ -137,67 +136,19 @@ _WEIGHTS = np.repeat((0.10995174365532187, 0.22338158967801147), 3)
 _PAIR = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 
 
-@dataclass(frozen=True, eq=False)
-class EvenForm:
-    """The sum of factor * x^i y^j z^k with i + j + k the degree.
+def sixth_moments(corners: Array) -> Array:
+    """(3, 3, 3, 3, 3, 3) integrals of products of six coordinates over the tetrahedra from the origin to triangles.
 
-    Attributes:
-        powers: (m, 3) i, j, k.
-        factors: (m,).
+    Lengths are in units of the largest distance of a corner.
     """
-
-    powers: Array
-    factors: Floats
-
-    @classmethod
-    def of(cls, corners: Array, degree: int) -> EvenForm:
-        """Return the integral of (n . x)^degree, degree up to 6, over the tetrahedra from the origin to triangles.
-
-        Lengths are in units of the largest distance of a corner.
-
-        Args:
-            corners: (m, 3, 3) about the centre.
-        """
-        powers = np.array([(i, j, degree - i - j) for i in range(degree + 1) for j in range(degree + 1 - i)])
-        reach = np.sqrt((corners**2).sum(axis=2).max())
-        sums = np.zeros(len(powers))
-        for start in range(0, len(corners), _SMALL_BLOCK):
-            sums += _form_sums(corners[start : start + _SMALL_BLOCK] / reach, powers)
-        ways = [factorial(degree) // (factorial(i) * factorial(j) * factorial(k)) for i, j, k in powers.tolist()]
-        return cls(powers, sums / (degree + 3) * ways)
-
-    def derivatives(self, n: Array) -> tuple[Floats, Floats]:
-        """Gradients (m, 3) and Hessians (m, 3, 3) at directions (m, 3)."""
-        gradient, hessian = np.empty(n.shape), np.empty((*n.shape, 3))
-        for i in range(3):
-            first = self._along(i)
-            gradient[:, i] = first._at(n)
-            for j in range(i + 1):
-                hessian[:, i, j] = hessian[:, j, i] = first._along(j)._at(n)
-        return gradient, hessian
-
-    def _along(self, i: int) -> EvenForm:
-        """Return the derivative in one coordinate."""
-        lower = self.powers.copy()
-        lower[:, i] = np.maximum(lower[:, i] - 1, 0)
-        return EvenForm(lower, self.factors * self.powers[:, i])
-
-    def _at(self, n: Array) -> Floats:
-        found: Floats = (np.prod(_powers(n)[:, self.powers, np.arange(3)], axis=2) * self.factors).sum(axis=1)
-        return found
-
-
-def _form_sums(corners: Array, powers: Array) -> Floats:
-    """(m,) integrals of the products of coordinates with these powers over triangles of twice the area D."""
-    points = einsum("qc,mcx->qmx", _FOLDED, corners)
-    products = np.prod(_powers(points)[:, :, powers, np.arange(3)], axis=3)
-    found: Floats = (products * (_FOLDED_WEIGHTS[:, None] * determinants(corners))[:, :, None]).sum(axis=(0, 1))
-    return found
-
-
-def _powers(x: Array) -> Array:
-    """(..., 7, 3) powers 0 to 6 of coordinates (..., 3)."""
-    return np.cumprod(np.concatenate([np.ones((*x.shape[:-1], 1, 3)), *[x[..., None, :]] * 6], axis=-2), axis=-2)
+    reach = np.sqrt((corners**2).sum(axis=2).max())
+    sums = np.zeros((27, 27))
+    for start in range(0, len(corners), _SMALL_BLOCK):
+        block = corners[start : start + _SMALL_BLOCK] / reach
+        X = product(_FOLDED, block).transpose(2, 1, 0).reshape(3, -1)
+        triples = (X[:, None, None] * X[:, None] * X).reshape(27, -1)
+        sums += product(triples * np.outer(_FOLDED_WEIGHTS, determinants(block)).ravel(), triples.T)
+    return (sums / 9).reshape((3,) * 6)
 
 
 def _folded() -> tuple[Floats, Floats]:

@@ -13,7 +13,7 @@ import numpy as np
 from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import Array, length, product, rotation_about
 from robodyn.solids.inertia.principal import pointed
-from robodyn.solids.mesh.asymmetry import FREQUENCIES, CentredBody, EvenForm, axial_moments, mirror
+from robodyn.solids.mesh.asymmetry import FREQUENCIES, CentredBody, axial_moments, mirror, sixth_moments
 from robodyn.solids.mesh.columns import frame_along
 from robodyn.support.floats import Floats, first_largest, ranked
 from robodyn.support.sums import einsum
@@ -165,20 +165,23 @@ def rim_angles(points: Array, frame: Array) -> Floats:
     return found
 
 
-def critical_directions(form: EvenForm) -> Floats:
-    """(n, 3) isolated critical points, one of each opposite pair, of a form among unit vectors.
+def critical_directions(M: Array) -> Floats:
+    """(n, 3) isolated critical points, one of each opposite pair, of a form M n ... n among unit vectors n.
 
     Every normal of a mirror plane and every axis is one, wherever the form tells directions apart: one of degree 4 for
     the symmetry of a cube, one of degree 6 for that of an icosahedron. Newton's method from many directions.
+
+    Args:
+        M: (3, 3, ...) symmetric in all indices.
     """
     n = _spread(_STARTS)
     for _ in range(_STEPS):
-        step, _ = _newton(form, n)
+        step, _ = _newton(M, n)
         size = np.linalg.norm(step, axis=1, keepdims=True)
         n = n + step * np.minimum(1.0, 0.3 / np.maximum(size, 1e-300))
         n = n / np.linalg.norm(n, axis=1, keepdims=True)
-    step, steep = _newton(form, n)
-    return distinct_lines(n[(np.linalg.norm(step, axis=1) < 1e-9) & (steep > _STEEP * np.abs(form.factors).max())])
+    step, steep = _newton(M, n)
+    return distinct_lines(n[(np.linalg.norm(step, axis=1) < 1e-9) & (steep > _STEEP * np.abs(M).max())])
 
 
 def distinct_lines(directions: Array) -> Floats:
@@ -200,15 +203,19 @@ def swapping_normals(points: Array) -> Floats:
     return distinct_lines((between[apart] / length[apart, None])[:_MOST])
 
 
-def _newton(form: EvenForm, n: Array) -> tuple[Array, Array]:
+def _newton(M: Array, n: Array) -> tuple[Array, Array]:
     """Newton's steps (n, 3) in the tangent planes, and the least absolute curvature (n,) there."""
-    gradient, hessian = form.derivatives(n)
+    hessian = M.reshape(1, -1) * (M.ndim * (M.ndim - 1))
+    for _ in range(M.ndim - 2):
+        hessian = (n[:, :, None] * hessian.reshape(len(hessian), 3, -1)).sum(axis=1)
+    hessian = hessian.reshape(-1, 3, 3)
+    gradient = einsum("nij,nj->ni", hessian, n) / (M.ndim - 1)
     slope = einsum("ni,ni->n", gradient, n)
     across = np.cross(n, np.eye(3)[np.argmin(np.abs(n), axis=1)])
     across /= np.linalg.norm(across, axis=1, keepdims=True)
     tangent = np.stack((across, np.cross(n, across)), axis=2)
     curvature = product(tangent.transpose(0, 2, 1), hessian - slope[:, None, None] * np.eye(3), tangent)
-    values, turned = _plane_eigen(curvature)
+    values, turned = np.linalg.eigh(curvature)
     axes, size = product(tangent, turned), np.abs(curvature).max() + 1e-300
     safe = np.where(np.abs(values) > 1e-14 * size, values, size)
     step = -einsum("nij,nj->ni", axes, einsum("nij,ni->nj", axes, gradient) / safe)
@@ -221,18 +228,6 @@ def _spread(count: int) -> Floats:
     z, turn = index / count, np.pi * (1 + 5**0.5) * index
     r = np.sqrt(1 - z * z)
     return np.concatenate([np.eye(3), np.stack([r * np.cos(turn), r * np.sin(turn), z], axis=1)])
-
-
-def _plane_eigen(A: Array) -> tuple[Array, Array]:
-    """Eigenvalues (n, 2) and orthonormal eigenvectors (n, 2, 2), as columns, of symmetric matrices (n, 2, 2)."""
-    half, off = (A[:, 0, 0] - A[:, 1, 1]) / 2, A[:, 0, 1]
-    radius = np.copysign(np.sqrt(half * half + off * off), half)
-    x, y = half + radius, off
-    size = np.sqrt(x * x + y * y)
-    x, y = np.where(size > 0, (x, y), [[1.0], [0.0]]) / np.where(size > 0, size, 1.0)
-    middle = (A[:, 0, 0] + A[:, 1, 1]) / 2
-    values = np.stack((middle + radius, middle - radius), axis=1)
-    return values, np.stack((x, -y, y, x), axis=1).reshape(-1, 2, 2)
 
 
 Found = TypeVar("Found", bound=Plane | Axis)
@@ -309,7 +304,7 @@ class Search:
         """Directions that even moments single out where the second are all equal; none of a ball."""
         if self._ball or not self._all_equal:
             return np.empty((0, 3))
-        forms = (EvenForm.of(self.body.corners, degree) for degree in (4, 6))
+        forms = self.body.moments.tensors[2], sixth_moments(self.body.corners)
         return distinct_lines(np.concatenate([critical_directions(form) for form in forms]))
 
     @cached_property
