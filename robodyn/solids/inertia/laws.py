@@ -17,10 +17,7 @@ from robodyn.support.floats import Floats
 
 
 def exact(numbers: ArrayLike) -> Array:
-    """Return the same numbers as an array of fractions.
-
-    Args:
-        numbers: floats of any width, integers or fractions, of any shape.
+    """Return floats of any width, integers or fractions, of any shape, as an array of fractions.
 
     Raises:
         InputError: one of them is infinite or not a number.
@@ -41,13 +38,7 @@ def fraction(number: ArrayLike) -> Scalar:
 
 
 def rounded(fractions: Array) -> Floats:
-    """Return the nearest floats.
-
-    Raises:
-        InputError: one of them is beyond the range of a float.
-
-    Accuracy: correctly rounded.
-    """
+    """Return the nearest floats; raises InputError where one is beyond the range of a float."""
     try:
         return fractions.astype(float)
     except OverflowError:
@@ -55,10 +46,7 @@ def rounded(fractions: Array) -> Floats:
 
 
 def two_floats(fractions: Array) -> tuple[Floats, Floats]:
-    """Return the nearest floats, and the floats nearest to what they leave.
-
-    Accuracy: their sum within 2^-106 of each number, where the rest is not below the range of a float.
-    """
+    """Return the nearest floats, and the floats nearest to what they leave: within 2^-106 of each number together."""
     high = rounded(fractions)
     return high, rounded(fractions - exact(high))
 
@@ -72,11 +60,9 @@ def symmetric(entries: Iterable[Scalar]) -> Array:
 def inertia_matrix(S: Floats) -> Floats:
     """I = tr(S) 1 - S, the inertia matrix of second moments S = integral of x x^T dm about the same point.
 
-    Diagonal entries are written as sums of two, so that those of a needle keep their digits.
-
     Accuracy: each entry within eps / 2.
     """
-    I = 0.0 - S
+    I = 0.0 - S  # diagonal entries are sums of two, so that those of a needle keep their digits
     for i in range(3):
         I[i, i] = S[i - 1, i - 1] + S[i - 2, i - 2]
     return I
@@ -93,9 +79,7 @@ def principal_moments(second: Floats) -> Floats:
 def second_moments(I: Array) -> Array:
     """S = tr(I) / 2 1 - I, the inverse of `inertia_matrix`.
 
-    Exact for fractions. Floats lose the digits of a second moment that is small against the moments of inertia.
-
-    Accuracy: each entry within 2 eps of the largest moment of inertia.
+    Accuracy: exact for fractions; of floats each entry within 2 eps of the largest moment of inertia.
     """
     half = I / 2
     S: Array = 0 * I - I
@@ -135,7 +119,6 @@ def inertia_of(m: Scalar, c: Array, I_c: Array, R: Array = IDENTITY, p: Array = 
     """Return the moments of a body whose frame stands at rotation R and origin p, about the origin of the outer frame.
 
     With c' = R c + p: `m`, `m c'`, `R I_c R^T - m [c'][c']`, the inertia rotation law and the parallel axis theorem.
-    Nothing is asked of m and I_c, so that unphysical inertias pass through unchanged.
 
     Args:
         m: kg.
@@ -162,15 +145,11 @@ _ORTHOGONAL = 1e-9
 def parallel_axis(I_c: Array, m: Scalar, d: Array) -> Array:
     """I = I_c + m (|d|^2 1 - d d^T), the inertia about a point at distance d from the centre of mass.
 
-    The parallel axis theorem of Huygens and Steiner, as `robodyn.solids.inertia.laws.inertia_of` has it for a whole
-    pose.
+    The parallel axis theorem of Huygens and Steiner, as `inertia_of` has it for a whole pose.
 
     Args:
         I_c: (3, 3) about the centre of mass [kg m^2].
-        m: kg.
-        d: (3,) from the point to the centre of mass or back, in the axes of I_c [m].
-
-    Accuracy: each entry within 16 eps of the sum of the magnitudes that add up to it.
+        m: kg. d: (3,) from the point to the centre of mass or back, in the axes of I_c [m].
     """
     return inertia_of(m, d, I_c).I
 
@@ -178,33 +157,19 @@ def parallel_axis(I_c: Array, m: Scalar, d: Array) -> Array:
 def about_centre(I: Array, m: Scalar, d: Array) -> Array:
     """I_c = I - m (|d|^2 1 - d d^T), the parallel axis theorem backwards: from a point to the centre of mass.
 
-    Args:
-        I: (3, 3) about the point [kg m^2].
-        m, d: as for `parallel_axis`.
-
-    Accuracy: each entry within 16 eps of the sum of the magnitudes that add up to it; most digits go where the body is
-        small against d.
+    Most digits go where the body is small against d. Arguments as for `parallel_axis`.
     """
     return parallel_axis(I, -m, d)
 
 
 def rotation_law(I: Array, R: Array) -> Array:
-    """R I R^T, the inertia matrix in the outer axes of a frame that stands at rotation R in them.
-
-    With R^T it leads from the outer axes to the frame's.
-
-    Accuracy: each entry within 16 eps of the sum of the magnitudes that add up to it, for R as given.
-    """
+    """R I R^T, the inertia matrix in the outer axes of a frame that stands at rotation R in them; R^T leads back."""
     turned: Array = product(R, I, R.T)
     return turned
 
 
 def orthogonal(R: Array) -> Array:
-    """R, if its rows are orthonormal within 1e-9.
-
-    Raises:
-        InputError: with the largest entry of R R^T - 1.
-    """
+    """R, if its rows are orthonormal within 1e-9; raises InputError, with the largest entry of R R^T - 1, if not."""
     error = np.abs(product(R, R.T) - IDENTITY).max() if np.shape(R) == (3, 3) else np.inf
     if not error <= _ORTHOGONAL:
         raise InputError(

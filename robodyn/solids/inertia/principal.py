@@ -63,18 +63,16 @@ def principal_axes(S: Array, S_low: Array | float = 0.0, tolerance: float = EQUA
     """Principal moments and axes of the second moments S + S_low: I v_i = I_i v_i with I = tr(S) 1 - S.
 
     Method: Jacobi's, in floats; then once more on the matrix seen from the axes found, which is computed in fractions.
-    That matrix is diagonal but for rounding, so that its small entries are as accurate as its large ones. Moments are
-    sums of two second moments; the difference of two moments is that of two second moments.
+    That matrix is diagonal but for rounding, so that its small entries are as accurate as its large ones.
 
     Unique axes point so that their largest component is positive, the last so that they are right-handed. Of equal
     moments the axes follow the coordinate axes: all three are these, or the first of two is the projection of the
-    coordinate axis nearest to their plane (the first of these where several are).
+    coordinate axis nearest to their plane.
 
     Args:
         S: (3, 3) kg m^2, floats or fractions.
         S_low: (3, 3) what floats leave of it.
-        tolerance: moments are equal if they differ by no more than this part of the largest. Axes of such moments are
-            principal within the same part; 0 keeps the axes of what differs at all.
+        tolerance: moments are equal if they differ by no more than this part of the largest.
 
     Accuracy: each principal moment and second moment within 16 eps of that of the matrix as given, however small, if
         it is positive definite with second moments down to 1e-20 of the largest. Axes orthonormal within 8 eps, and
@@ -84,18 +82,14 @@ def principal_axes(S: Array, S_low: Array | float = 0.0, tolerance: float = EQUA
     _, rough = eigen(rounded(given))
     second, correction = eigen(rounded(product(exact(rough), given, exact(rough).T)))
     moments = principal_moments(second)
-    groups = _groups(second, tolerance * np.abs(moments).max())
-    return Principal(moments, _oriented(product(correction, rough), groups) + 0.0, second, groups, tolerance)
-
-
-def _groups(second: Floats, within: float) -> tuple[tuple[int, ...], ...]:
-    groups = [[0]]
+    within, equal = tolerance * np.abs(moments).max(), [[0]]
     for i in (1, 2):
         if second[i - 1] - second[i] <= within:
-            groups[-1].append(i)
+            equal[-1].append(i)
         else:
-            groups.append([i])
-    return tuple(map(tuple, groups))
+            equal.append([i])
+    groups = tuple(map(tuple, equal))
+    return Principal(moments, _oriented(product(correction, rough), groups) + 0.0, second, groups, tolerance)
 
 
 def _oriented(axes: Floats, groups: tuple[tuple[int, ...], ...]) -> Floats:
@@ -104,22 +98,15 @@ def _oriented(axes: Floats, groups: tuple[tuple[int, ...], ...]) -> Floats:
     if len(groups) == 3:
         first, second = pointed(axes[0]), pointed(axes[1])
         return np.array((first, second, cross(first, second)))
-    if len(groups[0]) == 1:
-        lone = pointed(axes[0])
-        first = _nearest_in_plane(lone)
-        return np.array((lone, first, cross(lone, first)))
-    lone = pointed(axes[2])
-    first = _nearest_in_plane(lone)
-    return np.array((first, cross(lone, first), lone))
+    lone_first = len(groups[0]) == 1
+    lone = pointed(axes[0 if lone_first else 2])
+    nearest = IDENTITY[first_largest(-np.abs(lone), noise=EQUAL)]
+    projection = nearest - lone * product(lone, nearest)
+    first = projection / length(projection)
+    second = cross(lone, first)
+    return np.array((lone, first, second) if lone_first else (first, second, lone))
 
 
 def pointed(axis: Floats) -> Floats:
     """Return the axis or its opposite, with the largest component (the first of several) positive."""
     return np.asarray(axis * np.sign(axis[first_largest(np.abs(axis))]), dtype=float)
-
-
-def _nearest_in_plane(normal: Floats) -> Floats:
-    """The unit projection of the coordinate axis (the first of several) nearest to the plane with this normal."""
-    nearest = IDENTITY[first_largest(-np.abs(normal), noise=EQUAL)]
-    projection = nearest - normal * product(normal, nearest)
-    return np.asarray(projection / length(projection), dtype=float)

@@ -39,17 +39,15 @@ class MassProperties:
     """Mass properties of a body, in the axes of its frame.
 
     The second moments S_c = integral of (x - c)(x - c)^T dm are kept, and not the inertia matrix I_c = tr(S_c) 1 - S_c,
-    in whose digits the smallest second moment of a plate or a needle is lost. The laws are computed in fractions from
-    the floats that are given, and their results kept as sums of two floats, so that every principal moment of a needle
-    of 1 : 1e6 holds in any pose. Nothing asks whether the body can exist; `robodyn.solids.inertia.validity` does.
+    in whose digits the smallest second moment of a plate or a needle is lost. The laws are computed in fractions, and
+    their results kept as sums of two floats. Nothing asks whether the body can exist; `inertia/validity` does.
 
     Attributes:
         mass: kg; negative for a hole.
         com: (3,) centre of mass [m].
         S_c: (3, 3) second moments about the centre of mass [kg m^2]. May be given as fractions or wide floats.
-        volume: m^3, where it is known.
-        area: of the surface [m^2], where it is known.
-        S_low: (3, 3) what the floats S_c leave of the second moments; not needed.
+        volume: m^3; area: of the surface [m^2]; where they are known.
+        S_low: (3, 3) what the floats S_c leave of the second moments.
 
     Raises:
         InputError: a number is not finite, a shape is wrong, or the second moments are not symmetric.
@@ -100,15 +98,12 @@ class MassProperties:
         return inertia_matrix(self.S_c)
 
     def about(self, point: Array) -> Floats:
-        """Return the inertia matrix about a point of the frame [m], by the parallel axis theorem.
-
-        Accuracy: that of `parallel_axis` for the distance of the floats `com` and `point`.
-        """
+        """Return the inertia matrix about a point of the frame [m], by the parallel axis theorem."""
         return parallel_axis(self.inertia, self.mass, self.com - point)
 
     @property
     def moments(self) -> Inertia:
-        """The same body as the dynamics takes it: mass, first moment and inertia matrix about the frame's origin."""
+        """Mass, first moment and inertia matrix about the frame's origin, as the dynamics takes them."""
         return Inertia(self.mass, self.mass * self.com, self.about(ZERO))
 
     @cached_property
@@ -125,14 +120,12 @@ class MassProperties:
         """The body in the outer frame in which its own stands at rotation R and origin p: c -> R c + p, S -> R S R^T.
 
         Args:
-            R: (3, 3) orthogonal; a reflection gives the mirror image.
-            p: (3,) m.
+            R: (3, 3) orthogonal; a reflection gives the mirror image. p: (3,) m.
 
         Raises:
             InputError: R is not orthogonal within 1e-9.
 
         Accuracy: for R and p as given, `com` correctly rounded and S_c + S_low within 2^-106, entry by entry.
-            Principal moments move by as much as R R^T differs from 1.
         """
         com, S = self.carried(R, p)
         return self._with(S, com=com)
@@ -148,7 +141,7 @@ class MassProperties:
         return self.placed(back, -product(exact(back), exact(p)))
 
     def rotated(self, R: Array) -> MassProperties:
-        """Return the body turned about the origin of the frame, by the inertia rotation law; see `placed`."""
+        """Return the body turned about the origin of the frame; see `placed`."""
         return self.placed(R, ZERO)
 
     def moved(self, p: Array) -> MassProperties:
@@ -156,13 +149,7 @@ class MassProperties:
         return self.placed(IDENTITY, p)
 
     def scaled_to_mass(self, mass: float) -> MassProperties:
-        """Return the same shape with another uniform density factor: S -> S mass / m.
-
-        Raises:
-            InputError: the body has no mass.
-
-        Accuracy: as for `placed`.
-        """
+        """S -> S mass / m; accuracy as for `placed`. Raises InputError where the body has no mass."""
         if not self.mass:
             raise InputError("a body without mass cannot be scaled to one", remedy="give its density")
         return self._with(self.S_exact * (fraction(mass) / fraction(self.mass)), mass=mass)
@@ -186,16 +173,13 @@ class MassProperties:
 def composite(parts: Iterable[tuple[MassProperties, Pose]]) -> MassProperties:
     """Return the mass properties of bodies at given poses, in the frame in which these are given.
 
-    m = sum m_i, c = sum m_i c_i / m, S_c = sum (S_i + m_i (c_i - c)(c_i - c)^T): the rotation law and the parallel axis
-    theorem. A part of negative mass is a hole. Volumes and surfaces are added where all are known.
-
-    Method: sums of fractions from the floats that are given, rounded once at the end.
+    m = sum m_i, c = sum m_i c_i / m, S_c = sum (S_i + m_i (c_i - c)(c_i - c)^T), in fractions that are rounded once. A
+    part of negative mass is a hole. Volumes and surfaces are added where all are known.
 
     Raises:
         InputError: masses that are not all zero add up to zero; a rotation is not orthogonal.
 
-    Accuracy: `com` correctly rounded and S_c + S_low within 2^-106, entry by entry: the same to the last bit in every
-        order of the parts, and wherever the origin is.
+    Accuracy: `com` correctly rounded and S_c + S_low within 2^-106, entry by entry, in every order of the parts.
     """
     given = tuple(parts)
     placed = [(fraction(body.mass), *body.carried(R, p)) for body, (R, p) in given]
@@ -219,24 +203,19 @@ def from_inertia(mass: float, com: ArrayLike, I_c: ArrayLike) -> MassProperties:
     """Return the body with this inertia matrix about its centre of mass, as a URDF or a data sheet gives it.
 
     Args:
-        mass: kg.
-        com: (3,) m.
-        I_c: (3, 3) symmetric [kg m^2].
+        mass: kg. com: (3,) m. I_c: (3, 3) symmetric [kg m^2].
 
     Raises:
         InputError: see `MassProperties`.
 
-    Accuracy: S_c + S_low within 2^-106 of tr(I_c) / 2 1 - I_c, entry by entry, and `inertia` gives I_c back within
-        2 eps of its largest entry. Of a plate or a needle the smallest second moment is as good as the digits of I_c.
+    Accuracy: S_c + S_low within 2^-106 of tr(I_c) / 2 1 - I_c, entry by entry; of a plate or a needle the smallest
+        second moment is as good as the digits of I_c.
     """
     return MassProperties(mass, np.asarray(com), second_moments(exact(I_c)))
 
 
 def from_moments(moments: Inertia) -> MassProperties:
-    """Return the body with these moments about the origin of its frame; undoes `MassProperties.moments`.
-
-    Accuracy: for the moments as given, as for `from_inertia`.
-    """
+    """Return the body with these moments about the origin of its frame; undoes `MassProperties.moments`."""
     if not moments.m:
         return from_inertia(0.0, ZERO, moments.I)
     first = exact(moments.mc)
@@ -262,7 +241,7 @@ def from_integrals(
         volume, first, second: V, (3,) and (3, 3) in units of the shape's file, floats of any width or fractions.
         density: kg/m^3.
         reference: (3,) in units of the file.
-        scale: metres in a unit of the file; 0.001 is not quite a thousandth, fractions.Fraction(1, 1000) is.
+        scale: metres in a unit of the file.
         area: of the surface, in units of the file.
 
     Raises:
@@ -272,10 +251,12 @@ def from_integrals(
     """
     if not volume:
         raise InputError("the shape has no volume", remedy="take its surface as a shell of some thickness")
-    k, V = fraction(scale), fraction(volume)
-    mass, com, S = _uniform(V * k**3, exact(first) * k**4, exact(second) * k**5, fraction(density))
-    surface = None if area is None else fraction(area) * k**2
-    return MassProperties(mass, com + exact(reference) * k, S, V * k**3, surface)
+    k, V, rho = fraction(scale), fraction(volume), fraction(density)
+    com = exact(first) / V
+    S = (exact(second) - np.outer(exact(first), com)) * (rho * k**5)
+    return MassProperties(
+        rho * V * k**3, (com + exact(reference)) * k, S, V * k**3, None if area is None else fraction(area) * k**2
+    )
 
 
 def from_surface_integrals(
@@ -293,54 +274,37 @@ def from_surface_integrals(
     Args:
         area, first, second: A, (3,) and (3, 3) in units of the shape's file.
         thickness: t [m], small against the shape: the mass lies on the surface.
-        density, reference, scale: as for `from_integrals`.
-
-    Raises:
-        InputError: the area is zero, or a number is not finite.
-
-    Accuracy: as for `from_integrals`.
+        density, reference, scale: as for `from_integrals`, as are errors and accuracy.
     """
     if not area:
         raise InputError("the shape has no surface")
     k, t = fraction(scale), fraction(thickness)
     surface = fraction(area) * k**2
-    mass, com, S = _uniform(surface * t, exact(first) * k**3 * t, exact(second) * k**4 * t, fraction(density))
-    return MassProperties(mass, com + exact(reference) * k, S, surface * t, surface)
-
-
-def _uniform(volume: Scalar, first: Array, second: Array, density: Scalar) -> tuple[Scalar, Array, Array]:
-    """Mass, centre of mass from the reference and second moments about it."""
-    com = first / volume
-    return density * volume, com, density * (second - np.outer(first, com))
+    body = from_integrals(area, first, second, density=fraction(density) * t / k, reference=reference, scale=k)
+    return replace(body, volume=surface * t, area=surface)
 
 
 def inertial_element(body: MassProperties, indent: str = "    ") -> str:
     """Return the <inertial> element of a link, about the centre of mass in the axes of the link's frame.
 
-    Numbers are the shortest that read back as the same floats, so that nothing is lost: `ixy` and so on are entries of
-    the inertia matrix, -integral of x y dm. The smallest second moment of a plate or a needle is beyond its six floats.
-
-    Args:
-        indent: what each line starts with; children are indented by two more blanks.
-
-    Returns:
-        Five lines, the last without a line break.
+    Numbers are the shortest that read back as the same floats; `ixy` and so on are entries of the inertia matrix,
+    -integral of x y dm. Five lines, the last without a line break; children are indented by two more blanks.
     """
+
+    def number(value: float) -> str:
+        return repr(float(value))
+
     I = body.inertia
     names = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
-    inertia = " ".join(f'{name}="{_number(I[place])}"' for name, place in names.items())
+    inertia = " ".join(f'{name}="{number(I[place])}"' for name, place in names.items())
     lines = (
         "<inertial>",
-        f'  <origin xyz="{" ".join(map(_number, body.com))}" rpy="0 0 0"/>',
-        f'  <mass value="{_number(body.mass)}"/>',
+        f'  <origin xyz="{" ".join(map(number, body.com))}" rpy="0 0 0"/>',
+        f'  <mass value="{number(body.mass)}"/>',
         f"  <inertia {inertia}/>",
         "</inertial>",
     )
     return "\n".join(indent + line for line in lines)
-
-
-def _number(value: float) -> str:
-    return repr(float(value))
 
 
 Vector = tuple[float, float, float]

@@ -71,8 +71,8 @@ def capsule(radius: float, length: float, *, density: float | None = None, mass:
     """Return a cylinder of this length between two half balls, V = pi r^2 (L + 4 r / 3).
 
     With the parts w = L / (L + 4 r / 3) of the mass in the cylinder and b = 1 - w in the balls: across
-    S = m (w / 4 + b / 5) r^2, along the axis S = m (w L^2 / 12 + b (r^2 / 5 + 3 r L / 8 + L^2 / 4)), since the centre
-    of a half ball is 3 r / 8 from its flat face. The length is that of the cylinder alone, as in SDFormat.
+    S = m (w / 4 + b / 5) r^2, along the axis S = m (w L^2 / 12 + b (r^2 / 5 + 3 r L / 8 + L^2 / 4)). The length is that
+    of the cylinder alone, as in SDFormat.
     """
     _check_lengths("capsule", radius, length)
     whole = length + 4 * radius / 3

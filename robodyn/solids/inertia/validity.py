@@ -72,8 +72,7 @@ class BoxBound:
     Attributes:
         spread: (3,) S_ii / m, the mean square distance from the centre of mass along each axis [m^2].
         bound: (3,) (hi_i - c_i)(c_i - lo_i) [m^2]; negative where the centre of mass lies outside the box.
-        ratio: (3,) spread / bound, above 1 where no distribution of positive mass inside the box has it; infinite where
-            the bound is negative, or zero and the spread is not.
+        ratio: (3,) spread / bound; infinite where the bound is negative, or zero and the spread is not.
     """
 
     spread: Floats
@@ -89,8 +88,7 @@ class BoxBound:
 def box_bound(body: MassProperties, lo: ArrayLike, hi: ArrayLike) -> BoxBound:
     """S_ii / m <= (hi_i - c_i)(c_i - lo_i) for every body inside the box [lo, hi], whatever its density.
 
-    The inequality of Bhatia and Davis (2000) for the coordinates of the mass; two point masses on opposite faces reach
-    it, a uniform box reaches a third of it.
+    The inequality of Bhatia and Davis (2000) for the coordinates of the mass; a uniform box reaches a third of it.
 
     Args:
         lo, hi: (3,) corners of the box in the axes of the body's frame [m].
@@ -142,10 +140,8 @@ def validity(body: MassProperties, relative: float = PRINTED) -> Validity:
     """Return whether a body can exist: mass > 0 and no negative second moment.
 
     S_c positive semidefinite is the same as principal moments that are positive and obey the triangle inequality
-    I_1 + I_2 >= I_3, since I_1 + I_2 - I_3 is twice the smallest second moment (Wensing, Kim, Slotine 2018).
-
-    Args:
-        relative: slack, relative to the largest principal moment.
+    I_1 + I_2 >= I_3, since I_1 + I_2 - I_3 is twice the smallest second moment (Wensing, Kim, Slotine 2018). What is
+    allowed is relative to the largest principal moment.
 
     Accuracy: `slack` within 16 eps, or within 32 eps of itself if the second moments are positive.
     """
@@ -160,12 +156,7 @@ def validity(body: MassProperties, relative: float = PRINTED) -> Validity:
 
 
 def unphysical(I_c: Array, relative: float = PRINTED) -> str | None:
-    """Return why no body can have the inertia matrix I_c about its centre of mass, or None if one can; see `validity`.
-
-    Args:
-        I_c: (3, 3) kg m^2.
-        relative: slack, relative to the largest principal moment.
-    """
+    """Return why no body can have the inertia matrix I_c (3, 3) about its centre of mass [kg m^2], None if one can."""
     size = float(np.abs(I_c).max()) or 1.0
     second, _ = eigen(second_moments(I_c / size))
     return _fault(second, principal_moments(second), relative, size)
