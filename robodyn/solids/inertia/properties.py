@@ -254,9 +254,8 @@ def from_integrals(
     k, V, rho = fraction(scale), fraction(volume), fraction(density)
     com = exact(first) / V
     S = (exact(second) - np.outer(exact(first), com)) * (rho * k**5)
-    return MassProperties(
-        rho * V * k**3, (com + exact(reference)) * k, S, V * k**3, None if area is None else fraction(area) * k**2
-    )
+    surface = None if area is None else fraction(area) * k**2
+    return MassProperties(rho * V * k**3, (com + exact(reference)) * k, S, V * k**3, surface)
 
 
 def from_surface_integrals(

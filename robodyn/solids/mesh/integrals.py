@@ -36,14 +36,7 @@ class Moments(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class VolumeIntegrals:
-    """Integrals over a volume, in units of the file.
-
-    Attributes:
-        volume: V, of 1.
-        first: (3,) of x - reference.
-        S: (3, 3) of (x - reference)(x - reference)^T.
-        reference: (3,).
-    """
+    """Integrals over a volume of 1, x - reference (3,) and (x - reference)(x - reference)^T (3, 3), in its units."""
 
     volume: float
     first: Floats
@@ -100,8 +93,7 @@ class Sweep:
     """What one pass found.
 
     Attributes:
-        sums: (blocks, k) the sums of each block, in the floats of the pass.
-        reference: (3,) the point about which they are.
+        sums: (blocks, k) the sums of each block, in the floats of the pass, about the reference (3,).
         lows, highs: (blocks, 3) corners of the box of each block.
         least: twice the area of the smallest triangle.
         edges: fingerprint of the boundary, where it was asked for.
@@ -149,15 +141,12 @@ class Sweep:
 
     @property
     def safe(self) -> bool:
-        """Whether nothing can have come near the ends of the range of a float."""
+        """Whether nothing came near the ends of the range of a float."""
         reach = self.reach
         return bool((reach < _SAFE[1]).all() and (reach[reach > 0] > _SAFE[0]).all())
 
     def totals(self, columns: slice = slice(None)) -> Array:
-        """(k,) these sums over all blocks, as fractions.
-
-        Accuracy: of float64, the correctly rounded sum; of wider floats, the exact one.
-        """
+        """(k,) these sums over all blocks, as fractions: of float64 correctly rounded, of wider floats exact."""
         if self.sums.dtype == np.float64:
             return exact([fsum(column) for column in self.sums[:, columns].T.tolist()])
         total: Array = exact(self.sums[:, columns]).sum(axis=0)
@@ -197,12 +186,8 @@ def swept(
 
     Args:
         kernel: `volume_kernel` or `surface_kernel`.
-        dtype: of the arithmetic.
         reference: (3,) by default a point in the middle of the first block.
         edges: take the fingerprint of the boundary, too; the arithmetic is in float64 then.
-
-    Raises:
-        MeshError: there are no triangles.
     """
     space = block_space(triangles, dtype)
     ready, boundary = kernel(space), EdgeSums(space) if edges else None
@@ -232,16 +217,8 @@ def swept(
     return Sweep(np.array(sums), reference, *ends, float(min(least)), found)
 
 
-@dataclass(frozen=True, eq=False)
-class SurfaceIntegrals:
-    """Integrals over a surface, in units of the file. They do not depend on the winding.
-
-    Attributes:
-        area: A, of 1.
-        first: (3,) of x - reference.
-        S: (3, 3) of (x - reference)(x - reference)^T.
-        reference: (3,) a point inside the box.
-    """
+class SurfaceIntegrals(NamedTuple):
+    """Integrals over a surface of 1, x - r and (x - r)(x - r)^T about a reference r inside its box, in its units."""
 
     area: float
     first: Floats
@@ -250,9 +227,7 @@ class SurfaceIntegrals:
 
 
 def surface(triangles: Triangles) -> SurfaceIntegrals:
-    """Return A = integral of 1, first = integral of x - r and S = integral of (x - r)(x - r)^T over the surface.
-
-    Sums over triangles about a reference r inside the box; see `robodyn.solids.mesh.kernel`.
+    """Integrals over a surface, by sums over triangles (see `robodyn.solids.mesh.kernel`), whatever their winding.
 
     Raises:
         MeshError: there are no triangles, or moments are beyond the range of a float.
@@ -276,15 +251,12 @@ class Integrals(VolumeIntegrals):
     """Integrals over the volume inside a surface, in units of the file; negative where it is wound inwards.
 
     Attributes:
-        reference: (3,) a point inside the box.
-        area: of the surface.
-        lo, hi: (3,) corners of its box.
-        count: triangles.
+        area: of the surface. lo, hi: (3,) corners of its box. count: triangles.
         bound: of the arithmetic error of the volume, relative to it; infinite where it is all there is.
         method: "float64", "long double" or "rational".
         least: area of the smallest triangle.
         bound_second: as `bound`, of each principal second moment about the centre.
-        unrounded: volume, first and S as fractions, before they were rounded to floats; not needed.
+        unrounded: volume, first and S as fractions, before they were rounded to floats.
     """
 
     area: float
@@ -303,11 +275,9 @@ class Integrals(VolumeIntegrals):
 
 
 def volume_bound(moments: Moments, perm: float, eps: float) -> float:
-    """8 eps perm / |V| and the rounding to a float, of the relative error of V.
+    """8 eps perm / |V| and the rounding to a float: of the relative error of V, on closed surfaces.
 
     perm is V with all its products taken as positive.
-
-    Accuracy: a bound on closed surfaces, where rounding a corner in all its triangles alike moves V little.
     """
     volume = abs(float(moments.volume))
     return _upwards(8 * eps * perm / volume + ROUNDING) if volume else inf
@@ -358,14 +328,13 @@ def integrate(triangles: Triangles, exact: bool = False) -> Integrals:
 
     Sums of tetrahedra from a reference r inside the box (see `volume_kernel`), in float64; where the bound
     of the error of the volume or of a principal second moment is above 1e-12 in long double, if that has 64 bits; and
-    where it still is, or `exact` is asked for, in integers. The area is always in float64.
+    where it still is, or `exact` is asked for, in integers.
 
     Raises:
         MeshError: there are no triangles, or moments are beyond the range of a float.
 
-    Accuracy: S within 1e-15 of its largest entry where `bound_second` is below 1e-13, wherever the origin is. Volume
-        and principal second moments within `bound` and `bound_second`, and so within 1e-12, on every closed surface.
-        Correctly rounded if exact.
+    Accuracy: volume and principal second moments within `bound` and `bound_second`, and so within 1e-12, on every
+        closed surface; correctly rounded if exact.
     """
     return _refined(triangles, swept(triangles, volume_kernel), exact)
 
@@ -386,28 +355,18 @@ def measure(triangles: Triangles, exact: bool = False) -> tuple[Integrals, Finge
 
 def _refined(triangles: Triangles, first: Sweep, exact: bool, limit: float = LIMIT) -> Integrals:
     """Return the integrals of a first sweep in float64, or finer ones where their bounds are above the limit."""
-    if first.safe and not exact:
-        found = _estimated(triangles, first, first, "float64")
-        if _worst_bound(found) > limit and np.finfo(np.longdouble).nmant >= _WIDER:
-            second = swept(triangles, volume_kernel, dtype=np.longdouble, reference=first.reference)
-            found = _estimated(triangles, first, second, "long double")
-        if _worst_bound(found) <= limit:
-            return found
+    wide = np.finfo(np.longdouble).nmant >= _WIDER
+    for method in ("float64", "long double")[: 1 + wide] if first.safe and not exact else ():
+        again = method != "float64"
+        sweep = swept(triangles, volume_kernel, dtype=np.longdouble, reference=first.reference) if again else first
+        sums = sweep.totals(_MOMENTS)
+        moments = Moments(sums[0] / 6, sums[1:4] / 24, symmetric(sums[4:10] / 120))
+        perm, eps = sweep.perm(sweep.sums[:, _SQUARES]) / 6, float(np.finfo(sweep.sums.dtype).eps)
+        bounds = volume_bound(moments, perm, eps), second_bound(moments, perm, sweep.reach, eps)
+        if max(bounds) <= limit:
+            return _integrals(triangles, first, moments, method, bounds)
     moments = exact_moments(triangles, first.reference)
     return _integrals(triangles, first, moments, "rational", (ROUNDING, ROUNDING))
-
-
-def _worst_bound(found: Integrals) -> float:
-    return max(found.bound, found.bound_second)
-
-
-def _estimated(triangles: Triangles, first: Sweep, sweep: Sweep, method: str) -> Integrals:
-    """Return the integrals that a sweep found, with their bounds; the area is that of the first."""
-    sums = sweep.totals(_MOMENTS)
-    moments = Moments(sums[0] / 6, sums[1:4] / 24, symmetric(sums[4:10] / 120))
-    perm, eps = sweep.perm(sweep.sums[:, _SQUARES]) / 6, float(np.finfo(sweep.sums.dtype).eps)
-    bounds = volume_bound(moments, perm, eps), second_bound(moments, perm, sweep.reach, eps)
-    return _integrals(triangles, first, moments, method, bounds)
 
 
 def _integrals(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from sys import float_info
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -34,11 +34,7 @@ def is_sound(triangles: Triangles, integrals: Integrals, edges: Fingerprint) -> 
     """Return whether `robodyn.solids.mesh.repair` is sure to find nothing to do and nothing to say.
 
     So it is where the surface has no boundary, a volume that is positive beyond doubt, no triangle without area, and
-    is one shell with exactly two triangles on every edge: then no face is there twice, no winding has to be turned,
-    there is no other shell that could overlap it or lie in it, and none that could be folded.
-
-    Args:
-        integrals, edges: of these triangles.
+    is one shell with exactly two triangles on every edge.
     """
     size = (integrals.hi - integrals.lo).max()
     return (
@@ -51,12 +47,7 @@ def is_sound(triangles: Triangles, integrals: Integrals, edges: Fingerprint) -> 
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """A surface and its integrals.
-
-    Attributes:
-        triangles: after repair; closed: whether they have no boundary.
-        fixed: what was repaired, None if nothing had to be looked at.
-    """
+    """A surface after repair and its integrals; what was repaired, None if nothing had to be looked at."""
 
     triangles: Triangles
     integrals: Integrals
@@ -108,8 +99,6 @@ def measured(
 
     Raises:
         MeshError: the surface needs repair and that is not wanted, or cannot be closed.
-
-    Accuracy: as `measure`.
     """
     if strict and triangles.warnings:
         remedy = "--strict refuses what is doubtful"
@@ -117,17 +106,9 @@ def measured(
     integrals, edges = measure(triangles, exact)
     if not repair or is_sound(triangles, integrals, edges):
         return Measured(triangles, integrals, edges.closed)
-    fixed = _repaired(triangles, strict, cavities)
-    if fixed.triangles is not triangles:
-        integrals, edges = measure(fixed.triangles, exact)
-    return Measured(fixed.triangles, integrals, edges.closed, fixed)
+    from robodyn.solids.mesh.repair import repair as put_right
 
-
-def _repaired(triangles: Triangles, strict: bool, cavities: bool) -> Repaired:
-    """Return the surface put right and closed."""
-    from robodyn.solids.mesh.repair import repair
-
-    fixed = repair(triangles, cavities)
+    fixed = put_right(triangles, cavities)
     if strict and fixed.steps:
         remedy = "--strict refuses what needs repair"
         raise MeshError("; ".join(step.what for step in fixed.steps), remedy=remedy, file=triangles.name)
@@ -138,41 +119,25 @@ def _repaired(triangles: Triangles, strict: bool, cavities: bool) -> Repaired:
             remedy="--shell THICKNESS takes it as a sheet, --no-repair integrates it as it is",
             file=triangles.name,
         )
-    return fixed
+    if fixed.triangles is not triangles:
+        integrals, edges = measure(fixed.triangles, exact)
+    return Measured(fixed.triangles, integrals, edges.closed, fixed)
 
 
 def solid(found: VolumeIntegrals, triangles: Triangles, density: float) -> MassProperties:
-    """Return what triangles enclose, or the region that was integrated in their place, at so many kg/m^3.
-
-    Raises:
-        MeshError: they enclose no volume.
-    """
+    """Return what triangles enclose, or the region that was integrated in their place, at so many kg/m^3."""
     if not found.volume:
         raise MeshError(
             "the surface encloses no volume", remedy="--shell THICKNESS takes it as a sheet", file=triangles.name
         )
-    volume, first, second = found.moments
-    return from_integrals(
-        volume,
-        first,
-        second,
-        density=density,
-        reference=found.reference,
-        scale=triangles.scale,
-    )
+    return from_integrals(*found.moments, density=density, reference=found.reference, scale=triangles.scale)
 
 
 def sheet(triangles: Triangles, density: float, thickness: float) -> MassProperties:
     """Return the triangles as a sheet of so many metres, at so many kg/m^3."""
-    found = surface(triangles)
+    area, first, S, reference = surface(triangles)
     return from_surface_integrals(
-        found.area,
-        found.first,
-        found.S,
-        density=density,
-        thickness=thickness,
-        reference=found.reference,
-        scale=triangles.scale,
+        area, first, S, density=density, thickness=thickness, reference=reference, scale=triangles.scale
     )
 
 
@@ -188,14 +153,8 @@ _LARGEST = 1 << 24
 _UNDEFINED = "symmetry and tessellation: not of sheets, and not of surfaces that are open or overlap themselves"
 
 
-@dataclass(frozen=True, eq=False)
-class Shape:
-    """What was asked of a mesh.
-
-    Attributes:
-        symmetry: in metres; None where it was not sought. tessellation: None where facets were not asked.
-        notes: why one of them is missing.
-    """
+class Shape(NamedTuple):
+    """Symmetry, in metres, and tessellation of a mesh, None where they were not sought; notes say why."""
 
     symmetry: Symmetry | None = None
     tessellation: Tessellation | None = None
@@ -220,9 +179,8 @@ def shape(
     """
     if not defined:
         return Shape(notes=() if (even, smooth) == (False, False) else (_UNDEFINED,))
-    count = integrals.count
-    seek, notes_even = _wanted("symmetry", even, count, SYMMETRY_TRIANGLES)
-    ask, notes_smooth = _wanted("tessellation", smooth, count, TESSELLATION_TRIANGLES)
+    seek, notes_even = _wanted("symmetry", even, integrals.count, SYMMETRY_TRIANGLES)
+    ask, notes_smooth = _wanted("tessellation", smooth, integrals.count, TESSELLATION_TRIANGLES)
     if not seek and not ask:
         return Shape(notes=notes_even + notes_smooth)
     from robodyn.solids.mesh.asymmetry import CentredBody

@@ -205,10 +205,10 @@ def swapping_normals(points: Array) -> Floats:
 
 def _newton(M: Array, n: Array) -> tuple[Array, Array]:
     """Newton's steps (n, 3) in the tangent planes, and the least absolute curvature (n,) there."""
-    hessian = M.reshape(1, -1) * (M.ndim * (M.ndim - 1))
+    rest = M.reshape(1, -1) * (M.ndim * (M.ndim - 1))
     for _ in range(M.ndim - 2):
-        hessian = (n[:, :, None] * hessian.reshape(len(hessian), 3, -1)).sum(axis=1)
-    hessian = hessian.reshape(-1, 3, 3)
+        rest = (n[:, :, None] * rest.reshape(len(rest), 3, -1)).sum(axis=1)
+    hessian = rest.reshape(-1, 3, 3)
     gradient = einsum("nij,nj->ni", hessian, n) / (M.ndim - 1)
     slope = einsum("ni,ni->n", gradient, n)
     across = np.cross(n, np.eye(3)[np.argmin(np.abs(n), axis=1)])
