@@ -1,10 +1,11 @@
-"""The equations of motion that a simulation integrates, the programs made of them, and what these conserve."""
+"""The equations of motion that a simulation integrates, what they conserve, and one step of a Runge-Kutta method as
+programs: from a state to the next, rotations by the exponential map."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -24,7 +25,7 @@ from robodyn.programs.program import Program, trace, traced
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.run.stepper import COLUMNS
 from robodyn.programs.scalar import Tape
-from robodyn.programs.vectors import Scalar, cross
+from robodyn.programs.vectors import Scalar, cross, total
 from robodyn.robot.kinematics import Motion
 from robodyn.robot.model import Model
 from robodyn.scene.parts import GROUND, Entry
@@ -40,7 +41,7 @@ Given = Mapping[Curve, Scalar]
 
 
 class Rates(NamedTuple):
-    """What a state changes at: u and qd of one step's coordinates, and the work done on the robot."""
+    """Rates of u (a step's coordinates), of qd, and of the work done on the robot."""
 
     u: list[Scalar]
     qd: list[Scalar]
@@ -57,11 +58,7 @@ class State(NamedTuple):
 
 
 class Equations:
-    """`u' = qd`, `qd' = M^-1 (tau - bias)`, `work' = tau qd - losses` of a model in a scene.
-
-    Attributes:
-        width: numbers in a state; curves: what the scene takes from a table at every moment.
-    """
+    """`u' = qd`, `qd' = M^-1 (tau - bias)`, `work' = tau qd - losses` of a model in a scene."""
 
     def __init__(self, plan: Plan) -> None:
         self.plan, self.model, self.scene = plan, plan.model, plan.scene
@@ -82,26 +79,30 @@ class Equations:
 
     def drives(self, q: Sequence[Scalar], qd: Sequence[Scalar], given: Given) -> list[Scalar]:
         """The torques that the scene's drives apply."""
+
+        def value(entry: Entry, kind: str) -> Scalar:
+            return given[Curve(entry, kind)] if isinstance(entry, str) else entry
+
         tau: list[Scalar] = [0.0] * self.model.n
         for joint in self.model.independent:
             drive = self.scene.drive.get(joint.name)
             if drive is None:
                 continue
-            torque, i = _value(drive.torque, LOAD, given), joint.rate
+            torque, i = value(drive.torque, LOAD), joint.rate
             if drive.kp:
-                torque = torque + drive.kp * (_value(drive.reference, REFERENCE, given) - q[joint.coordinate])
+                torque = torque + drive.kp * (value(drive.reference, REFERENCE) - q[joint.coordinate])
             if drive.kd:
-                moving = isinstance(drive.reference, str)
-                slope = given[Curve(str(drive.reference), RATE)] if moving and drive.speed is None else 0.0
-                speed = slope if drive.speed is None else _value(drive.speed, REFERENCE, given)
+                if drive.speed is not None:
+                    speed = value(drive.speed, REFERENCE)
+                else:
+                    speed = value(drive.reference, RATE) if isinstance(drive.reference, str) else 0.0
                 torque = torque + drive.kd * (speed - qd[i])
             tau[i] = torque
         return tau
 
     def rates(self, q: Sequence[Scalar], u: Sequence[Scalar], qd: Sequence[Scalar], given: Given) -> Rates:
         """The rates at a displacement u from q."""
-        here = moved(self.model, q, u)
-        qdd, work = self.accelerations(here, qd, given)
+        qdd, work = self.accelerations(moved(self.model, q, u), qd, given)
         return Rates(local_rates(self.model, u, qd), qdd, work)
 
     def sample(self, model: Model, q: Sequence[Scalar], qd: Sequence[Scalar], given: Given) -> Sample:
@@ -204,10 +205,6 @@ def state_runner(program: Callable[[Equations], Program], plan: Plan, columns: i
     return runner_of(program(equations), plan, {STATE: equations.width, COLUMNS: columns})
 
 
-def _value(entry: Entry, kind: str, given: Given) -> Scalar:
-    return given[Curve(entry, kind)] if isinstance(entry, str) else entry
-
-
 def is_free(model: Model, scene: Scene) -> bool:
     """Whether nothing but gravity acts on the robot from outside, so that its momenta are known."""
     bodies = model.bodies
@@ -232,3 +229,119 @@ def check_applies(plan: Plan, method: Method) -> None:
         causes += ["drives with kd"] * any(drive.kd for drive in scene.drive.values())
         what = f"verlet does not apply: accelerations depend on speeds ({', '.join(causes)})"
         raise InputError(what, remedy="--method gauss2 keeps energy too, whatever forces there are")
+
+
+REST = 2.0**-16
+"""Times the square of positions (and 1) per step; what is left of that in a step is less than their rounding."""
+
+
+class Steps:
+    """The programs of a method for the equations of a robot. Both read and write a state and its stages.
+
+    Of an implicit method the stages `K_i` (rates of u, qd and work) follow the state: `sweep` puts
+    `f(y + h sum_j A_ij K_j)` in place of every K_i, until they stay, and tells their change, relative to the stages or
+    to a small part of positions per step; `step` ends the step and keeps them as a guess for the next one.
+
+    Attributes:
+        width: numbers that both programs read, and write but for the change.
+        columns: numbers that both read for each step of a motion with curves: these at every moment of the method, and
+            the step's length, which the state keeps where there are none.
+    """
+
+    def __init__(self, equations: Equations, method: Method) -> None:
+        self.equations, self.method = equations, method
+        stages, curves = len(method.b) if method.implicit else 0, len(equations.curves)
+        self.width = equations.width + stages * (2 * equations.model.n + 1)
+        self.columns = curves * len(method.moments) + 1 if curves else 0
+
+    @cached_property
+    def step(self) -> Program:
+        """The program of the state (and stages) after a step."""
+
+        def outputs(tape: Tape) -> Iterable[Scalar]:
+            state, given = self._state(tape), self._curves(tape)
+            if self.method.leapfrog:
+                return self._leap(state, given[0])
+            if self.method.implicit:
+                stages = self._stages(tape)
+                return [*self._end(state, stages), *_flat(stages)]
+            stages = []
+            for row, now in zip(self.method.A, given, strict=True):
+                stages.append(self._stage(state, stages, row[: len(stages)], now))
+            return self._end(state, stages)
+
+        return trace(outputs)
+
+    @cached_property
+    def sweep(self) -> Program | None:
+        """The program of the state, the stages after a sweep and the square of their change; None if explicit."""
+        if not self.method.implicit:
+            return None
+
+        def outputs(tape: Tape) -> Iterable[Scalar]:
+            state, old, given = self._state(tape), self._stages(tape), self._curves(tape)
+            new = [self._stage(state, old, row, now) for row, now in zip(self.method.A, given, strict=True)]
+            before, after = _flat(old), _flat(new)
+            change = total((a - b) * (a - b) for a, b in zip(after, before, strict=True))
+            floor = (REST + REST * total(x * x for x in state.q)) / (state.step * state.step)
+            size = total(x * x for x in after)
+            return [*state.q, *state.qd, state.work, state.step, *after, change / (size + floor)]
+
+        return trace(outputs)
+
+    def _state(self, tape: Tape) -> State:
+        state = self.equations.state(tape)
+        return state._replace(step=tape.input(COLUMNS, self.columns - 1)) if self.columns else state
+
+    def _curves(self, tape: Tape) -> list[Given]:
+        moments = self.method.moments
+        return [self.equations.given(tape, moments.index(node)) for node in self.method.nodes]
+
+    def _stages(self, tape: Tape) -> list[Rates]:
+        """The stages that a program is given."""
+        n, at = self.equations.model.n, self.equations.width
+        stages = []
+        for first in range(at, at + len(self.method.b) * (2 * n + 1), 2 * n + 1):
+            values = [tape.input(STATE, first + k) for k in range(2 * n + 1)]
+            stages.append(Rates(values[:n], values[n:-1], values[-1]))
+        return stages
+
+    def _stage(self, state: State, stages: Sequence[Rates], row: Sequence[float], given: Given) -> Rates:
+        """The rates at `y + h sum_j row_j K_j`."""
+        h, n = state.step, self.equations.model.n
+        u = [h * rate for rate in _sums(row, [K.u for K in stages], n)]
+        gains = _sums(row, [K.qd for K in stages], n)
+        return self.equations.rates(state.q, u, [x + h * gain for x, gain in zip(state.qd, gains, strict=True)], given)
+
+    def _leap(self, state: State, given: Given) -> list[Scalar]:
+        """The state after half a step at the old speed, an acceleration and half a step at the new speed."""
+        h, equations, half = state.step, self.equations, [0.5 * state.step * x for x in state.qd]
+        qdd = equations.rates(state.q, half, [0.0] * len(half), given).qd
+        mean = [x + 0.5 * h * a for x, a in zip(state.qd, qdd, strict=True)]
+        qd = [x + h * a for x, a in zip(state.qd, qdd, strict=True)]
+        power = equations.rates(state.q, half, mean, given).work
+        u = [h * x for x in mean]
+        return [*unit(equations.model, moved(equations.model, state.q, u)), *qd, state.work + h * power, h]
+
+    def _end(self, state: State, stages: Sequence[Rates]) -> list[Scalar]:
+        h, b, model = state.step, self.method.b, self.equations.model
+        gains = _sums(b, [K.qd for K in stages], model.n)
+        qd = [x + h * gain for x, gain in zip(state.qd, gains, strict=True)]
+        u = [h * rate for rate in (qd if self.method.semi else _sums(b, [K.u for K in stages], model.n))]
+        work = _sums(b, [[K.work] for K in stages], 1)[0]
+        q, qd = self.equations.settled(moved(model, state.q, u), qd)
+        if self.method.keeps_momenta:
+            qd = self.equations.with_momenta(state, q, qd)
+        return [*q, *qd, state.work + h * work, h]
+
+
+def _flat(stages: Iterable[Rates]) -> list[Scalar]:
+    return [x for K in stages for x in (*K.u, *K.qd, K.work)]
+
+
+def _sums(weights: Sequence[float], stages: Sequence[Sequence[Scalar]], n: int) -> list[Scalar]:
+    totals: list[Scalar] = [0.0] * n
+    for weight, values in zip(weights, stages, strict=True):
+        if weight:
+            totals = [so_far + weight * value for so_far, value in zip(totals, values, strict=True)]
+    return totals

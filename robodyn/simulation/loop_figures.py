@@ -19,11 +19,10 @@ from robodyn.programs.run.stepper import COLUMNS
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar
 from robodyn.simulation.equations import STATE, Equations, state_runner
-from robodyn.simulation.fixed import Motion
+from robodyn.simulation.integrate import Motion
 from robodyn.simulation.table import Signal
 from robodyn.support.caveats import Caveat
 from robodyn.support.floats import Floats
-from robodyn.trajectory.columns.signals import COMPONENTS
 
 OPEN = 1e-6
 """m or rad, and per s, by which a given state may miss the loops."""
@@ -48,10 +47,8 @@ class LoopFigures:
         wrenches: (N, L, 6) force and moment on each loop's `link` at its point, in the axes of `to` [N, N m].
         gap, slip: the largest |phi| [m and rad] and |phi'| [m/s and rad/s] of each loop along the motion.
         equations: how many the loops have, `dropped` those that others of their loop imply, and `rank` how many of the
-            others are independent where the motion begins.
-        freedoms: that are left there, and `usual` elsewhere.
+            others are independent where the motion begins; `freedoms` are left there, and `usual` elsewhere.
         stabilised: how the loops are kept closed.
-        singular: when they leave more freedoms than elsewhere, at the start or on the way.
     """
 
     names: tuple[str, ...]
@@ -72,22 +69,16 @@ class LoopFigures:
         return float(self.gap.max()), float(self.slip.max())
 
     @property
-    def columns(self) -> tuple[str, ...]:
-        """Names of the entries of the wrenches, loop after loop."""
-        return tuple(f"{part}_{name}" for name in self.names for part in COMPONENTS)
-
-    @property
     def notes(self) -> list[str]:
         """A line on the configurations on the way in which ways part."""
         later = [each for each in self.singular if each.time > 0.0]
-        if not later:
-            return []
-        most = max(each.freedoms for each in later)
+        most = max((each.freedoms for each in later), default=0)
         times = ", ".join(f"{each.time:.4g}" for each in later[:4]) + (", ..." if len(later) > 4 else "")
-        return [
+        said = (
             f"the loops leave up to {most} degrees of freedom, and {self.usual} elsewhere, where the motion passes at "
             f"{times} s ({len(later)} in all): ways part there, and it is assumed to go straight on"
-        ]
+        )
+        return [said] * bool(later)
 
 
 def loop_figures(plan: Plan, motion: Motion, executor: str, signal: Signal, projected: bool) -> LoopFigures | None:
@@ -102,16 +93,16 @@ def loop_figures(plan: Plan, motion: Motion, executor: str, signal: Signal, proj
     columns = runner(sources, len(motion.states), executor=executor)
     of = [k for k, closure in enumerate(chain.closures) for _ in closure.equations]
     wrenches, errors, rates = np.split(columns, np.cumsum([6 * count, len(of)]), axis=1)
-    largest = np.zeros((2, count))
-    for found, values in zip(largest, (errors, rates), strict=True):
-        np.maximum.at(found, of, np.abs(values).max(axis=0))
+    gap, slip = np.zeros((2, count))
+    np.maximum.at(gap, of, np.abs(errors).max(axis=0))
+    np.maximum.at(slip, of, np.abs(rates).max(axis=0))
     kept = "projection after each step" if projected else "not stabilised, for which the scene has baumgarte"
     kept = f"Baumgarte's terms at {plan.scene.baumgarte:g}/s" if plan.scene.baumgarte else kept
     return LoopFigures(
         names=tuple(loop.name for loop in plan.scene.loops),
         wrenches=wrenches.reshape(len(columns), count, 6),
-        gap=largest[0],
-        slip=largest[1],
+        gap=gap,
+        slip=slip,
         equations=len(of) + len(chain.dropped),
         dropped=tuple(f"{closure.loop.name} {equation.about}" for closure, equation in chain.dropped),
         rank=rank,
@@ -206,11 +197,7 @@ def _ways(plan: Plan, chain: ClosedChain, q: list[float], qd: Floats, left: Floa
 
 
 def _passed(plan: Plan, motion: Motion) -> tuple[Singular, ...]:
-    """When a motion begins in singular configurations or passes through them.
-
-    Along a smooth motion J = U S V^T has smooth singular values that may change their sign: from one record to a later
-    one J_2, the eigenvalues of S^-1 U^T J_2 V are near 1 but for those, which become negative.
-    """
+    """When a motion begins in singular configurations or passes through them."""
     chain, n = independent_equations(plan), plan.model.n
     if not chain.count:
         return ()
@@ -234,7 +221,11 @@ def _passed(plan: Plan, motion: Motion) -> tuple[Singular, ...]:
 
 
 def _rank_changes(J: Floats) -> list[tuple[int, float, int]]:
-    """Where J (N, m, n) loses rank: a row, the share of the way to the next one, and by how much."""
+    """Where J (N, m, n) loses rank: a row, the share of the way to the next one, and by how much.
+
+    Along a smooth motion J = U S V^T has smooth singular values that may change their sign: from one record to a later
+    one J_2, the eigenvalues of S^-1 U^T J_2 V are near 1 but for those, which become negative.
+    """
     U, values, V = np.linalg.svd(J, full_matrices=False)
     lost = (values <= FEW * values[:, :1]).sum(axis=1)
     begun = np.flatnonzero((lost > 0) & (np.append(0, lost[:-1]) == 0))

@@ -10,8 +10,6 @@ from robodyn.errors import InputError
 from robodyn.support.floats import Floats
 from robodyn.support.wording import alternatives
 
-Rows = tuple[tuple[float, ...], ...]
-
 
 @dataclass(frozen=True)
 class Method:
@@ -30,7 +28,7 @@ class Method:
     name: str
     order: int
     about: str
-    A: Rows = ()
+    A: tuple[tuple[float, ...], ...] = ()
     b: tuple[float, ...] = ()
     semi: bool = False
     scipy: str = ""
@@ -102,19 +100,17 @@ METHODS: tuple[Method, ...] = (
     Method("dop853", 8, "Dormand and Prince's, SciPy's: steps as long as --rtol allows", scipy="DOP853"),
     Method("radau", 5, "Radau IIA, SciPy's: implicit, for stiff friction and stiff drives", scipy="Radau"),
 )
-CHECKING: tuple[Method, ...] = (
-    Method("bdf", 5, "backward differences, SciPy's: for another opinion on stiff motions", scipy="BDF"),
-)
-"""Methods that confirm others and are good for nothing else."""
+CHECKING = Method("bdf", 5, "backward differences, SciPy's: for another opinion on stiff motions", scipy="BDF")
+"""A method that confirms others and is good for nothing else."""
 
 
 def method_named(name: str) -> Method:
     """The method of this name; raises if there is none."""
-    found = {method.name: method for method in (*METHODS, *CHECKING)}
-    if name not in found:
-        known = tuple(method.name for method in METHODS)
-        raise InputError(f"there is no method {name!r}", remedy=alternatives(name, known, "methods"))
-    return found[name]
+    for method in (*METHODS, CHECKING):
+        if method.name == name:
+            return method
+    known = tuple(method.name for method in METHODS)
+    raise InputError(f"there is no method {name!r}", remedy=alternatives(name, known, "methods"))
 
 
 STEP = 1e-3
@@ -126,11 +122,7 @@ LEAST_RTOL = 1e-13
 
 
 class TooMuchError(InputError):
-    """A motion takes more evaluations of the equations of motion than it may.
-
-    Attributes:
-        time, state: how far it got [s], and there (q, qd, work).
-    """
+    """A motion takes more evaluations of its equations than it may; `time` [s] and `state` are how far it got."""
 
     def __init__(self, what: str, time: float, state: Floats, remedy: str) -> None:
         super().__init__(what, remedy=remedy)
@@ -138,11 +130,7 @@ class TooMuchError(InputError):
 
 
 class MethodOptions(NamedTuple):
-    """A method, with the step of one that has fixed steps, or the tolerance of one that has not.
-
-    Attributes:
-        most: evaluations of the equations of motion, after which it gives up.
-    """
+    """A method with its step or its tolerance, and after how `most` evaluations it gives up."""
 
     method: Method
     step: float

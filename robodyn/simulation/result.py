@@ -22,6 +22,7 @@ from robodyn.simulation.loop_figures import LoopFigures
 from robodyn.simulation.methods import Method
 from robodyn.support.caveats import Caveat
 from robodyn.support.floats import BEYOND, Floats, first_largest, ranked
+from robodyn.trajectory.columns.signals import COMPONENTS
 
 SLOW = 3.0
 """Slip speeds below which a joint is held: friction then balances up to 95 % of what it is at speed."""
@@ -31,13 +32,8 @@ SHORT = 0.05
 
 @dataclass(frozen=True)
 class Figures:
-    """At the recorded times, N of them.
-
-    Attributes:
-        qdd, tau: (N, n) accelerations, and torques of the drives.
-        energy, kinetic: (N,) stored energy, kinetic and potential of gravity and springs; the kinetic part [J].
-        linear, angular: (N, 3) momentum, and angular momentum about the centre of mass, in the ground's axes.
-    """
+    """At the N recorded times: accelerations and drives' torques (N, n), stored and kinetic energy (N,) [J], momentum
+    (N, 3), and angular momentum about the centre of mass, in the ground's axes."""
 
     qdd: Floats
     tau: Floats
@@ -74,11 +70,6 @@ class JointUse:
     velocity_limit: float | None
     seconds_over_velocity: float
 
-    @property
-    def exceeded(self) -> tuple[Excess, ...]:
-        """The limits that it exceeds."""
-        return tuple(reached_beyond(self))
-
 
 @dataclass(frozen=True, eq=False)
 class Simulation:
@@ -89,12 +80,9 @@ class Simulation:
         step: of a fixed-step method [s]; rtol: of an adaptive one.
         time, q, qd: (N,), (N, nq), (N, n), the first as the scene says.
         work: (N,) done by drives and wrenches, less what friction took [J].
-        evaluations: of the equations of motion; each sweep of an implicit step takes as many as the method has stages.
-        effects: of every effect whether it is on, and why.
-        loops: of a closed chain, what its loops carry and how far they come apart.
+        evaluations: of the equations of motion, those of every sweep of an implicit step among them.
         ended: why the motion ended before its time; empty if it did not.
-        shaky: why the numbers may not be right.
-        notes: what was assumed.
+        shaky: why the numbers may not be right; notes: what was assumed.
         target, expected_error: the accuracy that was asked for, and what was measured; None where none was.
     """
 
@@ -130,16 +118,12 @@ class Simulation:
     @cached_property
     def joints(self) -> tuple[JointUse, ...]:
         """What each hinge and slide reaches."""
-        return tuple(
-            _joint_use(joint, joint.name in self.scene.drive, self)
-            for joint in self.model.independent
-            if joint.kind != "floating"
-        )
+        return tuple(_joint_use(joint, self) for joint in self.model.independent if joint.kind != "floating")
 
     @property
     def exceeded(self) -> tuple[Excess, ...]:
         """Every limit of speed and effort that the motion exceeds."""
-        return tuple(excess for joint in self.joints for excess in joint.exceeded)
+        return tuple(excess for joint in self.joints for excess in reached_beyond(joint))
 
     @cached_property
     def limits(self) -> tuple[Coverage, ...]:
@@ -155,15 +139,12 @@ class Simulation:
 
     @property
     def within_limits(self) -> bool | None:
-        """False if a limit of speed or effort is exceeded; None if some could not be checked or something is in doubt.
-
-        A position is never beyond its limit: the motion ends there, or a spring pushes back.
-        """
+        """False if a limit of speed or effort is exceeded; None if one is not checked or something is in doubt."""
         return within(bool(self.exceeded), self.limits, self.caveats)
 
     @property
     def energy_drift(self) -> float:
-        """max |E - E_0 - work| over the motion [J]."""
+        """max |E - E_0 - work| [J]."""
         return self.figures.drift(self.work)
 
     @property
@@ -184,8 +165,9 @@ class Simulation:
         """Names of `columns`: `q_`, `qd_`, `qdd_` of coordinates and rates, `tau_` of joints, `fx_` .. of loops."""
         q = [f"q_{name}" for name in self.model.coordinates]
         rates = [f"{kind}_{name}" for kind in ("qd", "qdd") for name in self.model.rates]
-        tau = (f"tau_{self.model.rates[i]}" for i in self.driven)
-        return (*q, *rates, *tau, *(self.loops.columns if self.loops else ()))
+        tau = [f"tau_{self.model.rates[i]}" for i in self.driven]
+        wrenches = [f"{part}_{name}" for name in (self.loops.names if self.loops else ()) for part in COMPONENTS]
+        return (*q, *rates, *tau, *wrenches)
 
     @property
     def driven(self) -> list[int]:
@@ -231,7 +213,7 @@ def held(model: Model, scene: Scene, time: Floats, qd: Floats) -> Iterator[Held]
 
 
 class Deepest(NamedTuple):
-    """The limit that a motion passes by most, by how much, when, and how many are passed."""
+    """The limit that a motion passes by most, by how much and when, and how many are passed."""
 
     stop: Stop
     depth: float
@@ -262,8 +244,8 @@ def deepest(model: Model, time: Floats, q: Floats, qd: Floats) -> Deepest | None
     return Deepest(stop, depth, when, int((room < 0.0).any(axis=0).sum()))
 
 
-def _joint_use(joint: Joint, driven: bool, motion: Simulation) -> JointUse:
-    qd, tau = motion.qd[:, joint.rate], motion.tau[:, joint.rate]
+def _joint_use(joint: Joint, motion: Simulation) -> JointUse:
+    qd, tau, driven = motion.qd[:, joint.rate], motion.tau[:, joint.rate], joint.name in motion.scene.drive
     effort, velocity = binding(joint.effort) if driven else None, binding(joint.velocity)
     peak, fastest = first_largest(np.abs(tau)), first_largest(np.abs(qd))
 
@@ -296,7 +278,7 @@ def _caveats(motion: Simulation) -> Iterator[Caveat]:
         said = "a simulation does not look at what motors can do; robodyn torques --sizing of the table of --out does"
         yield Caveat("but for motors, which are not looked at", said)
     if why := "" if scene.held or scene.wrenches else untouched(model):
-        if is_free(model, scene) and any(scene.gravity):
+        if motion.free and any(scene.gravity):
             how = "give the forces that carry the robot as [[wrench]]"
             yield Caveat("as the robot falls freely (assumed)", f"nothing carries the free base: {why}; {how}")
         elif not model.floating:

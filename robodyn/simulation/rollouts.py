@@ -14,10 +14,10 @@ from robodyn.errors import InputError
 from robodyn.programs.run.stepper import LANES, SINGLE, CompiledSteps, NumpySteps
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.simulation.fixed import SHORTER, stepper
+from robodyn.simulation.integrate import SHORTER, stepper
 from robodyn.simulation.loop_figures import check_closed
 from robodyn.simulation.methods import method_named
-from robodyn.simulation.stiffness import with_friction
+from robodyn.simulation.stiff_steps import with_friction
 from robodyn.simulation.table import Piece, Signal, Source, pieces, read_table
 from robodyn.support.floats import Floats
 from robodyn.support.threads import cores, in_threads
@@ -29,13 +29,7 @@ PIECE = 256
 
 
 class Rollouts(NamedTuple):
-    """Records of N motions.
-
-    Attributes:
-        time: (K,) s.
-        q, qd: (K, N, nq) and (K, N, n).
-        work: (K, N) done on each robot [J].
-    """
+    """Records of N motions at K times [s]: q (K, N, nq), qd (K, N, n) and the work (K, N) done on each robot [J]."""
 
     time: Floats
     q: Floats
@@ -59,7 +53,7 @@ def rollouts(
 ) -> Rollouts:
     """The motions from N initial states, recorded every `every` steps; joint limits are not looked at.
 
-    Coulomb friction is regularised as by `simulate`; whether the step follows it is not looked at.
+    Coulomb friction is regularised as by `simulate`; whether the step follows it is not looked at either.
 
     Args:
         q, qd: (N, nq) and (N, n), as for `forward_dynamics`; of a closed chain they have to close its loops. Which of

@@ -1,9 +1,10 @@
 """The second job: how a robot moves, from where it begins and what drives it. The door to this room.
 
 1. `table.py`: what a table says between its rows. `equations.py`: the equations of motion and what they conserve.
-2. `methods.py` are the integrators, `steps.py` one step of each as programs; `fixed.py` and `adaptive.py` make many,
-   `events.py` tells where these reach limits; `rollouts.py` makes many motions at once.
-3. `stiffness.py` tells how fast the stiffest settles, `stiff_steps.py` chooses steps that follow it.
+   The latter makes programs of one step, too, by the integrators of `methods.py`.
+2. `integrate.py` makes many steps, fixed or adaptive, `events.py` tells where these reach limits; `rollouts.py` makes
+   many motions at once.
+3. `stiff_steps.py` tells how fast the stiffest settles and chooses steps that follow it.
 4. `loop_figures.py` and `result.py`: what comes out.
 """
 
@@ -23,15 +24,13 @@ from robodyn.robot.base_guess import untouched
 from robodyn.robot.model import Model
 from robodyn.scene.fit import check_moves, refuse_constraints, refuse_others
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.simulation.adaptive import AdaptiveSteps
 from robodyn.simulation.equations import STATE, Equations, check_applies, is_free, state_runner
 from robodyn.simulation.events import Limits
-from robodyn.simulation.fixed import FixedSteps, Motion
+from robodyn.simulation.integrate import AdaptiveSteps, FixedSteps, Motion
 from robodyn.simulation.loop_figures import loop_figures, start_caveats
 from robodyn.simulation.methods import MethodOptions, choose_method
 from robodyn.simulation.result import Figures, Simulation, deepest, held
-from robodyn.simulation.stiff_steps import Balanced, Free, stiff_steps
-from robodyn.simulation.stiffness import with_friction
+from robodyn.simulation.stiff_steps import Free, stiff_steps, with_friction
 from robodyn.simulation.table import Signal, Source, read_table
 from robodyn.support.floats import Floats
 
@@ -54,18 +53,16 @@ def simulate(
 ) -> Simulation:
     """The motion of a robot: M(q) qdd + c + g + friction + springs - J^T w = tau, from the scene's initial state.
 
-    The torques are those of the scene's drives. A floating base is free, and turns by the exponential map within a
-    step. Coulomb friction is `f qd / sqrt(qd^2 + slip_speed^2)`: a joint at rest creeps instead of chattering. There
-    is no contact. The motion ends where a joint reaches a limit.
+    The torques are those of the scene's drives. A floating base is free. Coulomb friction is
+    `f qd / sqrt(qd^2 + slip_speed^2)`: a joint at rest creeps instead of chattering. There is no contact. The motion
+    ends where a joint reaches a limit.
 
     Args:
         model: of `robodyn.load`, with moving_base=True for a robot that is free.
         duration: s; by default that of the table, else 10.
         table: where the scene's drives, wrenches or initial state name columns: a file, or arrays by name with `time`
-            among them, which begins when the simulation does. References are cubic splines through its rows; torques
-            and wrenches are straight between them, or held, as the scene says.
-        step: s; of a method with a fixed step; by default 1 ms, or less where friction, a drive or a spring needs it,
-            and where one of them is stiff and the balance of energy is off.
+            among them, which begins when the simulation does. What it says between rows: see `Signal`.
+        step: s; of a method with a fixed step; by default 1 ms, or less where friction, a drive or a spring needs it.
         rtol: of an adaptive method.
         method: a name that `robodyn simulate --help` lists; by default "rk4", "radau" where that needs
             too many steps, with `rtol` "dop853".
@@ -94,12 +91,12 @@ def simulate(
     start = start_of(a_plan)
     unsure = start_caveats(a_plan, start)
 
-    def made(options: MethodOptions) -> Balanced:
+    def made(options: MethodOptions) -> tuple[Motion, Figures]:
         motion = integrated(a_plan, options, length, executor, signal, start, also)
-        return Balanced(motion, _figures(a_plan, motion, executor, signal))
+        return motion, _figures(a_plan, motion, executor, signal)
 
     free = Free(step is None, method is None)
-    (motion, figures), (options, stiff), caveats = stiff_steps(a_plan, options, start[: model.nq], length, free, made)
+    motion, figures, (options, stiff), caveats = stiff_steps(a_plan, options, start[: model.nq], length, free, made)
     loops = loop_figures(a_plan, motion, executor, signal, not options.method.adaptive)
     q, qd = np.split(motion.states[:, : model.nq + model.n], [model.nq], axis=1)
     falls = is_free(model, scene) and any(scene.gravity) and (scene.held or not untouched(model))
@@ -160,12 +157,12 @@ def integrated(
     signal.check_duration(duration)
     limits.check_start(state)
     if method.adaptive:
-        steps = AdaptiveSteps(a_plan, method, options.rtol, executor, signal, options.most)
-        return steps.motion(state, duration, limits, also)
+        adaptive = AdaptiveSteps(a_plan, method, options.rtol, executor, signal, options.most)
+        return adaptive.motion(state, duration, limits, also)
     check_applies(a_plan, method)
     count = int(min(duration / options.step, 1e9)) + len(signal.corners())
-    ready = FixedSteps(a_plan, method, executor, count, signal)
-    return ready.motion(state, duration, options.step, limits, options.most)
+    fixed = FixedSteps(a_plan, method, executor, count, signal)
+    return fixed.motion(state, duration, options.step, limits, options.most)
 
 
 def _figures(a_plan: Plan, motion: Motion, executor: str, signal: Signal) -> Figures:

@@ -1,22 +1,39 @@
-"""Motions by steps that follow the stiffest of a scene, wherever on the way it comes, and that keep the balance of
-energy and work, which tells of steps that are too long where nothing else does."""
+"""How fast the stiffest friction, drive or spring of a scene settles, and motions by steps that follow it, wherever on
+the way it comes, and that keep the balance of energy and work, which tells of steps that are too long where nothing
+else does."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from functools import lru_cache
+from math import floor, log10
 from typing import NamedTuple
 
 import numpy as np
 
+from robodyn.dynamics.effects.friction import joints_with_friction
+from robodyn.dynamics.effects.motors import along, coupled_motors
+from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
-from robodyn.simulation.fixed import SHORTER, Motion
-from robodyn.simulation.methods import MethodOptions, TooMuchError, method_named
+from robodyn.programs.vectors import product
+from robodyn.robot.model import Joint, Model
+from robodyn.scene.parts import Friction
+from robodyn.scene.scene import Scene
+from robodyn.simulation.integrate import SHORTER, Motion
+from robodyn.simulation.methods import Method, MethodOptions, TooMuchError, method_named
 from robodyn.simulation.result import Figures
-from robodyn.simulation.stiffness import Stiffest, reach, rounded, stiffest
 from robodyn.support.caveats import Caveat
-from robodyn.support.floats import Floats
+from robodyn.support.floats import Floats, first_largest
 
+SLIP_SPEED = 1e-3
+"""rad/s, where a joint has Coulomb friction and the scene gives none."""
+FRICTION = "Coulomb friction near rest"
+CONTRACTION = 0.45
+"""46 sweeps then end in rounding."""
+STEEPEST = 1e200
+"""A slope beyond which steeper is no stiffer, so that nothing overflows."""
 MOST_UNASKED = 1e5
 """Steps, where one shorter than usual is chosen, or evaluations by dop853: rather than more of them, radau."""
 MOST_EVER = 1e9
@@ -32,34 +49,186 @@ DRIFTS = "by steps that do not keep the energy (ENERGY DRIFTS)"
 """The kinds of caveats about steps that are kept though they are too long, and about motions whose balance is off."""
 
 
-class Balanced(NamedTuple):
-    """A motion with its figures, which say how well it keeps the balance E - E_0 = work."""
-
-    motion: Motion
-    figures: Figures
-
-    @property
-    def off(self) -> float:
-        """max |E - E_0 - work| [J]."""
-        return self.figures.drift(self.motion.states[:, -2])
-
-    @property
-    def share(self) -> float:
-        """`off` as a share of what is turned over: kinetic and stored energy, work, what drives give and take."""
-        figures, motion = self.figures, self.motion
-        n = figures.tau.shape[1]
-        power = np.abs(figures.tau * motion.states[:, -2 - n : -2]).sum(axis=1)
-        driven = float((0.5 * (power[1:] + power[:-1]) * np.diff(motion.time)).sum())
-        energy = figures.energy
-        largest = max(figures.kinetic.max(), np.ptp(energy), np.ptp(motion.states[:, -2]), driven)
-        return self.off / max(float(largest), ROUNDING * float(np.abs(energy).max()), 1e-300)
+@lru_cache(maxsize=16)
+def with_friction(model: Model, scene: Scene) -> tuple[Scene, tuple[str, ...]]:
+    """The scene with a slip speed if some joint has Coulomb friction, and notes about it."""
+    steepest = max((friction.dry for _, _, friction in _rubbing(model, scene)), default=0.0)
+    if not steepest and not scene.loaded:
+        return scene, ()
+    chosen = scene.slip_speed or SLIP_SPEED
+    given = scene if scene.slip_speed else replace(scene, slip_speed=chosen)
+    if not steepest:
+        return given, (f"friction that grows with load is regularised, qd / sqrt(qd^2 + {chosen:g}^2)",)
+    said = f"Coulomb friction is regularised, f qd / sqrt(qd^2 + {chosen:g}^2)"
+    return given, (f"{said}: up to {steepest / chosen:.3g} N m s/rad near rest",)
 
 
-class Chosen(NamedTuple):
-    """By which method and step a motion is followed, and notes about that."""
+class Stiffest(NamedTuple):
+    """The fastest rate [1/s] at which something in a scene settles or swings, what it is, and at which joint.
 
-    options: MethodOptions
-    notes: tuple[str, ...] = ()
+    Attributes:
+        along: (N,) the rate at each configuration looked at, of which this is the largest.
+    """
+
+    rate: float
+    cause: str
+    joint: str
+    along: Floats
+
+    def longest(self, method: Method) -> float:
+        """The longest stable step of a method [s]."""
+        return reach(method) / self.rate
+
+    def __str__(self) -> str:
+        return f'{self.cause} of "{self.joint}" settles at {self.rate:.3g}/s'
+
+    def remedy(self, method: Method, step: float, slip_speed: float) -> str:
+        """What to do about a step that is too long."""
+        longest = self.longest(method)
+        slip = f", or slip_speed = {2.0 * slip_speed * step / longest:.1g} in the scene"
+        return f"give --step {rounded(0.5 * longest):g}, or --method radau{slip if self.cause == FRICTION else ''}"
+
+
+def stiffest(a_plan: Plan, q: Floats) -> Stiffest | None:
+    """The stiffest of what a scene has at q (N, nq) or (nq,); None where nothing is stiff.
+
+    The largest eigenvalue of M^-1 D for the slopes D of torques over speeds, friction near rest among them, and the
+    root of the largest of M^-1 K for those over positions: springs, those at limits, and drives.
+    """
+    q, model = np.atleast_2d(q), a_plan.model
+    damping, stiffness = [*_damping(a_plan, q)], [*_springs(a_plan)]
+    if not damping and not stiffness:
+        return None
+    # M by inverse dynamics of unit accelerations at rest: a short program, where M's has n^2 entries
+    inert = replace(
+        a_plan.scene, gravity=(0.0, 0.0, 0.0), spring={}, wrenches=(), immersed=(), limit_spring=None, loops=()
+    )
+    units, many = np.tile(np.eye(model.n), (len(q), 1)), np.repeat(q, model.n, axis=0)
+    columns = inverse_dynamics(model, many, 0.0, units, scene=inert, executor="numpy").reshape(len(q), model.n, model.n)
+    M = 0.5 * (columns + columns.transpose(0, 2, 1))
+    found = [_fastest(M, slopes, power) for slopes, power in ((damping, 1.0), (stiffness, 0.5)) if slopes]
+    return max((each for each in found if each is not None), key=lambda each: each.rate, default=None)
+
+
+class Slope(NamedTuple):
+    """A torque's slope over a speed or position `along . q` [N m s/rad or N m/rad].
+
+    Attributes:
+        name: of the joint, or of a motor of several.
+        along: by coordinate.
+    """
+
+    name: str
+    along: Mapping[int, float]
+    cause: str
+    value: float
+
+
+def _rubbing(model: Model, scene: Scene) -> Iterator[tuple[str, Mapping[int, float], Friction]]:
+    """Yield the names of what has friction, with which rates it turns, and the friction."""
+    for _, joint, friction in joints_with_friction(model, scene):
+        yield joint.name, _along(joint), friction
+    for motor, turned in coupled_motors(model, scene):
+        yield motor.name, along(turned), motor.friction
+
+
+def _along(joint: Joint) -> dict[int, float]:
+    return {joint.rate: joint.multiplier}
+
+
+def _damping(a_plan: Plan, q: Floats) -> Iterator[Slope]:
+    """Yield slopes over speeds; of friction that grows with load under the largest weight at q (N, nq)."""
+    model, scene = a_plan.model, a_plan.scene
+    for name, rates, friction in _rubbing(model, scene):
+        if scene.slip_speed and friction.dry:
+            yield Slope(name, rates, FRICTION, friction.dry / scene.slip_speed)
+        if friction.viscous:
+            yield Slope(name, rates, "viscous friction", friction.viscous)
+    yield from _slopes_of(a_plan, "the drive's kd", "kd", drives=True)
+    yield from _slopes_of(a_plan, "the limit spring's damping", "damping")
+    if scene.slip_speed and scene.loaded:
+        held = inverse_dynamics(model, q, 0.0, 0.0, scene=replace(scene, wrenches=()), executor="numpy")
+        for _, joint, friction in joints_with_friction(model, scene):
+            if friction.load:
+                weight = float(np.abs(held[:, joint.rate]).max())
+                yield Slope(joint.name, _along(joint), FRICTION, friction.load * weight / scene.slip_speed)
+
+
+def _springs(a_plan: Plan) -> Iterator[Slope]:
+    for body in a_plan.model.bodies:
+        spring = a_plan.scene.spring.get(body.joint.name)
+        if spring is not None and spring.stiffness > 0:
+            yield Slope(body.joint.name, _along(body.joint), "the spring", spring.stiffness)
+    yield from _slopes_of(a_plan, "the drive's kp", "kp", drives=True)
+    yield from _slopes_of(a_plan, "the limit spring", "stiffness")
+
+
+def _slopes_of(a_plan: Plan, cause: str, which: str, drives: bool = False) -> Iterator[Slope]:
+    """Yield what drives, or springs at limits, have of a kind."""
+    model, scene = a_plan.model, a_plan.scene
+    limited = [b.joint for b in model.bodies if b.joint.lower is not None or b.joint.upper is not None]
+    for joint in model.independent if drives else limited:
+        value = getattr(scene.drive.get(joint.name) if drives else scene.limit_spring, which, 0.0)
+        if value > 0:
+            yield Slope(joint.name, _along(joint), cause, value)
+
+
+def _fastest(M: Floats, slopes: list[Slope], power: float) -> Stiffest | None:
+    """The root, or the first power, of the largest eigenvalue of M^-1 S, and the slope that is most of it."""
+    W = np.zeros((M.shape[1], len(slopes)))
+    for k, slope in enumerate(slopes):
+        for rate, share in slope.along.items():
+            W[rate, k] = share * np.sqrt(min(slope.value, STEEPEST))
+    try:
+        values, vectors = np.linalg.eigh(product(W.T, np.linalg.inv(M), W))
+    except np.linalg.LinAlgError:
+        return None
+    largest = values.max(axis=1, initial=0.0)
+    if not np.isfinite(largest).all() or not largest.any():
+        return None
+    row = first_largest(largest)
+    most = slopes[first_largest(np.abs(vectors[row, :, -1]))]
+    return Stiffest(float(largest[row]) ** power, most.cause, most.name, largest**power)
+
+
+def reach(method: Method) -> float:
+    """The longest step times rate that a method with fixed steps follows.
+
+    Of an explicit one the end of `|1 - x b^T (1 + x A)^-1 1| <= 1`; 2 where the new speed moves the position; of an
+    implicit one where each sweep still leaves no more than CONTRACTION of the error, which is x times the spectral
+    radius of A.
+    """
+    if method.semi or method.leapfrog:
+        return 2.0
+    A, b = np.array(method.A), np.array(method.b)
+    if method.implicit:
+        return CONTRACTION / float(np.abs(np.linalg.eigvals(A)).max())
+    one, low, high = np.ones(len(b)), 0.5, 10.0
+    while high - low > 1e-9:
+        x = 0.5 * (low + high)
+        stable = abs(1.0 - x * product(b, np.linalg.solve(np.eye(len(b)) + x * A, one))) <= 1.0
+        low, high = (x, high) if stable else (low, x)
+    return low
+
+
+def rounded(step: float) -> float:
+    """The largest of 1, 2 and 5 times a power of ten that is no more than this."""
+    power = 10.0 ** floor(log10(step))
+    return float(f"{max(k for k in (1, 2, 5) if k * power <= step * (1 + 1e-12)) * power:.1g}")
+
+
+def energy_imbalance(motion: Motion, figures: Figures) -> tuple[float, float]:
+    """max |E - E_0 - work| [J], and its share of what is turned over: energy, work, what drives give and take."""
+    work, n = motion.states[:, -2], figures.tau.shape[1]
+    power = np.abs(figures.tau * motion.states[:, -2 - n : -2]).sum(axis=1)
+    driven = float((0.5 * (power[1:] + power[:-1]) * np.diff(motion.time)).sum())
+    largest = float(max(figures.kinetic.max(), np.ptp(figures.energy), np.ptp(work), driven))
+    off = figures.drift(work)
+    return off, off / max(largest, ROUNDING * float(np.abs(figures.energy).max()), 1e-300)
+
+
+Chosen = tuple[MethodOptions, tuple[str, ...]]
+"""By which method and step a motion is followed, and notes about that."""
 
 
 class Free(NamedTuple):
@@ -75,8 +244,8 @@ def stiff_steps(
     q: Floats,
     duration: float,
     free: Free,
-    made: Callable[[MethodOptions], Balanced],
-) -> tuple[Balanced, Chosen, list[Caveat]]:
+    made: Callable[[MethodOptions], tuple[Motion, Figures]],
+) -> tuple[Motion, Figures, Chosen, list[Caveat]]:
     """The motion that is asked for, by steps that follow the stiffest of a scene where steps or method are open.
 
     What is stiff is looked at where the motion begins, and then along all of it: where steps were too long, the motion
@@ -84,52 +253,57 @@ def stiff_steps(
     stiff and the balance of energy and work is off, as of steps that are stable on a spring, but take its energy.
 
     Args:
-        q: (nq,) where it begins; made: the motion by a method.
+        q: (nq,) where it begins; made: the motion by a method, and its figures.
 
     Returns:
-        The motion, how it was found, and what makes it doubtful.
+        The motion, its figures, how it was found, and what makes it doubtful.
 
     Raises:
         InputError: the method does not get through.
     """
     fastest = None if options.method.name == "radau" else stiffest(a_plan, q)
     free, most = Free(free.step, free.method and not a_plan.scene.loops), options.most
-    chosen = _begun(options, fastest, duration, free)
+    options, notes = _begun(options, fastest, duration, free)
     while True:
-        options = chosen.options
         try:
-            found = made(options)
+            motion, figures = made(options)
         except InputError as error:
-            chosen = _instead(a_plan, chosen, error, fastest, duration, free, most)
-            chosen = chosen._replace(options=chosen.options._replace(most=most))
+            options, notes = _instead(a_plan, (options, notes), error, fastest, duration, free, most)
+            options = options._replace(most=most)
             continue
-        outgrown = None if options.method.adaptive else _outgrown(a_plan, options, found.motion)
+        fixed = not options.method.adaptive
+        outgrown = _outgrown(a_plan, options, motion) if fixed else None
         if outgrown is not None and free.step:
-            chosen = _shorter(options, *outgrown, duration, free)
+            options, notes = _shorter(options, *outgrown, duration, free)
             continue
-        off = found.share > KEPT
-        if off and fastest is not None and free.step and not options.method.adaptive:
+        off, share = energy_imbalance(motion, figures)
+        if share > KEPT and fastest is not None and free.step and fixed:
             finer = rounded(0.25 * options.step)
-            why = f"steps of {options.step:g} s are off by {100 * found.share:.2g} % of the energy"
+            why = f"steps of {options.step:g} s are off by {100 * share:.2g} % of the energy"
             if duration / finer <= MOST_UNASKED:
-                chosen = Chosen(options._replace(step=finer), (f"{why}: those of {finer:g} s keep it",))
+                options, notes = options._replace(step=finer), (f"{why}: those of {finer:g} s keep it",)
                 continue
             if free.method:
-                chosen = _by_radau(options, why)
+                options, notes = _by_radau(options, why)
                 continue
         caveats = [] if outgrown is None else [_too_long(a_plan, options, *outgrown)]
-        return found, chosen, caveats + ([_drifts(options, found)] if off else [])
+        if share > KEPT:
+            shorter = f"give --step {rounded(0.25 * options.step):g}, or --method radau"
+            remedy = shorter if fixed else "give a smaller --rtol"
+            said = f"ENERGY DRIFTS: stored energy and work part by {off:.3g} J, {100 * share:.2g} % of what the "
+            caveats.append(Caveat(DRIFTS, f"{said}motion turns over, and more than {100 * KEPT:g} % ({remedy})"))
+        return motion, figures, (options, notes), caveats
 
 
 def _begun(options: MethodOptions, fastest: Stiffest | None, duration: float, free: Free) -> Chosen:
     """What follows the stiffest of where a motion begins, with room for more."""
     if fastest is not None and not options.method.adaptive:
         too_long = free.step and options.step > 0.5 * fastest.longest(options.method)
-        return _shorter(options, fastest, 0.0, duration, free) if too_long else Chosen(options)
+        return _shorter(options, fastest, 0.0, duration, free) if too_long else (options, ())
     if fastest is not None and free.method and fastest.rate * duration > MOST_UNASKED:
         return _by_radau(options, str(fastest))
     bounded = options.method.adaptive and free.method
-    return Chosen(options._replace(most=min(options.most, MOST_UNASKED)) if bounded else options)
+    return (options._replace(most=min(options.most, MOST_UNASKED)) if bounded else options), ()
 
 
 def _shorter(options: MethodOptions, fastest: Stiffest, since: float, duration: float, free: Free) -> Chosen:
@@ -137,11 +311,11 @@ def _shorter(options: MethodOptions, fastest: Stiffest, since: float, duration: 
     step = rounded(0.5 * fastest.longest(options.method))
     if free.method and duration / step > MOST_UNASKED:
         return _by_radau(options, _when(fastest, since))
-    return Chosen(options._replace(step=step), (f"{_when(fastest, since)}: steps of {step:g} s follow it",))
+    return options._replace(step=step), (f"{_when(fastest, since)}: steps of {step:g} s follow it",)
 
 
 def _by_radau(options: MethodOptions, why: str) -> Chosen:
-    return Chosen(options._replace(method=method_named("radau")), (f"{why}: radau follows it",))
+    return options._replace(method=method_named("radau")), (f"{why}: radau follows it",)
 
 
 def _when(fastest: Stiffest, since: float) -> str:
@@ -152,7 +326,7 @@ def _instead(
     a_plan: Plan, chosen: Chosen, error: InputError, fastest: Stiffest | None, duration: float, free: Free, most: float
 ) -> Chosen:
     """Radau's after another failed, or that without a bound if nothing stiff held it up; raises if neither helps."""
-    options = chosen.options
+    options, _ = chosen
     if isinstance(error, TooMuchError) and free.method and options.most < most:
         here = stiffest(a_plan, error.state[: a_plan.model.nq])
         if here is not None and here.rate * duration > MOST_UNASKED:
@@ -191,10 +365,3 @@ def _too_long(a_plan: Plan, options: MethodOptions, fastest: Stiffest, since: fl
     remedy = fastest.remedy(options.method, options.step, a_plan.scene.slip_speed)
     said = f"STEP TOO LONG{when}: {fastest}, which {options.method.name} follows with steps of up to {longest:.2g} s"
     return Caveat(TOO_LONG, f"{said}; with {options.step:.3g} s it chatters ({remedy})")
-
-
-def _drifts(options: MethodOptions, found: Balanced) -> Caveat:
-    shorter = f"give --step {rounded(0.25 * options.step):g}, or --method radau"
-    remedy = "give a smaller --rtol" if options.method.adaptive else shorter
-    said = f"ENERGY DRIFTS: stored energy and work part by {found.off:.3g} J, {100 * found.share:.2g} % of what the "
-    return Caveat(DRIFTS, f"{said}motion turns over, and more than {100 * KEPT:g} % ({remedy})")

@@ -20,7 +20,7 @@ from robodyn.trajectory.columns.layout import listing
 from robodyn.trajectory.columns.signals import Signals
 from robodyn.trajectory.columns.units import TimeUnit
 from robodyn.trajectory.motion import join
-from robodyn.trajectory.read import open_table
+from robodyn.trajectory.read import open_trajectory
 from robodyn.trajectory.reader import TrajectoryReader
 from robodyn.trajectory.readers.table import ArrayTable
 from robodyn.trajectory.reading import Reading
@@ -39,12 +39,9 @@ class Curve(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """Rows of time and columns that a scene names.
+    """Rows of time (N,) [s], increasing, and of the columns (N,) that a scene names; a simulation begins at the first.
 
-    Attributes:
-        time: (N,) s, increasing; a simulation begins at the first.
-        columns: (N,) each.
-        origin: the stamp [s] that time counts from; 0 where these are the stamps.
+    `origin` is the stamp [s] that time counts from; 0 where these are the stamps.
     """
 
     file: str | None
@@ -74,7 +71,7 @@ def read_table(
         columns: the scene's name -> the table's; time_unit: of stamps whose column does not tell, s by default.
 
     Raises:
-        TrajectoryError: the file cannot be read, a column is missing or not finite, or time does not increase.
+        TrajectoryError: the file, a column or time is wrong.
         SceneError: the scene names no column.
     """
     if isinstance(source, Table):
@@ -83,15 +80,15 @@ def read_table(
     if not names:
         what = "the scene names no column of the table"
         raise SceneError(what, remedy='write e.g. reference = "q_elbow" for a joint of [drive]')
-    if isinstance(source, Mapping):
-        file, table = None, ArrayTable(None, {name: np.asarray(x, float).ravel() for name, x in source.items()})
-    else:
-        table = open_table(source)  # type: ignore[assignment]
-        file = os.fspath(source)
     reading = Reading(ignore_extra=True, columns=columns or {}, time_unit=time_unit)
-    with TrajectoryReader(table, Signals(()), names, reading) as reader:
+    if isinstance(source, Mapping):
+        table = ArrayTable(None, {name: np.asarray(x, float).ravel() for name, x in source.items()})
+        reader = TrajectoryReader(table, Signals(()), names, reading)
+    else:
+        reader = open_trajectory(source, Signals(()), extra=names, reading=reading)
+    with reader:
         whole = join(list(reader.blocks()))
-    return Table(file, whole.time, whole.extra, whole.origin)
+    return Table(None if isinstance(source, Mapping) else os.fspath(source), whole.time, whole.extra, whole.origin)
 
 
 def curves(scene: Scene) -> tuple[Curve, ...]:
@@ -120,7 +117,7 @@ class Signal:
     """
 
     def __init__(self, scene: Scene, model: Model, table: Table | None) -> None:
-        """Raises where the scene names columns and there is no table, or one without rows between which to be."""
+
         self.curves, self.table, self.held = curves(scene), table, scene.between_rows == "hold"
         self.scene, self.source = scene, None
         self._smooth = tuple(dict.fromkeys(curve.column for curve in self.curves if curve.kind != LOAD))

@@ -64,12 +64,7 @@ class Writer(ABC):
         self._path, self._names, self._stream = path, ("time", *names), stream
 
     def write(self, time: Floats, columns: Floats) -> None:
-        """Append rows: time (N,) and columns (N, k) in the order of the names.
-
-        Raises:
-            InputError: the file cannot be written.
-            ValueError: the shapes do not fit the names.
-        """
+        """Append rows: time (N,) and columns (N, k) in the order of the names; raises where these do not fit."""
         if columns.shape != (len(time), len(self._names) - 1):
             raise ValueError(f"columns {columns.shape} do not fit {len(self._names) - 1} names and {len(time)} times")
         from robodyn.support.files import cannot_be_written
@@ -113,6 +108,8 @@ class CsvWriter(Writer):
 class ParquetWriter(Writer):
     """Parquet of float64 columns without nulls, compressed by zstd, a row group at a time."""
 
+    _arrow: Any = None
+
     def begin(self) -> None:
         import pyarrow as pa
         from pyarrow import parquet
@@ -120,8 +117,7 @@ class ParquetWriter(Writer):
         self._parts: list[Floats] = []
         self._rows = 0
         self._schema = pa.schema([pa.field(name, pa.float64(), nullable=False) for name in self._names])
-        sink = _Sink(self._stream)
-        self._arrow = parquet.ParquetWriter(sink, self._schema, compression="zstd", use_dictionary=False)
+        self._arrow = parquet.ParquetWriter(self._stream, self._schema, compression="zstd", use_dictionary=False)
 
     def add(self, time: Floats, columns: Floats) -> None:
         self._parts.append(_joined(time, columns))
@@ -141,31 +137,19 @@ class ParquetWriter(Writer):
             self._write_group()
         self._arrow.close()
 
-
-class _Sink(io.RawIOBase):
-    """A stream as pyarrow's writer wants it, which ends its file even if that was given up and the stream closed."""
-
-    def __init__(self, stream: BinaryIO) -> None:
-        self._stream, self._written = stream, 0
-
-    def writable(self) -> bool:
-        return True
-
-    def write(self, data: Any) -> int:
-        if not self._stream.closed:
-            self._stream.write(data)
-        self._written += len(data)
-        return len(data)
-
-    def tell(self) -> int:
-        return self._written
+    def close(self) -> None:
+        if self._arrow:
+            try:
+                self._arrow.close()
+            finally:
+                self._arrow.is_open = False  # or it would write to a closed stream when it is collected
 
 
 class NpzWriter(Writer):
     """One float64 array per column, as `numpy.savez` stores them.
 
     An array begins with its length and stands in one piece, so blocks wait in a temporary file, beside the table if
-    that is a file, until the last one is there: on disk the table takes its size twice while it is written.
+    that is a file, until the last one is there.
     """
 
     _waiting: Any = None
@@ -216,11 +200,7 @@ FORMATS: dict[str, type[Writer]] = {"csv": CsvWriter, "parquet": ParquetWriter, 
 
 
 def format_of(path: str | os.PathLike[str]) -> type[Writer]:
-    """The format of a table by the suffix of its file, for what cannot be written to be said before long work.
-
-    Raises:
-        InputError: the suffix is not `.csv`, `.parquet` or `.npz`, or its library is not installed.
-    """
+    """The format of a table by the suffix of its file; raises if there is none, or if its library is not installed."""
     name = os.fspath(path)
     kind = FILE_TYPES.get(os.path.splitext(name)[1].lower(), "")
     if "\0" in name:
@@ -236,8 +216,7 @@ def format_of(path: str | os.PathLike[str]) -> type[Writer]:
 def open_writer(path: str | os.PathLike[str], names: Sequence[str]) -> Iterator[Writer]:
     """A context manager for a writer of `time` and these columns in the format of the suffix.
 
-    The file appears under its name, with all its rows, when the block of the `with` ends well (see `whole_file`). CSV
-    is written as it comes, Parquet a row group at a time, .npz by way of a second temporary file.
+    The file appears under its name, with all its rows, when the block of the `with` ends well (see `whole_file`).
 
     Raises:
         InputError: as of `format_of`, or a name appears twice.

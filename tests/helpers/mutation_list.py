@@ -308,7 +308,7 @@ MUTATIONS = {
     ],
     "simulation/test_friction_and_limits.py": [
         ("dynamics/effects/springs.py", "self.spring.damping * xd", "self.spring.damping * x"),
-        ("simulation/stiffness.py", "friction.dry / scene.slip_speed", "friction.dry * scene.slip_speed"),
+        ("simulation/stiff_steps.py", "friction.dry / scene.slip_speed", "friction.dry * scene.slip_speed"),
         ("simulation/result.py", "(mean * lasting)[still]", "mean[still]"),
     ],
     "simulation/test_limits_within_steps.py": [
@@ -320,7 +320,7 @@ MUTATIONS = {
         ("simulation/events.py", "np.abs(slope) + np.abs(after)", "np.abs(slope) - np.abs(after)"),
         ("simulation/events.py", "DOUBT * spread[stop]", "-DOUBT * spread[stop]"),
         (
-            "simulation/fixed.py",
+            "simulation/integrate.py",
             "kept < (len(states) if end is None else end.step)",
             "kept <= (len(states) if end is None else end.step)",
         ),
@@ -341,7 +341,7 @@ MUTATIONS = {
         ("simulation/equations.py", "speed - qd[i]", "speed + qd[i]"),
         ("simulation/table.py", "kind == RATE", "kind != RATE"),
         ("simulation/table.py", "meant * (1.0 + NEAR)", "time * (1.0 + NEAR)"),
-        ("simulation/steps.py", "[h * x for x in mean]", "[h * x for x in qd]"),
+        ("simulation/equations.py", "[h * x for x in mean]", "[h * x for x in qd]"),
     ],
     "loads/test_bearings.py": [
         ("loads/sizing.py", "(f[:2], m)", "(f[:2], m[::-1])"),

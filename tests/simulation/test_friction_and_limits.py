@@ -14,7 +14,7 @@ from robodyn.errors import InputError
 from robodyn.scene.parts import Drive, Friction, LimitSpring, Payload, Spring
 from robodyn.scene.scene import Scene
 from robodyn.simulation.methods import METHODS, method_named
-from robodyn.simulation.stiffness import reach, rounded
+from robodyn.simulation.stiff_steps import reach, rounded
 
 M, F, PUSH, SLIP = 2.0, 3.0, 2.0, 1e-4
 WEIGHTLESS = Scene(gravity=(0, 0, 0))

@@ -113,7 +113,7 @@ def test_a_steady_turn_is_exact_at_any_step():
 
 
 def test_long_motions_are_recorded_every_few_steps(monkeypatch):
-    monkeypatch.setattr("robodyn.simulation.fixed.MOST_RECORDS", 30)
+    monkeypatch.setattr("robodyn.simulation.integrate.MOST_RECORDS", 30)
     scene = Scene(initial_q={"j1": 1.0})
     whole, thin = (robodyn.simulate(pendulum(), scene, 0.1, step=1e-3, executor=e) for e in ("numpy", "compiled"))
     monkeypatch.undo()

@@ -76,7 +76,7 @@ def test_a_limit_that_is_missed_by_little_is_not_reached():
 
 def test_a_short_passing_between_records(monkeypatch):
     """With records every 40 steps, which the joint passes its limit between."""
-    monkeypatch.setattr("robodyn.simulation.fixed.MOST_RECORDS", 50)
+    monkeypatch.setattr("robodyn.simulation.integrate.MOST_RECORDS", 50)
     model, scene, turn, over = braked_slide(1e-4)
     found = robodyn.simulate(model, scene, 2.0)
     assert abs(found.time[-1] - (turn - over)) <= 1e-9

@@ -61,7 +61,7 @@ def test_what_does_not_fit(how, what):
 
 
 def test_without_a_compiler(monkeypatch):
-    monkeypatch.setattr("robodyn.simulation.fixed.compiler_problem", lambda: "llvmlite is not installed")
+    monkeypatch.setattr("robodyn.simulation.integrate.compiler_problem", lambda: "llvmlite is not installed")
     scene = Scene(initial_q={"j1": 1.0})
     assert robodyn.simulate(pendulum(), scene, 1.0, step=2e-3).executor == "numpy"
     with pytest.raises(InputError, match="the compiled executor cannot run: llvmlite is not installed"):
@@ -74,7 +74,7 @@ def test_a_compiler_that_fails(monkeypatch):
     def failing(*_):
         raise RuntimeError("no\nway")
 
-    monkeypatch.setattr("robodyn.simulation.fixed._compiled", failing)
+    monkeypatch.setattr("robodyn.simulation.integrate._compiled", failing)
     assert robodyn.simulate(pendulum(), Scene(), 1.0, step=2e-3).executor == "numpy"
     with pytest.raises(InputError, match=r"LLVM fails on this program \(no\)"):
         robodyn.simulate(pendulum(), Scene(), 1.0, executor="compiled")

@@ -112,7 +112,7 @@ def test_a_peak_between_steps_is_held_against_the_limit_of_effort(between, how):
 
 def test_peaks_at_rows_are_recorded_where_few_steps_are(monkeypatch):
     """Records every 20 steps, a pulse from the 333rd to the 334th, and rows between that change nothing."""
-    monkeypatch.setattr("robodyn.simulation.fixed.MOST_RECORDS", 50)
+    monkeypatch.setattr("robodyn.simulation.integrate.MOST_RECORDS", 50)
     time = np.arange(1001) / 1000
     table = {"time": time, "push": np.where(np.arange(1001) == 333, 5000.0, 0.0)}
     found = robodyn.simulate(slide(1.0), replace(PUSHED, between_rows="hold"), table=table)
@@ -122,7 +122,7 @@ def test_peaks_at_rows_are_recorded_where_few_steps_are(monkeypatch):
 
 
 def test_more_rows_than_an_adaptive_method_takes_are_refused(monkeypatch):
-    monkeypatch.setattr("robodyn.simulation.adaptive.MOST_ROWS", 2998)
+    monkeypatch.setattr("robodyn.simulation.integrate.MOST_ROWS", 2998)
     with pytest.raises(RobodynError, match="have to end at 2999 rows of the table, more than 2998"):
         robodyn.simulate(slide(1.0), PUSHED, table=TENTHS, rtol=1e-6)
 

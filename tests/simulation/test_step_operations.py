@@ -11,9 +11,8 @@ from helpers.oracles import robot
 from robodyn.dynamics.plan import plan
 from robodyn.scene.parts import Drive, ExternalWrench, Friction, Immersed, LimitSpring, Payload, Rotor, Spring
 from robodyn.scene.scene import Scene
-from robodyn.simulation.equations import Equations
+from robodyn.simulation.equations import Equations, Steps
 from robodyn.simulation.methods import method_named
-from robodyn.simulation.steps import Steps
 
 BARE = Scene(gravity=(0, 0, 0))
 PRESENT = {

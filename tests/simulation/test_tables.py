@@ -14,9 +14,8 @@ from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError, RobodynError
 from robodyn.scene.parts import Drive, ExternalWrench
 from robodyn.scene.scene import Scene
-from robodyn.simulation.equations import Equations
+from robodyn.simulation.equations import Equations, Steps
 from robodyn.simulation.methods import method_named
-from robodyn.simulation.steps import Steps
 
 TIME = np.linspace(0.0, 2.0, 101)
 WEIGHTLESS = Scene(gravity=(0, 0, 0), joint_limits="ignore")
@@ -122,9 +121,9 @@ def test_a_wrench_of_columns():
 def test_chunks_and_thinned_records_are_given_the_same_rows(monkeypatch):
     table = {"time": TIME, "push": np.sin(20 * TIME)}
     full = robodyn.simulate(slide(), PUSHED, table=table, step=1e-2, executor="compiled")
-    monkeypatch.setattr("robodyn.simulation.fixed.CHUNK", 7)
+    monkeypatch.setattr("robodyn.simulation.integrate.CHUNK", 7)
     assert (robodyn.simulate(slide(), PUSHED, table=table, step=1e-2, executor="compiled").q == full.q).all()
-    monkeypatch.setattr("robodyn.simulation.fixed.MOST_RECORDS", 50)
+    monkeypatch.setattr("robodyn.simulation.integrate.MOST_RECORDS", 50)
     thin = robodyn.simulate(slide(), PUSHED, table=table, step=1e-2, executor="compiled")
     assert np.abs(thin.q - full.q[::2]).max() <= 1e-14  # rows, at every other step, are recorded
 

@@ -13,7 +13,7 @@ import pytest
 from helpers.command_line import run, write_arm
 
 from robodyn.errors import TrajectoryError
-from robodyn.trajectory.readers.yaml_values import yaml_documents
+from robodyn.trajectory.readers.messages import yaml_documents
 
 NAMES = ["shoulder", "elbow"]
 

@@ -22,8 +22,7 @@ from robodyn.simulation.events import Limits, Stop, lowest_of_cubic
 from robodyn.simulation.methods import LEAST_RTOL, Method, TooMuchError, method_named
 from robodyn.simulation.result import Simulation
 from robodyn.simulation.simulate import simulate
-from robodyn.simulation.stiff_steps import DRIFTS, TOO_LONG
-from robodyn.simulation.stiffness import with_friction
+from robodyn.simulation.stiff_steps import DRIFTS, TOO_LONG, with_friction
 from robodyn.support.floats import first_largest
 
 CODE, SCIPY, CALLED = 2e-9, 1e-4, 1e-7

@@ -19,12 +19,11 @@ from robodyn.programs.run.llvm.machine import compiler_problem
 from robodyn.robot.model import Model
 from robodyn.scene.fit import check_moves
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.simulation.equations import Equations
+from robodyn.simulation.equations import Equations, Steps
 from robodyn.simulation.methods import METHODS, Method, MethodOptions, method_named
 from robodyn.simulation.result import Simulation
 from robodyn.simulation.simulate import integrated, simulate, start_of
-from robodyn.simulation.steps import Steps
-from robodyn.simulation.stiffness import with_friction
+from robodyn.simulation.stiff_steps import with_friction
 from robodyn.simulation.table import Signal, Source, read_table
 from robodyn.support.floats import Floats
 

@@ -5,10 +5,12 @@ They are read within limits: rosbags itself unpacks whatever a chunk holds, and 
 
 from __future__ import annotations
 
+import bz2
 import os
 import struct
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -18,9 +20,8 @@ from robodyn.support.input_file import read_input, vetted
 from robodyn.support.input_limits import beyond, limits
 from robodyn.support.wording import alternatives, count, shown
 from robodyn.trajectory.columns.layout import listing
-from robodyn.trajectory.readers.messages import KINDS, LogTable, states_of
+from robodyn.trajectory.readers.messages import KINDS, LogTable, states_of, yaml_documents
 from robodyn.trajectory.readers.table import BAGS, METADATA, decoding
-from robodyn.trajectory.readers.yaml_values import yaml_documents
 
 _LEAST = 1 << 28
 """Bytes that may always come out of a bag."""
@@ -35,11 +36,9 @@ float64[] values
 
 
 def bag_table(name: str, topic: str | None = None) -> LogTable:
-    """The motion in a bag.
+    """The motion in a `.db3`, `.mcap` or `.bag` file or a folder of a bag of ROS 2.
 
     Args:
-        name: of a `.db3`, `.mcap` or `.bag` file, or of the folder of a bag of ROS 2; without its `metadata.yaml` it
-            must have a single file of a bag.
         topic: whose messages; None: the only one of a type that is known.
 
     Raises:
@@ -135,8 +134,8 @@ def _bounded(path: Path) -> Iterator[None]:
     files = path.iterdir() if path.is_dir() else [path]
     zstd: Any = vars(reader)["zstd"]
     budget = _Budget(str(path), sum(each.stat().st_size for each in files if each.is_file()), zstd)
-    mcap = {name: budget.chunk(unpack) for name, unpack in _UNPACK.items() if name != "bz2"}
-    ros1 = {name or "none": budget.chunk(unpack) for name, unpack in _UNPACK.items() if name != "zstd"}
+    mcap = {kind: partial(budget.chunk, kind) for kind in ("", "zstd", "lz4")}
+    ros1 = {kind or "none": partial(budget.chunk, kind) for kind in ("", "lz4", "bz2")}
     # what a bag says of the quality of service is YAML again, and nothing here needs it
     no_qos: dict[str, Any] = {"parse_qos": lambda _: []}
     replaced: list[tuple[dict[str, Any], Mapping[str, Any]]] = [
@@ -164,24 +163,25 @@ class _Budget:
         self._records = self._steps = 0
         self._each = min(_STEPS, limits().bag_steps)
 
-    def chunk(self, unpack: Callable[[Any, bytes, int], bytes]) -> Callable[..., bytes]:
-        """A function that unpacks a chunk, which may be told its size."""
+    def chunk(self, kind: str, data: bytes, size: int | None = None) -> bytes:
+        """Unpack a chunk, whose size may be told."""
+        most = limits().bag_chunk_bytes if size is None else min(size, limits().bag_chunk_bytes)
+        if kind == "zstd":
+            found: bytes = self._zstd.ZstdDecompressor().decompress(data, max_length=most + 1)
+        elif kind == "lz4":
+            from lz4.frame import LZ4FrameDecompressor
 
-        def unpacked(data: bytes, size: int | None = None) -> bytes:
-            most = limits().bag_chunk_bytes
-            found = unpack(self._zstd, data, most if size is None else min(size, most))
-            self._count(found)
-            if size is not None:
-                self._count_records(found)
-            return found
-
-        return unpacked
+            found = LZ4FrameDecompressor().decompress(data, max_length=most + 1)
+        else:
+            found = bz2.BZ2Decompressor().decompress(data, max_length=most + 1) if kind else data
+        self._count(found)
+        if size is not None:
+            self._count_records(found)
+        return found
 
     def decompress(self, data: bytes) -> bytes:
         """Unpack one message."""
-        found = _zstd(self._zstd, data, limits().bag_chunk_bytes)
-        self._count(found)
-        return found
+        return self.chunk("zstd", data)
 
     @contextmanager
     def open(self, stream: BinaryIO, _: str) -> Iterator[_Budget]:
@@ -227,29 +227,3 @@ class _Budget:
                     raise beyond("bag_records", "too many records", TrajectoryError, file=self._file)
         except struct.error:
             return  # the reader tells of it
-
-
-def _zstd(module: Any, data: bytes, most: int) -> bytes:
-    found: bytes = module.ZstdDecompressor().decompress(data, max_length=most + 1)
-    return found
-
-
-def _lz4(_: Any, data: bytes, most: int) -> bytes:
-    from lz4.frame import LZ4FrameDecompressor
-
-    found: bytes = LZ4FrameDecompressor().decompress(data, max_length=most + 1)
-    return found
-
-
-def _bz2(_: Any, data: bytes, most: int) -> bytes:
-    from bz2 import BZ2Decompressor
-
-    return BZ2Decompressor().decompress(data, max_length=most + 1)
-
-
-_UNPACK: dict[str, Callable[[Any, bytes, int], bytes]] = {
-    "": lambda _, data, most: data,
-    "zstd": _zstd,
-    "lz4": _lz4,
-    "bz2": _bz2,
-}

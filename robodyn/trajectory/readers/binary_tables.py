@@ -16,16 +16,7 @@ from robodyn.support.floats import Floats
 from robodyn.support.input_file import open_input
 from robodyn.trajectory.columns.layout import check_columns
 from robodyn.trajectory.columns.signals import matrix_column
-from robodyn.trajectory.readers.table import (
-    ArrayTable,
-    Table,
-    check_expansion,
-    check_finite,
-    common_length,
-    decoding,
-    less,
-    spread,
-)
+from robodyn.trajectory.readers.table import ArrayTable, Table, check_expansion, common_length, decoding, less
 
 if TYPE_CHECKING:
     import polars as pl
@@ -99,19 +90,18 @@ def _shape(archive: zipfile.ZipFile, info: zipfile.ZipInfo, file: str) -> tuple[
 
 
 _MARK = b"PAR1"
-_ROWS = 1 << 17
-"""Rows that are decoded at once: polars begins every time with the pages before them."""
 
 
-class ParquetTable(Table):
-    """A Parquet file of columns of numbers; see `Table`. Integers, decimals and float32 become float64."""
+class ParquetTable(ArrayTable):
+    """A Parquet file of columns of numbers. Integers, decimals and float32 become float64."""
 
     file: str
+    _at_once = 1 << 17  # polars begins every time with the pages before
 
     def __init__(self, path: str) -> None:
         import polars as pl
 
-        super().__init__(path)
+        Table.__init__(self, path)
         with open_input(path) as stream:
             first, self.size_bytes = stream.read(4), stream.seek(0, os.SEEK_END)
             stream.seek(max(0, self.size_bytes - 4))
@@ -123,25 +113,13 @@ class ParquetTable(Table):
             self.names, self._types = tuple(schema.names()), schema.dtypes()
             self._rows = int(self._frame.select(pl.len()).collect().item())
         check_expansion(8 * self._rows * len(self.names), self.size_bytes, path)
-        self.position_bytes = 0
 
-    def blocks(self, columns: Sequence[int], rows: int) -> Iterator[Floats]:
-        for begin in range(0, self._rows, max(rows, _ROWS)):
-            part = self._values(columns, begin, min(max(rows, _ROWS), self._rows - begin))
-            for start in range(0, len(part), rows):
-                values = part[start : start + rows]
-                check_finite(values, [self.names[i] for i in columns], begin + start + 1, self.error_at)
-                self.position_bytes = self.size_bytes * (begin + start + len(values)) // self._rows
-                yield values
-
-    def pieces(self, columns: Sequence[int], count: int, rows: int) -> list[Floats]:
-        cuts = spread(self._rows, count, rows) if self._rows else []
-        return [self._values(columns, cut.start, cut.stop - cut.start) for cut in cuts]
-
-    def _values(self, columns: Sequence[int], start: int, rows: int) -> Floats:
+    def _slice(self, columns: Sequence[int], cut: slice) -> Floats:
         import polars as pl
 
-        frame, values = self._slice(columns, start, rows), np.empty((len(columns), rows))
+        start, stop, _ = cut.indices(self._rows)
+        rows = stop - start
+        frame, values = self._frame_of(columns, start, rows), np.empty((len(columns), rows))
         with _decoding(self.file):
             if len(frame) != rows:
                 raise ValueError("it holds fewer rows than it says")
@@ -151,7 +129,7 @@ class ParquetTable(Table):
                 values[columns.index(i)] = less(numbers, self.origins.get(i))
         return values.T
 
-    def _slice(self, columns: Sequence[int], start: int, rows: int) -> pl.DataFrame:
+    def _frame_of(self, columns: Sequence[int], start: int, rows: int) -> pl.DataFrame:
         """Some rows of columns, all of which hold numbers."""
         for i in columns:
             if not self._types[i].is_numeric():
@@ -161,7 +139,7 @@ class ParquetTable(Table):
             return self._frame.select([self.names[i] for i in columns]).slice(start, rows).collect()
 
     def first(self, columns: Sequence[int]) -> list[str | float]:
-        row = self._slice(columns, 0, 1).rows()
+        row = self._frame_of(columns, 0, 1).rows()
         return [] if not row or None in row[0] else [*row[0]]
 
 

@@ -4,6 +4,7 @@ put onto its stamps."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from math import pi
@@ -20,7 +21,6 @@ from robodyn.support.input_limits import beyond, limits
 from robodyn.support.wording import count, shown
 from robodyn.trajectory.columns.layout import listing
 from robodyn.trajectory.readers.table import ArrayTable, decoding
-from robodyn.trajectory.readers.yaml_values import yaml_documents
 
 QUANTITIES = {"position": "q", "velocity": "qd", "acceleration": "qdd", "effort": "tau"}
 """What messages call what columns are called."""
@@ -28,16 +28,16 @@ NANO = 1_000_000_000
 _LATEST = 1 << 62
 """ns, either way: stamps and their differences are whole numbers of 64 bits."""
 _STAMPS = (("sec", "secs"), ("nanosec", "nsec", "nsecs", "nanosecs"))
+_WHOLE = re.compile(r"[-+]?[0-9]{1,18}")
+_NUMBER = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?")
+_FURTHER = re.compile(r"([-+]?)\.(inf|Inf|INF|nan|NaN|NAN)")
 _GAP = 4.5
 """So many of its steps without a message, and nothing is said of a joint between."""
 
 
 class State(NamedTuple):
-    """What one message, or one point of a trajectory, says of joints.
-
-    Attributes:
-        stamp: ns; names: of joints; values: by quantity, in the order of the names, as far as they are given.
-    """
+    """What one message, or one point of a trajectory, says of joints at a stamp [ns]: values by quantity, in the order
+    of the names, as far as they are given."""
 
     stamp: int
     names: tuple[str, ...]
@@ -45,14 +45,8 @@ class State(NamedTuple):
 
 
 def joint_state(message: Any, recorded: int) -> list[State]:
-    """What a sensor_msgs/JointState says.
-
-    Args:
-        message: an object with these attributes, or a mapping; recorded: ns, when, for messages without a stamp.
-
-    Raises:
-        ValueError: something else stands where names or numbers belong.
-    """
+    """What a sensor_msgs/JointState says, an object with its attributes, or a mapping; `recorded` [ns] is its stamp if
+    it has none. Raises a ValueError where something else stands in place of names or numbers."""
     stamp = _stamp(_get(_get(message, "header"), "stamp"))
     values = {quantity: _get(message, quantity) for quantity in ("position", "velocity", "effort")}
     return [State(stamp or recorded, _names(_get(message, "name"), "name"), _numbers(values))]
@@ -88,9 +82,8 @@ def _get(message: Any, name: str) -> Any:
 
 def _names(values: Any, what: str) -> tuple[str, ...]:
     names = _parts(values, what)
-    wrong = next((name for name in names if isinstance(name, bool) or not isinstance(name, (str, int))), None)
-    if wrong is not None or None in names:
-        raise ValueError(f"{what} has {shown(str(wrong))}, which is no name")
+    if wrong := [name for name in names if isinstance(name, bool) or not isinstance(name, (str, int))]:
+        raise ValueError(f"{what} has {shown(str(wrong[0]))}, which is no name")
     return tuple(map(str, names))
 
 
@@ -179,6 +172,54 @@ def read_messages(name: str) -> list[State]:
     return states_of(kinds[0], ((message, 0) for _, message in found), name)
 
 
+def yaml_documents(text: bytes, file: str) -> list[Any]:
+    """The documents of YAML as mappings, lists, numbers, texts and None, within limits: no aliases, no tags.
+
+    A scalar without quotes is null, a number in decimals, or text; no dates, no 12:30:45, no yes and no.
+    """
+    import yaml
+
+    documents: list[Any] = []
+    containers: list[tuple[str, list[Any]]] = [("", documents)]
+    try:
+        for number, event in enumerate(yaml.parse(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader)), 1):
+            kind, at = type(event).__name__, {"file": file, "line": event.start_mark.line + 1}
+            if number > limits().message_values:
+                raise beyond("message_values", "too many values", TrajectoryError, **at)
+            if kind == "AliasEvent":
+                what = f"*{event.anchor} stands for another part"
+                raise TrajectoryError(what, remedy="write the values themselves", **at)
+            if kind == "ScalarEvent":
+                containers[-1][1].append(_scalar(event.value) if event.implicit[0] else event.value)
+            elif kind in ("SequenceStartEvent", "MappingStartEvent"):
+                if len(containers) > limits().nesting:
+                    raise beyond("nesting", "nested too deeply", TrajectoryError, **at)
+                containers.append((kind, []))
+            elif kind in ("SequenceEndEvent", "MappingEndEvent"):
+                began, values = containers.pop()
+                if began == "MappingStartEvent" and any(isinstance(key, (list, dict)) for key in values[::2]):
+                    raise TrajectoryError("a key is no text", remedy="write it again", **at)
+                mapping = began == "MappingStartEvent"
+                containers[-1][1].append(dict(zip(values[::2], values[1::2], strict=True)) if mapping else values)
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        what = " ".join(str(getattr(error, "problem", None) or error).split())
+        line = None if mark is None else mark.line + 1
+        raise TrajectoryError(f"is not YAML: {what:.200}", remedy="write it again", file=file, line=line) from None
+    return documents
+
+
+def _scalar(text: str) -> Any:
+    if text in ("", "~", "null", "Null", "NULL"):
+        return None
+    if _WHOLE.fullmatch(text):
+        return int(text)
+    if _NUMBER.fullmatch(text):
+        return float(text)
+    further = _FURTHER.fullmatch(text)
+    return text if further is None else float(further[1] + further[2])
+
+
 def _messages(document: Any) -> Iterator[tuple[str, Mapping[str, Any]]]:
     """Yield the messages in a document, wherever they are, with their kinds, in its order."""
     waiting = [document]
@@ -198,9 +239,6 @@ class LogTable(ArrayTable):
 
     Rows are the messages of the publisher that has most: those about one set of joints, and of such with the same stamp
     the first. Joints that only others tell of are interpolated onto its stamps, linearly.
-
-    Raises:
-        TrajectoryError: there are no messages, or none that has positions.
     """
 
     leaves_out = True
@@ -304,11 +342,9 @@ def _in_order(state: State, names: Sequence[str], quantity: str) -> Sequence[flo
 def _onto(
     stamps: NDArray[np.int64], own: NDArray[np.int64], values: Floats, turns: bool
 ) -> tuple[Floats, NDArray[np.bool_]]:
-    """Values at other stamps, and where these stand between two messages without a gap.
+    """Values at other stamps (N,) [ns] than their own (k,), and where these stand between two messages without a gap.
 
-    Args:
-        stamps: (N,) ns; own: (k,) of the values [ns], increasing; values: (k,).
-        turns: whether a change by more than pi is a turn around, in which nothing stands between: the nearer counts.
+    Where they are `turns`, nothing stands between two that differ by more than pi: the nearer counts.
     """
     before = np.maximum(np.searchsorted(own, stamps, "right") - 1, 0)
     after = np.minimum(np.searchsorted(own, stamps), len(own) - 1)

@@ -91,6 +91,9 @@ class Table(ABC):
 class ArrayTable(Table):
     """Named columns (N,) in memory."""
 
+    _at_once = 1
+    """Rows that are read at once at least."""
+
     def __init__(self, file: str | None, columns: Mapping[str, Floats]) -> None:
         self._rows = common_length({name: len(values) for name, values in columns.items()}, file)
         super().__init__(file)
@@ -102,14 +105,19 @@ class ArrayTable(Table):
         return self._arrays[i]
 
     def blocks(self, columns: Sequence[int], rows: int) -> Iterator[Floats]:
-        for start in range(0, self._rows, rows):
-            values = self._slice(columns, slice(start, start + rows))
-            check_finite(values, [self.names[i] for i in columns], start + 1, self.error_at)
-            self.position_bytes = self.size_bytes * (start + len(values)) // self._rows
-            yield values
+        for begin in range(0, self._rows, max(rows, self._at_once)):
+            part = self._slice(columns, slice(begin, begin + max(rows, self._at_once)))
+            for start in range(0, len(part), rows):
+                values, first = part[start : start + rows], begin + start + 1
+                check_finite(values, [self.names[i] for i in columns], first, self.error_at)
+                self.position_bytes = self.size_bytes * (first - 1 + len(values)) // self._rows
+                yield values
 
     def pieces(self, columns: Sequence[int], count: int, rows: int) -> list[Floats]:
-        return [self._slice(columns, cut) for cut in spread(self._rows, count, rows)]
+        starts, size = [0], self._rows
+        if self._rows > count * rows:
+            starts, size = np.linspace(0, self._rows - rows, count).astype(np.int64).tolist(), rows
+        return [self._slice(columns, slice(start, start + size)) for start in starts]
 
     def _slice(self, columns: Sequence[int], cut: slice) -> Floats:
         """Rows of columns, each column contiguous."""
@@ -174,14 +182,6 @@ def less(values: NDArray[Any], origin: Decimal | None) -> NDArray[Any]:
     if origin is None:
         return values
     return values.astype(np.int64) - int(origin) if values.dtype.kind in "iu" else values - float(origin)
-
-
-def spread(total: int, count: int, rows: int) -> list[slice]:
-    """Up to `count` slices of `rows` of `total` rows, evenly spread; one slice of everything where that is no more."""
-    if total <= count * rows:
-        return [slice(0, total)]
-    starts = np.linspace(0, total - rows, count).astype(np.int64)
-    return [slice(int(start), int(start) + rows) for start in starts]
 
 
 def check_finite(
