@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from robodyn.support.floats import Floats
 
 NOISE = 2.0
 """Standard deviations of noise in an error bar."""
+_ROWS = ("time", "q", "qd", "qdd")
 FEW = 24
 """Rows of a table below which they are taken for way-points: what lies between them is anyone's guess."""
 
@@ -21,7 +23,7 @@ class JointDerivation:
     """What was derived for one joint (or part of a floating joint) and how far it can be trusted.
 
     Args:
-        name: the joint; velocity, acceleration: "given" or the method.
+        velocity, acceleration: "given" or the method.
         source: "q" or "qd", the column that was differentiated.
         quantum: step of the grid on which the source lies (encoder step, rounded decimals), 0 if there is none.
         noise: standard deviation of the noise in the source, 0 if none was found.
@@ -45,15 +47,14 @@ class Derivation:
 
     @property
     def velocity(self) -> str:
-        """The method, or the methods with the joints that each served."""
         return self._methods("velocity")
 
     @property
     def acceleration(self) -> str:
-        """The method, or the methods with the joints that each served."""
         return self._methods("acceleration")
 
     def _methods(self, rate: str) -> str:
+        """The method, or the methods with the joints that each served."""
         served: dict[str, list[str]] = {}
         for joint in self.joints:
             served.setdefault(getattr(joint, rate), []).append(joint.name)
@@ -71,7 +72,7 @@ class Sampling:
         off_squares, squares: (n,) sums of the squares of `off`, where that is for want of samples, and of qdd.
         guessed: whether velocities are derived from so few rows that they may as well be 0.
         unknown: whether accelerations are given that nothing was compared with.
-        other: (N, n) of qd and qdd by the positions, which contradict what is given; None where they do not.
+        other: (N, n) of qd and qdd by the positions, where these contradict what is given.
     """
 
     off: Floats
@@ -100,7 +101,7 @@ class Trajectory:
         held: position [rad or m] of each coordinate without a column that is held.
         followed: joints without columns, which loops tell; zero until they are filled in, see `loads.constraints`.
         caveats: what makes the table's units doubtful, by all samples up to the last of these.
-        sampling: how far the derived accelerations of these samples can be trusted; None if that is not known.
+        sampling: how far derived accelerations can be trusted; None if that is not known.
         slowest: (n,) speeds below which a joint cannot be told from one that stands still [rad/s, m/s]; speeds are 0
             where it does. None if that is not known.
     """
@@ -135,12 +136,10 @@ def join(parts: list[Trajectory]) -> Trajectory:
     if len(parts) == 1:
         return parts[0]
     known = [part.sampling for part in parts if part.sampling is not None]
+    columns: dict[str, Any] = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _ROWS}
     return replace(
         parts[-1],
-        time=np.concatenate([part.time for part in parts]),
-        q=np.concatenate([part.q for part in parts]),
-        qd=np.concatenate([part.qd for part in parts]),
-        qdd=np.concatenate([part.qdd for part in parts]),
+        **columns,
         extra={name: np.concatenate([part.extra[name] for part in parts]) for name in parts[0].extra},
         first_row=parts[0].first_row,
         notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
@@ -168,12 +167,10 @@ def _joined(known: list[Sampling]) -> Sampling:
 def cut(samples: Trajectory, start: int, stop: int) -> Trajectory:
     """Samples start to stop."""
     rows = slice(start, stop)
+    columns: dict[str, Any] = {name: getattr(samples, name)[rows] for name in _ROWS}
     return replace(
         samples,
-        time=samples.time[rows],
-        q=samples.q[rows],
-        qd=samples.qd[rows],
-        qdd=samples.qdd[rows],
+        **columns,
         extra={name: values[rows] for name, values in samples.extra.items()},
         first_row=samples.first_row + start,
         stamps=None if samples.stamps is None else samples.stamps[rows],

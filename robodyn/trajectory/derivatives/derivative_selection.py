@@ -17,21 +17,19 @@ from robodyn.trajectory.derivatives.differentiate import (
     SPLINE,
     Method,
     at_samples,
-    coherent,
     equal_spacing,
     savgol,
     windows,
 )
+from robodyn.trajectory.motion import NOISE
 
 HIGHEST = 14
 """Highest difference looked at."""
-_LEVEL = 0.7
-"""Ratio of successive differences above which they no longer fall: white noise has 1, n samples a period sin(pi/n)"""
+_LEVEL = 0.7  # ratio of successive differences above which they no longer fall
 _STILL = 32
 FINEST_ENCODER = 2.0 * math.pi / 1024
 _APART = 18
-_COLOURED = 1.5
-"""Power of a window's length: noise of steeper spectra is taken for motion"""
+_COLOURED = 1.5  # power of a window's length: noise of steeper spectra is taken for motion
 _UNSURE = 2.0
 _MEDIAN = 0.6744897501960817
 
@@ -66,11 +64,8 @@ def quantum(values: Floats) -> float:
 
 
 def _differences(time: Floats, values: Floats) -> Iterator[Floats]:
-    """For p = 1..HIGHEST the divided differences (N - p,), scaled to keep the standard deviation of white noise.
-
-    Args:
-        time: (N,) stamps about a unit apart.
-    """
+    """For p = 1..HIGHEST the divided differences (N - p,), scaled to keep the standard deviation of white noise, over
+    stamps about a unit apart."""
     even = bool(equal_spacing(time))
     weights = np.ones((len(time), 1))
     for p in range(1, HIGHEST + 1):
@@ -84,30 +79,22 @@ def _differences(time: Floats, values: Floats) -> Iterator[Floats]:
         yield values / np.sqrt((weights**2).sum(axis=1))
 
 
-def _moving(values: Floats) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-    """Whether each sample has a change within 32 samples; resting stretches say nothing about noise."""
-    changes = np.concatenate(([0], np.cumsum(np.diff(values) != 0.0)))
-    index = np.arange(len(values))
-    after, before = np.minimum(index + _STILL, len(changes) - 1), np.maximum(index - _STILL, 0)
-    return np.asarray(changes[after] > changes[before])
+Run = tuple[Floats, Floats, Floats]
+"""A stretch of a table: time (N,), values as given and to differentiate (N, c)."""
 
 
-def estimate(runs: Sequence[tuple[Floats, Floats, Floats]]) -> Noise:
-    """The noise in columns of a table: of several columns, that of the noisiest.
+def estimate(runs: Sequence[Run]) -> Noise:
+    """The noise in columns of a table, by `runs` of it: of several columns, that of the noisiest.
 
     Differences of a smooth signal fall with their order p, as (pi/n)^p for n samples a period; those of white noise,
     scaled by the norm of their weights, do not. So noise is what is left where the scaled divided differences stop
     falling (two neighbouring ratios above 0.7; a smooth signal with more than 4.5 samples a period stays below). The
-    size is the median over the samples, so that single corners and steps do not count; stretches at rest are left out.
-    On a grid no coarser than a 10-bit encoder the noise is at least the rms of the differences, up to the grid's own
-    step / sqrt(12).
+    size is the median over the samples that are not at rest. On a grid no coarser than a 10-bit encoder the noise is at
+    least the rms of the differences, up to the grid's own step / sqrt(12).
 
     No noise is claimed where it is a few roundings of the values themselves; where it is above both 0.01 rad (m) and
     1 % of the range (coarse samples, not noise); or where most samples repeat the one before and then jump (steps). The
     last two give a warning.
-
-    Args:
-        runs: (time (N,), values as given (N, c), values to differentiate (N, c)) of stretches of the table.
 
     Accuracy: within 20 % for white noise on a signal with 20 samples a period, from 1000 samples.
     """
@@ -116,17 +103,20 @@ def estimate(runs: Sequence[tuple[Floats, Floats, Floats]]) -> Noise:
     return max(found, key=lambda noise: noise.sigma, default=Noise(0.0, 0.0))
 
 
-def _of_column(runs: Sequence[tuple[Floats, Floats, Floats]]) -> Noise:
+def _of_column(runs: Sequence[Run]) -> Noise:
     raw = np.concatenate([values for _, values, _ in runs])
     grid = quantum(raw)
     scaled: list[list[Floats]] = [[] for _ in range(HIGHEST)]
-    jumps = []
+    jumps: list[Floats] = []
     for time, _, values in runs:
         if len(time) <= 2 * HIGHEST:
             continue
         even = np.arange(len(time), dtype=np.float64)
         unit = even if equal_spacing(time) else (time - time[0]) / median(np.diff(time))
-        active = _moving(values)
+        changed = np.concatenate(([0], np.cumsum(np.diff(values) != 0.0)))
+        row, last = np.arange(len(values)), len(values) - 1
+        # within 32 samples: resting stretches say nothing about noise
+        active = changed[np.minimum(row + _STILL, last)] > changed[np.maximum(row - _STILL, 0)]
         jumps.append(np.abs(np.diff(values))[active[1:]])
         for sizes, difference in zip(scaled, _differences(unit, values), strict=True):
             sizes.append(np.abs(difference[active[: len(difference)]]))
@@ -158,14 +148,12 @@ def _floor(levels: list[float]) -> float:
 
 
 def by_window(runs: Sequence[tuple[Floats, Floats]], sigma: float) -> tuple[float, ...]:
-    """What white noise would have to be to scatter the fits on windows of each of `SIZES` as the data's does.
+    """What white noise, sigma or more, would have to be to scatter the fits on windows of each of `SIZES` as the data's
+    does, by stretches of time (N,) and values (N,).
 
     Of neighbouring windows that share no sample the curvatures of parabolas differ by noise, and by what the motion
     does; the median over a table is the noise's as long as it grows no faster with the length than that of coloured
     noise. From where it does the last value counts.
-
-    Args:
-        runs: (time (N,), values (N,)) of stretches of the table; sigma: the least that is returned.
     """
     found: list[float] = []
     shorter, least, ended = 0.75 * SIZES[0][0], sigma, False
@@ -193,7 +181,6 @@ def _scatter(time: Floats, values: Floats, size: tuple[int, int]) -> Floats:
     return np.asarray(np.abs(curve[far] - curve[near]) / np.sqrt(gain[near] ** 2 + gain[far] ** 2))
 
 
-Run = tuple[Floats, Floats, Floats]
 WINDOWS = (7, 9, 13, 17, 23, 31, 41, 55, 75, 101, 135, 181, 241, 321, 431, 575, 767, 1023, 1365, 1819)
 HARMLESS = 1e-3
 """Noise of the spline's derivative, relative to the derivative's rms, below which nothing is smoothed."""
@@ -217,9 +204,7 @@ class Selection:
     Attributes:
         method: that differentiates them, or that the user chose if `forced`.
         noisy: whether noise does harm; smooth: whether one window serves all samples.
-        noise: found in the columns; sigma: standard deviation that bars are made of; scale: the same for windows of
-            every length (`by_window`).
-        window: samples of the one window that suits the table best.
+        sigma: standard deviation that bars are made of; scale: the same for windows of every length (`by_window`).
         level: rms of the highest derivative that is wanted, which is of this `order`; std: what noise leaves in it.
     """
 
@@ -230,7 +215,6 @@ class Selection:
     noise: Noise
     sigma: float
     scale: tuple[float, ...]
-    window: int
     level: float
     order: int
     std: float
@@ -245,18 +229,16 @@ class Selection:
 def select(runs: Sequence[Run], order: int, mode: str, declared: float = 0.0) -> Selection:
     """The method that differentiates these columns best.
 
-    1. The noise s is estimated by `estimate`; a signal without noise, or one that moves in steps or is too coarse
-       to tell, gets the quintic spline.
-    2. So does a signal whose noise is harmless: s times the spline's gain below 1e-3 of the rms of the derivative.
-    3. A smooth motion gets quartic Savitzky-Golay with the window at which the derivative changes least, in the mean
+    1. A signal without noise s (`estimate`) gets the quintic spline, and so does one whose noise is harmless: s times
+       the spline's gain below 1e-3 of the rms of the derivative.
+    2. A smooth motion gets quartic Savitzky-Golay with the window at which the derivative changes least, in the mean
        square, from one window of a geometric series to the next (quasi-optimality: Tikhonov and Glasko 1965). Below it
        the noise changes the derivative more, above it the error of smoothing does. The search ends where that change
        has risen to twice its least value, or the fit leaves more than twice the noise (discrepancy: Morozov 1966).
-    4. A motion is smooth if that change then rises as fast as the error of smoothing does without corners; others get
-       local polynomials with windows of their own for every sample (`derive.local_rates`).
+    3. A motion is smooth if that change then rises as fast as the error of smoothing does without corners; others get
+       local polynomials with windows of their own for every sample (`derive`).
 
     Args:
-        runs: (time (N,), values as given (N, c), values to differentiate (N, c)) of stretches of the table.
         order: the highest derivative wanted, 1 or 2.
         mode: "auto", or the method to use: "spline", "savgol" (the window as above), "central".
         declared: amplitude of a cyclic error, which no window averages where it moves with the motion.
@@ -283,7 +265,7 @@ def select(runs: Sequence[Run], order: int, mode: str, declared: float = 0.0) ->
         method = Method("local", max(parts * part for parts, part in SIZES[: len(scale)]), DEGREE)
     gains = (savgol(window) if method.kind == "local" else method).gains
     std = float(sigma * gains[order - 1, -1] / spacing**order)
-    return Selection(method, noisy, smooth, mode != "auto", noise, sigma, scale, window, level, order, std)
+    return Selection(method, noisy, smooth, mode != "auto", noise, sigma, scale, level, order, std)
 
 
 def _scale(runs: Sequence[Run], sigma: float, noisy: bool, declared: float) -> tuple[float, ...]:
@@ -297,7 +279,8 @@ def _scale(runs: Sequence[Run], sigma: float, noisy: bool, declared: float) -> t
     few = max(1, _ROWS // longest)  # the first, the last and some runs between, of few rows in all
     some = [runs[k] for k in np.unique(np.linspace(0, len(runs) - 1, min(few, len(runs))).astype(int))]
     each = [by_window([(t, x[:, k]) for t, _, x in some], sigma) for k in range(some[0][2].shape[1])]
-    cyclic = [coherent(declared, parts * part) for parts, part in SIZES]
+    # the white noise whose bar is what an oscillation of this amplitude does to a fit at the worst
+    cyclic = [declared * math.sqrt(0.5 * parts * part) / NOISE for parts, part in SIZES]
     return tuple(max(column) for column in zip(*each, cyclic, strict=True))[:count]
 
 

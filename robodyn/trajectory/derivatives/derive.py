@@ -1,14 +1,13 @@
 """Missing velocities and accelerations: how each is derived, the deriving, and how far it can be trusted.
 
 `groups.py` tells which columns are derived from which, `derivative_selection.py` chooses a method for each by the noise
-in it; one window, the spline or the best of many windows derives (`differentiate.py`). `given_rates.py` holds what the
-table gives against its positions.
+in it; one window, the spline or the best of many windows derives (`differentiate.py`).
 
 Of motions with corners, from noisy samples, those windows count that know most. A polynomial of degree d is fitted to a
 window, and one of degree d + 2 beside it. By how much the two differ is what the window leaves in doubt; noise, judged
-by what the fit leaves, is the rest of the error bar. A sample belongs to the last third of some windows, to the middle
-third of others, and to the first third of others again. Of each kind that with the least bar counts, so that windows
-end at corners. Where the one before a sample and the one after it disagree, as at jumps, the bar covers both.
+by what the fit leaves, is the rest of the error bar. Of the windows that have a sample in their first, middle and last
+third, each time that with the least bar counts, so that windows end at corners. Where the one before a sample and the
+one after it disagree, as at jumps, the bar covers both.
 """
 
 from __future__ import annotations
@@ -58,14 +57,7 @@ class Plan:
 
 
 def plan(groups: Sequence[Group], pieces: Sequence[Trajectory], mode: str, encoder_error: float = 0.0) -> Plan:
-    """How to derive each group.
-
-    Args:
-        groups: what is missing.
-        pieces: runs of consecutive samples that stand for the table.
-        mode: "auto" (see `derivative_selection.select`), "spline", "savgol" or "central".
-        encoder_error: amplitude of errors of positions that repeat with the angle.
-    """
+    """How to derive each group, by `pieces` that stand for the table; mode and encoder's error as of `select`."""
     selections, accounts, notes = [], [], []
     for group in groups:
         runs = [(piece.time, getattr(piece, group.source)[:, group.rows], straight(group, piece)) for piece in pieces]
@@ -81,16 +73,21 @@ def plan(groups: Sequence[Group], pieces: Sequence[Trajectory], mode: str, encod
 
 
 def derive(samples: Trajectory, plan: Plan) -> tuple[Trajectory, Floats, Floats]:
-    """The samples with the missing columns of qd and qdd filled in.
-
-    Returns:
-        The samples, and (N, n) each of qdd: the standard deviation that comes of noise, and by how much it may be off.
+    """The samples with the missing columns of qd and qdd filled in, and (N, n) each of qdd: the standard deviation that
+    comes of noise, and by how much it may be off.
 
     Raises:
         TrajectoryError: a derivative is not finite, because stamps almost coincide; or a pause in the stamps is longer
             than the window that smooths.
     """
-    _refuse_pauses(samples, plan.selections)
+    steps = np.diff(samples.time)
+    methods = [selection.method for selection in plan.selections]
+    window = min((method.window for method in methods if method.kind in {"savgol", "local"}), default=0)
+    if window and len(steps) and steps.max() > window * median(steps):
+        # a polynomial through the ends of two recordings means nothing, and its equations are singular
+        row = samples.first_row + int(np.argmax(steps)) + 1
+        what = f"row {row}: a pause of {steps.max():.6g} s is longer than the window that smooths the noise"
+        raise TrajectoryError(what, remedy="split the trajectory there, or use --derivatives central")
     qd, qdd = samples.qd.copy(order="F"), samples.qdd.copy(order="F")
     noise, off = np.zeros_like(qdd), np.zeros_like(qdd)
     with np.errstate(all="ignore"):
@@ -113,23 +110,9 @@ def derive(samples: Trajectory, plan: Plan) -> tuple[Trajectory, Floats, Floats]
     return replace(samples, qd=qd, qdd=qdd), noise, off
 
 
-def _refuse_pauses(samples: Trajectory, selections: Sequence[Selection]) -> None:
-    """A polynomial through the ends of two recordings means nothing, and its equations are singular."""
-    steps = np.diff(samples.time)
-    methods = [selection.method for selection in selections]
-    window = min((method.window for method in methods if method.kind in {"savgol", "local"}), default=0)
-    if window and len(steps) and steps.max() > window * median(steps):
-        row = samples.first_row + int(np.argmax(steps)) + 1
-        what = f"row {row}: a pause of {steps.max():.6g} s is longer than the window that smooths the noise"
-        raise TrajectoryError(what, remedy="split the trajectory there, or use --derivatives central")
-
-
 def _of_body(Q: Floats, rate: Rate) -> Rate:
-    """2 vec(conj(Q) rate) (N, 3) of unit quaternions x y z w: with Qd it is w, with Qdd it is wd, in body axes.
-
-    The parts of the rate along Q, which come from noise in the norm, drop out. Each component is off by what all
-    together are.
-    """
+    """2 vec(conj(Q) rate) (N, 3) of unit quaternions x y z w: of Qd w, of Qdd wd, in body axes; the parts of the rate
+    along Q, which come from noise in the norm, drop out. Each component is off by what all together are."""
     vector, scalar, value = Q[:, :3], Q[:, 3:], rate.value
     body = 2.0 * (scalar * value[:, :3] - value[:, 3:] * vector - np.cross(vector, value[:, :3]))
     noise, off = (np.repeat(2.0 * np.sqrt((part**2).sum(axis=1, keepdims=True)), 3, axis=1) for part in rate[1:])
@@ -137,12 +120,9 @@ def _of_body(Q: Floats, rate: Rate) -> Rate:
 
 
 def sampling(samples: Trajectory, plan: Plan, noise: Floats, off: Floats, rows: slice) -> Sampling:
-    """By how much derived accelerations of some rows may be off.
+    """By how much accelerations of some rows may be off, of a block that is derived, with `noise` and `off` of all.
 
     In a table of fewer than 24 rows, any motion that rests in every row is within the bars.
-
-    Args:
-        samples: a block, derived, with its neighbours; noise, off: of its derived accelerations (N, n).
     """
     if few := len(samples) < FEW:
         off = np.maximum(off, _guess(samples, plan) + np.abs(samples.qdd))
@@ -232,11 +212,7 @@ def _noises(time: Floats, method: Method, sigma: float) -> list[Floats]:
 def _by_one_window(
     time: Floats, values: Floats, turns: Floats | None, method: Method, sigma: float
 ) -> tuple[Rate, Rate]:
-    """What one window gives, with what the noise leaves, and what a window a third wider changes nearby.
-
-    The window is as wide as makes what it smooths away no larger than the noise that it leaves; near an end a
-    polynomial smooths less well.
-    """
+    """What one window gives, with what the noise leaves, and what a window a third wider changes nearby."""
     wider, ends, near = method.window * 4 // 3 | 1, min(method.window // 2, len(time) // 2), method.window // 4
     times = np.full((len(time), 1), INNER)
     times[:ends] = times[len(time) - ends :] = END
@@ -257,16 +233,19 @@ def _best(time: Floats, values: Floats, turns: Floats | None, selection: Selecti
     wanted = changes[order - 1] > CORNER * selection.level
     if selection.noisy:
         wanted[:] = True
-    spacing = equal_spacing(time)
+    spacing, scale = equal_spacing(time), dict(zip((n * part for n, part in SIZES), selection.scale, strict=False))
     unit = spacing or 1.0
     for k in np.flatnonzero(wanted.any(axis=0)):
-        rows, turned = wanted[:, k], None if turns is None else turns[:, k]
-        parts = spline[0].value[:, k], *(part[:, k] for part in spline[order - 1])
-        slope, *rate = (part * unit**each for part, each in zip(parts, (1, *[order] * 3), strict=True))
-        stamps = None if spacing else time
-        own, found = local_rates(stamps, values[:, k], turned, selection, (slope, Rate(*rate)), first)
-        for whole, part, each in zip(parts, (own, *found), (1, *[order] * 3), strict=True):
-            whole[rows] = part[rows] / unit**each
+        turned = None if turns is None else turns[:, k]
+        best = _Best(*(np.full((3, len(time)), start) for start in (0.0, np.inf, np.inf, 0.0, np.inf)))
+        for fits in all_windows(None if spacing else time, values[:, k], turned, first, len(selection.scale)):
+            for degree in range(order, min(order + 3, len(fits.basis.on) - 2)):
+                _improve(best, fits, degree, order, scale[fits.length], selection.noisy)
+        rows, parts = wanted[:, k], (spline[0].value[:, k], *(part[:, k] for part in spline[order - 1]))
+        units = unit, *[unit**order] * 3
+        own, found = _weighed(best, parts[0] * unit, Rate(*(part * unit**order for part in parts[1:])))
+        for whole, part, each in zip(parts, (own, *found), units, strict=True):
+            whole[rows] = part[rows] / each
     if len(time) < NOISY:
         for found, least in zip(spline, changes, strict=True):
             np.maximum(found.off, least, out=found.off)
@@ -301,30 +280,6 @@ class _Best(NamedTuple):
     bar: Floats
     slope: Floats
     noisy: Floats
-
-
-def local_rates(
-    time: Floats | None,
-    values: Floats,
-    turns: Floats | None,
-    selection: Selection,
-    other: tuple[Floats, Rate],
-    first: int,
-) -> tuple[Floats, Rate]:
-    """The first derivative of a column, and that of the wanted order with its bars, by local polynomials.
-
-    Args:
-        time: (N,) s, or None for samples a unit apart; values: (N,); turns: (N,) of 2 pi that they are ahead by.
-        other: the same otherwise found, which is weighed with what windows tell.
-        first: of the samples, counted in the table.
-    """
-    noise, order = selection.scale, selection.order
-    best = _Best(*(np.full((3, len(values)), start) for start in (0.0, np.inf, np.inf, 0.0, np.inf)))
-    of_length = dict(zip((parts * part for parts, part in SIZES), noise, strict=False))
-    for fits in all_windows(time, values, turns, first, len(noise)):
-        for degree in range(order, min(order + 3, len(fits.basis.on) - 2)):
-            _improve(best, fits, degree, order, of_length[fits.length], selection.noisy)
-    return _weighed(best, other)
 
 
 def _improve(best: _Best, fits: Windows, degree: int, order: int, sigma: float, noisy_data: bool) -> None:
@@ -370,9 +325,9 @@ def _take(
             np.copyto(whole[kind, rows], new, where=better)
 
 
-def _weighed(best: _Best, other: tuple[Floats, Rate]) -> tuple[Floats, Rate]:
-    """The mean of all, weighed by their bars; where those before and after disagree, what lies between."""
-    slope, rate = other
+def _weighed(best: _Best, slope: Floats, rate: Rate) -> tuple[Floats, Rate]:
+    """The mean of all, and of a slope and rate otherwise found, weighed by their bars; where those before and after
+    disagree, what lies between."""
     bars = np.vstack((best.bar, rate.off))
     least = bars.min(axis=0)
     values = np.vstack((best.value, rate.value))

@@ -1,9 +1,8 @@
 """First and second derivatives of sampled signals by one method: spline, Savitzky-Golay or central differences.
 
-Least-squares polynomials about samples and on windows, on any stamps (Savitzky and Golay 1964): polynomials that are
-orthonormal on the samples take the place of equations that would have to be solved. Where stamps are equally spaced
-every method is a filter: a matrix that takes as many samples as it sees to their derivatives, whose middle row serves
-all samples but those near an end.
+Least-squares polynomials about samples and on windows, on any stamps (Savitzky and Golay 1964), by polynomials that are
+orthonormal on the samples. Where stamps are equally spaced every method is a filter: a matrix that takes as many
+samples as it sees to their derivatives, whose middle row serves all samples but those near an end.
 """
 
 from __future__ import annotations
@@ -19,7 +18,6 @@ from numpy.typing import NDArray
 
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
-from robodyn.trajectory.motion import NOISE
 
 DEGREE = 6
 """The highest degree that is fitted to a window."""
@@ -35,11 +33,7 @@ _OWN = np.array((1.0, 2.0))
 
 
 class Basis(NamedTuple):
-    """Orthonormal polynomials of degree 0 to d: their values on the samples, and value and derivatives elsewhere.
-
-    Attributes:
-        on: (d + 1, w, ...); value, slope, curve: (d + 1, ...).
-    """
+    """Orthonormal polynomials of degree 0 to d: on the samples (d + 1, w, ...), value and derivatives elsewhere."""
 
     on: Floats
     value: Floats
@@ -48,16 +42,10 @@ class Basis(NamedTuple):
 
 
 def orthonormal(u: Floats, x: Floats, degree: int) -> Basis:
-    """Polynomials that are orthonormal on samples at u, and their derivatives at x.
+    """Polynomials that are orthonormal on samples at u (w, ...), w > degree, and their derivatives at x (...).
 
     By the recurrence `b_k+1 p_k+1 = (u - a_k) p_k - b_k p_k-1` of Stieltjes: the error grows with the condition of the
-    fit itself, not with its square.
-
-    Args:
-        u: (w, ...), w > degree; x: (...) or any shape that goes with u's beyond the first axis.
-
-    Returns:
-        NaN or infinities where fewer than degree + 1 of the samples differ.
+    fit itself, not with its square. NaN or infinities where fewer than degree + 1 of the samples differ.
     """
     size = 1.0 / np.sqrt(len(u))
     on = np.full((degree + 1, *u.shape), size)
@@ -79,8 +67,7 @@ def orthonormal(u: Floats, x: Floats, degree: int) -> Basis:
 
 def _inner(a: Floats, b: Floats) -> Floats:
     """Sums of products over the samples, in an order that the number of samples alone decides."""
-    total: Floats = einsum("w...,w...->...", a, b)
-    return total
+    return np.asarray(einsum("w...,w...->...", a, b))
 
 
 def at_samples(
@@ -93,8 +80,8 @@ def at_samples(
 ) -> tuple[Floats, Floats, Floats]:
     """Residual and both derivatives (k, c) at some samples, each by the polynomial of its own window.
 
-    Near an end the window stays inside the table, so the sample is not in its middle. A result depends on the samples
-    of its own window alone, to the last bit.
+    Near an end the window stays inside the table. A result depends on the samples of its own window alone, to the last
+    bit.
 
     Args:
         time: (N,) increasing, or None where all samples are a unit apart.
@@ -128,7 +115,7 @@ class Windows:
 
     Attributes:
         starts: (w,) first samples; parts: of how many equal parts a window is, each from which another begins.
-        basis: polynomials of degree 0 to d, orthonormal on the samples: (d + 1, n, w), or (d + 1, n, 1) for all.
+        basis: orthonormal on the samples: (d + 1, n, w), or (d + 1, n, 1) for all.
         coefficients: (d + 1, w) of the fit, each with the standard deviation of white noise.
         values: (n, w) about their mean.
         half: of the duration [s], (w,) or a number: what a unit of the basis is.
@@ -148,9 +135,8 @@ class Windows:
     def scatter(self, degree: int, sigma: float, noisy: bool) -> Floats:
         """(w,) what white noise would have to be to explain what a fit of a degree leaves, sigma or more.
 
-        It is told by sums over parts, since what a fit misses of the motion has one sign for a while, as noise has that
-        is correlated. In noisy data what is left that is much larger than noise, and smooth, is a vibration that the
-        fit misses, whose accelerations it says nothing of: infinity.
+        By sums over parts, since what a fit misses has one sign for a while, as correlated noise has. In noisy data
+        what is left that is much larger than noise, and smooth, is a vibration that the fit misses: infinity.
         """
         rest = self.values.copy()
         for on, coefficients in zip(self.basis.on[: degree + 1], self.coefficients, strict=False):
@@ -167,18 +153,14 @@ class Windows:
 
 
 def windows(time: Floats | None, values: Floats, turns: Floats | None, size: tuple[int, int], first: int) -> Windows:
-    """The windows of one of `SIZES` that begin where a part of the table does.
-
-    Args:
-        time: (N,) s, or None for samples a unit apart; values: (N,); turns: (N,) whole turns of 2 pi that they are
-            ahead by, None for none; first: of the samples, counted in the table.
-    """
+    """The windows of one of `SIZES` that begin where a part of the table does, as of `at_samples`; `first` of the
+    samples is counted in the table."""
     parts, part = size
     return _fitted(time, values, turns, np.arange(-first % part, len(values) + 1 - parts * part, part), size)
 
 
 def all_windows(time: Floats | None, values: Floats, turns: Floats | None, first: int, sizes: int) -> Iterator[Windows]:
-    """Those of all lengths, of the first of `SIZES`, and those which begin or end with the samples; see `windows`."""
+    """Those of the first of `SIZES`, and those which begin or end with the samples; see `windows`."""
     for parts, part in SIZES[:sizes]:
         length, last = parts * part, len(values) - parts * part
         if last < 0:
@@ -218,11 +200,6 @@ def _even(length: int, degree: int) -> Basis:
     return orthonormal(u, u, degree)
 
 
-def coherent(size: float, samples: int) -> float:
-    """The white noise whose bar is what an oscillation of this amplitude does to a fit at the worst."""
-    return size * math.sqrt(0.5 * samples) / NOISE
-
-
 ORDER = 4
 FEWEST = 7
 """Samples of a spline; through fewer goes one polynomial."""
@@ -232,14 +209,8 @@ REACH = 64
 
 @dataclass(frozen=True)
 class Method:
-    """A way to differentiate.
-
-    Args:
-        kind: "spline" (interpolating quintic), "savgol" (least-squares polynomial over `window` samples), "central"
-            (parabola through three samples) or "local" (`derive.local_rates`, with windows up to `window`).
-        window: number of samples; 0 for the spline, which sees them all.
-        order: of the polynomial.
-    """
+    """A way to differentiate: "spline" (interpolating quintic, `window` 0), "savgol" (least-squares polynomial of an
+    `order` over `window` samples), "central" (parabola through three samples) or "local" (`derive`, up to `window`)."""
 
     kind: Literal["spline", "savgol", "central", "local"]
     window: int = 0
@@ -278,18 +249,15 @@ def savgol(window: int) -> Method:
 
 
 def differentiate(time: Floats, values: Floats, method: Method, turns: Floats | None = None) -> tuple[Floats, Floats]:
-    """(d/dt, d^2/dt^2) of values at their own times.
+    """(d/dt, d^2/dt^2) of values at their own times, (N, c); NaN where stamps are so uneven that nothing can be told.
 
-    Equal spacing (to rounding) counts as exactly equal; otherwise the spline and the local polynomials take the stamps
-    as they are (no resampling). Fewer samples than the method wants: the polynomial through, or fitted to, them all.
+    Equal spacing (to rounding) counts as exactly equal. Fewer samples than the method requires: the polynomial through,
+    or fitted to, them all.
 
     Args:
         time: (N,) s, increasing, N >= 2 (N >= 3 for a second derivative that is not 0).
         values: (N, c); turns: (N, c) whole turns of 2 pi that they are ahead by, None for none. Only what they change
             by matters, so nothing is lost far from zero.
-
-    Returns:
-        Two arrays (N, c); NaN where stamps are so uneven that nothing can be told.
 
     Accuracy: the spline's second derivative of sin(2 pi t) at 10 ms: 9e-7 (h^4 / 720 times the sixth derivative), and
     6e-5 at the ends.

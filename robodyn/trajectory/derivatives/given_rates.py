@@ -43,8 +43,8 @@ KIND = "by velocities and accelerations that are not those of the positions"
 def consistent(groups: Sequence[Group], pieces: Sequence[Trajectory]) -> Floats | None:
     """(n,) what accelerations are off by from differences of velocities, None if anything may be wrong.
 
-    That is told by exact data with equal steps h: q1 - q0 = h (qd0 + qd1) / 2 - h^2 (qdd1 - qdd0) / 12 but for terms of
-    h^5, and Simpson's rule for velocities. In half of the rows that accelerate both must hold as for smooth motions.
+    With equal steps h, of exact data, `_unexplained_steps` and Simpson's rule for velocities must hold as for smooth
+    motions in half of the rows that accelerate.
     """
     found = np.zeros(pieces[0].qdd.shape[1])
     for group in groups:
@@ -75,7 +75,6 @@ class GivenRates:
         own: how the same is derived from the positions.
         wrong: columns of qdd that positions contradict; their bars are those of what positions tell.
         open, noise: (n,) of the others: what positions leave open, and the standard deviation of their noise.
-        caveats: what is said of those that are wrong.
     """
 
     own: Plan
@@ -91,10 +90,9 @@ class GivenRates:
 
     def trusted(self, samples: Trajectory, known: Sampling | None, rows: slice) -> Sampling:
         """How far accelerations of some rows of a block can be trusted, of which those are known that are derived."""
-        count, qdd = rows.stop - rows.start, samples.qdd[rows]
-        nothing = np.zeros((count, qdd.shape[1]))
+        qdd = samples.qdd[rows]
         if known is None:
-            known = Sampling(nothing, nothing, np.zeros(qdd.shape[1]), (qdd**2).sum(axis=0))
+            known = Sampling(np.zeros_like(qdd), np.zeros_like(qdd), np.zeros(qdd.shape[1]), (qdd**2).sum(axis=0))
         off, noise = np.maximum(known.off, self.open), np.maximum(known.noise, self.noise)
         if not self.halo:
             return replace(known, off=off, noise=noise)
@@ -142,19 +140,17 @@ def against_positions(
             if clear and _rms(apart) > SPEED_OFF * level:
                 faults.append(f"velocities are off by {figure(_rms(apart), 2)} of {figure(level, 2)} (rms)")
         said += [(group.name, fault) for fault in faults[:1]]
-    caveats: tuple[Caveat, ...] = ()
-    if said:
-        (name, fault), others = said[0], f"; so are those of {len(said) - 1} more" if len(said) > 1 else ""
-        what = f"{shown(name)}: the {fault} from what its positions say{others}"
-        caveats = (Caveat(KIND, f"{what}; --derivatives anew derives them from the positions instead"),)
-    return GivenRates(own, np.array(wrong, dtype=np.intp), open_, noise, caveats)
+    others = f"; so are those of {len(said) - 1} more" if len(said) > 1 else ""
+    remedy = "--derivatives anew derives them from the positions instead"
+    caveats = (
+        Caveat(KIND, f"{shown(name)}: the {fault} from what its positions say{others}; {remedy}")
+        for name, fault in said[:1]
+    )
+    return GivenRates(own, np.array(wrong, dtype=np.intp), open_, noise, tuple(caveats))
 
 
 def _unexplained(group: Group, theirs: Sequence[Trajectory]) -> float:
-    """The rms of what positions are off by from those before, moved by velocities and accelerations.
-
-    So what is given of a fast vibration is not held against derivatives that take it for noise.
-    """
+    """The rms of these steps, so that a given vibration is not held against derivatives that take it for noise."""
     if group.kind == "quaternion" or not group.velocity:
         return np.inf
     return _rms(np.concatenate([_unexplained_steps(group, each) for each in theirs]))
@@ -174,9 +170,8 @@ def _are_differences(group: Group, theirs: Sequence[Trajectory], ours: Sequence[
     if group.kind == "quaternion" or not group.velocity:
         return False
     k = group.velocity[0][1]
-    rates = np.concatenate([np.gradient(straight(group, each)[:, 0], each.time) for each in theirs])
-    given = np.concatenate([each.qd[:, k] for each in theirs])
-    return _rms(given - rates) < ALMOST * _rms(_apart(theirs, ours, "qd", k))
+    off = [each.qd[:, k] - np.gradient(straight(group, each)[:, 0], each.time) for each in theirs]
+    return _rms(np.concatenate(off)) < ALMOST * _rms(_apart(theirs, ours, "qd", k))
 
 
 def _apart(theirs: Sequence[Trajectory], ours: Sequence[Trajectory], name: str, k: int) -> Floats:

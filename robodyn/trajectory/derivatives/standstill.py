@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from robodyn.support.floats import Floats
 from robodyn.trajectory.columns.layout import ABSENT, Layout
 from robodyn.trajectory.columns.signals import Signals
+from robodyn.trajectory.derivatives.groups import turns_ahead
 from robodyn.trajectory.motion import Trajectory, cut
 
 Flags = NDArray[np.bool_]
@@ -48,15 +49,11 @@ def resolution(quantum: float, noise: float, largest: float) -> float:
 
 
 def standing(positions: Floats, band: float, speeds: Floats | None = None, slight: float = 0.0) -> Flags:
-    """Whether a joint stands still in each row.
+    """Whether a joint stands still in each row (N,), by its positions and the band of `resolution`.
 
     It does in windows in which its positions stay within their resolution: of LONGEST rows, or of fewer where it
     leaves the place fast before and after, as where it stops between two moves; a slow motion does not, nor does a
-    turning point. Speeds that are given must be slight, and 0 in the mean within their own scatter.
-
-    Args:
-        positions: (N,); band: of `resolution`.
-        speeds: (N,) if they are given; slight: their magnitude that may be noise.
+    turning point. Speeds that are given must be `slight`, and 0 in the mean within their own scatter.
     """
     count = len(positions)
     found = np.zeros(count, dtype=bool)
@@ -109,10 +106,7 @@ class Standstill:
         pieces: Sequence[Trajectory] = (),
         known: Mapping[int, tuple[float, float]] | None = None,
     ) -> None:
-        """Args:
-        pieces: runs of consecutive samples that stand for the table; without any, the first block does.
-        known: step of the grid and standard deviation of the noise of columns of q, as far as they were looked for.
-        """
+        """Pieces stand for the table, without any the first block does; grids' steps and noises of q may be known."""
         self._joints = [
             (joint.kind, q, rate)
             for joint, ((q, *_), (rate, *_)) in zip(signals.joints, signals.spans.values(), strict=True)
@@ -135,7 +129,7 @@ class Standstill:
         for kind, q, rate in self._joints:
             if rate in self._given and q not in self._bands and not _flips(qd[:, rate], SLIGHT * self._top):
                 continue
-            places = _straight(samples.q[:, q]) if kind == "continuous" else samples.q[:, q]
+            places = _straight(kind, samples.q[:, [q]])[:, 0]
             band = self._band(kind, q)
             step_speed = band / self._spacing if self._spacing > 0.0 else 0.0
             slow[rate] = step_speed / LONGEST
@@ -152,8 +146,7 @@ class Standstill:
         if q not in self._bands:
             if q not in self._known:
                 runs = [(each.time, each.q[:, [q]]) for each in self._pieces if len(each) > 1]
-                whole = [(t, x, _straight(x[:, 0])[:, None] if kind == "continuous" else x) for t, x in runs]
-                noise = estimate(whole)
+                noise = estimate([(t, x, _straight(kind, x)) for t, x in runs])
                 self._known[q] = noise.quantum, noise.sigma
             step, sigma = self._known[q]
             largest = max(float(np.abs(each.q[:, q]).max(initial=0.0)) for each in self._pieces)
@@ -161,12 +154,12 @@ class Standstill:
         return self._bands[q]
 
 
+def _straight(kind: str, places: Floats) -> Floats:
+    return places - 2.0 * np.pi * turns_ahead(places) if kind == "continuous" else places
+
+
 def _flips(speeds: Floats, slight: float) -> bool:
     """Whether slight speeds change their sign twice among a few rows, as noise does."""
     rows = np.flatnonzero((speeds != 0.0) & (np.abs(speeds) <= slight))
     turns = rows[1:][(speeds[rows[1:]] > 0.0) != (speeds[rows[:-1]] > 0.0)]
     return bool((np.diff(turns) <= NEAR).any())
-
-
-def _straight(angles: Floats) -> Floats:
-    return angles - 2.0 * np.pi * np.concatenate(([0.0], np.cumsum(np.rint(np.diff(angles) / (2.0 * np.pi)))))
