@@ -321,8 +321,8 @@ MUTATIONS = {
         ("simulation/events.py", "DOUBT * spread[stop]", "-DOUBT * spread[stop]"),
         (
             "simulation/integrate.py",
-            "kept < (len(states) if end is None else end.step)",
-            "kept <= (len(states) if end is None else end.step)",
+            "kept < (len(states) if end is None else end[0])",
+            "kept <= (len(states) if end is None else end[0])",
         ),
         ("simulation/events.py", "-self._gain", "self._gain"),
         ("measure/accuracy/simulate_within.py", "0.5 * speed * speed / braked", "0.5 * speed / braked"),
