@@ -51,13 +51,8 @@ def refuse_units(caveats: Sequence[Caveat], file: str | None) -> None:
 
 
 class _Seen(NamedTuple):
-    """What a scalar joint with a column of positions has been seen to do.
-
-    Attributes:
-        column: its name; told: whether that tells the unit, or an option does.
-        least, greatest: of the positions; speed: the largest; lasting: the largest that lasts for 8 rows, as no
-            glitch of a sensor does.
-    """
+    """What a scalar joint with a column of positions (of a unit that is told or not) has been seen to do: its ends, its
+    largest speed, and the largest that lasts for 8 rows, as no glitch of a sensor does."""
 
     joint: Signal
     kind: str
@@ -68,15 +63,14 @@ class _Seen(NamedTuple):
     speed: float
     lasting: float
 
-    @property
-    def beyond(self) -> float:
-        """How far it goes beyond its limits; -inf without limits."""
-        return max(self.joint.lower - self.least, self.greatest - self.joint.upper)
+    def beyond(self, parts: float = 1.0) -> float:
+        """How far it goes beyond its limits, if so many of its unit make one of SI; -inf without limits."""
+        return max(self.joint.lower - self.least / parts, self.greatest / parts - self.joint.upper)
 
-    def within(self, parts: float) -> bool:
-        """Whether it keeps to its limits if so many of its unit make one of SI."""
-        slack = _SLACK * (self.joint.upper - self.joint.lower)
-        return self.joint.lower - slack <= self.least / parts and self.greatest / parts <= self.joint.upper + slack
+    @property
+    def use(self) -> float:
+        """Its lasting speed as a share of its limit."""
+        return self.lasting / self.joint.speed
 
 
 class Plausibility:
@@ -166,22 +160,23 @@ class Plausibility:
 
     def _seen(self) -> Iterator[_Seen]:
         layout = self._layout
-        for joint, (q, qd) in zip(self._signals.joints, self._signals.spans.values(), strict=True):
-            column = layout.q[q[0]]
+        for joint, ((q, *_), (rate, *_)) in zip(self._signals.joints, self._signals.spans.values(), strict=True):
+            column = layout.q[q]
             if joint.kind != "floating" and column != ABSENT:
-                seen = (self._least[q[0]], self._greatest[q[0]], self._fastest[qd[0]], self._lasting[qd[0]])
+                seen = map(float, (self._least[q], self._greatest[q], self._fastest[rate], self._lasting[rate]))
                 kind = self._signals.kinds[joint.name]
-                yield _Seen(joint, kind, layout.names[column], column in layout.told, *map(float, seen))
+                yield _Seen(joint, kind, layout.names[column], column in layout.told, *seen)
 
 
 def _positions(kind: str, seen: list[_Seen]) -> str:
     """Why positions are in the other unit, empty if they are not: far beyond limits, but not in that unit."""
     limited = [each for each in seen if each.kind == kind and not each.told and each.joint.lower < each.joint.upper]
-    far = max(limited, key=lambda each: each.beyond, default=None)
+    far = max(limited, key=_Seen.beyond, default=None)
     parts, other, remedy = _OTHER[kind]
-    if far is None or far.beyond <= _FAR[kind] or not all(each.within(parts) for each in limited):
+    slack = {each.joint.name: _SLACK * (each.joint.upper - each.joint.lower) for each in limited}
+    if far is None or far.beyond() <= _FAR[kind] or any(x.beyond(parts) > slack[x.joint.name] for x in limited):
         return ""
-    low = far.joint.lower - far.least == far.beyond
+    low = far.joint.lower - far.least == far.beyond()
     si = _SI[kind][0]
     what = f"joint {far.joint.name!r} goes to {far.least if low else far.greatest:.6g} {si}"
     limits = f"far beyond its limits of {far.joint.lower:.4g} and {far.joint.upper:.4g} {si}"
@@ -192,21 +187,20 @@ def _positions(kind: str, seen: list[_Seen]) -> str:
 def _degrees(seen: list[_Seen]) -> str:
     """Why angles are in degrees, by the speeds alone; empty if they are not."""
     turning = [each for each in seen if each.kind == "angle" and not each.told and math.isfinite(each.joint.speed)]
-    fast = max(turning, key=lambda each: each.lasting / each.joint.speed, default=None)
+    fast = max(turning, key=lambda each: each.use, default=None)
     parts, other, remedy = _OTHER["angle"]
-    if fast is None or not _FAST < fast.lasting / fast.joint.speed <= 2.0 * parts:
+    if fast is None or not _FAST < fast.use <= 2.0 * parts:
         return ""
-    times = f"{fast.lasting / fast.joint.speed:.3g} times its limit"
-    return f"joint {fast.joint.name!r} turns at {fast.lasting:.4g} rad/s, {times}: are the angles {other}? ({remedy})"
+    moves = f"joint {fast.joint.name!r} turns at {fast.lasting:.4g} rad/s, {fast.use:.3g} times its limit"
+    return f"{moves}: are the angles {other}? ({remedy})"
 
 
 def _fine(seen: list[_Seen], clock: Clock) -> tuple[str, str] | None:
     """Why stamps are of a longer unit than was told, and of which: speeds are far beyond their limits."""
-    use = max((each.lasting / each.joint.speed for each in seen), default=0.0)
-    if use <= _FAST:
-        return None
+    use = max((each.use for each in seen), default=0.0)
     units = [unit for unit, ticks in TICKS.items() if ticks < clock.ticks and use * ticks / clock.ticks <= 2.0]
-    return (f"joints move at up to {use:.4g} times their limit of speed", units[-1]) if units else None
+    why = f"joints move at up to {use:.4g} times their limit of speed"
+    return (why, units[-1]) if units and use > _FAST else None
 
 
 def _coarse(seen: list[_Seen], step: float) -> tuple[str, str] | None:

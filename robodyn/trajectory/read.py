@@ -33,15 +33,17 @@ def signals(model: Model, scene: Scene = EMPTY) -> Signals:
     dependent = tuple(body.joint.name for body in model.bodies if body.joint.mimics is not None)
     constraints = (*(loop.name for loop in scene.loops), *(contact.name for contact in scene.contacts))
     joints = tuple(_signal(model, joint) for joint in model.independent)
-    moving: set[int] = set()
-    for loop in scene.loops:  # the joints between its two links and what carries both move it
-        ways: list[set[int]] = [set(), set()]
-        for way, link in zip(ways, (loop.to, loop.link), strict=True):
-            i = model.links[link].body if link in model.links else -1
-            while i >= 0:
-                way.add(i)
-                i = model.parents[i]
-        moving |= {model.bodies[i].joint.coordinate for i in ways[0] ^ ways[1]}
+
+    def carriers(link: str) -> set[int]:
+        found, i = set[int](), model.links[link].body if link in model.links else -1
+        while i >= 0:
+            found.add(i)
+            i = model.parents[i]
+        return found
+
+    # the joints between a loop's two links and what carries both move it
+    between = {i for loop in scene.loops for i in carriers(loop.to) ^ carriers(loop.link)}
+    moving = {model.bodies[i].joint.coordinate for i in between}
     looped = tuple(joint.name for joint in model.independent if joint.coordinate in moving)
     return Signals(joints, dependent, looped, constraints)
 
@@ -75,9 +77,7 @@ def read_motion(
     measured: bool = False,
     encoder_error: float = 0.0,
 ) -> TrajectoryReader:
-    """A reader of the motion of this robot in this scene, for `torques`.
-
-    Joints of loops may be without columns: they follow, see `loads.follow`.
+    """A reader of the motion of this robot in this scene, for `torques`; joints of loops may be without columns.
 
     Args:
         path: `.csv`, `.parquet` or `.npz`; a bag of ROS (`.db3`, `.mcap`, `.bag`, or a folder) or messages of ROS
@@ -92,8 +92,7 @@ def read_motion(
             motion could hardly be so.
         topic: of a bag; None: the only one with messages about joints.
         measured: read the torques that a log gives too: `extra["tau_<joint>"]` of its blocks [N m].
-        encoder_error: the largest error of encoders that repeats with the angle [rad; m of slides], for error bars:
-            positions alone do not tell it from motion.
+        encoder_error: the largest error of encoders that repeats with the angle [rad; m of slides], for error bars.
 
     Raises:
         TrajectoryError: the file cannot be read or its columns do not fit the robot.
@@ -153,15 +152,8 @@ def open_trajectory(
     reading: Reading = DEFAULT,
     block_rows: int = BLOCK_ROWS,
 ) -> TrajectoryReader:
-    """A reader of the trajectory in a file of `open_table`.
-
-    Args:
-        extra: further columns to read, which the scene names.
-        block_rows: samples held at a time.
-
-    Raises:
-        TrajectoryError: the file cannot be read or its columns do not fit the robot.
-    """
+    """A reader of the trajectory in a file of `open_table`, with the columns `extra` that the scene names; raises if it
+    cannot be read or its columns do not fit the robot."""
     table = open_table(path, file_type, reading.topic)
     try:
         return TrajectoryReader(table, signals, extra, reading, block_rows)
@@ -179,14 +171,7 @@ def from_arrays(
     extra: Mapping[str, ArrayLike] | None = None,
     reading: Reading = DEFAULT,
 ) -> Trajectory:
-    """A trajectory from arrays as of `motion`, checked and derived as one from a file.
-
-    Args:
-        extra: (N,) columns that the scene names.
-
-    Raises:
-        TrajectoryError: an array has the wrong shape, is not finite, or time does not increase; a name is none.
-    """
+    """A trajectory from arrays as of `motion`, and columns that the scene names, checked and derived as from a file."""
     # stamps that are whole numbers stay such, for an origin to be subtracted exactly
     whole = isinstance(time, np.ndarray) and time.dtype.kind in "iu" and time.ndim == 1
     columns = {"time": np.asarray(time) if whole else _array("time", time, None)}
@@ -214,15 +199,8 @@ def _array(name: str, values: ArrayLike, width: int | None) -> Floats:
 
 
 def open_table(path: str | os.PathLike[str], file_type: str | None = None, topic: str | None = None) -> Table:
-    """The table in a file (`FILE_TYPES`), a bag of ROS or a file of its messages; `-` is standard input (CSV).
-
-    Args:
-        file_type: "csv", "parquet" or "npz"; by the suffix of the name if None.
-        topic: of a bag; None: the only one that there is.
-
-    Raises:
-        TrajectoryError: there is no such file, it cannot be opened, or it is not of that type.
-    """
+    """The table in a file (`FILE_TYPES`, by its suffix if None), a bag of ROS with this topic or a file of messages;
+    `-` is standard input (CSV). Raises where it cannot be opened, or is not of that type."""
     name = os.fspath(path)
     log = log_kind(name) if file_type is None else None
     if topic is not None and log != "bag":

@@ -49,11 +49,9 @@ class TrajectoryReader:
     """Samples of a table, block by block; also a context manager that closes the file.
 
     Attributes:
-        file: as messages name it, None for arrays; size_bytes: its length.
-        columns: the names in the table.
+        file: as messages name it, None for arrays; size_bytes: its length; columns: the names in the table.
         notes: assumptions made so far; caveats: what makes the units doubtful, by all that has been read.
-        missing: joints whose velocities or accelerations are not given.
-        followed: joints without columns that loops tell.
+        missing: joints whose velocities or accelerations are not given; followed: joints that loops tell.
     """
 
     def __init__(
@@ -109,8 +107,6 @@ class TrajectoryReader:
 
     def blocks(self) -> Iterator[Trajectory]:
         """Consecutive samples, at most `block_rows` at a time; each pass starts anew.
-
-        Derivatives see neighbours on either side of a block.
 
         Raises:
             TrajectoryError: a cell, a row or the time is wrong, or there are too few rows to differentiate.
@@ -180,21 +176,18 @@ class TrajectoryReader:
 
     def _samples(self) -> Iterator[Trajectory]:
         row, last_time = 1, -math.inf
-        for block in self._table.blocks(self._layout.needed, self._rows):
-            if len(block):
-                samples = self._assembled(block, row, last_time)
-                self._remember(samples.notes)
-                row, last_time = row + len(block), float(samples.time[-1])
-                yield samples
+        for block in filter(len, self._table.blocks(self._layout.needed, self._rows)):
+            samples = self._assembled(block, row, last_time)
+            self._remember(samples.notes)
+            row, last_time = row + len(block), float(samples.time[-1])
+            yield samples
         if row == 1:
             raise TrajectoryError("has no rows", remedy="give rows of numbers", file=self._table.file)
 
     def _pieces(self, count: int, rows: int) -> list[Trajectory]:
         """Runs of samples that stand for the table; bad rows are left for `blocks` to report."""
         pieces: list[Trajectory] = []
-        if not (self._groups or self._told):
-            return pieces
-        for block in self._table.pieces(self._layout.needed, count, rows):
+        for block in self._table.pieces(self._layout.needed, count, rows) if self._groups or self._told else ():
             if len(block) and np.isfinite(block).all():
                 with suppress(TrajectoryError):
                     pieces.append(self._assembled(block, 1, -math.inf))
@@ -204,19 +197,19 @@ class TrajectoryReader:
         self.notes = tuple(dict.fromkeys((*self.notes, *notes)))
 
     def _assembled(self, block: Floats, first_row: int, last_time: float) -> Trajectory:
-        """The samples in a block (k, len(layout.needed)), finite; absent columns are 0, or the identity.
-
-        Args:
-            first_row: of the block in the table, from 1; last_time: of the row before it.
-
-        Raises:
-            TrajectoryError: time does not increase, or a quaternion is zero.
-        """
+        """The samples in a block (k, len(layout.needed)), finite; absent columns are 0, or the identity. Raises where
+        time does not increase from that of the row before it, or a quaternion is zero."""
         layout = self._layout
         clock, place = layout.clock, {column: i for i, column in enumerate(layout.needed)}
         stamps, *nano = (block[:, place[column]] for column in clock.columns)
         time = clock.seconds(stamps, *nano)
-        self._check_time(time, first_row, last_time)
+        before = np.concatenate(([last_time], time[:-1]))
+        if (late := time <= before).any():
+            i = int(np.argmax(late))
+            relation = "repeats" if time[i] == before[i] else "is before"
+            since = " s after the first stamp" if clock.origin else ""
+            what = f"time {float(time[i])!r}{since} {relation} {float(before[i])!r} of the row before"
+            raise self._table.error_at(first_row + i, what, "time must increase from row to row")
         q, qd, qdd = arrays = [np.zeros((len(block), len(of)), order="F") for of in (layout.q, layout.qd, layout.qdd)]
         for values, of in zip(arrays, (layout.q, layout.qd, layout.qdd), strict=True):
             for i, column in enumerate(of):
@@ -238,16 +231,6 @@ class TrajectoryReader:
             held={self._signals.positions[i]: position for i, position in layout.held.items()},
             followed=layout.followed,
         )
-
-    def _check_time(self, time: Floats, first_row: int, last_time: float) -> None:
-        before = np.concatenate(([last_time], time[:-1]))
-        late = time <= before
-        if late.any():
-            i = int(np.argmax(late))
-            relation = "repeats" if time[i] == before[i] else "is before"
-            since = " s after the first stamp" if self._layout.clock.origin else ""
-            what = f"time {float(time[i])!r}{since} {relation} {float(before[i])!r} of the row before"
-            raise self._table.error_at(first_row + i, what, "time must increase from row to row")
 
     def _normalised(self, q: Floats, first_row: int) -> tuple[str, ...]:
         """Give the quaternions in q a norm of 1, and tell where one was off."""
@@ -296,15 +279,12 @@ def _with_rough_speeds(block: Trajectory) -> Trajectory:
 def row_at(
     reader: TrajectoryReader, time: float, complete: Callable[[Trajectory], Trajectory] = lambda block: block
 ) -> Trajectory:
-    """The sample nearest to `time` [s], the earlier of two that are as near; nothing is interpolated.
-
-    Args:
-        complete: fills in what blocks lack, one after another.
+    """The sample nearest to `time` [s], the earlier of two that are as near, of blocks that `complete` fills in.
 
     Raises:
         TrajectoryError: the time is before the first row or after the last, or the table is wrong.
     """
-    first, best, last = float("nan"), None, float("nan")
+    first, best, last = math.nan, None, math.nan
     for block in map(complete, reader.blocks()):
         k = int(np.argmin(np.abs(block.time - time)))
         first = float(block.time[0]) if best is None else first

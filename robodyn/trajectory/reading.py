@@ -21,24 +21,15 @@ HoldGiven = str | float | Mapping[str, str | float]
 
 @dataclass(frozen=True)
 class Hold:
-    """Where joints without columns are held.
-
-    Attributes:
-        every: where all are that are not named; None if those must have columns.
-        named: by the name of a joint, or of a coordinate of a floating joint.
-    """
+    """Where joints without columns are held: by the name of a joint, or of a coordinate of a floating joint; `every`
+    other one, unless it is None."""
 
     every: str | float | None = None
     named: Mapping[str, str | float] = field(default_factory=dict)
 
     def positions(self, signals: Signals, angle_unit: AngleUnit) -> dict[int, float]:
-        """Index in q -> position [rad or m], of all that is to be held.
-
-        A number for all leaves floating joints at rest: at their place and not turned.
-
-        Raises:
-            TrajectoryError: there is no joint of a name, or a floating joint or its quaternion is given one number.
-        """
+        """Index in q -> position [rad or m], of all that is to be held; raises if there is no such joint, or a floating
+        one is given one number. A number for all leaves floating joints at rest: at their place and not turned."""
 
         def position(i: int, place: str | float) -> float:
             angle = signals.kinds[signals.positions[i]] == "angle"
@@ -66,14 +57,9 @@ def hold_of(given: HoldGiven | None) -> Hold:
     """What a person gives as data; raises if it is not understood."""
     if isinstance(given, Mapping):
         return Hold(None, {name: _place(place) for name, place in given.items()})
-    every, named = None, {}
-    for part in () if given is None else str(given).split(","):
-        name, equals, place = part.rpartition("=")
-        if equals:
-            named[name.strip()] = _place(place)
-        else:
-            every = _place(place)
-    return Hold(every, named)
+    parts = [part.rpartition("=") for part in str(given).split(",")] if given is not None else []
+    every = [_place(place) for _, equals, place in parts if not equals]
+    return Hold(every[-1] if every else None, {name.strip(): _place(place) for name, equals, place in parts if equals})
 
 
 def _place(given: str | float) -> str | float:
@@ -90,17 +76,8 @@ def _place(given: str | float) -> str | float:
 
 @dataclass(frozen=True)
 class Reading:
-    """How a table is to be read.
-
-    Attributes:
-        derivatives: as of `read_motion`; "none" leaves what is missing 0, for those who take derivatives themselves.
-        ignore_extra: leave unknown columns out instead of refusing them.
-        columns: our name -> the table's, such as "q_elbow" -> "Elbow angle".
-        time_unit, angle_unit: of columns whose names do not tell; None is s and rad, and that it is only assumed.
-        topic: of a bag, whose messages are read; None: the only one that there is.
-        measured: read measured torques too, as extra columns `tau_<joint>`.
-        encoder_error: largest cyclic error of the encoders [rad; m of slides], 0 for none.
-    """
+    """How a table is to be read, as of `read_motion`; derivatives "none" leaves what is missing 0, for those who take
+    derivatives themselves."""
 
     derivatives: Derivatives = "auto"
     ignore_extra: bool = False

@@ -32,17 +32,13 @@ _INDEX = r"(?:\[(?P<index>\d+)\]|[._/]?(?P<behind>\d+))"
 _ARRAY = re.compile(rf"(?P<path>(?:.*[./_])?)(?!q){ANY_WORD}{_INDEX}")
 """Entries of arrays; those called q, qd and qdd are ours, in the order of the description."""
 _LABEL = re.compile(rf"(?P<path>(?:.*[./_])?)(?:joint_)?names?{_INDEX}", re.IGNORECASE)
-
+_HEADER = re.compile(r"(?:.*[./_])?header[./_](?:seq|frame_id)")
 _SHOWN = 8
 
 
 @dataclass(frozen=True)
 class Header:
-    """The column names of a table, and where they stand, for messages.
-
-    Attributes:
-        aliases: place of a column -> what it is called instead; `called`: the names that count.
-    """
+    """The column names of a table, and where they stand, for messages; `aliases`: what columns are called instead."""
 
     names: tuple[str, ...]
     file: str | None = None
@@ -63,14 +59,13 @@ class Header:
         if longest > limits().name_characters:
             what = f"a column's name of {longest} characters"
             raise beyond("name_characters", what, TrajectoryError, file=self.file, line=self.line)
-        seen = set[str]()
+        first = {name: i for i, name in reversed([*enumerate(self.names)])}
         for i, name in enumerate(self.names):
             if not name:
                 what = f"column {i + 1} of {len(self.names)} has no name"
                 raise self.error(what, "name every column in the header")
-            if name in seen:
+            if first[name] < i:
                 raise self.error(f"column {name!r} appears twice", "keep one of them")
-            seen.add(name)
 
     def renamed(self, columns: Mapping[str, str], signals: Signals, extra: Collection[str]) -> Header:
         """The header with columns called as a person wants it, our name -> the table's; raises if either is unknown."""
@@ -101,6 +96,10 @@ class Header:
             if (joint := joints.get((found["path"], _number(found))))
         }
         return replace(self, aliases={**aliases, **self.aliases})
+
+    def is_of_message(self, i: int) -> bool:
+        """Whether a column is of a message of ROS and needed for no motion."""
+        return i in self.labels or self.entry(i) == "tau" or _HEADER.fullmatch(self.names[i]) is not None
 
     def entry(self, i: int) -> Quantity | None:
         """What a column measures of a joint that it does not name, None if it is no entry of an array."""
@@ -138,11 +137,10 @@ class Layout:
     """Where each quantity stands in the table: the index of its column, ABSENT where there is none.
 
     Attributes:
+        extra: name of a column that the scene requires, or `tau_<joint>` of a measured torque -> its index.
         parts: column -> how many of its unit make one of SI, where that is not 1.
         told: columns whose unit is told by a name or an option, and not only assumed.
-        extra: name of a column that the scene needs, or `tau_<joint>` of a measured torque -> its index.
-        held: index in q -> position of what has no column and is held.
-        followed: joints that have no column and follow from loops.
+        held: index in q -> position of what has no column and is held; followed: joints without that loops tell.
     """
 
     names: tuple[str, ...]
@@ -164,12 +162,8 @@ class Layout:
 
 
 def resolve(header: Header, signals: Signals, extra: Sequence[str] = (), reading: Reading = DEFAULT) -> Layout:
-    """The layout of a table.
-
-    Args:
-        signals: what the robot wants; every scalar joint needs its position, a floating joint any one of its columns,
-            unless loops tell.
-        extra: columns that the scene names; they must exist.
+    """The layout of a table: every scalar joint requires its position, a floating joint any one of its columns, unless
+    loops tell; the columns `extra` that the scene names must exist.
 
     Raises:
         TrajectoryError: a name is empty or appears twice, a quantity is given twice or in a unit that it cannot have, a
@@ -193,7 +187,7 @@ def resolve(header: Header, signals: Signals, extra: Sequence[str] = (), reading
     unused = times | idle.keys() - {*measured.values()}
     if strange:
         refuse_loops(header, signals, strange)
-        unused |= {i for i in strange if reading.ignore_extra or is_of_message(header, i)}
+        unused |= {i for i in strange if reading.ignore_extra or header.is_of_message(i)}
     held, followed = _placed(header, signals, places, strange, reading)
     if absent := [name for name in extra if name not in called and name not in header.names]:
         remedy = alternatives(absent[0], header.names, "columns")
@@ -282,17 +276,8 @@ def _own_unit(name: str, kind: str) -> str | None:
 def _placed(
     header: Header, signals: Signals, places: Mapping[Place, int], unknown: Sequence[int], reading: Reading
 ) -> tuple[dict[int, float], tuple[str, ...]]:
-    """What no column places: index in q -> position of what is held, and the joints that follow from loops.
-
-    Joints of loops are held where they are named, and not where all are.
-
-    Args:
-        unknown: columns without a meaning, which may be meant for what is missing.
-
-    Raises:
-        TrajectoryError: a scalar joint has no position and is not held, a floating joint has no column at all or part
-            of a quaternion, or a column moves what is to be held.
-    """
+    """What no column places: index in q -> position of what is held, and the joints that follow from loops; these are
+    held where they are named, and not where all are. Columns that are `unknown` may be meant for what is missing."""
     try:
         held = reading.hold.positions(signals, reading.angle_unit or "rad")
     except TrajectoryError as error:
@@ -328,8 +313,6 @@ def _placed(
     return found, tuple(followed)
 
 
-_HEADER = re.compile(r"(?:.*[./_])?header[./_](?:seq|frame_id)")
-"""Fields of a message of ROS that no motion needs."""
 _ALIKE = 0.7
 _LETTERS = 3
 """Letters at least of a name that another may have in it."""
@@ -337,16 +320,11 @@ _COMPARED, _OPTIONS = 200, 8
 """So many unknown columns are compared with the names of joints, so many options written out."""
 
 
-def is_of_message(header: Header, i: int) -> bool:
-    """Whether a column is of a message of ROS and needed for no motion."""
-    return i in header.labels or header.entry(i) == "tau" or _HEADER.fullmatch(header.names[i]) is not None
-
-
 def refuse_loops(header: Header, signals: Signals, unknown: Sequence[int]) -> None:
-    """Raise if unknown columns are what a simulation writes of loops.
+    """Raise if unknown columns are what a simulation writes of loops, all six of `fx_<loop>` to `mz_<loop>`.
 
-    A loop has all six of `fx_<loop>` to `mz_<loop>`. Those of joints may be what `torques --reactions` writes, which
-    writes them for every joint; a loop that bears a joint's name is known by the joints that have none.
+    Those of joints may be what `torques --reactions` writes for every joint; a loop that bears a joint's name is known
+    by the joints that have none.
     """
     there, joints = {header.names[i] for i in unknown}, {*signals.spans, *signals.dependent}
     names = [header.names[i][3:] for i in unknown if header.names[i].startswith(f"{COMPONENTS[0]}_")]
@@ -379,8 +357,8 @@ def unknown_error(
 def _meant(columns: Iterable[str], signals: Signals) -> dict[str, str]:
     """Our name -> the unknown column that is most like it: `q_elbow` -> `Elbow angle [deg]`.
 
-    Case, blanks and marks do not count; a name that has all of ours in it is like it, too. A column whose words tell a
-    velocity is proposed for a velocity only, and so on.
+    Case, blanks and marks do not count; a name that has all of ours in it is like it, too. Words for a velocity are
+    heeded, and so on.
     """
     from difflib import SequenceMatcher, get_close_matches
 
@@ -407,9 +385,10 @@ def _within(name: str, stem: str) -> bool:
 
 def _asked(matches: Mapping[str, str]) -> str:
     """The question whether columns are meant so, and the options that say yes; empty if there are none."""
-    for name, column in matches.items():
-        return f"did you mean {column!r} for {name!r}? then {_options(matches)}; "
-    return ""
+    if not matches:
+        return ""
+    name, column = next(iter(matches.items()))
+    return f"did you mean {column!r} for {name!r}? then {_options(matches)}; "
 
 
 def _options(matches: Mapping[str, str]) -> str:

@@ -50,12 +50,8 @@ class Signal:
 
 
 class Meaning(NamedTuple):
-    """What a column holds.
-
-    Attributes:
-        place: quantity and index in it; None if it is not used, being of a joint without a coordinate.
-        unit: text of the unit in the column's name, None if it tells none.
-    """
+    """What a column holds: a quantity and an index in it, None of a joint without a coordinate; and the unit's text, if
+    its name tells one."""
 
     place: Place | None
     unit: str | None = None
@@ -66,7 +62,6 @@ class Signals:
     """The signals of a robot in coordinate order.
 
     Args:
-        joints: one entry per coordinate; a floating joint is one entry.
         dependent: joints that have no coordinate (mimic, fixed); their columns are accepted and not used.
         looped: joints that move a loop: those without columns follow from it.
         constraints: loops and contacts, whose wrenches may have columns, which are not used.
@@ -90,10 +85,8 @@ class Signals:
 
     @cached_property
     def velocities(self) -> tuple[str, ...]:
-        """Stems of the velocity columns; for a floating joint J `J_wx J_wy J_wz J_vx J_vy J_vz`.
-
-        w is the angular velocity in body axes, v the rate of the position in parent axes.
-        """
+        """Stems of the velocity columns; for a floating joint J `J_wx J_wy J_wz J_vx J_vy J_vz`, w in body axes, v the
+        rate of the position in parent axes."""
         return self._stems(TWIST)
 
     @cached_property
@@ -140,10 +133,7 @@ class Signals:
 
     @cached_property
     def names(self) -> dict[str, Meaning]:
-        """Our own column names.
-
-        Where two readings of a name collide, `q_<joint>` wins over the joint's bare name, and both over `q<number>`.
-        """
+        """Our own column names: `q_<joint>` wins over the joint's bare name, and both over `q<number>`."""
         found: dict[str, Meaning] = {}
         stems: dict[Quantity, tuple[str, ...]] = {"q": self.positions, "qd": self.velocities, "qdd": self.velocities}
         for quantity, of in stems.items():
@@ -167,10 +157,8 @@ class Signals:
         return frozenset(f"{part}_{name}" for name in self.constraints for part in COMPONENTS)
 
     def find(self, column: str) -> Meaning | None:
-        """What a column of this name holds, None if the robot does not know it.
-
-        Our own names come first, then words beside a joint's name, then the same before a unit that is not of time.
-        """
+        """What a column of this name holds, None if the robot does not know it: by our own names, by words beside a
+        joint's name, then by the same before a unit that is not of time."""
         if found := self._find(column):
             return found
         for name, text in split_unit(column):

@@ -78,12 +78,10 @@ _PAIRED = re.compile(r"(?P<stem>.*?)[./_]?(?P<part>secs?|n(?:ano)?secs?)", re.IG
 
 @dataclass(frozen=True)
 class Clock:
-    """Columns of time.
+    """Columns of time: the stamps (or the whole seconds in them), and nanoseconds to add if there are any.
 
     Attributes:
-        column: the stamps, or the whole seconds in them; ticks: how many of its unit make a second.
-        nano: a column of nanoseconds to add, None if there is none.
-        told: whether the unit is told by a name or an option, and not assumed to be seconds.
+        ticks: how many of the unit make a second; told: whether a name or an option tells that.
         origin: the first row of the columns, if it is far from zero; the table then subtracts it, exactly.
     """
 
