@@ -10,7 +10,7 @@ import click
 
 from robodyn.cli import options
 from robodyn.cli.files import check_names, check_table, robot_in_scene
-from robodyn.cli.options import PATH, POSITIVE, Call, Output, refuse, refuse_where, takes
+from robodyn.cli.options import PATH, POSITIVE, Call, Output, option, refuse, refuse_where, takes
 from robodyn.cli.reports import answer
 from robodyn.errors import InputError
 from robodyn.measure.accuracy.ladder import Accuracy
@@ -24,14 +24,10 @@ FORMS = ".svg", ".png", ".pdf"
 @click.command("accuracy", short_help="Measure what each further digit costs in time.")
 @click.argument("files", nargs=-1, type=PATH, required=True, metavar="MESH|URDF TRAJECTORY|URDF SCENE.toml")
 @takes(
-    click.option(
-        "--target", type=POSITIVE, metavar="ERROR", help="Name the quickest method within this relative error."
-    ),
-    click.option("--duration", type=POSITIVE, metavar="S", help="s, of a simulated motion; default 2, or the table's."),
-    click.option("--traj", "table", type=PATH, metavar="FILE", help="The table whose columns the scene names."),
-    click.option(
-        "--plot", type=Output("a picture"), metavar="FILE", help="Draw error against time: .svg, .png or .pdf."
-    ),
+    option("--target ERROR", "Name the quickest method within this relative error.", POSITIVE),
+    option("--duration S", "s, of a simulated motion; default 2, or the table's.", POSITIVE),
+    option("--traj FILE", "The table whose columns the scene names.", PATH, "table"),
+    option("--plot FILE", "Draw error against time: .svg, .png or .pdf.", Output("a picture")),
     options.READING,
     options.SCENE,
     options.REPORT,

@@ -15,7 +15,7 @@ from robodyn.checks.check import Options, Task, check_tasks, fix_task, tasks_for
 from robodyn.checks.context import Asked
 from robodyn.checks.rule import Severity
 from robodyn.cli.files import STANDARD_INPUT, check_names, source_of
-from robodyn.cli.options import DESCRIPTION, PATH, READING, REPORT, Call, Parsed, refuse_where, takes
+from robodyn.cli.options import DESCRIPTION, PATH, READING, REPORT, Call, Parsed, option, refuse_where, takes
 from robodyn.cli.progress import robots_done
 from robodyn.cli.reports import answer, write_report
 from robodyn.cli.screen import complain, show
@@ -76,29 +76,21 @@ _LISTING_UNREAD = ("sarif", "junit", "github")
 @click.command("check", short_help="Find what is wrong with descriptions, for people and CI.")
 @click.argument("urdfs", nargs=-1, type=PATH, required=True, metavar="URDF...")
 @takes(
-    click.option("--select", type=CODES, metavar="CODES", help="Rules to run: RD207,RD5; ALL; default DEFAULT."),
-    click.option("--ignore", type=CODES, metavar="CODES", help="Rules not to run."),
-    click.option("--strict", is_flag=True, help="Exit with 1 on warnings, too."),
-    click.option("--format", "form", type=click.Choice(FORMATS), default="text", help="Default text."),
-    click.option("--statistics", is_flag=True, help="Count findings by rule in place of listing them."),
+    option("--select CODES", "Rules to run: RD207,RD5; ALL; default DEFAULT.", CODES),
+    option("--ignore CODES", "Rules not to run.", CODES),
+    option("--strict", "Exit with 1 on warnings, too."),
+    option("--format", "Default text.", FORMATS, "form", default="text"),
+    option("--statistics", "Count findings by rule in place of listing them."),
     DESCRIPTION,
-    click.option(
-        "--target",
-        "targets",
-        type=Parsed("names", _programs),
-        metavar="NAMES",
-        help="What mujoco, drake, gz, kdl, isaac do.",
-    ),
-    click.option("--against", metavar="REF", help="Compare the dynamics with the file's version at a git revision."),
-    click.option("--trajectory", type=PATH, metavar="FILE", help="Hold the limits against the loads along a motion."),
-    click.option(
-        "--config", type=PATH, metavar="FILE", help="Settings, in place of robodyn.toml or pyproject.toml above a file."
-    ),
-    click.option("--baseline", type=PATH, metavar="FILE", help="Pass over the findings that this file has."),
-    click.option("--write-baseline", is_flag=True, help="Write today's findings to the file of --baseline."),
-    click.option("--fix", is_flag=True, help="Edit the files where an edit is right and leaves the dynamics alone."),
-    click.option("--unsafe-fixes", is_flag=True, help="With --fix or --diff: edits that change the dynamics, too."),
-    click.option("--diff", is_flag=True, help="Print what --fix would change, and change nothing."),
+    option("--target NAMES", "What mujoco, drake, gz, kdl, isaac do.", Parsed("names", _programs), "targets"),
+    option("--against REF", "Compare the dynamics with the file's version at a git revision."),
+    option("--trajectory FILE", "Hold the limits against the loads along a motion.", PATH),
+    option("--config FILE", "Settings, in place of robodyn.toml or pyproject.toml above a file.", PATH),
+    option("--baseline FILE", "Pass over the findings that this file has.", PATH),
+    option("--write-baseline", "Write today's findings to the file of --baseline."),
+    option("--fix", "Edit the files where an edit is right and leaves the dynamics alone."),
+    option("--unsafe-fixes", "With --fix or --diff: edits that change the dynamics, too."),
+    option("--diff", "Print what --fix would change, and change nothing."),
     READING,
     REPORT,
 )

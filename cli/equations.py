@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from robodyn.cli.files import check_names, robot_in_scene
-from robodyn.cli.options import AT, PATH, QD, SCENE, VALUES, Call, refuse_where, takes
+from robodyn.cli.options import AT, PATH, QD, SCENE, VALUES, Call, option, refuse_where, takes
 from robodyn.cli.reports import answer
 from robodyn.equations.closed import closed
 from robodyn.equations.dae.dae import dae
@@ -38,17 +38,17 @@ class _Format(click.Choice):  # type: ignore[type-arg,unused-ignore]
 @click.command("equations", short_help="Derive the equations of motion in numbers, letters or LaTeX.")
 @click.argument("urdf", type=PATH)
 @takes(
-    click.option(
+    option(
         "--form",
+        "ode (default): in numbers; dae: with constraints and reactions; closed: in symbols.",
+        ("ode", "dae", "closed"),
         "equations",
-        type=click.Choice(["ode", "dae", "closed"]),
         default="ode",
-        help="ode (default): in numbers; dae: with constraints and reactions; closed: in symbols.",
     ),
     AT,
     QD,
-    click.option("--tau", type=VALUES, metavar="TAU", help="Torques for --form dae, likewise; default none."),
-    click.option("--format", "form", type=_Format(FORMATS), default="text", help="Default text."),
+    option("--tau TAU", "Torques for --form dae, likewise; default none.", VALUES),
+    option("--format", "Default text.", _Format(FORMATS), "form", default="text"),
     SCENE,
 )
 def command(call: Call, urdf: str, equations: str, tau: Any) -> None:

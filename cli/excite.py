@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from robodyn.cli.files import check_names, robot_in_scene
-from robodyn.cli.options import FORMAT, PATH, POSITIVE, REPORT, SCENE, TABLE_OUT, VALUES, Call, Parsed, takes
+from robodyn.cli.options import FORMAT, PATH, POSITIVE, REPORT, SCENE, TABLE_OUT, VALUES, Call, Parsed, option, takes
 from robodyn.cli.reports import answer, get_ready, write_table
 from robodyn.identification.excitation.excite import HARMONICS, PERIOD, RATE, excite
 from robodyn.report.identification import excitation_json, excitation_page, excitation_sections
@@ -25,16 +25,14 @@ def _names(text: str) -> tuple[str, ...]:
 @click.command("excite", short_help="Find a motion that shows a robot's parameters.")
 @click.argument("urdf", type=PATH)
 @takes(
-    click.option("--out", type=TABLE_OUT, metavar="FILE", help="Write the motion: .csv, .parquet or .npz."),
-    click.option("--period", type=POSITIVE, default=PERIOD, metavar="S", help=f"s, of the motion; default {PERIOD:g}."),
-    click.option("--harmonics", type=int, default=HARMONICS, metavar="N", help=f"Of its series; default {HARMONICS}."),
-    click.option("--rate", type=POSITIVE, default=RATE, metavar="HZ", help=f"Rows per second; default {RATE:g}."),
-    click.option("--joints", type=Parsed("joints", _names), default=(), metavar="A,B", help="That move; default all."),
-    click.option("--max-acceleration", type=POSITIVE, metavar="A", help="rad/s^2; default speed limit / 0.25 s."),
-    click.option(
-        "--noise", type=VALUES, metavar="N", help="N m, of torques; or JOINT=N,...; default 1% of effort limits."
-    ),
-    click.option("--seed", type=click.IntRange(min=0), default=0, metavar="N", help="Of where the search begins."),
+    option("--out FILE", "Write the motion: .csv, .parquet or .npz.", TABLE_OUT),
+    option("--period S", f"s, of the motion; default {PERIOD:g}.", POSITIVE, default=PERIOD),
+    option("--harmonics N", f"Of its series; default {HARMONICS}.", int, default=HARMONICS),
+    option("--rate HZ", f"Rows per second; default {RATE:g}.", POSITIVE, default=RATE),
+    option("--joints A,B", "That move; default all.", Parsed("joints", _names), default=()),
+    option("--max-acceleration A", "rad/s^2; default speed limit / 0.25 s.", POSITIVE),
+    option("--noise N", "N m, of torques; or JOINT=N,...; default 1% of effort limits.", VALUES),
+    option("--seed N", "Of where the search begins.", click.IntRange(min=0), default=0),
     SCENE,
     REPORT,
     FORMAT,

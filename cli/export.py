@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from robodyn.cli.files import check_names, robot_in_scene
-from robodyn.cli.options import PATH, SCENE, Call, Output, takes
+from robodyn.cli.options import PATH, SCENE, Call, Output, option, takes
 from robodyn.cli.screen import show, show_file
 from robodyn.equations.export.export import TARGETS, export
 
@@ -13,16 +13,13 @@ from robodyn.equations.export.export import TARGETS, export
 @click.command("export", short_help="Write the dynamics as C, CasADi, JAX, PyTorch or NumPy.")
 @click.argument("urdf", type=PATH)
 @takes(
-    click.option(
-        "--to", required=True, type=click.Choice(list(TARGETS)), help="C99, or the library of a Python module."
-    ),
-    click.option(
-        "--what",
+    option("--to", "C99, or the library of a Python module.", list(TARGETS), required=True),
+    option(
+        "--what WHAT,...",
+        "torques (default), mass_matrix, bias, coriolis, forward, derivatives, forward_derivatives, regressor.",
         default="torques",
-        metavar="WHAT,...",
-        help="torques (default), mass_matrix, bias, coriolis, forward, derivatives, forward_derivatives, regressor.",
     ),
-    click.option("--out", type=Output("source code"), metavar="FILE", help="Default standard output."),
+    option("--out FILE", "Default standard output.", Output("source code")),
     SCENE,
 )
 def command(call: Call, urdf: str, to: str, what: str) -> None:

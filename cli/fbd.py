@@ -10,7 +10,7 @@ from typing import Any
 import click
 
 from robodyn.cli.files import check_names, refuse_foreign, robot_in_scene
-from robodyn.cli.options import AT, FOLDER, FORMAT, PATH, QD, READING, SCENE, VALUES, Call, refuse, takes
+from robodyn.cli.options import AT, FOLDER, FORMAT, PATH, QD, READING, SCENE, VALUES, Call, option, refuse, takes
 from robodyn.cli.reports import answer
 from robodyn.dynamics.plan import plan
 from robodyn.equations.free_body.bodies import free_bodies
@@ -61,12 +61,12 @@ def state_of(
 @takes(
     AT,
     QD,
-    click.option("--qdd", type=VALUES, metavar="QDD", help="Accelerations, likewise; default none."),
-    click.option("--traj", type=PATH, metavar="FILE", help="Take the state from a trajectory, at --time."),
-    click.option("--time", type=float, metavar="T", help="s; the nearest row of the trajectory counts."),
+    option("--qdd QDD", "Accelerations, likewise; default none.", VALUES),
+    option("--traj FILE", "Take the state from a trajectory, at --time.", PATH),
+    option("--time T", "s; the nearest row of the trajectory counts.", float),
     READING,
     SCENE,
-    click.option("--svg", type=FOLDER, metavar="FOLDER", help="Write a drawing of each body there."),
+    option("--svg FOLDER", "Write a drawing of each body there.", FOLDER),
     FORMAT,
 )
 def command(call: Call, urdf: str, qdd: Any, traj: str | None, time: float | None, svg: str | None) -> None:

@@ -12,7 +12,7 @@ import click
 
 from robodyn.cli import options
 from robodyn.cli.files import TABLE, check_names, expect, robot_in_scene
-from robodyn.cli.options import COVARIANCE_OUT, PATH, POSITIVE, SCENE_OUT, Call, takes
+from robodyn.cli.options import COVARIANCE_OUT, PATH, POSITIVE, SCENE_OUT, Call, option, takes
 from robodyn.cli.reports import answer
 from robodyn.errors import InputError
 from robodyn.support.files import whole_file
@@ -28,22 +28,19 @@ SPLIT = 0.7
 @click.argument("urdf", type=PATH)
 @click.argument("logs", type=PATH, nargs=-1, required=True, metavar="LOG...")
 @takes(
-    click.option("--out", type=options.URDF_OUT, metavar="FILE", help="Write the calibrated description: URDF."),
-    click.option("--scene-out", type=SCENE_OUT, metavar="FILE", help="Write friction and rotors as a scene: TOML."),
-    click.option(
-        "--covariance", type=COVARIANCE_OUT, metavar="FILE", help="Write parameters and their covariance: JSON."
-    ),
-    click.option("--validate", type=PATH, multiple=True, metavar="LOG", help="Hold this log out; repeatable."),
-    click.option(
-        "--split",
-        type=click.FloatRange(0.05, 1.0),
+    option("--out FILE", "Write the calibrated description: URDF.", options.URDF_OUT),
+    option("--scene-out FILE", "Write friction and rotors as a scene: TOML.", SCENE_OUT),
+    option("--covariance FILE", "Write parameters and their covariance: JSON.", COVARIANCE_OUT),
+    option("--validate LOG*", "Hold this log out; repeatable.", PATH),
+    option(
+        "--split PART",
+        f"Of each log that is fitted, from its beginning, where nothing is validated; default {SPLIT:g}.",
+        click.FloatRange(0.05, 1.0),
         default=SPLIT,
-        metavar="PART",
-        help=f"Of each log that is fitted, from its beginning, where nothing is validated; default {SPLIT:g}.",
     ),
-    click.option("--cutoff", type=POSITIVE, metavar="HZ", help="Of the filter on both sides; default by the noise."),
-    click.option("--no-shapes", is_flag=True, help="Do not keep bodies within ellipsoids around their shapes."),
-    click.option("--force", is_flag=True, help="Write even what explains held-out torques worse than the description."),
+    option("--cutoff HZ", "Of the filter on both sides; default by the noise.", POSITIVE),
+    option("--no-shapes", "Do not keep bodies within ellipsoids around their shapes."),
+    option("--force", "Write even what explains held-out torques worse than the description."),
     options.SCENE,
     options.READING,
     options.REPORT,

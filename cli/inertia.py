@@ -13,7 +13,7 @@ from click.core import ParameterSource
 
 from robodyn.cli import options
 from robodyn.cli.files import STANDARD_INPUT, check_names
-from robodyn.cli.options import PATH, POSITIVE, Call, Parsed, finite_numbers, refuse, takes, vector_type
+from robodyn.cli.options import PATH, POSITIVE, Call, Parsed, finite_numbers, option, refuse, takes, vector_type
 from robodyn.cli.reports import answer
 from robodyn.cli.screen import complain
 from robodyn.errors import InputError, MeshError
@@ -56,52 +56,31 @@ _USES = {
 @click.command("inertia", short_help="Compute mass and inertia of meshes, links and robots.")
 @click.argument("files", nargs=-1, type=PATH, required=True, metavar="MESH...|URDF")
 @takes(
-    click.option(
-        "--density", type=float, multiple=True, metavar="RHO", help="kg/m^3, once or for each mesh; default 1000."
+    option("--density RHO*", "kg/m^3, once or for each mesh; default 1000.", float),
+    option("--mass M*", "kg, once (with --combine: of the whole) or for each mesh.", float),
+    option(
+        "--unit", "Of the file, once or for each; default what it says, or m.", ("m", "mm", "cm", "in"), multiple=True
     ),
-    click.option(
-        "--mass",
-        type=float,
-        multiple=True,
-        metavar="M",
-        help="kg, once (with --combine: of the whole) or for each mesh.",
-    ),
-    click.option(
-        "--unit",
-        type=click.Choice(["m", "mm", "cm", "in"]),
-        multiple=True,
-        help="Of the file, once or for each; default what it says, or m.",
-    ),
-    click.option("--type", "file_type", metavar="TYPE", help="stl, obj, ply, urdf and so on; default by the suffix."),
-    click.option("--shell", type=float, metavar="THICKNESS", help="Take the surface as a sheet of so many metres."),
-    click.option("--exact", is_flag=True, help="Integrate in exact arithmetic."),
-    click.option(
-        "--accuracy", type=POSITIVE, metavar="E", help="Take the cheapest arithmetic for this relative error."
-    ),
-    click.option("--strict", is_flag=True, help="Refuse a mesh that needs repair or is doubtful."),
-    click.option("--cavities", is_flag=True, help="Shells in others are cavities, however they are wound."),
-    click.option("--symmetry/--no-symmetry", default=None, help="Seek planes and axes; default for few triangles."),
-    click.option("--symmetrize", is_flag=True, help="Average over the planes and axes that hold."),
-    click.option("--tessellation/--no-tessellation", default=None, help="What facets leave out; default for few."),
-    click.option(
-        "--repair/--no-repair", default=True, help="--no-repair: the signed integral of the surface as it is."
-    ),
-    click.option("--combine", is_flag=True, help="All meshes as one rigid body."),
-    click.option(
-        "--place",
-        type=Parsed("place", _place),
-        multiple=True,
-        metavar="X,Y,Z[,R,P,Y]",
-        help="For each mesh in turn, in m and rad.",
-    ),
-    click.option("--link", metavar="NAME", help="One link, in its own frame."),
+    option("--type TYPE", "stl, obj, ply, urdf and so on; default by the suffix.", name="file_type"),
+    option("--shell THICKNESS", "Take the surface as a sheet of so many metres.", float),
+    option("--exact", "Integrate in exact arithmetic."),
+    option("--accuracy E", "Take the cheapest arithmetic for this relative error.", POSITIVE),
+    option("--strict", "Refuse a mesh that needs repair or is doubtful."),
+    option("--cavities", "Shells in others are cavities, however they are wound."),
+    option("--symmetry/--no-symmetry", "Seek planes and axes; default for few triangles.", default=None),
+    option("--symmetrize", "Average over the planes and axes that hold."),
+    option("--tessellation/--no-tessellation", "What facets leave out; default for few.", default=None),
+    option("--repair/--no-repair", "--no-repair: the signed integral of the surface as it is.", default=True),
+    option("--combine", "All meshes as one rigid body."),
+    option("--place X,Y,Z[,R,P,Y]*", "For each mesh in turn, in m and rad.", Parsed("place", _place)),
+    option("--link NAME", "One link, in its own frame."),
     options.AT,
-    click.option("--compare", is_flag=True, help="Declared inertias against the links' shapes."),
-    click.option("--geometry", type=click.Choice(["visual", "collision"]), help="Which shapes, also for --link."),
+    option("--compare", "Declared inertias against the links' shapes."),
+    option("--geometry", "Which shapes, also for --link.", ("visual", "collision")),
     options.DESCRIPTION,
-    click.option("--about", type=options.POINT, default="com", metavar="POINT", help="com (default), origin or X,Y,Z."),
-    click.option("--rpy", type=vector_type("0,0,1.57"), default="0,0,0", metavar="R,P,Y", help="Turns the axes; rad."),
-    click.option("--format", "form", type=click.Choice(["text", "json", "urdf"]), default="text", help="Default text."),
+    option("--about POINT", "com (default), origin or X,Y,Z.", options.POINT, default="com"),
+    option("--rpy R,P,Y", "Turns the axes; rad.", vector_type("0,0,1.57"), default="0,0,0"),
+    option("--format", "Default text.", ("text", "json", "urdf"), "form", default="text"),
     options.REPORT,
 )
 def command(
@@ -252,13 +231,13 @@ def _measured(
 def check_use(use: str) -> None:
     """Refuse the options that mean nothing in this use of the command."""
     ctx = click.get_current_context()
-    for option in ctx.command.params:
-        name = option.name or ""
-        if not isinstance(option, click.Option) or ctx.get_parameter_source(name) is not ParameterSource.COMMANDLINE:
+    for each in ctx.command.params:
+        name = each.name or ""
+        if not isinstance(each, click.Option) or ctx.get_parameter_source(name) is not ParameterSource.COMMANDLINE:
             continue
         of_meshes = name not in _OF_ROBOTS and (name != "place" or use == "--combine")
         if not (name in _USES[use][1] if use in _USES else of_meshes):
-            written = (option.secondary_opts if ctx.params.get(name) is False else option.opts)[0]
+            written = (each.secondary_opts if ctx.params.get(name) is False else each.opts)[0]
             meshes = [] if name in _OF_ROBOTS else [f"meshes{' with --combine' * (name in ('place', 'combine'))}"]
             others = [call for call, names in _USES.values() if name in names]
             refuse(f"{written} is not for {use}, but for {' or '.join([*meshes, *others])}")

@@ -10,7 +10,7 @@ import click
 import numpy as np
 
 from robodyn.cli.files import check_names, robot_in_scene
-from robodyn.cli.options import AT, FORMAT, PATH, POSITIVE, QD, REPORT, SCENE, Call, Output, takes
+from robodyn.cli.options import AT, FORMAT, PATH, POSITIVE, QD, REPORT, SCENE, Call, Output, option, takes
 from robodyn.cli.reports import answer, get_ready
 from robodyn.equations.linearized.linearize import linearize
 from robodyn.errors import InputError
@@ -23,10 +23,10 @@ from robodyn.support.files import write_whole
 @takes(
     AT,
     QD,
-    click.option("--equilibrium", is_flag=True, help="Look for the state at rest nearest to --at."),
-    click.option("--step", type=POSITIVE, metavar="S", help="s: A and B of steps, with inputs held in between."),
-    click.option("--fail-on-limits", is_flag=True, help="Exit with 1 if limits do not allow the state at rest."),
-    click.option("--out", type=Output("an archive"), metavar="FILE", help="Write A, B, states and inputs: .npz."),
+    option("--equilibrium", "Look for the state at rest nearest to --at."),
+    option("--step S", "s: A and B of steps, with inputs held in between.", POSITIVE),
+    option("--fail-on-limits", "Exit with 1 if limits do not allow the state at rest."),
+    option("--out FILE", "Write A, B, states and inputs: .npz.", Output("an archive")),
     SCENE,
     REPORT,
     FORMAT,

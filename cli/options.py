@@ -108,6 +108,21 @@ _COMMON = {field.name for field in fields(Call)}
 _READING = ("time_unit", "angle_unit", "derivatives", "encoder_error", "ignore_extra", "topic", "hold", "columns")
 
 
+def option(declaration: str, text: str, kind: Any = None, name: str | None = None, **how: Any) -> Decorator:
+    """Return click's option of "--name" (a flag), "--name METAVAR" or, if it may be given again, "--name METAVAR*".
+
+    Args:
+        kind: its type, or the words that it can be; text: for help.
+        name: of the parameter, where that is another.
+    """
+    flag, _, metavar = declaration.partition(" ")
+    if metavar:
+        how |= {"metavar": metavar.removesuffix("*"), "multiple": metavar.endswith("*")}
+    how |= {"is_flag": not metavar and kind is None, "help": text}
+    kind = click.Choice(kind) if isinstance(kind, (tuple, list)) else kind
+    return click.option(flag, *([name] if name else []), type=kind, **how)
+
+
 def together(*options: Decorator) -> Decorator:
     """Return one decorator for several options, which help lists in this order."""
     return lambda command: reduce(lambda inner, option: option(inner), reversed(options), command)
@@ -321,65 +336,47 @@ TABLE_OUT, SCENE_OUT = Output("a table"), Output("a scene that was identified")
 URDF_OUT, COVARIANCE_OUT = Output("a calibrated description"), Output("a covariance")
 POSITIVE, POINT, VALUES = Parsed("number", _positive), Parsed("point", _point), Parsed("at", _at)
 DESCRIPTION = together(
-    click.option(
-        "--package-path",
+    option(
+        "--package-path DIR*",
+        "Where packages are looked for first; repeatable.",
+        Parsed("dir", _folder),
         "package_paths",
-        type=Parsed("dir", _folder),
-        metavar="DIR",
-        multiple=True,
-        help="Where packages are looked for first; repeatable.",
     ),
-    click.option(
-        "--xacro-arg",
+    option(
+        "--xacro-arg NAME:=VALUE*",
+        "An argument of a .xacro file; repeatable.",
+        Parsed("argument", _argument),
         "xacro_args",
-        type=Parsed("argument", _argument),
-        metavar="NAME:=VALUE",
-        multiple=True,
-        help="An argument of a .xacro file; repeatable.",
     ),
-    click.option(
-        "--trust-xacro",
-        "trust_xacro",
-        is_flag=True,
-        help="Let the .xacro file that is named run any Python, read any file and all of the environment.",
+    option(
+        "--trust-xacro", "Let the .xacro file that is named run any Python, read any file and all of the environment."
     ),
 )
 SCENE = together(
     DESCRIPTION,
-    click.option(
-        "--scene",
+    option(
+        "--scene FILE*",
+        "TOML: friction, motors, payloads, wrenches, base; robodyn scene init writes one. Repeatable: merged.",
+        PATH,
         "scene_files",
-        type=PATH,
-        metavar="FILE",
-        multiple=True,
-        help="TOML: friction, motors, payloads, wrenches, base; robodyn scene init writes one. Repeatable: merged.",
     ),
-    click.option(
-        "--payload",
+    option(
+        "--payload LINK=KG[@X,Y,Z]*",
+        "A mass on a link, its centre in m in the link's frame; repeatable, beside those of the scene.",
+        Parsed("payload", _payload),
         "payloads",
-        type=Parsed("payload", _payload),
-        metavar="LINK=KG[@X,Y,Z]",
-        multiple=True,
-        help="A mass on a link, its centre in m in the link's frame; repeatable, beside those of the scene.",
     ),
-    click.option(
-        "--gravity", type=vector_type("0,0,-9.81"), metavar="X,Y,Z", help="m/s^2 in the base frame; default 0,0,-9.81."
-    ),
+    option("--gravity X,Y,Z", "m/s^2 in the base frame; default 0,0,-9.81.", vector_type("0,0,-9.81")),
 )
-BASE_HELD = click.option(
-    "--base-held", is_flag=True, help="The base is bolted down, or something carries it: do not warn."
+BASE_HELD = option("--base-held", "The base is bolted down, or something carries it: do not warn.")
+REPORT = option(
+    "--report FILE",
+    "Write a report for people: .html with plots and data in one file, or .md for a pull request.",
+    Output("a report", _report),
 )
-REPORT = click.option(
-    "--report",
-    type=Output("a report", _report),
-    metavar="FILE",
-    help="Write a report for people: .html with plots and data in one file, or .md for a pull request.",
-)
-AT = click.option("--at", type=VALUES, metavar="Q", help="Joint values in order, or JOINT=Q,...; the rest 0.")
-QD = click.option("--qd", type=VALUES, metavar="QD", help="Velocities, likewise; default at rest.")
-FORMAT = click.option(
-    "--format", "form", type=click.Choice(["text", "json"]), default="text", help="Form of the report; default text."
-)
+AT = option("--at Q", "Joint values in order, or JOINT=Q,...; the rest 0.", VALUES)
+QD = option("--qd QD", "Velocities, likewise; default at rest.", VALUES)
+FORMAT = option("--format", "Form of the report; default text.", ("text", "json"), "form", default="text")
 
 
 def TABLE(command: Callback) -> Callback:
@@ -387,19 +384,13 @@ def TABLE(command: Callback) -> Callback:
     from robodyn.trajectory.columns.units import TimeUnit
 
     return together(
-        click.option(
-            "--map",
+        option(
+            "--map OURS=THEIRS|FILE*",
+            "The table's name of a column, as q_elbow='Elbow angle'; or a TOML file of these; repeatable.",
+            Parsed("file", _columns),
             "columns",
-            type=Parsed("file", _columns),
-            metavar="OURS=THEIRS|FILE",
-            multiple=True,
-            help="The table's name of a column, as q_elbow='Elbow angle'; or a TOML file of these; repeatable.",
         ),
-        click.option(
-            "--time-unit",
-            type=click.Choice(get_args(TimeUnit)),
-            help="Of stamps whose columns do not tell; default s.",
-        ),
+        option("--time-unit", "Of stamps whose columns do not tell; default s.", get_args(TimeUnit)),
     )(command)
 
 
@@ -409,30 +400,21 @@ def READING(command: Callback) -> Callback:
     from robodyn.trajectory.reading import MODES
 
     return together(
-        click.option(
-            "--hold",
-            metavar="rest|POSITION|...",
-            multiple=True,
-            help="Joints without columns: at rest (near zero), a position, or JOINT=POSITION,...; repeatable.",
+        option(
+            "--hold rest|POSITION|...*",
+            "Joints without columns: at rest (near zero), a position, or JOINT=POSITION,...; repeatable.",
         ),
         TABLE,
-        click.option(
-            "--angle-unit",
-            type=click.Choice(get_args(AngleUnit)),
-            help="Of joints whose columns do not tell; default rad.",
-        ),
-        click.option(
-            "--derivatives", type=click.Choice(MODES), default="auto", help="Of missing columns; anew: of all."
-        ),
-        click.option(
-            "--encoder-error",
-            type=click.FloatRange(min=0.0),
+        option("--angle-unit", "Of joints whose columns do not tell; default rad.", get_args(AngleUnit)),
+        option("--derivatives", "Of missing columns; anew: of all.", MODES, default="auto"),
+        option(
+            "--encoder-error RAD",
+            "Largest error of encoders that repeats with the angle (m of slides): into the error bars.",
+            click.FloatRange(min=0.0),
             default=0.0,
-            metavar="RAD",
-            help="Largest error of encoders that repeats with the angle (m of slides): into the error bars.",
         ),
-        click.option("--topic", metavar="NAME", help="Of a ROS bag, if several topics are about joints."),
-        click.option("--ignore-extra", is_flag=True, help="Leave out columns that the robot does not know."),
+        option("--topic NAME", "Of a ROS bag, if several topics are about joints."),
+        option("--ignore-extra", "Leave out columns that the robot does not know."),
     )(command)
 
 
@@ -441,6 +423,6 @@ def EXECUTION(command: Callback) -> Callback:
     from robodyn.programs.run.choice import EXECUTORS
 
     text = "numpy starts at once, compiled makes machine code; default auto: the quicker."
-    threads = click.option("--threads", type=click.IntRange(min=1), metavar="N", help="For machine code; default all.")
-    executor = click.option("--executor", type=click.Choice(EXECUTORS), default="auto", help=text)
+    threads = option("--threads N", "For machine code; default all.", click.IntRange(min=1))
+    executor = option("--executor", text, EXECUTORS, default="auto")
     return together(executor, threads)(command)

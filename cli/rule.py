@@ -5,6 +5,7 @@ from __future__ import annotations
 import click
 
 from robodyn.checks.catalogue import RULES, found_by, instead_of
+from robodyn.cli.options import option
 from robodyn.cli.screen import page, show
 from robodyn.errors import InputError
 from robodyn.report.check import rules_sections
@@ -14,7 +15,7 @@ from robodyn.support.wording import shown
 
 @click.command("rule", short_help="Explain the rules of check.")
 @click.argument("asked", nargs=-1, metavar="CODE|WORD...")
-@click.option("--all", "everything", is_flag=True, help="Every rule.")
+@option("--all", "Every rule.", name="everything")
 def command(asked: tuple[str, ...], everything: bool) -> None:
     """Explain rules of `robodyn check`, by codes or names, each with a bad and a good example; or list those whose
     codes begin so, or whose documentation has a word. Without either, list them all.

@@ -7,7 +7,7 @@ import os
 import click
 
 from robodyn.cli.files import robot_source
-from robodyn.cli.options import DESCRIPTION, PATH, SCENE_OUT, Call, takes
+from robodyn.cli.options import DESCRIPTION, PATH, SCENE_OUT, Call, option, takes
 from robodyn.cli.screen import show, show_file
 from robodyn.errors import InputError
 from robodyn.report.scene_toml import scene_toml
@@ -31,7 +31,7 @@ def command(ctx: click.Context) -> None:
 @command.command("init", short_help="Write a scene for a robot, everything in it off.")
 @click.argument("urdf", type=PATH)
 @takes(
-    click.option("--out", type=SCENE_OUT, metavar="FILE", help="A new file; default standard output."),
+    option("--out FILE", "A new file; default standard output.", SCENE_OUT),
     DESCRIPTION,
 )
 def init(call: Call, urdf: str) -> None:

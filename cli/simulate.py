@@ -8,7 +8,7 @@ import click
 
 from robodyn.cli import options
 from robodyn.cli.files import check_names, check_table, robot_in_scene
-from robodyn.cli.options import PATH, POSITIVE, TABLE_OUT, VALUES, Call, refuse, takes
+from robodyn.cli.options import PATH, POSITIVE, TABLE_OUT, VALUES, Call, option, refuse, takes
 from robodyn.cli.reports import answer, get_ready, write_table
 from robodyn.dynamics.initial_state import begun_at
 from robodyn.programs.run.choice import EXECUTORS
@@ -23,21 +23,19 @@ from robodyn.trajectory.write import format_of
 @click.argument("urdf", type=PATH)
 @takes(
     options.SCENE,
-    click.option("--at", type=VALUES, metavar="Q", help="Begin here: joint values in order, or JOINT=Q,..."),
-    click.option("--traj", "table", type=PATH, metavar="FILE", help="The table whose columns the scene names."),
+    option("--at Q", "Begin here: joint values in order, or JOINT=Q,...", VALUES),
+    option("--traj FILE", "The table whose columns the scene names.", PATH, "table"),
     options.TABLE,
-    click.option("--duration", type=float, metavar="S", help="s; default that of the table, else 10."),
-    click.option("--step", type=float, metavar="S", help="s, of a fixed step; default 0.001, less where stiff."),
-    click.option("--rtol", type=float, metavar="R", help="Tolerance of a method that chooses its steps."),
-    click.option("--method", metavar="NAME", help=f"{', '.join(each.name for each in METHODS)}; default rk4."),
-    click.option("--accuracy", type=POSITIVE, metavar="E", help="Choose method and step for this relative error."),
-    click.option(
-        "--out", type=TABLE_OUT, metavar="FILE", help="Write the motion and its torques: .csv, .parquet or .npz."
-    ),
-    click.option("--fail-on-limits", is_flag=True, help="Exit with 1 if a limit is exceeded, or one ends the motion."),
+    option("--duration S", "s; default that of the table, else 10.", float),
+    option("--step S", "s, of a fixed step; default 0.001, less where stiff.", float),
+    option("--rtol R", "Tolerance of a method that chooses its steps.", float),
+    option("--method NAME", f"{', '.join(each.name for each in METHODS)}; default rk4."),
+    option("--accuracy E", "Choose method and step for this relative error.", POSITIVE),
+    option("--out FILE", "Write the motion and its torques: .csv, .parquet or .npz.", TABLE_OUT),
+    option("--fail-on-limits", "Exit with 1 if a limit is exceeded, or one ends the motion."),
     options.BASE_HELD,
-    click.option("--explain", is_flag=True, help="Say why each effect is on or off."),
-    click.option("--executor", type=click.Choice(EXECUTORS), default="auto", help="As of torques; default auto."),
+    option("--explain", "Say why each effect is on or off."),
+    option("--executor", "As of torques; default auto.", EXECUTORS, default="auto"),
     options.REPORT,
     options.FORMAT,
 )

@@ -12,7 +12,7 @@ import click
 
 from robodyn.cli import options
 from robodyn.cli.files import ROBOT, STANDARD_INPUT, TABLE, check_names, expect, robot_in_scene
-from robodyn.cli.options import PATH, POSITIVE, TABLE_OUT, Call, Grouped, refuse_where, takes
+from robodyn.cli.options import PATH, POSITIVE, TABLE_OUT, Call, Grouped, option, refuse_where, takes
 from robodyn.cli.reports import answer, get_ready
 from robodyn.errors import InputError
 
@@ -47,30 +47,23 @@ class TorquesCommand(Grouped):
 @click.argument("trajectories", type=PATH, nargs=-1, required=True, metavar="TRAJECTORY...")
 @takes(
     options.SCENE,
-    click.option(
-        "--out", type=TABLE_OUT, metavar="FILE", help="Write the torques: .csv, .parquet, .npz; of many a FOLDER."
-    ),
+    option("--out FILE", "Write the torques: .csv, .parquet, .npz; of many a FOLDER.", TABLE_OUT),
     options.BASE_HELD,
-    click.option("--reactions", is_flag=True, help="Write the wrenches of the base and of every joint to --out too."),
-    click.option("--sizing", is_flag=True, help="Add duty, motors, bearings, foundation; as a scene with motors does."),
-    click.option("--momentum", is_flag=True, help=_MOMENTUM),
-    click.option("--about", type=options.POINT, metavar="POINT", help="Of L: origin (default), com or X,Y,Z."),
-    click.option("--frame", metavar="LINK", help="Axes and origin of momenta; default the ground's."),
+    option("--reactions", "Write the wrenches of the base and of every joint to --out too."),
+    option("--sizing", "Add duty, motors, bearings, foundation; as a scene with motors does."),
+    option("--momentum", _MOMENTUM),
+    option("--about POINT", "Of L: origin (default), com or X,Y,Z.", options.POINT),
+    option("--frame LINK", "Axes and origin of momenta; default the ground's."),
     options.READING,
-    click.option("--explain", is_flag=True, help="Say why each effect is on or off, and what it costs."),
-    click.option("--measured", is_flag=True, help="Compare with the torques of the log, and say what differs."),
-    click.option("--cutoff", type=POSITIVE, metavar="HZ", help="With --measured: of the filter; default by the noise."),
-    click.option("--fail-on-limits", is_flag=True, help="Exit with 1 if a limit of robot or motor is exceeded."),
-    click.option("--accuracy", type=POSITIVE, metavar="E", help="Take the cheapest arithmetic of this relative error."),
-    click.option("--example", is_flag=True, help="First write an example motion to TRAJECTORY, within all limits."),
+    option("--explain", "Say why each effect is on or off, and what it costs."),
+    option("--measured", "Compare with the torques of the log, and say what differs."),
+    option("--cutoff HZ", "With --measured: of the filter; default by the noise.", POSITIVE),
+    option("--fail-on-limits", "Exit with 1 if a limit of robot or motor is exceeded."),
+    option("--accuracy E", "Take the cheapest arithmetic of this relative error.", POSITIVE),
+    option("--example", "First write an example motion to TRAJECTORY, within all limits."),
     options.REPORT,
-    click.option(
-        "--jobs",
-        type=click.IntRange(min=1),
-        metavar="N",
-        help="Processes for many trajectories; default: one for each core.",
-    ),
-    click.option("--dask", metavar="ADDRESS", help="Compute many trajectories on this Dask cluster instead."),
+    option("--jobs N", "Processes for many trajectories; default: one for each core.", click.IntRange(min=1)),
+    option("--dask ADDRESS", "Compute many trajectories on this Dask cluster instead."),
     options.EXECUTION,
     options.FORMAT,
 )

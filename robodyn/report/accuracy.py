@@ -9,27 +9,14 @@ from typing import Any
 
 from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Rung, Spread
 from robodyn.measure.doctor import Line, healthy
-from robodyn.report.document import (
-    Block,
-    Document,
-    Paragraph,
-    Section,
-    Table,
-    Verdict,
-    gallery,
-    page,
-    paragraphs,
-    select,
-    titled,
-    written,
-)
+from robodyn.report import document as doc
 from robodyn.report.table import printable
 
 _UNITS = {"mesh": (1e3, "ms"), "motion": (1e3, "ms"), "sample": (1e9, "ns")}
 _WHERE = {"end": "error at the end", "way": "along the way", "middle": "error in the middle", "whole": "anywhere"}
 
 
-def accuracy_sections(accuracy: Accuracy, target: float | None = None) -> Iterator[Section]:
+def accuracy_sections(accuracy: Accuracy, target: float | None = None) -> Iterator[doc.Section]:
     """Yield errors, times and operations of every method, the front of those worth their time, and prices beside it.
 
     Args:
@@ -41,21 +28,21 @@ def accuracy_sections(accuracy: Accuracy, target: float | None = None) -> Iterat
             best, found = error_text(min(rung.error for rung in ladder.rungs)), ladder.cheapest(target)
             none = f"no method reaches {target:g}; the best error is {best}"
             answer.append(f"cheapest within {target:g}: {found.name}" if found else none)
-        yield [_ladder(accuracy.name, ladder), *paragraphs(answer)]
+        yield [_ladder(accuracy.name, ladder), *doc.paragraphs(answer)]
     if accuracy.prices:
         prices = [(price.name, *_time(price.time, 1e3)) for price in accuracy.prices]
-        yield [Table("Beside it", ("what", "time [ms]", "quartiles [ms]"), prices)]
+        yield [doc.Table("Beside it", ("what", "time [ms]", "quartiles [ms]"), prices)]
     if accuracy.effects:
         head = ("without", "torque lost, at most", "at", "operations saved")
         rows = [
             (effect.name, f"{effect.torque:#.4g} {effect.unit}", effect.joint, str(effect.saved))
             for effect in accuracy.effects
         ]
-        yield [Table("Effects", head, rows)]
-    yield paragraphs(accuracy.notes)
+        yield [doc.Table("Effects", head, rows)]
+    yield doc.paragraphs(accuracy.notes)
 
 
-def _ladder(name: str, ladder: Ladder) -> Table:
+def _ladder(name: str, ladder: Ladder) -> doc.Table:
     scale, unit = _UNITS[ladder.per]
     per = f" per {ladder.per}" if ladder.per == "sample" else ""
     errors = [_WHERE.get(measure, f"error of {measure}") for measure in ladder.measures]
@@ -74,7 +61,7 @@ def _ladder(name: str, ladder: Ladder) -> Table:
         )
         for rung in sorted(ladder.rungs, key=lambda rung: rung.time.median)
     ]
-    return Table(f"{printable(name)}: {ladder.title}{per}, errors against {ladder.reference}", head, rows)
+    return doc.Table(f"{printable(name)}: {ladder.title}{per}, errors against {ladder.reference}", head, rows)
 
 
 def _time(time: Spread, scale: float) -> tuple[str, str]:
@@ -90,28 +77,28 @@ def error_text(error: float) -> str:
     return f"{error:.1e}" if error else "0"
 
 
-def accuracy_page(accuracy: Accuracy, target: float | None = None, pictures: bool = True) -> Document:
+def accuracy_page(accuracy: Accuracy, target: float | None = None, pictures: bool = True) -> doc.Document:
     """Return which method to take, error against time, and every method in numbers.
 
     Args:
         target: the error for which the quickest method is named.
     """
-    blocks: list[Block] = [_met(accuracy, target)]
+    blocks: list[doc.Block] = [_met(accuracy, target)]
     if pictures:
         from robodyn.report.pictures.accuracy import ladder_figure
 
         figures = (ladder_figure(each, target, _front(each), f"ladder {k}") for k, each in enumerate(accuracy.ladders))
-        blocks += titled("Error against time", gallery(figures))
+        blocks += doc.titled("Error against time", doc.gallery(figures))
     files = [("accuracy.json", accuracy_json(accuracy, target))]
     name, what = PurePath(accuracy.name).name, "What each further digit costs in time"
     how = "robodyn accuracy --format json prints it"
-    return page(name, what, blocks, accuracy_sections(accuracy, target), "", files, how)
+    return doc.page(name, what, blocks, accuracy_sections(accuracy, target), "", files, how)
 
 
-def _met(accuracy: Accuracy, target: float | None) -> Verdict:
+def _met(accuracy: Accuracy, target: float | None) -> doc.Verdict:
     """Return the quickest method within the target, or the ends of the front."""
     if target is None:
-        return Verdict("neutral", "Methods that are worth their time", tuple(map(_front, accuracy.ladders)))
+        return doc.Verdict("neutral", "Methods that are worth their time", tuple(map(_front, accuracy.ladders)))
     found = [(ladder, ladder.cheapest(target)) for ladder in accuracy.ladders]
     met = all(rung is not None for _, rung in found)
     headline = f"The target of {target:g} {'is met' if met else 'is not met by every task'}"
@@ -120,7 +107,7 @@ def _met(accuracy: Accuracy, target: float | None) -> Verdict:
         best = rung or min(ladder.rungs, key=lambda each: each.error)
         who = f"{best.name} has" if rung else f"no method reaches it; the best is {best.name} with"
         reasons.append(f"{ladder.title}: {who} an error of {error_text(best.error)}.")
-    return Verdict("good" if met else "bad", headline, tuple(reasons))
+    return doc.Verdict("good" if met else "bad", headline, tuple(reasons))
 
 
 def _front(ladder: Ladder) -> str:
@@ -141,19 +128,19 @@ def _digits(x: float) -> str:
     return f"{x:.0f}" if x >= 99.95 else f"{x:#.3g}"
 
 
-def doctor_sections(lines: tuple[Line, ...]) -> Iterator[Section]:
+def doctor_sections(lines: tuple[Line, ...]) -> Iterator[doc.Section]:
     """Yield a line each with its verdict, group by group, and a sentence on the whole."""
     wide = max(len(line.name) for line in lines)
     for name, group in groupby(lines, key=lambda line: line.group):
         found = [(line, ": ".join(text for text in (line.found, line.remark) if text)) for line in group]
-        yield paragraphs(
+        yield doc.paragraphs(
             [name, *(f"  {each.name:<{wide}}  {each.verdict:<7}  {said}".rstrip() for each, said in found)]
         )
     broken, missing = (
         ", ".join(line.name for line in lines if line.verdict == verdict) for verdict in ("broken", "missing")
     )
     end = "everything that is needed works" if healthy(lines) else f"to be repaired: {broken}"
-    yield [Paragraph(f"{end}; missing: {missing}" if missing else end)]
+    yield [doc.Paragraph(f"{end}; missing: {missing}" if missing else end)]
 
 
 def accuracy_json(accuracy: Accuracy, target: float | None = None) -> str:
@@ -163,20 +150,20 @@ def accuracy_json(accuracy: Accuracy, target: float | None = None) -> str:
         cheapest = None if target is None else ladder.cheapest(target)
         methods, front = [_rung_json(ladder, rung) for rung in ladder.rungs], [rung.name for rung in ladder.front]
         keys, best = "title reference per methods front cheapest", cheapest and cheapest.name
-        ladders.append(select(ladder, keys, methods=methods, front=front, cheapest=best))
-    return written(select(accuracy, "name target ladders prices effects notes", target=target, ladders=ladders))
+        ladders.append(doc.select(ladder, keys, methods=methods, front=front, cheapest=best))
+    return doc.written(doc.select(accuracy, "name target ladders prices effects notes", target=target, ladders=ladders))
 
 
 def _rung_json(ladder: Ladder, rung: Rung) -> dict[str, Any]:
     other = ladder.dominator(rung)
     errors = dict(zip(ladder.measures, rung.errors, strict=True))
     return {
-        **select(rung, "name errors error time operations", errors=errors),
-        **({} if rung.drift is None else select(rung, "evaluations drift")),
+        **doc.select(rung, "name errors error time operations", errors=errors),
+        **({} if rung.drift is None else doc.select(rung, "evaluations drift")),
         "dominated_by": other and other.name,
     }
 
 
 def doctor_json(lines: tuple[Line, ...]) -> str:
     """Return {"ok": ..., "lines": [{group, name, found, verdict, remark, figures}]}."""
-    return written({"ok": healthy(lines), "lines": lines})
+    return doc.written({"ok": healthy(lines), "lines": lines})

@@ -13,23 +13,7 @@ from textwrap import indent, wrap
 from typing import TYPE_CHECKING, Any
 
 from robodyn.checks.rule import Severity
-from robodyn.report.document import (
-    Block,
-    Document,
-    Facts,
-    Findings,
-    Heading,
-    Level,
-    Paragraph,
-    Section,
-    Table,
-    Verdict,
-    data_blocks,
-    finite,
-    paragraphs,
-    select,
-    written,
-)
+from robodyn.report import document as doc
 from robodyn.report.table import printable
 from robodyn.support.wording import count
 
@@ -39,7 +23,7 @@ if TYPE_CHECKING:
     from robodyn.checks.rule import Excerpt, Finding, Fix, Rule
 
 
-LEVELS: dict[Severity, Level] = {Severity.ERROR: "bad", Severity.WARNING: "doubtful", Severity.NOTE: "neutral"}
+LEVELS: dict[Severity, doc.Level] = {Severity.ERROR: "bad", Severity.WARNING: "doubtful", Severity.NOTE: "neutral"}
 UNFIT = "not fit for use as it is"
 _NAMED = 8
 
@@ -70,7 +54,7 @@ def check_data(checked: Checked) -> dict[str, Any]:
     return {**{f"{severity.value}s": checked.count(severity) for severity in LEVELS}, "fit": checked.fit}
 
 
-def check_verdict(checked: Checked) -> Verdict:
+def check_verdict(checked: Checked) -> doc.Verdict:
     """Return whether the descriptions can be used, and the first errors."""
     errors, warnings, notes = (checked.count(severity) for severity in LEVELS)
     if errors:
@@ -82,7 +66,9 @@ def check_verdict(checked: Checked) -> Verdict:
     else:
         more = f", {count(notes, 'note')}" if notes else ""
         level, headline = "good", f"No errors and no warnings{more}"
-    return Verdict(level, headline, (*error_lines(checked), *(f"{each.file}: {each.why}." for each in checked.unread)))
+    return doc.Verdict(
+        level, headline, (*error_lines(checked), *(f"{each.file}: {each.why}." for each in checked.unread))
+    )
 
 
 def error_lines(checked: Checked) -> list[str]:
@@ -119,7 +105,7 @@ def place_words(finding: Finding) -> str:
     return at if finding.subject is None else f"{at} {finding.subject.words}"
 
 
-def short_sections(checked: Checked) -> Iterator[Section]:
+def short_sections(checked: Checked) -> Iterator[doc.Section]:
     """Yield for each file its rules, the most severe first, and the places of each; at the end how many there are."""
     order = list(LEVELS)
     files: dict[str, list[Finding]] = {}
@@ -130,8 +116,8 @@ def short_sections(checked: Checked) -> Iterator[Section]:
         lines = [relative(file)]
         for head, same in groupby(ranked, key=lambda one: f"{one.severity.value} {one.code} {one.name}"):
             lines += [f"  {head}", *(line for one in same for line in _short(one))]
-        yield paragraphs(lines)
-    yield paragraphs(checked_lines(checked))
+        yield doc.paragraphs(lines)
+    yield doc.paragraphs(checked_lines(checked))
 
 
 def _short(finding: Finding) -> list[str]:
@@ -151,7 +137,7 @@ def relative(file: str) -> str:
         return file
 
 
-def check_sections(checked: Checked) -> Iterator[Section]:
+def check_sections(checked: Checked) -> Iterator[doc.Section]:
     """Yield every finding, and at the end how many there are in how many files."""
     for finding in checked.findings:
         place = f"{finding.file}:{finding.line}:{finding.column}"
@@ -160,8 +146,8 @@ def check_sections(checked: Checked) -> Iterator[Section]:
         fix = [f"  fix: {finding.fix.what} ({_safety(finding.fix)})"] if finding.fix is not None else []
         lines = [f"{place}: {kind}: {finding.message}", *marked(finding.line, finding.excerpt), *cause]
         also = [f"{'        ' if k else '  also: '}{line}" for k, line in enumerate(further(finding))]
-        yield paragraphs([*lines, *also, f"  do: {finding.remedy}", *fix])
-    yield paragraphs(checked_lines(checked))
+        yield doc.paragraphs([*lines, *also, f"  do: {finding.remedy}", *fix])
+    yield doc.paragraphs(checked_lines(checked))
 
 
 def _safety(fix: Fix) -> str:
@@ -178,21 +164,23 @@ def marked(line: int, excerpt: Excerpt) -> list[str]:
     return [margin + excerpt.text, f"{gap}| {' ' * len(printable(before))}{'^' * max(len(printable(within)), 1)}"]
 
 
-def check_page(checked: Checked) -> Document:
+def check_page(checked: Checked) -> doc.Document:
     """Return whether the descriptions can be used, which rules speak and how often, and every finding with its line."""
-    blocks: list[Block] = [_verdict(checked)]
+    blocks: list[doc.Block] = [_verdict(checked)]
     if checked.findings:
-        blocks += [_facts(checked), Heading("Rules"), _rules(checked)]
+        blocks += [_facts(checked), doc.Heading("Rules"), _rules(checked)]
     for file in checked.files:
         found = [finding for finding in checked.findings if finding.file == file]
         if found:
-            blocks += [Heading(printable(file)), Findings(tuple(map(_item, found)))]
-    blocks += data_blocks([("findings.json", check_json(checked))], "robodyn check --format json prints it")
+            blocks += [doc.Heading(printable(file)), doc.Findings(tuple(map(_item, found)))]
+    blocks += doc.data_blocks([("findings.json", check_json(checked))], "robodyn check --format json prints it")
     title = PurePath(checked.files[0]).name if len(checked.files) == 1 else "Robot descriptions"
-    return Document(title, f"Check of robot descriptions: {count(len(checked.files), 'file')} checked", tuple(blocks))
+    return doc.Document(
+        title, f"Check of robot descriptions: {count(len(checked.files), 'file')} checked", tuple(blocks)
+    )
 
 
-def _verdict(checked: Checked) -> Verdict:
+def _verdict(checked: Checked) -> doc.Verdict:
     found = check_verdict(checked)
     fixes = sum(finding.fix is not None and finding.fix.safe for finding in checked.findings)
     correct = f"robodyn check --fix corrects {fixes} of the findings and leaves the dynamics as they are."
@@ -201,24 +189,24 @@ def _verdict(checked: Checked) -> Verdict:
     return replace(found, reasons=(*found.reasons, *more))
 
 
-def _facts(checked: Checked) -> Facts:
+def _facts(checked: Checked) -> doc.Facts:
     clean = len(set(checked.files) - {finding.file for finding in checked.findings})
     counts = [(f"{severity.value}s".capitalize(), str(checked.count(severity)), "") for severity in LEVELS]
-    return Facts((*counts, ("Files without a finding", f"{clean} of {len(checked.files)}", "")))
+    return doc.Facts((*counts, ("Files without a finding", f"{clean} of {len(checked.files)}", "")))
 
 
-def _rules(checked: Checked) -> Table:
+def _rules(checked: Checked) -> doc.Table:
     counts = Counter((finding.code, finding.name, finding.severity) for finding in checked.findings)
     order = list(LEVELS)
     ranked = sorted(counts.items(), key=lambda item: (order.index(item[0][2]), -item[1], item[0][0]))
     rows = [(code, name, severity.value, str(count)) for (code, name, severity), count in ranked]
-    return Table("How often each rule speaks", ("code", "rule", "severity", "findings"), rows, _EXPLAINED)
+    return doc.Table("How often each rule speaks", ("code", "rule", "severity", "findings"), rows, _EXPLAINED)
 
 
 _EXPLAINED = "robodyn rule CODE explains a rule."
 
 
-def _item(finding: Finding) -> tuple[Level, str, tuple[tuple[str, bool], ...]]:
+def _item(finding: Finding) -> tuple[doc.Level, str, tuple[tuple[str, bool], ...]]:
     title = f"Line {finding.line}: {finding.message} ({finding.severity.value} {finding.code} {finding.name})"
     lines = [("\n".join(marked(finding.line, finding.excerpt)), True)] if finding.excerpt.text else []
     if finding.others:
@@ -274,22 +262,22 @@ _WEIGHT = {
 }
 
 
-def rules_sections(rules: Sequence[Rule]) -> Iterator[Section]:
+def rules_sections(rules: Sequence[Rule]) -> Iterator[doc.Section]:
     """Yield what each rule asks for, why, and an example of both."""
     for rule in rules:
         off = "" if rule.in_default else f"; shown with --select {rule.code}"
-        yield [Paragraph(f"{rule.code} {rule.name} ({_WEIGHT[rule.severity]}{off})")]
+        yield [doc.Paragraph(f"{rule.code} {rule.name} ({_WEIGHT[rule.severity]}{off})")]
         for text in (rule.summary, rule.explanation):
-            yield paragraphs(wrap(" ".join(text.split()), _WIDTH))
+            yield doc.paragraphs(wrap(" ".join(text.split()), _WIDTH))
         for title, example in (("bad:", rule.bad), ("good:", rule.good)):
-            yield paragraphs([title, *indent(example, "    ").splitlines()])
+            yield doc.paragraphs([title, *indent(example, "    ").splitlines()])
 
 
-def statistics_sections(checked: Checked) -> Iterator[Section]:
+def statistics_sections(checked: Checked) -> Iterator[doc.Section]:
     """Yield a table of rules, the most frequent first: findings, places, files, and how many places have safe and other
     fixes; and one of what is not shown."""
     if not checked.findings:
-        yield [Paragraph("no findings")]
+        yield [doc.Paragraph("no findings")]
     hidden = "Not shown, since they are minor; --select ALL shows them"
     for caption, findings in (("", checked.findings), (hidden, checked.hidden)):
         if findings:
@@ -303,7 +291,7 @@ def statistics_sections(checked: Checked) -> Iterator[Section]:
             }
             order = sorted(counts, key=lambda code: (-counts[code], code))
             rows = [[names[code], *(str(figure or "-") for figure in figures[code])] for code in order]
-            yield [Table(caption, ("rule", "findings", "places", "files", "safe fixes", "unsafe fixes"), rows)]
+            yield [doc.Table(caption, ("rule", "findings", "places", "files", "safe fixes", "unsafe fixes"), rows)]
 
 
 def check_json(checked: Checked) -> str:
@@ -311,22 +299,22 @@ def check_json(checked: Checked) -> str:
 
     Places count from 1; edits are byte offsets of the file.
     """
-    return written(
+    return doc.written(
         {
             "findings": list(map(_finding_json, checked.findings)),
-            "unread": [select(each, "file error:why") for each in checked.unread],
+            "unread": [doc.select(each, "file error:why") for each in checked.unread],
             "summary": {"files": len(checked.files), **check_data(checked), "hidden": len(checked.hidden)},
         }
     )
 
 
 def _finding_json(finding: Finding) -> dict[str, Any]:
-    return select(
+    return doc.select(
         finding,
         "file line column code name severity subject message remedy measured bound cause fix places",
         **_place_json(finding),
         places=[
-            select(place, "line column subject message measured bound fix", **_place_json(place))
+            doc.select(place, "line column subject message measured bound fix", **_place_json(place))
             for place in finding.places
         ],
     )
@@ -334,8 +322,8 @@ def _finding_json(finding: Finding) -> dict[str, Any]:
 
 def _place_json(finding: Finding) -> dict[str, Any]:
     return {
-        "subject": finding.subject and select(finding.subject, "kind name"),
-        "measured": finite(finding.measured),
-        "bound": finite(finding.bound),
-        "fix": finding.fix and select(finding.fix, "what safe edits"),
+        "subject": finding.subject and doc.select(finding.subject, "kind name"),
+        "measured": doc.finite(finding.measured),
+        "bound": doc.finite(finding.bound),
+        "fix": finding.fix and doc.select(finding.fix, "what safe edits"),
     }

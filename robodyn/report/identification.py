@@ -10,24 +10,7 @@ from typing import Any
 from robodyn.identification.excitation.excite import Excitation, Information, JointSwing
 from robodyn.identification.excitation.motion import MARGIN
 from robodyn.identification.result import Errors, Identified
-from robodyn.report.document import (
-    Block,
-    Document,
-    Gallery,
-    Heading,
-    Paragraph,
-    Section,
-    Table,
-    Verdict,
-    csv_text,
-    encode,
-    finite,
-    page,
-    paragraphs,
-    remarks,
-    select,
-    written,
-)
+from robodyn.report import document as doc
 from robodyn.report.limits import use
 from robodyn.support.floats import HALF_UP
 from robodyn.support.wording import count, figure, listed
@@ -36,14 +19,14 @@ _DECIMALS = 8
 """From so many on, numbers are written with an exponent."""
 
 
-def identified_sections(found: Identified) -> Iterator[Section]:
+def identified_sections(found: Identified) -> Iterator[doc.Section]:
     """Yield errors by joint, friction and rotors, base parameters with their standard errors, and what was assumed."""
-    yield paragraphs(_identified_head(found))
+    yield doc.paragraphs(_identified_head(found))
     head = ("relative error", "fitted", "held out", "description, fitted", "description, held out")
     parts = (found.train, found.held_out, found.original_train, found.original_held_out)
     rows = [("all joints", *(_of(each, None) for each in parts))]
     rows += [(name, *(_of(each, name) for each in parts)) for name in found.train.joints]
-    yield [Table("", head, rows, "||computed - measured|| / ||measured||, in N m")]
+    yield [doc.Table("", head, rows, "||computed - measured|| / ||measured||, in N m")]
     yield [_motor_table(found)]
     fit = found.base
     columns = (fit.values.tolist(), fit.standard_errors.tolist(), fit.consistent.tolist())
@@ -52,17 +35,19 @@ def identified_sections(found: Identified) -> Iterator[Section]:
         for group, value, error, after in zip(fit.base.short_groups, *columns, strict=True)
     ]
     note = "Values by least squares without bounds; errors count that residuals of neighbouring rows are alike."
-    yield [Table("", ("base parameter", "value", "standard error", "calibrated"), known, note)]
+    yield [doc.Table("", ("base parameter", "value", "standard error", "calibrated"), known, note)]
     if found.unseen:
-        yield paragraphs([f"no torque of the log shows anything of {listed(found.unseen)}: as described"])
-    yield remarks("note", found.warnings)
+        yield doc.paragraphs([f"no torque of the log shows anything of {listed(found.unseen)}: as described"])
+    yield doc.remarks("note", found.warnings)
 
 
-def identified_page(found: Identified) -> Document:
+def identified_page(found: Identified) -> doc.Document:
     """Return the same as a page, with JSON as data."""
-    first = [Verdict("good" if found.better else "bad", verdict(found), tuple(_identified_head(found)))]
+    first = [doc.Verdict("good" if found.better else "bad", verdict(found), tuple(_identified_head(found)))]
     files, how = [("identify.json", identified_json(found))], "robodyn identify --format json writes it"
-    return page(found.model.name, "Parameters that explain logs", first, identified_sections(found), "Fit", files, how)
+    return doc.page(
+        found.model.name, "Parameters that explain logs", first, identified_sections(found), "Fit", files, how
+    )
 
 
 def verdict(found: Identified) -> str:
@@ -100,7 +85,7 @@ def _of(errors: Errors | None, joint: str | None) -> str:
     return _percent(errors.relative_error if joint is None else errors.joints[joint])
 
 
-def _motor_table(found: Identified) -> Table:
+def _motor_table(found: Identified) -> doc.Table:
     head = ("motor", "viscous", "Coulomb", "offset", "breakaway", "decays with", "load", "rotor")
     names = ("viscous", "coulomb", "offset", "stribeck", "stribeck_velocity", "load", "rotor")
     rows = []
@@ -109,7 +94,7 @@ def _motor_table(found: Identified) -> Table:
         rows.append((name, *("-" if value is None else figure(value) for value in values)))
     units = "N m s/rad, N m, N m, N m, rad/s, part of the torque through the gear, kg m^2; of slides likewise in m."
     offset = "Offset: half of what friction differs by direction, or the sensor's."
-    return Table("", head, rows, f"{units} {offset}")
+    return doc.Table("", head, rows, f"{units} {offset}")
 
 
 def _known(value: float, error: float) -> str:
@@ -124,8 +109,8 @@ def _known(value: float, error: float) -> str:
 def identified_json(found: Identified) -> str:
     """Return errors, base parameters with standard errors, motors, and every parameter before and after."""
     held = found.original_held_out or found.original_train
-    return written(
-        select(
+    return doc.written(
+        doc.select(
             found,
             "robot:model.name train held_out original bound consistent better base_parameters rank:base.base.rank "
             "condition:base.base.condition friction coupled discrepancy delays "
@@ -134,7 +119,7 @@ def identified_json(found: Identified) -> str:
             original={**_errors_json(held), **_both_json(found.original_train, found.original_held_out)},
             bound=_both_json(found.bound_train, found.bound_held_out),
             base_parameters=_base_json(found),
-            friction=[{"name": name, **encode(fit)} for name, fit in found.motors.items()],
+            friction=[{"name": name, **doc.encode(fit)} for name, fit in found.motors.items()],
             coupled=[{"name": name, "unexplained": part} for name, part in found.coupled.items()],
             parameters=_parameters_json(found),
             discrepancy=dict(found.discrepancy),
@@ -145,7 +130,7 @@ def identified_json(found: Identified) -> str:
 
 
 def _errors_json(errors: Errors) -> dict[str, Any]:
-    return {"relative_error": finite(errors.relative_error), "joints": dict(errors.joints)}
+    return {"relative_error": doc.finite(errors.relative_error), "joints": dict(errors.joints)}
 
 
 def _both_json(train: Errors, held_out: Errors | None) -> dict[str, Any]:
@@ -169,23 +154,23 @@ def _parameters_json(found: Identified) -> list[dict[str, Any]]:
 _PICTURED = 12
 
 
-def excitation_sections(found: Excitation) -> Iterator[Section]:
+def excitation_sections(found: Excitation) -> Iterator[doc.Section]:
     """Yield how telling the motion is, what each joint does, and each base parameter's predicted standard error."""
-    yield paragraphs(_excited_head(found))
+    yield doc.paragraphs(_excited_head(found))
     head = ("joint", "from", "to", "unit", "speed", "acceleration", "effort", "noise")
     note = f"Largest magnitudes are of limits; positions keep {100 * MARGIN:.0f}% of the range from theirs."
-    yield [Table("", head, [_joint(joint) for joint in found.joints], note)]
+    yield [doc.Table("", head, [_joint(joint) for joint in found.joints], note)]
     rows = zip(found.base.short_groups, found.values.tolist(), found.information.standard_errors.tolist(), strict=True)
     title = ("base parameter", "value", "standard error", "relative")
     note = "Values are the description's; errors are those of least squares over all rows of one period, with noise"
-    yield [Table("", title, [_parameter(*row) for row in rows], f"{note} independent from row to row.")]
-    yield paragraphs([_invisible(found)])
-    yield remarks("note", found.notes)
+    yield [doc.Table("", title, [_parameter(*row) for row in rows], f"{note} independent from row to row.")]
+    yield doc.paragraphs([_invisible(found)])
+    yield doc.remarks("note", found.notes)
 
 
-def excitation_page(found: Excitation, pictures: bool = True) -> Document:
+def excitation_page(found: Excitation, pictures: bool = True) -> doc.Document:
     """Return the same as a page, with plots of the joints, and the motion as data."""
-    blocks: list[Block] = [Verdict("good", _shown(found), (_compared(found),))]
+    blocks: list[doc.Block] = [doc.Verdict("good", _shown(found), (_compared(found),))]
     if pictures:
         from robodyn.report.pictures.simulation import joint_figure
 
@@ -194,12 +179,12 @@ def excitation_page(found: Excitation, pictures: bool = True) -> Document:
             joint_figure(joint.name, joint.unit == "N", found.time, (*found.motion[:2, :, k], found.torques[:, k]))
             for k, joint in joints[:_PICTURED]
         ]
-        some = [Paragraph(f"The first {_PICTURED} of {len(joints)} joints.")] if len(joints) > _PICTURED else []
-        blocks += [Heading("Along the motion"), *some, Gallery(tuple(shown))]
-    motion = csv_text(("time", *found.names), [[t, *row] for t, row in zip(found.time, found.columns, strict=True)])
+        some = [doc.Paragraph(f"The first {_PICTURED} of {len(joints)} joints.")] if len(joints) > _PICTURED else []
+        blocks += [doc.Heading("Along the motion"), *some, doc.Gallery(tuple(shown))]
+    motion = doc.csv_text(("time", *found.names), [[t, *row] for t, row in zip(found.time, found.columns, strict=True)])
     files = [("excite.json", excitation_json(found)), ("motion.csv", motion)]
     how, what = "robodyn excite --format json and --out write it to a file", "A motion that shows parameters"
-    return page(found.model.name, what, blocks, excitation_sections(found), "Motion", files, how)
+    return doc.page(found.model.name, what, blocks, excitation_sections(found), "Motion", files, how)
 
 
 def _excited_head(found: Excitation) -> list[str]:
@@ -262,8 +247,8 @@ def excitation_json(found: Excitation) -> str:
         {"name": group, "parameter": base.names[k], "value": value, "standard_error": error}
         for group, k, value, error in zip(base.groups, base.independent, *columns, strict=True)
     ]
-    return written(
-        select(
+    return doc.written(
+        doc.select(
             found,
             "robot:model.name period:series.period harmonics:series.harmonics rate rows joints base_parameters rank "
             "condition log_determinant plain gain invisible warnings:notes",
@@ -271,7 +256,7 @@ def excitation_json(found: Excitation) -> str:
             base_parameters=parameters,
             **_told(found.information),
             plain=_told(found.plain),
-            gain=finite(found.gain),
+            gain=doc.finite(found.gain),
             invisible=[base.names[k] for k in base.invisible],
         )
     )
@@ -279,5 +264,5 @@ def excitation_json(found: Excitation) -> str:
 
 def _told(information: Information) -> dict[str, Any]:
     """Return numbers, null where not all parameters are shown."""
-    known = {name: finite(getattr(information, name)) for name in ("condition", "log_determinant")}
+    known = {name: doc.finite(getattr(information, name)) for name in ("condition", "log_determinant")}
     return {"rank": information.rank, **known}

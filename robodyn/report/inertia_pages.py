@@ -11,19 +11,7 @@ import numpy as np
 
 from robodyn.errors import MeshError
 from robodyn.programs.vectors import Array, product
-from robodyn.report.document import (
-    Block,
-    Document,
-    Gallery,
-    Level,
-    Section,
-    Verdict,
-    encode,
-    finite,
-    page,
-    select,
-    written,
-)
+from robodyn.report import document as doc
 from robodyn.report.inertia import (
     combination_sections,
     comparison_sections,
@@ -52,17 +40,17 @@ COM = View()
 def inertia_json(outcomes: Sequence[Part | MeshError], view: View) -> str:
     """Return {"meshes": [...]}; of a mesh that failed its `name` and, as a text, the `error` alone."""
     meshes = [
-        select(each, "name:file error:sentence") if isinstance(each, MeshError) else part_data(each, view)
+        doc.select(each, "name:file error:sentence") if isinstance(each, MeshError) else part_data(each, view)
         for each in outcomes
     ]
-    return written({"meshes": meshes})
+    return doc.written({"meshes": meshes})
 
 
 def combination_json(found: Combination, view: View) -> str:
     """Return {"meshes": [each in its own axes], "combined": {...}}."""
     places = [_pose(pose) for pose in found.poses]
-    combined = {**body_data(found.body, view), **select(found, "box places warnings", places=places)}
-    return written({"meshes": [part_data(part, view) for part in found.parts], "combined": combined})
+    combined = {**body_data(found.body, view), **doc.select(found, "box places warnings", places=places)}
+    return doc.written({"meshes": [part_data(part, view) for part in found.parts], "combined": combined})
 
 
 def robot_json(found: RobotInertia, view: View, checked: Checked) -> str:
@@ -70,9 +58,9 @@ def robot_json(found: RobotInertia, view: View, checked: Checked) -> str:
     from robodyn.report.check import check_data
 
     links = [{**_declared_json(link), "pose": _pose(link.pose), "com_in_base": link.placed.com} for link in found.links]
-    return written(
+    return doc.written(
         {
-            **select(found, "robot:name file at"),
+            **doc.select(found, "robot:name file at"),
             **body_data(found.body, view),
             "validity": validity_data(validity(found.body)),
             "check": check_data(checked),
@@ -87,7 +75,7 @@ def link_json(robot: str, found: LinkInertia, view: View, checked: Checked) -> s
     """Return what a link declares, and what a check says of it."""
     from robodyn.report.check import check_data
 
-    return written(
+    return doc.written(
         {"robot": robot, **_declared_json(found, view), "check": check_data(checked), "warnings": found.warnings}
     )
 
@@ -95,31 +83,33 @@ def link_json(robot: str, found: LinkInertia, view: View, checked: Checked) -> s
 def link_shapes_json(robot: str, found: LinkShapes, view: View) -> str:
     """Return what the shapes of a link make."""
     meshes, remarks = [part.name for part in found.shapes.parts], found.shapes.remarks
-    of, valid = select(found, "link:name line geometry:kind"), validity_data(validity(found.body))
+    of, valid = doc.select(found, "link:name line geometry:kind"), validity_data(validity(found.body))
     rest = {"validity": valid, "box": found.shapes.box, "meshes": meshes, "warnings": remarks}
-    return written({"robot": robot, **of, **body_data(found.body, view), **rest})
+    return doc.written({"robot": robot, **of, **body_data(found.body, view), **rest})
 
 
 def comparison_json(found: Comparison) -> str:
     """Return all links, the most different first, then those that could not be compared, with the reason."""
-    return written(select(found, "robot:name file geometry:kind links", links=list(map(_compared, found.links))))
+    return doc.written(
+        doc.select(found, "robot:name file geometry:kind links", links=list(map(_compared, found.links)))
+    )
 
 
 def body_data(body: MassProperties, view: View = COM) -> dict[str, Any]:
     """Return the mass properties of a body; principal axes are rows."""
     about = dict(zip(("point", "matrix"), view.inertia(body), strict=True))
-    principal = select(body.principal, "moments axes")
+    principal = doc.select(body.principal, "moments axes")
     keys = "mass volume area density com inertia inertia_about principal"
-    return select(body, keys, inertia_about=about, principal=principal)
+    return doc.select(body, keys, inertia_about=about, principal=principal)
 
 
 def part_data(part: Part, view: View = COM) -> dict[str, Any]:
     """Return what there is to say of one mesh."""
-    error: dict[str, Any] = {"arithmetic": finite(part.arithmetic), "rounding": finite(part.rounding)}
+    error: dict[str, Any] = {"arithmetic": doc.finite(part.arithmetic), "rounding": doc.finite(part.rounding)}
     error |= {"tessellation": _tessellation_json(part), "union": part.union}
     keys = "symmetry box closed repairs error arithmetic:method notes warnings"
-    more = select(part, keys, symmetry=_symmetry_json(part), box=Box(part.lo, part.hi), error=error)
-    return {**select(part, "name triangles"), **body_data(part.body, view), **more}
+    more = doc.select(part, keys, symmetry=_symmetry_json(part), box=Box(part.lo, part.hi), error=error)
+    return {**doc.select(part, "name triangles"), **body_data(part.body, view), **more}
 
 
 def _symmetry_json(part: Part) -> dict[str, Any] | None:
@@ -128,10 +118,13 @@ def _symmetry_json(part: Part) -> dict[str, Any] | None:
     if found is None:
         return None
     return {
-        "planes": [select(plane, "normal offset asymmetry verdict") for plane in found.planes],
-        "axes": [select(axis, "direction point fold asymmetry verdict", fold=finite(axis.fold)) for axis in found.axes],
+        "planes": [doc.select(plane, "normal offset asymmetry verdict") for plane in found.planes],
+        "axes": [
+            doc.select(axis, "direction point fold asymmetry verdict", fold=doc.finite(axis.fold))
+            for axis in found.axes
+        ],
         "products": [
-            select(each, "axes computed relative zero_by_symmetry:zero", computed=-each.residual * density)
+            doc.select(each, "axes computed relative zero_by_symmetry:zero", computed=-each.residual * density)
             for each in found.products
         ],
     }
@@ -156,52 +149,56 @@ def _tessellation_json(part: Part) -> dict[str, Any] | None:
 
 def _bars(found: Tessellation, of: Callable[[Bars], float]) -> dict[str, float | None]:
     bars = (found.mesh, found.rest, found.on_surface)
-    return dict(zip(("bar", "bar_corrected", "bar_corners_on_surface"), map(finite, map(of, bars)), strict=True))
+    return dict(zip(("bar", "bar_corrected", "bar_corners_on_surface"), map(doc.finite, map(of, bars)), strict=True))
 
 
 def validity_data(found: Validity) -> dict[str, Any]:
     """Return whether a body can exist, with the margin."""
-    return select(found, "physical slack faults", physical=not found.faults)
+    return doc.select(found, "physical slack faults", physical=not found.faults)
 
 
 def _declared_json(link: LinkInertia, view: View = COM) -> dict[str, Any]:
-    return {**select(link, "link:name line"), **body_data(link.body, view), "validity": validity_data(link.validity)}
+    return {
+        **doc.select(link, "link:name line"),
+        **body_data(link.body, view),
+        "validity": validity_data(link.validity),
+    }
 
 
 def _compared(link: LinkComparison) -> dict[str, Any]:
     declared, difference = link.declared, link.difference
     keys = "shape line size filename file scale xyz:origin.xyz rpy:origin.rpy"
-    return select(
+    return doc.select(
         link,
         "link:name line shapes declared derived difference reason remarks",
-        shapes=[select(each.geometry, keys, file=each.path) for each in link.shapes],
+        shapes=[doc.select(each.geometry, keys, file=each.path) for each in link.shapes],
         declared=declared and {**body_data(declared.body), "validity": validity_data(declared.validity)},
         derived=difference and _derived(difference),
         difference=difference
-        and select(
+        and doc.select(
             difference,
             "density com_distance:distance com_offset:offset moment_ratios inertia box_spread",
-            density=finite(difference.density),
-            moment_ratios=[finite(ratio) for ratio in difference.ratios],
-            box_spread=finite(difference.room),
+            density=doc.finite(difference.density),
+            moment_ratios=[doc.finite(ratio) for ratio in difference.ratios],
+            box_spread=doc.finite(difference.room),
         ),
     )
 
 
 def _derived(found: Difference) -> dict[str, Any]:
     meshes = [part_data(part) for part in found.shapes.parts]
-    return {**body_data(found.body), "box": encode(found.shapes.box), "meshes": meshes}
+    return {**body_data(found.body), "box": doc.encode(found.shapes.box), "meshes": meshes}
 
 
 def _pose(pose: Sequence[Any]) -> dict[str, Any]:
-    return dict(zip(("rotation", "origin"), encode(list(pose)), strict=True))
+    return dict(zip(("rotation", "origin"), doc.encode(list(pose)), strict=True))
 
 
 _FAR = 0.1
 """Relative difference of a link from its shapes that is counted."""
 
 
-def parts_page(outcomes: Sequence[Part | MeshError], view: View, shapes: Sequence[Array | None]) -> Document:
+def parts_page(outcomes: Sequence[Part | MeshError], view: View, shapes: Sequence[Array | None]) -> doc.Document:
     """Return what each mesh encloses, and how far the numbers hold; and why meshes failed.
 
     Args:
@@ -210,7 +207,7 @@ def parts_page(outcomes: Sequence[Part | MeshError], view: View, shapes: Sequenc
     parts = [each for each in outcomes if isinstance(each, Part)]
     failures = [each for each in outcomes if isinstance(each, MeshError)]
     failed = f"{len(failures)} of {len(outcomes)} meshes failed"
-    blocks: list[Block] = [Verdict("bad", failed, tuple(f"{each}." for each in failures))] if failures else []
+    blocks: list[doc.Block] = [doc.Verdict("bad", failed, tuple(f"{each}." for each in failures))] if failures else []
     blocks.append(_verdict(parts))
     for k, (part, triangles) in enumerate(zip(parts, shapes, strict=True)):
         blocks += _solid(PurePath(part.name).name, part.body, triangles, f"mesh {k}")
@@ -219,7 +216,7 @@ def parts_page(outcomes: Sequence[Part | MeshError], view: View, shapes: Sequenc
     return _page(title, what, blocks, inertia_sections(parts, view), inertia_json(outcomes, view))
 
 
-def combination_page(found: Combination, view: View, shapes: Sequence[Array | None]) -> Document:
+def combination_page(found: Combination, view: View, shapes: Sequence[Array | None]) -> doc.Document:
     """Return meshes as one rigid body.
 
     Args:
@@ -237,9 +234,11 @@ def combination_page(found: Combination, view: View, shapes: Sequence[Array | No
     return _page("Meshes as one rigid body", names, first, sections, combination_json(found, view))
 
 
-def robot_page(found: RobotInertia, description: Description, view: View, checked: Checked, pictures: bool) -> Document:
+def robot_page(
+    found: RobotInertia, description: Description, view: View, checked: Checked, pictures: bool
+) -> doc.Document:
     """Return the whole robot, its joints locked."""
-    figures: list[Block] = []
+    figures: list[doc.Block] = []
     if pictures:
         from robodyn.report.pictures.robot import robot_figure, shapes_of
         from robodyn.robot.configuration import configuration
@@ -247,13 +246,17 @@ def robot_page(found: RobotInertia, description: Description, view: View, checke
 
         model = assemble(description)
         q = configuration(model, found.at)
-        figures.append(Gallery((robot_figure(model, q, "", "this configuration", shapes_of(description)[0], "robot"),)))
+        figures.append(
+            doc.Gallery((robot_figure(model, q, "", "this configuration", shapes_of(description)[0], "robot"),))
+        )
     what = f"Mass properties of the whole robot, {found.massive} of {found.count} links with mass"
     first = [_possible(found.body, found.warnings, checked), *figures]
     return _page(found.name, what, first, robot_sections(found, view, checked), robot_json(found, view, checked))
 
 
-def link_page(found: LinkInertia, description: Description, view: View, checked: Checked, pictures: bool) -> Document:
+def link_page(
+    found: LinkInertia, description: Description, view: View, checked: Checked, pictures: bool
+) -> doc.Document:
     """Return a link as declared."""
     first = [_possible(found.body, (), checked), *_link(description, found, pictures)]
     sections = link_sections(description.file, found, view, checked)
@@ -261,7 +264,7 @@ def link_page(found: LinkInertia, description: Description, view: View, checked:
     return _page(title, what, first, sections, link_json(description.name, found, view, checked))
 
 
-def link_shapes_page(found: LinkShapes, description: Description, view: View, pictures: bool) -> Document:
+def link_shapes_page(found: LinkShapes, description: Description, view: View, pictures: bool) -> doc.Document:
     """Return a link made of its shapes."""
     first = [_possible(found.body, found.shapes.remarks), *_link(description, found, pictures)]
     sections = link_shapes_sections(description.file, found, view)
@@ -269,33 +272,38 @@ def link_shapes_page(found: LinkShapes, description: Description, view: View, pi
     return _page(title, what, first, sections, link_shapes_json(description.name, found, view))
 
 
-def differences_page(found: Comparison) -> Document:
+def differences_page(found: Comparison) -> doc.Document:
     """Return declared inertias against those of shapes."""
     differences = [link.difference.inertia for link in found.links if link.difference is not None]
     far, rest = sum(difference > _FAR for difference in differences), len(found.links) - len(differences)
-    level: Level = "doubtful" if far else "good" if differences else "neutral"
+    level: doc.Level = "doubtful" if far else "good" if differences else "neutral"
     headline = f"{far} of {len(differences)} links differ from their shapes by more than {100 * _FAR:.0f} %"
-    verdict = Verdict(level, headline, (f"{rest} more links cannot be compared.",) if rest else ())
+    verdict = doc.Verdict(level, headline, (f"{rest} more links cannot be compared.",) if rest else ())
     what = "Declared inertias against shapes"
     return _page(found.name, what, [verdict], comparison_sections(found), comparison_json(found), "comparison.json")
 
 
 def _page(
-    title: str, what: str, first: Sequence[Block], sections: Iterable[Section], data: str, name: str = "inertia.json"
-) -> Document:
-    return page(title, what, first, sections, "Values", [(name, data)], "robodyn inertia --format json prints it")
+    title: str,
+    what: str,
+    first: Sequence[doc.Block],
+    sections: Iterable[doc.Section],
+    data: str,
+    name: str = "inertia.json",
+) -> doc.Document:
+    return doc.page(title, what, first, sections, "Values", [(name, data)], "robodyn inertia --format json prints it")
 
 
-def _solid(name: str, body: MassProperties, triangles: Array | None, key: str) -> list[Block]:
+def _solid(name: str, body: MassProperties, triangles: Array | None, key: str) -> list[doc.Block]:
     """Return the picture of a body with its centre of mass and principal axes; nothing without triangles."""
     if triangles is None:
         return []
     from robodyn.report.pictures.robot import body_figure
 
-    return [Gallery((body_figure(printable(name), body, triangles, key),))]
+    return [doc.Gallery((body_figure(printable(name), body, triangles, key),))]
 
 
-def _link(description: Description, found: LinkInertia | LinkShapes, pictures: bool) -> list[Block]:
+def _link(description: Description, found: LinkInertia | LinkShapes, pictures: bool) -> list[doc.Block]:
     """Return the picture of the visual shapes of a link, where there are some."""
     if not pictures or not found.body.mass:
         return []
@@ -304,7 +312,7 @@ def _link(description: Description, found: LinkInertia | LinkShapes, pictures: b
     return _solid(found.name, found.body, shapes_of(description)[0].get(found.name), "link")
 
 
-def _possible(body: MassProperties, doubts: Sequence[str], checked: Checked | None = None) -> Verdict:
+def _possible(body: MassProperties, doubts: Sequence[str], checked: Checked | None = None) -> doc.Verdict:
     """Return whether a body can exist; no better than what the check says of its description.
 
     Args:
@@ -321,12 +329,12 @@ def _possible(body: MassProperties, doubts: Sequence[str], checked: Checked | No
         if checked.findings:
             doubts = (*doubts, f"robodyn check: {check_line(checked)}.")
     if faults:
-        return Verdict("bad", "No body can have this mass and inertia", (*faults, *doubts))
+        return doc.Verdict("bad", "No body can have this mass and inertia", (*faults, *doubts))
     sure = "Physically possible"
-    return Verdict("doubtful", f"{sure}, with doubts", tuple(doubts)) if doubts else Verdict("good", sure)
+    return doc.Verdict("doubtful", f"{sure}, with doubts", tuple(doubts)) if doubts else doc.Verdict("good", sure)
 
 
-def _verdict(parts: Sequence[Part]) -> Verdict:
+def _verdict(parts: Sequence[Part]) -> doc.Verdict:
     open_ones = ", ".join(printable(part.name) for part in parts if not part.closed)
     doubts = [f"{printable(part.name)}: {text}." for part in parts for text in part.warnings]
     repairs = [f"{printable(part.name)}: repaired, {step.what}." for part in parts for step in part.repairs]
@@ -335,7 +343,7 @@ def _verdict(parts: Sequence[Part]) -> Verdict:
     if any(part.assumed for part in parts):
         reasons.append("The density is assumed: --density or --mass says what it is.")
     if open_ones:
-        return Verdict("bad", f"Not closed, so that the mass is not definite: {open_ones}", tuple(reasons))
+        return doc.Verdict("bad", f"Not closed, so that the mass is not definite: {open_ones}", tuple(reasons))
     if doubts or repairs:
-        return Verdict("doubtful", "Mass and inertia, with repairs or doubts", tuple(reasons))
-    return Verdict("good", f"{'Closed' if len(parts) == 1 else 'All closed'} and without faults", tuple(reasons))
+        return doc.Verdict("doubtful", "Mass and inertia, with repairs or doubts", tuple(reasons))
+    return doc.Verdict("good", f"{'Closed' if len(parts) == 1 else 'All closed'} and without faults", tuple(reasons))

@@ -11,22 +11,7 @@ from typing import Any
 from robodyn.equations.linearized.linearize import Linearized
 from robodyn.equations.linearized.modes import Mode, Modes
 from robodyn.equations.ode import units_of
-from robodyn.report.document import (
-    Block,
-    Document,
-    Gallery,
-    Heading,
-    Paragraph,
-    Section,
-    Table,
-    Verdict,
-    finite,
-    page,
-    paragraphs,
-    remarks,
-    select,
-    written,
-)
+from robodyn.report import document as doc
 from robodyn.report.limits import exceeded_words
 from robodyn.report.table import number
 from robodyn.support.floats import first_largest
@@ -43,7 +28,7 @@ _PICTURED = 12
 """Modes that have pictures, the slowest."""
 
 
-def linearized_sections(found: Linearized) -> Iterator[Section]:
+def linearized_sections(found: Linearized) -> Iterator[doc.Section]:
     """Yield the state and what holds it, the modes, and the verdict."""
     verdict = stability(found)
     how = "an equilibrium" if found.balanced else "the state given"
@@ -52,22 +37,22 @@ def linearized_sections(found: Linearized) -> Iterator[Section]:
     if found.step is not None:
         step = f"steps of {found.step:.6g} s, inputs held in between"
         lines.append(f"A and B are those of {step}; modes are those of A before")
-    yield paragraphs(lines)
-    yield [Table("State", ("joint", "q", "qd", "drive", "torque added", "unit"), _state(found))]
+    yield doc.paragraphs(lines)
+    yield [doc.Table("State", ("joint", "q", "qd", "drive", "torque added", "unit"), _state(found))]
     rows = [_row(found, mode) for mode in found.modes.modes]
     error = max((mode.error for mode in found.modes.modes), default=0.0)
     above = f"1e{ceil(log10(error)):03d}" if error else "0"  # its digits are the processor's
     note = f"Eigenvalues are within {above} /s. What moves: rad or m of each joint per 1 of the first."
-    yield [Table("Modes, the slowest first", _HEAD, rows, note)]
+    yield [doc.Table("Modes, the slowest first", _HEAD, rows, note)]
     yield from _matrices(found)
-    yield remarks("warning", found.warnings)
-    yield paragraphs([f"{verdict.headline}.", *verdict.reasons])
+    yield doc.remarks("warning", found.warnings)
+    yield doc.paragraphs([f"{verdict.headline}.", *verdict.reasons])
 
 
-def _matrices(found: Linearized) -> Iterator[Section]:
+def _matrices(found: Linearized) -> Iterator[doc.Section]:
     """Yield A and B where they are small enough to be read."""
     if not found.states or len(found.states) > _PRINTED:
-        yield paragraphs(["A and B are in --out FILE.npz and --format json."] if found.states else [])
+        yield doc.paragraphs(["A and B are in --out FILE.npz and --format json."] if found.states else [])
         return
     law = "x' = A x + B u" if found.step is None else f"x(t + {found.step:.6g} s) = A x(t) + B u"
     for name, M, over in (("A", found.A, found.states), ("B", found.B, found.inputs)):
@@ -75,18 +60,18 @@ def _matrices(found: Linearized) -> Iterator[Section]:
         scales = [abs(part).max(initial=0.0) for part in (M[:half], M[half:])]
         cells = [[number(x, scales[k >= half]) for x in row] for k, row in enumerate(M.tolist())]
         rows = [(state, *row) for state, row in zip(found.states, cells, strict=True)]
-        yield [Table(f"{name} of {law}", ("", *over), rows)]
+        yield [doc.Table(f"{name} of {law}", ("", *over), rows)]
 
 
-def linearized_page(found: Linearized, pictures: bool = True) -> Document:
+def linearized_page(found: Linearized, pictures: bool = True) -> doc.Document:
     """Return the same as a page, with pictures of the modes, and A and B as data."""
-    blocks: list[Block] = [stability(found), *(_pictures(found) if pictures else [])]
+    blocks: list[doc.Block] = [stability(found), *(_pictures(found) if pictures else [])]
     files, how = [("linear.json", linearized_json(found))], "robodyn linearize --format json prints it"
     what = "Linear equations near a state, and modes"
-    return page(found.robot, what, blocks, linearized_sections(found), "Mode", files, how)
+    return doc.page(found.robot, what, blocks, linearized_sections(found), "Mode", files, how)
 
 
-def _pictures(found: Linearized) -> list[Block]:
+def _pictures(found: Linearized) -> list[doc.Block]:
     from robodyn.report.pictures.robot import mode_figure
 
     modes, names = found.modes.modes, found.model.rates
@@ -94,11 +79,11 @@ def _pictures(found: Linearized) -> list[Block]:
         mode_figure(found.model, found.q, mode.shape, f"{_figures(mode)}: {moves(names, mode)}", f"mode {k}")
         for k, mode in enumerate(modes[:_PICTURED])
     ]
-    some = [Paragraph(f"The slowest {_PICTURED} of {len(modes)} modes.")] if len(modes) > _PICTURED else []
-    return [Heading("Mode shapes"), *some, Gallery(tuple(shown))]
+    some = [doc.Paragraph(f"The slowest {_PICTURED} of {len(modes)} modes.")] if len(modes) > _PICTURED else []
+    return [doc.Heading("Mode shapes"), *some, doc.Gallery(tuple(shown))]
 
 
-def stability(found: Linearized) -> Verdict:
+def stability(found: Linearized) -> doc.Verdict:
     """Return whether the robot comes back after a small push, and how soon or how fast it goes."""
     verdict = _stability(found.modes)
     if found.exceeded:
@@ -106,29 +91,31 @@ def stability(found: Linearized) -> Verdict:
         lines = tuple(f"{exceeded_words(excess)}" for excess in found.exceeded)
         apart = verdict.headline[0].lower() + verdict.headline[1:]
         said = (*lines, f"Without limits: {apart}.", *verdict.reasons)
-        return Verdict("bad", f"{what} beyond limits: the robot cannot stay there", said)
+        return doc.Verdict("bad", f"{what} beyond limits: the robot cannot stay there", said)
     if not found.held.any() or not found.motion.at_rest:
         return verdict
     return replace(verdict, reasons=(*verdict.reasons, "That is so while the torques added stay as they are."))
 
 
-def _stability(modes: Modes) -> Verdict:
+def _stability(modes: Modes) -> doc.Verdict:
     if modes.verdict == "moving":
-        return Verdict("neutral", "No verdict on stability: the state moves", ("The modes are those of this instant.",))
+        return doc.Verdict(
+            "neutral", "No verdict on stability: the state moves", ("The modes are those of this instant.",)
+        )
     if modes.verdict == "unstable":
         worst = max(modes.modes, key=lambda mode: mode.real)
         grows = f"The fastest grows by a factor of e in {worst.time_constant:.4g} s."
         some = sum(mode.real > mode.error for mode in modes.modes)
-        return Verdict("bad", f"Unstable: {count(some, 'mode grows', 'modes grow')}", (grows,))
+        return doc.Verdict("bad", f"Unstable: {count(some, 'mode grows', 'modes grow')}", (grows,))
     if modes.verdict == "stable":
         assert modes.margin is not None, "there are modes, and all are held"
         slowest = f"The slowest decays to 1/e in {1 / modes.margin:.4g} s, a margin of {modes.margin:.4g} /s."
-        return Verdict("good", "Stable: every small push dies away", (slowest,))
+        return doc.Verdict("good", "Stable: every small push dies away", (slowest,))
     free = sum(mode.free for mode in modes.modes)
     steady = sum(mode.undecided and not mode.free for mode in modes.modes)
     words = [f"{count(free, 'mode is', 'modes are')} held by nothing"] if free else []
     words += [f"{count(steady, 'mode is', 'modes are')} not damped within rounding"] if steady else []
-    return Verdict("doubtful", f"Neither stable nor unstable: {' and '.join(words)}")
+    return doc.Verdict("doubtful", f"Neither stable nor unstable: {' and '.join(words)}")
 
 
 def _held(found: Linearized) -> list[str]:
@@ -208,9 +195,9 @@ def _phase(entry: complex) -> str:
 
 def linearized_json(found: Linearized) -> str:
     """Return A and B by rows, the state, and the modes; `stable` is null where it is not decided, see `verdict`."""
-    state = select(found, "is_one:balanced coordinates:model.coordinates q rates:model.rates qd drive added:held")
-    return written(
-        select(
+    state = doc.select(found, "is_one:balanced coordinates:model.coordinates q rates:model.rates qd drive added:held")
+    return doc.written(
+        doc.select(
             found,
             "robot states inputs A B step equilibrium modes stable verdict "
             "margin:modes.margin limits_exceeded:exceeded warnings",
@@ -221,9 +208,9 @@ def linearized_json(found: Linearized) -> str:
 
 
 def _mode_json(mode: Mode) -> dict[str, Any]:
-    return select(
+    return doc.select(
         mode,
         "frequency damping_ratio time_constant real imag error free alike shape shares",
-        time_constant=finite(mode.time_constant),
+        time_constant=doc.finite(mode.time_constant),
         shape={"real": [x.real for x in mode.shape], "imag": [x.imag for x in mode.shape]},
     )

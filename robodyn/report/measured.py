@@ -10,22 +10,7 @@ import numpy as np
 from robodyn.dynamics.regressor import INERTIAL
 from robodyn.identification.faults.compare import Comparison, JointComparison
 from robodyn.identification.faults.faults import DELAY, GAIN, OWN, Fault
-from robodyn.report.document import (
-    Block,
-    Document,
-    Gallery,
-    Heading,
-    Level,
-    Paragraph,
-    Section,
-    Table,
-    Verdict,
-    page,
-    paragraphs,
-    remarks,
-    select,
-    written,
-)
+from robodyn.report import document as doc
 from robodyn.report.table import is_noise, number, printable
 from robodyn.support.sums import einsum
 from robodyn.support.wording import count
@@ -106,11 +91,11 @@ _MUCH = 0.5
 _ROUNDED = 1e-9
 
 
-def measured_sections(found: Comparison) -> Iterator[Section]:
+def measured_sections(found: Comparison) -> Iterator[doc.Section]:
     """Yield the diagnosis, what is told of each joint, its effects with their standard errors, and notes."""
     verdict = verdict_on(found)
     what = f"{count(len(found.joints), 'joint')} with measured torques, {count(found.samples, 'sample')}"
-    yield paragraphs(
+    yield doc.paragraphs(
         [
             f"{found.robot}: {what}, {found.duration:.6g} s, compared below {found.cutoff:g} Hz over "
             f"{found.compared:.4g} s",
@@ -124,8 +109,8 @@ def measured_sections(found: Comparison) -> Iterator[Section]:
     rest = [f"{few} that explain less than 2 % left out"] if len(told) < len(found.faults) else []
     numbered = [f"{k}. {line}" for k, line in enumerate(lines, start=1)]
     said = numbered or ["nothing that is more than noise"]
-    yield paragraphs(["What explains the difference", *said, *rest, *_left(found)])
-    yield [Table("Measured against computed", *_joints(found))]
+    yield doc.paragraphs(["What explains the difference", *said, *rest, *_left(found)])
+    yield [doc.Table("Measured against computed", *_joints(found))]
     head = ["joint", "gain", "offset", "viscous", "Coulomb", "rotor", "delay [ms]"]
     rows = []
     for joint in found.joints:
@@ -136,48 +121,50 @@ def measured_sections(found: Comparison) -> Iterator[Section]:
             scale, shift = (1e3 if kind == OWN[DELAY] else 1.0), (1.0 if kind == OWN[GAIN] else 0.0)
             row.append(bar(scale * value + shift, scale * error, size) if kind in joint.effects else "cannot be told")
         rows.append(row)
-    yield [Table("Effects, each beside all others", head, rows)]
-    yield remarks("note", found.notes)
+    yield [doc.Table("Effects, each beside all others", head, rows)]
+    yield doc.remarks("note", found.notes)
 
 
-def measured_page(found: Comparison, pictures: bool = True) -> Document:
+def measured_page(found: Comparison, pictures: bool = True) -> doc.Document:
     """Return the same as a page, with plots of torques, residuals and friction."""
-    blocks: list[Block] = [verdict_on(found), *(_pictures(found) if pictures else [])]
+    blocks: list[doc.Block] = [verdict_on(found), *(_pictures(found) if pictures else [])]
     what = f"Measured against computed torques of {printable(found.file)}"
     files = [("measured.json", measured_json(found))]
     how = "robodyn torques --measured --format json prints it"
-    return page(found.robot, what, blocks, measured_sections(found), "Joint", files, how)
+    return doc.page(found.robot, what, blocks, measured_sections(found), "Joint", files, how)
 
 
-def _pictures(found: Comparison) -> list[Block]:
+def _pictures(found: Comparison) -> list[doc.Block]:
     from robodyn.report.pictures.simulation import friction_figure, torque_figure
 
     places = range(len(found.joints))
     return [
-        Heading("Measured over computed"),
-        Gallery(tuple(torque_figure(found, j) for j in places)),
-        Heading("Friction"),
-        Paragraph("What is measured beyond the computed torque and all told effects but friction, over speed."),
-        Gallery(tuple(friction_figure(found, j) for j in places)),
+        doc.Heading("Measured over computed"),
+        doc.Gallery(tuple(torque_figure(found, j) for j in places)),
+        doc.Heading("Friction"),
+        doc.Paragraph("What is measured beyond the computed torque and all told effects but friction, over speed."),
+        doc.Gallery(tuple(friction_figure(found, j) for j in places)),
     ]
 
 
-def verdict_on(found: Comparison) -> Verdict:
+def verdict_on(found: Comparison) -> doc.Verdict:
     """Return how far the model explains the log, and what that rests on."""
     before, after = (
         f"{100 * share:.3g} %" if share > _ROUNDED else "0" for share in (found.relative_error, found.left)
     )
     if not any(joint.moves for joint in found.joints):
-        return Verdict("neutral", f"No joint moves: of the difference of {before} only offsets and weight can be told")
+        return doc.Verdict(
+            "neutral", f"No joint moves: of the difference of {before} only offsets and weight can be told"
+        )
     reasons = [*_gross(found)]
     if not found.faults and not reasons:
-        return Verdict(
+        return doc.Verdict(
             "good" if found.relative_error <= _GOOD else "neutral",
             f"The model differs from the log by {before} of the measured torques; no effect stands out of the noise",
         )
-    level: Level = "bad" if reasons else "doubtful" if found.relative_error > _GOOD else "good"
+    level: doc.Level = "bad" if reasons else "doubtful" if found.relative_error > _GOOD else "good"
     headline = f"The model differs from the log by {before} of the measured torques, {after} with what is told below"
-    return Verdict(level, headline, tuple(reasons))
+    return doc.Verdict(level, headline, tuple(reasons))
 
 
 def _left(found: Comparison) -> Iterator[str]:
@@ -218,8 +205,8 @@ def _joints(found: Comparison) -> tuple[list[str], list[list[str]]]:
 def measured_json(found: Comparison) -> str:
     """Return joints, gross faults, and the diagnosis; what cannot be told is null."""
     names = [joint.name for joint in found.joints]
-    return written(
-        select(
+    return doc.written(
+        doc.select(
             found,
             "robot file samples duration cutoff compared relative_error relative_error_left:left joints exchanged "
             "reversed diagnosis warnings:notes",
@@ -236,7 +223,7 @@ def _joint_json(joint: JointComparison) -> dict[str, Any]:
     for kind, (value, error) in joint.effects.items():
         effects[kind] = {"value": value + (kind == "gain"), "standard_error": error}
     keys = "name unit measured_rms:measured computed_rms:computed residual_rms:residual residual_rms_left:left"
-    return select(joint, f"{keys} relative_error correlation moves effects", effects=effects)
+    return doc.select(joint, f"{keys} relative_error correlation moves effects", effects=effects)
 
 
 def _fault_json(found: Comparison, fault: Fault) -> dict[str, Any]:

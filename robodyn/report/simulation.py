@@ -7,23 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from robodyn.report.document import (
-    Block,
-    Document,
-    Level,
-    Paragraph,
-    Section,
-    Table,
-    Verdict,
-    csv_text,
-    gallery,
-    page,
-    paragraphs,
-    remarks,
-    select,
-    titled,
-    written,
-)
+from robodyn.report import document as doc
 from robodyn.report.limits import limits_section, limits_verdict, use
 from robodyn.report.sizes import MotionSizes, linear, simulation_sizes, sizes, speed_unit
 from robodyn.report.table import drift_text, first_names, gravity_text, moment, number, relative_text
@@ -41,19 +25,19 @@ _NAMED = 8
 """Equations of loops that are named; of more, the number."""
 
 
-def simulation_sections(result: Simulation, explain: bool = False) -> Iterator[Section]:
+def simulation_sections(result: Simulation, explain: bool = False) -> Iterator[doc.Section]:
     """Yield what was integrated and how, where the motion ends, what it reaches, and what drifted.
 
     Args:
         explain: add why each effect is on or off.
     """
     size = simulation_sizes(result)
-    yield paragraphs(_head(result))
+    yield doc.paragraphs(_head(result))
     yield [_coordinates(result, size)]
     yield [_rates(result, size)]
     if result.joints:
         yield [_limits(result, size)]
-    yield paragraphs(_drift(result, size))
+    yield doc.paragraphs(_drift(result, size))
     if result.loops:
         loops = result.loops
         kept = loops.equations - len(loops.dropped)
@@ -63,18 +47,18 @@ def simulation_sections(result: Simulation, explain: bool = False) -> Iterator[S
             lines.append(f"left out, for the others imply them: {first_names(loops.dropped, _NAMED)}")
         if loops.rank < kept:
             lines.append(f"{kept - loops.rank} depend on the others there: how they share their reactions is arbitrary")
-        yield paragraphs(lines)
+        yield doc.paragraphs(lines)
         yield [_loops(result.loops, result.model.reach)]
     if explain:
         rows = [(effect.name, "on" if why.active else "off", why.reason) for effect, why in result.effects]
-        yield [Table("Effects", ("effect", "", "why"), rows)]
+        yield [doc.Table("Effects", ("effect", "", "why"), rows)]
     if result.ended:
         how = 'joint_limits = "spring" or "ignore" in a scene goes on'
-        yield [Paragraph(f"ENDED EARLY: {result.ended} ({how})")]
+        yield [doc.Paragraph(f"ENDED EARLY: {result.ended} ({how})")]
     if result.joints:
         yield limits_section(result)
-    yield remarks("warning", (caveat.text for caveat in result.caveats))
-    yield remarks("note", result.notes)
+    yield doc.remarks("warning", (caveat.text for caveat in result.caveats))
+    yield doc.remarks("note", result.notes)
 
 
 def _head(result: Simulation) -> tuple[str, ...]:
@@ -89,7 +73,7 @@ def _head(result: Simulation) -> tuple[str, ...]:
     )
 
 
-def _coordinates(result: Simulation, size: MotionSizes) -> Table:
+def _coordinates(result: Simulation, size: MotionSizes) -> doc.Table:
     lengths, _ = linear(result.model)
     floating = (joint.name for joint in result.model.independent if joint.kind == "floating")
     turns = {f"{name}_{part}" for name in floating for part in ("qx", "qy", "qz", "qw")}
@@ -97,20 +81,20 @@ def _coordinates(result: Simulation, size: MotionSizes) -> Table:
     for k, (name, q) in enumerate(zip(result.model.coordinates, result.q.T, strict=True)):
         unit = "m" if lengths[k] else "" if name in turns else "rad"
         rows.append((name, unit, *(number(x, size.q[k]) for x in (q[0], q[-1], q.min(), q.max()))))
-    return Table("", ("position", "unit", "at the start", "at the end", "least", "largest"), rows)
+    return doc.Table("", ("position", "unit", "at the start", "at the end", "least", "largest"), rows)
 
 
-def _rates(result: Simulation, size: MotionSizes) -> Table:
+def _rates(result: Simulation, size: MotionSizes) -> doc.Table:
     _, sliding = linear(result.model)
     rows = []
     for k, (name, qd, qdd) in enumerate(zip(result.model.rates, result.qd.T, result.qdd.T, strict=True)):
         unit = "m/s" if sliding[k] else "rad/s"
         speeds = (number(x, size.qd[k]) for x in (qd[0], qd[-1], np.abs(qd).max()))
         rows.append((name, unit, *speeds, f"{number(np.abs(qdd).max(), size.qdd[k])} {unit}^2"))
-    return Table("", ("speed", "unit", "at the start", "at the end", "largest", "largest acceleration"), rows)
+    return doc.Table("", ("speed", "unit", "at the start", "at the end", "largest", "largest acceleration"), rows)
 
 
-def _limits(result: Simulation, size: MotionSizes) -> Table:
+def _limits(result: Simulation, size: MotionSizes) -> doc.Table:
     rows = []
     for k, joint in zip(result.driven, result.joints, strict=True):
         load, speed, unit = size.tau[k], size.qd[k], speed_unit(joint.unit)
@@ -119,7 +103,7 @@ def _limits(result: Simulation, size: MotionSizes) -> Table:
         used = use(joint.max_speed, joint.velocity_limit), use(joint.peak, joint.effort_limit)
         rows.append((joint.name, *fastest, used[0], *(peak if joint.driven else ("-", "-")), used[1]))
     head = ("joint", "max speed", "at [s]", "of velocity limit", "drive's peak", "at [s]", "of effort limit")
-    return Table("", head, rows)
+    return doc.Table("", head, rows)
 
 
 def _drift(result: Simulation, size: MotionSizes) -> Iterator[str]:
@@ -141,7 +125,7 @@ def _drift(result: Simulation, size: MotionSizes) -> Iterator[str]:
         )
 
 
-def _loops(loops: LoopFigures, reach: float) -> Table:
+def _loops(loops: LoopFigures, reach: float) -> doc.Table:
     """Return what each loop carries at most, and how far it comes apart beside the robot's reach [m]."""
     force, turning = (np.sqrt(np.square(loops.wrenches[:, :, part]).sum(axis=2)) for part in (slice(3), slice(3, 6)))
     size = sizes(force.ravel().tolist(), turning.ravel().tolist(), reach)
@@ -152,21 +136,21 @@ def _loops(loops: LoopFigures, reach: float) -> Table:
         for name, f, m, gap, slip in zip(*columns, strict=True)
     ]
     head = ("loop", "largest force [N]", "largest moment [N m]", "|phi| [m, rad]", "|phi'| [m/s, rad/s]")
-    return Table("", head, rows)
+    return doc.Table("", head, rows)
 
 
 PLOTTED = 12
 """Joints that have plots; those that move most where there are more."""
-_WORST_FIRST: tuple[Level, ...] = ("bad", "doubtful", "neutral", "good")
+_WORST_FIRST: tuple[doc.Level, ...] = ("bad", "doubtful", "neutral", "good")
 _DRIFT = 1e-3
 """Relative to the largest kinetic energy; above it steps are too long."""
 
 
-def simulation_page(result: Simulation, pictures: bool = True) -> Document:
+def simulation_page(result: Simulation, pictures: bool = True) -> doc.Document:
     """Return how the motion ends and how far it can be trusted, then the motion itself."""
     what = f"Simulated motion: {result.model.n} degrees of freedom, {result.time[-1]:.6g} s, {result.steps} steps"
     verdicts = [_energy_verdict(result), *([limits_verdict(result)] if result.joints or result.caveats else [])]
-    blocks: list[Block] = [*sorted(verdicts, key=lambda verdict: _WORST_FIRST.index(verdict.level))]
+    blocks: list[doc.Block] = [*sorted(verdicts, key=lambda verdict: _WORST_FIRST.index(verdict.level))]
     if pictures:
         from robodyn.report.pictures.robot import robot_figure, shapes_of
 
@@ -176,14 +160,17 @@ def simulation_page(result: Simulation, pictures: bool = True) -> Document:
             robot_figure(result.model, result.q[row], "", f"{name}, {result.time[row]:.6g} s", shapes, f"picture {row}")
             for row, name in ((0, "the start"), (-1, "the end"))
         ]
-        blocks += [*titled("Start and end", [*gallery(figures), *paragraphs([why] if why else [])]), *_plots(result)]
-    table = csv_text(("time", *result.names), np.column_stack((result.time, result.columns)).tolist())
+        blocks += [
+            *doc.titled("Start and end", [*doc.gallery(figures), *doc.paragraphs([why] if why else [])]),
+            *_plots(result),
+        ]
+    table = doc.csv_text(("time", *result.names), np.column_stack((result.time, result.columns)).tolist())
     files = [("result.json", simulation_json(result)), ("motion.csv", table)]
     how = "robodyn simulate --format json and --out write it to a file"
-    return page(result.model.name, what, blocks, simulation_sections(result, explain=True), "Motion", files, how)
+    return doc.page(result.model.name, what, blocks, simulation_sections(result, explain=True), "Motion", files, how)
 
 
-def _energy_verdict(result: Simulation) -> Verdict:
+def _energy_verdict(result: Simulation) -> doc.Verdict:
     kinetic, size = float(result.figures.kinetic.max()), simulation_sizes(result).energy
     relative = result.energy_drift / kinetic if kinetic else 0.0
     energy = (
@@ -191,13 +178,13 @@ def _energy_verdict(result: Simulation) -> Verdict:
         f"kinetic energy of {number(kinetic, size)} J."
     )
     if result.ended:
-        return Verdict("bad", f"The motion ended early, at {result.time[-1]:.6g} s", (result.ended, energy))
+        return doc.Verdict("bad", f"The motion ended early, at {result.time[-1]:.6g} s", (result.ended, energy))
     if relative > _DRIFT:
-        return Verdict("doubtful", "The energy drifts: take shorter steps or a smaller tolerance", (energy,))
-    return Verdict("good", f"The motion ran for its {result.time[-1]:.6g} s, and its energy balances", (energy,))
+        return doc.Verdict("doubtful", "The energy drifts: take shorter steps or a smaller tolerance", (energy,))
+    return doc.Verdict("good", f"The motion ran for its {result.time[-1]:.6g} s, and its energy balances", (energy,))
 
 
-def _plots(result: Simulation) -> list[Block]:
+def _plots(result: Simulation) -> list[doc.Block]:
     from robodyn.report.pictures.figures import quiet
     from robodyn.report.pictures.simulation import energy_figures, joint_figure
 
@@ -213,34 +200,36 @@ def _plots(result: Simulation) -> list[Block]:
         if any(each.any() for each in values):
             figures.append(joint_figure(joint.name, joint.kind == "prismatic", result.time, values))
     some = f"The joints that move most, {len(figures)} of {len(joints)}, without plots of zeros; the tables have all."
-    blocks = titled("Along the motion", [*paragraphs([some] if len(figures) < len(joints) else []), *gallery(figures)])
-    return [*blocks, *titled("Energy", gallery(energy_figures(result)))]
+    blocks = doc.titled(
+        "Along the motion", [*doc.paragraphs([some] if len(figures) < len(joints) else []), *doc.gallery(figures)]
+    )
+    return [*blocks, *doc.titled("Energy", doc.gallery(energy_figures(result)))]
 
 
 def simulation_json(result: Simulation) -> str:
     """Return the document of `simulate`; docs/reference/schemas has its keys."""
     from robodyn.simulation.result import held
 
-    energy, accuracy = result.figures.energy, select(result, "target expected:expected_error")
+    energy, accuracy = result.figures.energy, doc.select(result, "target expected:expected_error")
     stopped = held(result.model, result.scene, result.time, result.qd)
     drift = dict(zip(("linear", "angular"), result.momentum_drift, strict=True)) if result.free else None
-    return written(
+    return doc.written(
         {
             "robot": result.model.name,
             "duration": float(result.time[-1]),
             "gravity": result.scene.gravity,
-            "method": {**select(result.method, "name order"), **select(result, "step rtol")},
-            **select(result, "steps evaluations executor ended", ended=result.ended or None),
+            "method": {**doc.select(result.method, "name order"), **doc.select(result, "step rtol")},
+            **doc.select(result, "steps evaluations executor ended", ended=result.ended or None),
             **({"accuracy": accuracy} if result.target else {}),
             "start": _state(result, 0),
             "final": _state(result, -1),
             "energy": {"start": energy[0], "end": energy[-1], "work": result.work[-1], "drift": result.energy_drift},
             "momentum_drift": drift,
             "loops": _loops_json(result.loops) if result.loops else None,
-            "held": [select(each, "joint:joint.name time creep speed") for each in stopped],
+            "held": [doc.select(each, "joint:joint.name time creep speed") for each in stopped],
             "limit_spring": _limit_json(result) if result.scene.limit_spring else None,
-            "effects": [{"name": effect.name, **select(why, "active reason")} for effect, why in result.effects],
-            **select(
+            "effects": [{"name": effect.name, **doc.select(why, "active reason")} for effect, why in result.effects],
+            **doc.select(
                 result,
                 "joints limits_exceeded:exceeded limits within_limits verdict doubts:caveats warnings notes",
                 limits=limits_data(result.limits),
@@ -262,14 +251,14 @@ def _limit_json(result: Simulation) -> dict[str, Any] | None:
     from robodyn.simulation.result import deepest
 
     found = deepest(result.model, result.time, result.q, result.qd)
-    return found and select(found, "joint:stop.joint.name side:stop.word value:stop.value depth time limits")
+    return found and doc.select(found, "joint:stop.joint.name side:stop.word value:stop.value depth time limits")
 
 
 def _loops_json(loops: LoopFigures) -> dict[str, Any]:
     from robodyn.trajectory.columns.signals import COMPONENTS
 
     rows = zip(loops.names, loops.wrenches[-1].tolist(), loops.gap.tolist(), loops.slip.tolist(), strict=True)
-    return select(
+    return doc.select(
         loops,
         "equations dropped rank freedoms usual_freedoms:usual singular stabilised closures",
         closures=[

@@ -9,22 +9,7 @@ from robodyn.equations.free_body.bodies import free_bodies
 from robodyn.errors import RobodynError
 from robodyn.loads.history import SPANS, History
 from robodyn.loads.result import JointLoad, Result
-from robodyn.report.document import (
-    Block,
-    Document,
-    Facts,
-    Figure,
-    Gallery,
-    Heading,
-    HeatMap,
-    Paragraph,
-    Table,
-    csv_text,
-    gallery,
-    page,
-    paragraphs,
-    titled,
-)
+from robodyn.report import document as doc
 from robodyn.report.equations import action_table
 from robodyn.report.limits import effort_use, offenders, offenders_first, speed_use, torques_verdict, use, worst_joint
 from robodyn.report.sizes import Sizes, free_body_sizes, result_sizes, speed_unit
@@ -40,7 +25,7 @@ PLOTTED = 12
 """Joints that have plots: those beyond limits, and the most loaded of the others up to so many."""
 
 
-def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = True) -> Document:
+def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = True) -> doc.Document:
     """Return the verdict, the figures that matter most, plots, and all that the text says.
 
     Args:
@@ -50,20 +35,20 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
         f"Torques along a motion: {count(len(result.joints), 'joint')}, {count(result.samples, 'sample')}, "
         f"{result.duration:.6g} s, {gravity_text(result.gravity)}"
     )
-    blocks: list[Block] = [torques_verdict(result)]
+    blocks: list[doc.Block] = [torques_verdict(result)]
     if result.joints:
-        blocks += [_facts(result), *titled("Use of limits", _heat_maps(offenders_first(result)))]
+        blocks += [_facts(result), *doc.titled("Use of limits", _heat_maps(offenders_first(result)))]
     head, rows = load_table(result)
-    files = [("result.json", torques_json(result)), ("joints.csv", csv_text(head, rows))]
+    files = [("result.json", torques_json(result)), ("joints.csv", doc.csv_text(head, rows))]
     if pictures and result.history is not None:
         blocks += _pictures(result, model, scene, result.history)
         files += _curves(result.history)
     sections = torques_sections(result, explain=True)
     how = "robodyn torques --format json and --out write it to a file"
-    return page(result.robot, what, blocks, sections, "Loads", files, how)
+    return doc.page(result.robot, what, blocks, sections, "Loads", files, how)
 
 
-def _facts(result: Result) -> Facts:
+def _facts(result: Result) -> doc.Facts:
     joints, size = result.joints, result_sizes(result)
     items = []
     for share, what in ((effort_use, "effort"), (speed_use, "speed")):
@@ -74,10 +59,10 @@ def _facts(result: Result) -> Facts:
     items.append(("Largest power of a joint", f"{number(powerful.peak_power, size['W'])} W", printable(powerful.name)))
     work, back = (sum(getattr(joint, name) for joint in joints) for name in ("work_positive", "work_negative"))
     items.append(("Work of all joints", f"{number(work, size['J'])} J", f"{number(-back, size['J'])} J returned"))
-    return Facts(tuple(items))
+    return doc.Facts(tuple(items))
 
 
-def _heat_maps(result: Result) -> Iterator[HeatMap]:
+def _heat_maps(result: Result) -> Iterator[doc.HeatMap]:
     """Yield how much of its limits of effort and velocity each joint uses; nothing where there are no limits."""
     rows = [
         (
@@ -90,10 +75,10 @@ def _heat_maps(result: Result) -> Iterator[HeatMap]:
         for joint in result.joints
     ]
     if any(share is not None for _, cells in rows for _, share in cells):
-        yield HeatMap("How much of its limits each joint uses", ("effort", "velocity"), rows)
+        yield doc.HeatMap("How much of its limits each joint uses", ("effort", "velocity"), rows)
 
 
-def _pictures(result: Result, model: Model, scene: Scene, history: History) -> Iterator[Block]:
+def _pictures(result: Result, model: Model, scene: Scene, history: History) -> Iterator[doc.Block]:
     """Yield all figures, heading by heading, joints beyond limits first."""
     from robodyn.report.pictures import torques as pictures
 
@@ -101,23 +86,23 @@ def _pictures(result: Result, model: Model, scene: Scene, history: History) -> I
     in_order = sorted(range(len(joints)), key=lambda k: (joints[k].name not in over, k))
     yield from _heaviest_load(result, model, scene, history)
     if history.joints is not None:
-        yield from titled("Along the motion", _joint_figures(result, history, in_order))
+        yield from doc.titled("Along the motion", _joint_figures(result, history, in_order))
         if result.sizing is not None:
             motors = dict(pictures.motor_figures(result.sizing, model, scene, history.joints))
-            yield from titled(
-                "Motors", gallery(motors[name] for name in sorted(motors, key=lambda name: name not in over))
+            yield from doc.titled(
+                "Motors", doc.gallery(motors[name] for name in sorted(motors, key=lambda name: name not in over))
             )
     loaded = [joints[k] for k in in_order if not is_noise(abs(joints[k].peak), size[joints[k].unit])]
-    yield from titled("What makes the peaks", gallery(pictures.share_figures(loaded)))
+    yield from doc.titled("What makes the peaks", doc.gallery(pictures.share_figures(loaded)))
     if result.constraints is not None and history.contacts is not None:
         contacts = pictures.contact_figures(result.constraints.contacts, history.contacts, size)
-        yield from titled("Contacts", gallery(contacts))
-    yield from titled("Loads of the base", gallery(pictures.base_figures(result.base_wrench, history, size)))
+        yield from doc.titled("Contacts", doc.gallery(contacts))
+    yield from doc.titled("Loads of the base", doc.gallery(pictures.base_figures(result.base_wrench, history, size)))
     energy = pictures.energy_figures(result.checks.energy_balance, history, size)
-    yield from titled("Energy", gallery(energy))
+    yield from doc.titled("Energy", doc.gallery(energy))
 
 
-def _joint_figures(result: Result, history: History, in_order: list[int]) -> Iterator[Block]:
+def _joint_figures(result: Result, history: History, in_order: list[int]) -> Iterator[doc.Block]:
     """Yield figures of the joints beyond limits and the most loaded, and which joints have none."""
     from robodyn.report.pictures.torques import joint_figure
 
@@ -126,18 +111,18 @@ def _joint_figures(result: Result, history: History, in_order: list[int]) -> Ite
     loaded = sorted(ranked(moving, key=lambda k: effort_use(joints[k])), key=lambda k: joints[k].name not in over)
     shown = loaded[: max(PLOTTED, len(over))]
     if len(shown) < len(moving):
-        yield Paragraph(
+        yield doc.Paragraph(
             f"The joints beyond a limit, and those that use most of their limits of effort, {len(shown)} of "
             f"{len(joints)}; the tables have all."
         )
     if still := [printable(joint.name) for joint in joints if _rests(joint, size)]:
-        yield Paragraph(f"Without a plot, because they neither move nor carry anything: {', '.join(still)}.")
+        yield doc.Paragraph(f"Without a plot, because they neither move nor carry anything: {', '.join(still)}.")
     if shown and result.samples > 2 * SPANS:
         span = f"{result.duration / SPANS:.2g} s"
-        yield Paragraph(f"Drawn from the least and the greatest of every {span}, so that no peak is lost.")
+        yield doc.Paragraph(f"Drawn from the least and the greatest of every {span}, so that no peak is lost.")
     assert history.joints is not None
     curves = history.joints
-    yield from gallery(joint_figure(joints[k], curves, k, size) for k in in_order if k in shown)
+    yield from doc.gallery(joint_figure(joints[k], curves, k, size) for k in in_order if k in shown)
 
 
 def _rests(joint: JointLoad, size: Sizes) -> bool:
@@ -150,10 +135,10 @@ def _curves(history: History) -> Iterator[tuple[str, str]]:
         for k, name in enumerate(history.joints.names):
             samples = history.joints.samples(k).values()
             rows += [(name, *(f"{value:.7g}" for value in row)) for row in zip(*samples, strict=True)]
-        yield "curves.csv", csv_text(("joint", "time", *history.joints.quantities), rows)
+        yield "curves.csv", doc.csv_text(("joint", "time", *history.joints.quantities), rows)
 
 
-def _heaviest_load(result: Result, model: Model, scene: Scene, history: History) -> Iterator[Block]:
+def _heaviest_load(result: Result, model: Model, scene: Scene, history: History) -> Iterator[doc.Block]:
     """Yield the robot at the peak of the joint that is loaded most, and the free body that this joint carries, if the
     robot can be taken apart there."""
     from robodyn.report.pictures.free_body import NOTES, page_drawing, symbols
@@ -179,13 +164,13 @@ def _heaviest_load(result: Result, model: Model, scene: Scene, history: History)
             forces = printable(", ".join(action.what for action in body.actions))
             alt = f"Free-body diagram of {name} with its forces and moments: {forces}"
             caption = f"What acts on {name}, which {printable(joint.name)} carries"
-            figures.append(Figure(caption, alt, page_drawing(body, size)))
+            figures.append(doc.Figure(caption, alt, page_drawing(body, size)))
             head, rows = action_table(body, size)
             named = [(symbols(action, size), *row) for action, row in zip(body.actions, rows, strict=False)]
             title = ("symbol", "what", *head[1:])
             sums = ("sum", "", *rows[-1][1:])
-            tables.append(Table(f"Forces and moments on {name}, {when}", title, [*named, sums], " ".join(NOTES)))
-    yield Heading("At the heaviest load")
-    yield Gallery(tuple(figures))
+            tables.append(doc.Table(f"Forces and moments on {name}, {when}", title, [*named, sums], " ".join(NOTES)))
+    yield doc.Heading("At the heaviest load")
+    yield doc.Gallery(tuple(figures))
     yield from tables
-    yield from paragraphs([why] if why else [])
+    yield from doc.paragraphs([why] if why else [])

@@ -6,28 +6,14 @@ import re
 from collections.abc import Sequence
 from textwrap import indent
 
-from robodyn.report.document import (
-    Block,
-    Document,
-    Downloads,
-    Facts,
-    Figure,
-    Findings,
-    Gallery,
-    Heading,
-    HeatMap,
-    Paragraph,
-    Table,
-    Verdict,
-    code_lines,
-)
+from robodyn.report import document as doc
 from robodyn.report.table import is_numeric, printable
 
 _SPECIAL = re.compile(r"([\\`*_{}\[\]<>#|~&@])")
 _SIGNS = {"good": "✅", "doubtful": "⚠️", "bad": "❌", "neutral": "ℹ️"}  # noqa: RUF001
 
 
-def markdown(document: Document) -> str:
+def markdown(document: doc.Document) -> str:
     """Return the report as Markdown. Whatever could be Markdown or HTML in its words is escaped."""
     parts = [f"# {escaped(document.title)}", escaped(document.subtitle)]
     parts += [part for part in map(_block, _worth(document.blocks)) if part]
@@ -43,30 +29,30 @@ def escaped(text: str) -> str:
     return _SPECIAL.sub(r"\\\1", printable(" ".join(text.split()))).replace(r"\@", "@\u200b")
 
 
-def _worth(blocks: Sequence[Block]) -> list[Block]:
+def _worth(blocks: Sequence[doc.Block]) -> list[doc.Block]:
     """Return the blocks without pictures and downloads, and without headings that then stand alone."""
-    kept = [block for block in blocks if not isinstance(block, (Figure, Gallery, Downloads))]
-    after = [*kept[1:], Heading("")]
+    kept = [block for block in blocks if not isinstance(block, (doc.Figure, doc.Gallery, doc.Downloads))]
+    after = [*kept[1:], doc.Heading("")]
     return [one for one, other in zip(kept, after, strict=True) if not (_head(one) and _head(other))]
 
 
-def _head(block: Block) -> bool:
-    return isinstance(block, Heading)
+def _head(block: doc.Block) -> bool:
+    return isinstance(block, doc.Heading)
 
 
-def _block(block: Block) -> str:
-    if isinstance(block, (Heading, Paragraph)):
-        return ("## " if isinstance(block, Heading) else "") + escaped(block.text)
-    if isinstance(block, Verdict):
+def _block(block: doc.Block) -> str:
+    if isinstance(block, (doc.Heading, doc.Paragraph)):
+        return ("## " if isinstance(block, doc.Heading) else "") + escaped(block.text)
+    if isinstance(block, doc.Verdict):
         reasons = "".join(f"\n- {escaped(reason)}" for reason in block.reasons)
         return f"**{_SIGNS[block.level]} {escaped(block.headline)}**" + (f"\n{reasons}" if reasons else "")
-    if isinstance(block, Facts):
+    if isinstance(block, doc.Facts):
         return "\n".join(_fact(*item) for item in block.items)
-    if isinstance(block, Findings):
+    if isinstance(block, doc.Findings):
         return "\n".join(_finding(*item) for item in block.items)
-    if isinstance(block, HeatMap):
+    if isinstance(block, doc.HeatMap):
         block = block.table
-    return _table(block) if isinstance(block, Table) else ""
+    return _table(block) if isinstance(block, doc.Table) else ""
 
 
 def _fact(what: str, figure: str, more: str) -> str:
@@ -74,12 +60,12 @@ def _fact(what: str, figure: str, more: str) -> str:
 
 
 def _finding(level: str, title: str, lines: Sequence[tuple[str, bool]]) -> str:
-    shown = [indent(code_lines(text), " " * 6, bool) if code else f"  {escaped(text)}" for text, code in lines]
+    shown = [indent(doc.code_lines(text), " " * 6, bool) if code else f"  {escaped(text)}" for text, code in lines]
     rows = "".join(f"\n{each}\n" for each in shown)
     return f"- {_SIGNS[level]} **{escaped(title)}**\n{rows}"
 
 
-def _table(table: Table) -> str:
+def _table(table: doc.Table) -> str:
     numeric = [is_numeric([row[k] for row in table.rows]) for k in range(len(table.head))]
     rule = ["---:" if right else "---" for right in numeric]
     rows = [[escaped(cell) for cell in row] for row in table.rows]
