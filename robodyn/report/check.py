@@ -168,7 +168,7 @@ def check_page(checked: Checked) -> doc.Document:
     """Return whether the descriptions can be used, which rules speak and how often, and every finding with its line."""
     blocks: list[doc.Block] = [_verdict(checked)]
     if checked.findings:
-        blocks += [_facts(checked), doc.Heading("Rules"), _rules(checked)]
+        blocks += doc.titled("Rules", doc.on_page(statistics_sections(checked), "How often each rule speaks"))
     for file in checked.files:
         found = [finding for finding in checked.findings if finding.file == file]
         if found:
@@ -187,23 +187,6 @@ def _verdict(checked: Checked) -> doc.Verdict:
     hidden = f"Not shown: {hidden_line(checked)}."
     more = (*((correct,) if fixes else ()), *((hidden,) if checked.hidden else ()))
     return replace(found, reasons=(*found.reasons, *more))
-
-
-def _facts(checked: Checked) -> doc.Facts:
-    clean = len(set(checked.files) - {finding.file for finding in checked.findings})
-    counts = [(f"{severity.value}s".capitalize(), str(checked.count(severity)), "") for severity in LEVELS]
-    return doc.Facts((*counts, ("Files without a finding", f"{clean} of {len(checked.files)}", "")))
-
-
-def _rules(checked: Checked) -> doc.Table:
-    counts = Counter((finding.code, finding.name, finding.severity) for finding in checked.findings)
-    order = list(LEVELS)
-    ranked = sorted(counts.items(), key=lambda item: (order.index(item[0][2]), -item[1], item[0][0]))
-    rows = [(code, name, severity.value, str(count)) for (code, name, severity), count in ranked]
-    return doc.Table("How often each rule speaks", ("code", "rule", "severity", "findings"), rows, _EXPLAINED)
-
-
-_EXPLAINED = "robodyn rule CODE explains a rule."
 
 
 def _item(finding: Finding) -> tuple[doc.Level, str, tuple[tuple[str, bool], ...]]:

@@ -43,9 +43,9 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Facts:
-    """Few figures that matter most: each what it is, the figure, and a remark."""
+    """Figures that matter most: each what it is, and the figure."""
 
-    items: tuple[tuple[str, str, str], ...]
+    items: tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True)
@@ -56,32 +56,6 @@ class Table:
     head: Sequence[str]
     rows: Sequence[Sequence[str]]
     note: str = ""
-
-
-@dataclass(frozen=True)
-class HeatMap:
-    """How much of several limits each of many things uses: words and the share of each, None where there is none."""
-
-    caption: str
-    head: Sequence[str]
-    rows: Sequence[tuple[str, Sequence[tuple[str, float | None]]]]
-
-    @property
-    def table(self) -> Table:
-        """Return the same in words."""
-        rows = [(name, *(words for words, _ in cells)) for name, cells in self.rows]
-        return Table(self.caption, ("joint", *self.head), rows)
-
-
-HEAT = (0.25, 0.5, 0.75, 0.9, 1.0)
-"""Shares of a limit at which the colour of a heat map changes; beyond the last is beyond the limit."""
-
-
-def heat_level(share: float | None) -> str:
-    """Return the class of a cell of a heat map: h0 to h4 within the limit, over beyond, none without a limit."""
-    if share is None:
-        return "none"
-    return next((f"h{k}" for k, bound in enumerate(HEAT) if share <= bound), "over")
 
 
 @dataclass(frozen=True)
@@ -124,7 +98,7 @@ class Downloads:
     notes: tuple[str, ...] = ()
 
 
-Block = Heading | Paragraph | Verdict | Facts | Table | HeatMap | Figure | Gallery | Findings | Downloads
+Block = Heading | Paragraph | Verdict | Facts | Table | Figure | Gallery | Findings | Downloads
 Section = Sequence[Block]
 """Blocks that belong together: text has an empty line between sections."""
 
@@ -246,9 +220,8 @@ def _block(block: Block, page: Page) -> str:
     if isinstance(block, Table):
         return "".join([_line(block.caption), page.table((block.head, block.rows)), _line(block.note)])
     if isinstance(block, Facts):
-        names = [printable(what) for what, _, _ in block.items]
-        wide = max(map(len, names), default=0)
-        return "".join(_line(f"{name:{wide}}  {item[1]}") for name, item in zip(names, block.items, strict=True))
+        wide = max((len(printable(what)) for what, _ in block.items), default=0)
+        return "".join(_line(f"{printable(what):{wide}}  {figure}") for what, figure in block.items)
     assert isinstance(block, Findings), "the others are for pages"
     return "".join(_line(title) for _, title, _ in block.items)
 

@@ -62,9 +62,9 @@ def amounts(body: MassProperties, reach: float = 0.0, remark: str = "", area: fl
         remark: behind the mass; area: [m^2] where it is to be told.
     """
     found = (("volume", body.volume, "m^3"), ("area", area, "m^2"), ("density", body.density, "kg/m^3"))
-    items = [("mass", f"{number(body.mass)} kg{remark}", "")]
-    items += [(name, f"{number(value)} {unit}", "") for name, value, unit in found if value is not None]
-    return Facts((*items, ("centre of mass", f"{point_text(body.com, reach)} m", "")))
+    items = [("mass", f"{number(body.mass)} kg{remark}")]
+    items += [(name, f"{number(value)} {unit}") for name, value, unit in found if value is not None]
+    return Facts((*items, ("centre of mass", f"{point_text(body.com, reach)} m")))
 
 
 def inertia_tables(body: MassProperties, view: View) -> Iterator[Section]:

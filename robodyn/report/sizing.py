@@ -78,7 +78,7 @@ def verdicts(loads: Sequence[JointLoad], sizing: Sizing) -> Facts:
     first."""
     pairs = sorted(zip(loads, sizing.joints, strict=True), key=lambda pair: _WORST.index(pair[1].level))
     each = [_verdict(load, joint) for load, joint in pairs]
-    return Facts(tuple((name, line, "") for lines in each for name, line in lines))
+    return Facts(tuple(line for lines in each for line in lines))
 
 
 def _verdict(load: JointLoad, joint: JointSizing) -> Iterator[tuple[str, str]]:

@@ -11,9 +11,9 @@ from robodyn.loads.history import SPANS, History
 from robodyn.loads.result import JointLoad, Result
 from robodyn.report import document as doc
 from robodyn.report.equations import action_table
-from robodyn.report.limits import effort_use, offenders, offenders_first, speed_use, torques_verdict, use, worst_joint
+from robodyn.report.limits import effort_use, offenders, torques_verdict, worst_joint
 from robodyn.report.sizes import Sizes, free_body_sizes, result_sizes, speed_unit
-from robodyn.report.table import gravity_text, is_noise, number, printable
+from robodyn.report.table import gravity_text, is_noise, printable
 from robodyn.report.torques import load_table, torques_sections
 from robodyn.report.torques_json import torques_json
 from robodyn.robot.model import Model
@@ -36,8 +36,6 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
         f"{result.duration:.6g} s, {gravity_text(result.gravity)}"
     )
     blocks: list[doc.Block] = [torques_verdict(result)]
-    if result.joints:
-        blocks += [_facts(result), *doc.titled("Use of limits", _heat_maps(offenders_first(result)))]
     head, rows = load_table(result)
     files = [("result.json", torques_json(result)), ("joints.csv", doc.csv_text(head, rows))]
     if pictures and result.history is not None:
@@ -46,36 +44,6 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
     sections = torques_sections(result, explain=True)
     how = "robodyn torques --format json and --out write it to a file"
     return doc.page(result.robot, what, blocks, sections, "Loads", files, how)
-
-
-def _facts(result: Result) -> doc.Facts:
-    joints, size = result.joints, result_sizes(result)
-    items = []
-    for share, what in ((effort_use, "effort"), (speed_use, "speed")):
-        joint = ranked(joints, key=share)[0]
-        if share(joint):
-            items.append((f"Largest use of a limit of {what}", f"{100 * share(joint):.0f} %", printable(joint.name)))
-    powerful = ranked(joints, key=lambda joint: joint.peak_power)[0]
-    items.append(("Largest power of a joint", f"{number(powerful.peak_power, size['W'])} W", printable(powerful.name)))
-    work, back = (sum(getattr(joint, name) for joint in joints) for name in ("work_positive", "work_negative"))
-    items.append(("Work of all joints", f"{number(work, size['J'])} J", f"{number(-back, size['J'])} J returned"))
-    return doc.Facts(tuple(items))
-
-
-def _heat_maps(result: Result) -> Iterator[doc.HeatMap]:
-    """Yield how much of its limits of effort and velocity each joint uses; nothing where there are no limits."""
-    rows = [
-        (
-            joint.name,
-            (
-                (use(joint.peak, joint.effort_limit), effort_use(joint) if joint.effort_limit else None),
-                (use(joint.max_speed, joint.velocity_limit), speed_use(joint) if joint.velocity_limit else None),
-            ),
-        )
-        for joint in result.joints
-    ]
-    if any(share is not None for _, cells in rows for _, share in cells):
-        yield doc.HeatMap("How much of its limits each joint uses", ("effort", "velocity"), rows)
 
 
 def _pictures(result: Result, model: Model, scene: Scene, history: History) -> Iterator[doc.Block]:

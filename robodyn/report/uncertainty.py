@@ -113,9 +113,9 @@ def _chances(found: Uncertain, limited: Sequence[UncertainJoint]) -> Facts:
         ]
         suffices = joint.suffices or 0.0
         each = f": {', '.join(unsure)}" if unsure else ""
-        items.append((joint.load.name, f"suffices with {probability(suffices)}{each}", ""))
+        items.append((joint.load.name, f"suffices with {probability(suffices)}{each}"))
     if found.suffices is not None and len(limited) > 1:
-        items.append(("all joints", f"suffice with {probability(found.suffices)}", ""))
+        items.append(("all joints", f"suffice with {probability(found.suffices)}"))
     return Facts(tuple(items))
 
 

@@ -31,7 +31,7 @@ ROWS = (("name", "value"), [("a  b", "1"), ("warning: c", "2")])
 SECTIONS = [
     [Paragraph("robot: 3 links")],
     [Table("Links by mass", *ROWS), Paragraph("after the table")],
-    [Facts((("mass", "3 kg", ""), ("centre", "(0, 0) m", "")))],
+    [Facts((("mass", "3 kg"), ("centre", "(0, 0) m")))],
     [],
     [Table("", *ROWS)],
     paragraphs(["escape \x1b[1m"]),

@@ -16,7 +16,6 @@ from robodyn.loads.result import Result
 from robodyn.report.limits import LINES
 from robodyn.report.pictures.torques import share_figures
 from robodyn.report.renderers.html import html
-from robodyn.report.renderers.markdown import markdown
 from robodyn.report.torques_page import torques_page
 from robodyn.support.wording import shortened
 
@@ -56,21 +55,6 @@ def test_offenders_lead_the_tables_and_none_is_dropped() -> None:
     assert rows[count : 2 * count] == ORDER, "what makes the peaks"
     assert rows[2 * count :] == SIDES[1::2], "the limits that are exceeded, more than the verdict names"
     assert count // 2 > LINES + 1
-
-
-def test_offenders_lead_the_map_of_limits_and_none_is_dropped() -> None:
-    found = page()
-    cells = [each for each in found.elements if each.tag == "li" and "ul" in each.parents and "effort" in each.text]
-    names = [each.text.partition(" ")[0] for each in cells if each.text.partition(" ")[0] in SIDES]
-    assert names == ORDER
-    spans = [each for each in found.all("span") if each.text.startswith("effort ")]
-    assert [each.attributes["class"] for each in spans] == ["over"] * 20 + ["h1"] * 20
-    assert [each.text.split("%")[0] for each in spans] == ["effort 200"] * 20 + ["effort 50"] * 20
-    lists = [each for each in found.all("ul") if each.attributes.get("class") == "heat"]
-    assert [bool(each.attributes.get("aria-label")) for each in lists] == [True]
-    assert f"| {SIDES[1]} | 200% of".replace("_", r"\_") in markdown(
-        torques_page(many(), robot("puma560"), robodyn.Scene(), pictures=False)
-    )
 
 
 def test_bars_have_every_joint_by_its_whole_name() -> None:

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from robodyn.report.document import Document, Download, Heading, code_lines, heat_level
+from robodyn.report.document import Document, Download, Heading, code_lines
 from robodyn.report.table import is_numeric, printable
 from robodyn.support.extras import need
 
@@ -42,7 +42,6 @@ def html(document: Document) -> str:
         sections=[block.text for block in document.blocks if isinstance(block, Heading)],
         numeric=_numeric,
         explained=explained,
-        heat=heat_level,
         svg=lambda figure: Markup(figure.svg),
     )
     return str(page)

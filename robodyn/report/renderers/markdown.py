@@ -47,16 +47,10 @@ def _block(block: doc.Block) -> str:
         reasons = "".join(f"\n- {escaped(reason)}" for reason in block.reasons)
         return f"**{_SIGNS[block.level]} {escaped(block.headline)}**" + (f"\n{reasons}" if reasons else "")
     if isinstance(block, doc.Facts):
-        return "\n".join(_fact(*item) for item in block.items)
+        return "\n".join(f"- {escaped(what)}: **{escaped(figure)}**" for what, figure in block.items)
     if isinstance(block, doc.Findings):
         return "\n".join(_finding(*item) for item in block.items)
-    if isinstance(block, doc.HeatMap):
-        block = block.table
     return _table(block) if isinstance(block, doc.Table) else ""
-
-
-def _fact(what: str, figure: str, more: str) -> str:
-    return f"- {escaped(what)}: **{escaped(figure)}**" + (f", {escaped(more)}" if more else "")
 
 
 def _finding(level: str, title: str, lines: Sequence[tuple[str, bool]]) -> str:
