@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from robodyn.equations.dae.constraints import Across, Connection, Equation
+from robodyn.equations.dae.constraints import Across, Equation
 from robodyn.equations.dae.dae import Counts, Dae
 from robodyn.programs.linear import eigen
-from robodyn.report.document import Paragraph, Section, Table, encode, paragraphs, remarks, select, written
+from robodyn.report.document import Block, Paragraph, Section, Table, encode, paragraphs, remarks, select, written
 from robodyn.report.equations import base_text
 from robodyn.report.sizes import sizes
 from robodyn.report.table import Content, axis_text, gravity_text, number, printable, relative_text
@@ -21,9 +21,10 @@ MOST = 16
 """Rows of a table."""
 
 
-def _shortened(title: str, content: Content, what: str) -> Section:
+def _shortened(
+    title: str, head: Sequence[str], rows: Sequence[Sequence[str]], what: str = "coordinates"
+) -> list[Block]:
     """Return a table of at most `MOST` rows, and how many more there are."""
-    head, rows = content
     more = f"... and {len(rows) - MOST} more {what}; --format json has them all"
     return [Table(title, head, rows[:MOST]), *paragraphs([more] if len(rows) > MOST else [])]
 
@@ -39,28 +40,23 @@ def _numbers(found: Dae) -> Iterator[Section]:
         given = [number(float(x)) if x else "0" for x in (found.qd[k], found.tau[k])]
         falling = [] if qdd is None else [number(float(qdd[k]), scale)]
         rows.append((name, f"{at[name]:.6g}" if name in at else "-", *given, *falling))
-    head = ("coordinate", "q", "qd", "tau", *(["qdd"] if qdd is not None else []))
-    yield [*_shortened("State", (head, rows), "coordinates"), *paragraphs(_consistent(found))]
-    if solution is None:
-        return
-    bodies = enumerate(zip(model.bodies, solution.a.reshape(-1, 6).tolist(), strict=True))
-    cells = [(f"{i} {body.name}", *(number(x, scale) for x in row)) for i, (body, row) in bodies]
-    title = "Accelerations of the bodies: wd in the body's axes, dv/dt of the mass centre in the ground's"
-    yield _shortened(title, (("body", "wd x [rad/s^2]", "y", "z", "dv/dt x [m/s^2]", "y", "z"), cells), "bodies")
-    if found.counts.reactions:
-        title = "Reactions lambda on the body that a joint carries, along its axes at q = 0, fixed in the parent"
-        yield _shortened(title, _reactions(found, solution.reactions.tolist()), "joints")
-
-
-def _consistent(found: Dae) -> Iterator[str]:
+    state = _shortened("State", ("coordinate", "q", "qd", "tau", *(["qdd"] if qdd is not None else [])), rows)
     off, rate = found.residuals
     if len(off):
         turns = np.array([isinstance(equation, Across) for equation in found.system.equations])
-        points, angles = (float(np.abs(off[which]).max(initial=0.0)) for which in (~turns, turns))
-        yield (
-            f"consistent: g = 0 within {relative_text(points)} m and {relative_text(angles)} rad, "
-            f"G v = 0 within {relative_text(float(np.abs(rate).max()))} per s"
-        )
+        points, angles = (relative_text(float(np.abs(off[which]).max(initial=0.0))) for which in (~turns, turns))
+        speeds = relative_text(float(np.abs(rate).max()))
+        state.append(Paragraph(f"consistent: g = 0 within {points} m and {angles} rad, G v = 0 within {speeds} per s"))
+    yield state
+    if solution is None:
+        return
+    bodies = enumerate(zip(model.bodies, solution.a.reshape(-1, 6).tolist(), strict=True))
+    rows = [(f"{i} {body.name}", *(number(x, scale) for x in row)) for i, (body, row) in bodies]
+    title = "Accelerations of the bodies: wd in the body's axes, dv/dt of the mass centre in the ground's"
+    yield _shortened(title, ("body", "wd x [rad/s^2]", "y", "z", "dv/dt x [m/s^2]", "y", "z"), rows, "bodies")
+    if found.counts.reactions:
+        title = "Reactions lambda on the body that a joint carries, along its axes at q = 0, fixed in the parent"
+        yield _shortened(title, *_reactions(found, solution.reactions.tolist()), "joints")
 
 
 def _reactions(found: Dae, reactions: list[float]) -> Content:
@@ -81,13 +77,6 @@ def _reactions(found: Dae, reactions: list[float]) -> Content:
     return ("joint", *(f"{name} [{'N' if name[0] == 'F' else 'N m'}]" for name in names)), rows
 
 
-def _eliminated(found: Dae) -> Iterator[str]:
-    yield f"Elimination of the reactions, to the ODE form with {found.system.model.n} velocities qd"
-    for k, step in enumerate(found.steps, 1):
-        yield from (f"{k}  {step.title}", f"   {step.formula}", f"   {step.checks}: within {relative_text(step.error)}")
-    yield "errors are parts of the sum of magnitudes that add up to the largest number"
-
-
 def _both(found: Dae) -> Iterator[str]:
     """Yield how far the DAE and the ODE form are apart, or what the mass matrix resists least."""
     both = found.comparison
@@ -103,11 +92,8 @@ def _both(found: Dae) -> Iterator[str]:
 
 
 def acting(found: Dae, i: int) -> list[tuple[str, str, bool]]:
-    """Return what acts on body i: its own joint i, those of the bodies that it carries, and L1, L2 ... for loops.
-
-    Returns:
-        "-" on the body that holds the other, the name, and whether it carries a moment beside a force.
-    """
+    """Return what acts on body i: its own joint i, those of bodies that it carries, L1, L2 ... for loops; of each the
+    sign, "-" on the body that holds the other, the name, and whether it carries a moment beside a force."""
     model, system = found.system.model, found.system
     rates = [body.joint.rate for body in model.bodies]
     driven = [bool(found.tau[rate : rate + 6].any()) for rate in rates]
@@ -169,16 +155,31 @@ def dae_sections(found: Dae) -> Iterator[Section]:
     yield [unknowns, *paragraphs(_ranks(counts))]
     yield _bodies(found)
     yield _connections(found)
-    yield paragraphs(_levels(found))
+    kinds = {type(equation).__name__ for equation in system.equations}
+    laws = "".join(words for kind, words in (("Along", ALONG), ("Across", ACROSS), ("Sum", MIMIC)) if kind in kinds)
+    where = "x is the joint's point of a body, y that of its parent p; r = x - c, s = x - c_p; n moves with p"
+    yield paragraphs([f"Constraints: {where}", *laws.splitlines()] if laws else [])
     yield from _numbers(found)
-    yield paragraphs(_eliminated(found))
+    lines = [f"Elimination of the reactions, to the ODE form with {system.model.n} velocities qd"]
+    for k, step in enumerate(found.steps, 1):
+        lines += [f"{k}  {step.title}", f"   {step.formula}"]
+        lines.append(f"   {step.checks}: within {relative_text(step.error)}")
+    yield paragraphs([*lines, "errors are parts of the sum of magnitudes that add up to the largest number"])
     yield paragraphs(_both(found))
     yield remarks("warning", found.warnings)
 
 
 def _ranks(counts: Counts) -> list[str]:
     six, rank, m = 6 * counts.bodies, counts.rank, counts.reactions
-    lines = f"rank of G: {rank} of {m}, {_redundant(counts)}".split("\n")
+    names: dict[str, list[str]] = {}
+    for connection, reaction in counts.redundant:
+        names.setdefault(connection, []).append(reaction)
+    listed = "; ".join(f"{printable(name)} {' '.join(parts)}" for name, parts in list(names.items())[:MOST])
+    redundant = f"{len(counts.redundant)} redundant ({listed}{'; ...' * (len(names) > MOST)})"
+    lines = [f"rank of G: {rank} of {m}, {redundant if names else 'no constraint is redundant'}"]
+    if names:
+        open_reactions = f"{len(counts.undetermined)} reactions open; those of redundant equations count as 0"
+        lines.append(f"  rigid bodies leave {open_reactions}")
     lines.append(f"degrees of freedom: 6 x {counts.bodies} - {rank} = {six - rank}")
     if counts.index is None:
         lines.append("index: not defined, as accelerations and reactions do not follow from the equations")
@@ -192,48 +193,24 @@ def _ranks(counts: Counts) -> list[str]:
     return lines
 
 
-def _redundant(counts: Counts) -> str:
-    if not counts.redundant:
-        return "no constraint is redundant"
-    names: dict[str, list[str]] = {}
-    for connection, reaction in counts.redundant:
-        names.setdefault(connection, []).append(reaction)
-    listed = "; ".join(f"{printable(name)} {' '.join(parts)}" for name, parts in list(names.items())[:MOST])
-    return (
-        f"{len(counts.redundant)} redundant ({listed}{'; ...' * (len(names) > MOST)})\n"
-        f"  rigid bodies leave {len(counts.undetermined)} reactions open; those of redundant equations count as 0"
-    )
-
-
 def _bodies(found: Dae) -> Section:
     model, system = found.system.model, found.system
-    pushed = {i for i, _ in found.system.terms.wrenches}
+    pushed = {i for i, _ in system.terms.wrenches}
     rows = []
     for i, (body, inertia) in enumerate(zip(model.bodies, system.inertias, strict=True)):
-        forces, moments = _law_of(found, i)
-        outside = ["E"] if i in pushed else []
-        weight = [f"m{i} g"] if inertia.m and any(found.system.scene.gravity) else []
-        newton, euler = _sum(weight + forces + outside), _sum(moments + outside)
+        forces, moments, every = [], [], acting(found, i)
+        for sign, name, moment in every[:FEW]:
+            forces.append(f"{sign}F{name}")
+            moments += [f"{sign}M{name}"] * moment + [f"{sign}{'s' if sign else 'r'}{name} x F{name}"]
+        others = [f"... ({len(every) - FEW} more)"] * (len(every) > FEW) + ["E"] * (i in pushed)
+        weight = [f"m{i} g"] if inertia.m and any(system.scene.gravity) else []
+        laws = (weight + forces + others, moments + others)
+        newton, euler = (" + ".join(terms).replace("+ -", "- ") or "0" for terms in laws)
         rows.append((f"{i} {body.name}", f"{number(float(inertia.m))} kg", newton, euler))
-    head = ("body", "mass", "m dv/dt =", "I_c wd + w x I_c w =")
     title = "Bodies: six coordinates each, Newton's and Euler's laws about the mass centre c"
     legend = "F_i and M_i, drives included, act through joint i on body i and, opposite, on its parent, r and s from c"
-    return [*_shortened(title, (head, rows), "bodies"), Paragraph(legend)]
-
-
-def _law_of(found: Dae, i: int) -> tuple[list[str], list[str]]:
-    """Return the terms of forces and moments on body i: of its joint, of joints that it carries, and of loops."""
-    forces, moments = [], []
-    every = acting(found, i)
-    for sign, name, moment in every[:FEW]:
-        forces.append(f"{sign}F{name}")
-        moments += [f"{sign}M{name}"] * moment + [f"{sign}{'s' if sign else 'r'}{name} x F{name}"]
-    more = [f"... ({len(every) - FEW} more)"] * (len(every) > FEW)
-    return forces + more, moments + more
-
-
-def _sum(terms: Sequence[str]) -> str:
-    return " + ".join(terms).replace("+ -", "- ") or "0"
+    head = ("body", "mass", "m dv/dt =", "I_c wd + w x I_c w =")
+    return [*_shortened(title, head, rows, "bodies"), Paragraph(legend)]
 
 
 def _connections(found: Dae) -> Section:
@@ -244,77 +221,57 @@ def _connections(found: Dae) -> Section:
     numbered += [(f"L{k}", loop) for k, loop in enumerate(system.loops, 1)]
     rows = []
     for label, connection in numbered:
-        f = len(connection.free) if label.isdigit() else 6 - len(connection.equations)
-        rows.append(
-            (
-                f"{label} {connection.name}".strip(),
-                f"{names[connection.other]} - {names[connection.body]}",
-                connection.kind,
-                _axis(found, connection, label),
-                str(f) if label else "-",
-                str(len(connection.equations)),
-                WORDS[connection.kind],
-                " ".join(connection.reactions) or "-",
-            )
-        )
-    head = ("joint", "between", "type", "axis", "f", "6 - f", "held", "reactions lambda")
-    order = sorted(range(len(rows)), key=lambda k: numbered[k][0].isdigit())
-    rows = [rows[k] for k in order] if len(rows) > MOST and system.loops else rows
-    title = "Joints: a constraint equation and a reaction for each direction in which it holds"
-    return [*_shortened(title, (head, rows), "joints"), *paragraphs(_along(found))]
-
-
-def _along(found: Dae) -> list[str]:
-    """Return what the letters of directions mean, and what acts where a joint does not hold."""
-    system = found.system
+        f, axis = 6 - len(connection.equations), "-"
+        if label.isdigit():
+            f = len(connection.free)
+            if connection.kind in ("revolute", "prismatic"):
+                axis = axis_text(model.bodies[int(label)].joint.axis)
+                axis = f"a = {axis}" if axis[0] == "(" else axis
+        row = [f"{label} {connection.name}".strip(), f"{names[connection.other]} - {names[connection.body]}"]
+        row += [connection.kind, axis, str(f) if label else "-", str(len(connection.equations))]
+        rows.append((*row, WORDS[connection.kind], " ".join(connection.reactions) or "-"))
+    if len(rows) > MOST and system.loops:  # what closes the loops comes first
+        rows = [rows[k] for k in sorted(range(len(rows)), key=lambda k: numbered[k][0].isdigit())]
     oblique = any(name.endswith("a") for connection in system.connections for name in connection.reactions)
     lines = ["1, 2 and a are perpendicular, a along an oblique axis"] * oblique
-    if system.rotors or found.system.matrices.along.any():
-        taken = ", less friction and springs" if found.system.terms.at_joint else ""
+    if system.rotors or system.matrices.along.any():
+        taken = ", less friction and springs" if system.terms.at_joint else ""
         rotors = "; a rotor J adds S^T J S to M" if system.rotors else ""
         lines.append(
             f"along its own coordinates, whose velocity is S v, a joint passes on tau{taken}: S^T tau in f{rotors}"
         )
-    return lines
-
-
-def _axis(found: Dae, connection: Connection, label: str) -> str:
-    if not label.isdigit() or connection.kind not in ("revolute", "prismatic"):
-        return "-"
-    axis = axis_text(found.system.model.bodies[int(label)].joint.axis)
-    return f"a = {axis}" if axis[0] == "(" else axis
-
-
-def _levels(found: Dae) -> list[str]:
-    equations = found.system.equations
-    kinds = {type(equation).__name__ for equation in equations}
-    text = "".join(words for kind, words in (("Along", ALONG), ("Across", ACROSS), ("Sum", MIMIC)) if kind in kinds)
-    if not text:
-        return []
-    where = "x is the joint's point of a body, y that of its parent p; r = x - c, s = x - c_p; n moves with p"
-    return [f"Constraints: {where}", *text.splitlines()]
+    title = "Joints: a constraint equation and a reaction for each direction in which it holds"
+    head = ("joint", "between", "type", "axis", "f", "6 - f", "held", "reactions lambda")
+    return [*_shortened(title, head, rows, "joints"), *paragraphs(lines)]
 
 
 def dae_json(found: Dae) -> str:
     """Return the DAE form; what is not defined where nothing resists some motion is null."""
-    system, both = found.system, found.comparison
+    system, both, counts, index = found.system, found.comparison, found.counts, found.counts.index
+    keys = "steps J Jdot_qd:drift M tau_less_bias:free loops"
     steps = [select(step, "title formula check:checks error scale") for step in found.steps]
-    elimination = select(
-        found.reduced,
-        "steps J Jdot_qd:drift M tau_less_bias:free loops",
-        steps=steps,
-        loops=select(found.reduced, "G gamma"),
-    )
-    counts, index = found.counts, found.counts.index
-    out, row, free = [], 0, 0
-    names = dict(enumerate(body.name for body in found.system.model.bodies))
-    for connection in found.system.connections:
-        held = [_held_json(found, connection, j, row + j) for j in range(len(connection.equations))]
-        own = [_free_json(found, equation, k) for k, equation in enumerate(connection.free, free)]
-        row, free = row + len(held), free + len(own)
+    elimination = select(found.reduced, keys, steps=steps, loops=select(found.reduced, "G gamma"))
+    connections: list[dict[str, Any]] = []
+    row, free, matrices = 0, 0, system.matrices
+    names = dict(enumerate(body.name for body in system.model.bodies))
+    for connection in system.connections:
+        held, own = [], []
+        for reaction, equation in zip(connection.reactions, connection.equations, strict=True):
+            one = {"reaction": reaction, "rows": _rows_json(found, equation), "gamma": float(matrices.gamma[row])}
+            one |= {"g": float(found.residuals.places[row]), "Gv": float(found.residuals.speeds[row])}
+            one["lambda"] = None if found.solution is None else float(found.solution.reactions[row])
+            for name in ("redundant", "undetermined"):
+                one[name] = (connection.name, reaction) in getattr(counts, name)
+            held.append(one)
+            row += 1
+        for equation in connection.free:
+            one = {"rows": _rows_json(found, equation), "sigma": matrices.sigma[free], "along": matrices.along[free]}
+            own.append({**one, "rotor": np.diag(matrices.armature)[free]})
+            free += 1
         ends = {"body": names.get(connection.body), "other": names.get(connection.other)}
         keys = "name kind body other equations coordinates"
-        out.append(select(connection, keys, **ends, equations=held, coordinates=own))
+        connections.append(select(connection, keys, **ends, equations=held, coordinates=own))
+    residual = {name: float(np.abs(part).max(initial=0.0)) for name, part in found.residuals._asdict().items()}
     return written(
         {
             "robot": system.model.name,
@@ -330,11 +287,9 @@ def dae_json(found: Dae) -> str:
                 velocities=6 * counts.bodies,
                 index=index and dict(zip(("positions", "velocities", "accelerations"), index, strict=True)),
             ),
-            "bodies": [_body_json(found, i) for i in range(found.counts.bodies)],
-            "connections": out,
-            "residual": {
-                name: float(np.abs(part).max(initial=0.0)) for name, part in found.residuals._asdict().items()
-            },
+            "bodies": [_body_json(found, i) for i in range(counts.bodies)],
+            "connections": connections,
+            "residual": residual,
             "qdd": None if found.solution is None else found.qdd,
             "elimination": elimination,
             "comparison": both and select(both, "qdd accelerations forces moments"),
@@ -344,11 +299,8 @@ def dae_json(found: Dae) -> str:
 
 
 def _body_json(found: Dae, i: int) -> dict[str, Any]:
-
-    system, solution = found.system, found.solution
-    inertia, place = system.inertias[i], system.at.places[i]
-    a = None if solution is None else solution.a[6 * i : 6 * i + 6]
-    wrench = found.wrenches[i] if found.wrenches else None
+    system, inertia, place = found.system, found.system.inertias[i], found.system.at.places[i]
+    a = None if found.solution is None else found.solution.a[6 * i : 6 * i + 6]
     return {
         "name": system.model.bodies[i].name,
         "mass": float(inertia.m),
@@ -360,29 +312,8 @@ def _body_json(found: Dae, i: int) -> dict[str, Any]:
         "f": system.matrices.f[6 * i : 6 * i + 6],
         "wd": None if a is None else a[:3],
         "vd": None if a is None else a[3:],
-        "joint_wrench": wrench and select(wrench, "force:f moment:n"),
+        "joint_wrench": select(found.wrenches[i], "force:f moment:n") if found.wrenches else None,
     }
-
-
-def _held_json(found: Dae, connection: Connection, j: int, k: int) -> dict[str, Any]:
-    """Return equation j of a connection, row k of G."""
-    name = connection.reactions[j]
-    return {
-        "reaction": name,
-        "rows": _rows_json(found, connection.equations[j]),
-        "gamma": float(found.system.matrices.gamma[k]),
-        "g": float(found.residuals.places[k]),
-        "Gv": float(found.residuals.speeds[k]),
-        "lambda": None if found.solution is None else float(found.solution.reactions[k]),
-        "redundant": (connection.name, name) in found.counts.redundant,
-        "undetermined": (connection.name, name) in found.counts.undetermined,
-    }
-
-
-def _free_json(found: Dae, equation: Equation, k: int) -> dict[str, Any]:
-    matrices = found.system.matrices
-    rows, rotor = _rows_json(found, equation), np.diag(matrices.armature)[k]
-    return {"rows": rows, "sigma": matrices.sigma[k], "along": matrices.along[k], "rotor": rotor}
 
 
 def _rows_json(found: Dae, equation: Equation) -> list[dict[str, Any]]:
