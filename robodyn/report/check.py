@@ -282,31 +282,12 @@ def check_json(checked: Checked) -> str:
 
     Places count from 1; edits are byte offsets of the file.
     """
+    place = "line column subject[kind name] message measured? bound? fix[what safe edits]"
+    keys = f"file {place} code name severity remedy cause places[{place}]"
     return doc.written(
         {
-            "findings": list(map(_finding_json, checked.findings)),
+            "findings": [doc.select(finding, keys) for finding in checked.findings],
             "unread": [doc.select(each, "file error:why") for each in checked.unread],
             "summary": {"files": len(checked.files), **check_data(checked), "hidden": len(checked.hidden)},
         }
     )
-
-
-def _finding_json(finding: Finding) -> dict[str, Any]:
-    return doc.select(
-        finding,
-        "file line column code name severity subject message remedy measured bound cause fix places",
-        **_place_json(finding),
-        places=[
-            doc.select(place, "line column subject message measured bound fix", **_place_json(place))
-            for place in finding.places
-        ],
-    )
-
-
-def _place_json(finding: Finding) -> dict[str, Any]:
-    return {
-        "subject": finding.subject and doc.select(finding.subject, "kind name"),
-        "measured": doc.finite(finding.measured),
-        "bound": doc.finite(finding.bound),
-        "fix": finding.fix and doc.select(finding.fix, "what safe edits"),
-    }

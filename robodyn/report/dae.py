@@ -21,9 +21,7 @@ MOST = 16
 """Rows of a table."""
 
 
-def _shortened(
-    title: str, head: Sequence[str], rows: Sequence[Sequence[str]], what: str = "coordinates"
-) -> list[Block]:
+def _shortened(title: str, head: Sequence[str], rows: Sequence[Sequence[str]], what: str) -> list[Block]:
     """Return a table of at most `MOST` rows, and how many more there are."""
     more = f"... and {len(rows) - MOST} more {what}; --format json has them all"
     return [Table(title, head, rows[:MOST]), *paragraphs([more] if len(rows) > MOST else [])]
@@ -40,7 +38,8 @@ def _numbers(found: Dae) -> Iterator[Section]:
         given = [number(float(x)) if x else "0" for x in (found.qd[k], found.tau[k])]
         falling = [] if qdd is None else [number(float(qdd[k]), scale)]
         rows.append((name, f"{at[name]:.6g}" if name in at else "-", *given, *falling))
-    state = _shortened("State", ("coordinate", "q", "qd", "tau", *(["qdd"] if qdd is not None else [])), rows)
+    head = ("coordinate", "q", "qd", "tau", *(["qdd"] if qdd is not None else []))
+    state = _shortened("State", head, rows, "coordinates")
     off, rate = found.residuals
     if len(off):
         turns = np.array([isinstance(equation, Across) for equation in found.system.equations])

@@ -8,10 +8,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from enum import Enum
-from operator import attrgetter
+from functools import cache
 from pathlib import PurePath
 from typing import Any, Literal
 
@@ -261,17 +262,50 @@ def encode(value: Any) -> Any:
 
 
 def select(source: Any, keys: str, **given: Any) -> dict[str, Any]:
-    """Return an object with these keys in this order.
+    """Return an object with these keys in this order, whose values are the source's attributes of these names.
 
     Args:
-        source: whose attributes of these names are the values; `key:path` takes another, such as `origin:pose.p`.
+        keys: `key:path` takes another attribute, such as `origin:pose.p`; `key?` is null where a number is not finite;
+            `key[...]` has these keys of the value, or of each in a list. What has no value is null.
         given: values that are not attributes.
     """
-    found = {}
-    for each in keys.split():
-        key, _, path = each.partition(":")
-        found[key] = encode(given.pop(key) if key in given else attrgetter(path or key)(source))
+    found = _selected(source, _parsed(keys), given)
     assert not given, f"without a place: {', '.join(given)}"
+    return found
+
+
+@cache
+def _parsed(keys: str) -> list[tuple[str, Any]]:
+    """Return words, and beside each what stands in its brackets, None without."""
+    open_lists: list[list[tuple[str, Any]]] = [[]]
+    for word in re.findall(r"[^\s\[\]]+|[\[\]]", keys):
+        if word == "[":
+            inner: list[tuple[str, Any]] = []
+            open_lists[-1][-1] = (open_lists[-1][-1][0], inner)
+            open_lists.append(inner)
+        elif word == "]":
+            open_lists.pop()
+        else:
+            open_lists[-1].append((word, None))
+    return open_lists[0]
+
+
+def _selected(source: Any, keys: list[tuple[str, Any]], given: dict[str, Any]) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for word, inner in keys:
+        name, _, path = word.rstrip("?").partition(":")
+        value = given.pop(name) if name in given else source
+        if value is source:
+            for part in (path or name).split("."):
+                value = None if value is None else getattr(value, part)
+        value = value.tolist() if hasattr(value, "tolist") else value
+        several = type(value) in (list, tuple)
+        if word.endswith("?"):
+            value = [finite(each) for each in value] if several else finite(value)
+        if inner is None or value is None:
+            found[name] = encode(value)
+        else:
+            found[name] = [_selected(each, inner, {}) for each in value] if several else _selected(value, inner, {})
     return found
 
 

@@ -24,11 +24,26 @@ def ode_sections(ode: Ode) -> Iterator[Section]:
     yield paragraphs(
         [_head(ode.robot, len(ode.rates), ode.gravity, "base_qx" in ode.coordinates), _equation(ode.shares)]
     )
-    yield [Table("Configuration", *_configuration(ode))]
+    title: tuple[str, ...] = ("coordinate", "value")
+    configuration: list[Sequence[Any]] = [*zip(ode.coordinates, ode.q.tolist(), strict=True)]
+    if len(ode.q) == len(ode.qd):
+        title = ("joint", "q", "qd")
+        configuration = [(*pair, x) for pair, x in zip(configuration, ode.qd.tolist(), strict=True)]
+    else:
+        configuration += [(f"{name} per s", x) for name, x in zip(ode.rates, ode.qd.tolist(), strict=True) if x]
+    cells = [(name, *(f"{x:.6g}" for x in values)) for name, *values in configuration]
+    yield [Table("Configuration", title, cells)]
     mass = Table("Mass matrix M(q) [kg m^2, kg m or kg]", ("", *ode.rates), rows)
     singular = "M is singular to working precision: nothing resists some motion"
     yield [mass, Paragraph(singular if ode.cond == float("inf") else f"Condition number {ode.cond:.4g}")]
-    yield [Table("What tau must supply where nothing accelerates", *_bias(ode))]
+    columns = [*ode.shares.values(), ode.bias]
+    scale = max(float(abs(column).max()) for column in columns)
+    cells = [
+        (name, *(number(float(column[i]), scale) for column in columns), ode.units[i])
+        for i, name in enumerate(ode.rates)
+    ]
+    head = ("joint", *ode.shares, "together", "unit")
+    yield [Table("What tau must supply where nothing accelerates", head, cells)]
     yield remarks("warning", ode.warnings)
 
 
@@ -71,25 +86,6 @@ def _equation(effects: Any) -> str:
     return " + ".join(["M(q) qdd", *effects]) + " = tau"
 
 
-def _configuration(ode: Ode) -> Content:
-    if len(ode.q) == len(ode.qd):
-        rows = zip(ode.coordinates, ode.q.tolist(), ode.qd.tolist(), strict=True)
-        return ("joint", "q", "qd"), [(name, f"{x:.6g}", f"{speed:.6g}") for name, x, speed in rows]
-    pairs = [*zip(ode.coordinates, ode.q.tolist(), strict=True)]
-    pairs += [(f"{name} per s", speed) for name, speed in zip(ode.rates, ode.qd.tolist(), strict=True) if speed]
-    return ("coordinate", "value"), [(name, f"{x:.6g}") for name, x in pairs]
-
-
-def _bias(ode: Ode) -> Content:
-    columns: Sequence[Any] = [*ode.shares.values(), ode.bias]
-    scale = max(float(abs(column).max()) for column in columns)
-    rows = [
-        (name, *(number(float(column[i]), scale) for column in columns), ode.units[i])
-        for i, name in enumerate(ode.rates)
-    ]
-    return ("joint", *ode.shares, "together", "unit"), rows
-
-
 def _written(expression: Any) -> str:
     from sympy.printing.str import StrPrinter
 
@@ -110,7 +106,18 @@ def free_body_sections(found: FreeBodies, state: str) -> Iterator[Section]:
         f"{many} bodies x 6 equations = {6 * many} = {reactions} reactions + {freedom} along the degrees of freedom"
     )
     where = Paragraph(f"in the axes of the body that the joint carries; {balanced}")
-    yield [Table("Joints", *_joints(found, size)), where]
+    rows = []
+    for row in found.joints:
+        turns = row.kind == "revolute"
+        along = "" if row.drive is None else size.amount(row.drive, "N m" if turns else "N")
+        axis = axis_text(row.axis) if row.kind in ("revolute", "prismatic") else "-"
+        cells = _cells(row, size)
+        for k in range(6):  # a dash where the joint is free
+            free = turns == (k >= 3) and axis != "-" and abs(row.axis[k % 3]) == 1.0
+            cells[k] = "-" if free or row.kind == "floating" else cells[k]
+        joint = (f"{row.number} {row.name}", f"{row.parent} - {row.child}", row.kind, axis)
+        rows.append((*joint, str(row.freedom), str(row.reactions), *cells, along))
+    yield [Table("Joints", ("joint", "between", "type", "axis", "f", "6 - f", *_COMPONENTS, "drive"), rows), where]
     yield from (_body(body, size) for body in found.bodies)
     yield [
         Paragraph(
@@ -121,27 +128,11 @@ def free_body_sections(found: FreeBodies, state: str) -> Iterator[Section]:
     yield remarks("warning", found.warnings)
 
 
-def _joints(found: FreeBodies, size: Sizes) -> Content:
-    rows = []
-    for row in found.joints:
-        unit = "N m" if row.kind == "revolute" else "N"
-        along = "" if row.drive is None else f"{number(row.drive, size[unit])} {unit}"
-        axis = axis_text(row.axis) if row.kind in ("revolute", "prismatic") else "-"
-        joint = (f"{row.number} {row.name}", f"{row.parent} - {row.child}", row.kind, axis)
-        rows.append((*joint, str(row.freedom), str(row.reactions), *_components(row, size), along))
-    head = ("joint", "between", "type", "axis", "f", "6 - f", "fx [N]", "fy", "fz", "mx [N m]", "my", "mz", "drive")
-    return head, rows
+_COMPONENTS = ("fx [N]", "fy", "fz", "mx [N m]", "my", "mz")
 
 
-def _components(row: JointRow, size: Sizes) -> list[str]:
-    """Return the six components that a joint transmits; a dash where it is free."""
-    cells = [number(x, size["N"]) for x in row.force] + [number(x, size["N m"]) for x in row.moment]
-    if row.kind == "floating":
-        return ["-"] * 6
-    for k in range(3):
-        if row.kind in ("revolute", "prismatic") and abs(row.axis[k]) == 1.0:
-            cells[k + (3 if row.kind == "revolute" else 0)] = "-"
-    return cells
+def _cells(acting: Action | FreeBody | JointRow, size: Sizes) -> list[str]:
+    return [size.number(x, "N") for x in acting.force] + [size.number(x, "N m") for x in acting.moment]
 
 
 def _body(body: FreeBody, size: Sizes) -> Section:
@@ -155,43 +146,28 @@ def _body(body: FreeBody, size: Sizes) -> Section:
 
 def action_table(body: FreeBody, size: Sizes) -> Content:
     """Return every force and moment on a body, and their sums."""
-
-    def cells(acting: Action | FreeBody) -> list[str]:
-        return [number(x, size["N"]) for x in acting.force] + [number(x, size["N m"]) for x in acting.moment]
-
-    rows = [(action.what, action.by, point_text(action.point, 1.0), *cells(action)) for action in body.actions]
-    rows.append(("sum", "", "", *cells(body)))
-    return ("", "by", "at [m]", "fx [N]", "fy", "fz", "mx [N m]", "my", "mz"), rows
+    rows = [(action.what, action.by, point_text(action.point, 1.0), *_cells(action, size)) for action in body.actions]
+    rows.append(("sum", "", "", *_cells(body, size)))
+    return ("", "by", "at [m]", *_COMPONENTS), rows
 
 
 def free_bodies_json(found: FreeBodies, state: str) -> str:
     """Return vectors in each body's own axes, and forces and moments in the ground's too."""
-    joints, bodies = list(map(_joint_json, found.joints)), list(map(_free_body_json, found.bodies))
+    keys, joints, bodies = "number name parent child kind axis freedom reactions frame:child force moment drive", [], []
+    for row in found.joints:
+        joints.append(select(row, keys, axis=row.axis if row.kind in ("revolute", "prismatic") else None))
+    for body in found.bodies:
+        (R, p), actions = body.pose, []
+        for action in body.actions:
+            ground = {"point": p + product(R, action.point)}
+            ground |= {name: product(R, getattr(action, name)) for name in ("force", "moment")}
+            actions.append(select(action, "kind what by point force moment ground", ground=ground))
+        given: dict[str, Any] = {"frame": select(body.pose, "rotation:R origin:p"), "actions": actions}
+        given["sum"] = select(body, "force moment_about_origin:moment")
+        bodies.append(select(body, "number name links mass com frame actions sum", **given))
     residual = {"force": found.residual_force, "moment": found.residual_moment}
     keys = "robot file state q qd qdd gravity tau joints bodies residual warnings"
     return written(select(found, keys, state=state, joints=joints, bodies=bodies, residual=residual))
-
-
-def _joint_json(row: JointRow) -> dict[str, Any]:
-    keys = "number name parent child kind axis freedom reactions frame:child force moment drive"
-    return select(row, keys, axis=row.axis if row.kind in ("revolute", "prismatic") else None)
-
-
-def _free_body_json(body: FreeBody) -> dict[str, Any]:
-    return select(
-        body,
-        "number name links mass com frame actions sum",
-        frame=select(body.pose, "rotation:R origin:p"),
-        actions=[_action_json(action, body) for action in body.actions],
-        sum=select(body, "force moment_about_origin:moment"),
-    )
-
-
-def _action_json(action: Action, body: FreeBody) -> dict[str, Any]:
-    R, p = body.pose
-    force, moment = product(R, action.force), product(R, action.moment)
-    ground = {"point": p + product(R, action.point), "force": force, "moment": moment}
-    return select(action, "kind what by point force moment ground", ground=ground)
 
 
 def ode_json(ode: Ode) -> str:

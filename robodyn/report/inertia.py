@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robodyn.report.document import Block, Facts, Paragraph, Section, Table, paragraphs, remarks
+from robodyn.report.document import Facts, Paragraph, Section, Table, paragraphs, remarks
 from robodyn.report.table import is_noise, number, point_text, printable
 from robodyn.solids.inertia.properties import MassProperties, View
 from robodyn.solids.inertia.validity import Validity, validity
@@ -20,10 +20,8 @@ from robodyn.support.wording import count
 if TYPE_CHECKING:
     from robodyn.checks.check import Checked
     from robodyn.robot.masses.declared import LinkInertia, RobotInertia
-    from robodyn.robot.masses.shapes import Comparison, Difference, LinkComparison, LinkShapes
+    from robodyn.robot.masses.shapes import Comparison, LinkShapes
     from robodyn.solids.mass_properties import Combination
-    from robodyn.solids.mesh.symmetry_search import Axis, Plane
-    from robodyn.solids.mesh.tessellation import Bars
 
 
 AXES = ("x", "y", "z")
@@ -82,36 +80,33 @@ def inertia_tables(body: MassProperties, view: View) -> Iterator[Section]:
 
 def _symmetry(part: Part) -> Section:
     """Return planes and axes that hold or nearly do, and products that are 0 by them; nothing if none were sought."""
-    found, reach = part.symmetry, _reach(part)
+    from robodyn.solids.mesh.symmetry_search import Axis, Plane
+
+    found, reach, rows = part.symmetry, _reach(part), []
     if found is None:
         return []
     things: list[Plane | Axis] = [*found.planes, *found.axes]
-    rows = [_row(thing, reach) for thing in things if thing.verdict != "none"]
+    for thing in things:
+        if thing.verdict != "none":
+            if isinstance(thing, Plane):
+                name, direction, place = "plane", thing.normal, number(thing.offset, reach)
+            else:
+                name = "axis of revolution" if thing.fold == inf else f"axis, {thing.fold:.0f}-fold"
+                direction, place = thing.direction, point_text(thing.point, reach)
+            along = ", ".join(f"{x + 0.0:.4g}" for x in direction.round(9))
+            rows.append((name, f"({along})", f"{place} m", _short(thing.asymmetry, 1.0), thing.verdict))
     if not rows:
         least = [f"; the nearest plane leaves {_percent(plane.asymmetry)} outside" for plane in found.planes[:1]]
         return paragraphs(["Symmetry", f"none{''.join(least)}"])
-    blocks: list[Block] = [Table("Symmetry", ("", "normal or axis", "at", "asymmetry", "verdict"), rows[:_MOST])]
-    return blocks + paragraphs([*([f"and {len(rows) - _MOST} more"] if len(rows) > _MOST else []), *_zeros(part)])
-
-
-def _row(thing: Plane | Axis, reach: float) -> tuple[str, ...]:
-    from robodyn.solids.mesh.symmetry_search import Plane
-
-    if isinstance(thing, Plane):
-        name, direction, place = "plane", thing.normal, number(thing.offset, reach)
-    else:
-        name = "axis of revolution" if thing.fold == inf else f"axis, {thing.fold:.0f}-fold"
-        direction, place = thing.direction, point_text(thing.point, reach)
-    along = ", ".join(f"{x + 0.0:.4g}" for x in direction.round(9))
-    return name, f"({along})", f"{place} m", _short(thing.asymmetry, 1.0), thing.verdict
-
-
-def _zeros(part: Part) -> Iterator[str]:
-    products = [product for product in part.symmetry.products if product.zero] if part.symmetry else []
-    if products and part.body.density is not None:
-        density, scale = part.body.density, float(np.trace(part.body.inertia))
+    lines = [f"and {len(rows) - _MOST} more"] if len(rows) > _MOST else []
+    products, density = [product for product in found.products if product.zero], part.body.density
+    if products and density is not None:
+        scale = float(np.trace(part.body.inertia))
         computed = ", ".join(_short(-product.residual * density, scale) for product in products)
-        yield f"0 by symmetry: I{', I'.join(product.axes for product in products)} (computed {computed} kg m^2)"
+        names = ", I".join(product.axes for product in products)
+        lines.append(f"0 by symmetry: I{names} (computed {computed} kg m^2)")
+    head = ("", "normal or axis", "at", "asymmetry", "verdict")
+    return [Table("Symmetry", head, rows[:_MOST]), *paragraphs(lines)]
 
 
 def _tessellation(part: Part) -> Sequence[str]:
@@ -122,7 +117,10 @@ def _tessellation(part: Part) -> Sequence[str]:
     if not found.mesh.volume:
         return ("tessellation: no facets that may stand for a curved face",)
     moments = ", ".join(number(x) for x in smooth.principal.moments)
-    meant, tight, wide = (_bars(bars, part.body.gyration) for bars in (found.mesh, found.on_surface, found.rest))
+    meant, tight, wide = list[str](), list[str](), list[str]()
+    for bars, words in ((found.mesh, meant), (found.on_surface, tight), (found.rest, wide)):
+        apart = bars.centre * part.body.gyration
+        words += [_percent(bars.volume), _percent(bars.inertia), f"{apart:.1g} m" if isfinite(apart) else _UNKNOWN]
     volume, inertia, centre = (f"within {on}, else {off}" for on, off in zip(tight, wide, strict=True))
     return (
         "tessellation: if facets are meant flat, nothing is missing; if they stand for smooth faces, the volume is off "
@@ -131,12 +129,6 @@ def _tessellation(part: Part) -> Sequence[str]:
         f"principal moments {moments} kg m^2, centre of mass {point_text(smooth.com, _reach(part))} m",
         f"if the corners are on them: volume {volume}; inertia {inertia}; centre of mass {centre}",
     )
-
-
-def _bars(bars: Bars, gyration: float) -> tuple[str, str, str]:
-    centre = bars.centre * gyration
-    length = f"{centre:.1g} m" if isfinite(centre) else _UNKNOWN
-    return _percent(bars.volume), _percent(bars.inertia), length
 
 
 def _reach(part: Part) -> float:
@@ -229,11 +221,20 @@ def comparison_sections(found: Comparison) -> Iterator[Section]:
     of = f"{len(pairs)} of {len(found.links)} links"
     yield [Paragraph(f"{printable(found.file)}: robot '{printable(found.name)}', {what}, {of}")]
     if pairs:
+        from robodyn.robot.masses.shapes import UNCERTAIN
+
+        rows = []
+        for link, difference in pairs:
+            row = [link.name, f"{100 * difference.inertia:.3g}" if difference.inertia > UNCERTAIN else "0"]
+            row += [number(difference.body.mass), number(difference.density)]
+            row.append(number(difference.distance, float(np.abs(difference.shapes.box).max())))
+            row += map(number, difference.ratios)
+            rows.append([*row, f"{len(link.remarks)} below" if link.remarks else "-"])
         legend = (
             "difference: |I_declared - I_shapes| / |I_shapes| about the centres of mass; "
             "ratios: declared over shapes' principal moments"
         )
-        yield [Table("", _COMPARED, [_compared_row(link, difference) for link, difference in pairs]), Paragraph(legend)]
+        yield [Table("", _COMPARED, rows), Paragraph(legend)]
     for title, part in (("Remarks", lines), ("Not compared", rest)):
         yield paragraphs([title, *part] if part else [])
 
@@ -260,18 +261,3 @@ def _physical(found: Validity, which: str = "") -> str:
     if found.faults:
         return f"not physical{which}: {'; '.join(found.faults)} ({margin})"
     return f"physical{which}: no second moment is negative ({margin})"
-
-
-def _compared_row(link: LinkComparison, found: Difference) -> tuple[str, ...]:
-    from robodyn.robot.masses.shapes import UNCERTAIN
-
-    count = len(link.remarks)
-    return (
-        link.name,
-        f"{100 * found.inertia:.3g}" if found.inertia > UNCERTAIN else "0",
-        number(found.body.mass),
-        number(found.density),
-        number(found.distance, max(map(abs, (*found.shapes.box.lo, *found.shapes.box.hi)))),
-        *(number(ratio) for ratio in found.ratios),
-        f"{count} below" if count else "-",
-    )

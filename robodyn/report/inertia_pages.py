@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
@@ -28,10 +28,9 @@ from robodyn.solids.mass_properties import Part
 if TYPE_CHECKING:
     from robodyn.checks.check import Checked
     from robodyn.robot.masses.declared import LinkInertia, RobotInertia
-    from robodyn.robot.masses.shapes import Comparison, Difference, LinkComparison, LinkShapes
+    from robodyn.robot.masses.shapes import Comparison, LinkComparison, LinkShapes
     from robodyn.robot.urdf.parts import Description
     from robodyn.solids.mass_properties import Combination
-    from robodyn.solids.mesh.tessellation import Bars, Tessellation
 
 
 COM = View()
@@ -48,9 +47,9 @@ def inertia_json(outcomes: Sequence[Part | MeshError], view: View) -> str:
 
 def combination_json(found: Combination, view: View) -> str:
     """Return {"meshes": [each in its own axes], "combined": {...}}."""
-    places = [_pose(pose) for pose in found.poses]
-    combined = {**body_data(found.body, view), **doc.select(found, "box places warnings", places=places)}
-    return doc.written({"meshes": [part_data(part, view) for part in found.parts], "combined": combined})
+    places = doc.select(found, "box places warnings", places=list(map(_pose, found.poses)))
+    meshes = [part_data(part, view) for part in found.parts]
+    return doc.written({"meshes": meshes, "combined": {**body_data(found.body, view), **places}})
 
 
 def robot_json(found: RobotInertia, view: View, checked: Checked) -> str:
@@ -58,41 +57,35 @@ def robot_json(found: RobotInertia, view: View, checked: Checked) -> str:
     from robodyn.report.check import check_data
 
     links = [{**_declared_json(link), "pose": _pose(link.pose), "com_in_base": link.placed.com} for link in found.links]
-    return doc.written(
-        {
-            **doc.select(found, "robot:name file at"),
-            **body_data(found.body, view),
-            "validity": validity_data(validity(found.body)),
-            "check": check_data(checked),
-            "links_with_mass": found.massive,
-            "links": links,
-            "warnings": found.warnings,
-        }
-    )
+    rest = {"validity": validity_data(validity(found.body)), "check": check_data(checked), "links": links}
+    keys = "validity check links_with_mass:massive links warnings"
+    whole = body_data(found.body, view)
+    return doc.written({**doc.select(found, "robot:name file at"), **whole, **doc.select(found, keys, **rest)})
 
 
 def link_json(robot: str, found: LinkInertia, view: View, checked: Checked) -> str:
     """Return what a link declares, and what a check says of it."""
     from robodyn.report.check import check_data
 
-    return doc.written(
-        {"robot": robot, **_declared_json(found, view), "check": check_data(checked), "warnings": found.warnings}
-    )
+    rest = {"check": check_data(checked), "warnings": found.warnings}
+    return doc.written({"robot": robot, **_declared_json(found, view), **rest})
 
 
 def link_shapes_json(robot: str, found: LinkShapes, view: View) -> str:
     """Return what the shapes of a link make."""
-    meshes, remarks = [part.name for part in found.shapes.parts], found.shapes.remarks
-    of, valid = doc.select(found, "link:name line geometry:kind"), validity_data(validity(found.body))
-    rest = {"validity": valid, "box": found.shapes.box, "meshes": meshes, "warnings": remarks}
+    meshes, valid = [part.name for part in found.shapes.parts], validity_data(validity(found.body))
+    of, keys = (
+        doc.select(found, "link:name line geometry:kind"),
+        "validity box:shapes.box meshes warnings:shapes.remarks",
+    )
+    rest = doc.select(found, keys, validity=valid, meshes=meshes)
     return doc.written({"robot": robot, **of, **body_data(found.body, view), **rest})
 
 
 def comparison_json(found: Comparison) -> str:
     """Return all links, the most different first, then those that could not be compared, with the reason."""
-    return doc.written(
-        doc.select(found, "robot:name file geometry:kind links", links=list(map(_compared, found.links)))
-    )
+    links = list(map(_compared, found.links))
+    return doc.written(doc.select(found, "robot:name file geometry:kind links", links=links))
 
 
 def body_data(body: MassProperties, view: View = COM) -> dict[str, Any]:
@@ -114,20 +107,12 @@ def part_data(part: Part, view: View = COM) -> dict[str, Any]:
 
 def _symmetry_json(part: Part) -> dict[str, Any] | None:
     """Return planes, axes and products [kg m^2]; the fold of an axis of revolution is null."""
-    found, density = part.symmetry, part.body.density or 0.0
+    found, density, keys = part.symmetry, part.body.density or 0.0, "axes computed relative zero_by_symmetry:zero"
     if found is None:
         return None
-    return {
-        "planes": [doc.select(plane, "normal offset asymmetry verdict") for plane in found.planes],
-        "axes": [
-            doc.select(axis, "direction point fold asymmetry verdict", fold=doc.finite(axis.fold))
-            for axis in found.axes
-        ],
-        "products": [
-            doc.select(each, "axes computed relative zero_by_symmetry:zero", computed=-each.residual * density)
-            for each in found.products
-        ],
-    }
+    products = [doc.select(each, keys, computed=-each.residual * density) for each in found.products]
+    keys = "planes[normal offset asymmetry verdict] axes[direction point fold? asymmetry verdict] products"
+    return doc.select(found, keys, products=products)
 
 
 def _tessellation_json(part: Part) -> dict[str, Any] | None:
@@ -139,17 +124,12 @@ def _tessellation_json(part: Part) -> dict[str, Any] | None:
     found, smooth = part.tessellation, part.corrected
     if found is None or smooth is None:
         return None
-    volume = {"mesh": part.body.volume, "corrected": smooth.volume}
-    return {
-        "volume": {**volume, **_bars(found, lambda bars: bars.volume)},
-        "inertia": {"corrected": smooth.inertia, **_bars(found, lambda bars: bars.inertia)},
-        "com": {"corrected": smooth.com, **_bars(found, lambda bars: bars.centre * part.body.gyration)},
-    }
-
-
-def _bars(found: Tessellation, of: Callable[[Bars], float]) -> dict[str, float | None]:
-    bars = (found.mesh, found.rest, found.on_surface)
-    return dict(zip(("bar", "bar_corrected", "bar_corners_on_surface"), map(doc.finite, map(of, bars)), strict=True))
+    data: dict[str, Any] = {"volume": {"mesh": part.body.volume}, "inertia": {}, "com": {}}
+    bars = {"bar": found.mesh, "bar_corrected": found.rest, "bar_corners_on_surface": found.on_surface}
+    for name, scale in (("volume", 1.0), ("inertia", 1.0), ("com", part.body.gyration)):
+        data[name]["corrected"], attribute = getattr(smooth, name), "centre" if name == "com" else name
+        data[name] |= {key: doc.finite(scale * getattr(each, attribute)) for key, each in bars.items()}
+    return data
 
 
 def validity_data(found: Validity) -> dict[str, Any]:
@@ -166,28 +146,19 @@ def _declared_json(link: LinkInertia, view: View = COM) -> dict[str, Any]:
 
 
 def _compared(link: LinkComparison) -> dict[str, Any]:
-    declared, difference = link.declared, link.difference
+    declared, difference, derived = link.declared, link.difference, None
+    if difference:
+        meshes = [part_data(part) for part in difference.shapes.parts]
+        derived = {**body_data(difference.body), "box": doc.encode(difference.shapes.box), "meshes": meshes}
     keys = "shape line size filename file scale xyz:origin.xyz rpy:origin.rpy"
     return doc.select(
         link,
-        "link:name line shapes declared derived difference reason remarks",
+        "link:name line shapes declared derived reason remarks difference[density? com_distance:distance "
+        "com_offset:offset moment_ratios:ratios? inertia box_spread:room?]",
         shapes=[doc.select(each.geometry, keys, file=each.path) for each in link.shapes],
         declared=declared and {**body_data(declared.body), "validity": validity_data(declared.validity)},
-        derived=difference and _derived(difference),
-        difference=difference
-        and doc.select(
-            difference,
-            "density com_distance:distance com_offset:offset moment_ratios inertia box_spread",
-            density=doc.finite(difference.density),
-            moment_ratios=[doc.finite(ratio) for ratio in difference.ratios],
-            box_spread=doc.finite(difference.room),
-        ),
+        derived=derived,
     )
-
-
-def _derived(found: Difference) -> dict[str, Any]:
-    meshes = [part_data(part) for part in found.shapes.parts]
-    return {**body_data(found.body), "box": doc.encode(found.shapes.box), "meshes": meshes}
 
 
 def _pose(pose: Sequence[Any]) -> dict[str, Any]:

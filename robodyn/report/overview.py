@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robodyn.checks.overview import Branch, Meshes, Overview
 from robodyn.programs.vectors import product
 from robodyn.report.check import check_data, check_line
-from robodyn.report.document import Section, Table, finite, paragraphs, select, written
+from robodyn.report.document import Section, Table, paragraphs, select, written
 from robodyn.report.table import axis_text, number, point_text
 from robodyn.robot.urdf.parts import Joint, Limit
 from robodyn.support.wording import count, shown
@@ -140,31 +140,20 @@ def overview_json(found: Overview) -> str:
         joints=sum(found.types.values()),
         merged_fixed_joints=found.types.get("fixed", 0),
     )
-    links = [
-        select(branch, "name line depth mass joint", joint=branch.joint and branch.joint.name)
-        for branch in found.branches
-    ]
+    limits = " ".join(f"{name}:limit.{name}" for name in ("lower", "upper", "effort", "velocity"))
+    keys, joints = f"name line type parent child axis {limits} mimic[joint multiplier offset]", []
+    for joint in (branch.joint for branch in found.branches if branch.joint):
+        joints.append(select(joint, keys, axis=None if joint.type in ("fixed", "floating") else joint.axis))
     missing = [{"link": link, **select(each, "kind filename line")} for link, each in found.meshes.missing]
     return written(
         select(
             found,
-            "robot:name file counts mass com com_frame:base at at_zero links joints meshes check notes next",
+            "robot:name file counts mass? com com_frame:base at at_zero links:branches[name line depth mass "
+            "joint:joint.name] joints meshes check notes next",
             counts=counts,
-            mass=finite(found.mass),
             at_zero=not found.moved,
-            links=links,
-            joints=[_joint_json(branch.joint) for branch in found.branches if branch.joint],
+            joints=joints,
             meshes=select(found.meshes, "references files:names missing", missing=missing),
             check=check_data(found.checked),
         )
     )
-
-
-def _joint_json(joint: Joint) -> dict[str, Any]:
-    return {
-        **select(
-            joint, "name line type parent child axis", **{"axis": None} if joint.type in ("fixed", "floating") else {}
-        ),
-        **select(joint.limit or Limit(), "lower upper effort velocity"),
-        "mimic": joint.mimic and select(joint.mimic, "joint multiplier offset"),
-    }

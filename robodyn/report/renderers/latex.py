@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Any
 
 from robodyn.equations.closed import Closed, decimal
-from robodyn.equations.dae.constraints import Connection
 from robodyn.equations.dae.dae import Dae
 from robodyn.programs.run.symbolic import module
 from robodyn.report.dae import acting
@@ -176,25 +175,32 @@ HELD = {
 def dae_latex(found: Dae) -> str:
     """Return Newton's and Euler's laws of every body, constraints of every joint, the system, and what is left."""
     system, counts = found.system, found.counts
-    x, y, z = found.system.scene.gravity
+    x, y, z = system.scene.gravity
     several = count(counts.bodies, "body", "bodies")
     title = (
-        f"The equations of motion of {escaped(found.system.model.name)}, {several}, in DAE form,\n"
+        f"The equations of motion of {escaped(system.model.name)}, {several}, in DAE form,\n"
         f"with gravity $g = ({x:g}, {y:g}, {z:g})$\\,m/s$^2$.\n"
     )
-    held = [line for i, joint in enumerate(system.joints) if (line := _held(joint, str(i)))]
-    held += [_held(mimic, str(mimic.body)) for mimic in system.mimics]
-    held += [_held(loop, f"L{k}") for k, loop in enumerate(system.loops, 1)]
-    constraints = f"Constraints:\n{_aligned_lines(held)}{GENERAL}" if held else ""
-    return (
-        HEAD
-        + title
-        + BODIES
-        + _aligned_lines([_law(found, i) for i in range(counts.bodies)])
-        + constraints
-        + (SADDLE + _counted(found) + ELIMINATION if held else "")
-        + (LOOPS if system.loops else "")
-    )
+    numbered = [(str(i), joint) for i, joint in enumerate(system.joints) if joint.equations]
+    numbered += [(str(mimic.body), mimic) for mimic in system.mimics]
+    numbered += [(f"L{k}", loop) for k, loop in enumerate(system.loops, 1)]
+    held = []
+    for name, connection in numbered:
+        points, turns = (text.format(f"{{{name}}}") for text in HELD[connection.kind])
+        line = f"& \\text{{{escaped(connection.name)}, {connection.kind}}} && {points}"
+        held.append(f"{line} && {turns}" if turns else line)
+    parts = [HEAD, title, BODIES, _aligned_lines([_law(found, i) for i in range(counts.bodies)])]
+    if held:
+        six = 6 * counts.bodies
+        index = f"Its differentiation index is {counts.index[0]}.\n" if counts.index else ""
+        redundant = f", {len(counts.redundant)} of them redundant," if counts.redundant else ""
+        counted = (
+            f"There are {six} positions, {six} velocities and {counts.reactions} reactions for {counts.unknowns} "
+            f"equations;\nthe {counts.reactions} constraints{redundant} leave "
+            f"${six} - {counts.rank} = {counts.freedom}$ degrees of freedom. {index}"
+        )
+        parts += [f"Constraints:\n{_aligned_lines(held)}{GENERAL}", SADDLE, counted, ELIMINATION]
+    return "".join(parts) + (LOOPS if system.loops else "")
 
 
 def _law(found: Dae, i: int) -> str:
@@ -217,25 +223,5 @@ def _summed(terms: Sequence[str]) -> str:
     return " \\\\\n  &\\quad + ".join(lines).replace("+ -", "- ") or "0"
 
 
-def _held(connection: Connection, name: str) -> str:
-    if not connection.equations:
-        return ""
-    points, turns = (text.format(f"{{{name}}}") for text in HELD[connection.kind])
-    title = f"\\text{{{escaped(connection.name)}, {connection.kind}}}"
-    return f"& {title} && {points}" + (f" && {turns}" if turns else "")
-
-
 def _aligned_lines(lines: Sequence[str]) -> str:
     return "\\begin{align*}\n" + " \\\\\n".join(lines) + "\n\\end{align*}\n"
-
-
-def _counted(found: Dae) -> str:
-    counts = found.counts
-    six = 6 * counts.bodies
-    index = f"Its differentiation index is {counts.index[0]}.\n" if counts.index else ""
-    redundant = f", {len(counts.redundant)} of them redundant," if counts.redundant else ""
-    return (
-        f"There are {six} positions, {six} velocities and {counts.reactions} reactions for {counts.unknowns} "
-        f"equations;\nthe {counts.reactions} constraints{redundant} leave "
-        f"${six} - {counts.rank} = {counts.freedom}$ degrees of freedom. {index}"
-    )
