@@ -24,8 +24,6 @@ from robodyn.support.wording import alternatives, shown
 TAG = "constraint"
 AXIS: Vector = (1.0, 0.0, 0.0)
 """What is taken where there is none, as for a joint."""
-
-
 KINDS = {"fixed": "weld", "revolute": "hinge", "continuous": "hinge", "spherical": "point", "ball": "point"}
 """Loops by the type of a constraint."""
 
@@ -33,13 +31,9 @@ KINDS = {"fixed": "weld", "revolute": "hinge", "continuous": "hinge", "spherical
 def scene_of(model: Model, scene: Scene = DEFAULT) -> Scene:
     """Return the scene with the loops that the <constraint> elements of the robot's description close.
 
-    Source: the proposal to urdfdom_headers, pull request 108: elements of <robot> beside its joints.
-
     Commands do so by themselves. A loop of the scene takes the place of the constraint that has its name.
 
-    Args:
-        model: what `load` returns.
-        scene: the default is gravity alone.
+    Source: the proposal to urdfdom_headers, pull request 108: elements of <robot> beside its joints.
 
     Raises:
         DescriptionError: a constraint is wrong, or of a type that is no loop here, and the scene does not replace it.

@@ -40,15 +40,11 @@ IfKnown = Annotated[float, Rule(lambda x: x > 0.0, "it is positive; leave it out
 
 @dataclass(frozen=True)
 class Friction(FrozenValue):
-    """Friction of a joint: viscous qd, plus `forward` at qd > 0 or `backward` at qd < 0, plus Stribeck's excess;
-    and a share of the torque that passes the gear.
+    """Friction of a joint: viscous qd [N m s/rad], plus Coulomb's `forward` at qd > 0 or `backward` at qd < 0 [N m].
 
     Attributes:
-        viscous: N m s/rad (N s/m for a prismatic joint).
-        forward, backward: Coulomb torque at qd > 0 and at qd < 0, with its sign [N m].
-        stribeck: torque of breakaway [N m], which decays to Coulomb's like exp(-(qd / stribeck_velocity)^2).
-        stribeck_velocity: rad/s.
-        load: of the torque that the joint passes on to the links, from 0 to less than 1.
+        stribeck: torque of breakaway [N m], which decays to Coulomb's like exp(-(qd / stribeck_velocity)^2) [rad/s].
+        load: share of the torque that the joint passes on to the links, from 0 to less than 1.
     """
 
     viscous: DryTorque = 0.0
@@ -92,9 +88,7 @@ class CoupledMotor(FrozenValue):
 
     Attributes:
         joints: coefficients by joint.
-        inertia: of its rotor, about its own axis [kg m^2].
-        gear: turns of the motor per unit of s.
-        friction: of s.
+        inertia: of its rotor, about its own axis [kg m^2], which turns `gear` times per unit of s.
     """
 
     name: str
@@ -113,7 +107,6 @@ class CoupledMotor(FrozenValue):
 
     @property
     def acts(self) -> bool:
-        """Whether it adds anything."""
         return any(self.joints.values()) and bool(self.reflected or self.friction.viscous or self.friction.dry)
 
 
@@ -127,13 +120,8 @@ class Spring(FrozenValue):
 
 @dataclass(frozen=True)
 class Payload(FrozenValue):
-    """A mass fixed to a link.
-
-    Attributes:
-        mass: kg.
-        com: centre of mass in the link's frame [m].
-        inertia: ixx, ixy, ixz, iyy, iyz, izz about the centre of mass, in the link's axes [kg m^2].
-    """
+    """A mass [kg] fixed to a link: its centre in the link's frame [m], and ixx, ixy, ixz, iyy, iyz, izz about that, in
+    the link's axes [kg m^2]."""
 
     link: str
     mass: float
@@ -162,18 +150,13 @@ class ExternalWrench(FrozenValue):
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """The trajectory columns that it needs."""
         return tuple(entry for entry in (*self.force, *self.moment) if isinstance(entry, str))
 
 
 @dataclass(frozen=True)
 class Immersed(FrozenValue):
-    """A link in the scene's fluid.
-
-    Attributes:
-        volume: displaced [m^3], at `centre` in the link's frame [m].
-        drag_area: drag coefficient times area along each axis of the link [m^2].
-    """
+    """A link in the scene's fluid: displaced volume [m^3] at `centre` in the link's frame [m], and drag coefficient
+    times area along each axis of the link [m^2]."""
 
     link: str
     volume: NonNegative = 0.0
@@ -183,13 +166,10 @@ class Immersed(FrozenValue):
 
 @dataclass(frozen=True)
 class Drive(FrozenValue):
-    """The torque at a joint in a simulation: `torque + kp (reference - q) + kd (speed - qd)`.
+    """The torque at a joint in a simulation: `torque + kp (reference - q) + kd (speed - qd)`, in N m and rad.
 
-    Attributes:
-        torque: N m (N for a prismatic joint), or the name of a column.
-        kp, kd: N m/rad and N m s/rad.
-        reference: rad, or the name of a column.
-        speed: rad/s, or the name of a column; None: the slope of the reference, 0 where that is a number.
+    Torque, reference and speed may be names of columns; without a speed it is the slope of the reference, 0 where that
+    is a number.
     """
 
     torque: Entry = 0.0
@@ -200,17 +180,12 @@ class Drive(FrozenValue):
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """The columns of the simulation's table that it needs."""
         return tuple(entry for entry in (self.torque, self.reference, self.speed) if isinstance(entry, str))
 
 
 @dataclass(frozen=True)
 class LimitSpring(FrozenValue):
-    """What pushes a joint back that is beyond a limit by x > 0: `max(stiffness x + damping xd, 0)`.
-
-    Attributes:
-        stiffness, damping: N m/rad and N m s/rad (N/m and N s/m for a prismatic joint).
-    """
+    """What pushes a joint back beyond a limit by x > 0: `max(stiffness x + damping xd, 0)` [N m/rad, N m s/rad]."""
 
     stiffness: Positive
     damping: NonNegative = 0.0
@@ -302,18 +277,13 @@ class Contact(FrozenValue):
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """The trajectory columns that it needs."""
         return (self.on,) if isinstance(self.on, str) and self.on not in (ALWAYS, AUTO) else ()
 
 
 @dataclass(frozen=True)
 class ContactCost(FrozenValue):
-    """What contact forces make least, of all that balance: `forces |f|^2 / W^2 + torques sum (tau / limit)^2`.
-
-    Attributes:
-        forces, torques: weights of the forces, relative to the robot's weight W, and of torques relative to limits.
-        within_limits: whether torques may not exceed the effort limits.
-    """
+    """What contact forces make least, of all that balance: `forces |f|^2 / W^2 + torques sum (tau / limit)^2`, W being
+    the robot's weight; `within_limits`: whether torques may not exceed the effort limits."""
 
     forces: _ForcesWeight = 1.0
     torques: NonNegative = 0.0

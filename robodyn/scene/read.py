@@ -11,7 +11,6 @@ from __future__ import annotations
 import os
 import re
 from collections import Counter
-from collections.abc import Sequence
 from itertools import pairwise
 from math import inf, isfinite, pi
 from typing import Annotated, Any
@@ -27,10 +26,8 @@ from robodyn.support.input_file import read_input
 
 _SPEEDS = {"rad/s": 1.0, "rpm": pi / 30.0}
 """Units of speed that a data sheet may have, in rad/s."""
-_MOST_POINTS = 64
-"""Of a contact."""
-_FLAT = 1e-6
-"""Directions that span less are taken for parallel."""
+_MOST_POINTS, _FLAT = 64, 1e-6
+"""Of a contact; directions that span less are taken for parallel."""
 _UNITS = {
     "mass": {"kg": 1.0, "g": 1e-3},
     "com": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
@@ -43,13 +40,7 @@ _POINTS = "points are [speed, torque], such as [[0, 1.3], [300, 0.9]]"
 
 
 def load_scene(path: str | os.PathLike[str], *more: str | os.PathLike[str]) -> Scene:
-    """Return the scene that a TOML file describes, or several together.
-
-    Args:
-        path, more: files with the keys `gravity`, `friction`, `rotor`, `coupled`, `spring`, `payload`, `wrench`,
-            `fluid`, `base`, `slip_speed`, `initial`, `drive`, `between_rows`, `joint_limits`, `limit_spring`, `loop`,
-            `baumgarte`, `motor`, `actuated`,
-            `passive`, `share`, `weights`, `contact`, `contact_cost`, `uncertainty`.
+    """Return the scene that a TOML file describes, or several together; for the keys see `robodyn.scene.parts`.
 
     Raises:
         SceneError: the file cannot be read, is not TOML, has a key that is not understood, lacks one, or has a value of
@@ -163,15 +154,14 @@ def _curve(table: TomlTable, key: str, unit: float) -> float | parts.Curve | Non
         return torque
     points = table.value(key, Annotated[parts.Curve, parts.Rule(bool, _POINTS)])
     speeds, torques = zip(*points, strict=True)
+    wrong, values = "", torques
     if speeds[0] < 0 or any(b <= a for a, b in pairwise(speeds)):
-        raise table.error(f'the speeds of "{key}" do not increase from 0 on: {_listed(speeds)}', _POINTS, key)
-    if min(torques) < 0 or not max(torques):
-        raise table.error(f'the torques of "{key}" are not positive: {_listed(torques)}', _POINTS, key)
+        wrong, values = f'the speeds of "{key}" do not increase from 0 on', speeds
+    elif min(torques) < 0 or not max(torques):
+        wrong = f'the torques of "{key}" are not positive'
+    if wrong:
+        raise table.error(f"{wrong}: {', '.join(f'{value:g}' for value in values)}", _POINTS, key)
     return tuple((speed * unit, torque) for speed, torque in points)
-
-
-def _listed(values: Sequence[float]) -> str:
-    return ", ".join(f"{value:g}" for value in values)
 
 
 def _coupled(table: TomlTable) -> parts.CoupledMotor:

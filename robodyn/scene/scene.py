@@ -6,26 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Annotated
 
-from robodyn.scene.parts import (
-    LEAST_FORCES,
-    Contact,
-    ContactCost,
-    CoupledMotor,
-    Drive,
-    Entry,
-    ExternalWrench,
-    Friction,
-    Immersed,
-    LimitSpring,
-    Loop,
-    Motor,
-    Payload,
-    Rotor,
-    Rule,
-    Spring,
-    Vector,
-    one_of,
-)
+from robodyn.scene import parts
+from robodyn.scene.parts import Entry, Payload, Rule, Vector, one_of
 from robodyn.support.frozen import FrozenValue
 from robodyn.support.wording import call_of
 
@@ -72,12 +54,12 @@ class Scene(FrozenValue):
     """
 
     gravity: Vector = (0.0, 0.0, -9.81)
-    friction: Mapping[str, Friction] = field(default_factory=dict)
-    rotor: Mapping[str, Rotor] = field(default_factory=dict)
-    spring: Mapping[str, Spring] = field(default_factory=dict)
+    friction: Mapping[str, parts.Friction] = field(default_factory=dict)
+    rotor: Mapping[str, parts.Rotor] = field(default_factory=dict)
+    spring: Mapping[str, parts.Spring] = field(default_factory=dict)
     payloads: tuple[Payload, ...] = ()
-    wrenches: tuple[ExternalWrench, ...] = ()
-    immersed: tuple[Immersed, ...] = ()
+    wrenches: tuple[parts.ExternalWrench, ...] = ()
+    immersed: tuple[parts.Immersed, ...] = ()
     fluid_density: float = 0.0
     fluid_velocity: Vector = (0.0, 0.0, 0.0)
     moving_base: bool = False
@@ -85,22 +67,22 @@ class Scene(FrozenValue):
     slip_speed: Annotated[float, Rule(lambda x: x >= 0.0, "it is positive, or 0 for sign(qd)")] = 0.0
     initial_q: Mapping[str, Entry] = field(default_factory=dict)
     initial_qd: Mapping[str, Entry] = field(default_factory=dict)
-    drive: Mapping[str, Drive] = field(default_factory=dict)
+    drive: Mapping[str, parts.Drive] = field(default_factory=dict)
     between_rows: Annotated[str, one_of("linear", "hold")] = "linear"
     joint_limits: Annotated[str, one_of("stop", "ignore", "spring")] = "stop"
-    limit_spring: LimitSpring | None = None
-    loops: tuple[Loop, ...] = ()
+    limit_spring: parts.LimitSpring | None = None
+    loops: tuple[parts.Loop, ...] = ()
     baumgarte: Annotated[float, Rule(lambda x: x >= 0.0, "it is positive, or 0 for projection after each step")] = 0.0
     actuated: Names | None = None
     passive: Names = ()
     share: Annotated[str, one_of("least", "weighted")] = "least"
     weights: Mapping[str, Entry] = field(default_factory=dict)
     weight: Entry = 1.0
-    contacts: tuple[Contact, ...] = ()
-    contact_cost: ContactCost = LEAST_FORCES
-    motor: Mapping[str, Motor] = field(default_factory=dict)
+    contacts: tuple[parts.Contact, ...] = ()
+    contact_cost: parts.ContactCost = parts.LEAST_FORCES
+    motor: Mapping[str, parts.Motor] = field(default_factory=dict)
     uncertainty: Uncertainty | None = None
-    coupled: tuple[CoupledMotor, ...] = ()
+    coupled: tuple[parts.CoupledMotor, ...] = ()
 
     def __hash__(self) -> int:
         return self._hash

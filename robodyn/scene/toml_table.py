@@ -44,11 +44,7 @@ _LINE = re.compile(rf"[ \t]*(\[{{0,2}})[ \t]*({_PART}(?:[ \t]*\.[ \t]*{_PART})*)
 
 
 def read_toml(data: bytes, file: str) -> dict[str, Any]:
-    """Return the tables of TOML text.
-
-    Raises:
-        SceneError: it is none, with the line; or it is beyond a limit.
-    """
+    """Return the tables of TOML text; SceneError with the line if it is none, or beyond a limit."""
     _check_size(data, file)
     if sys.version_info >= (3, 11):
         import tomllib
@@ -83,7 +79,7 @@ def merged(sources: Sources) -> dict[str, Any]:
     """Return the tables of several TOML texts as those of one: tables are put together, lists are joined.
 
     Raises:
-        SceneError: one is no TOML, or a key stands in two of them; with both places.
+        SceneError: a key stands in two of them; with both places.
     """
     whole: dict[str, Any] = {}
     for k, (data, file) in enumerate(sources):
@@ -103,14 +99,10 @@ def _put(whole: dict[str, Any], more: Mapping[str, Any], above: Path) -> Iterato
             whole[key] = value
         elif isinstance(old, dict) and isinstance(value, dict):
             yield from _put(old, value, path)
-        elif _is_tables(old) and _is_tables(value):
+        elif all(isinstance(each, list) and each and isinstance(each[0], dict) for each in (old, value)):
             whole[key] = [*whole[key], *value]
         else:
             yield path
-
-
-def _is_tables(value: Any) -> bool:
-    return isinstance(value, list) and bool(value) and all(isinstance(each, dict) for each in value)
 
 
 def place_of(sources: Sources, path: Path) -> tuple[str, int | None]:
@@ -144,7 +136,7 @@ class TomlTable:
     Args:
         values: the table; whatever else stands in its place is an error.
         what: as messages call it.
-        sources: the text that it is from; path: where it is in there.
+        path: where it is in the sources.
     """
 
     def __init__(self, values: Any, what: str, sources: Sources, path: Path = ()) -> None:
@@ -159,7 +151,6 @@ class TomlTable:
 
     @property
     def folder(self) -> str:
-        """Of the file."""
         return os.path.dirname(place_of(self._sources, self._path)[0])
 
     def error(self, what: str, remedy: str | None = None, key: str = "") -> SceneError:
@@ -193,9 +184,8 @@ class TomlTable:
             kind, rule = get_args(kind)
             value = self.converted(key, value, kind, rule.remedy)
             if not rule.holds(value):
-                written = (
-                    f"{value:g}" if isinstance(value, float) else f'"{value}"' if isinstance(value, str) else value
-                )
+                written = f'"{value}"' if isinstance(value, str) else value
+                written = f"{value:g}" if isinstance(value, float) else written
                 raise self.error(f'"{key}" is {written}', rule.remedy, key)
             return value
         if get_origin(kind) is tuple:

@@ -26,13 +26,8 @@ _REMEDY = "give a file that robodyn identify has written"
 
 @dataclass(frozen=True, eq=False)
 class Covariance(Frozen):
-    """Parameters of a robot that are known with errors.
-
-    Attributes:
-        parameters: (p,) names, as `robodyn.regressor` has them.
-        values: (p,) in SI units.
-        covariance: (p, p) of their errors.
-    """
+    """Parameters of a robot that are known with errors: p names, as `robodyn.regressor` has them, values (p,) in SI
+    units and the covariance (p, p) of their errors."""
 
     parameters: tuple[str, ...]
     values: Floats
@@ -46,7 +41,6 @@ class Covariance(Frozen):
 
     @cached_property
     def _content(self) -> tuple[tuple[str, ...], bytes, bytes]:
-        """The same for covariances of the same content."""
         return self.parameters, self.values.tobytes(), self.covariance.tobytes()
 
 
@@ -58,7 +52,6 @@ class Deviation(FrozenValue):
     relative: bool = True
 
     def of(self, size: float) -> float:
-        """Return the standard deviation of a parameter of this size, in its unit."""
         return self.value * abs(size) if self.relative else self.value
 
 
@@ -100,13 +93,11 @@ class Uncertainty(FrozenValue):
     covariance: Covariance | None = None
 
     def of_link(self, name: str) -> LinkUncertainty:
-        """Return what holds of a link."""
         own = self.link.get(name, LinkUncertainty())
         pairs = (own.mass, self.mass), (own.com, self.com), (own.inertia, self.inertia)
         return LinkUncertainty(*(general if special is None else special for special, general in pairs))
 
     def of_joint(self, name: str) -> Deviation | None:
-        """Return what holds of the friction of a joint or a coupled motor."""
         return self.joint.get(name, self.friction)
 
 

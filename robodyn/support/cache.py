@@ -5,12 +5,13 @@ from __future__ import annotations
 import hashlib
 import os
 import re
-import stat
 import time
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
+
+from robodyn.support.input_file import open_input
 
 MARK = b"robodyn object 1\n"
 LARGEST_FOLDER = 256 << 20
@@ -34,11 +35,7 @@ def cache_folder() -> Path | None:
 
 
 def code_digest(folder: Path, without: str = "") -> str:
-    """Return a digest of the names and contents of all modules in a folder, empty where there are none.
-
-    Args:
-        without: a part of the folder that does not count.
-    """
+    """Return a digest of all modules in a folder but those in a part of it, empty where there are none."""
     names = (path.relative_to(folder) for path in folder.rglob("*.py"))
     kept = sorted(name.as_posix() for name in names if name.parts[0] != without)
     digest = hashlib.sha256()
@@ -60,16 +57,14 @@ class ObjectCache:
 
     A file holds a mark, the digest of key and content, and the content. Files or folders that belong to somebody else,
     or that others may write to, are ignored, for their content is run; so are, under Windows, those outside the user's
-    own folder. No failure to read or write is an error: what is
-    not kept is made again.
+    own folder. No failure to read or write is an error: what is not kept is made again.
+
+    Args:
+        folder: made when it is needed; None keeps nothing.
+        largest: bytes kept.
     """
 
     def __init__(self, folder: Path | None, largest: int = LARGEST_FOLDER) -> None:
-        """
-        Args:
-            folder: made when it is needed; None keeps nothing.
-            largest: bytes kept.
-        """
         self._folder = None if folder is None else folder / "objects"
         self._largest = largest
 
@@ -79,9 +74,8 @@ class ObjectCache:
             return None
         path = self._folder / _name(key)
         try:
-            with open(path, "rb", opener=_at_once) as stream:
-                status = os.fstat(stream.fileno())
-                if not (stat.S_ISREG(status.st_mode) and _private(path, status) and _private(self._folder)):
+            with open_input(path) as stream:
+                if not (_private(path, os.fstat(stream.fileno())) and _private(self._folder)):
                     return None
                 data = stream.read()
         except OSError:
@@ -117,11 +111,10 @@ class ObjectCache:
 
     def held(self) -> tuple[int, int]:
         """Return how many files are kept, and their bytes."""
-        sizes: list[int] = []
-        if self._folder is not None:
-            with suppress(OSError):
-                sizes = [status.st_size for _, status in _files(self._folder)]
-        return len(sizes), sum(sizes)
+        with suppress(OSError):
+            sizes = [status.st_size for _, status in _files(self._folder)] if self._folder is not None else []
+            return len(sizes), sum(sizes)
+        return 0, 0
 
 
 def _prune(folder: Path, largest: int) -> None:
@@ -147,11 +140,6 @@ def _name(key: Key) -> str:
 
 def _digest(key: Key, content: bytes) -> bytes:
     return hashlib.sha256(b"\0".join((key.content.encode(), key.maker.encode(), content))).digest()
-
-
-def _at_once(path: str, flags: int) -> int:
-    """Opens without waiting for the other end of a pipe."""
-    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
 
 
 def _private(path: Path, status: os.stat_result | None = None) -> bool:

@@ -8,7 +8,6 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Mapping
-from typing import Any
 
 PLAIN_PATH = {"PYTHONSAFEPATH": "1"}
 """By which processes that libraries start do not look in the current folder either, from Python 3.11 on."""
@@ -47,11 +46,9 @@ def start_python(
     does, see `_START`.
 
     Args:
-        function: `module:name`.
-        arguments: for it.
+        function: `module:name`; arguments: for it.
         environment: its variables; those of this process by default.
         folder: that it runs in; the current one by default.
-        stderr: as of `subprocess.Popen`.
     """
     import robodyn
 
@@ -74,10 +71,7 @@ def start_python(
 
 
 def run_program(name: str, *arguments: str, folder: str, **variables: str) -> subprocess.CompletedProcess[bytes]:
-    """Return what came of a program on the search path, run in a folder without input.
-
-    Args:
-        variables: of its environment, beside those of this process.
+    """Return what came of a program on the search path, run in a folder without input, with variables added.
 
     Raises:
         FileNotFoundError: there is none. The current folder is not looked in, as Windows would.
@@ -86,5 +80,7 @@ def run_program(name: str, *arguments: str, folder: str, **variables: str) -> su
     program = next(filter(None, (shutil.which(os.path.join(each, name)) for each in folders)), None)
     if program is None:
         raise FileNotFoundError(f"there is no {name} on PATH")
-    settings: dict[str, Any] = {"cwd": folder, "env": {**os.environ, **variables}}
-    return subprocess.run([program, *arguments], stdin=subprocess.DEVNULL, capture_output=True, check=False, **settings)
+    environment = {**os.environ, **variables}
+    return subprocess.run(
+        [program, *arguments], stdin=subprocess.DEVNULL, capture_output=True, check=False, cwd=folder, env=environment
+    )

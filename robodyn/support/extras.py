@@ -10,14 +10,8 @@ from robodyn.errors import InputError
 
 
 class Library(NamedTuple):
-    """A library that robodyn uses.
-
-    Attributes:
-        name: to pip.
-        module: to import.
-        cost: what does not work without it.
-        extra: of robodyn that brings it; empty where an installation always has it, or none does.
-    """
+    """A library by its name for pip and the module to import; what does not work without it; and the extra of robodyn
+    that brings it, empty where an installation always has it, or none does."""
 
     name: str
     module: str
@@ -80,10 +74,6 @@ def need(what: str, *names: str, otherwise: str = "", file: str | None = None) -
         what: needs the libraries, in the plural.
         names: of libraries of `OPTIONAL`, all of one extra.
         otherwise: what helps without them.
-        file: that cannot be read or written without them.
-
-    Raises:
-        InputError: one is missing; the message says how to get it.
     """
     missing = [library for library in OPTIONAL if library.name in names and not available(library.module)]
     if missing:

@@ -59,8 +59,7 @@ def cannot_be_written(path: str, remedy: str = "nothing was written") -> Iterato
 def remove_abandoned(path: str) -> None:
     """Remove what processes that were killed have left of this file half-written.
 
-    What a living process is writing stays: it holds a lock, or, under Windows, the file cannot be removed. Where files
-    cannot be locked nothing is removed.
+    What a living process is writing stays: it holds a lock, or, under Windows, the file cannot be removed.
     """
     target = os.path.realpath(path)
     for part in glob(f"{escape(target)}.*.part"):

@@ -33,9 +33,7 @@ def median(values: ArrayLike) -> float:
 
 
 def steady(numbers: ArrayLike, noise: float = 0.0) -> Floats:
-    """Return the numbers rounded to 30 bits, which comparisons are made with.
-
-    Method: Veltkamp's splitting (Dekker 1971).
+    """Return the numbers rounded to 30 bits, which comparisons are made with, by Veltkamp's splitting (Dekker 1971).
 
     Args:
         noise: what arithmetic cannot tell from zero, in the unit of the numbers: such numbers are 0.

@@ -34,8 +34,7 @@ def open_input(path: str | os.PathLike[str], typed: bool = False) -> BufferedRea
             may be a pipe, is meant.
 
     Raises:
-        OSError: it cannot be opened, or is a folder, a pipe or a device.
-        ValueError: this is not the name of a file.
+        OSError, ValueError: it cannot be opened, or is a folder, a pipe or a device; this is not the name of a file.
     """
     stream = open(path, "rb", opener=_at_once)  # noqa: SIM115
     try:
@@ -52,22 +51,13 @@ def open_input(path: str | os.PathLike[str], typed: bool = False) -> BufferedRea
 
 
 def read_input(path: str | os.PathLike[str], most: int | None = None, typed: bool = False) -> bytes:
-    """Return all bytes of a file, or the first `most`; see `open_input`.
-
-    Raises:
-        OSError, ValueError: as `open_input`.
-        InputError: `most` is None, and it has more bytes than the limit of files that are held in memory.
-    """
+    """Return all bytes of a file, or the first `most`; InputError where all are more than are held in memory."""
     with open_input(path, typed) as stream:
         return _all_of(stream, os.fspath(path)) if most is None else stream.read(most) or b""
 
 
 def read_standard_input() -> bytes:
-    """Return all bytes of standard input.
-
-    Raises:
-        InputError: it is closed, or there are more than the limit of what is held in memory.
-    """
+    """Return all bytes of standard input; InputError where it is closed, or they are more than are held in memory."""
     if sys.stdin is None:
         raise InputError("standard input is closed", remedy="name a file, or pipe one in", file="<stdin>")
     return _all_of(sys.stdin.buffer, "<stdin>")

@@ -70,23 +70,12 @@ class InputLimits:
 
 
 def limits() -> InputLimits:
-    """Return the limits that hold now.
-
-    Raises:
-        InputError: the variable of the environment names no limit, or no number.
-    """
+    """Return the limits that hold now; InputError where the variable of the environment names none, or no number."""
     return _asked_for(os.environ.get(VARIABLE, ""))
 
 
 def beyond(name: str, what: str, kind: type[_Error], **place: Any) -> _Error:
-    """Return the error of an input that is beyond a limit.
-
-    Args:
-        name: of the limit, a field of `InputLimits`.
-        what: is too much, followed by ", at most LIMIT are read": "20000 columns", "too many bytes in a line".
-        kind: of the error.
-        place: file and line, as for `RobodynError`.
-    """
+    """Return the error of an input that is beyond a limit, a field of `InputLimits`: "20000 columns, at most ..."."""
     value = getattr(limits(), name)
     remedy = f"if it is meant, {VARIABLE}={name}=NUMBER allows more"
     return kind(f"{what}, at most {value} are read", remedy=remedy, **place)

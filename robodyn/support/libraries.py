@@ -48,8 +48,7 @@ def version_of(name: str) -> str | None:
 def loading(modules: Sequence[str]) -> Iterator[tuple[str, str]]:
     """Yield each module with the reason why it does not load, empty if it does.
 
-    Method: one process imports them in turn; where it ends before the last, the next one has ended it, and another
-    process goes on behind that.
+    One process imports them in turn; where it ends before the last, the next one has ended it, and another goes on.
     """
     waiting = list(modules)
     while waiting:
@@ -110,10 +109,7 @@ class _OwnThread(logging.Filter):
 
 @contextmanager
 def library_messages(*names: str) -> Iterator[list[str]]:
-    """Return what loggers, and those below them, get from this thread as warnings or errors; it goes nowhere else.
-
-    Loggers are as they were for all other threads.
-    """
+    """Return what loggers, and those below them, get from this thread as warnings or errors; it goes nowhere else."""
     below = tuple(f"{name}." for name in names)
     known = [name for name in list(logging.root.manager.loggerDict) if name.startswith(below)]
     own, loggers = _OwnThread(), [logging.getLogger(name) for name in {*names, *known}]

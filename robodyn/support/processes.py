@@ -27,11 +27,7 @@ R = TypeVar("R")
 
 
 class Death(NamedTuple):
-    """What became of a call of which the processes died.
-
-    Attributes:
-        status: with which the last of them ended; less than 0 of the signal that ended it.
-    """
+    """A call of which the processes died, the last with this status; less than 0 of the signal that ended it."""
 
     status: int
 
@@ -115,14 +111,12 @@ def in_processes(
     count: int,
     clear: Callable[[int], None] = lambda _: None,
 ) -> Generator[tuple[int, R | Death], None, None]:
-    """Yield the number of each of some calls with what `work(*call)` returned, as they are done.
+    """Yield the number of each of some calls with what `work(*call)` returned, as they are done by so many processes.
 
     When the iterator is closed early, by an interruption for example, the processes are asked to end.
 
     Args:
         work: what it raises is raised here.
-        calls: the arguments of each.
-        count: of processes.
         clear: called with the number of a call whose process has ended before it could clear up, perhaps.
     """
     waiting = deque(range(len(calls)))

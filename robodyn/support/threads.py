@@ -17,16 +17,11 @@ MOST_OF_WINDOWS = 61
 
 
 def cores(asked: int | None = None) -> int:
-    """Return the number of threads asked for; None is as many as the process may use cores.
-
-    Raises:
-        InputError: no whole number, or less than 1.
-    """
+    """Return the number of threads asked for, a whole one from 1 on; None is as many as the process may use cores."""
     if asked is not None:
-        if not hasattr(asked, "__index__"):
-            raise InputError(f"{asked!r} threads cannot work", remedy="a whole number")
-        if asked < 1:
-            raise InputError(f"{asked} threads cannot work", remedy="1 or more")
+        if not hasattr(asked, "__index__") or asked < 1:
+            remedy = "1 or more" if hasattr(asked, "__index__") else "a whole number"
+            raise InputError(f"{asked!r} threads cannot work", remedy=remedy)
         return asked
     affinity = getattr(os, "sched_getaffinity", None)
     return len(affinity(0)) if affinity else os.cpu_count() or 1

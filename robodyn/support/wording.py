@@ -14,10 +14,8 @@ _LONGEST_PATH = 120
 _MOST_NAMES = 8
 _MOST_CANDIDATES = 1000
 _MOST_MEANT = 3
-_SLIPS = 2
-"""Letters in which a name may differ from the one that was meant."""
-_PART = 3
-"""Letters that two names must share at least to be like each other."""
+_SLIPS, _PART = 2, 3
+"""Letters in which a name may differ from the one that was meant, and that two names share to be like each other."""
 
 
 def shown(text: str) -> str:
@@ -117,15 +115,10 @@ def nearest(name: str, valid: Collection[str]) -> list[str]:
     held = [other for other in long if folded in other.casefold() or other.casefold() in folded]
     if held or len(name) < _PART:
         return held
+    parts = {other: re.split(r"[^a-z]+", other.casefold()) for other in long}
     return [
-        other
-        for other in long
-        if any(_edits(folded, part) <= _SLIPS for part in _parts(other) if len(part) > _SLIPS + 1)
+        other for other in long if any(len(part) > _PART and _edits(folded, part) <= _SLIPS for part in parts[other])
     ]
-
-
-def _parts(name: str) -> list[str]:
-    return re.split(r"[^a-z]+", name.casefold())
 
 
 def shortened(names: Sequence[str], most: int) -> list[str]:
