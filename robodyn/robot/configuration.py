@@ -66,11 +66,7 @@ def rates(model: Model, values: Values = ()) -> Floats:
 
 
 def named(model: Model, values: Values, names: tuple[str, ...]) -> Mapping[str, float]:
-    """Return values by name, given in the order of these names, or some by name already.
-
-    Raises:
-        InputError: there are more or fewer values than names, or a name is none.
-    """
+    """Return values by name, given in the order of these names, or some by name already; InputError of others."""
     if not isinstance(values, Mapping):
         if len(values) not in (0, len(names)):
             what = f"{count(len(values), 'value')} for {len(names)} coordinates"

@@ -49,7 +49,6 @@ def joint_motion(joint: Joint, q: Sequence[Scalar], qd: Sequence[Scalar], qdd: S
     R and p are arrays of objects even where these are floats, so that NumPy multiplies them in order, without BLAS.
 
     Args:
-        joint: with its placement R_0, p_0.
         q, qd, qdd: the values of this joint alone, one each, or 7, 6 and 6 for a floating joint (x y z qx qy qz qw;
             wx wy wz vx vy vz) [rad or m, and per s and s^2].
     """
@@ -87,12 +86,8 @@ def motions(model: Model, q: Sequence[Scalar], qd: Sequence[Scalar], qdd: Sequen
         elif joint.kind == "fixed":
             out.append(joint_motion(joint, (), (), ()))
         else:
-            ratio, own = joint.multiplier, joint.coordinate
-            out.append(
-                joint_motion(
-                    joint, [ratio * q[own] + joint.offset], [ratio * qd[joint.rate]], [ratio * qdd[joint.rate]]
-                )
-            )
+            ratio, own, k = joint.multiplier, joint.coordinate, joint.rate
+            out.append(joint_motion(joint, [ratio * q[own] + joint.offset], [ratio * qd[k]], [ratio * qdd[k]]))
     return out
 
 

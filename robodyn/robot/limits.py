@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, Protocol
 
@@ -90,11 +90,11 @@ def coverage(joints: Sequence[Joint]) -> tuple[Coverage, ...]:
     Limits from MOST_EFFORT and MOST_VELOCITY on limit nothing. A continuous joint needs no limit of position.
     """
     moving = [joint for joint in joints if joint.kind in ("revolute", "prismatic")]
-    ranged = [joint for joint in moving if not joint.continuous]
+    ranged = {each.name: None if None in (each.lower, each.upper) else 1.0 for each in moving if not each.continuous}
     return (
-        _split("effort", moving, lambda joint: joint.effort, MOST_EFFORT),
-        _split("velocity", moving, lambda joint: joint.velocity, MOST_VELOCITY),
-        _split("position", ranged, lambda joint: None if None in (joint.lower, joint.upper) else 1.0, np.inf),
+        _split("effort", {joint.name: joint.effort for joint in moving}, MOST_EFFORT),
+        _split("velocity", {joint.name: joint.velocity for joint in moving}, MOST_VELOCITY),
+        _split("position", ranged, np.inf),
     )
 
 
@@ -159,13 +159,6 @@ def within(exceeded: bool, limits: Sequence[Coverage], caveats: Sequence[Caveat]
     return None if caveats or any(each.unchecked for each in limits) else True
 
 
-def _split(
-    quantity: Quantity, joints: Sequence[Joint], given: Callable[[Joint], float | None], most: float
-) -> Coverage:
-    limits = [(joint.name, given(joint)) for joint in joints]
-    checked = {name for name, limit in limits if (bound := binding(limit)) is not None and bound < most}
-    return Coverage(
-        quantity,
-        tuple(name for name, _ in limits if name in checked),
-        tuple(Unchecked(name, limit) for name, limit in limits if name not in checked),
-    )
+def _split(quantity: Quantity, limits: Mapping[str, float | None], most: float) -> Coverage:
+    checked = tuple(name for name, limit in limits.items() if limit is not None and 0.0 < limit < most)
+    return Coverage(quantity, checked, tuple(Unchecked(*each) for each in limits.items() if each[0] not in checked))

@@ -66,7 +66,6 @@ def assemble(description: Description, *, moving_base: bool = False) -> Model:
     linear in the number of links.
 
     Args:
-        description: see `robodyn.robot.urdf.description`.
         moving_base: give the base six degrees of freedom of its own, as for a floating or a carried robot.
 
     Raises:
@@ -128,7 +127,6 @@ def _notes(description: Description) -> tuple[str, ...]:
 
 
 def placement(origin: Origin) -> tuple[Floats, Floats]:
-    """Return rotation and offset of an origin."""
     return rotation_from_rpy(*origin.rpy), np.array(origin.xyz, dtype=float)
 
 
@@ -182,21 +180,14 @@ def _across(normal: Floats) -> tuple[Floats, Floats]:
 
 
 def numbered(joints: list[Joint], description: Description) -> list[Joint]:
-    """Return the joints with places in q and qd (the base first, then the file's order) and transmissions.
-
-    Raises:
-        DescriptionError: a mimic joint follows a joint that has no single coordinate, or two joints have one name.
-    """
+    """Return the joints with places in q and qd (the base first, then the file's order) and transmissions."""
     order: dict[str, int] = {}
     for k, described in enumerate(description.joints):
         for part in elementary(described, np.eye(3), np.zeros(3)):
             if part.name in order:
-                raise DescriptionError(
-                    f'joint "{part.name}" is named as a part of planar joint "{part.name.rpartition("_")[0]}"',
-                    remedy="rename one of them",
-                    file=description.file,
-                    line=next(joint.line for joint in description.joints if joint.name == part.name),
-                )
+                what = f'joint "{part.name}" is named as a part of planar joint "{part.name.rpartition("_")[0]}"'
+                line = next(joint.line for joint in description.joints if joint.name == part.name)
+                raise DescriptionError(what, remedy="rename one of them", file=description.file, line=line)
             order[part.name] = k
     ranked = sorted(range(1, len(joints)), key=lambda i: order[joints[i].name])
     index = {joints[i].name: i for i in ranked}
@@ -235,9 +226,7 @@ def _leader(i: int, joints: list[Joint], index: dict[str, int]) -> tuple[int, fl
     while (followed := joints[i].mimics) is not None:
         multiplier, offset = multiplier * joints[i].multiplier, multiplier * joints[i].offset + offset
         if followed not in index or joints[index[followed]].kind == "floating":
-            raise DescriptionError(
-                f'joint "{joints[i].name}" mimics joint "{followed}", which has no single coordinate',
-                remedy="mimic a revolute, continuous or prismatic joint",
-            )
+            what = f'joint "{joints[i].name}" mimics joint "{followed}", which has no single coordinate'
+            raise DescriptionError(what, remedy="mimic a revolute, continuous or prismatic joint")
         i = index[followed]
     return i, multiplier, offset

@@ -23,9 +23,7 @@ class LinkInertia:
     """What is declared of one link.
 
     Attributes:
-        name, line: of the link.
         body: in the link's frame.
-        validity: whether a body can have these properties, with the margin.
         pose: of the link's frame in the base's, or in itself if the link is asked for alone.
     """
 
@@ -56,7 +54,6 @@ class RobotInertia:
     """The robot as one rigid body, its joints locked.
 
     Attributes:
-        name, file: of the description.
         at: values of the coordinates [rad or m].
         links: those with an <inertial>, in the order of the file.
         massive, count: how many links have mass, and how many there are.
@@ -87,20 +84,12 @@ def declared(link: Link, pose: Pose | None = None) -> LinkInertia | None:
 
 
 def link_inertia(description: Description, name: str) -> LinkInertia:
-    """Return what is declared of a link, in its own frame.
-
-    Raises:
-        InputError: there is no such link, or it has no <inertial>.
-    """
+    """Return what is declared of a link, in its own frame; InputError without such a link, or its <inertial>."""
     link = link_named(description, name)
     found = declared(link)
     if found is None:
-        raise InputError(
-            f"link {shown(name)} has no <inertial>",
-            remedy="--geometry takes its shapes instead",
-            file=description.file,
-            line=link.line,
-        )
+        what, remedy = f"link {shown(name)} has no <inertial>", "--geometry takes its shapes instead"
+        raise InputError(what, remedy=remedy, file=description.file, line=link.line)
     return found
 
 
@@ -112,9 +101,6 @@ def robot_inertia(description: Description, at: Values = ()) -> RobotInertia:
 
     Args:
         at: values of all coordinates, or of some by name [rad or m]; the others are zero; mimic joints follow.
-
-    Raises:
-        InputError: the values do not fit, or the robot has no mass.
 
     Accuracy: mass correctly rounded; centre of mass and inertia within 1e-14 of the robot's size and largest moment
         for twenty joints in a row.
@@ -128,13 +114,7 @@ def robot_inertia(description: Description, at: Values = ()) -> RobotInertia:
         raise InputError("the robot has no mass", remedy="give links an <inertial>", file=description.file)
     body = composite((link.body, link.pose) for link in links)
     values = dict(zip(model.coordinates, q.tolist(), strict=True))
-    return RobotInertia(
-        name=description.name,
-        file=description.file,
-        at={name: values[name] for name in coordinates(model)},
-        links=links,
-        massive=len(description.massive),
-        count=len(description.links),
-        body=body,
-        warnings=(*(warning for link in links for warning in link.warnings), *beyond_limits(model, q)),
-    )
+    given = {name: values[name] for name in coordinates(model)}
+    warnings = (*(warning for link in links for warning in link.warnings), *beyond_limits(model, q))
+    massive, count = len(description.massive), len(description.links)
+    return RobotInertia(description.name, description.file, given, links, massive, count, body, warnings)

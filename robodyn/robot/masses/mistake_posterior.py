@@ -164,8 +164,6 @@ class Cause:
 
     Attributes:
         code: of the rule that documents it.
-        what: what went wrong, in words.
-        probability: of this one.
         mass, c, I: what was meant, in the axes of the inertial; [kg], (3,) [m], (3, 3) about c [kg m^2].
         apart: |I - I_shapes| / |I_shapes| of what was meant, in Frobenius' norm.
         units: what is in which units; None of other mistakes.
@@ -182,7 +180,7 @@ class Cause:
 
     @property
     def kind(self) -> str:
-        """What two causes share that are one: the rule, and of units the factors."""
+        """What causes share that are one."""
         return self.code if self.units is None else f"{self.code} {self.units.factors}"
 
 

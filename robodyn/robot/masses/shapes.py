@@ -60,12 +60,7 @@ class Reading:
     watch: Watch = lambda files: nullcontext(lambda: None)
 
     def parts(self, files: Iterable[MeshFile]) -> dict[MeshFile, Outcome]:
-        """Return the part that each mesh is at the density 1000 kg/m^3, or why it is none; each is read once.
-
-        Two threads on two processors gain 5 % at most, as most of the time is Python's own: reading DAE, and repairs.
-        Two processes, each of which has to import what it needs, gain 1.5 times for TALOS's 38 meshes (3.5 s), and lose
-        5 and 30 % for Romeo's 24 and TIAGo's 30 (1.2 s), though their files are of the same size: not enough to choose.
-        """
+        """Return the part that each mesh is at the density 1000 kg/m^3, or why it is none; each is read once."""
         wanted = list(dict.fromkeys(files))
         with self.watch([path for path, _ in wanted]) as tick:
 
@@ -83,14 +78,8 @@ class Reading:
 
 @dataclass(frozen=True, eq=False)
 class ShapesInertia:
-    """The shapes of a link fixed to each other.
-
-    Attributes:
-        body: in the link's frame, of 1000 kg/m^3.
-        box: around them, along the axes of the link's frame.
-        parts: the meshes among them.
-        remarks: what was repaired, what is doubtful.
-    """
+    """The shapes of a link fixed to each other, of 1000 kg/m^3, and the box around them, in the link's frame; meshes
+    among them, and what was repaired or is doubtful."""
 
     body: MassProperties
     box: Box
@@ -106,12 +95,9 @@ def mesh_file(shape: Shape) -> MeshFile | None:
 def shapes_inertia(
     description: Description, shapes: Sequence[Shape], meshes: Mapping[MeshFile, Outcome]
 ) -> ShapesInertia:
-    """Return the composite body of shapes, closed forms and integrals over meshes, each at its pose.
-
-    What shapes share counts twice.
+    """Return the composite body of one or more shapes, each at its pose; what they share counts twice.
 
     Args:
-        shapes: at least one.
         meshes: the parts of their `mesh_file`s.
 
     Raises:
@@ -150,11 +136,9 @@ def _solid(description: Description, shape: Shape) -> tuple[MassProperties, Box]
 
 @dataclass(frozen=True, eq=False)
 class LinkShapes:
-    """A link made of its shapes.
+    """A link made of its shapes, in its own frame.
 
     Attributes:
-        name, line: of the link; kind: "visual" or "collision".
-        body: in the link's frame.
         weight: where its mass is from, in words.
         shapes: the same at 1000 kg/m^3, with remarks.
     """
@@ -181,12 +165,10 @@ def link_from_shapes(
     Args:
         density: kg/m^3; mass: of the link [kg]; by default the mass that the description declares, if it is positive,
             otherwise the density 1000 kg/m^3.
-        reading: how meshes are read.
 
     Raises:
         InputError: there is no such link, it has no such shape, or density and mass are both given or not positive.
-        MeshError: a mesh is no solid.
-        DescriptionError: the file of a mesh is not found.
+        RobodynError: as `shapes_inertia`.
     """
     link = link_named(description, name)
     shapes = link_shapes(description, name, kind)
@@ -228,8 +210,7 @@ class Difference:
         inertia: |I_declared - I_shapes| / |I_shapes| about the centres of mass, in Frobenius' norm.
         room: the most by which the declared spread exceeds what any mass inside the box around the shapes can have;
             above 1 no distribution of mass inside them is possible; see `box_bound`.
-        slip: what explains the difference, if anything does; see `slip`.
-        shapes: with remarks on them.
+        slip: what explains the difference, if anything does.
     """
 
     body: MassProperties
@@ -285,12 +266,7 @@ class Comparison:
 
 
 def compare(description: Description, kind: Kind = "visual", reading: Reading | None = None) -> Comparison:
-    """Return declared against shape-derived mass properties; shapes have one density per link, by the mass.
-
-    Args:
-        kind: which shapes, "visual" or "collision".
-        reading: how the meshes are read.
-    """
+    """Return declared against shape-derived mass properties; shapes have one density per link, by the mass."""
     shapes = {link.name: link_shapes(description, link.name, kind) for link in description.links}
     wanted = [link for link in description.links if link.inertial or shapes[link.name]]
     files = [file for link in wanted if link.inertial for shape in shapes[link.name] if (file := mesh_file(shape))]
@@ -348,13 +324,9 @@ def relative(I: Floats, right: Floats) -> float:
 
 
 def mistakes_in_words(inertial: Inertial, shapes: MassProperties) -> tuple[str, ...]:
-    """Return the slip that explains a declared inertial, in words, or those of which one does; at most one remark.
+    """Return the mistake that explains an inertial of positive mass, in words, or those of which one does.
 
-    See `robodyn.robot.masses.mistake_posterior`.
-
-    Args:
-        inertial: of positive mass.
-        shapes: of one density, in the link's frame.
+    See `robodyn.robot.masses.mistake_posterior`; shapes are of one density, in the link's frame.
     """
     R, p = placement(inertial.origin)
     if not any(inertial.inertia) or not shapes.volume:
