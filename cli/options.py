@@ -420,7 +420,7 @@ def READING(command: Callback) -> Callback:
 
 def EXECUTION(command: Callback) -> Callback:
     """Return the options --executor and --threads."""
-    from robodyn.programs.run.choice import EXECUTORS
+    from robodyn.programs.run.runner import EXECUTORS
 
     text = "numpy starts at once, compiled makes machine code; default auto: the quicker."
     threads = option("--threads N", "For machine code; default all.", click.IntRange(min=1))

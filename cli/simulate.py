@@ -11,7 +11,7 @@ from robodyn.cli.files import check_names, check_table, robot_in_scene
 from robodyn.cli.options import PATH, POSITIVE, TABLE_OUT, VALUES, Call, option, refuse, takes
 from robodyn.cli.reports import answer, get_ready, write_table
 from robodyn.dynamics.initial_state import begun_at
-from robodyn.programs.run.choice import EXECUTORS
+from robodyn.programs.run.runner import EXECUTORS
 from robodyn.report.simulation import simulation_json, simulation_page, simulation_sections
 from robodyn.simulation.methods import METHODS
 from robodyn.simulation.simulate import simulate

@@ -10,8 +10,7 @@ import numpy as np
 
 from robodyn.dynamics.effects.friction import joints_with_friction
 from robodyn.dynamics.mass import mass_matrix
-from robodyn.loads.figures import ComponentLoad
-from robodyn.loads.result import Checks, EnergyBalance, JointLoad
+from robodyn.loads.result import Checks, ComponentLoad, EnergyBalance, JointLoad
 from robodyn.programs.vectors import length
 from robodyn.robot.base_guess import untouched
 from robodyn.robot.model import Model
@@ -23,7 +22,6 @@ from robodyn.trajectory.motion import FEW, NOISE, Trajectory
 
 if TYPE_CHECKING:
     from robodyn.loads.constraints import ConstraintPass
-    from robodyn.loads.sizing_result import Sizing
 
 
 OPEN = 0.5

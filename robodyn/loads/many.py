@@ -18,7 +18,7 @@ class JointPeak:
     """What one joint carries along one motion, as `robodyn.loads.result.JointLoad` has it.
 
     Attributes:
-        level: the verdict of `robodyn.loads.sizing_result.JointSizing`; None where nothing was sized.
+        level: the verdict of `robodyn.loads.result.JointSizing`; None where nothing was sized.
     """
 
     name: str

@@ -9,7 +9,7 @@ import numpy as np
 
 from robodyn.dynamics.effects.motors import rotor_of
 from robodyn.errors import SceneError
-from robodyn.loads.sizing_result import MotorLoad, Nearest
+from robodyn.loads.result import MotorLoad, Nearest
 from robodyn.loads.statistics import Greatest, ShaftFigures
 from robodyn.robot.model import Joint
 from robodyn.scene.parts import Curve, Motor

@@ -9,12 +9,12 @@ import numpy as np
 
 from robodyn.dynamics.plan import torque_runner
 from robodyn.loads.motors import MotorPass, train_of
-from robodyn.loads.result import JointLoad
-from robodyn.loads.sizing_result import (
+from robodyn.loads.result import (
     BearingLoad,
     Component,
     Exceeded,
     FoundationLoad,
+    JointLoad,
     JointSizing,
     Level,
     MotorLoad,

@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike
 from robodyn.dynamics.effects.friction import friction_of
 from robodyn.dynamics.plan import Plan, runner_of
 from robodyn.errors import InputError
-from robodyn.loads.figures import ComponentLoad, Range
-from robodyn.loads.result import EffectReport, JointLoad
+from robodyn.loads.result import ComponentLoad, EffectReport, JointLoad, Range
 from robodyn.robot.limits import binding
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.scene import Scene

@@ -1,9 +1,9 @@
 """The main job: what every joint carries along a motion.
 
-The room: `accumulate` takes block after block through the recursion, `statistics` gathers peaks and integrals,
-`error_bars` tells by how much derived accelerations put them off, `constraints` and `constraint_figures` add loops and
-contacts, `sizing` and `motors` what motors and bearings bear, `uncertainty` and `uncertain_report` what parameters that
-are uncertain do; `self_checks` holds the laws against them, and here all becomes a `Result`.
+The room: `accumulate` takes block after block through the recursion and holds the laws against it, `statistics` gathers
+peaks and integrals, `error_bars` tells by how much derived accelerations put them off, `constraints` and
+`constraint_figures` add loops and contacts, `sizing` and `motors` what motors and bearings bear, `uncertainty` and
+`uncertain_report` what parameters that are uncertain do; here all becomes a `Result`.
 """
 
 from __future__ import annotations

@@ -15,8 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.loads.result import JointLoad
-from robodyn.loads.sizing_result import MotorLoad, Sizing
+from robodyn.loads.result import JointLoad, MotorLoad, Sizing
 from robodyn.loads.uncertainty import DRIVE, Figure, UncertaintyPass
 from robodyn.loads.uncertainty_result import Bar, Uncertain, UncertainJoint, UncertainLimit, UncertainLoad
 from robodyn.programs.vectors import product

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from robodyn.loads.constraint_result import Constraints, ContactLoad, LoopLoad, Missing, Peak, Unbalanced
-from robodyn.loads.result import JointLoad, Result
-from robodyn.loads.sizing_result import Exceeded, JointSizing, MotorLoad, Sizing
+from robodyn.loads.result import Exceeded, JointLoad, JointSizing, MotorLoad, Result, Sizing
 from robodyn.report.document import Facts, Paragraph, Section, Table
 from robodyn.report.sizes import Sizes, result_sizes, speed_unit
 from robodyn.report.table import (

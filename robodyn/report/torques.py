@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from robodyn.loads.figures import ComponentLoad
-from robodyn.loads.result import EffectReport, JointLoad, MomentumReport, Result
+from robodyn.loads.result import ComponentLoad, EffectReport, JointLoad, MomentumReport, Result
 from robodyn.report.document import Paragraph, Section, Table, paragraphs, remarks
 from robodyn.report.limits import (
     accuracy_blocks,

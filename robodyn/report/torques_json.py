@@ -11,8 +11,7 @@ from robodyn.robot.limits import Coverage
 
 if TYPE_CHECKING:
     from robodyn.loads.many import Batch, Outcome, Status
-    from robodyn.loads.result import EffectReport, JointLoad, Result
-    from robodyn.loads.sizing_result import BearingLoad, Sizing
+    from robodyn.loads.result import BearingLoad, EffectReport, JointLoad, Result, Sizing
 
 
 def torques_json(result: Result) -> str:

@@ -82,7 +82,7 @@ def test_a_mesh_imports_what_it_is_asked() -> None:
     assert not ours & {
         "robodyn.solids.mesh.symmetry_search",
         "robodyn.solids.mesh.repair",
-        "robodyn.programs.run.choice",
+        "robodyn.programs.run.runner",
         "robodyn.robot.model",
     }
     assert len(ours) <= MESH_OURS, sorted(ours)

@@ -13,7 +13,7 @@ from helpers.oracles import ROBOTS
 import robodyn
 from robodyn.dynamics import balance, forward, inverse, plan
 from robodyn.dynamics import momenta as momentum
-from robodyn.loads import accumulate, self_checks
+from robodyn.loads import accumulate
 from robodyn.programs import program
 from robodyn.programs.run.compiled_blocks import CompiledBlocks
 
@@ -78,7 +78,7 @@ def test_forty_patterns_share_a_program(name, executor, model, traced, monkeypat
 def test_a_trajectory_has_one_program_of_its_own():
     """That of its loads, from which what stands still is left out; the checks are the same for all."""
     model = robodyn.load(ROBOTS / "puma560.urdf")
-    caches = accumulate._loads, self_checks._runners, inverse.torque_runner, momentum.momentum_runner
+    caches = accumulate._loads, accumulate._check_runners, inverse.torque_runner, momentum.momentum_runner
     before = [cache.cache_info().misses for cache in caches]
     results = [
         robodyn.torques(

@@ -222,7 +222,7 @@ MUTATIONS = {
             "energy + terms.gravity @ (pose.R @ body.mc + body.m * pose.p)",
         ),
         (
-            "loads/self_checks.py",
+            "loads/accumulate.py",
             'einsum("ij,ij->i", tau, block.qd) - execute(lost, sources, whole).values[:, 0]',
             'einsum("ij,ij->i", tau, block.qd) + execute(lost, sources, whole).values[:, 0]',
         ),

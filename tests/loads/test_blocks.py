@@ -21,7 +21,7 @@ from robodyn.errors import InputError
 from robodyn.loads.accumulate import output_names
 from robodyn.loads.statistics import Extremes, Greatest
 from robodyn.loads.torques import torques
-from robodyn.programs.run import choice
+from robodyn.programs.run import runner
 from robodyn.robot.load import load
 from robodyn.scene.parts import Motor, Rotor
 from robodyn.scene.scene import Scene
@@ -92,8 +92,8 @@ def test_sinks_see_every_sample_once():
 @needs_compiler
 def test_motions_before_this_one_change_no_digit(monkeypatch):
     """Three motions that add up to what is worth machine code, on a model whose machine code is at hand."""
-    monkeypatch.setattr(choice, "START", 5e-4)
-    monkeypatch.setattr(choice, "BUILD", 0.0)
+    monkeypatch.setattr(runner, "START", 5e-4)
+    monkeypatch.setattr(runner, "BUILD", 0.0)
     model = robot("puma560")
     trajectory = waves(model, np.linspace(0, 3, 600))
     found = []
@@ -149,7 +149,7 @@ def test_of_peaks_that_differ_by_rounding_the_first_counts(ulps):
         extremes.update(np.array([0.1 * k]), -np.abs(values[:, k : k + 1]).T)
     for peak in (together, apart):
         assert (peak.row.tolist(), peak.time.tolist()) == ([2], [0.1])
-    assert extremes.figures[1].tolist() == [0.1]
+    assert extremes.ranges()[0].least_time == 0.1
 
 
 def test_a_motion_up_to_its_limits_exceeds_none():

@@ -15,8 +15,8 @@ from robodyn.dynamics.balance import LawResiduals, laws, losses
 from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.dynamics.recursions.newton_euler import newton_euler
+from robodyn.loads.accumulate import EnergyLedger
 from robodyn.loads.result import EnergyBalance
-from robodyn.loads.self_checks import EnergyLedger
 from robodyn.loads.torques import torques
 from robodyn.scene.read import load_scene
 from robodyn.scene.scene import Scene

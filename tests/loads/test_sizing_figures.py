@@ -11,7 +11,7 @@ from scipy.integrate import trapezoid
 
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.plan import Plan
-from robodyn.loads.self_checks import quadrature_errors
+from robodyn.loads.accumulate import quadrature_errors
 from robodyn.loads.statistics import Integrals
 from robodyn.loads.torques import torques
 from robodyn.scene.parts import Friction, Motor

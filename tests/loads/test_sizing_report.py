@@ -11,7 +11,7 @@ from helpers.oracles import robot
 from scipy.integrate import trapezoid
 
 from robodyn.loads.motors import train_of
-from robodyn.loads.sizing_result import Exceeded
+from robodyn.loads.result import Exceeded
 from robodyn.report.sizing import in_words
 from robodyn.scene.read import load_scene
 

@@ -13,8 +13,8 @@ import numpy as np
 from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError
 from robodyn.measure.accuracy.motion_error import MotionError, apart, seen
-from robodyn.programs.run.choice import CALL
 from robodyn.programs.run.llvm.machine import compiler_problem
+from robodyn.programs.run.runner import CALL
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.simulation.equations import Equations

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robodyn.programs.run.choice import BUILD, CALL, COMPILED, NUMPY, RUN, START, Work, choice, times
+from robodyn.programs.run.runner import BUILD, CALL, COMPILED, NUMPY, RUN, START, Work, choice, times
 
 COUNT = st.integers(1, 10**6)
 

@@ -10,10 +10,9 @@ from helpers.compiled_programs import needs_compiler, program_of
 
 from robodyn.errors import InputError
 from robodyn.programs.run import runner
-from robodyn.programs.run.choice import Work, choice
 from robodyn.programs.run.compiled_blocks import CompiledBlocks
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
-from robodyn.programs.run.runner import Runner
+from robodyn.programs.run.runner import Runner, Work, choice
 
 
 def _sums(x, y, turns):

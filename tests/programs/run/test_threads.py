@@ -13,10 +13,9 @@ from helpers.compiled_programs import needs_compiler, program_of
 import robodyn
 from robodyn.dynamics.plan import plan
 from robodyn.programs.run import runner
-from robodyn.programs.run.choice import Choice
 from robodyn.programs.run.compiled_blocks import CompiledBlocks
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
-from robodyn.programs.run.runner import Runner
+from robodyn.programs.run.runner import Choice, Runner
 
 PROGRAM = program_of(lambda x, y: [(x * y + x).sin() * y + x * x, x / (y * y + 1.0)], 2)
 WIDTHS = {"x": 2}
@@ -76,7 +75,7 @@ def _at_once(jobs):
 @needs_compiler
 def test_results_are_those_of_the_executor_that_is_told(monkeypatch):
     """Threads with samples, sizes and executors of their own; those that leave the choice turn to machine code."""
-    monkeypatch.setattr("robodyn.programs.run.choice.START", 1e-3)
+    monkeypatch.setattr("robodyn.programs.run.runner.START", 1e-3)
     a_runner = Runner(PROGRAM, WIDTHS)
     by = {"numpy": NumpyBlocks(PROGRAM, WIDTHS), "compiled": CompiledBlocks(PROGRAM, WIDTHS)}
 
