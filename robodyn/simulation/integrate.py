@@ -13,8 +13,8 @@ import numpy as np
 
 from robodyn.dynamics.plan import Plan, runner_of
 from robodyn.errors import InputError
-from robodyn.programs.run.runner import EXECUTORS, Work, times
 from robodyn.programs.run.llvm.machine import compiler_problem, one_line
+from robodyn.programs.run.runner import EXECUTORS, Work, times
 from robodyn.programs.run.stepper import COLUMNS, SINGLE, CompiledSteps, NumpySteps
 from robodyn.robot.configuration import unit_rows
 from robodyn.simulation.equations import STATE, Equations, Steps
