@@ -8,7 +8,8 @@ are only <visual> weigh nothing. With an <inertial>, be it of zeros, shapes do n
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from functools import cache, partial
 from math import fsum
 
 import numpy as np
@@ -27,20 +28,17 @@ _FACE, _OBJECT = re.compile(rb"^f[ \t]", re.MULTILINE), re.compile(rb"^[go]\b", 
 def inferred_masses(context: Context, links: Iterable[LinkView]) -> Mapping[str, float | None]:
     """Masses [kg] of those links that have collision shapes and no <inertial>, by name; None where a shape is not
     known. Each is computed once."""
-    kept, found = context.once(_kept), {}
+    of_shape, found = context.once(_of_shapes), dict[str, float | None]()
     for link in links:
         shapes = [shape for shape in link.geometries if shape.kind == "collision" and shape.shape is not None]
         if link.inertial is None and shapes:
-            if link.name not in kept:
-                masses = [_of_shape(context, shape) for shape in shapes]
-                known = [mass for mass in masses if mass is not None]
-                kept[link.name] = fsum(known) if len(known) == len(masses) else None
-            found[link.name] = kept[link.name]
+            known = [mass for shape in shapes if (mass := of_shape(shape)) is not None]
+            found[link.name] = fsum(known) if len(known) == len(shapes) else None
     return found
 
 
-def _kept(context: Context) -> dict[str, float | None]:
-    return {}
+def _of_shapes(context: Context) -> Callable[[GeometryView], float | None]:
+    return cache(partial(_of_shape, context))
 
 
 def _of_shape(context: Context, shape: GeometryView) -> float | None:

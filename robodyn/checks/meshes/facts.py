@@ -1,15 +1,14 @@
-"""What the rules ask of a mesh file: its box, its volume, what is wrong with its surface, its outermost points; kept.
+"""What the rules ask of a mesh file: its box, its volume, what is wrong with its surface, its outermost points.
 
-Kept by what is in each file, and together for all files of a robot; the latter is found by the files' sizes and times,
-without reading them: they are as they were.
+They are kept by what is in each file.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
-import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -41,7 +40,6 @@ class MeshFacts:
     Attributes:
         problem, remedy: why it cannot be read, and what to do; the rest is then meaningless.
         finite: whether that is for another reason than a coordinate that is not finite.
-        triangles: how many.
         lo, hi: corners of its box [m].
         volume: signed integral [m^3]; meaningless unless closed.
         centre: of that volume [m]; second: xx, xy, xz, yy, yz, zz of its second moments about the centre, by the volume
@@ -53,7 +51,7 @@ class MeshFacts:
         mended: gaps of an open surface that `robodyn inertia` fills; None where there are too many triangles to tell.
         left: gaps that are too large for that; missing: the share of the surface of the open parts that they are.
         doubt: why the file may hold another mesh than was read.
-        digest: of the file's content; empty where nothing is kept by it (see `robodyn.checks.meshes.facts`).
+        digest: of the file's content; empty where nothing is kept by it.
     """
 
     problem: str | None = None
@@ -153,10 +151,6 @@ def _spread(integrals: Integrals) -> tuple[Floats, Floats]:
 
 _SHARD = 1 << 20
 """Bytes kept in each of 256 folders: a few thousand meshes, listed in no time."""
-_ELSEWHERE = (".gltf",)
-"""Types that hold part of their data in other files."""
-_YOUNG = 3_000_000_000
-"""Nanoseconds: a file that was changed since may be changed again without its time telling so."""
 
 
 @cache
@@ -168,10 +162,8 @@ def maker() -> str:
 
 
 class Shelf:
-    """Where something about the content of a mesh, or of several, is kept.
-
-    Nothing is kept where robodyn is installed without its sources, by which versions are told apart.
-    """
+    """Where something about the content of a mesh is kept: nowhere if robodyn is installed without its sources, by
+    which versions are told apart."""
 
     def __init__(self, digest: str, what: str) -> None:
         folder = cache_folder() if digest and maker() else None
@@ -188,38 +180,14 @@ class Shelf:
 def facts_of(paths: Iterable[Path]) -> dict[Path, MeshFacts]:
     """Return the facts of each file; those of known content are not computed again, the others in threads."""
     wanted = list(dict.fromkeys(paths))
-    if not wanted:
-        return {}
-    before = _as_they_are(wanted)
-    shelf = Shelf(before, "together")
-    lines = (shelf.get() or b"").split(b"\n")
-    found = [MeshFacts.loads(line) for line in lines] if len(lines) == len(wanted) else []
-    known = [facts for facts in found if facts is not None]
-    if len(known) < len(wanted):
-        known = in_threads(_of_content, wanted)
-        if before and before == _as_they_are(wanted):
-            shelf.put(b"\n".join(facts.dumps() for facts in known))
-    return dict(zip(wanted, known, strict=True))
-
-
-def _as_they_are(paths: Sequence[Path]) -> str:
-    """Return a digest of the places, sizes and times of files; empty where these do not tell whether they change."""
-    if cache_folder() is None or any(path.suffix.lower() in _ELSEWHERE for path in paths):
-        return ""
-    try:
-        states = [path.stat() for path in paths]
-    except OSError:
-        return ""
-    times = [(state.st_mtime_ns, state.st_ctime_ns) for state in states]
-    if max(map(max, times)) > time.time_ns() - _YOUNG:
-        return ""
-    files = zip(paths, times, states, strict=True)
-    lines = [f"{path} {each} {state.st_dev} {state.st_ino} {state.st_size}" for path, each, state in files]
-    return hashlib.sha256("\n".join(lines).encode(errors="surrogateescape")).hexdigest()
+    return dict(zip(wanted, in_threads(_of_content, wanted), strict=True))
 
 
 def _of_content(path: Path) -> MeshFacts:
-    digest = "" if cache_folder() is None or path.suffix.lower() in _ELSEWHERE else _digest_of(path)
+    digest = ""
+    if cache_folder() is not None and path.suffix.lower() != ".gltf":  # a .gltf has part of its data in other files
+        with suppress(OSError):
+            digest = hashlib.sha256(read_input(path)).hexdigest()
     shelf = Shelf(digest, path.suffix.lower())
     known = MeshFacts.loads(shelf.get() or b"")
     if known is not None:
@@ -227,13 +195,6 @@ def _of_content(path: Path) -> MeshFacts:
     facts = replace(mesh_facts(path), digest=digest)
     shelf.put(facts.dumps())
     return facts
-
-
-def _digest_of(path: Path) -> str:
-    try:
-        return hashlib.sha256(read_input(path)).hexdigest()
-    except OSError:
-        return ""
 
 
 def spread_out(count: int) -> Floats:
@@ -249,10 +210,7 @@ _DIRECTIONS = spread_out(240)
 
 def extremes(path: Path, digest: str) -> Floats | None:
     """Return (k, 3) the points of a mesh that lie farthest in 240 directions, in metres before any scale of the URDF;
-    None where it cannot be read.
-
-    Args:
-        digest: of the file's content, by which they are kept; empty keeps nothing.
+    None where it cannot be read. They are kept by the digest of the file's content, unless it is empty.
 
     Accuracy: their hull lies in the mesh's; of a smooth body of size d it falls short of that by about d / 240.
     """
@@ -275,10 +233,8 @@ def extremes(path: Path, digest: str) -> Floats | None:
 
 
 def _farther(points: Floats, best: Floats, farthest: Floats) -> None:
-    """Put the points that lie farther than the best so far in their place.
-
-    Method: d . x in order, one direction after the other over coordinates that stay in the processor's cache.
-    """
+    """Put the points that lie farther than the best so far in their place: d . x, one direction after the other over
+    coordinates that stay in the processor's cache."""
     x, y, z = points.T.copy()
     reach, term = np.empty_like(x), np.empty_like(x)
     for k, (along_x, along_y, along_z) in enumerate(_DIRECTIONS.tolist()):

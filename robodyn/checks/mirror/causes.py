@@ -48,12 +48,7 @@ _BEYOND = 1.05
 @dataclass(frozen=True, eq=False)
 class Evidence:
     """What a link's tensor is measured against, in the axes of the inertial: the laws of bodies, the link's shapes, and
-    its mirror twin.
-
-    Attributes:
-        given: what is said of the link, with its twin's tensor, if it has one.
-        image: the mirror image of the twin's tensor, scaled to this link's mass; None without a twin to believe.
-    """
+    `image`, the mirror image of its twin's tensor, scaled to this link's mass; None without a twin to believe."""
 
     context: Context
     link: LinkView
@@ -121,14 +116,10 @@ _ONE_SIDED = frozenset({"RD307", "RD308", "RD309"})
 
 @dataclass(frozen=True, eq=False)
 class Cause:
-    """What explains a wrong tensor.
+    """What explains a wrong tensor, with the code of the rule that documents it, the corrected entries (None where they
+    cannot be told) and the edit that writes them (nor where it may as well be the twin that is wrong).
 
-    Attributes:
-        code: of the rule that documents it.
-        tensor: the corrected entries; None where they cannot be told.
-        fix: the edit that writes them; None likewise, and where it may as well be the twin that is wrong.
-        physical: whether a body could have the tensor as it stands, so that no other rule reports it.
-        by_image: whether all that shows it is the mirror twin, which may as well be wrong.
+    A body could have a `physical` one, so that no other rule reports it; `by_image` is one that the twin alone shows.
     """
 
     code: str
@@ -166,11 +157,8 @@ def causes(context: Context) -> Mapping[str, Cause]:
 
 
 def explained(context: Context, fault: Fault, link: LinkView) -> Fault:
-    """Return the fault of a link's tensor that no body has, with its cause and the fix for it.
-
-    Where nothing explains it alone, it is said what may, and the fix is the nearest that a body can have, unless that
-    goes beyond the link's shapes.
-    """
+    """Return the fault of a link's tensor that no body has, with its cause and the fix for it; where nothing explains
+    it alone, with what may, and the nearest that a body can have, unless that goes beyond the link's shapes."""
     cause = context.once(causes).get(link.name)
     if cause is not None:
         return replace(fault, cause=f"{cause.what} ({cause.code})", fix=cause.fix)
@@ -245,7 +233,6 @@ def _cause(context: Context, link: LinkView, twin: Pair | None) -> Cause | None:
 
 
 def _by_shapes(evidence: Evidence, verdict: Posterior) -> Cause:
-    """Return the cause that the shapes name, with its correction if there is one only."""
     link, said, first = evidence.link, evidence.given, verdict.named[0]
     alike = [one for one in verdict.named if _apart(one.I, first.I) <= SAME]
     share = sum(one.probability for one in alike) / sum(one.probability for one in verdict.named)

@@ -52,34 +52,7 @@ def test_another_content_is_another_mesh(tmp_path: Path, computed: list[Path]) -
     assert len(computed) == 3
 
 
-def test_files_that_did_not_change_are_not_read(
-    tmp_path: Path, computed: list[Path], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Those of a robot together, once they are old enough for a change to show in their times."""
-    paths = [mesh(tmp_path), mesh(tmp_path, "other.stl", size=2.0)]
-    read: list[Path] = []
-    digest_of = mesh_store._digest_of
-    monkeypatch.setattr(mesh_store, "_digest_of", lambda path: read.append(path) or digest_of(path))
-    young = facts_of(paths)
-    assert facts_of(paths) == young
-    assert sorted(read) == sorted([*paths, *paths])
-    monkeypatch.setattr(mesh_store, "_YOUNG", 0)
-    read.clear()
-    assert facts_of(paths) == young
-    assert sorted(read) == sorted(paths)
-    assert facts_of(paths) == young
-    assert len(read) == 2
-    assert len(computed) == 2
-    mesh(tmp_path, size=3.0)
-    assert facts_of(paths)[paths[0]].hi[0] == 1.5
-    assert len(read) == 4
-    assert computed[2:] == [paths[0]]
-
-
-def test_a_mesh_with_its_data_elsewhere_is_always_read(
-    tmp_path: Path, computed: list[Path], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(mesh_store, "_YOUNG", 0)
+def test_a_mesh_with_its_data_elsewhere_is_always_read(tmp_path: Path, computed: list[Path]) -> None:
     path = tmp_path / "part.gltf"
     path.write_text("{}")
     assert facts_of([path]) == facts_of([path])
