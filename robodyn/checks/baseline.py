@@ -16,6 +16,8 @@ from robodyn.errors import InputError
 from robodyn.support.files import write_whole
 from robodyn.support.input_file import parse_json, read_input
 
+VERSION = 1
+
 
 class Identity(NamedTuple):
     """A finding without its place and its numbers; `file` with slashes."""
@@ -49,9 +51,6 @@ def fingerprints(findings: Iterable[Finding]) -> Iterator[str]:
         seen[same] += 1
         digest = hashlib.sha256("\0".join(same).encode("utf-8", "replace")).hexdigest()
         yield f"{digest}:{seen[same]}"
-
-
-VERSION = 1
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,15 @@ from robodyn.errors import InputError
 from robodyn.robot.urdf.document import read
 from robodyn.robot.urdf.edits import edited
 
+ROUNDS = 20
+"""Each makes the fixes that do not touch one another; more than a few mean that two rules undo each other's work."""
+
+Check = Callable[[bytes], tuple[Finding, ...]]
+Pairs = list[tuple[Finding, Fix]]
+STATES = 16
+SAME = 64 * 2.0**-52
+"""Of the largest torque: what rounding may make of the same dynamics."""
+
 
 def together(findings: Iterable[Finding], safe: bool) -> list[tuple[Finding, Fix]]:
     """Return fixes of one kind that do not touch each other: the earlier in the text first, then the lower code.
@@ -36,13 +45,6 @@ def _touch(a: Edit, b: Edit) -> bool:
     if a.start == a.end or b.start == b.end:
         return a.start <= b.end and b.start <= a.end
     return a.start < b.end and b.start < a.end
-
-
-ROUNDS = 20
-"""Each makes the fixes that do not touch one another; more than a few mean that two rules undo each other's work."""
-
-Check = Callable[[bytes], tuple[Finding, ...]]
-Pairs = list[tuple[Finding, Fix]]
 
 
 @dataclass(frozen=True)
@@ -130,11 +132,6 @@ def _safely(text: bytes, pairs: Pairs, encoding: str) -> tuple[bytes, list[Made]
 
 def _edited(text: bytes, pairs: Pairs, encoding: str) -> bytes:
     return edited(text, [edit for _, fix in pairs for edit in fix.edits], encoding)
-
-
-STATES = 16
-SAME = 64 * 2.0**-52
-"""Of the largest torque: what rounding may make of the same dynamics."""
 
 
 def change_of_dynamics(before: bytes, after: bytes) -> float:

@@ -22,6 +22,11 @@ from robodyn.support.threads import cores, processes
 
 RELATED = (".srdf", ".stl", ".obj", ".dae", ".ply", ".glb", ".gltf")
 """Suffixes of files that belong to descriptions."""
+R = TypeVar("R")
+_LEAST_WORK = 500_000
+"""Bytes of XML in files that take longer to check than processes take to start: half a second."""
+_MESH = 5_000
+"""Bytes of XML that take as long as a mesh of usual size, read anew."""
 
 
 def related_descriptions(path: str) -> list[str]:
@@ -80,13 +85,6 @@ def _has_srdf(urdf: Path, srdf: Path) -> bool:
     except DescriptionError:
         return False
     return own is not None and os.path.samefile(own, srdf)
-
-
-R = TypeVar("R")
-_LEAST_WORK = 500_000
-"""Bytes of XML in files that take longer to check than processes take to start: half a second."""
-_MESH = 5_000
-"""Bytes of XML that take as long as a mesh of usual size, read anew."""
 
 
 def files_of(sources: Sequence[str | os.PathLike[str] | bytes]) -> list[str | bytes]:

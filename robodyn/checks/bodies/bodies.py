@@ -24,6 +24,11 @@ from robodyn.support.floats import Floats
 from robodyn.support.wording import figure, one_of
 
 _LEAST_SHARE = 0.01
+_MASS = 1e-6
+"""Relative difference of masses that are the same."""
+_NEAR = 1e-3
+"""Metres between centres of mass that are the same."""
+_EXACT = 0.02
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,12 +93,6 @@ def share(context: Context, body: Body) -> float | None:
     return part if part >= _LEAST_SHARE else None
 
 
-_MASS = 1e-6
-"""Relative difference of masses that are the same."""
-_NEAR = 1e-3
-"""Metres between centres of mass that are the same."""
-
-
 def repeated(context: Context) -> Mapping[str, JointView]:
     """Return by child the fixed joints whose child has the mass of its parent again."""
     known = context.once(bodies)
@@ -126,9 +125,6 @@ def _copied(part: Body, again: Body) -> bool:
 def _stand_in(body: Body) -> bool:
     tensor = body.link.tensor
     return tensor is None or tensor[0] == tensor[3] == tensor[5]
-
-
-_EXACT = 0.02
 
 
 def given(link: LinkView) -> Given | None:

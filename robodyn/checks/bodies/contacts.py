@@ -24,6 +24,26 @@ from robodyn.robot.urdf.view import GeometryView, JointView, LinkView
 from robodyn.solids.inertia.validity import Box
 from robodyn.support.floats import Floats
 
+_TOUCH = 0.02
+_MOVED, _LEAST_MOVED = 0.1, 0.01
+_FIXED, _LEAST_FIXED = 0.5, 0.05
+"""Of the larger part, and in metres; a sensor may stand off what it is fixed to."""
+_OTHERS, _MOST = 2, 0.9
+"""Least number of other joints, which show how this robot is drawn, and the share of those that have parts which touch.
+Of 86 published robots, iCub's two oldest descriptions have less."""
+_LARGE = 60
+"""Links that fixed joints join: more than any of 86 published robots has."""
+_MILLIMETRES = 1.0
+"""Entries of an origin [m] from which on they may be in mm."""
+_TOO_LARGE = (10.0, "10 times too large"), (100.0, "in centimetres"), (1000.0, "in millimetres")
+_ALL_ROUND = spread_out(120)
+_NARROW = (0.3, 0.15, 0.08, 0.04, 0.02, 0.01)
+"""Radians by which directions are varied around the best one, time after time."""
+_LEAST_DEPTH, _SHARE = 0.01, 0.1
+"""Metres, and share of the smaller shape's size, that two shapes overlap at least."""
+_MOST_PAIRS = 2000
+"""Of shapes of two links that are compared."""
+
 
 def rest_poses(context: Context) -> Mapping[str, Pose]:
     """Return the pose of each link in the root's frame; without those that hang on what cannot be read. From stage
@@ -72,20 +92,6 @@ class Contact(NamedTuple):
     @property
     def touches(self) -> bool:
         return self.gap <= _TOUCH * self.size
-
-
-_TOUCH = 0.02
-_MOVED, _LEAST_MOVED = 0.1, 0.01
-_FIXED, _LEAST_FIXED = 0.5, 0.05
-"""Of the larger part, and in metres; a sensor may stand off what it is fixed to."""
-_OTHERS, _MOST = 2, 0.9
-"""Least number of other joints, which show how this robot is drawn, and the share of those that have parts which touch.
-Of 86 published robots, iCub's two oldest descriptions have less."""
-_LARGE = 60
-"""Links that fixed joints join: more than any of 86 published robots has."""
-_MILLIMETRES = 1.0
-"""Entries of an origin [m] from which on they may be in mm."""
-_TOO_LARGE = (10.0, "10 times too large"), (100.0, "in centimetres"), (1000.0, "in millimetres")
 
 
 def contacts(context: Context) -> Mapping[str, Contact]:
@@ -191,11 +197,6 @@ def _apart(first: Box, second: Box) -> float:
     return length(np.maximum(np.maximum(first.lo - second.hi, second.lo - first.hi), 0.0))
 
 
-_ALL_ROUND = spread_out(120)
-_NARROW = (0.3, 0.15, 0.08, 0.04, 0.02, 0.01)
-"""Radians by which directions are varied around the best one, time after time."""
-
-
 @dataclass(frozen=True, eq=False)
 class Hull:
     """The convex hull of a shape at a pose in the root's frame: a box, cylinder, sphere or capsule of `half` (3,) the
@@ -252,12 +253,6 @@ def _least_depth(first: Hull, second: Hull, directions: Floats) -> tuple[float, 
     shared = first.reach(directions) + second.reach(-directions)
     k = int(shared.argmin())
     return float(shared[k]), directions[k]
-
-
-_LEAST_DEPTH, _SHARE = 0.01, 0.1
-"""Metres, and share of the smaller shape's size, that two shapes overlap at least."""
-_MOST_PAIRS = 2000
-"""Of shapes of two links that are compared."""
 
 
 class Overlap(NamedTuple):

@@ -25,6 +25,8 @@ POINT = 1e-6
 _ROUNDING = 2e-15
 STILL = Pose(IDENTITY, ZERO)
 """The pose of a link in its own frame."""
+_LEAST = 1e-6
+"""Of the largest second moment: the least that is left, well above what rounding and the programs' bounds take."""
 
 
 def pose(origin: OriginView) -> Pose | None:
@@ -138,10 +140,6 @@ def widest(tensor: Tensor) -> int:
     excess = {k: tensor[k] ** 2 - tensor[i] * tensor[j] for k, (i, j) in pairs.items()}
     worst = max(excess, key=lambda k: excess[k])
     return worst if excess[worst] > 0 else max(diagonal, key=lambda k: diagonal[k])
-
-
-_LEAST = 1e-6
-"""Of the largest second moment: the least that is left, well above what rounding and the programs' bounds take."""
 
 
 def nearest(I: Floats) -> Floats | None:

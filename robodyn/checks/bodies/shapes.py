@@ -24,6 +24,11 @@ from robodyn.solids.inertia.solids import SHAPES
 from robodyn.solids.inertia.validity import Box, around, half_size
 from robodyn.support.floats import Floats
 
+_FILLED = 0.35
+"""Volume of a part over that of the box around it: the median of meshes of published robots."""
+_LEAST_FILLED = 0.03
+"""Volume over the box's below which a surface that is not closed encloses nothing definite."""
+
 
 @dataclass(frozen=True, eq=False)
 class Solid:
@@ -145,12 +150,6 @@ def size_of(box: Box) -> float:
 def outside(box: Box, point: Floats) -> float:
     """Return the distance of a point (3,) from the box [m]; 0 within."""
     return length(np.maximum(np.maximum(box.lo - point, point - box.hi), 0.0))
-
-
-_FILLED = 0.35
-"""Volume of a part over that of the box around it: the median of meshes of published robots."""
-_LEAST_FILLED = 0.03
-"""Volume over the box's below which a surface that is not closed encloses nothing definite."""
 
 
 class Shaped(NamedTuple):

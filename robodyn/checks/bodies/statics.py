@@ -15,6 +15,15 @@ from robodyn.support.floats import Floats, first_largest
 
 _NOTHING = 1e-12
 """First moments that are no more than this, by the robot's mass, are rounding [m]."""
+STARTS = 4
+MOST_BODIES = 150
+"""Of larger robots the poses are not looked at: the work grows with the square of the number, or faster."""
+SWEEPS = 10
+GRAVITY = 9.81
+_CONVERGED = 1e-3
+_LEAST_LEVER = 0.05
+_WORTH = 1e-2
+"""s; damping that is slower than this on the body's own inertia is of no interest."""
 
 
 class Sweep:
@@ -144,15 +153,6 @@ def around(parents: Sequence[int], targets: frozenset[int]) -> list[int]:
     return sorted(above | below)
 
 
-STARTS = 4
-MOST_BODIES = 150
-"""Of larger robots the poses are not looked at: the work grows with the square of the number, or faster."""
-SWEEPS = 10
-GRAVITY = 9.81
-_CONVERGED = 1e-3
-_LEAST_LEVER = 0.05
-
-
 class StaticTorque(NamedTuple):
     """What a joint with a coordinate of its own must carry at rest: the torque of largest magnitude that was found,
     with its sign, gravity being (0, 0, -9.81) along the root's axes [N m or N], and the pose (n,), with joints that do
@@ -279,10 +279,6 @@ def _tilts(model: Model) -> list[float]:
         if joint.kind != "revolute":
             standing[i] = product(standing[body.parent], joint.R)
     return tilts
-
-
-_WORTH = 1e-2
-"""s; damping that is slower than this on the body's own inertia is of no interest."""
 
 
 def reflected_inertias(context: Context) -> tuple[tuple[Joint, float], ...]:

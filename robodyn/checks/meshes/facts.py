@@ -31,6 +31,8 @@ _LARGEST = 400_000
 """Triangles up to which the shells of a closed surface are told from each other."""
 _LARGEST_OPEN = 50_000
 """Triangles up to which the gaps of an open surface are looked at: a quarter of a second."""
+_SHARD = 1 << 20
+"""Bytes kept in each of 256 folders: a few thousand meshes, listed in no time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,10 +149,6 @@ def _spread(integrals: Integrals) -> tuple[Floats, Floats]:
     if not (np.isfinite(centre).all() and np.isfinite(second).all()):
         return np.zeros(3), np.zeros(6)
     return centre, second[np.triu_indices(3)]
-
-
-_SHARD = 1 << 20
-"""Bytes kept in each of 256 folders: a few thousand meshes, listed in no time."""
 
 
 @cache

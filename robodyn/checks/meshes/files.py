@@ -22,6 +22,15 @@ from robodyn.robot.urdf.packages import package_of
 from robodyn.robot.urdf.view import GeometryView, LinkView
 from robodyn.support.wording import count, shown_path
 
+_LONGEST, _SHORTEST = 20.0, 1e-3
+"""Metres beyond which no part of a robot is; and, for such ones, of its sizes over the reach of the robot's joints."""
+_TIMES, _MINUTE = 20.0, 100.0
+_TWIN = (300.0, 3000.0)
+"""Ratio of a link's meshes that a factor of 1000 between them explains."""
+_UNEVEN = (900.0, 1100.0)
+_KILOMETRES = 900.0
+"""A scale in all axes that no file asks for: of 86 published robots none has more than 1."""
+
 
 class State(Enum):
     FOUND = "there"
@@ -150,16 +159,6 @@ class MeshSearch:
             with suppress(OSError, ValueError):
                 self._listed[folder] = frozenset(os.listdir(folder))
         return self._listed[folder]
-
-
-_LONGEST, _SHORTEST = 20.0, 1e-3
-"""Metres beyond which no part of a robot is; and, for such ones, of its sizes over the reach of the robot's joints."""
-_TIMES, _MINUTE = 20.0, 100.0
-_TWIN = (300.0, 3000.0)
-"""Ratio of a link's meshes that a factor of 1000 between them explains."""
-_UNEVEN = (900.0, 1100.0)
-_KILOMETRES = 900.0
-"""A scale in all axes that no file asks for: of 86 published robots none has more than 1."""
 
 
 class UnitSlip(NamedTuple):

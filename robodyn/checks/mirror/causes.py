@@ -43,6 +43,14 @@ SAME = 0.02
 """How near a correction must come to the twin's mirror image."""
 _BEYOND = 1.05
 """A second moment this many times the most that the link's shapes allow is beyond them."""
+_DIGITS = 12
+_HIDDEN = frozenset({"RD307", "RD309", "RD313"})
+"""The causes that leave a tensor possible."""
+_MOST_LISTED, _MOST_NAMED = 4, 2
+_ALONE = 0.8
+"""Of the probability of a cause: the share of one correction that is the only one."""
+_ONE_SIDED = frozenset({"RD307", "RD308", "RD309"})
+"""The causes of which it is plain which one of two twins is wrong."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,16 +110,6 @@ def _second(I: Floats) -> Floats:
 
 def _apart(I: Floats, other: Floats) -> float:
     return float(np.abs(I - other).max() / max(np.abs(I).max(), np.abs(other).max()))
-
-
-_DIGITS = 12
-_HIDDEN = frozenset({"RD307", "RD309", "RD313"})
-"""The causes that leave a tensor possible."""
-_MOST_LISTED, _MOST_NAMED = 4, 2
-_ALONE = 0.8
-"""Of the probability of a cause: the share of one correction that is the only one."""
-_ONE_SIDED = frozenset({"RD307", "RD308", "RD309"})
-"""The causes of which it is plain which one of two twins is wrong."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -49,6 +49,16 @@ _ROWS = tuple(
         (_ALONE.format(f"l[{_ENDS.lower()}]"), "l*"),
     )
 )
+Names = tuple[str, str]
+"""Of a left and a right link."""
+_NEAR = 2e-3
+"""How far a frame may be from its mirror image, relative to the robot's size."""
+_SAME_PART = 1e-4
+"""How far the meshes of one part may be carried differently: entries of G, and of p [m]."""
+_EQUAL = 1e-12
+"""Inertias by mass that differ by no more are the same [m^2]."""
+_SQUARE = 0.02
+"""How far an axis may be from the mirror image of one [rad]."""
 
 
 def row_of(name: str) -> str:
@@ -67,12 +77,6 @@ def named_pairs(names: Collection[str]) -> Iterator[tuple[str, str]]:
         other = next((other for other in swapped if other != name and other in known), None)
         if other is not None:
             yield name, other
-
-
-Names = tuple[str, str]
-"""Of a left and a right link."""
-_NEAR = 2e-3
-"""How far a frame may be from its mirror image, relative to the robot's size."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,10 +115,6 @@ def planes(named: Sequence[Names], p: Mapping[str, Floats], near: float) -> Iter
             there = (np.linalg.norm(plane.image(left) - right, axis=1) <= near) & (lengths > near)
             if there.any():
                 yield plane, [named[k] for k in np.flatnonzero(there).tolist()]
-
-
-_SAME_PART = 1e-4
-"""How far the meshes of one part may be carried differently: entries of G, and of p [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,12 +174,6 @@ def _move(one: Geometry, other: Geometry) -> Carried | None:
     (R, x), (R_other, x_other) = placement(one.origin), placement(other.origin)
     G = product(R_other, np.diag(np.sign(other.scale) * np.sign(one.scale)), R.T)
     return Carried(G, x_other - product(G, x))
-
-
-_EQUAL = 1e-12
-"""Inertias by mass that differ by no more are the same [m^2]."""
-_SQUARE = 0.02
-"""How far an axis may be from the mirror image of one [rad]."""
 
 
 @dataclass(frozen=True, eq=False)
