@@ -15,8 +15,6 @@ from bisect import bisect_left
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from robodyn.checks.context import Context
 from robodyn.checks.rule import Finding
 from robodyn.robot.urdf.document import Document
@@ -31,11 +29,10 @@ _WAIVER = re.compile(rb"<!--\s*robodyn:(.*?)-->", re.DOTALL)
 _ALLOW = re.compile(r"allow\s+(\w+(?:\s*,\s*\w+)*)\b[\s:;,.-]*(.*)", re.DOTALL)
 _REST = re.compile(rb"[ \t]*(?:\r\n|\r|\n)")
 _IN_LINE = re.compile(rb"[^\r\n]")
-_NONE = np.array([], int)
 _END_TAG = re.compile(rb"</([^ \t\r\n>]+)[ \t\r\n]*>\s*")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Waiver:
     """A comment that is meant as a waiver, with its text after `robodyn:`; without codes where it is not understood.
 
@@ -93,24 +90,19 @@ def waived(
 
     A finding in another file is waived as if it were at the robot's start tag.
     """
-    starts, ends = (np.array([getattr(waiver, end) for waiver in given]) for end in ("start", "end"))
-    allowing: dict[str, list[int]] = {}
-    for k, waiver in enumerate(given):
-        for code in waiver.codes:
-            allowing.setdefault(code, []).append(k)
-    numbers = {code: np.array(found) for code, found in allowing.items()}
-    used = {code: np.zeros(len(given), bool) for code in allowing}
+    unused = {(waiver, code): None for waiver in given for code in waiver.codes}
+    allowing: dict[str, list[Waiver]] = {}
+    for waiver, code in unused:
+        allowing.setdefault(code, []).append(waiver)
     kept = []
     for finding in findings:
         start = finding.start if finding.file == reading.file else reading.root.start
-        of_code = numbers.get(finding.code, _NONE)
-        by = of_code[(starts[of_code] <= start) & (start < ends[of_code])]
-        if by.size:
-            used[finding.code][by] = True
-        else:
+        by = [waiver for waiver in allowing.get(finding.code, ()) if waiver.start <= start < waiver.end]
+        if not by:
             kept.append(finding)
-    codes = ((k, waiver, code) for k, waiver in enumerate(given) for code in waiver.codes)
-    return kept, [(waiver, code) for k, waiver, code in codes if not used[code][k]]
+        for waiver in by:
+            unused.pop((waiver, finding.code), None)
+    return kept, list(unused)
 
 
 class _Places:

@@ -109,7 +109,10 @@ def _aside(one: _Link) -> Iterator[Misfit]:
     if not seen:
         return
     places = np.array([(box.lo, box.hi) for box in (one.known[each].placed(STILL) for each in seen)])
-    of_seen, of_felt = (_kinds_and_sides(shapes, one.known) for shapes in (seen, felt))
+    of_seen, of_felt = (
+        (np.array([each.tag for each in shapes]), np.array([_sides(each, one.known) for each in shapes]).reshape(-1, 3))
+        for shapes in (seen, felt)
+    )
     for k, shape in enumerate(felt):
         twins = np.flatnonzero(_same(k, of_felt, of_seen))
         if not 0 < np.count_nonzero(_same(k, of_felt, of_felt)) <= len(twins):
@@ -214,11 +217,6 @@ def _of_kind(link: LinkView, kind: str) -> list[GeometryView]:
 def _sides(shape: GeometryView, known: Solids) -> Floats:
     """Return (3,) the sides of its box in its own axes, ascending [m]."""
     return np.sort(known[shape].box.hi - known[shape].box.lo)
-
-
-def _kinds_and_sides(shapes: Sequence[GeometryView], known: Solids) -> tuple[NDArray[np.str_], Floats]:
-    sides = np.array([_sides(shape, known) for shape in shapes]).reshape(-1, 3)
-    return np.array([shape.tag for shape in shapes], np.str_), sides
 
 
 def _same(k: int, among: tuple[NDArray[np.str_], Floats], others: tuple[NDArray[np.str_], Floats]) -> NDArray[np.bool_]:

@@ -147,10 +147,6 @@ class Sides:
         for joint in context.view.joints:
             if not joint.moves:
                 self._fixed.setdefault(joint.parent, []).append(joint.child)
-        self._next_shaped: dict[Group, Group] = {}
-        for group in context.tree.groups:
-            shaped = group.parent is None or any(link.name in self.shaped for link in group.links)
-            self._next_shaped[group] = group if shaped or group.parent is None else self._next_shaped[group.parent]
 
     def contact(self, joint: JointView, child: Pose | None) -> Contact | None:
         """Return the contact of a joint, the child standing at this pose in the root's frame; None where a pose or a
@@ -175,22 +171,17 @@ class Sides:
     def _sides(self, joint: JointView) -> tuple[list[str], list[str]]:
         """Links with shapes that are fixed to the child, and to the parent or to the next group above that has such; of
         large groups those that the joint joins, so that time grows with the links and not with their square."""
-        branch, group = [joint.child], self._tree.group[joint.parent]
-        if max(len(group.links), len(self._tree.group[joint.child].links)) > _LARGE:
-            above = [joint.parent]
-        else:
+        branch, above = [joint.child], [joint.parent]
+        group: Group | None = self._tree.group[joint.parent]
+        if group is not None and max(len(group.links), len(self._tree.group[joint.child].links)) <= _LARGE:
             for name in branch:
                 branch += self._fixed.get(name, ())
             inside = set(branch)
             above = []
-            while not any(name in self.shaped for name in above):
-                group = self._next_shaped[group]
-                above = [link.name for link in group.links if link.name not in inside]
-                if group.parent is None:
-                    break
+            while group is not None and not above:
+                above = [link.name for link in group.links if link.name in self.shaped and link.name not in inside]
                 group = group.parent
-        below, above = ([name for name in names if name in self.shaped] for names in (branch, above))
-        return below, above
+        return [name for name in branch if name in self.shaped], [name for name in above if name in self.shaped]
 
 
 def _apart(first: Box, second: Box) -> float:

@@ -97,26 +97,6 @@ class Plane:
         return moved
 
 
-def planes(named: Sequence[Names], p: Mapping[str, Floats], near: float) -> Iterator[tuple[Plane, list[Names]]]:
-    """Yield the planes that may be the mirror, each with those of the named pairs that it has at mirrored places.
-
-    They are across x, y or z of the root, or across the longest line between the two of a pair; amid the pairs, or
-    through the root.
-    """
-    left, right = (np.array([p[names[k]] for names in named]).reshape(-1, 3) for k in (0, 1))
-    apart = left - right
-    lengths = np.linalg.norm(apart, axis=1)
-    if not (lengths > near).any():
-        return
-    longest = first_largest(lengths)
-    for normal in (*np.eye(3), apart[longest] / lengths[longest]):
-        for offset in (median(product(left + right, normal).tolist()) / 2.0, 0.0):
-            plane = Plane(normal, offset)
-            there = (np.linalg.norm(plane.image(left) - right, axis=1) <= near) & (lengths > near)
-            if there.any():
-                yield plane, [named[k] for k in np.flatnonzero(there).tolist()]
-
-
 @dataclass(frozen=True, eq=False)
 class Carried:
     """The isometry x -> G x + p from the axes of the left link to those of the right; det G = -1 if a scale is negative
@@ -244,7 +224,7 @@ def pairs(context: Context) -> tuple[Pair, ...]:
 def symmetry(context: Context) -> Symmetry | None:
     """Return what is symmetric about a robot; None where the description cannot be read, or nothing is.
 
-    Names propose pairs (`named_pairs`), and the plane is the one of `planes` that suits most of them. A pair is
+    Names propose pairs (`named_pairs`), and the plane is the one that suits most of them. A pair is
     confirmed if at q = 0 each frame's origin is at the mirror image of the other's, within 2e-3 of the robot's size,
     and the axes of one are the images of the other's but for their names and signs. Whatever hangs on a pair that is
     not confirmed is not confirmed either, since from there on the poses differ.
@@ -278,41 +258,34 @@ def symmetry(context: Context) -> Symmetry | None:
 
 
 def _mirror(named: Sequence[Names], p: Mapping[str, Floats], above: Mapping[str, Joint], near: float) -> Plane | None:
-    """Return the plane that has most of the pairs on branches from links in it, and of these the one that has most.
+    """Return the plane in which most of the pairs on branches from links in it are mirrored, and of these most pairs.
 
-    A limb that stands on the wrong side is the mirror image of the other in a plane between the two, but not the link
-    that carries both. Where no such link lies in any of them, limbs that are each other's image but for where they
-    begin have the plane through what carries them.
+    It is across x, y or z of the root, or the longest line between the two of a pair; amid the pairs, through the root,
+    or through the first link that carries both sides. A pair on another one is mirrored if its steps from there are, so
+    that a limb which begins at the wrong place tells as much as the others.
     """
-    best, most = None, (0, 0)
-    for plane, there in planes(named, p, near):
-        carriers = {above[left].parent for left, right in there if above[left].parent == above[right].parent}
-        within = {link for link in carriers if length(plane.image(p[link]) - p[link]) <= near}
-        count = len(_rooted(there, above, within)), len(there)
-        if count > most:
-            best, most = plane, count
-    return best if most[0] else _through_carrier(named, p, above, near) or best
-
-
-def _through_carrier(
-    named: Sequence[Names], p: Mapping[str, Floats], above: Mapping[str, Joint], near: float
-) -> Plane | None:
-    """Return the plane through a link that carries both sides, across that axis of the root along which its first pair
-    is most apart, if two pairs farther out and all the others are mirrored in it but for where the limbs begin."""
-    first = next((names for names in named if above[names[0]].parent == above[names[1]].parent), None)
     over = [(above[left].parent, above[right].parent) for left, right in named]
-    steps = [
-        (p[left] - p[one], p[right] - p[other])
-        for (left, right), (one, other) in zip(named, over, strict=True)
-        if (one, other) in named
-    ]
-    if first is None or len(steps) < 2:
+    known = frozenset(named)
+    on_pair = np.array([each in known for each in over])[:, None]
+    left, right = (np.array([p[names[k]] for names in named]) for k in (0, 1))
+    from_left, from_right = (np.array([p[names[k]] for names in over]) for k in (0, 1))
+    lengths = np.linalg.norm(left - right, axis=1)
+    if not (lengths > near).any():
         return None
-    apart = np.abs(p[first[0]] - p[first[1]])
-    normal = np.eye(3)[int(np.argmax(apart))]
-    plane = Plane(normal, float(product(normal, p[above[first[0]].parent])))
-    alike = all(length(product(left, plane.H) - right) <= near for left, right in steps)
-    return plane if alike and float(apart.max()) > near else None
+    longest, carriers = first_largest(lengths), dict.fromkeys(one for one, other in over if one == other)
+    best, most = None, (0, 0)
+    for normal in (*np.eye(3), (left - right)[longest] / lengths[longest]):
+        first = [float(product(normal, p[carrier])) for carrier in list(carriers)[:1]]
+        for offset in (median(product(left + right, normal).tolist()) / 2.0, 0.0, *first):
+            plane = Plane(normal, offset)
+            steps = product(left - from_left, plane.H) + from_right
+            off = np.linalg.norm(np.where(on_pair, steps, plane.image(left)) - right, axis=1)
+            there = [named[k] for k in np.flatnonzero((off <= near) & (lengths > near)).tolist()]
+            within = {link for link in carriers if length(plane.image(p[link]) - p[link]) <= near}
+            count = len({*_rooted(named, above, within)} & {*there}), len(there)
+            if count > most:
+                best, most = plane, count
+    return best
 
 
 def is_square(D: Floats) -> bool:
