@@ -158,14 +158,9 @@ def two_elbows(right: str = "0.1 -0.05 0.3") -> str:
     return two_arms().replace("</robot>", f"{more.lstrip()}\n</robot>")
 
 
-def srdf(
-    state: str = '<group_state name="home" group="all"><joint name="shoulder" value="0"/></group_state>',
-    pair: str = '<disable_collisions link1="base" link2="upper" reason="Adjacent"/>',
-) -> str:
-    """Return the SRDF of an arm, with a state and a pair of links that may touch."""
-    return f"""<robot name="arm">
+SRDF = """<robot name="arm">
   <group name="all"><joint name="shoulder"/></group>
-  {state}
-  {pair}
+  <group_state name="home" group="all"><joint name="shoulder" value="0"/></group_state>
+  <disable_collisions link1="base" link2="upper" reason="Adjacent"/>
 </robot>
 """

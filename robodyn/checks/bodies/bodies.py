@@ -140,10 +140,10 @@ def given(link: LinkView) -> Given | None:
 
 
 def weighed(context: Context) -> Mapping[str, Posterior]:
-    """Return by link the verdict of its shapes. From stage TREE on.
-
-    Of a link that is less than 1 % of its rigid group only where its numbers were made from the very shapes.
-    """
+    """Return by link the verdict of its shapes; none without a tree. Of a link that is less than 1 % of its rigid group
+    only where its numbers were made from the very shapes."""
+    if context.tree_or_none is None:
+        return {}
     shapes, known = context.once(shaped), context.once(bodies)
     found = {}
     for name, body in known.items():

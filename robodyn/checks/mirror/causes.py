@@ -164,7 +164,7 @@ def explained(context: Context, fault: Fault, link: LinkView) -> Fault:
     if said is None:
         return fault
     evidence = _evidence(context, link, said, None)
-    verdict = _weighed(context).get(link.name)
+    verdict = context.once(weighed).get(link.name)
     may_be: Sequence[Mistake | NamedCause] = (
         [mistake for mistake, _ in _explained(evidence) if mistake.code not in _HIDDEN]
         if verdict is None
@@ -207,12 +207,8 @@ def _remedy(cause: Cause) -> str:
     )
 
 
-def _weighed(context: Context) -> Mapping[str, Posterior]:
-    return {} if context.tree_or_none is None else context.once(weighed)
-
-
 def _cause(context: Context, link: LinkView, twin: Pair | None) -> Cause | None:
-    said, verdicts = given(link), _weighed(context)
+    said, verdicts = given(link), context.once(weighed)
     verdict = verdicts.get(link.name)
     if said is None or (verdict is not None and verdict.units):
         return None

@@ -32,11 +32,10 @@ class Controlled(NamedTuple):
     def interfaces(self) -> list[Element]:
         return [child for child in self.element.children if child.tag in ("command_interface", "state_interface")]
 
-    def fault(self, at: Span, what: str, remedy: str, value: float | None = None, bound: float | None = None) -> Fault:
-        return Fault(at, what, remedy, value, bound, subject=Subject(self.element.tag, self.name))
-
-    def warning(self, at: Span, what: str, remedy: str) -> Fault:
-        return replace(self.fault(at, what, remedy), severity=Severity.WARNING)
+    def fault(
+        self, at: Span, what: str, remedy: str, *measured: float | None, severity: Severity | None = None
+    ) -> Fault:
+        return Fault(at, what, remedy, *measured, subject=Subject(self.element.tag, self.name), severity=severity)
 
 
 def controlled(view: View) -> Iterator[Controlled]:
@@ -98,12 +97,12 @@ def _misspelt(part: Controlled) -> Iterator[Fault]:
     """Yield the interfaces of a joint that controllers ask for by almost the same name, and parts that have none."""
     if part.element.tag != "joint" and part.name and not part.interfaces:
         what, remedy = f"<{part.element.tag}> offers no interface", "give it a <state_interface>, or delete it"
-        yield part.warning(part.element.span, what, remedy)
+        yield part.fault(part.element.span, what, remedy, severity=Severity.WARNING)
     for interface in part.interfaces if part.element.tag == "joint" else ():
         name = interface.get("name") or ""
         if meant := slip_of(name, _STANDARD):
             what, remedy = f"no controller asks for the interface {shown(name)}", f"did you mean {shown(meant)}?"
-            yield part.warning(value_span(interface, "name"), what, remedy)
+            yield part.fault(value_span(interface, "name"), what, remedy, severity=Severity.WARNING)
 
 
 def _again(
@@ -175,8 +174,7 @@ def _beyond(joint: JointView, part: Controlled, interface: Element) -> Iterator[
     what = f"{('min', 'max')[k]} {figure(value)} is beyond the joint's own range, {figure(own[0])} to {figure(own[1])}"
     cause = "the range is in degrees" if in_degrees else None
     remedy = "write radians" if in_degrees else "keep to the range in <limit>, or correct that"
-    fault = part.fault(ends[k].span, what, remedy, value, own[k])
-    yield replace(fault, severity=Severity.WARNING, cause=cause)
+    yield replace(part.fault(ends[k].span, what, remedy, value, own[k], severity=Severity.WARNING), cause=cause)
 
 
 def _wrong(interface: Element) -> Iterator[tuple[Span, str, str, float | None, float | None]]:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from robodyn.checks import examples
 from robodyn.checks.bodies.masses import STILL, pose
 from robodyn.checks.bodies.shapes import box_of, real_shapes, solids
+from robodyn.checks.examples import SRDF
 from robodyn.checks.rule import Context, Fault, Faults, Severity, namesakes, rule
 from robodyn.checks.srdf import Srdf, own_srdf, srdf
 from robodyn.robot.urdf.elements import Element
@@ -15,7 +15,7 @@ from robodyn.robot.urdf.view import JointView, Subject
 from robodyn.support.wording import alternatives, count, figure, shown
 
 
-@rule("RD706", Severity.WARNING, good=examples.srdf(), bad=('robot name="arm"', 'robot name="leg"'))
+@rule("RD706", Severity.WARNING, good=SRDF, bad=('robot name="arm"', 'robot name="leg"'))
 def srdf_of_another_robot(context: Context) -> Faults:
     """The SRDF beside a description is for this robot.
 
@@ -41,7 +41,7 @@ def srdf_of_another_robot(context: Context) -> Faults:
         yield Fault(at, what, f"write name={shown(own)}", subject=None, severity=severity, document=found.document)
 
 
-@rule("RD707", Severity.WARNING, good=examples.srdf(), bad=('group="all"', 'group="arm"'))
+@rule("RD707", Severity.WARNING, good=SRDF, bad=('group="all"', 'group="arm"'))
 def unknown_group(context: Context) -> Faults:
     """Groups of the SRDF that are named are there, once, and their chains run from the base to the tip.
 
@@ -104,7 +104,7 @@ _KIND = "a state that no pose has"
 _ONE = ("revolute", "prismatic")
 
 
-@rule("RD708", Severity.WARNING, good=examples.srdf(), bad=('value="0"', 'value="2.5"'))
+@rule("RD708", Severity.WARNING, good=SRDF, bad=('value="0"', 'value="2.5"'))
 def group_state(context: Context) -> Faults:
     """States of the SRDF are poses that the robot can take.
 
@@ -154,7 +154,7 @@ _MOST = 4
 """Pairs that are named."""
 
 
-@rule("RD709", Severity.WARNING, good=examples.srdf(), bad=('link1="base" link2="upper"', 'link1="base" link2="tool"'))
+@rule("RD709", Severity.WARNING, good=SRDF, bad=('link1="base" link2="upper"', 'link1="base" link2="tool"'))
 def neighbours_collide(context: Context) -> Faults:
     """The SRDF lets neighbours touch.
 
