@@ -268,7 +268,9 @@ def _mirror(named: Sequence[Names], p: Mapping[str, Floats], above: Mapping[str,
     known = frozenset(named)
     on_pair = np.array([each in known for each in over])[:, None]
     left, right = (np.array([p[names[k]] for names in named]) for k in (0, 1))
-    from_left, from_right = (np.array([p[names[k]] for names in over]) for k in (0, 1))
+    left_step, right_step = (
+        ends - np.where(on_pair, np.array([p[names[k]] for names in over]), 0.0) for k, ends in enumerate((left, right))
+    )
     lengths = np.linalg.norm(left - right, axis=1)
     if not (lengths > near).any():
         return None
@@ -278,9 +280,10 @@ def _mirror(named: Sequence[Names], p: Mapping[str, Floats], above: Mapping[str,
         first = [float(product(normal, p[carrier])) for carrier in list(carriers)[:1]]
         for offset in (median(product(left + right, normal).tolist()) / 2.0, 0.0, *first):
             plane = Plane(normal, offset)
-            steps = product(left - from_left, plane.H) + from_right
-            off = np.linalg.norm(np.where(on_pair, steps, plane.image(left)) - right, axis=1)
-            there = [named[k] for k in np.flatnonzero((off <= near) & (lengths > near)).tolist()]
+            images = np.where(on_pair, product(left_step, plane.H), plane.image(left))
+            off = np.linalg.norm(images - right_step, axis=1)
+            apart = np.abs(product(left_step - right_step, normal)) > near
+            there = [named[k] for k in np.flatnonzero((off <= near) & apart).tolist()]
             within = {link for link in carriers if length(plane.image(p[link]) - p[link]) <= near}
             count = len({*_rooted(named, above, within)} & {*there}), len(there)
             if count > most:
