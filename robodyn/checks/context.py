@@ -1,4 +1,5 @@
-"""What a check is given: one file, read as far as it can be, and everything derived from it at most once."""
+"""What a check is given: one file, read as far as it can be, and everything derived from it at most once; the tree that
+its joints make of the links, and the rigid groups in that."""
 
 from __future__ import annotations
 
@@ -7,14 +8,13 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from robodyn.checks.tree import Tree, build_tree
 from robodyn.errors import DescriptionError, InputError
 from robodyn.robot.limits import MOST_EFFORT, MOST_VELOCITY
 from robodyn.robot.urdf.description import read_description
 from robodyn.robot.urdf.document import Document
 from robodyn.robot.urdf.packages import Search
-from robodyn.robot.urdf.parts import Description
-from robodyn.robot.urdf.view import View
+from robodyn.robot.urdf.parts import JOINT_TYPES, Description
+from robodyn.robot.urdf.view import InertialView, JointView, LinkView, View
 from robodyn.support.wording import alternatives, call_of, shown
 
 if TYPE_CHECKING:
@@ -113,6 +113,81 @@ class Options:
 
 STANDARD = Options()
 """What holds where nothing else is asked: the default set, and the thresholds as they are."""
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """Links that fixed joints make one body; `links[0]` is the child of `joint`, which moves it against `parent`.
+
+    The root's group has neither. `children` are the groups below this one.
+    """
+
+    links: list[LinkView]
+    joint: JointView | None
+    parent: Group | None
+    children: list[Group] = field(default_factory=list)
+
+    @cached_property
+    def mass(self) -> float | None:
+        """kg, asked for when all links are there; None where a mass cannot be read."""
+        masses = [link.mass for link in self.links]
+        known = [mass for mass in masses if mass is not None]
+        return sum(known) if len(known) == len(masses) else None
+
+    @property
+    def heaviest(self) -> tuple[LinkView, InertialView]:
+        """The link with the most mass, and its <inertial>, of a group that has mass."""
+        link = max(self.links, key=lambda link: link.mass or 0.0)
+        assert link.inertial is not None, "it has mass"
+        return link, link.inertial
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tree:
+    """`links` and `groups` with parents before children; `above` has the joint above each link but the root."""
+
+    links: tuple[LinkView, ...]
+    above: Mapping[str, JointView]
+    groups: tuple[Group, ...]
+    group: Mapping[str, Group]
+
+    @property
+    def root(self) -> LinkView:
+        return self.links[0]
+
+
+def build_tree(view: View) -> Tree | None:
+    """Return the tree; None where there is none, or names or types are not in order: RD101 to RD109 say why."""
+    above = {joint.child: joint for joint in view.joints}
+    unique = len(view.link) == len(view.links) and len(view.joint) == len(view.joints) == len(above)
+    led = all(joint.parent in view.link and joint.child in view.link for joint in view.joints)
+    typed = all(joint.type in JOINT_TYPES for joint in view.joints)
+    roots = [link for link in view.links if link.name not in above]
+    if not (unique and led and typed) or len(roots) != 1:
+        return None
+    below: dict[str, list[str]] = {}
+    for joint in view.joints:
+        below.setdefault(joint.parent, []).append(joint.child)
+    links, waiting = list[LinkView](), [roots[0].name]
+    while waiting:
+        name = waiting.pop()
+        links.append(view.link[name])
+        waiting += reversed(below.get(name, ()))
+    if len(links) < len(view.links):
+        return None
+    groups, group = list[Group](), dict[str, Group]()
+    for link in links:
+        carrier = above.get(link.name)
+        parent = None if carrier is None else group[carrier.parent]
+        if carrier is not None and parent is not None and not carrier.moves:
+            parent.links.append(link)
+            group[link.name] = parent
+            continue
+        group[link.name] = Group([link], carrier, parent)
+        groups.append(group[link.name])
+        if parent is not None:
+            parent.children.append(group[link.name])
+    return Tree(tuple(links), above, tuple(groups), group)
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,11 +13,10 @@ import numpy as np
 from robodyn.checks.bodies.collision_fit import misfits
 from robodyn.checks.bodies.masses import STILL, behind, pose
 from robodyn.checks.bodies.shapes import link_boxes, real_shapes, size_of, solids
-from robodyn.checks.context import Context
+from robodyn.checks.context import Context, Group
 from robodyn.checks.meshes.facts import extremes, spread_out
 from robodyn.checks.meshes.files import all_facts, mesh_names
 from robodyn.checks.srdf import own_srdf
-from robodyn.checks.tree import Group
 from robodyn.programs.vectors import length, product, rotation_about
 from robodyn.robot.kinematics import Pose
 from robodyn.robot.urdf.view import GeometryView, JointView, LinkView

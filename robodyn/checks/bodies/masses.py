@@ -8,9 +8,8 @@ from math import fsum, sqrt
 
 import numpy as np
 
-from robodyn.checks.context import Context, Thresholds
+from robodyn.checks.context import Context, Group, Thresholds
 from robodyn.checks.rule import Severity
-from robodyn.checks.tree import Group
 from robodyn.programs.vectors import IDENTITY, ZERO, product, rotation_from_rpy
 from robodyn.robot.kinematics import Pose
 from robodyn.robot.urdf.view import InertialView, LinkView, OriginView

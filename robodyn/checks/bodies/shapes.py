@@ -11,10 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.checks.bodies.masses import STILL, link_poses, pose
-from robodyn.checks.context import Context
+from robodyn.checks.context import Context, Group
 from robodyn.checks.meshes.facts import MeshFacts
 from robodyn.checks.meshes.files import all_facts, mesh_slips
-from robodyn.checks.tree import Group
 from robodyn.programs.vectors import length, product
 from robodyn.robot.kinematics import Pose
 from robodyn.robot.masses.mistake_posterior import Uniform

@@ -8,6 +8,7 @@ from math import fsum
 from robodyn.checks.bodies.bodies import bodies, repeated
 from robodyn.checks.bodies.masses import POINT, carried_masses, gyration, severity_of_zero
 from robodyn.checks.bodies.shapes import link_boxes, real_shapes, size_of
+from robodyn.checks.context import Group
 from robodyn.checks.examples import (
     INERTIA,
     LIMIT,
@@ -23,7 +24,6 @@ from robodyn.checks.examples import (
 )
 from robodyn.checks.importers.inferred_mass import inferred_masses
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.checks.tree import Group
 from robodyn.robot.base_guess import untouched
 from robodyn.robot.urdf.parts import INERTIA as ENTRIES
 from robodyn.support.wording import listed

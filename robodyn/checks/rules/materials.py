@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from robodyn.checks.examples import arm
-from robodyn.checks.grammar import own_elements
 from robodyn.checks.meshes.files import MeshSearch, State
 from robodyn.checks.rule import Context, Fault, Faults, Severity, namesakes, rule
+from robodyn.checks.rules.text import own_elements
 from robodyn.robot.urdf.document import unexpanded
 from robodyn.robot.urdf.elements import Element
 from robodyn.robot.urdf.numbers import numbers, value_span

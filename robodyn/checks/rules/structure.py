@@ -7,12 +7,11 @@ from collections.abc import Sequence
 
 from robodyn.checks.examples import a_joint, a_link, arm, longer_arm, one_link
 from robodyn.checks.rule import Context, Fault, Faults, Severity, namesakes, rule
-from robodyn.checks.tree import first_above
 from robodyn.robot.urdf.description import cycles
 from robodyn.robot.urdf.document import unexpanded
 from robodyn.robot.urdf.numbers import value_span
 from robodyn.robot.urdf.parts import JOINT_TYPES
-from robodyn.robot.urdf.view import JointView, LinkView
+from robodyn.robot.urdf.view import JointView, LinkView, View
 from robodyn.support.wording import alternatives, listed, shown
 
 
@@ -50,7 +49,7 @@ def several_parents(context: Context) -> Faults:
 
     A URDF is a tree. Of a closed chain one joint is left out, and made of what the simulator has for it.
     """
-    above = first_above(context.view)
+    above = _first_above(context.view)
     for joint in context.view.joints:
         first = above.get(joint.child, joint)
         if first is joint or (joint.name and joint.name == first.name):
@@ -73,7 +72,7 @@ def cycle(context: Context) -> Faults:
 
     Links in a cycle have no root. Some readers do not notice and recurse until memory ends.
     """
-    above = first_above(context.view)
+    above = _first_above(context.view)
     for cycle in cycles({child: joint.parent for child, joint in above.items()}):
         first = min((above[link] for link in cycle), key=lambda joint: joint.element.start)
         element = first.element.find("parent")
@@ -93,13 +92,22 @@ def several_roots(context: Context) -> Faults:
     of the structure (RD101 to RD107) is broken, its repair comes first and this one is silent.
     """
     view = context.view
-    above = first_above(view)
+    above = _first_above(view)
     orderly = len(view.link) == len(view.links) and len(above) == len(view.joints)
     led = all(joint.parent in view.link and joint.child in view.link for joint in view.joints)
     roots = [link for link in view.links if link.name not in above]
     if orderly and led and len(roots) > 1:
         what = f"{len(roots)} links have no parent: {listed([link.name for link in roots])}"
         yield Fault(roots[1].name_span, what, "join them to one tree", len(roots), 1)
+
+
+def _first_above(view: View) -> dict[str, JointView]:
+    """Return for each link that is a joint's child, the first such joint."""
+    above: dict[str, JointView] = {}
+    for joint in view.joints:
+        if joint.child:
+            above.setdefault(joint.child, joint)
+    return above
 
 
 @rule("RD105", Severity.ERROR, good=longer_arm(), bad=arm(more=a_link("upper")))
