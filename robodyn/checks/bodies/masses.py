@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import lru_cache
 from math import fsum, sqrt
 
@@ -13,7 +13,7 @@ from robodyn.checks.rule import Severity
 from robodyn.programs.vectors import IDENTITY, ZERO, product, rotation_from_rpy
 from robodyn.robot.kinematics import Pose
 from robodyn.robot.urdf.view import InertialView, LinkView, OriginView
-from robodyn.solids.inertia.laws import symmetric
+from robodyn.solids.inertia.laws import Inertia, combined, inertia_of, symmetric
 from robodyn.support.floats import Floats
 
 Tensor = tuple[float, ...]
@@ -108,24 +108,25 @@ def trace(tensor: Tensor) -> float:
     return tensor[0] + tensor[3] + tensor[5]
 
 
-def gyration(context: Context, group: Group) -> float | None:
-    """Return sqrt(tr(S) / m) [m], S being the second moments of the group about its centre of mass.
-
-    tr(S) is the sum of tr(I) / 2 + m |c - c_group|^2 over the links. None where a number of it cannot be read, or no
-    mass is there.
-    """
-    poses, parts = context.once(link_poses), list[tuple[float, float, list[float]]]()
-    for link in (link for link in group.links if link.inertial is not None):
+def inertia_together(context: Context, links: Iterable[LinkView]) -> Inertia | None:
+    """Return the inertia of links of a rigid group, in the frame of its first link; None where a number of it cannot be
+    read."""
+    poses, found = context.once(link_poses), list[Inertia]()
+    for link in (link for link in links if link.inertial is not None):
         outer, inner = poses.get(link.name), None if link.inertial is None else pose(link.inertial.origin)
         if link.mass is None or link.tensor is None or outer is None or inner is None:
             return None
-        parts.append((link.mass, trace(link.tensor) / 2, behind(outer, inner).p.tolist()))
-    mass = fsum(m for m, _, _ in parts)
-    if not mass > 0:
+        at = behind(outer, inner)
+        found.append(inertia_of(link.mass, ZERO, symmetric(link.tensor), at.R, at.p))
+    return combined(found)
+
+
+def gyration(context: Context, group: Group) -> float | None:
+    """Return sqrt(tr(I_c) / 2 m) [m] of a group; None where a number of it cannot be read, or no mass is there."""
+    whole = inertia_together(context, group.links)
+    if whole is None or not whole.m > 0:
         return None
-    centre = [fsum(m * c[k] for m, _, c in parts) / mass for k in range(3)]
-    spread = fsum(half + m * fsum((c[k] - centre[k]) ** 2 for k in range(3)) for m, half, c in parts)
-    return sqrt(max(spread, 0.0) / mass)
+    return sqrt(max(float(np.trace(whole.about_centre)), 0.0) / (2.0 * float(whole.m)))
 
 
 def widest(tensor: Tensor) -> int:

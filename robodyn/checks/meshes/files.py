@@ -59,11 +59,6 @@ class MeshName:
     path: Path | None = None
     found: str | None = None
 
-    @property
-    def gives_mass(self) -> bool:
-        """Whether it is a <collision> of a link without <inertial>, which simulators weigh by it."""
-        return any(use.geometry.kind == "collision" and use.link.inertial is None for use in self.uses)
-
     def fault(self, what: str, remedy: str, severity: Severity | None = None, fix: Fix | None = None) -> Fault:
         """Return `the mesh NAME what`, at its first use, with the count of the others."""
         others = f" (and {count(len(self.uses) - 1, 'more place')})" if self.uses[1:] else ""

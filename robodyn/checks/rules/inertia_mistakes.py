@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from robodyn.checks.bodies.bodies import bodies, weighed
 from robodyn.checks.bodies.shapes import shaped
-from robodyn.checks.examples import IMAGE, SHAPED_INERTIA, TENSOR, a_shaped_link, inertia, two_arms
-from robodyn.checks.mirror.causes import causes, faults
-from robodyn.checks.mirror.twins import MOMENTS, twins
+from robodyn.checks.examples import IMAGE, SHAPED_INERTIA, a_shaped_link, inertia, two_arms
+from robodyn.checks.mirror.causes import faults
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.robot.masses.inertia_mistakes import QUANTITIES
 from robodyn.support.wording import figure, one_of
@@ -140,27 +139,3 @@ def permuted_axes(context: Context) -> Faults:
     this rule reports those that a body could have, but not this link, by its mirror twin or its shapes.
     """
     return faults(context, "RD312")
-
-
-_REMEDY = "reflect the one of the two that is wrong, or allow it where one part is mounted on both sides"
-
-
-@rule("RD313", Severity.WARNING, good=two_arms(), bad=(IMAGE, TENSOR))
-def copied_from_twin(context: Context) -> Faults:
-    """A right link's tensor is the mirror image of the left one's, not a copy.
-
-    A reflection turns the sign of two products of inertia. A tensor that equals its twin's entry by entry, in
-    mirrored axes, was copied. It is right only where the same part is mounted on both sides, turned and not
-    mirrored: where both links have the same meshes at the same place nothing is reported, and otherwise a waiver
-    says so. Where the centre of mass is a copy, too, RD403 does not report it again.
-    """
-    for one in context.once(twins):
-        cause = context.once(causes).get(one.link.name)
-        if cause is None or cause.code != "RD313" or (one.tensors_apart <= MOMENTS and not one.centre_is_copied):
-            continue
-        centre = f"the centre of mass, {one.shift:.3g} m away, and " if one.centre_is_copied else ""
-        what = (
-            f"{centre}the inertia tensor, {figure(100 * one.tensors_apart, 2)} % from its mirror image, "
-            f"{'are copies of those' if centre else 'is a copy of that'} of its twin {one.other}"
-        )
-        yield Fault(one.inertial.entries[0].span, what, _REMEDY, one.tensors_apart, kind="a copy of its twin")

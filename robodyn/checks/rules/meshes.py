@@ -168,7 +168,8 @@ def _wrong(facts: MeshFacts, name: MeshName) -> tuple[str, Severity] | None:
         return inside_out, Severity.WARNING
     if facts.doubt:
         return f"may not be whole: {facts.doubt}", Severity.WARNING
-    what, severity = None, Severity.WARNING if name.gives_mass else Severity.NOTE
+    gives_mass = any(use.geometry.kind == "collision" and use.link.inertial is None for use in name.uses)
+    what, severity = None, Severity.WARNING if gives_mass else Severity.NOTE
     if facts.one_sided:
         what = f"has {facts.one_sided} faces in surfaces with one side only: it encloses nothing"
     elif facts.mixed:

@@ -33,9 +33,15 @@ class Controlled(NamedTuple):
         return [child for child in self.element.children if child.tag in ("command_interface", "state_interface")]
 
     def fault(
-        self, at: Span, what: str, remedy: str, *measured: float | None, severity: Severity | None = None
+        self,
+        at: Span,
+        what: str,
+        remedy: str,
+        value: float | None = None,
+        bound: float | None = None,
+        severity: Severity | None = None,
     ) -> Fault:
-        return Fault(at, what, remedy, *measured, subject=Subject(self.element.tag, self.name), severity=severity)
+        return Fault(at, what, remedy, value, bound, Subject(self.element.tag, self.name), severity)
 
 
 def controlled(view: View) -> Iterator[Controlled]:
