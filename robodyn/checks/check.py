@@ -96,13 +96,8 @@ def check(
 
 
 def tasks_for(sources: Sequence[Source], given: Options = STANDARD, config: str | None = None) -> tuple[Task, ...]:
-    """Return the files of the sources, each with its options.
-
-    Args:
-        sources: files, folders, patterns, or the bytes of standard input, for which the settings of the current folder
-            hold.
-        given: the options of the call; they win over those of the project, or are added to them (see `Config.of`).
-        config: a file whose settings hold for all; by default those found above each file.
+    """Return the files of the sources, each with its options: those of the call win over those of its project, or are
+    added to them (see `Config.of`). The settings of the file `config` hold for all, by default those above each.
 
     Raises:
         InputError: nothing matches a source, there is no such rule, or settings are wrong.
@@ -154,12 +149,8 @@ class Unread:
 
 @dataclass(frozen=True)
 class Checked:
-    """The files that were checked, and what was found, file by file and each in the order of its text.
-
-    Attributes:
-        unread: the other files.
-        hidden: findings that are not in the default set.
-    """
+    """The files that were checked, and what was found, file by file and each in the order of its text; the files that
+    could not be read, and the findings that are not selected."""
 
     files: tuple[str, ...]
     findings: tuple[Finding, ...]
@@ -204,14 +195,8 @@ class Task:
 
 
 def check_tasks(tasks: Sequence[Task], done: Callable[[], None] = lambda: None) -> Checked:
-    """Return the findings in all of them; many files are shared out among processes, one for each core.
-
-    One that cannot be read stops no other; one that describes no robot is skipped, with a warning.
-
-    Args:
-        tasks: the files.
-        done: called after each.
-    """
+    """Return the findings in all files; many are shared out among processes, one for each core. `done` is called after
+    each. One that cannot be read stops no other; one that describes no robot is skipped, with a warning."""
     shared_out = worth_processes([task.source for task in tasks])
     each = each_in_a_process(_outcome, [(task,) for task in tasks]) if shared_out else map(_outcome, tasks)
     files, found, hidden, unread = list[str](), list[Finding](), list[Finding](), list[Unread]()
@@ -279,10 +264,10 @@ class Origins:
         self._read = cache(lambda file: Document(file, read_input(file), "utf-8", (), None))
 
     def located(self, finding: Finding) -> Finding:
-        """Return the finding at the attribute, or the start tag, that it comes from: of a macro, in the macro.
+        """Return the finding, without its fix, at the attribute or start tag that it comes from: of a macro, in that.
 
-        A fix of the expanded text is none of that. What cannot be traced back is at the beginning of the file, and the
-        message says where in the expanded text it is; what is in another file, as an SRDF, stays there.
+        What cannot be traced back is at the beginning of the file, and the message says where in the expanded text it
+        is; what is in another file, as an SRDF, stays there.
         """
         described = self._reading.file.removesuffix(EXPANDED)
         if finding.file != self._reading.file:

@@ -24,13 +24,8 @@ NAMES = ("robodyn.toml", "pyproject.toml")
 
 @dataclass(frozen=True)
 class Config:
-    """What a project has set.
-
-    Attributes:
-        folder: of the file; patterns and package paths are relative to it.
-        options: select, ignore, thresholds and package path.
-        per_file: patterns of files, and the codes that are ignored in those.
-    """
+    """What a project has set: the folder of its file, to which patterns and package paths are relative; select, ignore,
+    thresholds and package path; and by patterns of files the codes that are ignored in those."""
 
     folder: str
     options: Options
@@ -64,11 +59,8 @@ class Config:
 
 
 def find_config(folder: str, known: dict[str, Config | None]) -> Config | None:
-    """Return the settings that hold in a folder: of the nearest file, there or above, that has any.
-
-    Args:
-        known: what has been found for other folders; it is added to.
-    """
+    """Return the settings that hold in a folder: of the nearest file, there or above, that has any; what is `known` of
+    other folders is added to."""
     folder = os.path.abspath(folder)
     if folder not in known:
         above = os.path.dirname(folder)
@@ -101,11 +93,7 @@ def _in_file(path: str) -> Config | None:
 
 
 def parse_config(data: bytes, file: str) -> Config | None:
-    """Return the settings in TOML text; None where it has no table of ours, which robodyn.toml must have.
-
-    Raises:
-        InputError: as `read_config`.
-    """
+    """Return the settings in TOML text; None where it has no table of ours. Errors are those of `read_config`."""
     values: Any = read_toml(data, file)
     if os.path.basename(file) == NAMES[0]:
         stray = next((name for name in values if name != "tool"), None)

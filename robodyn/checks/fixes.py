@@ -23,10 +23,8 @@ SAME = 64 * 2.0**-52
 
 
 def together(findings: Iterable[Finding], safe: bool) -> list[tuple[Finding, Fix]]:
-    """Return fixes of one kind that do not touch each other: the earlier in the text first, then the lower code.
-
-    A fix is taken with all its edits or not at all.
-    """
+    """Return fixes of one kind that do not touch each other, the earlier in the text first, then the lower code; each
+    with all its edits or not at all."""
     offered = [(finding, finding.fix) for finding in findings if finding.fix is not None and finding.fix.safe is safe]
     offered.sort(key=lambda pair: (min(edit.start for edit in pair[1].edits), pair[0].code, pair[0].start))
     chosen: list[tuple[Finding, Fix]] = []
@@ -81,10 +79,8 @@ def fixed(data: bytes, file: str, check: Check, *, unsafe: bool = False) -> Fixe
 
     Safe fixes come first. Each round's are proven to leave the dynamics alone by computing inverse dynamics before and
     after; where the proof fails for all together each is tried by itself, and one without proof is not made. Unsafe
-    ones follow, if wanted, and it is computed what they change. Then the text is checked again, until it offers no
-    more. The result has nothing left to fix that could be fixed: fixing it again changes nothing.
-
-    `check` finds the faults in such bytes.
+    ones follow, if wanted, and it is computed what they change. Then `check` looks at the text again, until nothing is
+    left: fixing it again changes nothing.
     """
     reading = read(data, file)
     if reading.data != data:

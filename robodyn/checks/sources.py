@@ -56,7 +56,6 @@ def related_descriptions(path: str) -> list[str]:
 
 
 def _in_packages(packages: Iterable[Path], path: Path, suffix: str) -> list[Path]:
-    """Return the files in packages, or near a file where there are none."""
     found = {file for package in packages for file in package.rglob(f"*{suffix}")} or {
         file for folder in path.parents[:2] for form in ("*", "*/*") for file in folder.glob(form + suffix)
     }
@@ -130,8 +129,7 @@ def _expanded(path: str) -> list[str]:
 
 
 def _below(folder: str, suffix: str) -> list[str]:
-    """Return the files below a folder, by their names in it, but those that begin with a dot; links to folders, which
-    may lead anywhere and around, are not followed."""
+    """Return the names of files below a folder; links to folders, which may lead anywhere, are not followed."""
     found = []
     for path, inner, files in os.walk(folder):
         inner[:] = [name for name in inner if name[0] != "."]

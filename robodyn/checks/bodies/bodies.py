@@ -38,9 +38,8 @@ class Body:
     Attributes:
         c: (3,) centre of mass in the link's frame [m].
         S: (3, 3) second moments about the centre, along the link's axes [kg m^2]; None without a tensor, or if it is 0.
-        own: box around the link's own shapes, along its axes.
-        group: box around the shapes of its rigid group, in the frame of that group's first link.
-        pose: of the link in that frame.
+        own: box around the link's shapes, along its axes; group: around those of its rigid group, in the frame of the
+            group's first link, in which `pose` is that of the link.
     """
 
     link: LinkView

@@ -90,8 +90,7 @@ class MeshFacts:
 
 
 def mesh_facts(path: Path) -> MeshFacts:
-    """Return the facts of a file, by one pass over its triangles; only where the surface is closed are shells told
-    apart, and only where it is open are its gaps looked at.
+    """Return the facts of a file: of a closed surface those of its shells, of an open one those of its gaps.
 
     Accuracy: box exact; volume of a closed surface within 1e-12 (see `robodyn.solids.mesh.integrals`).
     """

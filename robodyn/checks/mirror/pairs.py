@@ -191,12 +191,9 @@ class Pair:
 class Symmetry:
     """How far a robot is its own mirror image.
 
-    Attributes:
-        R, p: rotation and origin of every link in the root's axes at q = 0 [m].
-        near: how far a frame may be from its mirror image [m].
-        above: the joint that each link hangs on.
-        named: the pairs that names propose, left and right; pairs: those that are confirmed, in the order of the right
-            links in the file.
+    `R` and `p` are rotation and origin of every link in the root's axes at q = 0; `near` is how far a frame may be from
+    its mirror image [m], `above` the joint that each link hangs on. Names propose the pairs `named`; `pairs` are those
+    that are confirmed, in the order of the right links in the file.
     """
 
     plane: Plane

@@ -34,15 +34,9 @@ Of 86 published robots 31 have such limbs, and none of these a joint that is tur
 
 @dataclass(frozen=True, eq=False)
 class Twins:
-    """A pair of which both links have mass.
-
-    Attributes:
-        link, inertial: the right link in the file.
-        masses: of the left and the right link [kg].
-        c, I: centre of mass [m] and inertia by mass [m^2] of the left link's mirror image, in the right link's axes;
-            see `reflected`.
-        c_right, I_right: those of the right link.
-    """
+    """A pair of which both links have mass: the right link in the file, the masses of left and right [kg], centre of
+    mass [m] and inertia by mass [m^2] of the left link's mirror image (see `reflected`) and of the right link, in the
+    right link's axes."""
 
     pair: Pair
     link: LinkView
