@@ -17,7 +17,6 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -49,7 +48,6 @@ class Part:
     """Mass properties of a mesh.
 
     Attributes:
-        name: of the file; triangles: how many it has.
         body: mass, centre of mass and second moments, in the mesh's axes [kg, m].
         assumed: whether the density is assumed.
         lo, hi: (3,) corners of its box [m].
@@ -153,7 +151,19 @@ def mass_properties(
         defined=shell is None and found.defined,
         fixed_mass=mass is not None,
     )
-    finished = partial(_finished, mass=mass, found=form, symmetrize=symmetrize)
+
+    def finished(body: MassProperties) -> MassProperties:
+        """Return the body at its mass, and averaged."""
+        if mass is not None:
+            body = body.scaled_to_mass(mass)
+        if not symmetrize:
+            return body
+        if form.symmetry is None:
+            raise MeshError("has no symmetry to average over", remedy="; ".join(form.notes))
+        from robodyn.solids.mesh.symmetry import symmetrized
+
+        return symmetrized(body, form.symmetry)
+
     smooth = form.tessellation
     lo, hi = integrals.lo * triangles.scale, integrals.hi * triangles.scale
     warnings, longest = [*triangles.warnings], float((hi - lo).max())
@@ -188,19 +198,6 @@ def _check(density: float | None, mass: float | None, shell: float | None) -> No
     for name, value, unit in (("density", density, "kg/m^3"), ("mass", mass, "kg"), ("thickness", shell, "m")):
         if value is not None and not 0 < value < np.inf:
             raise InputError(f"a {name} of {value:g} {unit} is not positive and finite")
-
-
-def _finished(body: MassProperties, mass: float | None, found: Shape, symmetrize: bool) -> MassProperties:
-    """Return the body at its mass, and averaged."""
-    if mass is not None:
-        body = body.scaled_to_mass(mass)
-    if not symmetrize:
-        return body
-    if found.symmetry is None:
-        raise MeshError("has no symmetry to average over", remedy="; ".join(found.notes))
-    from robodyn.solids.mesh.symmetry import symmetrized
-
-    return symmetrized(body, found.symmetry)
 
 
 def _averaged(found: Shape, symmetrize: bool) -> tuple[str, ...]:

@@ -27,13 +27,7 @@ _BLOCK, _SMALL_BLOCK = 2048, 512
 
 @dataclass(frozen=True, eq=False)
 class CentralMoments:
-    """Integrals over a volume V about its centre.
-
-    Attributes:
-        volume: V.
-        reach: the largest distance of a corner from the centre.
-        tensors: of x x, x x x and x x x x, symmetric in all indices.
-    """
+    """Integrals over a volume of x x, x x x and x x x x about its centre; reach: the largest distance of a corner."""
 
     volume: float
     reach: float
@@ -60,10 +54,7 @@ def central_moments(corners: Array, S: Array, volume: float) -> CentralMoments:
     the triangle, with D six times the volume of the tetrahedron: the mean by a rule that is exact.
 
     Args:
-        corners: (m, 3, 3) about the centre.
-        S: (3, 3) integral of x x^T about the centre. volume: positive.
-
-    Accuracy: of either order within 1e-13 of the largest moment of it on bodies that are not thin.
+        corners: (m, 3, 3) about the centre. S: (3, 3) integral of x x^T about the centre. volume: positive.
     """
     third, fourth = np.zeros((6, 3)), np.zeros((6, 6))
     for start in range(0, len(corners), _BLOCK):
@@ -81,10 +72,7 @@ def axial_moments(corners: Array, frame: Array, volume: float) -> Array:
     """(8, 3) complex: integrals of (x + iy)^m z^k over the volume, m = 1 .. 8, k = 0 .. 2, m + k <= 8 (others zero).
 
     A rotation about z by an angle a turns them by m a. They are relative to V and the largest values of |x + iy|^m and
-    |z|^k among the corners.
-
-    Args:
-        frame: (3, 3) rows: x, y, z.
+    |z|^k among the corners. Rows of the frame are x, y, z.
     """
     local = product(corners, frame.T)
     radius, height = np.hypot(local[..., 0], local[..., 1]).max(), np.abs(local[..., 2]).max()
@@ -182,11 +170,7 @@ class TriangleSet:
         self._sum = self._total(IDENTITY)
 
     def invariant(self, Q: Array) -> bool:
-        """Whether Q, about the origin, takes every triangle to one of the set, whatever the order of its corners.
-
-        Sets are told apart by a sum of 64 bits. Corners that are rounded differently make sets differ that do not; a
-        set that is called invariant is so within the rounding.
-        """
+        """Whether Q, about the origin, takes every triangle to one of the set, within the rounding."""
         return self._total(Q) == self._sum
 
     def _total(self, Q: Array) -> int:
@@ -220,13 +204,7 @@ _OBLIQUE = np.array((0.48, 0.6, 0.64))
 
 @dataclass(frozen=True, eq=False)
 class CentredBody:
-    """A closed mesh about its centre of mass, wound outwards.
-
-    Attributes:
-        corners: (m, 3, 3) about the centre.
-        centre: (3,) in units of the file. volume: positive.
-        S: (3, 3) integral of x x^T about the centre.
-    """
+    """A closed mesh about its centre of mass, wound outwards; S: (3, 3) integral of x x^T."""
 
     corners: Floats
     centre: Floats
@@ -310,11 +288,7 @@ class CentredBody:
         return worst
 
     def _asymmetry(self, Q: Array, least: float, by_columns: Callable[[int], float]) -> float:
-        """Return the moments' bound for the same set of triangles; else by columns.
-
-        By few if they find much, unless triangles cost more than columns; by many unless the difference is clearly one
-        that facets make.
-        """
+        """Return the moments' bound for the same triangles; else by few columns, or by many where few do not tell."""
         if self.same(Q):
             return least
         if len(self.corners) <= COLUMNS:
@@ -327,10 +301,7 @@ class CentredBody:
         return max(least, fine)
 
     def product_bound(self, normal: Array) -> float:
-        """|integral of x n dV| / (V max|x| max|n|), which the asymmetry is not below, for the worst direction x.
-
-        x is the direction in the plane along which the product of inertia with the normal n is all of it.
-        """
+        """|integral of x n dV| / (V max|x| max|n|), which the asymmetry is not below, for the worst x in the plane."""
         mixed = product(self.S, normal)
         mixed = mixed - normal * product(normal, mixed)
         size = length(mixed)

@@ -21,12 +21,10 @@ class Fingerprint:
     """What is left of the directed edges of a surface when opposite ones cancel.
 
     Attributes:
-        chain: zero where every edge is passed as often one way as the other. This is exactly when the boundary of the
-            surface vanishes, and when the integral over its volume does not depend on the origin.
+        chain: zero where every edge is passed as often one way as the other: the boundary of the surface vanishes.
         parity: zero where every edge belongs to an even number of triangles, whatever their winding.
 
-    Accuracy: edges count in 64 (parity: 63) bits that are as good as random, so that a number that ought not to be zero
-        is so with a probability of about 2^-63.
+    Accuracy: a number that ought not to be zero is so with a probability of about 2^-63.
     """
 
     chain: int
@@ -34,7 +32,6 @@ class Fingerprint:
 
     @property
     def closed(self) -> bool:
-        """The surface has no boundary."""
         return self.chain == 0
 
     @property
@@ -47,9 +44,8 @@ def fingerprint(triangles: Triangles) -> Fingerprint:
     """The fingerprint of the boundary chain: the sum of H(p, q) over all directed edges from p to q, modulo 2^64.
 
     H(p, q) = (h(p) - h(q)) M(h(p) + h(q)) = -H(q, p), with h a mix of the bits of a corner (-0 read as +0) and M a mix
-    of 64 bits. Corners are equal where their bits are; nothing is merged or sorted. The parity is
-    the exclusive or of |H|, which does not tell the two directions of an edge apart; edges from a corner to itself
-    count for nothing in both.
+    of 64 bits. Corners are equal where their bits are; nothing is merged or sorted. The parity is the exclusive or of
+    |H|, which does not tell the two directions of an edge apart.
     """
     space = block_space(triangles)
     edges = EdgeSums(space)

@@ -56,8 +56,7 @@ class Lattice:
     Attributes:
         frame: (3, 3) orthonormal rows: along a row, across the rows, along the columns.
         corner: (2,) of the rectangle that is covered, in the first two axes of the frame.
-        step: between rows, and between the columns of a row.
-        rows, across: their number, and that of the columns of each.
+        step: between rows, and between columns. rows, across: their number, and that of the columns of each.
     """
 
     frame: Floats
@@ -68,11 +67,7 @@ class Lattice:
 
     @classmethod
     def over(cls, corners: Floats, direction: Array, image: Array = IDENTITY, count: int = COLUMNS) -> Lattice:
-        """About `count` columns along a unit vector, over the shadows of points (..., 3) and of their image.
-
-        Args:
-            image: (3, 3) orthogonal.
-        """
+        """About `count` columns along a unit vector, over the shadows of points (..., 3) and of their image (3, 3)."""
         frame = frame_along(direction)
         shadows = [frame[:2]] if image is IDENTITY else [frame[:2], product(frame, image)[:2]]
         along = [[_along(corners.T, axis) for axis in axes] for axes in shadows]
@@ -137,11 +132,7 @@ class Lattice:
 
 
 def differing_volume(one: Hits, other: Hits, cell: float) -> float:
-    """vol(A xor B), of the same columns through the closed surfaces of A and B.
-
-    A body is where the winding number of its surface is positive. Along a column the integral is exact; across, it is
-    a sum over the columns.
-    """
+    """vol(A xor B), of the same columns through the closed surfaces of A and B, where winding numbers are positive."""
     column, depth = np.concatenate([one.column, other.column]), np.concatenate([one.depth, other.depth])
     order = in_order(column, depth)
     of_one = np.concatenate([one.sign, np.zeros_like(other.sign)])[order]
@@ -220,12 +211,9 @@ _BRACKET = 2.0
 
 @dataclass(frozen=True, eq=False)
 class Quadrature(VolumeIntegrals):
-    """Integrals over a region that are known to an error bar.
+    """Integrals over a region, by "columns" or "winding numbers".
 
-    Attributes:
-        bar: of the error of the volume relative to it, and of the error of the second moments about the centre relative
-            to the largest of them.
-        method: "columns" or "winding numbers".
+    bar: of the relative error of the volume, and of the second moments about the centre relative to the largest.
     """
 
     bar: float
@@ -236,8 +224,7 @@ def by_columns(mesh: Indexed) -> Quadrature | None:
     """Moments of the region where the winding number of a closed surface is positive; None if it is 0 or 1 everywhere.
 
     The signed integral counts every point as often as its winding number says. What it counts too often is integrated
-    over columns and taken off: an overlap that is a tenth of the body is needed to a tenth of the digits only. Overlaps
-    that lie between columns are not seen.
+    over columns and taken off. Overlaps that lie between columns are not seen.
 
     Accuracy: `bar` covers the error in 95 of 100 cases of random overlapping bodies.
     """
@@ -260,13 +247,10 @@ def as_given(mesh: Indexed) -> Quadrature:
 def by_winding_numbers(mesh: Indexed, caps: Numbers) -> Quadrature | None:
     """Moments of the region where the winding number of an open surface is above 1/2; None if that is not definite.
 
-    With caps (n, 3) on its gaps the surface is closed, its winding number a whole number that columns count, and what
-    it encloses done as in `by_columns`. How the region differs from that is seen by the winding number of the caps,
-    which is taken off (Jacobson 2013), along fewer columns. Where a gap is plane its cap is where the winding number is
-    1/2, and there is no difference.
-
-    How definite the region is shows in those above 1/3 and above 2/3, between which a surface that goes on across a
-    round gap as it does around it lies.
+    With caps (n, 3) on its gaps the surface is closed, and what it encloses done as in `by_columns`. How the region
+    differs from that is seen by the winding number of the caps, which is taken off (Jacobson 2013), along fewer
+    columns. How definite the region is shows in those above 1/3 and above 2/3, between which a surface that goes on
+    across a round gap as it does around it lies.
 
     Accuracy: `bar` covers the error of spheres, tori and cylinders without up to a twelfth of their surface.
     """

@@ -29,17 +29,14 @@ _EDGES = 1 << 14
 
 @dataclass(frozen=True, eq=False)
 class BentEdges:
-    """Edges of two triangles that meet at an angle below 120 degrees which is not zero.
+    """Edges of two triangles, from start to end (3, k), that meet at an angle below 120 degrees which is not zero.
 
     Attributes:
-        start, end: (3, k).
         angle: (k,) between the normals [rad], positive where the surface is convex.
-        length: (k,).
         heights: (2, k) of the two triangles over the edge.
         feet: (2, k) where the corners opposite to the edge stand over it, from 0 at its start to 1 at its end.
         outward: (2, 3, k) unit vectors across the edge in the plane of either triangle, out of it.
-        triangles: (2, k) their numbers.
-        flat: (m,) whether a triangle lies in one plane with another one.
+        triangles: (2, k) their numbers. flat: (m,) whether a triangle lies in one plane with another one.
         facet: (m,) number of the connected triangles in one plane that each belongs to. areas: (m,) of these.
     """
 
@@ -70,7 +67,8 @@ def bent_edges(corners: Array) -> BentEdges:
     """The bent edges of triangles (m, 3, 3), wound outwards, that have the same bits in both triangles of an edge."""
     X = np.ascontiguousarray(corners.transpose(1, 2, 0))
     points = np.ascontiguousarray(X.transpose(0, 2, 1)).reshape(-1, 3)
-    normals = _normals(X)
+    u, v = X[1] - X[0], X[2] - X[0]
+    normals = np.stack([u[i - 2] * v[i - 1] - u[i - 1] * v[i - 2] for i in range(3)], axis=1)
     hashes = hashed(X)
     one, other = paired(np.concatenate([hashes[i - 3] + hashes[i - 2] for i in range(3)]))
     coplanar: list[Integers] = []
@@ -88,11 +86,10 @@ def bent_edges(corners: Array) -> BentEdges:
 def _bent(
     points: Floats, normals: Floats, one: Integers, other: Integers, coplanar: list[Integers]
 ) -> dict[str, Array]:
-    """Return the columns of `BentEdges` of some edges.
+    """Return the columns of `BentEdges` of some edges; coplanar gets the pairs (2, n) of triangles in one plane.
 
     Args:
         points: (3 m, 3) by corner, then triangle. normals: (m, 3), as long as twice the areas.
-        coplanar: gets the pairs (2, n) of triangles that lie in one plane.
     """
     count = len(normals)
     triangles = np.stack([one, other]) % count
@@ -118,14 +115,6 @@ def _bent(
     return dict(zip(_COLUMNS, found, strict=True))
 
 
-def _normals(X: Floats) -> Floats:
-    u, v = X[1] - X[0], X[2] - X[0]
-    normals = np.empty((X.shape[2], 3))
-    for i in range(3):
-        normals[:, i] = u[i - 2] * v[i - 1] - u[i - 1] * v[i - 2]
-    return normals
-
-
 _UNLIKE = 3
 _UNPAIRED = 0.6
 _SAME = 0.1
@@ -137,11 +126,7 @@ def endings(edges: BentEdges) -> Mask:
 
 
 def opposed(edges: BentEdges, among: Mask) -> Mask:
-    """(k,) whether the facets on both sides end at some of these edges opposite to this one.
-
-    Args:
-        among: (k,) which edges these may be; not this one.
-    """
+    """(k,) whether the facets on both sides end opposite to this one at some of these edges, none of which is it."""
     found: Mask = np.all(_unpaired(edges, among) < -_UNPAIRED, axis=0)
     return found
 
@@ -159,11 +144,7 @@ def _unpaired(edges: BentEdges, among: Mask) -> Floats:
 
 
 def companions(edges: BentEdges, among: Mask, either: bool = False) -> Floats:
-    """(2, k) the largest angle at other edges of the facet on each side that bend the same way, 0 if there are none.
-
-    Args:
-        among: (k,) which edges these may be. either: they may bend either way.
-    """
+    """(2, k) the largest angle at others of these edges of the facet on each side that bend the same way, else 0."""
     size = np.tile(np.where(among, np.abs(edges.angle), 0.0), 2)
     if not len(size):
         return np.zeros((2, 0))

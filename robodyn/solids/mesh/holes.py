@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from heapq import heapify, heappop, heappush
 from math import sqrt
@@ -61,11 +60,7 @@ class Filling:
 
 
 def filled(shells: Shells) -> Filling:
-    """Fill the boundary loops of open shells, unless they are large.
-
-    The boundary of a surface is made of loops, each of which is cut into triangles without new corners. Where a loop is
-    plane the moments of what it then encloses do not depend on how it is cut.
-    """
+    """Fill the boundary loops of open shells with triangles, without new corners, unless they are large."""
     mesh = shells.mesh
     face_areas = mesh.areas
     gaps = _gaps(shells, face_areas)
@@ -132,31 +127,17 @@ class _Gap:
 def _gaps(shells: Shells, face_areas: Floats) -> list[_Gap]:
     mesh = shells.mesh
     own = np.bincount(shells.label, face_areas, shells.count).tolist()
-    loops = _loops(shells)
+    shell_of, starts, stops = shells.rim.T
+    loops = {}
+    for shell in np.flatnonzero(~shells.closed).tolist():
+        first, last = np.searchsorted(shell_of, [shell, shell + 1])
+        loops[shell] = followed(starts[first:last].tolist(), stops[first:last].tolist())
     caps = {shell: [cap_of(mesh.vertices, loop) for loop in around] for shell, around in loops.items()}
     every = [cap for each in caps.values() for cap in each]
     whole = areas(mesh.vertices[np.concatenate([np.zeros((0, 3), np.int64), *every])])
-    sizes = iter(_sums(whole, map(len, every)))
+    ends = np.cumsum([len(cap) for cap in every])
+    sizes = iter([float(part.sum()) for part in np.split(whole, ends[:-1])])
     return [_Gap(k, loops[k], caps[k], [next(sizes) for _ in caps[k]], own[k]) for k in loops]
-
-
-def _loops(shells: Shells) -> dict[int, list[list[int]]]:
-    """Return the boundary loops of each open shell."""
-    shell_of, starts, stops = shells.rim.T
-    found = {}
-    for shell in np.flatnonzero(~shells.closed).tolist():
-        first, last = np.searchsorted(shell_of, [shell, shell + 1])
-        found[shell] = followed(starts[first:last].tolist(), stops[first:last].tolist())
-    return found
-
-
-def _sums(values: Floats, many: Iterable[int]) -> list[float]:
-    """Return the sums of so many values each."""
-    found, first = [], 0
-    for count in many:
-        found.append(float(values[first : first + count].sum()))
-        first += count
-    return found
 
 
 def _with(shells: Shells, gaps: list[_Gap], caps: list[list[Numbers]], closed: list[_Gap]) -> Shells:
@@ -221,10 +202,8 @@ def cap_of(vertices: Floats, loop: list[int]) -> Numbers:
 class Gaps:
     """The gaps of a surface.
 
-    Attributes:
-        mended: holes and seams that repair fills.
-        left: gaps that are too large for that; missing: the share of the surface of the open parts that they are.
-        one_sided: faces of surfaces with one side only, which are refused; the rest is then 0.
+    mended: holes and seams that repair fills; left: gaps that are too large for that; missing: the share of the surface
+    of the open parts that they are; one_sided: faces of surfaces with one side only, which are refused.
     """
 
     mended: int = 0

@@ -153,10 +153,8 @@ class Edges:
     """Which sides of triangles lie on the same edge; side k goes from corner k to the next.
 
     Attributes:
-        ends: (e, 2) vertices, the lower number first.
-        of: (m, 3) the edge of each side.
-        way: (m, 3) 1 where the side goes from the lower number to the higher, otherwise -1.
-        count: (e,) sides on each edge.
+        ends: (e, 2) vertices, the lower number first. count: (e,) sides on each edge.
+        of: (m, 3) the edge of each side. way: (m, 3) 1 where it goes from the lower number to the higher, otherwise -1.
     """
 
     ends: Numbers
@@ -201,8 +199,7 @@ def components(count: int, a: Numbers, b: Numbers) -> Numbers:
     """(count,) the number of the connected component of each node of a graph with the links a[i] to b[i].
 
     Components are numbered as their first nodes are. Every node with links to lower ones is hooked to the lowest of
-    them and then to the root of that; the roots are nodes of a smaller graph (Boruvka's contraction). Hooked to any
-    lower one, as many rounds may be needed as a node has links.
+    them and then to the root of that; the roots are nodes of a smaller graph (Boruvka's contraction).
     """
     label = np.arange(count)
     nodes = count
@@ -214,15 +211,8 @@ def components(count: int, a: Numbers, b: Numbers) -> Numbers:
         parent = np.arange(nodes)
         np.minimum.at(parent, np.maximum(a, b), np.minimum(a, b))
         number = np.cumsum(parent == np.arange(nodes)) - 1
-        step = number[_roots(parent)]
+        while not np.array_equal(further := parent[parent], parent):
+            parent = further
+        step = number[parent]
         label, a, b = step[label], step[a], step[b]
         nodes = int(number[-1]) + 1
-
-
-def _roots(parent: Numbers) -> Numbers:
-    """Return where following parents, none of which has a higher number, ends."""
-    while True:
-        further = parent[parent]
-        if np.array_equal(further, parent):
-            return parent
-        parent = further

@@ -66,21 +66,14 @@ def nested(
 
     A shell that lies in no body is one, and turned outwards if need be, with all that is in it. In a body, one wound
     against it takes one off the winding number, which is 1 there; where none is left is a cavity. One wound as the body
-    is adds one, and so bounds nothing: two bodies of which one lies in the other are as much as their union. A shell
-    counts as often as it was given: a body given as a solid and once more with a cavity is solid.
-
-    A shell is in another if its box is, none of a few of its points is outside, but one is inside, and it has no volume
-    outside. Open shells taken together count as one, wound outwards by its volume with caps, and around others by its
-    winding number.
+    is adds one, and so bounds nothing. A shell counts as often as it was given: a body given as a solid and once more
+    with a cavity is solid. Open shells taken together count as one, wound outwards by its volume with caps.
 
     Args:
         copies: (m,) how often each of the first faces was given.
         caps: so many of the last faces are none of the surface; with them it is closed.
         cavities: a shell in a body is a cavity, however it is wound and however often it was given.
-        name: of the mesh, for the error.
-
-    Raises:
-        MeshError: there are too many shells to be placed.
+        name: of the mesh, for the error of too many shells.
     """
     often = np.ones(len(shells.label), np.int64)
     if copies is not None:
@@ -114,12 +107,10 @@ def nested(
 
 
 class _States:
-    """What shells are, decided from the outermost ones inwards.
+    """What shells are, decided from the outermost ones inwards; copies and cuts as in `Nesting`.
 
-    Attributes:
-        copies, cuts: see `Nesting`.
-        turned, inward, within, patched: (k,) whether each has to be turned, is wound inwards then, bounds nothing, and
-            lies in what open shells enclose.
+    turned, inward, within, patched: (k,) whether each has to be turned, is wound inwards then, bounds nothing, and lies
+    in what open shells enclose.
     """
 
     def __init__(
@@ -177,7 +168,11 @@ def _volumes(shells: Shells) -> tuple[Floats, Mask]:
 def _containers(
     shells: Shells, volumes: Floats, proper: Mask, patches: Inside | None, name: str | None
 ) -> tuple[list[list[int]], list[int]]:
-    """Return the shells around each, the smallest first, and closed shells from the largest down."""
+    """Return the shells around each, the smallest first, and closed shells from the largest down.
+
+    A shell is in another if its box is, none of a few of its points is outside, but one is inside, and it has no volume
+    outside.
+    """
     corners, lo, hi = in_parts(shells.mesh.corners, shells.label)
     sizes = np.abs(volumes)
     interior = cache(lambda shell: Interior(corners[shell]))
@@ -195,30 +190,21 @@ def _containers(
                 what = f"{len(sizes)} shells to be placed in each other by {tried} points"
                 raise beyond("mesh_nesting", what, MeshError, file=name)
             inside = _holds(interior(other).has, points, all_of_them=near)
-            if inside and not (near and _reaches_out(corners[shell], corners[other])):
+            if inside and near:
+                one, two = (solid(merged(each)) for each in (corners[shell], corners[other]))
+                inside = None in (one, two) or (one - two).volume() <= _TOUCH * one.volume()
+            if inside:
                 found[shell].append(other)
         if patches is not None and _holds(patches, points):
             found[shell].append(IN_PATCHES)
     return found, down
 
 
-def _reaches_out(corners: Floats, other: Floats) -> bool:
-    """Return whether a closed shell (n, 3, 3) has volume outside another, so far as both are manifolds."""
-    one, two = (solid(merged(each)) for each in (corners, other))
-    return None not in (one, two) and bool((one - two).volume() > _TOUCH * one.volume())
-
-
 def _holds(inside: Inside, points: list[Floats], all_of_them: bool = True) -> bool:
     """Return whether points lie in a shell, as far as that can be told; or whether the first does for which it can."""
-    found = False
-    for point in points:
-        answer = inside(point)
-        if answer is False:
-            return False
-        found = found or answer is True
-        if found and not all_of_them:
-            break
-    return found
+    answers = (answer for answer in map(inside, points) if answer is not None)
+    first = next(answers, False)
+    return first and (not all_of_them or all(answers))
 
 
 def _points(corners: Floats) -> list[Floats]:

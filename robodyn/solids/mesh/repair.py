@@ -29,8 +29,7 @@ class Step:
     Attributes:
         name: "degenerate", "duplicate", "winding", "holes", "orientation", "nested", "union", "overlaps" or "winding
             numbers"; the last two leave the surface as it is.
-        count: of the faces, gaps, shells or bodies it was done to.
-        what: in words.
+        count: of the faces, gaps, shells or bodies it was done to. what: in words.
         volume_before, volume_after: signed, in units of the file cubed; of an open surface about the middle of its box.
     """
 
@@ -52,7 +51,6 @@ class Repaired:
 
     Attributes:
         triangles: the surface, the same object if nothing was done.
-        steps: what was done, in order.
         shells: connected parts, before any union.
         closed: whether no boundary is left, so that the volume is well defined.
         doubt: volume that may be missing or too much where holes were filled.
@@ -76,10 +74,9 @@ def repair(triangles: Triangles, cavities: bool = False) -> Repaired:
 
     Vertices are merged where they are equal, not where they are near. Shells that are open by more than a small hole,
     and those that overlap but are no manifolds, stay as they are: the region where the winding number is positive is
-    integrated by columns. Nothing is replaced by its hull.
+    integrated by columns.
 
     Args:
-        triangles: at least one.
         cavities: shells in others are cavities, however they are wound; else by winding numbers (see `nested`).
 
     Raises:
@@ -105,10 +102,14 @@ def repair(triangles: Triangles, cavities: bool = False) -> Repaired:
     steps.taken(mesh, shells.mesh, turned, "winding", f"{many(turned, 'face')} turned to agree with neighbours")
     filling = filled(shells)
     count = filling.holes + filling.seams
-    steps.taken(shells.mesh, filling.shells.mesh, count, "holes", _filling(filling))
+    gaps = " and ".join(many(each, kind) for each, kind in ((filling.holes, "hole"), (filling.seams, "seam")) if each)
+    what = f"{gaps} filled by {many(filling.triangles, 'triangle')}"
+    steps.taken(shells.mesh, filling.shells.mesh, count, "holes", what)
     nesting = nested(filling.capped, copies, filling.caps, cavities, triangles.name)
     count = nesting.bodies + nesting.cavities
-    steps.taken(filling.capped.mesh, nesting.shells.mesh, count, "orientation", _nesting(nesting))
+    kinds = (nesting.bodies, "turned outwards"), (nesting.cavities, "turned inwards, being a cavity in another")
+    what = ", ".join(f"{many(each, 'shell')} {how}" for each, how in kinds if each)
+    steps.taken(filling.capped.mesh, nesting.shells.mesh, count, "orientation", what)
     union = united(nesting, filling.caps)
     whole, spare = nesting.shells.mesh, int(union.spare.sum())
     mesh = whole.keep(~union.spare[nesting.shells.label])
@@ -141,7 +142,10 @@ def _region(union: United, filling: Filling, steps: _Steps) -> tuple[Indexed, Qu
     mesh, caps = replace(union.mesh, faces=union.mesh.faces[:count]), union.mesh.faces[count:]
     if not filling.left:
         region = by_columns(mesh) if union.untested or union.folded else None
-        steps.measured(mesh, region, union.untested + union.folded, "overlaps", _overlaps(union))
+        bodies = [f"{union.untested} bodies"] if union.untested else []
+        shells = [many(union.folded, "folded shell")] if union.folded else []
+        what = f"overlaps of {' and '.join(bodies + shells)} counted once, by columns"
+        steps.measured(mesh, region, union.untested + union.folded, "overlaps", what)
         return mesh, region
     region = by_winding_numbers(mesh, caps)
     what = f"{many(filling.left, 'gap')} too large to be filled, left to winding numbers"
@@ -150,10 +154,7 @@ def _region(union: United, filling: Filling, steps: _Steps) -> tuple[Indexed, Qu
 
 
 def _by_all_faces(given: Indexed, mesh: Indexed, region: Quadrature | None, steps: _Steps) -> Quadrature | None:
-    """Return what all faces as given enclose, where bodies share so many that shells cannot be told apart.
-
-    The error bar covers what the mesh without duplicates, or its region, says.
-    """
+    """Return what all faces as given enclose, where bodies share so many that shells cannot be told apart."""
     found, volume = as_given(given), mesh.volume(mesh.middle) if region is None else region.volume
     apart = abs(found.volume - volume) / abs(found.volume)
     if apart <= _SAME:
@@ -171,12 +172,10 @@ class _Steps:
         self._reference = reference
 
     def measured(self, before: Indexed, region: Quadrature | None, count: int, name: str, what: str) -> None:
-        """Keep in mind that a region was measured."""
         if region is not None:
             self.all.append(Step(name, count, what, before.volume(self._reference), region.volume))
 
     def dropped(self, before: Indexed, after: Indexed, name: str, why: str) -> Indexed:
-        """Return the mesh after faces were dropped."""
         count = len(before.faces) - len(after.faces)
         return self.taken(before, after, count, name, f"{many(count, 'face')} {why} dropped")
 
@@ -186,23 +185,6 @@ class _Steps:
             return before
         self.all.append(Step(name, count, what, *(mesh.volume(self._reference) for mesh in (before, after))))
         return after
-
-
-def _filling(found: Filling) -> str:
-    kinds = [(found.holes, "hole"), (found.seams, "seam")]
-    gaps = " and ".join(many(count, kind) for count, kind in kinds if count)
-    return f"{gaps} filled by {many(found.triangles, 'triangle')}"
-
-
-def _nesting(found: Nesting) -> str:
-    kinds = [(found.bodies, "turned outwards"), (found.cavities, "turned inwards, being a cavity in another")]
-    return ", ".join(f"{many(count, 'shell')} {how}" for count, how in kinds if count)
-
-
-def _overlaps(found: United) -> str:
-    bodies = [f"{found.untested} bodies"] if found.untested else []
-    shells = [many(found.folded, "folded shell")] if found.folded else []
-    return f"overlaps of {' and '.join(bodies + shells)} counted once, by columns"
 
 
 def _within(found: Nesting, scale: float) -> tuple[str, ...]:

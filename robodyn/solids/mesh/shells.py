@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from itertools import product
 
 import numpy as np
 
+from robodyn.solids.inertia.laws import exact
 from robodyn.solids.mesh.indexed import Edges, Indexed, Mask, Numbers, components, distinct, numbered
 from robodyn.solids.mesh.inside import winding_numbers
 from robodyn.support.floats import Floats
@@ -34,9 +34,8 @@ def without_duplicates(mesh: Indexed) -> tuple[Indexed, Numbers]:
     """Return the mesh with one face of those between the same corners, and (m,) for how many wound alike each stands.
 
     Faces wound alike stay where one of them alone would open the surface: two bodies that are flush. Faces wound both
-    ways cancel: a wall between two bodies, or between a cavity and the insert that fills it. But one stays if it is
-    part of a surface that would be open without it, or if nothing else is near or around it: a surface that is given
-    from both sides.
+    ways cancel: a wall between two bodies, or an insert in its cavity. But one stays where the surface would be open
+    without it, or if nothing else is near or around it: a surface that is given from both sides.
     """
     which, even = _corner_sets(mesh.faces)
     sets = int(which.max(initial=-1)) + 1
@@ -89,11 +88,7 @@ def _corner_sets(faces: Numbers) -> tuple[Numbers, Mask]:
 
 
 def _uncancelled(sided: Numbers, sets: int) -> Mask:
-    """(m,) which faces are left of those between the same corners when opposite ones cancel, but for the last two.
-
-    Args:
-        sided: (m,) twice the number of the set of corners, and one more where they go up; there are so many sets.
-    """
+    """(m,) which faces are left of those between the same corners when opposite ones cancel, but for the last two."""
     count = np.bincount(sided, minlength=2 * sets)
     ways = count.reshape(-1, 2)
     pairs = ways.min(axis=1) - (ways[:, 0] == ways[:, 1])
@@ -130,20 +125,13 @@ def collinear(corners: Floats) -> Mask:
     reach = np.abs(corners).max(axis=(1, 2)) * (np.abs(e) + np.abs(f)).max(axis=1)
     flat: Mask = np.linalg.norm(np.cross(e, f), axis=1) <= _ROUNDING * (size + reach)
     for row in np.flatnonzero(flat):
-        flat[row] = _collinear_exactly(corners[row])
+        a, b, c = exact(corners[row])
+        flat[row] = not np.cross(b - a, c - a).any()
     return flat
 
 
-def _collinear_exactly(triangle: Floats) -> bool:
-    a, b, c = ([Fraction(x) for x in corner] for corner in triangle.tolist())
-    e, f = [y - x for x, y in zip(a, b, strict=True)], [y - x for x, y in zip(a, c, strict=True)]
-    return all(e[i - 2] * f[i - 1] == e[i - 1] * f[i - 2] for i in range(3))
-
-
 def _superfluous(faces: Numbers, doubtful: Mask, alone: bool) -> Mask:
-    """(m,) which of the doubtful faces leave no more edges with an odd number of faces if they go.
-
-    This is decided for each connected group of them.
+    """(m,) which of the doubtful faces leave no more edges with an odd number of faces if they go, by connected groups.
 
     Args:
         alone: whether a group that touches no other face goes.
@@ -177,11 +165,10 @@ _CELL = 4.0
 
 
 def welded(mesh: Indexed, rim: Numbers) -> Indexed:
-    """The mesh with corners on its rims made one where rounding may have parted them, without faces that vanish then.
+    """The mesh with corners on its rims (v,) made one where rounding may have parted them, without faces that vanish.
 
-    The same object where there are none. `rim`: (v,) these corners.
-
-    Corners within 1e-6 of the surface's size share a cell of at least one of eight lattices, shifted by half a cell.
+    The same object where there are none. Corners within 1e-6 of the surface's size share a cell of at least one of
+    eight lattices, shifted by half a cell.
     """
     used = np.zeros(len(mesh.vertices), np.bool_)
     used[mesh.faces] = True
@@ -189,7 +176,12 @@ def welded(mesh: Indexed, rim: Numbers) -> Indexed:
     cell = _CELL * _NEAR * float(np.ptp(mesh.vertices[used], axis=0).max())
     if not len(rim) or not cell > 0:
         return mesh
-    links = [_neighbours(points / cell + shift) for shift in product((0.0, 0.5), repeat=3)]
+    links = []
+    for shift in product((0.0, 0.5), repeat=3):
+        cells = np.floor(points / cell + shift)
+        order = np.lexsort(cells.T)
+        same = (np.diff(cells[order], axis=0) == 0).all(axis=1)
+        links.append(np.stack([order[:-1][same], order[1:][same]]))
     label = components(len(rim), *np.concatenate(links, axis=1))
     _, first = np.unique(label, return_index=True)
     if len(first) == len(rim):
@@ -200,24 +192,14 @@ def welded(mesh: Indexed, rim: Numbers) -> Indexed:
     return replace(mesh, faces=faces.T[(a != b) & (b != c) & (c != a)])
 
 
-def _neighbours(points: Floats) -> np.ndarray[tuple[int, int], np.dtype[np.int64]]:
-    """(2, n) pairs of points that follow each other in the same unit cell."""
-    cells = np.floor(points)
-    order = np.lexsort(cells.T)
-    same = (np.diff(cells[order], axis=0) == 0).all(axis=1)
-    return np.stack([order[:-1][same], order[1:][same]])
-
-
 @dataclass(frozen=True, eq=False)
 class Shells:
     """A mesh in parts that are connected over edges.
 
     Attributes:
-        mesh: all of it.
         label: (m,) the shell of each face.
         closed: (k,) whether the boundary of each shell vanishes.
-        rim: (b, 3) the shell, the start and the end of each edge that is missing to close it, in this order of shells
-            and of edges.
+        rim: (b, 3) the shell, the start and the end of each edge that is missing to close it, in order.
         lone: (v,) vertices of edges with one face, when shells were wound.
         twisted: faces of patches that have one side only, like a Moebius strip, and so no winding.
     """
@@ -247,9 +229,9 @@ class Shells:
 def wound(mesh: Indexed) -> tuple[Shells, int]:
     """Return the shells with faces turned so that neighbours agree, and how many were turned.
 
-    Neighbours are the two faces on an edge that has no others, in a patch those that such edges connect. The fewer
-    faces of a patch are turned. Patches that are closed are shells; they are set aside, which leaves fewer faces on
-    edges with more than two, until none is found. What then remains is put together wherever it shares an edge.
+    Neighbours are the two faces on an edge that has no others; such edges connect patches, of which the fewer faces are
+    turned. Closed patches are shells; they are set aside, which leaves fewer faces on edges with more than two, until
+    none is found. What then remains is put together wherever it shares an edge.
     """
     label = np.full(len(mesh.faces), -1, np.int64)
     turned = np.zeros(len(mesh.faces), np.bool_)

@@ -58,13 +58,10 @@ class Axis(_Judged):
 
 @dataclass(frozen=True)
 class Product:
-    """A product of inertia about the centre, in the axes of the file.
+    """A product of inertia about the centre, in the axes of the file: "xy", "xz" or "yz".
 
-    Attributes:
-        axes: "xy", "xz" or "yz".
-        residual: the computed integral of x_i x_j dV, in units of the file.
-        relative: the same over the root of the two second moments.
-        zero: it is 0 by symmetry.
+    residual: the computed integral of x_i x_j dV; relative: the same over the root of the two second moments; zero: it
+    is 0 by symmetry.
     """
 
     axes: str
@@ -75,11 +72,8 @@ class Product:
 
 @dataclass(frozen=True, eq=False)
 class Symmetry:
-    """What was found, the most symmetric first, and the products xy, xz, yz.
-
-    Attributes:
-        invariants: (k, 3, 3) orthonormal basis of the second moments that the planes and axes that hold leave possible.
-    """
+    """What was found, the most symmetric first, the products xy, xz, yz, and an orthonormal basis (k, 3, 3) of the
+    second moments that the planes and axes that hold leave possible."""
 
     planes: tuple[Plane, ...]
     axes: tuple[Axis, ...]
@@ -152,11 +146,7 @@ def _strongest(axial: Array) -> tuple[int, float, int]:
 
 
 def rim_angles(points: Array, frame: Array) -> Floats:
-    """The angles about the axis, each once, ascending, of the points (n, 3) farthest from it; a symmetry permutes them.
-
-    Args:
-        frame: (3, 3) rows: two directions from the axis on, and its own.
-    """
+    """The angles about the last row of a frame, ascending, of the points (n, 3) farthest from it."""
     x, y = einsum("ij,nj->in", frame[:2], points)
     radius = np.hypot(x, y)
     outer = radius >= radius.max() * (1 - _RIM)
@@ -446,10 +436,7 @@ class Search:
 
 
 def _once(found: Sequence[Found], line: Callable[[Found], tuple[float, Array]]) -> tuple[Found, ...]:
-    """Return the most symmetric first, without those that are nearly parallel to an earlier one of the same fold.
-
-    What is exact is so to rounding, which is another on each processor.
-    """
+    """Return the most symmetric first, without those that are nearly parallel to an earlier one of the same fold."""
     kept: list[Found] = []
     for each in ranked(found, lambda each: 0.0 if each.verdict == "exact" else -each.asymmetry):
         fold, direction = line(each)

@@ -27,7 +27,7 @@ from robodyn.solids.mesh.facets import (
 )
 from robodyn.solids.mesh.indexed import Mask
 from robodyn.solids.mesh.integrals import Integrals
-from robodyn.support.floats import Floats
+from robodyn.support.floats import Floats, median
 
 FINE = radians(40)
 """Facets that meet at a larger angle are too coarse to say how symmetric a body may be that they stand for."""
@@ -49,12 +49,10 @@ _CLEARLY = 0.05
 
 @dataclass(frozen=True, eq=False)
 class LineMasses:
-    """What lies between facets and surface, spread evenly along each edge.
+    """What lies between facets and surface, spread evenly along each edge, from start (3, k) to end (3, k).
 
     Attributes:
-        start, end: (3, k) of edges.
-        missing: (k,) volume, negative where facets take in too much.
-        doubt: (k,) how far it may be from that.
+        missing: (k,) volume, negative where facets take in too much. doubt: (k,) how far it may be from that.
         fine: (k,) whether the angle is below 40 degrees, and below three times the median one.
     """
 
@@ -99,9 +97,9 @@ def line_masses(corners: Array) -> LineMasses:
     edges = _smooth(bent_edges(corners))
     size = np.abs(edges.angle)
     counted = size[size > BENT] if (size > BENT).any() else size
-    median = _median(counted) if len(size) else 0.0
-    fine = size < min(FINE, _TIMES_MEDIAN * median)
-    parts = _of_smooth(edges, _CLEARLY * median)
+    typical = median(counted) if len(size) else 0.0
+    fine = size < min(FINE, _TIMES_MEDIAN * typical)
+    parts = _of_smooth(edges, _CLEARLY * typical)
     start, end, missing, doubt, edge = (np.concatenate(column, axis=-1) for column in zip(*parts, strict=True))
     return LineMasses(start, end, missing, doubt, fine[edge])
 
@@ -116,14 +114,6 @@ def _smooth(edges: BentEdges) -> BentEdges:
     ratio = companions(edges, angle <= SHARPEST) / angle
     meant = sharp | ((ratio <= _BESIDE).all(axis=0) & (angle <= SHARPEST))
     return edges.among(~meant)
-
-
-def _median(values: Floats) -> float:
-    """As `np.median`, which would import `numpy.ma`."""
-    half = len(values) // 2
-    low, high = (half - 1, half) if len(values) % 2 == 0 else (half, half)
-    found = np.partition(values, (low, high))
-    return float((found[low] + found[high]) / 2)
 
 
 def _spread(edges: BentEdges, steep: Mask) -> tuple[Floats, Floats]:
@@ -179,12 +169,10 @@ SHIFT = 0.6
 
 @dataclass(frozen=True)
 class Bars:
-    """How far numbers may be from those of the smooth body, relative to those of the smooth body.
+    """How far numbers may be from those of the smooth body, relative to these; infinite where nothing can be said.
 
-    Attributes:
-        volume: infinite where nothing can be said.
-        inertia: of the largest error among all axes through the centre, relative to the largest principal moment.
-        centre: of the distance of the centres, relative to the largest radius of gyration.
+    inertia: the largest error among all axes through the centre, relative to the largest principal moment; centre: the
+    distance of the centres, relative to the largest radius of gyration.
     """
 
     volume: float
@@ -200,8 +188,7 @@ class Tessellation:
     """Integrals over the smooth body that a mesh may stand for.
 
     Attributes:
-        corrected: those of the mesh with what its facets leave out if its corners are on the smooth surface; the same
-            object where none stand for anything else.
+        corrected: those of the mesh with what its facets leave out if its corners are on the smooth surface.
         mesh: bars of the mesh's own integrals, wherever its corners are.
         rest: of the corrected ones, wherever the corners are. on_surface: if they are on the surface.
     """
@@ -216,16 +203,13 @@ def tessellation(masses: LineMasses, integrals: Integrals, centre: Array, *, fix
     """Line masses added to the volume, first and second moments of a mesh.
 
     Where corners are on the smooth surface, the bar of the corrected numbers is the doubt of all edges added up. Where
-    facets touch it, half of what they would lack is too much; and so, in their own way, with what they take in at
-    concave faces: bars take in both places, for either kind of faces. Edges of more than 65 degrees are meant as they
-    are: no bar speaks of them.
+    facets touch it, half of what they would lack is too much: bars take in both places, for convex and for concave
+    faces. Edges of more than 65 degrees are meant as they are: no bar speaks of them.
 
     Args:
         masses: of the mesh, wound outwards, about its centre.
         integrals: of the same mesh, of either winding. centre: (3,) of its mass, in units of the file.
         fixed_mass: the bars of the inertia are those at a given mass, not at a given density.
-
-    Accuracy: in the documentation, by kind of solid (`tests/accuracy/test_tessellation_bars.py`).
     """
     if not len(masses.missing):
         return Tessellation(integrals, EXACT, EXACT, EXACT)
@@ -241,8 +225,17 @@ def tessellation(masses: LineMasses, integrals: Integrals, centre: Array, *, fix
     shift = (length(lean) + SHIFT * moment) / min(one.volume for one in (given, *places))
     doubts = np.array([doubt, _largest(spread) + (_largest(body.S) * doubt / V if fixed_mass else 0.0), shift])
     volume, first, second = (one + other for one, other in zip(*parts, strict=True))
+    sign, shift_back = np.sign(integrals.volume), centre - integrals.reference
+    across = np.outer(first, shift_back)
+    corrected = replace(
+        integrals,
+        volume=integrals.volume + sign * volume,
+        first=integrals.first + sign * (first + volume * shift_back),
+        S=integrals.S + sign * (second + across + across.T + volume * np.outer(shift_back, shift_back)),
+        unrounded=None,
+    )
     return Tessellation(
-        _corrected(integrals, volume, first, second, centre),
+        corrected,
         mesh=_bars(given, places, doubts),
         rest=_bars(on, places, doubts),
         on_surface=_bars(on, [on], doubts),
@@ -278,7 +271,7 @@ class _Body:
     fixed_mass: bool
 
     def smooth(self, parts: Sequence[tuple[float, Floats, Floats]], lacks: float, takes: float) -> _Smooth:
-        """The smooth body with so many times what facets lack and what they take in too much, if corners are on it."""
+        """The smooth body with so many times what facets lack and what they take in too much."""
         volume, first, second = (lacks * one + takes * other for one, other in zip(*parts, strict=True))
         whole = max(self.V + volume, self.V / 4)
         S = self.S + second - np.outer(first, first) / whole
@@ -297,27 +290,11 @@ def _bars(found: _Smooth, places: Sequence[_Smooth], doubts: Floats) -> Bars:
 
 
 def _line_moments(masses: LineMasses, weights: Floats) -> tuple[float, Floats, Floats]:
-    """Sums over edges of the integrals of 1, x and x x^T, for weights that are spread evenly along them.
-
-    Of the weight m between p and q: m, m s / 2 and m (p p^T + q q^T + s s^T) / 6, with s = p + q.
-    """
+    """Integrals of 1, x, x x^T for weights m along edges p to q, s = p + q: m, m s / 2, m (pp^T + qq^T + ss^T) / 6."""
     p, q = masses.start, masses.end
     s = p + q
     second = sum(product(x * weights, x.T) for x in (p, q, s))
     return float(weights.sum()), product(s, weights) / 2, np.asarray(second) / 6
-
-
-def _corrected(integrals: Integrals, volume: float, first: Floats, second: Floats, centre: Array) -> Integrals:
-    """Return the integrals with what lies about the centre."""
-    sign, arm = np.sign(integrals.volume), centre - integrals.reference
-    across = np.outer(first, arm)
-    return replace(
-        integrals,
-        volume=integrals.volume + sign * volume,
-        first=integrals.first + sign * (first + volume * arm),
-        S=integrals.S + sign * (second + across + across.T + volume * np.outer(arm, arm)),
-        unrounded=None,
-    )
 
 
 def _largest(S: Floats) -> float:

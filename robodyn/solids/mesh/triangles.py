@@ -23,12 +23,10 @@ BLOCK = 4096
 
 @dataclass(frozen=True, eq=False)
 class Triangles(ABC):
-    """The triangles of a mesh, all with finite corners, to be read as often as wanted.
+    """The triangles of a mesh, all with finite corners, at least one, to be read as often as wanted.
 
-    name: as messages name the mesh; count: number of triangles, at least one;
-    significand: bits to which the file rounds a coordinate (24 for float32), relative to the largest one;
-    scale: metres per unit of the file; notes: what was assumed or left out when the mesh was read;
-    warnings: why what was read may not be the whole mesh.
+    significand: bits to which the file rounds a coordinate (24 for float32), relative to the largest one; scale: metres
+    per unit of the file; notes: what was assumed or left out; warnings: why it may not be the whole mesh.
     """
 
     name: str
@@ -44,9 +42,7 @@ class Triangles(ABC):
 
     @abstractmethod
     def blocks(self, rows: int = BLOCK) -> Iterator[Corners]:
-        """Consecutive blocks (n, 3, 3), 1 <= n <= rows, of corners in units of the file, float32 or float64.
-
-        Axes are triangle, corner, coordinate, with any strides; a block must not be written to.
+        """Consecutive blocks (n, 3, 3), 1 <= n <= rows: triangle, corner, coordinate, in units of the file, read-only.
 
         Raises:
             MeshError: a corner is not finite (the face is named), or the file changed since it was opened.
@@ -105,7 +101,6 @@ class IndexedTriangles(Triangles):
 
 
 def checked(blocks: Iterable[Corners], name: str) -> Iterator[Corners]:
-    """Yield the blocks of a mesh; `check_finite` of each."""
     first = 0
     for block in blocks:
         check_finite(block, first, name)
@@ -114,14 +109,7 @@ def checked(blocks: Iterable[Corners], name: str) -> Iterator[Corners]:
 
 
 def check_finite(block: Corners, first: int, name: str) -> None:
-    """Name the first triangle with a corner that is not finite.
-
-    Args:
-        block: (n, 3, 3); first: how many triangles came before it.
-
-    Raises:
-        MeshError: there is one.
-    """
+    """Raise MeshError, naming the first triangle with a corner that is not finite; first: how many came before."""
     finite = np.isfinite(block)
     if finite.all():
         return
@@ -160,15 +148,9 @@ class ScaledTriangles(Triangles):
 
 
 def scaled(triangles: Triangles, factors: Sequence[float]) -> Triangles:
-    """Return the triangles stretched along x, y and z; the same object where all three factors are 1.
+    """Return the triangles stretched along x, y and z by factors (3,), negative ones for mirror images.
 
     What the factors have in common goes into the scale, so that a change of unit changes no coordinate.
-
-    Args:
-        factors: (3,), negative ones for mirror images.
-
-    Raises:
-        MeshError: a factor is zero or not finite.
     """
     given = np.array(factors, dtype=float)
     if not (np.isfinite(given) & (given != 0)).all():
@@ -198,8 +180,7 @@ def polygon_triangles(
     A fan has the boundary of its polygon and, where that is plane, the same integrals, even if it is not convex.
 
     Args:
-        vertices: (v, 3). corners: (sum of sizes,) indices into them, one polygon after the other.
-        sizes: (k,) corners of each polygon.
+        corners: (sum of sizes,) indices into the vertices (v, 3), one polygon after the other; sizes: (k,) of each.
 
     Raises:
         MeshError: there are none, one has fewer than three corners, or a corner does not exist or is not finite.
@@ -212,41 +193,29 @@ def polygon_triangles(
         face = int(small.argmax())
         what = f"face {face + 1} has {sizes[face]} corners"
         raise MeshError(what, remedy="a face needs three; leave it out", file=name)
-    _check_corners(name, vertices, corners, sizes)
-    if len(vertices) < 1 << 31:
-        corners = corners.astype(np.int32, copy=False)
-    larger = int((sizes > 3).sum())
-    faces = _fans(corners, sizes) if larger else corners.reshape(-1, 3)
-    if larger:
-        notes = (*notes, f"{larger} of {len(sizes)} faces have more than three corners: cut into triangles")
-    return IndexedTriangles(name, vertices, faces, significand=significand, scale=scale, notes=notes)
-
-
-def _check_corners(name: str, vertices: Corners, corners: Indices, sizes: Indices) -> None:
+    ends = np.cumsum(sizes)
     outside = (corners < 0) | (corners >= len(vertices))
     if outside.any():
         at = int(outside.argmax())
-        what = f"face {_face_of(at, sizes) + 1} names vertex {corners[at]}, counted from 0, of {len(vertices)}"
+        face = int(np.searchsorted(ends, at, side="right"))
+        what = f"face {face + 1} names vertex {corners[at]}, counted from 0, of {len(vertices)}"
         raise MeshError(what, remedy="the file is cut short or damaged: export it again", file=name)
     finite = np.logical_and.reduce(np.isfinite(vertices), axis=1)
-    if not finite.all():
-        used = np.logical_not(finite[corners])
-        if used.any():
-            at = int(used.argmax())
-            raise not_finite(_face_of(at, sizes), vertices[corners[at]], name)
-
-
-def _face_of(corner: int, sizes: Indices) -> int:
-    return int(np.searchsorted(np.cumsum(sizes), corner, side="right"))
-
-
-def _fans(corners: Indices, sizes: Indices) -> Indices:
-    """(m, 3) of the corners first, k, k + 1 of each polygon, k from 1 to its size - 2."""
-    firsts = np.cumsum(sizes) - sizes
-    counts = sizes - 2
-    first = np.repeat(firsts, counts)
-    second = first + 1 + np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
-    return np.stack([corners[first], corners[second], corners[second + 1]], axis=1)
+    if not finite.all() and not finite[corners].all():
+        at = int(finite[corners].argmin())
+        raise not_finite(int(np.searchsorted(ends, at, side="right")), vertices[corners[at]], name)
+    if len(vertices) < 1 << 31:
+        corners = corners.astype(np.int32, copy=False)
+    larger = int((sizes > 3).sum())
+    if not larger:
+        faces = corners.reshape(-1, 3)
+    else:  # the corners first, k, k + 1 of each polygon, k from 1 to its size - 2
+        counts = sizes - 2
+        first = np.repeat(ends - sizes, counts)
+        second = first + 1 + np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+        faces = np.stack([corners[first], corners[second], corners[second + 1]], axis=1)
+        notes = (*notes, f"{larger} of {len(sizes)} faces have more than three corners: cut into triangles")
+    return IndexedTriangles(name, vertices, faces, significand=significand, scale=scale, notes=notes)
 
 
 CHUNK = 256
@@ -282,16 +251,13 @@ def block_space(triangles: Triangles, dtype: DTypeLike = np.float64) -> Array:
 
 
 def fill(space: Array, triangles: Triangles, checked: bool = True) -> Iterator[Array]:
-    """Put one block after the other into the same space, which may be written to in between.
+    """Put one block after the other into the same space, which may be written to in between: (3 corners, 3, n) of it.
 
     Where triangles do not fill it the rest is one corner of the mesh three times over: a triangle that adds nothing to
     any sum, box or boundary.
 
     Args:
         checked: False where the caller sees for itself that corners are finite, which saves time with a streamed file.
-
-    Returns:
-        (3 corners, 3 coordinates, n) in units of the file, part of the space.
     """
     X = space[:3]
     as_given = X.transpose(2, 0, 1)
@@ -303,14 +269,7 @@ def fill(space: Array, triangles: Triangles, checked: bool = True) -> Iterator[A
 
 
 def reference_in(X: Array) -> Array:
-    """The centre of the box around a block, rounded to a few bits of its size, so that subtracting it is mostly exact.
-
-    Args:
-        X: (3 corners, 3 coordinates, n).
-
-    Returns:
-        (3,) inside the box.
-    """
+    """The centre (3,) of the box of a block (3 corners, 3, n), in few bits, so that subtracting it is mostly exact."""
     lo, hi = X.min(axis=(0, 2)), X.max(axis=(0, 2))
     with np.errstate(all="ignore"):
         _, exponent = np.frexp(hi - lo)

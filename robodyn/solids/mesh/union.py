@@ -51,11 +51,8 @@ class United:
 def united(nesting: Nesting, caps: int = 0) -> United:
     """Return the union of bodies, each without its cavities, where shells cross.
 
-    It is found by `manifold3d` (a robust boolean of triangle meshes) for shells that are connected by overlapping
-    boxes, if any two of them may cross. Where its volume is what nesting says, none do, and they stay as they are.
-
-    Args:
-        caps: so many of the last faces are none of the surface; they stay the last.
+    It is found by `manifold3d` for shells that are connected by overlapping boxes, if any two of them may cross. Where
+    its volume is what nesting says, none do, and they stay as they are. So many `caps`, the last faces, stay the last.
 
     Accuracy: volume and second moments of two convex bodies with curved faces within 1e-15 of those of their union in
         exact rationals, and within 1e-12 where they are a thousand of their sizes away from the origin.
@@ -83,7 +80,12 @@ def united(nesting: Nesting, caps: int = 0) -> United:
             regions.append(region)
     rest = mesh.keep(~(spare | crossing)[label])
     folded = _folded(mesh.keep(~spare[label]), label[~spare[label]])
-    return United(_joined([*regions, rest]) if regions else rest, bodies, spare, untested, folded)
+    if regions:
+        every = [*regions, rest]
+        firsts = np.cumsum([0, *(len(part.vertices) for part in every)])
+        faces = [part.faces + first for part, first in zip(every, firsts[:-1], strict=True)]
+        rest = Indexed(np.concatenate([part.vertices for part in every]), np.concatenate(faces))
+    return United(rest, bodies, spare, untested, folded)
 
 
 def _clusters(corners: Floats, label: Numbers, proper: Mask) -> list[tuple[list[int], int]]:
@@ -124,14 +126,11 @@ def _region(
     """Return the union of bodies, each without its cavities; of cavities that cross, where they are less than bodies.
 
     Where facets nearly coincide a boolean may fail, which shows in its volume when it is done again in another pose.
+    None if a shell is no manifold, or no two poses agree by no more than the least volume.
 
     Args:
         shells: of bodies and cavities, by their names. cavities: names of those of each body.
         copies: how often each counts.
-        least: by which volumes may differ.
-
-    Returns:
-        None if a shell is no manifold, or no two poses agree.
     """
     from manifold3d import Manifold, OpType
 
@@ -169,11 +168,7 @@ def _any_cross(boxes: list[Floats]) -> bool:
 
 
 def _more_bodies_than_cavities(bodies: list[tuple[Any, int]], cavities: list[tuple[Any, int]]) -> Any:
-    """Return all bodies but for where at least n cavities are and at most n bodies, for any n.
-
-    Args:
-        bodies, cavities: solids, and how often each counts.
-    """
+    """Return all bodies but for where at least n cavities are and at most n bodies, for any n; with their counts."""
     from manifold3d import Manifold, OpType
 
     region = Manifold.batch_boolean([body for body, _ in bodies], OpType.Add)
@@ -194,9 +189,3 @@ def _layers(solids: list[tuple[Any, int]]) -> list[Any]:
             if not rest.is_empty():
                 layers.append(rest)
     return layers
-
-
-def _joined(parts: list[Indexed]) -> Indexed:
-    firsts = np.cumsum([0, *(len(part.vertices) for part in parts)])
-    faces = [part.faces + first for part, first in zip(parts, firsts[:-1], strict=True)]
-    return Indexed(np.concatenate([part.vertices for part in parts]), np.concatenate(faces))

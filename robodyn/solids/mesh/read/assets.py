@@ -39,10 +39,7 @@ class Asset:
 def _dae(source: Source, stream: BinaryIO) -> Asset:
     """Return what a COLLADA says, and the document without its looks.
 
-    Raises:
-        MeshError: the unit is no length, or a position is not finite or an index negative, which
-            pycollada would read as 0 and as counted from the end.
-        ElementTree.ParseError: it is no XML.
+    Refuses positions that are not finite and negative indices, which pycollada would read as 0 and from the end.
     """
     root = ElementTree.parse(stream).getroot()
     asset = root.find("{*}asset")
@@ -104,11 +101,7 @@ _HARMLESS = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_", "M
 
 
 def asset_of(source: Source, kind: str) -> Asset:
-    """Return what a file of this kind says about its unit and axes.
-
-    Raises:
-        MeshError: it holds what would be read wrongly: compressed geometry, lying sizes, positions that are not finite.
-    """
+    """Return what a file of this kind says about its unit and axes; refuses what would be read wrongly."""
     with source.opened() as stream:
         return _READERS[kind](source, stream) if kind in _READERS else Asset(None)
 

@@ -33,17 +33,14 @@ def load_triangles(
 ) -> Triangles:
     """Return the triangles of a mesh.
 
-    Binary STL is streamed from the file: memory does not grow with it. OBJ, PLY, OFF and ASCII STL are read here, all
-    others by trimesh. Polygons are cut into triangles; nothing is merged, repaired or moved.
+    Binary STL is streamed from the file. OBJ, PLY, OFF and ASCII STL are read here, all others by trimesh. Polygons are
+    cut into triangles; nothing is merged, repaired or moved.
 
     Args:
         source: name of a file; `-` is standard input; or the bytes themselves.
         file_type: one of KINDS; by the suffix, or by how the file begins, if None.
         unit: "m", "mm", "cm" or "in"; what the file says if None, metres if it says nothing.
         typed: the user gave this very name, which may be that of a pipe then; see `open_input`.
-
-    Raises:
-        MeshError: there is no such file, it cannot be read, or it is not a mesh of that type.
     """
     found = open_source(source, typed)
     if found.data(len(LFS_POINTER)) == LFS_POINTER:
@@ -68,14 +65,7 @@ def load_triangles(
 
 
 def from_array(corners: ArrayLike, *, name: str = "<array>", unit: str = "m") -> MemoryTriangles:
-    """Return the triangles of an array.
-
-    Args:
-        corners: (m, 3, 3) of triangle, corner and coordinate; float32 counts as rounded to 24 bits, all else as exact.
-
-    Raises:
-        MeshError: the array has another shape, holds no triangle, or a corner that is not finite.
-    """
+    """Return the triangles of an array (m, 3, 3); float32 counts as rounded to 24 bits, all else as exact."""
     try:
         given = np.asarray(corners)
         values = given if given.dtype == np.float32 else given.astype(np.float64, casting="same_kind")
@@ -102,14 +92,7 @@ def _read_stl(source: Source, scale: float, notes: tuple[str, ...]) -> Triangles
 
 
 def kind_of(source: Source, file_type: str | None) -> str:
-    """One of KINDS.
-
-    Args:
-        file_type: what the caller says, one of them.
-
-    Raises:
-        MeshError: there is no such type, the suffix is unknown, or the file begins as one of another type.
-    """
+    """One of KINDS: what the caller says, or the suffix if the file does not begin as another, or how it begins."""
     head = source.data(_HEAD)
     if file_type is not None:
         kind = file_type.lower().removeprefix(".")

@@ -59,11 +59,17 @@ class Header:
 
 
 def read_header(source: Source) -> Header:
-    """Return the header of a PLY.
+    """Return the header of a PLY, which has to end within 1 MB."""
 
-    Raises:
-        MeshError: it is malformed, or does not end within 1 MB.
-    """
+    def property_of(words: list[str]) -> Property:
+        if words[1] == "list":
+            _, _, length, kind, name = words
+            if _TYPES[length] in "fd":
+                raise ValueError(length)
+            return Property(name, _TYPES[kind], _TYPES[length])
+        _, kind, name = words
+        return Property(name, _TYPES[kind], None)
+
     text = source.data(_LONGEST)
     if not text.startswith(b"ply"):
         raise source.error("does not begin with 'ply'", remedy="this is no PLY; is its type another?")
@@ -81,9 +87,11 @@ def read_header(source: Source) -> Header:
                 encoding = _ENCODINGS[words[1]]
             elif words[:1] == ["element"]:
                 _, name, count = words
-                elements.append((name, _count(count), []))
+                if not (count.isascii() and count.isdigit() and len(count) <= 18):
+                    raise ValueError(count)
+                elements.append((name, int(count), []))
             elif words[:1] == ["property"]:
-                elements[-1][2].append(_property(words))
+                elements[-1][2].append(property_of(words))
         except (KeyError, ValueError, IndexError):
             shown = " ".join(words)[:60]
             raise source.error(f"{shown!r} is not understood", "repair the header", at) from None
@@ -93,33 +101,13 @@ def read_header(source: Source) -> Header:
     return Header(encoding, found, stop + len(feed))
 
 
-def _count(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and len(text) <= 18):
-        raise ValueError(text)
-    return int(text)
-
-
-def _property(words: list[str]) -> Property:
-    if words[1] == "list":
-        _, _, length, kind, name = words
-        if _TYPES[length] in "fd":
-            raise ValueError(length)
-        return Property(name, _TYPES[kind], _TYPES[length])
-    _, kind, name = words
-    return Property(name, _TYPES[kind], None)
-
-
 _AXES = ("x", "y", "z")
 _INDICES = ("vertex_indices", "vertex_index")
 _WANTED = ("vertex", "face")
 
 
 def read_ply(source: Source, scale: float, notes: tuple[str, ...]) -> IndexedTriangles:
-    """Return the faces of a PLY, with coordinates of the type that the header names.
-
-    Raises:
-        MeshError: the header or the data are malformed, or fewer data follow than the header promises.
-    """
+    """Return the faces of a PLY, with coordinates of the type that the header names."""
     header = read_header(source)
     vertex, face = (_only(source, header, name) for name in _WANTED)
     corners_name = _list_of_faces(source, vertex, face)
@@ -172,11 +160,7 @@ _Columns = dict[str, tuple[Any, Any]]
 
 
 def _read_text(source: Source, header: Header) -> dict[str, _Columns]:
-    """Return the properties of each element, one line for each row.
-
-    Raises:
-        MeshError: a line has not as many words as its properties need, a word is no number, or lines are missing.
-    """
+    """Return the properties of each element, one line for each row."""
     rows = ((line, text.split()) for line, text in lines(source, header.size) if not text.isspace() and text)
     found = {}
     for element in header.elements:
@@ -219,11 +203,7 @@ def _read_row(source: Source, line: int, words: list[bytes], element: Element, c
 
 
 def _read_binary(source: Source, header: Header) -> dict[str, _Columns]:
-    """Return the properties of each element up to the last that is wanted.
-
-    Raises:
-        MeshError: fewer bytes follow than the header promises.
-    """
+    """Return the properties of each element up to the last that is wanted."""
     data, at = source.data(), header.size
     found: dict[str, _Columns] = {}
     for element in header.elements:

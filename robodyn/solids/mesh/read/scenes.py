@@ -28,14 +28,7 @@ _Part = tuple[Corners, Indices]
 
 
 def read_scene(source: Source, kind: str, unit: str | None) -> IndexedTriangles:
-    """Return all triangles of a scene, in its own axes.
-
-    Args:
-        kind: one of `load.SCENES`. unit: see `scale_of`.
-
-    Raises:
-        MeshError: trimesh cannot read it, or there are no triangles.
-    """
+    """Return all triangles of a scene of one of `load.SCENES`, in its own axes; unit: see `scale_of`."""
     with _library_errors(source, kind):
         asset = asset_of(source, kind)
         scale, note = scale_of(unit, asset.metres, source.name)
@@ -94,11 +87,7 @@ class _Beside:
         self._homes = {os.path.realpath(self._folder), os.path.dirname(os.path.realpath(source.path or ""))}
 
     def get(self, name: str) -> bytes:
-        """Return the bytes of a file.
-
-        Raises:
-            MeshError: it is outside of the folder, missing, or no regular file.
-        """
+        """Return the bytes of a regular file in the folder."""
         given = os.path.join(self._folder, name)
         path = os.path.realpath(given if os.path.lexists(given) else os.path.join(self._folder, unquote(name)))
         if not any(os.path.commonpath([home, path]) == home for home in self._homes):

@@ -30,11 +30,7 @@ class Source:
 
     @contextmanager
     def opened(self) -> Iterator[BinaryIO]:
-        """A stream at its beginning; the same one every time where the bytes are not in a named file.
-
-        Raises:
-            MeshError: the file is not there any more, or its size is another.
-        """
+        """A stream at its beginning; the same one every time where the bytes are not in a named file."""
         if self._held is not None:
             self._held.seek(0)
             yield self._held
@@ -54,20 +50,14 @@ class Source:
             return stream.read(self.size if most < 0 else most)
 
     def error(self, what: str, remedy: str | None = None, line: int | None = None) -> MeshError:
-        """Return an error about this mesh."""
         return MeshError(what, remedy=remedy, file=self.name, line=line)
 
 
 def open_source(source: str | os.PathLike[str] | bytes, typed: bool = False) -> Source:
-    """Return the bytes of a file, of standard input (`-`), or these bytes.
-
-    Pipes are copied to a temporary file, because meshes are read more than once.
+    """Return the bytes of a file, of standard input (`-`), or these bytes; pipes are copied to a temporary file.
 
     Args:
         typed: see `open_input`; a name that stands in a file is not.
-
-    Raises:
-        MeshError: there is no such file, it cannot be read, or it is empty.
     """
     if isinstance(source, bytes):
         found = Source("<bytes>", len(source), None, io.BytesIO(source))
@@ -132,9 +122,6 @@ def scale_of(unit: str | None, own: float | None, name: str) -> tuple[float, str
     Args:
         unit: what the caller says, a key of METRES; it counts more than what the file says.
         own: metres per unit as the file says; None if it does not.
-
-    Raises:
-        MeshError: there is no such unit.
     """
     if unit is not None and unit not in METRES:
         raise MeshError(f"unknown unit {unit!r}", remedy=f"units: {', '.join(METRES)}", file=name)

@@ -67,11 +67,7 @@ def _columns(corners: Corners) -> Corners:
 
 
 def open_binary(source: Source, head: bytes, scale: float, notes: tuple[str, ...]) -> StlTriangles:
-    """Return the triangles of a file that begins with `head`.
-
-    Raises:
-        MeshError: it has no triangles, or fewer than it promises.
-    """
+    """Return the triangles of a file that begins with `head`."""
     if len(head) < START:
         what = f"{source.size} bytes are no STL, whose header alone has {START}"
         raise source.error(what, remedy="export the mesh again")

@@ -26,11 +26,7 @@ TRUNCATED = "the file is cut short: get it again"
 
 
 def _parts(source: Source, start: int = 0) -> Iterator[tuple[int, bytes]]:
-    """Whole lines of a file from a byte on, some hundred kB at a time, with the number of the first.
-
-    Raises:
-        MeshError: a line is longer than 16 MB.
-    """
+    """Whole lines of a file from a byte on, some hundred kB at a time, with the number of the first."""
     with source.opened() as stream:
         before = stream.read(start)
         number = len(before.splitlines()) + (before[-1:] in (b"", b"\n", b"\r"))
@@ -50,11 +46,7 @@ def _parts(source: Source, start: int = 0) -> Iterator[tuple[int, bytes]]:
 
 
 def lines(source: Source, start: int = 0) -> Iterator[tuple[int, bytes]]:
-    """The lines of a file from a byte on, whatever ends them, each with its number.
-
-    Raises:
-        MeshError: one is longer than 16 MB.
-    """
+    """The lines of a file from a byte on, whatever ends them, each with its number; raises where one is over 16 MB."""
     for first, text in _parts(source, start):
         yield from enumerate(text.splitlines(), first)
 
@@ -64,11 +56,7 @@ def _too_long(source: Source, line: int) -> MeshError:
 
 
 def number(source: Source, line: int, word: bytes) -> float:
-    """Return the decimal number that a word is, correctly rounded; `nan` and `inf` are numbers.
-
-    Raises:
-        MeshError: it is not one.
-    """
+    """Return the decimal number that a word is, correctly rounded; `nan` and `inf` are numbers."""
     try:
         if b"_" not in word:
             return float(word)
@@ -87,11 +75,7 @@ def _point(source: Source, line: int, words: list[bytes]) -> list[float]:
 
 
 def indices(source: Source, line: int, words: list[bytes], slash: bool = False) -> list[int]:
-    """Return the integers that words are or, with `slash`, that stand before the first `/` in them.
-
-    Raises:
-        MeshError: a word is not one of at most 18 digits.
-    """
+    """Return the integers, of at most 18 digits, that words are or, with `slash`, that stand before the first `/`."""
     found = [word.partition(b"/")[0] for word in words] if slash else words
     if b"".join(found).isdigit() and all(found) and max(map(len, found)) <= 18:
         return [*map(int, found)]
@@ -109,8 +93,7 @@ _EXACT, _FLOAT32, _FLOAT64 = 5, 9, 16
 def significand_of(coordinates: array[float]) -> int:
     """Return to how many bits the numbers of a text are rounded, told from some of them.
 
-    Numbers of fewer than 5 digits are taken as exact, as in a box drawn by hand: 53. Up to 9 digits are what programs
-    write for float32: at most 24.
+    Fewer than 5 digits are taken as exact, as in a box drawn by hand: 53; up to 9 are written for float32: at most 24.
     """
     step = len(coordinates) // _SAMPLE + 1
     some = coordinates[:: step + (step % 3 == 0)]  # x, y and z in turn
@@ -195,9 +178,6 @@ def read_obj(source: Source, scale: float, notes: tuple[str, ...]) -> IndexedTri
 
     Indices count from 1, negative ones backwards from the last vertex that stands before the face. Texture and normal
     indices, weights and colours are left out.
-
-    Raises:
-        MeshError: a line of a vertex or a face is malformed, a face names a vertex that does not exist, there are none.
     """
     found = _Polygons(source)
     given = source.data().removeprefix(_MARK).replace(b"\r\n", b"\n").replace(b"\r", b"\n") + b"\n"
@@ -244,11 +224,7 @@ _COMMENT = re.compile(rb"#[^\r\n]*")
 
 
 def read_off(source: Source, scale: float, notes: tuple[str, ...]) -> IndexedTriangles:
-    """Return the faces of an OFF, colours, normals and texture coordinates left out.
-
-    Raises:
-        MeshError: the header or a line is malformed, or fewer lines follow than the header promises.
-    """
+    """Return the faces of an OFF, colours, normals and texture coordinates left out."""
     head = _COMMENT.sub(lambda found: b" " * len(found[0]), source.data(_HEAD))
     header = _OFF.match(head)
     if header is None:
@@ -279,11 +255,7 @@ _FACET = (b"facet", b"outer", b"vertex", b"vertex", b"vertex", b"endloop", b"end
 
 
 def read_stl_text(source: Source, scale: float, notes: tuple[str, ...]) -> MemoryTriangles:
-    """Return the facets of all solids of a text, in any case of letters; normals are left out.
-
-    Raises:
-        MeshError: there are none, one is malformed, or the last solid does not end.
-    """
+    """Return the facets of all solids of a text, in any case of letters; normals are left out."""
     corners = array("d")
     solids, is_open, at = 0, False, 0
     for line, text in lines(source):
