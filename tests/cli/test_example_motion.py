@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.command_line import ROBOTS, run, write_arm
-from helpers.example_robots import PATHS, path_of
+from helpers.example_robots import PATHS, VARIANTS, path_of
 from helpers.oracles import robot
 from helpers.other_robots import other_paths
 from helpers.small_robots import built, joint, link, urdf
@@ -40,7 +40,7 @@ def test_real_robots(name: str) -> None:
 @pytest.mark.slow
 def test_every_robot_keeps_limits_that_standing_still_keeps() -> None:
     """The suspensions of tiago_dual carry 116 N of 100 in any pose."""
-    for path in [*PATHS, *other_paths()]:
+    for path in [*(path for path in PATHS if path.stem not in {*VARIANTS} - {"tiago_dual"}), *other_paths()]:
         model = load(path)
         if model.n:
             _, time, columns = example_motion(model)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.busy_robot import BUSY_SCENE, busy_robot
-from helpers.example_robots import cases, path_of
+from helpers.example_robots import VARIANTS, cases, path_of
 from helpers.oracles import EPS, ROBOTS, random_state, robot, worst
 from helpers.sampled import sampled
 
@@ -70,7 +70,7 @@ def test_groups_of_the_puma():
     assert "wrist.my - hand.mz" in groups
 
 
-@pytest.mark.parametrize("path", [*sorted(ROBOTS.glob("*.urdf")), *sampled(cases(), 4)])
+@pytest.mark.parametrize("path", [*sorted(ROBOTS.glob("*.urdf")), *sampled(cases(VARIANTS), 4)])
 def test_base_parameters_make_all_torques(path):
     """Coefficients below 1e-9 of a column are taken for rounding: so many small ones may be missing."""
     try:

@@ -117,7 +117,10 @@ def test_many_joints_are_refused_before_the_log_is_read(tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in CLASSES if "constant" not in name and "not in" not in name])
 def test_intervals_hold_by_class(name, tmp_path):
-    """Of logs that nothing was tuned on. A gain, gravity, and a joint without columns are asked for."""
-    found = [judged(name, seed, tmp_path / "log.csv") for seed in JUDGED]
+    """Of logs that nothing was tuned on; a benchmark publishes twice as many.
+
+    A gain, gravity, and a joint without columns are asked for.
+    """
+    found = [judged(name, seed, tmp_path / "log.csv") for seed in JUDGED[:3]]
     asked = np.mean([any("--gravity" in line for line in each.said) for each in found])
     assert asked >= 0.8 if "tilted" in name else np.mean([each.held for each in found]) >= 0.93
