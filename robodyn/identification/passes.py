@@ -60,9 +60,7 @@ class Run:
         """Return the factors of one pass over all logs, and the weighted ones."""
         plain, weighted = Gathered(FOLDS + 1, regressor), Gathered(FOLDS + 1, regressor)
         for log, edges in zip(self.logs, self.edges, strict=True):
-            gather(log, self.cutoff, regressor, edges, plain, weighted, guess)
-        plain.finish()
-        weighted.finish()
+            gather(log, self.cutoff, edges, plain, weighted, guess)
         return plain, weighted
 
 
@@ -188,7 +186,7 @@ def weighted_rows(run: Run, first: First) -> tuple[Gathered, Gathered, Moments]:
     motors = [replace(motor, loaded=own) for motor, own in zip(motors, alone, strict=True)]
     bodies = np.array([value for name, value in values.items() if name.rpartition(".")[2] in INERTIAL])
     regressor = RegressorColumns(run.model, run.scene, run.measured, motors, run.slip_speed, bodies)
-    guess = Guess(regressor, np.array([values.get(name, 0.0) for name in regressor.names]), first.sigma)
+    guess = Guess(np.array([values.get(name, 0.0) for name in regressor.names]), first.sigma, Moments(regressor))
     return *run.gathered(regressor, guess), guess.moments
 
 
@@ -201,7 +199,7 @@ def repeated(
         k: found[f"{structure.regressor.motors[k].name}.load"] for k, shape in structure.shapes.items() if shape.load
     }
     regressor = structure.regressor.near(theta[: len(structure.regressor.bodies)], loads)
-    guess = Guess(regressor, structure.shape @ theta, sigma)
+    guess = Guess(structure.shape @ theta, sigma, Moments(regressor))
     return replace(structure, regressor=regressor), *run.gathered(regressor, guess), guess.moments
 
 

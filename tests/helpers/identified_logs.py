@@ -11,7 +11,7 @@ from robodyn.identification.log.log import Samples
 from robodyn.identification.log.rows import convolved, decimation, kernel
 from robodyn.identification.model_selection import joint_motors
 from robodyn.identification.parameters.base import base_of
-from robodyn.identification.parameters.qr_accumulation import Gathered, Guess
+from robodyn.identification.parameters.qr_accumulation import Gathered, Guess, Moments
 from robodyn.identification.parameters.regressor_columns import PLAIN, RegressorColumns
 from robodyn.identification.parameters.structure import Structure, covariance, fitted, system
 from robodyn.scene.scene import DEFAULT
@@ -92,7 +92,7 @@ class Bench:
         time = self.STEP * np.arange(self.SAMPLES)
         samples = Samples(time, *motion(self.rng, time, self.model.n), np.zeros((len(time), self.model.n)), True)
         values = convolved(self.regressor.compute(samples), self.taps, self.every)
-        return [part[:, :-2] for part in np.split(values, np.cumsum(self.regressor.widths)[:-1], axis=1)]
+        return [part[:, :-2] for part in self.regressor.by_joint(values)]
 
     def rows(self, columns):
         pairs = zip(columns, self.regressor.used, strict=True)
@@ -114,15 +114,13 @@ class Bench:
         plain, weighted = Gathered(1, self.regressor), Gathered(1, self.regressor)
         plain.squares[0] = weighted.squares[0] = (tau**2).sum(axis=0)
         for joint, part in enumerate(self.columns):
-            plain.add(0, joint, np.column_stack((part, tau[:, joint])))
-        plain.finish()
+            plain.parts[0][joint].add(np.column_stack((part, tau[:, joint])))
         theta, sigma = fitted(plain, [0], self.structure)
-        guess = Guess(self.regressor, self.structure.shape @ theta, sigma)
+        guess = Guess(self.structure.shape @ theta, sigma, Moments(self.regressor))
         off = np.stack([rows @ theta for rows in self.rows(self.columns)], axis=1) - tau
         weights = guess.weights(self.columns, off, np.ones(len(tau), dtype=bool))
         for joint, part in enumerate(self.columns):
-            weighted.add(0, joint, np.column_stack((part, tau[:, joint])) * weights[:, joint, None])
-        weighted.finish()
+            weighted.parts[0][joint].add(np.column_stack((part, tau[:, joint])) * weights[:, joint, None])
         _, sigma = fitted(weighted, [0], self.structure)
         R, z = system(weighted, [0], self.structure, sigma)
         C = covariance(guess.moments, self.structure, self.base, R, sigma)

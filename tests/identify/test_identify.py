@@ -14,7 +14,7 @@ from robodyn.dynamics.regressor import INERTIAL, regressor
 from robodyn.identification.identify import identify
 from robodyn.identification.log.log import read_log
 from robodyn.identification.model_selection import joint_motors
-from robodyn.identification.parameters.qr_accumulation import Gathered, Guess, gather
+from robodyn.identification.parameters.qr_accumulation import Gathered, Guess, Moments, gather
 from robodyn.identification.parameters.regressor_columns import RegressorColumns
 from robodyn.scene.parts import CoupledMotor, Friction, Rotor, Spring
 from robodyn.scene.scene import DEFAULT, Scene
@@ -172,11 +172,9 @@ def test_what_is_kept_does_not_grow(tmp_path):
         time = 0.01 * np.arange(count)
         model, _, _ = logged(path, SPATIAL, waves, DEFAULT, np.random.default_rng(6), noise=0.01, time=time)
         regressor = RegressorColumns(model, DEFAULT, range(model.n), joint_motors(model), 0.0)
-        guess = Guess(regressor, np.zeros(len(regressor.names)), np.ones(model.n))
+        guess = Guess(np.zeros(len(regressor.names)), np.ones(model.n), Moments(regressor))
         plain, weighted = Gathered(2, regressor), Gathered(2, regressor)
-        gather(read_log(str(path), model), 2.0, regressor, (count / 200,), plain, weighted, guess)
-        plain.finish()
-        weighted.finish()
+        gather(read_log(str(path), model), 2.0, (count / 200,), plain, weighted, guess)
         triangles = [each.R.nbytes for found in (plain, weighted) for fold in found.parts for each in fold]
         kept.append(sum(triangles) + sum(each.nbytes for each in guess.moments.columns))
     assert kept[0] == kept[1]

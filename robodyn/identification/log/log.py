@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -22,8 +22,8 @@ from robodyn.trajectory.derivatives.derivative_selection import estimate
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.read import read_motion
 
-_COARSE = 0.01
-"""Of a torque's range: steps that are told."""
+_COARSE, _VALUES = 0.01, 500
+"""Of a torque's range: steps that are told; values from which on a torque does not come in steps."""
 _NOISE = 1 << 13
 """Samples from whose positions the noise is told."""
 
@@ -34,15 +34,15 @@ class Log:
 
     Attributes:
         measured: rates whose torques are measured, as places in `model.rates`.
-        start, stop: first and last stamp; step: of the grid [s]; samples: rows of the table.
-        even: whether the rows stand on such a grid, so that nothing is interpolated.
+        start, stop: first and last stamp; step: of the grid [s]; samples: rows of the table; even: whether they stand
+            on such a grid, so that nothing is interpolated.
         noise: standard deviation of the noisiest position [rad or m], where derivatives are missing; else 0.
         derived: whether velocities or accelerations are missing.
         cutoff: above which torques are noise [Hz].
-        spikes: (n,) how far off their neighbours torques are left out [N m].
-        limits: (2, n) the least and the largest torque, where an amplifier clips it; infinite where none does [N m].
-        delays: (n,) by which torques are logged late [s]; loud: (n,) standard deviation of
-            their noise as if it were white, by second differences; 0 of coarse steps [N m].
+        spikes: (n,) how far off their neighbours torques are left out; limits: (2, n) the least and the largest torque,
+            where an amplifier clips it; infinite where there are none [N m].
+        delays: (n,) by which torques are logged late [s]; loud: (n,) standard deviation of their noise as if it were
+            white, by second differences; 0 of coarse steps [N m].
         held: joints without columns, and where.
         notes: what was assumed and left out, one line each; caveats: about its units and its given rates.
     """
@@ -104,12 +104,10 @@ class Log:
                 tau[(tau <= self.limits[0]) | (tau >= self.limits[1])] = np.nan
                 far = np.flatnonzero(np.diff(block.time, prepend=last) > GAP * self.step)
                 last = float(block.time[-1])
+                whole = Samples(block.time, block.q, block.qd, block.qdd, tau, False)
                 for start, stop in zip([0, *far], [*far, len(block)], strict=True):
                     if stop > start:
-                        rows = slice(start, stop)
-                        yield Samples(
-                            block.time[rows], block.q[rows], block.qd[rows], block.qdd[rows], tau[rows], start in far
-                        )
+                        yield whole.cut(slice(start, stop), start in far)
 
 
 def read_log(path: str, model: Model, scene: Scene = DEFAULT, *, cutoff: float | None = None, **options: Any) -> Log:
@@ -157,7 +155,7 @@ def read_log(path: str, model: Model, scene: Scene = DEFAULT, *, cutoff: float |
         ),
         *(f"the torque of {model.rates[i]} is {tau[0, i]:.6g} throughout: it is left out" for i in constant),
         *(f"the torque of {model.rates[i]} has spikes, which are left out" for i in measured if spikes[i] < np.inf),
-        *_of_torques({model.rates[i]: (tau[:, i], clipped[:, i]) for i in measured}),
+        *_of_torques([model.rates[i] for i in measured], tau[:, measured], clipped[:, measured]),
     )
     return Log(
         path=path,
@@ -183,37 +181,31 @@ def read_log(path: str, model: Model, scene: Scene = DEFAULT, *, cutoff: float |
     )
 
 
-def _of_torques(torques: Mapping[str, tuple[Floats, Floats]]) -> Iterator[str]:
-    """Yield lines on torques that are clipped between ends, or come in steps."""
+def _of_torques(names: Sequence[str], torques: Floats, limits: Floats) -> Iterator[str]:
+    """Yield lines on torques (N, k) that are clipped between limits (2, k), or come in steps."""
     coarse = []
-    for name, (tau, ends) in torques.items():
+    for name, tau, ends in zip(names, torques.T, limits.T, strict=True):
         if np.isfinite(ends).any():
             share = 100.0 * float(np.mean((tau <= ends[0]) | (tau >= ends[1])))
             what = f"the torque of {name} stands at {' and '.join(f'{end:.4g}' for end in ends if np.isfinite(end))}"
             yield f"{what} in {share:.2g} % of the rows, as if it were clipped: they are left out"
-        if (step := step_of(tau)) > _COARSE * np.ptp(tau):
-            coarse.append(f"{step:.3g} ({name})")
+        size = float(np.ptp(tau)) or 1.0
+        values = np.unique(np.round(tau / size, 9))
+        if 1 < len(values) < _VALUES and (step := float(np.diff(values).min())) > _COARSE:
+            coarse.append(f"{step * size:.3g} ({name})")
     if coarse:
         yield f"torques are in steps of {', '.join(coarse)}: what is smaller cannot be told"
 
 
-GAP = 4.5
-"""So many steps without a row part a log in stretches."""
-_EVEN = 1e-3
-"""Stamps that are off an even grid by less than this part of a step are taken for even."""
-_FEWEST = 64
-"""Rows up to which nothing is compared."""
-SIGHT = 1 << 17
-"""Samples from whose torques the noise is told."""
+GAP, _EVEN = 4.5, 1e-3
+"""So many steps without a row part a log in stretches; stamps that are off a grid by less than this part are even."""
+_FEWEST, SIGHT = 64, 1 << 17
+"""Rows up to which nothing is compared; samples from whose torques the noise is told."""
 REMEDY = "is it the right log, and are torques recorded?"
 
 
 class Scan:
-    """What a first pass over a log tells, in memory that does not grow with it.
-
-    Attributes:
-        seen: the first blocks; last: the last one; rows: of the table.
-    """
+    """What a first pass over a log tells, in memory of its own: the first blocks, the last one, how many rows."""
 
     def __init__(self, model: Model) -> None:
         self.model, self.rows = model, 0
@@ -223,7 +215,6 @@ class Scan:
         self._typical, self._steps = 0.0, (0, 0.0, np.inf, 0.0)
 
     def add(self, block: Trajectory) -> None:
-        """Take in the next block."""
         steps = np.diff(block.time, prepend=self.last.time[-1]) if self.rows else np.diff(block.time)
         if not self.rows and len(steps):
             self._typical = float(np.median(steps))
@@ -272,7 +263,7 @@ _HALO = 8
 class Samples(NamedTuple):
     """Consecutive samples (k,) on an even grid, with which a stretch begins or goes on.
 
-    tau [N m] is zero of joints that are not measured, NaN where a torque is left out.
+    Torques [N m] are zero of joints that are not measured, NaN where they are left out.
     """
 
     time: Floats
@@ -283,27 +274,24 @@ class Samples(NamedTuple):
     begins: bool
 
     def cut(self, rows: slice, begins: bool) -> Samples:
-        """Return some of the samples."""
-        return Samples(self.time[rows], self.q[rows], self.qd[rows], self.qdd[rows], self.tau[rows], begins)
+        time, q, qd, qdd, tau, _ = self
+        return Samples(time[rows], q[rows], qd[rows], qdd[rows], tau[rows], begins)
 
 
 def joined(first: Samples, second: Samples) -> Samples:
     """Return consecutive samples as one."""
-    time, q, qd, qdd, tau = (
-        np.concatenate([getattr(part, name) for part in (first, second)]) for name in Samples._fields[:-1]
-    )
+    time, q, qd, qdd, tau = map(np.concatenate, zip(first[:-1], second[:-1], strict=True))
     return Samples(time, q, qd, qdd, tau, first.begins)
 
 
 class Grid:
-    """Puts rows with uneven stamps onto an even grid: motion by cubic splines, torques by straight lines.
+    """Puts rows with uneven stamps onto an even grid, and torques that are `delays` (n,) late [s] where they belong.
 
-    Torques that are logged `delays` (n,) late [s] are put where they belong.
+    Motion goes by cubic splines, torques by straight lines.
     """
 
     def __init__(self, step: float, delays: Floats) -> None:
-        self._step, self._next, self._begins = step, 0.0, True
-        self._delays = delays
+        self._step, self._delays, self._next, self._begins = step, delays, 0.0, True
         self._halo = _HALO + int(np.ceil(np.abs(delays).max(initial=0.0) / step))
         self._rows: Samples | None = None
 
@@ -341,14 +329,12 @@ class Grid:
         self._next, self._begins = float(time[-1]) + self._step, False
 
 
-_WIDTH = 7
-"""Samples of the running median: three wrong ones next to each other are seen."""
-_DEVIATIONS = 10.0
-"""Of what torques are usually off the running median, told by the median of that."""
+_WIDTH, _DEVIATIONS = 7, 10.0
+"""Samples of the running median, by which three wrong ones next to each other are seen; times what torques are usually
+off it."""
 _OFTEN, _PILED = 8, 5.0
 """Samples at a torque's extreme, and how many times those one and two steps below, from which on it is clipped; the top
 of a parabola is reached 2.4 times as often as what is one step below."""
-_VALUES = 500
 _SHARE = 0.5
 """Of the range of 98 % of the running medians."""
 
@@ -386,17 +372,10 @@ def clipping(tau: Floats, moves: NDArray[np.bool_]) -> Floats:
     return found
 
 
-def step_of(tau: Floats) -> float:
-    """Return the step that torques (N,) come in; 0 of more than some hundred values."""
-    size = float(np.ptp(tau)) or 1.0
-    values = np.unique(np.round(tau / size, 9))
-    return float(np.diff(values).min()) * size if 1 < len(values) < _VALUES else 0.0
-
-
 def _medians(tau: Floats) -> Floats:
-    half = _WIDTH // 2
-    windows = np.lib.stride_tricks.sliding_window_view(np.pad(tau, ((half, half), (0, 0)), mode="edge"), _WIDTH, axis=0)
-    return np.asarray(np.median(windows, axis=-1))
+    from scipy.ndimage import median_filter
+
+    return np.asarray(median_filter(tau, (_WIDTH, 1), mode="nearest"))
 
 
 _LOUD = 10.0

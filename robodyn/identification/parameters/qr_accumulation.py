@@ -20,127 +20,104 @@ _OUTLIER = 3.0
 """Standard deviations above which a residual counts as if it were there (Huber)."""
 
 
-class Guess:
-    """A first fit: torques of regressor, and the standard deviation of each joint's residual.
+class Triangle:
+    """R with R^T R = A^T A of all rows A (k, c) that were added, `count` of them, by QR: no squares lose digits."""
 
-    Attributes:
-        values: (a,) by column; sigma: of each measured joint [N m].
-        moments: of the rows that are fitted, and of their residuals as far as they are no outliers.
-    """
+    def __init__(self, columns: int) -> None:
+        self.count, self._new = 0, 0
+        self._parts = [np.zeros((0, columns))]
 
-    def __init__(self, regressor: RegressorColumns, values: Floats, sigma: Floats) -> None:
-        self.values, self.sigma = values, sigma
-        self.moments = Moments(regressor)
+    def add(self, rows: Floats) -> None:
+        self._parts.append(rows)
+        self.count += len(rows)
+        self._new += len(rows)
+        if self._new >= _WAITING:
+            self._parts, self._new = [self.R], 0
 
-    def weights(self, columns: Sequence[Floats], residuals: Floats, fit: NDArray[np.bool_]) -> Floats:
-        """Return (k, joints) the square roots of Huber's weights; add the rows that are fitted to the moments."""
-        size = np.abs(residuals) / self.sigma
-        weights = np.sqrt(np.minimum(1.0, _OUTLIER / np.maximum(size, 1e-300)))
-        self.moments.add([each[fit] for each in columns], (residuals * weights * weights)[fit])
-        return np.asarray(weights)
+    @property
+    def R(self) -> Floats:
+        """(at most c, c)."""
+        if len(self._parts) > 1:
+            self._parts = [stacked(self._parts)]
+        return self._parts[0]
+
+
+def stacked(parts: list[Floats]) -> Floats:
+    """Return the triangular factor of rows (k, c) of which there may be many, one below another."""
+    return np.asarray(np.linalg.qr(np.concatenate(parts), mode="r"))
 
 
 class Gathered:
     """Factors of the rows [columns, torque] of every joint in every fold.
 
     Attributes:
-        regressor: the columns; parts: fold -> joint -> factor.
+        parts: fold -> joint -> factor.
         squares: (folds, joints) of the measured torques [N^2 m^2]; described: of the description's residuals.
-        channels: of each joint the rows of `gross_faults.told` that are fitted, if no guess was there.
+        channels: of each joint the rows of `channels.told` that are fitted, if no guess was there.
     """
 
     def __init__(self, folds: int, regressor: RegressorColumns) -> None:
         self.regressor = regressor
-        self.parts = [[Triangle.empty(width - 1) for width in regressor.widths] for _ in range(folds)]
+        self.parts = [[Triangle(width - 1) for width in regressor.widths] for _ in range(folds)]
         self.squares = np.zeros((folds, len(regressor.widths)))
         self.described = np.zeros_like(self.squares)
-        self.channels = [Triangle.empty(4 + len(regressor.widths)) for _ in regressor.widths]
-        self._waiting: dict[tuple[int, int], list[Floats]] = {}
+        self.channels = [Triangle(4 + len(regressor.widths)) for _ in regressor.widths]
 
-    def add(self, fold: int, joint: int, rows: Floats) -> None:
-        waiting = self._waiting.setdefault((fold, joint), [])
-        waiting.append(rows)
-        if sum(map(len, waiting)) >= _WAITING:
-            self._settle(fold, joint)
 
-    def finish(self) -> None:
-        """Add the rows that wait."""
-        for fold, joint in list(self._waiting):
-            self._settle(fold, joint)
+@dataclass(eq=False)
+class Guess:
+    """A first fit: values by column (a,), and the standard deviation of each joint's residual [N m].
 
-    def _settle(self, fold: int, joint: int) -> None:
-        self.parts[fold][joint].add(np.concatenate(self._waiting.pop((fold, joint))))
+    Attributes:
+        moments: of the rows that are fitted, and of their residuals as far as they are no outliers.
+    """
+
+    values: Floats
+    sigma: Floats
+    moments: Moments
+
+    def weights(self, columns: Sequence[Floats], residuals: Floats, fit: NDArray[np.bool_]) -> Floats:
+        """Return (k, joints) the square roots of Huber's weights; add the rows that are fitted to the moments."""
+        huber = np.minimum(1.0, _OUTLIER / np.maximum(np.abs(residuals) / self.sigma, 1e-300))
+        self.moments.add([each[fit] for each in columns], (residuals * huber)[fit])
+        return np.sqrt(huber)
 
 
 def gather(
-    log: Log,
-    cutoff: float,
-    regressor: RegressorColumns,
-    edges: Sequence[float],
-    plain: Gathered,
-    weighted: Gathered | None = None,
-    guess: Guess | None = None,
+    log: Log, cutoff: float, edges: Sequence[float], plain: Gathered, weighted: Gathered, guess: Guess | None = None
 ) -> None:
-    """Add the rows of a log to the factors of their folds; with a first guess to weighted ones, too.
+    """Add the rows of a log to the factors of their folds; with a first guess to those of Huber's weights, too.
 
     Args:
         edges: times [s] at which a fold ends and the next begins, ascending.
     """
+    regressor = plain.regressor
     if guess is not None:
         guess.moments.restart()
     for rows in filtered(log, cutoff, regressor.compute):
         folds = np.searchsorted(np.asarray(edges), rows.time, side="right")
+        fit, tau = folds < len(edges), rows.tau[:, regressor.measured]
         parts, described = [], []
-        for j, columns in zip(regressor.measured, regressor.by_joint(rows.values), strict=True):
-            parts.append(np.concatenate([columns[:, :-2], rows.tau[:, j, None] - columns[:, -2:-1]], axis=1))
-            described.append(columns[:, -1] - rows.tau[:, j])
-        weights, fit = None, folds < len(edges)
+        for columns, own in zip(regressor.by_joint(rows.values), tau.T, strict=True):
+            parts.append(np.column_stack((columns[:, :-2], own - columns[:, -2])))
+            described.append(columns[:, -1] - own)
         if guess is not None:
             pairs = zip(parts, regressor.used, strict=True)
-            off = [einsum("ka,a->k", part[:, :-1], guess.values[used]) - part[:, -1] for part, used in pairs]
-            weights = guess.weights([part[:, :-1] for part in parts], np.stack(off, axis=1), fit)
+            off = np.stack([part[:, :-1] @ guess.values[used] - part[:, -1] for part, used in pairs], axis=1)
+            weights = guess.weights([part[:, :-1] for part in parts], off, fit)
         else:
-            tau = rows.tau[:, regressor.measured]
             for joint, own in enumerate(regressor.own):
                 channels = np.column_stack((parts[joint][:, own], described[joint] + tau[:, joint], tau))
                 plain.channels[joint].add(channels[fit])
         for fold in np.unique(folds).tolist():
             own = folds == fold
-            plain.squares[fold] += (rows.tau[own][:, regressor.measured] ** 2).sum(axis=0)
-            plain.described[fold] += [(off[own] ** 2).sum() for off in described]
+            plain.squares[fold] += (tau[own] ** 2).sum(axis=0)
+            plain.described[fold] += [(each[own] ** 2).sum() for each in described]
             for joint, part in enumerate(parts):
-                plain.add(fold, joint, part[own])
-                if weighted is not None and weights is not None:
+                plain.parts[fold][joint].add(part[own])
+                if guess is not None:
                     weighted.squares[fold, joint] += float((part[own, -1] ** 2).sum())
-                    weighted.add(fold, joint, part[own] * weights[own, joint, None])
-
-
-@dataclass
-class Triangle:
-    """R with R^T R = A^T A of all rows A that were added: by QR updates, whose error is that of QR, not of squares.
-
-    Attributes:
-        R: (at most c, c).
-        count: rows that were added.
-    """
-
-    R: Floats
-    count: int = 0
-
-    @classmethod
-    def empty(cls, columns: int) -> Triangle:
-        return cls(np.zeros((0, columns)))
-
-    def add(self, rows: Floats) -> None:
-        """Add rows (k, c)."""
-        if len(rows):
-            self.R = stacked([self.R, rows])
-            self.count += len(rows)
-
-
-def stacked(parts: list[Floats]) -> Floats:
-    """Return the triangular factor of rows (k, c) of which there may be many, one below another."""
-    return np.asarray(np.linalg.qr(np.concatenate(parts), mode="r"))
+                    weighted.parts[fold][joint].add(part[own] * weights[own, joint, None])
 
 
 LAGS = 12
