@@ -15,16 +15,16 @@ from robodyn.dynamics.regressor import INERTIAL, regressor
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import HALF_UP, Floats
-from robodyn.support.sums import einsum
+from robodyn.support.sums import einsum, unit_columns
 
 TOLERANCE = 1e-8
 """Of a column's length: what lies off the span of the others by less is dependent on them. Rounding reaches 1e-13, and
 angles that a description truncates 1e-9; while columns of the regressor at random states are at least 0.1 apart."""
 _EARLY_ENOUGH = 1e-3
 """An earlier parameter is preferred to a later one whose column is up to a thousand times farther from the others."""
-_NOTHING = 1e-9
-"""Of the longest column of the same unit: a shorter one is zero but for rounding and truncated angles."""
-_ROUNDING = 1e-13
+_NOTHING, _ROUNDING = 1e-9, 1e-13
+"""Of the longest column of the same unit: a shorter one is zero but for rounding and truncated angles; and of a sum's
+terms."""
 _LONG = 8
 """Words of a group, about three terms."""
 
@@ -42,8 +42,7 @@ class Base:
     """Y theta = Y[:, independent] beta with beta = matrix theta, for every row Y that the motion has.
 
     Attributes:
-        names: (p,) of the parameters theta.
-        independent: (r,) which parameters the groups are named after, ascending.
+        names: (p,) of the parameters theta; independent: (r,) those that groups are named after, ascending.
         matrix: (r, p) the groups: 1 at each one's own parameter, 0 at those of the others.
         kept, dropped: how far, as a part of its length, the column nearest to the span of those chosen before it is
             off it among the chosen, and the farthest among the others: the gap in which the rank was decided.
@@ -70,7 +69,15 @@ class Base:
     @cached_property
     def groups(self) -> tuple[str, ...]:
         """The base parameters in words: "forearm.Izz + 0.1849 hand.m"; coefficients in SI units to four digits."""
-        return tuple(self._group(row, own) for row, own in zip(self.matrix, self.independent, strict=True))
+        found = []
+        for row, own in zip(self.matrix, self.independent, strict=True):
+            text = self.names[own]
+            for k in np.flatnonzero(row):
+                if k != own:
+                    size = f"{abs(row[k]) * HALF_UP:.4g}"
+                    text += f" {'-' if row[k] < 0 else '+'} {'' if size == '1' else size + ' '}{self.names[k]}"
+            found.append(text)
+        return tuple(found)
 
     @property
     def short_groups(self) -> tuple[str, ...]:
@@ -79,14 +86,6 @@ class Base:
             group if group.count(" ") < _LONG else f"{self.names[own]} + {np.count_nonzero(row) - 1} others"
             for group, own, row in zip(self.groups, self.independent, self.matrix, strict=True)
         )
-
-    def _group(self, row: Floats, own: int) -> str:
-        text = self.names[own]
-        for k in np.flatnonzero(row):
-            if k != own:
-                size = f"{abs(row[k]) * HALF_UP:.4g}"
-                text += f" {'-' if row[k] < 0 else '+'} {'' if size == '1' else size + ' '}{self.names[k]}"
-        return text
 
     def values(self, theta: Floats) -> Floats:
         """Return beta (..., r) of parameters theta (..., p); 0 for what is rounding alone beside its terms."""
@@ -98,14 +97,13 @@ class Base:
         """Return the beta that minimises |R[:, independent] beta - z|, with cov(beta) = sigma^2 (R_b^T R_b)^-1.
 
         Args:
-            R: (k, p) rows of the regressor, or their triangular factor, each weighted. z: (k,) torques, alike.
-            sigma: standard deviation of each of z.
+            R: (k, p) rows of the regressor, or their triangular factor, each weighted; z: (k,) torques, alike, each of
+                the standard deviation sigma.
 
         Accuracy: within 10 eps r times `condition` of noise-free parameters.
         """
-        A = np.asarray(R, dtype=float)[:, self.independent]
-        lengths = _lengths(A)
-        inverse = np.linalg.pinv(A / lengths) / lengths[:, None]
+        unit, lengths = unit_columns(np.asarray(R, dtype=float)[:, self.independent])
+        inverse = np.linalg.pinv(unit) / lengths[:, None]
         covariance = sigma * sigma * inverse @ inverse.T
         return Estimate(inverse @ z, np.sqrt(np.diagonal(covariance)), covariance)
 
@@ -127,15 +125,13 @@ def base_of(R: Floats, names: Sequence[str], tolerance: float = TOLERANCE) -> Ba
 
     Args:
         R: (k, p) rows of the regressor, or their triangular factor (R^T R = Y^T W Y).
-        names: (p,) of the parameters.
         tolerance: part of a column's length off the span of others, under which it depends on them.
 
     Accuracy: `matrix` within 1e-10 of exact coefficients at random states.
     """
     A = np.array(R, dtype=float)
     visible = np.flatnonzero(shown(A, names))
-    lengths = _lengths(A[:, visible])
-    unit = A[:, visible] / lengths
+    unit, lengths = unit_columns(A[:, visible])
     chosen, kept, off = _pivoted(unit, tolerance)
     own, others = np.sort(chosen), np.setdiff1d(np.arange(len(visible)), chosen)
     tail = np.linalg.lstsq(unit[:, own], unit[:, others], rcond=None)[0]
@@ -153,11 +149,9 @@ def base_of(R: Floats, names: Sequence[str], tolerance: float = TOLERANCE) -> Ba
 def shown(R: Floats, names: Sequence[str]) -> NDArray[np.bool_]:
     """Return (p,) which columns of rows R (k, p) are more than rounding beside the longest of the same unit."""
     lengths = _lengths(R)
-    longest: dict[str, float] = {}
     kinds = (name.rpartition(".")[2] for name in names)
-    units = [_UNITS.get(kind, kind) for kind in kinds]
-    for unit, length in zip(units, lengths.tolist(), strict=True):
-        longest[unit] = max(length, longest.get(unit, 0.0))
+    units = np.array([_UNITS.get(kind, kind) for kind in kinds], dtype=object)
+    longest = {unit: lengths[units == unit].max() for unit in set(units)}
     return np.asarray(lengths > _NOTHING * np.array([longest[unit] for unit in units]))
 
 

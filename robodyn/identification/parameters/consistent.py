@@ -23,8 +23,6 @@ _NEXT, _CENTRED, _SETTLED = 0.05, 1.0, 1e-8
 which the last point is the minimum."""
 _STEPS, _LAST = 400, 12
 """Newton's steps at most, and those at the end of the path after which what is left is rounding."""
-
-
 BASIS = np.zeros((10, 4, 4))
 """An orthonormal basis (10, 4, 4) of the symmetric matrices."""
 for _k, (_i, _j) in enumerate(zip(*np.triu_indices(4), strict=True)):
@@ -40,11 +38,9 @@ def coordinates(V: Floats) -> Floats:
 
 
 class ConsistentFit(NamedTuple):
-    """Physically consistent parameters.
+    """Physically consistent parameters theta (p,), with `error` = ||R theta - z||^2 / 2.
 
     Attributes:
-        theta: (p,).
-        error: ||R theta - z||^2 / 2.
         gap: by how much the objective exceeds its minimum at most; infinite if that could not be found.
     """
 
@@ -73,8 +69,7 @@ def consistent_parameters(R: Floats, z: Floats, prior: Prior, strength: float = 
 
     Args:
         R, z: (rows, p), (rows,), as triangular factors of a weighted regressor and torques.
-        prior: of the p parameters.
-        strength: in the unit of ||z||^2.
+        strength: of the prior, in the unit of ||z||^2.
 
     Raises:
         InputError: a number is not finite.
@@ -85,11 +80,11 @@ def consistent_parameters(R: Floats, z: Floats, prior: Prior, strength: float = 
         raise InputError("the rows have numbers that are not finite", remedy="look for gaps in the log")
     path = _Path(R, z, prior, strength)
     if not path.seen.any():
-        return ConsistentFit(prior.described.copy(), float(einsum("i,i->", z, z)) / 2.0, 0.0)
+        return ConsistentFit(prior.described.copy(), float(z @ z) / 2.0, 0.0)
     gap = path.follow()
     theta = path.theta()
-    residual = einsum("ij,j->i", R, theta) - z
-    return ConsistentFit(theta, float(einsum("i,i->", residual, residual)) / 2.0, gap * path.size**2)
+    residual = R @ theta - z
+    return ConsistentFit(theta, float(residual @ residual) / 2.0, gap * path.size**2)
 
 
 class _Path:

@@ -24,13 +24,10 @@ from robodyn.solids.mesh.triangles import scaled
 from robodyn.support.floats import Floats
 from robodyn.support.wording import listed, shown
 
-_FLAT = 1e-6
-"""Second moments below this part of the largest are not told from an impossible body's."""
-_THICKNESS = 1e-2
-"""What is put in the place of a second moment that is missing, in parts of the largest."""
-_POINT = 1e-4
-_GYRATION = 0.1
-"""Radius of gyration of a body that is described as a point, in parts of its size."""
+_FLAT, _THICKNESS = 1e-6, 1e-2
+"""Of the largest second moment: one below is not told from an impossible body's, and what takes its place."""
+_POINT, _GYRATION = 1e-4, 0.1
+"""Of a body's size: the radius of gyration below which it is described as a point, and what takes its place."""
 _SHARE = 1e-3
 """Mass of a body that is described without, in parts of the robot's."""
 
@@ -49,7 +46,6 @@ class Prior:
     """Where parameters are drawn to.
 
     Attributes:
-        names: as `robodyn.regressor` has them.
         described: (p,) values of the description; theta: with bodies that cannot exist replaced by near ones that can.
         bodies: whose parameters are open. Of the three that a planar joint is made of it is the last.
         notes: what was replaced, a line each.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -148,18 +148,16 @@ class Moments:
         """Add consecutive rows: of each joint (k, a), and (k, joints) residuals."""
         self.count += len(residuals)
         for j, (new, sums) in enumerate(zip(columns, self.columns, strict=True)):
-            whole = np.concatenate([self._columns[j], new])
-            for lag, (first, second) in _apart(whole, len(new), 2 * LAGS):
+            self._columns[j] = whole = np.concatenate([self._columns[j][-2 * LAGS :], new])
+            for lag, (first, second) in enumerate(_apart(whole, len(new), 2 * LAGS)):
                 sums[lag] += first.T @ second
-            self._columns[j] = whole[-2 * LAGS :]
-        whole = np.concatenate([self._residuals, residuals])
-        for lag, (first, second) in _apart(whole, len(residuals), LAGS):
+        self._residuals = whole = np.concatenate([self._residuals[-LAGS:], residuals])
+        for lag, (first, second) in enumerate(_apart(whole, len(residuals), LAGS)):
             self.residuals[lag] += einsum("kj,kj->j", first, second)
-        self._residuals = whole[-LAGS:]
 
 
-def _apart(whole: Floats, new: int, lags: int) -> list[tuple[int, tuple[Floats, Floats]]]:
-    """Return by lag the rows of which the later one is among the last `new`, and these."""
-    old = len(whole) - new
-    firsts = [(lag, max(old - lag, 0)) for lag in range(min(lags + 1, len(whole)))]
-    return [(lag, (whole[first : len(whole) - lag], whole[first + lag :])) for lag, first in firsts]
+def _apart(whole: Floats, new: int, lags: int) -> Iterator[tuple[Floats, Floats]]:
+    """Yield by lag the rows of which the later one is among the last `new`, and these."""
+    for lag in range(min(lags + 1, len(whole))):
+        first = max(len(whole) - new - lag, 0)
+        yield whole[first : len(whole) - lag], whole[first + lag :]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.dynamics.inverse import inverse_dynamics
-from robodyn.dynamics.regressor import INERTIAL, Regressor, regressor
+from robodyn.dynamics.regressor import INERTIAL, regressor
 from robodyn.identification.log.log import Samples
 from robodyn.programs.vectors import product
 from robodyn.robot.model import Model
@@ -30,10 +30,8 @@ class Motor:
     """A motor that turns with a sum of joints' rates, s = direction . qd, and drives them with torques alike.
 
     Attributes:
-        name: of the joint, or of the motor of several joints.
-        direction: (n,).
-        scale: largest |s| of the motion [rad/s].
-        stribeck: speeds at which Stribeck's excess may decay, which are compared [rad/s].
+        name: of the joint, or of the motor of several joints; direction: (n,).
+        scale: largest |s| of the motion; stribeck: speeds at which Stribeck's excess may decay, to compare [rad/s].
         loaded: whether friction that grows with load is compared; of a joint's own motor alone.
     """
 
@@ -57,10 +55,7 @@ class Motor:
     def columns(self, qd: Floats, qdd: Floats, slip_speed: float, transmitted: Floats) -> Iterator[Floats]:
         """Yield (k,) the column of each: s, sign(s), sign(s)^2, its acceleration, signs times exp(-(s / v)^2).
 
-        The last, if it is loaded, is sign(s) |torque that passes the gear|.
-
-        Args:
-            transmitted: (k, n) torques that the joints transmit, as a first fit has them.
+        The last, if it is loaded, is sign(s) |torque that passes the gear|, of which the joints transmit (k, n).
         """
         speed, sign = product(qd, self.direction), self.sign(qd, slip_speed)
         yield from (speed, sign, sign * sign, product(qdd, self.direction))
@@ -105,9 +100,6 @@ class Shape:
 PLAIN = Shape()
 
 
-_SEED, _STATES = 20, 8
-
-
 class RegressorColumns:
     """Columns by joint: of each joint those alone that its torque can show.
 
@@ -126,18 +118,13 @@ class RegressorColumns:
         slip_speed: float,
         bodies: Floats | None = None,
     ) -> None:
-        """Take the columns of a model in a scene.
-
-        Args:
-            measured: rates; slip_speed: below which signs are smoothed.
-            bodies: their parameters, by which torques through gears are known; None: the description's.
-        """
+        """Args: bodies: their parameters, by which torques through gears are known; None: the description's."""
         self.model, self.measured, self.motors, self.slip_speed = model, tuple(measured), tuple(motors), slip_speed
         self._described = replace(scene, slip_speed=slip_speed)
         self._scene = replace(scene, payloads=(), friction={}, rotor={}, motor={}, coupled=())
         self._payloads = scene.payloads
-        rng = np.random.default_rng(_SEED)
-        found = self._regressor(*(rng.uniform(-2.0, 2.0, (_STATES, model.n)) for _ in range(3)))
+        states = np.random.default_rng(20).uniform(-2.0, 2.0, (3, 8, model.n))
+        found = regressor(model, *states, scene=self._scene)
         self._inertial = [k for k, name in enumerate(found.names) if name.rpartition(".")[2] in INERTIAL]
         self.bodies = tuple(found.names[k] for k in self._inertial)
         self.described = found.theta[self._inertial]
@@ -158,10 +145,7 @@ class RegressorColumns:
         """Return the columns that are linear near a fit, where friction grows with load.
 
         With m = load sign(s) and t = Y theta + what is known: t + m |t| is, to first order, (1 + m0 sign(t0)) t
-        + (m - m0) |t0|, and exact at the fit.
-
-        Args:
-            bodies: (b,) parameters of bodies; loads: by the place of a motor.
+        + (m - m0) |t0|, and exact at the fit, which has these parameters of bodies (b,) and loads by places of motors.
         """
         found = copy(self)
         found._transmitting, found._loads = bodies, dict(loads)
@@ -176,9 +160,11 @@ class RegressorColumns:
     @property
     def own(self) -> list[list[int]]:
         """For each measured joint where in `used` its own motor's friction is, viscous and Coulomb's, and its rotor."""
-        wanted = [[f"{self.model.rates[j]}.{column}" for column in ("viscous", "sign", "rotor")] for j in self.measured]
-        places = [{self.names[k]: place for place, k in enumerate(used)} for used in self.used]
-        return [[place[name] for name in names] for place, names in zip(places, wanted, strict=True)]
+        found = []
+        for j, used in zip(self.measured, self.used, strict=True):
+            places = {self.names[k]: place for place, k in enumerate(used)}
+            found.append([places[f"{self.model.rates[j]}.{column}"] for column in ("viscous", "sign", "rotor")])
+        return found
 
     def _of_motors(self, j: int) -> Iterator[tuple[int, float, NDArray[np.intp]]]:
         """Yield place, share and columns of each motor that acts on a joint."""
@@ -188,9 +174,6 @@ class RegressorColumns:
             if motor.direction[j]:
                 yield k, float(motor.direction[j]), np.arange(start, stop)
             start = stop
-
-    def _regressor(self, q: Floats, qd: Floats, qdd: Floats) -> Regressor:
-        return regressor(self.model, q, qd, qdd, scene=self._scene)
 
     @property
     def widths(self) -> list[int]:
@@ -207,11 +190,15 @@ class RegressorColumns:
         Springs, wrenches and payloads are known. All of the description's torque is `inverse_dynamics` in the scene.
         Where a torque is left out its joint's columns are zero.
         """
-        found = self._regressor(samples.q, samples.qd, samples.qdd)
+        motion = samples.q, samples.qd, samples.qdd
+        found = regressor(self.model, *motion, scene=self._scene)
         Y, known = found.Y, found.rest
         if self._payloads:
-            known = known + self._of_payloads(samples)
-        described = inverse_dynamics(self.model, samples.q, samples.qd, samples.qdd, scene=self._described)
+            bare = Scene(gravity=self._scene.gravity)
+            scenes = replace(bare, payloads=self._payloads), bare
+            loaded, empty = (inverse_dynamics(self.model, *motion, scene=scene) for scene in scenes)
+            known = known + loaded - empty
+        described = inverse_dynamics(self.model, *motion, scene=self._described)
         passed = known + einsum("kjb,b->kj", Y[:, :, self._inertial], self._transmitting)
         for k, load in self._loads.items():
             j = int(np.flatnonzero(self.motors[k].direction)[0])
@@ -228,12 +215,3 @@ class RegressorColumns:
             own += [known[:, j : j + 1], described[:, j : j + 1]]
             columns.append(np.where(there[:, j : j + 1], np.concatenate(own, axis=1), 0.0))
         return np.concatenate(columns, axis=1)
-
-    def _of_payloads(self, samples: Samples) -> Floats:
-        """Return (k, n) the torques of the payloads alone."""
-        bare = Scene(gravity=self._scene.gravity)
-        loaded = replace(bare, payloads=self._payloads)
-        torques = (
-            inverse_dynamics(self.model, samples.q, samples.qd, samples.qdd, scene=scene) for scene in (loaded, bare)
-        )
-        return next(torques) - next(torques)

@@ -14,11 +14,9 @@ from robodyn.identification.parameters.regressor_columns import RegressorColumns
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum, unit_columns
 
-_RIDGE = 1e-4
-"""Of a column's length: what is shown by less is left where it is in comparisons."""
-_ROUNDS = 6
-_LEAST = 1e-13
-"""Of a joint's torques: residuals are not taken for smaller."""
+_RIDGE, _LEAST, _ROUNDS = 1e-4, 1e-13, 6
+"""Of a column's length: what is shown by less is left where it is in comparisons; of a joint's torques: residuals are
+not taken for smaller; rounds of weights."""
 _LAG = np.arange(LAGS + 1)
 _TAPER = np.where(2 * _LAG < LAGS + 1, 1.0 - 6.0 * (x := _LAG / (LAGS + 1.0)) ** 2 * (1.0 - x), 2.0 * (1.0 - x) ** 3)
 """Parzen's, of each lag."""
@@ -73,8 +71,6 @@ def system(gathered: Gathered, folds: Sequence[int], structure: Structure, sigma
 
     Columns of R that are rounding alone are zero: at unit length they would explain torques at random.
 
-    Args:
-        sigma: (joints,) N m.
     """
     return whole_system([_of_fold(gathered, fold, structure, sigma) for fold in folds], structure.names)
 
@@ -107,11 +103,9 @@ def _of_fold(gathered: Gathered, fold: int, structure: Structure, sigma: Floats)
 def squares(gathered: Gathered, fold: int, structure: Structure, theta: Floats) -> Floats:
     """Return (joints,) the sums of squares of the residuals of a fold [N^2 m^2]."""
     values = structure.shape @ theta
-    found = []
-    for used, triangle in zip(structure.regressor.used, gathered.parts[fold], strict=True):
-        off = triangle.R[:, :-1] @ values[used] - triangle.R[:, -1]
-        found.append(float(off @ off))
-    return np.array(found)
+    pairs = zip(structure.regressor.used, gathered.parts[fold], strict=True)
+    off = [triangle.R[:, :-1] @ values[used] - triangle.R[:, -1] for used, triangle in pairs]
+    return np.array([each @ each for each in off])
 
 
 def counts(gathered: Gathered, folds: Sequence[int]) -> Floats:
@@ -170,9 +164,8 @@ def covariance(moments: Moments, structure: Structure, base: Base, R: Floats, si
     Args:
         R: (k, p) weighted rows of the structure's parameters. sigma: (joints,) of the residuals [N m].
     """
-    A = R[:, base.independent]
-    lengths = np.sqrt(einsum("ij,ij->j", A, A))
-    _, size, axes = np.linalg.svd(A / lengths, full_matrices=False)
+    unit, lengths = unit_columns(R[:, base.independent])
+    _, size, axes = np.linalg.svd(unit, full_matrices=False)
     inverse = axes.T / size / lengths[:, None]
     shape = structure.shape[:, base.independent] @ inverse
     C = []
