@@ -19,7 +19,7 @@ from robodyn.robot.model import Model
 from robodyn.robot.urdf.document import read_document
 from robodyn.robot.urdf.edits import Edit, edited, with_attributes, with_comment, with_first_child
 from robodyn.robot.urdf.packages import EXPANDED, Search
-from robodyn.robot.urdf.parts import INERTIA, Description, Link
+from robodyn.robot.urdf.parts import INERTIA, Description
 from robodyn.robot.urdf.view import LinkView, View
 from robodyn.scene.parts import Friction, Rotor
 from robodyn.scene.scene import DEFAULT, Scene
@@ -158,9 +158,6 @@ def link_inertias(model: Model, described: Floats, theta: Floats) -> tuple[dict[
     so that about half of the body in its narrowest direction is left to the first. Payloads of the scene, which theta
     and `described` hold both, belong to no link.
 
-    Args:
-        described, theta: of `robodyn.regressor`, before and after identification.
-
     Raises:
         InputError: what the log shows of a body is less than its payload.
     """
@@ -181,17 +178,26 @@ def link_inertias(model: Model, described: Floats, theta: Floats) -> tuple[dict[
 
 
 def _shared(model: Model, k: int, P: Floats) -> tuple[dict[str, MassProperties], list[str]]:
-    """Return the links of a body that change, in their frames."""
+    """Return the links of a body that change, in their frames.
+
+    The change goes to the body's own link, or if that has no mass to the heaviest.
+    """
     assert model.description is not None, "models are made of descriptions"
     links = [link for link in model.description.links if link.name in model.links and model.links[link.name].body == k]
-    main = _main(links, model.bodies[k].name)
+    masses = [0.0 if link.inertial is None else link.inertial.mass for link in links]
+    own = next(i for i, link in enumerate(links) if link.name == model.bodies[k].name)
+    main = links[own if masses[own] > 0.0 or max(masses) <= 0.0 else int(np.argmax(masses))]
     others = {each.name: each.body for link in links if link is not main and (each := declared(link)) is not None}
     others = {name: body for name, body in others.items() if body.mass or body.S_c.any()}
     total = np.zeros((4, 4))
     for name, body in others.items():
         m, mc, I = body.placed(model.links[name].R, model.links[name].p).moments
         total += pseudo_inertia((m, *mc, *I[np.triu_indices(3)]))
-    share, notes, changed = _share(P, total), list[str](), dict[str, MassProperties]()
+    share, notes, changed = 1.0, list[str](), dict[str, MassProperties]()
+    if others:
+        L = np.linalg.cholesky(P)
+        largest = float(np.linalg.eigvalsh(np.linalg.solve(L, np.linalg.solve(L, total).T)).max())
+        share = 1.0 if largest <= 1.0 - _LEFT else float(f"{0.5 / largest:.3g}")
     if share < 1.0:
         changed = {name: from_inertia(share * b.mass, b.com, share * b.inertia) for name, b in others.items()}
         what = f"the links {listed(list(others))} are more than body {shown(model.bodies[k].name)} is found to be"
@@ -202,33 +208,11 @@ def _shared(model: Model, k: int, P: Floats) -> tuple[dict[str, MassProperties],
     return {main.name: body.placed(frame.R.T, -product(frame.R.T, frame.p)), **changed}, notes
 
 
-def _main(links: Sequence[Link], name: str) -> Link:
-    """Return the link that takes the change: the body's own, or without mass the heaviest."""
-    own = next(link for link in links if link.name == name)
-    masses = [0.0 if link.inertial is None else link.inertial.mass for link in links]
-    if (own.inertial is not None and own.inertial.mass > 0.0) or max(masses) <= 0.0:
-        return own
-    return links[int(np.argmax(masses))]
-
-
-def _share(P: Floats, others: Floats) -> float:
-    """Return how much of the others P leaves room for: all, if at least `_LEFT` of P remains."""
-    if not others.any():
-        return 1.0
-    L = np.linalg.cholesky(P)
-    half = np.linalg.solve(L, others)
-    largest = float(np.linalg.eigvalsh(np.linalg.solve(L, half.T)).max())
-    return 1.0 if largest <= 1.0 - _LEFT else float(f"{0.5 / largest:.3g}")
-
-
 def calibrated(model: Model, names: Sequence[str], theta: Floats, scene: Scene = DEFAULT) -> Scene:
     """Return the scene with the friction and the rotors of theta, which replace what the description says of them.
 
     What theta does not hold stays: the speed of Stribeck's excess, gears. Joints without friction or rotor, in theta as
     before, are not named.
-
-    Args:
-        names, theta: of `robodyn.regressor` for this model and scene.
 
     Accuracy: `robodyn.regressor` of it has theta, rotors within 2 eps.
     """
@@ -257,11 +241,8 @@ def _friction_found(motor: str, old: Friction, found: dict[str, float]) -> Frict
 
 
 def friction_toml(model: Model, scene: Scene, comment: Sequence[str] = ()) -> str:
-    """Return as TOML what a scene says of friction and rotors: what `robodyn.load_scene` reads back the same.
-
-    Args:
-        comment: lines at the top.
-    """
+    """Return as TOML what a scene says of friction and rotors, which `robodyn.load_scene` reads back the same; lines of
+    a comment at the top."""
     blocks = ["".join(f"# {line}".rstrip() + "\n" for line in comment)] if comment else []
     if scene.slip_speed:
         blocks.append(f"slip_speed = {scene.slip_speed!r}\n")

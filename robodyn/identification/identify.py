@@ -40,7 +40,7 @@ from robodyn.identification.passes import FOLDS, RESTS, Run, begun, first_fit, r
 from robodyn.identification.result import BaseFit, Errors, Identified, motor_fits, outcome
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
-from robodyn.support.sums import einsum, unit_columns
+from robodyn.support.sums import unit_columns
 
 _REPEATED = 3
 """Gauss-Newton's steps where friction grows with load, which is not linear in the parameters."""
@@ -55,12 +55,9 @@ _RANK, _ALIKE = 1e-8, 0.35
 _ABSORBED = 3.0
 """Times what is left: a fit hides a part of what the model has not in its parameters, where it comes back on another
 motion. Chosen on one half of the logs of which the documentation has the other."""
-_CHANCE = 1.0
-"""Standard deviations by which noise alone is larger in one part of a log than in another."""
-_LEAST = 1e-3
-"""Of a joint's torque: no model is nearer to a robot."""
-_LOUD = 2.0
-"""Times the noise: what is told."""
+_CHANCE, _LEAST, _LOUD = 1.0, 1e-3, 2.0
+"""Standard deviations by which noise alone is larger in one part of a log than in another; of a joint's torque: no
+model is nearer to a robot; times the noise: what is told."""
 
 
 def identify(
@@ -134,11 +131,8 @@ def identify(
     of_train, held = errors(train), errors([FOLDS]) if holds else [None] * 3
     alone, of = _told_by_description(structure, theta), [FOLDS] if holds else train
     motors = motor_fits(structure, theta)
-    beyond = {name: abs(fit.offset) - fit.coulomb for name, fit in motors.items()}
     delays = {run.model.rates[j]: float(run.logs[0].delays[j]) for j in run.measured}
-    late = [f"{1e3 * delay:.3g} ms ({name})" for name, delay in delays.items() if delay]
-    if late:
-        late = [f"torques are logged late beside positions, which is taken out: {', '.join(late)}"]
+    late = ", ".join(f"{1e3 * delay:.3g} ms ({name})" for name, delay in delays.items() if delay)
     names, described, calibrated, after = outcome(run.model, run.scene, structure, theta, run.slip_speed)
     shown = [body for body in prior.bodies if base.matrix[:, body.columns].any()]
     return Identified(
@@ -147,7 +141,7 @@ def identify(
         names=names,
         described=described,
         theta=calibrated,
-        base=BaseFit(base, base.estimate(R, z).values, np.sqrt(einsum("ii->i", C)), base.values(theta), C),
+        base=BaseFit(base, base.estimate(R, z).values, C, base.values(theta)),
         motors=motors,
         coupled=first.coupled,
         train=of_train[0],
@@ -171,7 +165,7 @@ def identify(
         faults=tuple(first.faults),
         warnings=(
             *first.faults,
-            *late,
+            *([f"torques are logged late beside positions, which is taken out: {late}"] if late else ()),
             *first.caveats,
             *(_worse(of_train[0], held[0], held[2]) if held[0] and held[2] else ()),
             *lacking,
@@ -180,9 +174,9 @@ def identify(
             *(() if held[0] else ("nothing is held out: the errors are of what was fitted",)),
             *prior.notes,
             *(
-                f"{name}: {size:.3g} N m of its offset are no friction, and in no file: the torque sensor's?"
-                for name, size in beyond.items()
-                if size > 0.0
+                f"{name}: {beyond:.3g} N m of its offset are no friction, and in no file: the torque sensor's?"
+                for name, each in motors.items()
+                if (beyond := abs(each.offset) - each.coulomb) > 0.0
             ),
             _GAIN,
         ),
@@ -280,12 +274,11 @@ def _misfit(
     Args:
         theta: (p,) fitted to all parts; sigma: (joints,) by which joints weigh [N m].
     """
-    others = enumerate(without_one(weighted, range(FOLDS), structure, sigma))
-    parts = [(fold, least_squares(R, z)) for fold, (R, z) in others]
+    parts = [least_squares(R, z) for R, z in without_one(weighted, range(FOLDS), structure, sigma)]
     off, least = [], np.zeros(len(sigma))
     passed = [np.linalg.norm(kernel(run.cutoff, log.step)) * log.loud for log in run.logs]
     noise = np.min(passed, axis=0)[list(run.measured)]
-    for fold, values in (*parts, (FOLDS, theta)):
+    for fold, values in enumerate([*parts, theta]):
         rows = counts(plain, [fold])
         if rows.all():
             off.append(squares(plain, fold, structure, values) / rows)
@@ -293,11 +286,8 @@ def _misfit(
     left = np.sqrt(np.max(off, axis=0))
     size = np.sqrt(plain.squares.sum(axis=0) / np.maximum(counts(plain, range(FOLDS + 1)), 1.0))
     deviation = np.hypot(_ABSORBED * np.sqrt(np.maximum(left**2 - least**2, 0.0)), _LEAST * size)
-    rates = (run.model.rates[j] for j in run.measured)
     loud = [
-        f"{name} +- {more:.2g} N m"
-        for name, more, is_loud in zip(rates, deviation.tolist(), left > _LOUD * noise, strict=True)
-        if is_loud
+        f"{run.model.rates[run.measured[k]]} +- {deviation[k]:.2g} N m" for k in np.flatnonzero(left > _LOUD * noise)
     ]
     if not loud:
         return deviation, []

@@ -29,10 +29,9 @@ SPEEDS = (0.01, 0.03, 0.1, 0.2, 0.4)
 """Speeds of Stribeck's excess that are compared, in parts of a motor's largest."""
 _ROUNDED = 5.0
 """Times the slip speed: breakaway that decays faster would make up for the rounded sign of Coulomb's friction."""
-_COUPLED = 0.5
-"""A coupled motor counts if it makes the squares of what is left of both joints, on average, so much less."""
-_MOST = 0.8
-"""Friction that is a larger part of the load is no friction of a gear."""
+_COUPLED, _MOST = 0.5, 0.8
+"""A coupled motor counts if it makes the squares of what is left of both joints, on average, so much less; friction
+that is a larger part of the load is no friction of a gear."""
 _WORTH, _CHANCE = 0.97, 15.0
 """Stribeck's excess counts if it makes the squares of what is left so much less, and by so many mean squares: of five
 speeds the best takes more than that from noise in one of a thousand logs."""
@@ -119,11 +118,7 @@ def with_possible_loads(structure: Structure, theta: Floats) -> Structure:
     Args:
         theta: (p,) of least squares.
     """
-    found = dict(zip(structure.names, theta.tolist(), strict=True))
-    shapes = structure.shapes.items()
-    wrong = [
-        k for k, shape in shapes if shape.load and not 0.0 < found[f"{structure.regressor.motors[k].name}.load"] < _MOST
-    ]
+    wrong = [k for k, load in structure.loads(theta).items() if not 0.0 < load < _MOST]
     return structure.reshaped({k: replace(structure.shapes[k], load=False) for k in wrong})
 
 

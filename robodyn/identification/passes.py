@@ -92,10 +92,7 @@ def begun(logs: Sequence[Log], validate: Sequence[Log], scene: Scene, split: flo
             slip = max(slip, _SLOW * float(top[: model.n].max()), _NOISE * noise)
         largest = np.maximum(largest, top)
     if largest[: model.n].max() <= max(RESTS, 2.0 * slip if slip != scene.slip_speed else 0.0):
-        why = (
-            "no joint moves: the log shows nothing of masses and friction",
-            *(each.text for each in every[0].caveats),
-        )
+        why = ["no joint moves: the log shows nothing of masses and friction", *(c.text for c in every[0].caveats)]
         raise InputError("; ".join(why), remedy="log an exciting motion, see robodyn excite", file=every[0].path)
     motors = {each.name: with_speeds(each, float(top), slip) for each, top in zip(candidates, largest, strict=True)}
     ends = [log.start + (log.stop - log.start) * split * np.arange(1, FOLDS + 1) / FOLDS for log in logs]
@@ -108,7 +105,6 @@ class First(NamedTuple):
     """What a first fit tells.
 
     Attributes:
-        run: through the logs, with torques where they belong.
         motors: that count; coupled: what those of several joints leave of the squares.
         values: by column; sigma: (joints,) of residuals [N m].
         faults: of the logs, for which nothing is written; caveats: of how gravity points, a line.
@@ -141,7 +137,13 @@ def first_fit(run: Run) -> First:
     joints = [k for k, motor in enumerate(motors) if motor.name in given]
     first = Structure(regressor, dict.fromkeys(joints, PLAIN))
     check_rows(plain, first, run.logs, run.cutoff, run.holds)
-    run, plain = _in_time(run, plain, first, raw)
+    late = raw.delays()
+    if late.any():  # a delay counts if it leaves much less of its joint's torque also where all joints are fitted
+        _, before = fitted(plain, range(FOLDS), first)
+        _, after = fitted(run.delayed(late).gathered(regressor)[0], range(FOLDS), first)
+        late[list(run.measured)] *= after**2 < CLEAR * before**2
+        run = run.delayed(late)
+        plain, _ = run.gathered(regressor)
     channels, measured = [triangle.R for triangle in plain.channels], [names[j] for j in run.measured]
     faults = told(channels).words(measured)
     ratios = {motor.name: part for motor, part in coupled(plain, range(FOLDS), first)}
@@ -159,21 +161,6 @@ def first_fit(run: Run) -> First:
     ]
     faults = [*units, *faults, *magnitudes(channels, measured)]
     return First(run, [motors[k] for k in chosen], ratios, values, sigma, faults, caveats)
-
-
-def _in_time(run: Run, plain: Gathered, structure: Structure, raw: Raw) -> tuple[Run, Gathered]:
-    """Return the run with torques that are logged late where they belong, and its factors.
-
-    A delay counts if it leaves much less of its joint's torque also where all joints are fitted together.
-    """
-    found = raw.delays()
-    if not found.any():
-        return run, plain
-    _, before = fitted(plain, range(FOLDS), structure)
-    _, after = fitted(run.delayed(found).gathered(structure.regressor)[0], range(FOLDS), structure)
-    found[list(run.measured)] *= after**2 < CLEAR * before**2
-    run = run.delayed(found)
-    return run, run.gathered(structure.regressor)[0]
 
 
 def weighted_rows(run: Run, first: First) -> tuple[Gathered, Gathered, Moments]:
@@ -194,29 +181,20 @@ def repeated(
     run: Run, structure: Structure, theta: Floats, sigma: Floats
 ) -> tuple[Structure, Gathered, Gathered, Moments]:
     """Return the structure and what `weighted_rows` returns, linear near theta (p,): see `RegressorColumns.near`."""
-    found = dict(zip(structure.names, theta.tolist(), strict=True))
-    loads = {
-        k: found[f"{structure.regressor.motors[k].name}.load"] for k, shape in structure.shapes.items() if shape.load
-    }
-    regressor = structure.regressor.near(theta[: len(structure.regressor.bodies)], loads)
+    regressor = structure.regressor.near(theta[: len(structure.regressor.bodies)], structure.loads(theta))
     guess = Guess(structure.shape @ theta, sigma, Moments(regressor))
     return replace(structure, regressor=regressor), *run.gathered(regressor, guess), guess.moments
 
 
-_LEAST = 2
-"""Rows for each base parameter."""
-_JOINTS = 30
-_FOLDS = 2
-"""With rows in them, so that what one leaves out is told by another."""
+_JOINTS, _LEAST, _FOLDS = 30, 2, 2
+"""At most; rows for each base parameter; folds with rows in them, so that what one leaves out is told by another."""
 
 
 def check_size(model: Model) -> None:
     """Raise if a robot has so many joints that fits would take longer than minutes."""
     if model.n > _JOINTS:
-        what = (
-            f"{model.name} has {model.n} joints, and identify fits at most {_JOINTS} together: time grows as their cube"
-        )
-        raise InputError(what, remedy="describe and log its limbs one by one")
+        what = f"{model.name} has {model.n} joints, and identify fits at most {_JOINTS} together"
+        raise InputError(f"{what}: time grows as their cube", remedy="describe and log its limbs one by one")
 
 
 def check_files(logs: Sequence[Log], cutoff: float) -> None:

@@ -17,7 +17,6 @@ from robodyn.scene.parts import CoupledMotor, Friction
 from robodyn.scene.scene import Scene
 from robodyn.scene.uncertainty import Covariance
 from robodyn.support.floats import Floats
-from robodyn.support.sums import einsum
 
 
 @dataclass(frozen=True)
@@ -35,9 +34,8 @@ class MotorFit:
     Attributes:
         joints: how it turns with joints: {"wrist": 1.0}; of a joint's own motor that joint alone.
         viscous: N m s/rad; coulomb, offset: half the difference and half the sum of friction forwards and backwards
-            [N m]; rotor: reflected inertia [kg m^2].
-        load: friction as a part of the torque that passes the gear, None without.
-        stribeck: torque of breakaway [N m], None without, which decays with `stribeck_velocity` [rad/s].
+            [N m]; rotor: reflected inertia [kg m^2]; load: friction as a part of the torque that passes the gear.
+        stribeck: torque of breakaway [N m], which decays with `stribeck_velocity` [rad/s].
     """
 
     joints: Mapping[str, float]
@@ -52,17 +50,16 @@ class MotorFit:
 
 @dataclass(frozen=True, eq=False)
 class BaseFit:
-    """Base parameters: their groups by least squares without bounds, and what the consistent parameters make of them.
-
-    Attributes:
-        base: which groups; values, standard_errors, consistent: (r,) SI units; covariance: (r, r).
-    """
+    """Base parameters (r,) by least squares without bounds, with their covariance; and by the consistent parameters."""
 
     base: Base
     values: Floats
-    standard_errors: Floats
-    consistent: Floats
     covariance: Floats
+    consistent: Floats
+
+    @property
+    def standard_errors(self) -> Floats:
+        return np.sqrt(np.diagonal(self.covariance))
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,23 +69,19 @@ class Identified:
     Attributes:
         names, described, theta: of `robodyn.regressor` of `model` in `scene`: before and after.
         scene: the given one with what was found of friction and rotors.
-        motors: by name.
         coupled: names of motors of two joints, and what part of the squares of both joints' residuals they leave.
         train, held_out: of the consistent parameters; `bound_*` of least squares without bounds; `original_*` of the
             description. None where nothing is held out.
         discrepancy: by joint, standard error of torques of another motion beside that of the parameters, for what the
-            model has not [N m]; see `misfit`.
-        delays: by joint, how late its torque is logged, which was taken out [s].
+            model has not [N m]; delays: by joint, how late its torque is logged, which was taken out [s].
         alone: relative error of held-out torques (all, where none are held out) by the calibrated description without
             its scene: without rotors, coupled motors, and what friction is beside viscous and Coulomb's.
-        strength: of the prior, chosen by cross-validation; see `choose.strength`.
+        strength: of the prior, chosen by cross-validation.
         cutoff: of the filter on both sides [Hz]; slip_speed: below which friction is smoothed [rad/s].
-        consistent: whether every body that is shown can exist.
-        unseen: bodies of which no torque of the log shows anything.
+        consistent: whether every body that is shown can exist; unseen: bodies of which no torque shows anything.
         rows: that were compared, of all joints; samples: rows of the logs.
         faults: torques that are exchanged or have the wrong sign, and units that are doubtful, a line each, which are
             among the warnings.
-        warnings: one line each.
     """
 
     model: Model
@@ -135,13 +128,11 @@ class Identified:
 
 def motor_fits(structure: Structure, theta: Floats) -> dict[str, MotorFit]:
     """Return what was found of every motor."""
-    found = dict(zip(structure.names, theta.tolist(), strict=True))
-    fits = {}
+    found, fits = dict(zip(structure.names, theta.tolist(), strict=True)), {}
     for k, shape in structure.shapes.items():
         motor = structure.regressor.motors[k]
-        joints = {
-            structure.regressor.model.rates[j]: float(motor.direction[j]) for j in np.flatnonzero(motor.direction)
-        }
+        turned = np.flatnonzero(motor.direction)
+        joints = {structure.regressor.model.rates[j]: float(motor.direction[j]) for j in turned}
         values = {name.rpartition(".")[2]: found[name] for name in shape.names(motor)}
         fits[motor.name] = MotorFit(joints, stribeck_velocity=shape.stribeck, **values)
     return fits
@@ -150,11 +141,7 @@ def motor_fits(structure: Structure, theta: Floats) -> dict[str, MotorFit]:
 def outcome(
     model: Model, scene: Scene, structure: Structure, theta: Floats, slip_speed: float
 ) -> tuple[tuple[str, ...], Floats, Floats, Scene]:
-    """Return names and values before and after of what was found, as `robodyn.regressor` has them, and the scene.
-
-    Args:
-        theta: of `structure.names`.
-    """
+    """Return names and values before and after of what was found, as `robodyn.regressor` has them, and the scene."""
     joints = {body.joint.name: body.joint for body in model.bodies}
     motors = motor_fits(structure, theta)
     friction, coupled = dict(scene.friction), {motor.name: motor for motor in scene.coupled}
@@ -199,10 +186,10 @@ def covariance(found: Identified) -> Covariance:
     loads = {f"{name}.load": found.scene.friction[name].load for name in found.scene.loaded}
     names, theta = (*found.names, *loads), np.append(found.theta, list(loads.values()))
     carried = carriers(found.base.base, names)
-    C = einsum("ar,rs,bs->ab", carried, found.base.covariance, carried)
+    C = carried @ found.base.covariance @ carried.T
     for name, deviation in found.discrepancy.items():
         constant = np.array([each in (f"{name}.forward", f"{name}.backward") for each in names], dtype=float)
-        C += np.outer(deviation * constant, deviation * constant)
+        C += deviation**2 * np.outer(constant, constant)
         C += np.diag([deviation**2 * (each == f"{name}.stribeck") for each in names])
     own = np.flatnonzero(np.diagonal(C) > 0.0)
     C = C[np.ix_(own, own)]

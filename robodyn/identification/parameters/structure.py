@@ -61,6 +61,12 @@ class Structure:
         """Whether friction of a motor grows with load."""
         return any(shape.load for shape in self.shapes.values())
 
+    def loads(self, theta: Floats) -> dict[int, float]:
+        """Return by the places of motors whose friction grows with load which part of it that is."""
+        found = dict(zip(self.names, theta.tolist(), strict=True))
+        loaded = [k for k, shape in self.shapes.items() if shape.load]
+        return {k: found[f"{self.regressor.motors[k].name}.load"] for k in loaded}
+
     def reshaped(self, shapes: dict[int, Shape]) -> Structure:
         """Return the structure with some motors modelled otherwise."""
         return replace(self, shapes={**self.shapes, **shapes})
