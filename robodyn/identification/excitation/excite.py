@@ -30,6 +30,7 @@ from robodyn.identification.excitation.motion import (
     within_limits,
 )
 from robodyn.identification.parameters.base import Base, structural_base
+from robodyn.identification.parameters.qr_accumulation import stacked
 from robodyn.robot.model import Model
 from robodyn.scene.fit import refuse_constraints, refuse_load
 from robodyn.scene.scene import DEFAULT, Scene
@@ -43,10 +44,9 @@ NOISE = 0.01
 """Of the effort limit: standard deviation of a torque that is measured, where none is given."""
 _STARTS, _MANY = 4, 32
 """Places where the search begins, at most; fewer where so many joints move in all of them together."""
-_FINE = 32
-"""Samples of a period per harmonic of the search."""
-_ROOM = 0.99
-"""Of the effort limits that the search may use, so that what lies between its samples keeps them too."""
+_FINE, _ROOM = 32, 0.99
+"""Samples of a period per harmonic of the search, and the part of the effort limits that it may use, so that what lies
+between its samples keeps them too."""
 _SLIP = 0.02
 """Of the lowest speed limit: where Coulomb friction turns in the search, which needs slopes."""
 _APART = 1e-5
@@ -54,13 +54,12 @@ _APART = 1e-5
 
 
 class Information(NamedTuple):
-    """What the torques of a motion tell of the base parameters.
+    """What the torques of a motion tell of the base parameters, `rank` of which it shows.
 
     Attributes:
-        rank: how many of them it shows.
         condition: of the base columns at unit length, rows weighted by 1 / noise.
         log_determinant: of sum Y^T W Y over the rows, in SI units; -inf where some are not shown.
-        standard_errors: (r,) of each by least squares, with noise that is independent from row to row.
+        standard_errors: (r,) by least squares, with noise that is independent from row to row.
     """
 
     rank: int
@@ -74,11 +73,9 @@ class JointSwing:
     """What a joint does: `centre + sum sine_k sin(k w t) + cosine_k cos(k w t)`.
 
     Attributes:
-        unit: of torques.
         least, largest, speed, acceleration, effort: reached at any time.
         bounds: between which it stays: limits of position, less a margin; None if it has no room.
-        effort_limit: None where there is none.
-        noise: standard deviation of its torque.
+        noise: standard deviation of its torque, in the unit of torques.
     """
 
     name: str
@@ -104,11 +101,10 @@ class Excitation:
     """A motion that shows parameters.
 
     Attributes:
-        rate: rows per second of `motion`.
         base: the base parameters that motions of these joints can show; values: theirs in the description.
         information, plain: of this motion, and of plain waves of the same period within the same limits.
-        notes: what was assumed.
-        motion, torques: q, qd and qdd (3, N, n), a period with both its ends; and what they take (N, n).
+        motion, torques: q, qd and qdd (3, N, n), a period with both its ends, `rate` rows per second; and what they
+            take (N, n).
     """
 
     model: Model
@@ -131,7 +127,7 @@ class Excitation:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The columns of `columns`."""
+        """Of `columns`."""
         return tuple(f"{kind}_{name}" for kind in ("q", "qd", "qdd") for name in self.model.joint_names)
 
     @property
@@ -218,10 +214,8 @@ def _check(scene: Scene, period: float, harmonics: int, rate: float) -> None:
         remedy = "leave such wrenches out, or give them numbers"
         raise InputError(f"the scene takes {scene.columns[0]!r} from a motion that is still to be found", remedy=remedy)
     if not 2 <= harmonics <= MOST_HARMONICS:
-        what = (
-            f"{harmonics} harmonics: one cannot begin and end at rest, and more than {MOST_HARMONICS} are not offered"
-        )
-        raise InputError(what, remedy=f"2 to {MOST_HARMONICS}")
+        what = f"{harmonics} harmonics: one cannot begin and end at rest"
+        raise InputError(f"{what}, and more than {MOST_HARMONICS} are not offered", remedy=f"2 to {MOST_HARMONICS}")
     if not (period > 0.0 and rate > 0.0 and np.isfinite(period * rate)):
         raise InputError(f"a period of {period:g} s at {rate:g} /s is none", remedy="give positive numbers")
     if not 4 * harmonics <= period * rate <= 1e7:
@@ -243,7 +237,7 @@ def _random_rows(model: Model, scene: Scene, bounds: Bounds) -> tuple[Floats, Fl
     tau = einsum("tip,p->ti", found.Y, found.theta) + found.rest
     if not (np.isfinite(tau).all() and np.abs(found.Y).max(initial=0.0) < LARGEST):
         raise InputError("the torques of such motions are beyond all numbers", remedy="check gravity and limits")
-    return _triangle(found.Y.reshape(-1, len(found.names))), found.theta, np.sqrt((tau * tau).mean(axis=0))
+    return stacked([found.Y.reshape(-1, len(found.names))]), found.theta, np.sqrt((tau * tau).mean(axis=0))
 
 
 def _deviations(
@@ -271,47 +265,42 @@ def _information(model: Model, scene: Scene, base: Base, motion: Motion, deviati
     """Return what a motion tells, as if its rows were so many."""
     samples = min(rows, PERIOD_SAMPLES * motion.series.harmonics)
     Y = regressor(model, *motion.at(motion.series.even(samples)), scene=scene, executor="numpy").Y
-    R = _triangle((Y / deviations[:, None]).reshape(-1, len(base.names)) * np.sqrt(rows / samples))
+    R = stacked([(Y / deviations[:, None]).reshape(-1, len(base.names)) * np.sqrt(rows / samples)])
     shown = base.within(R, _APART)
     if shown.rank < base.rank:
         return Information(shown.rank, np.inf, -np.inf, np.full(base.rank, np.inf))
-    diagonal = np.diagonal(_triangle(R[:, base.independent]))
+    diagonal = np.diagonal(stacked([R[:, base.independent]]))
     errors = base.estimate(R, np.zeros(len(R))).standard_errors
     return Information(base.rank, shown.condition, 2.0 * float(np.log(np.abs(diagonal)).sum()), errors)
 
 
 def _swings(model: Model, bounds: Bounds, found: Motion, deviations: Floats) -> tuple[JointSwing, ...]:
-    """Return what each joint does."""
-    peaks = found.peaks()
-    c, a, b = found.series.coefficients(found.x)
-    nothing = (0.0,) * found.series.harmonics
-    out = []
-    for k, joint in enumerate(model.independent):
-        moves = k in bounds.moving
-        i = bounds.moving.index(k) if moves else 0
-        middle, half = bounds.middle[k], bounds.half[k]
-        out.append(
-            JointSwing(
-                name=joint.name,
-                unit="N" if joint.kind == "prismatic" else "N m",
-                moves=moves,
-                centre=float(c[i]) if moves else float(bounds.home[k]),
-                sine=tuple(a[i].tolist()) if moves else nothing,
-                cosine=tuple(b[i].tolist()) if moves else nothing,
-                least=float(peaks.least[k]),
-                largest=float(peaks.largest[k]),
-                bounds=(float(middle - half), float(middle + half)) if half > 0.0 else None,
-                speed=float(peaks.speed[k]),
-                speed_limit=float(bounds.speed[k]),
-                acceleration=float(peaks.acceleration[k]),
-                acceleration_limit=float(bounds.acceleration[k]),
-                effort=float(peaks.effort[k]),
-                effort_limit=float(bounds.effort[k]) if np.isfinite(bounds.effort[k]) else None,
-                noise=float(deviations[k]),
-            )
+    peaks, n = found.peaks(), model.n
+    centre, sine, cosine = (
+        bounds.home.copy(),
+        np.zeros((n, found.series.harmonics)),
+        np.zeros((n, found.series.harmonics)),
+    )
+    own = list(bounds.moving)
+    centre[own], sine[own], cosine[own] = found.series.coefficients(found.x)
+    return tuple(
+        JointSwing(
+            name=joint.name,
+            unit="N" if joint.kind == "prismatic" else "N m",
+            moves=k in bounds.moving,
+            centre=float(centre[k]),
+            sine=tuple(sine[k].tolist()),
+            cosine=tuple(cosine[k].tolist()),
+            least=float(peaks.least[k]),
+            largest=float(peaks.largest[k]),
+            bounds=(float(middle - half), float(middle + half)) if half > 0.0 else None,
+            speed=float(peaks.speed[k]),
+            speed_limit=float(bounds.speed[k]),
+            acceleration=float(peaks.acceleration[k]),
+            acceleration_limit=float(bounds.acceleration[k]),
+            effort=float(peaks.effort[k]),
+            effort_limit=float(bounds.effort[k]) if np.isfinite(bounds.effort[k]) else None,
+            noise=float(deviations[k]),
         )
-    return tuple(out)
-
-
-def _triangle(rows: Floats) -> Floats:
-    return np.asarray(np.linalg.qr(rows, mode="r"))
+        for k, (joint, middle, half) in enumerate(zip(model.independent, bounds.middle, bounds.half, strict=True))
+    )

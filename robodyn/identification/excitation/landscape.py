@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import partial, reduce
 from typing import NamedTuple
 
 import numpy as np
@@ -20,10 +21,9 @@ from robodyn.support.floats import Floats, ranked
 from robodyn.support.sums import einsum
 
 _SOURCES = ("q", "qd", "qdd")
-_THIN = 2
-"""The regressor and the torques are computed at every second sample, where positions, speeds, accelerations are."""
-_EDGE = 0.999
-"""Of a bound: from there on its barrier goes on as a parabola, so that a search finds back."""
+_THIN, _EDGE = 2, 0.999
+"""The regressor and the torques are computed at every second sample; from this part of a bound on its barrier goes on
+as a parabola, so that a search finds back."""
 _EARLY, _LATE = (10.0, 1.0), (0.1, 0.03)
 """Pressures of the barrier, stage by stage: those that all starts go through, and those of the best of them."""
 _ROUNDS, _STEPS, _SETTLED, _SOFT = 12, 5, 1e-3, 0.3
@@ -202,13 +202,9 @@ def search(landscape: Landscape, starts: int, seed: int) -> Floats:
         InputError: no posture that is tried can be held.
     """
 
-    def staged(y: Floats, pressures: tuple[float, ...]) -> Floats:
-        for pressure in pressures:
-            y = _lowest(landscape, y, pressure)
-        return y
-
-    ends = [staged(start, _EARLY) for start in _starts(landscape, starts, seed)]
-    return staged(ranked(ends, lambda end: -landscape.height(end, _EARLY[-1])[0])[0], _LATE)
+    lowest = partial(_lowest, landscape)
+    ends = [reduce(lowest, _EARLY, start) for start in _starts(landscape, starts, seed)]
+    return reduce(lowest, _LATE, ranked(ends, lambda end: -landscape.height(end, _EARLY[-1])[0])[0])
 
 
 def _starts(landscape: Landscape, count: int, seed: int) -> list[Floats]:

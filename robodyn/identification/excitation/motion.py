@@ -27,10 +27,8 @@ _SPEEDING = 0.25
 """In so many seconds a joint may reach its limit of speed, where no limit of acceleration is given [s]."""
 _FAR, _NEAR = 1e4, 1e-6
 """Limits of position from which on they stand for "none", and room or speed that is none [rad, m, rad/s, m/s]."""
-_RANGE = {"revolute": pi, "prismatic": 0.25}
-"""To each side of 0 [rad, m] where there is no limit."""
-_SPEED = {"revolute": pi, "prismatic": 0.5}
-"""Where there is no limit [rad/s, m/s]."""
+_RANGE, _SPEED = {"revolute": pi, "prismatic": 0.25}, {"revolute": pi, "prismatic": 0.5}
+"""Where there is no limit: to each side of 0 [rad, m], and [rad/s, m/s]."""
 _UNIT = {"revolute": "rad", "prismatic": "m"}
 _SMALLER, _LEAST = 0.99, 1e-3
 """By steps of which a motion is made smaller, and to which part of it at most."""
@@ -43,8 +41,7 @@ class Bounds:
     Attributes:
         middle, half: positions are within `middle +- half`, the margin taken off.
         speed, acceleration, effort: largest magnitudes; inf where there is none.
-        moving: which joints move; the others are held at `home`.
-        notes: what was assumed, a line each.
+        moving: which joints move, the others are held at `home`; notes: what was assumed, a line each.
     """
 
     middle: Floats
@@ -138,23 +135,24 @@ class Fourier:
         """Return so many times of a period, evenly from 0 on [s]."""
         return np.asarray(np.arange(samples) * (self.period / samples))
 
-    def shapes(self, time: Floats) -> Floats:
-        """Return q, qd and qdd of every shape: (3, N, size)."""
+    def _waves(self, time: Floats) -> Floats:
+        """Return q, qd and qdd of sin(k w t) / k and cos(k w t) / k^2: (2, 3, N, harmonics)."""
         k = np.arange(1, self.harmonics + 1)
         w = k * (2.0 * pi / self.period)
         sine, cosine = np.sin(np.outer(time, w)), np.cos(np.outer(time, w))
-        waves = np.array([[sine, w * cosine, -w * w * sine] / k, [cosine, -w * sine, -w * w * cosine] / (k * k)])
-        pairs = waves[..., :-1] - waves[..., 1:]
-        return np.concatenate((_still(time), pairs[0], pairs[1]), axis=-1)
+        return np.array([[sine, w * cosine, -w * w * sine] / k, [cosine, -w * sine, -w * w * cosine] / (k * k)])
+
+    def shapes(self, time: Floats) -> Floats:
+        """Return q, qd and qdd of every shape: (3, N, size)."""
+        waves = self._waves(time)
+        return np.concatenate((_still(time), *(waves[..., :-1] - waves[..., 1:])), axis=-1)
 
     def coefficients(self, x: Floats) -> tuple[Floats, Floats, Floats]:
         """Return c (n,), a (n, harmonics) and b of combinations x (n, size) of the shapes."""
         k = np.arange(1, self.harmonics + 1)
-        nothing = np.zeros((len(x), 1))
-        of_sines, of_cosines = x[:, 1 : self.harmonics], x[:, self.harmonics :]
-        a = (np.hstack((of_sines, nothing)) - np.hstack((nothing, of_sines))) / k
-        b = (np.hstack((of_cosines, nothing)) - np.hstack((nothing, of_cosines))) / (k * k)
-        return x[:, 0], a, b
+        parts = np.split(x[:, 1:], 2, axis=1)
+        of_sines, of_cosines = (np.diff(np.pad(part, ((0, 0), (1, 1))), axis=1) for part in parts)
+        return x[:, 0], of_sines / k, of_cosines / (k * k)
 
     def between(self, samples: int) -> float:
         """Return how many times larger than at even samples of a period |q - c|, |qd| or |qdd| can be between them.
@@ -169,10 +167,8 @@ class PlainWaves(Fourier):
     """A plain wave for each joint: shapes are 1, and -cos(k w t) with k = 1..harmonics."""
 
     def shapes(self, time: Floats) -> Floats:
-        k = np.arange(1, self.harmonics + 1) * (2.0 * np.pi / self.period)
-        phase = np.outer(time, k)
-        waves = np.array([-np.cos(phase), k * np.sin(phase), k * k * np.cos(phase)])
-        return np.concatenate((_still(time), waves), axis=-1)
+        k = np.arange(1, self.harmonics + 1)
+        return np.concatenate((_still(time), -k * k * self._waves(time)[1]), axis=-1)
 
 
 def _still(time: Floats) -> Floats:
