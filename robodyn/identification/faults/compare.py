@@ -39,7 +39,6 @@ class JointComparison:
 
     Attributes:
         measured, computed, residual, left: RMS of both, of their difference, and of what the told faults leave of it.
-        relative_error: ||residual|| / ||measured||.
         correlation: None where one of them is constant.
         effects: kind -> (value, standard error) of each of `OWN` that the log tells, be it more than noise or not.
     """
@@ -73,14 +72,10 @@ class Comparison:
     """Measured against computed torques.
 
     Attributes:
-        robot, file: names; samples: rows of the log; duration: s.
-        cutoff: of the filter [Hz]; compared: seconds that are compared.
+        samples: rows of the log; compared: seconds that are; cutoff: of the filter [Hz].
         relative_error, left: ||residual|| / ||measured|| over all joints, before and after all that is told.
-        joints: with measured torques that vary.
-        load_link: where a payload is looked for.
-        channels: which measured torque is that of which joint; faults: see `Explained`.
+        joints: with measured torques that vary; load_link: where a payload is looked for.
         gross: (n,) of each joint's residual, what `channels` explain.
-        notes: on the log.
     """
 
     robot: str
@@ -107,7 +102,6 @@ def compare(
 
     Args:
         cutoff: of the zero-phase filter that both pass [Hz]; None: where the noise of the torques begins.
-        reading: of `robodyn.read_motion`.
 
     Raises:
         TrajectoryError: the log cannot be read, can hardly be in the units that it is taken in, has no torques, none
@@ -160,9 +154,8 @@ def _joint(model: Model, name: str, raw: Evidence, found: Explained, j: int) -> 
     measured, computed = raw.measured[raw.inside, j], raw.computed[raw.inside, j]
     a, b = measured - measured.mean(), computed - computed.mean()
     spread = float(np.linalg.norm(a) * np.linalg.norm(b))
-    size, of_computed, residual, left = (
-        float(rms(each[:, None])[0]) for each in (measured, computed, measured - computed, found.residual[:, j])
-    )
+    four = np.column_stack((measured, computed, measured - computed, found.residual[:, j]))
+    size, of_computed, residual, left = rms(four).tolist()
     errors, first = np.sqrt(np.diag(found.covariance)), len(OWN) * j
     places = {kind: first + k for k, kind in enumerate(OWN) if first + k in found.told}
     return JointComparison(
@@ -183,10 +176,9 @@ def _friction(evidence: Evidence, faults: tuple[Fault, ...]) -> Floats:
     """Return the friction that was told (k, n), as a sensor measures it."""
     gains = {fault.effect.joint: 1.0 + fault.values[0] for fault in faults if fault.effect.kind == "gain"}
     found = np.zeros_like(evidence.computed)
-    for effect, values in ((fault.effect, fault.values) for fault in faults):
-        if effect.joint is not None and effect.kind in ("viscous", "coulomb"):
-            size = gains.get(effect.joint, 1.0) * values[0]
-            found[:, effect.joint] += size * evidence.own[:, effect.joint, OWN.index(effect.kind) - VISCOUS]
+    for (kind, j, _), values in ((fault.effect, fault.values) for fault in faults):
+        if j is not None and kind in ("viscous", "coulomb"):
+            found[:, j] += gains.get(j, 1.0) * values[0] * evidence.own[:, j, OWN.index(kind) - VISCOUS]
     return found
 
 

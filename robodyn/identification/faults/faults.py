@@ -305,29 +305,28 @@ def fit(evidence: Evidence, start: Floats, effects: Sequence[Effect]) -> Fit:
     """Return the parameters of effects by Gauss-Newton, with their covariance."""
     places = sorted(place for effect in effects for place in effect.places)
     theta = np.zeros(len(start))
-    theta[places] = start[places]
-    for _ in range(_ROUNDS):
+    theta[places], done = start[places], False
+    for number in range(_ROUNDS + 1):
         found, left = _columns(evidence, theta)
-        weights = _weights(left, evidence.measured)
-        rows, _ = _rows(evidence, found, left, weights)
+        size, floor = rms(left), ROUNDING * rms(evidence.measured)
+        weights = np.where(size > floor, size, np.where(floor > 0.0, floor, 1.0))
+        rows, heights = _rows(evidence, found, left, weights)
+        if done or number == _ROUNDS:
+            break
         step = _pseudoinverse(rows[:, places]) @ rows[:, -1]
         theta[places] += step
         delays = [k for k in places if k < len(OWN) * evidence.joints and k % len(OWN) == DELAY]
         away = [k for k in delays if abs(theta[k] - start[k]) > _FAR * evidence.step]
         theta[away] = 0.0
         places = [place for place in places if place not in away]
-        if not away and np.abs(rows[:, places] * step).max(initial=0.0) <= _SETTLED * np.sqrt(len(left)):
-            break
-    found, left = _columns(evidence, theta)
-    weights = _weights(left, evidence.measured)
-    rows, heights = _rows(evidence, found, left, weights)
+        done = not away and np.abs(rows[:, places] * step).max(initial=0.0) <= _SETTLED * np.sqrt(len(left))
     inverse = _pseudoinverse(rows[:, places])
     own, here = np.ix_(places, places), [evidence.places(j) for j in range(evidence.joints)]
     bread = np.zeros((len(theta), len(theta)))
     bread[own] = inverse @ inverse.T
     scaled = [each / weight for each, weight in zip(found, weights, strict=True)]
     scores = score_covariance(scaled, left / weights, here, len(theta), bread)
-    rounding = np.repeat(ROUNDING * rms(evidence.measured) / weights, np.diff([*heights, len(rows)]))
+    rounding = np.repeat(floor / weights, np.diff([*heights, len(rows)]))
     rounded = rows[:, :-1] * rounding[:, None]
     scores += rounded.T @ rounded
     covariance = np.zeros_like(bread)
@@ -337,12 +336,6 @@ def fit(evidence: Evidence, start: Floats, effects: Sequence[Effect]) -> Fit:
     loud = variance_of_sums(np.asarray(parts), window_length(left / weights))
     grow = np.sqrt(np.maximum(loud / np.where(steady > 0.0, steady, np.inf), 1.0))
     return Fit(theta, covariance * np.outer(grow, grow), _told(rows, places), left, weights, scores)
-
-
-def _weights(left: Floats, measured: Floats) -> Floats:
-    """RMS of each joint's residual, at least `ROUNDING` of its measured torque."""
-    size, floor = rms(left), ROUNDING * rms(measured)
-    return np.where(size > floor, size, np.where(floor > 0.0, floor, 1.0))
 
 
 def _rows(evidence: Evidence, found: Sequence[Floats], left: Floats, weights: Floats) -> tuple[Floats, list[int]]:

@@ -46,7 +46,7 @@ def score_covariance(
 
     Args:
         columns: for each joint (N, p_j); residual: (N, n).
-        places: of the columns of each joint among all parameters; size: how many these are.
+        places: of the columns of each joint among all parameters, `size` of them.
         bread: (size, size) B, zero of what was not fitted; None: residuals are of no fit.
     """
     N, length = len(residual), window_length(residual)

@@ -10,6 +10,7 @@ import numpy as np
 
 from robodyn.identification.log.log import Log, Samples
 from robodyn.support.floats import Floats
+from robodyn.support.sums import einsum
 
 POSITIONS = 2.5
 """Positions pass up to so many times the cutoff: what friction makes of a turn is sharper than what is compared."""
@@ -54,18 +55,14 @@ def filtered(log: Log, cutoff: float, compute: Callable[[Samples], Floats]) -> I
     """Yield what `compute` makes of the samples, and the measured torques, both through the same zero-phase filter.
 
     Args:
-        cutoff: Hz, see `filters.kernel`.
         compute: samples -> (k, ...), zero where the torque that it stands beside is left out, as that is here.
     """
     taps, every = kernel(cutoff, log.step), decimation(cutoff, log.step)
     reach = len(taps) // 2
     computed = ((each.begins, (each.time, compute(each), np.nan_to_num(each.tau))) for each in states(log, cutoff))
     for _, (time, values, tau), count in _windows(computed, len(taps), every):
-        yield Rows(
-            time[reach : len(time) - reach : every][:count],
-            convolved(values, taps, every),
-            convolved(tau, taps, every),
-        )
+        inner = time[reach : len(time) - reach : every][:count]
+        yield Rows(inner, convolved(values, taps, every), convolved(tau, taps, every))
 
 
 def _windows(parts: Iterable[tuple[bool, Arrays]], length: int, every: int) -> Iterator[tuple[bool, Arrays, int]]:
@@ -91,20 +88,16 @@ def _windows(parts: Iterable[tuple[bool, Arrays]], length: int, every: int) -> I
         tail = tuple(each[count * every :] for each in whole)
 
 
-SHAPE = 8.0
-"""Of Kaiser's window: the pass band is flat within 1e-4, what is stopped keeps 1e-4."""
-PERIODS = 5.1
-"""Half the length of the kernel in periods of the cutoff: from 0.75 to 1.25 times the cutoff, by Kaiser's rule."""
-_TOGETHER = 32
-"""So many values are summed by one product of matrices."""
+SHAPE, PERIODS = 8.0, 5.1
+"""Of Kaiser's window, by which the pass band is flat within 1e-4 and what is stopped keeps 1e-4; half the length of the
+kernel in periods of the cutoff, which takes it from 0.75 to 1.25 times the cutoff (Kaiser's rule)."""
 
 
 def kernel(cutoff: float, step: float) -> Floats:
     """Return the taps (odd number) of a low-pass filter of even symmetry, hence without phase; they add up to 1.
 
     Args:
-        cutoff: where half of the amplitude passes [Hz], below the Nyquist frequency.
-        step: between samples [s].
+        cutoff: where half of the amplitude passes [Hz], below the Nyquist frequency; step: between samples [s].
     """
     half = max(1, round(PERIODS / (cutoff * step)))
     place = np.arange(-half, half + 1)
@@ -124,23 +117,12 @@ def rates(taps: Floats, step: float) -> tuple[Floats, Floats, Floats]:
 
 
 def convolved(values: Floats, taps: Floats, every: int = 1) -> Floats:
-    """Return (k, ...) the values (N, ...) filtered wherever windows are whole: around sample `reach`, and so on.
-
-    Args:
-        every: of so many samples one is filtered.
-    """
-    flat = np.ascontiguousarray(values).reshape(len(values), -1)
-    count = max(0, (len(values) - len(taps)) // every + 1)
-    found = np.empty((count, flat.shape[1]))
-    width = len(taps) + (_TOGETHER - 1) * every
-    together = np.zeros((_TOGETHER, width))
-    for i in range(_TOGETHER):
-        together[i, i * every : i * every + len(taps)] = taps
-    for first in range(0, count, _TOGETHER):
-        rows = flat[first * every : first * every + width]
-        some = min(_TOGETHER, count - first)
-        found[first : first + some] = together[:some, : len(rows)] @ rows
-    return found.reshape(count, *values.shape[1:])
+    """Return (k, ...) the values (N, ...), one of `every` samples, filtered where windows are whole: `reach` is first."""
+    if len(values) < len(taps):
+        return np.zeros((0, *values.shape[1:]))
+    columns = np.ascontiguousarray(values.reshape(len(values), -1).T)
+    windows = np.lib.stride_tricks.sliding_window_view(columns, len(taps), axis=1)[:, ::every]
+    return np.asarray(einsum("ckl,l->kc", windows, taps)).reshape(-1, *values.shape[1:])
 
 
 def decimation(cutoff: float, step: float) -> int:
