@@ -117,7 +117,7 @@ def rates(taps: Floats, step: float) -> tuple[Floats, Floats, Floats]:
 
 
 def convolved(values: Floats, taps: Floats, every: int = 1) -> Floats:
-    """Return (k, ...) one of `every` of the values (N, ...), filtered, from the first around which a window is whole."""
+    """Return (k, ...) one of `every` of the values (N, ...), filtered, from the first whose window is whole on."""
     if len(values) < len(taps):
         return np.zeros((0, *values.shape[1:]))
     columns = np.ascontiguousarray(values.reshape(len(values), -1).T)
