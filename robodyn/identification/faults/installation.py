@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import reduce
 from itertools import combinations
 
 import numpy as np
@@ -37,7 +38,8 @@ class Raw:
         self.whole = [_until(log, cutoff, end) for log, end in zip(logs, stop, strict=True)]
         count = min(_ROWS, _VALUES // sum(regressor.widths)) // len(logs)
         self.some = [slice(None, None, 1 + len(each.time) // max(count, 1)) for each in self.whole]
-        self.few = [each.cut(own, True) for each, own in zip(self.whole, self.some, strict=True)]
+        few = reduce(joined, (each.cut(own, True) for each, own in zip(self.whole, self.some, strict=True)))
+        self.few = few._replace(tau=np.zeros_like(few.tau))  # torques that are left out may be there some time later
         self.late = np.zeros(regressor.model.n)
 
     def delays(self) -> Floats:
@@ -50,11 +52,10 @@ class Raw:
         reach = min(_MOST, 0.1 * min(log.stop - log.start for log in self.logs))
         step *= max(1, round(reach / (_SHIFTS * step)))
         shifts = np.asarray(step * np.arange(-int(reach / step), int(reach / step) + 1), dtype=float)
-        parts = [self._columns(self.regressor, few) for few in self.few]
         pairs = zip(self.whole, self.some, self.logs, strict=True)
         slow = np.concatenate([_presliding(whole, log.step)[own] for whole, own, log in pairs])
-        for place, j in enumerate(self.regressor.measured):
-            columns = np.concatenate([part[place] for part in parts])
+        parts = self.regressor.by_joint(self.regressor.compute(self.few))
+        for j, columns in zip(self.regressor.measured, parts, strict=True):
             late = self._later(shifts, j)
             there = np.isfinite(late).all(axis=1)
             if there.sum() > 2 * columns.shape[1]:
@@ -66,9 +67,6 @@ class Raw:
         """Return in words how gravity leans beside that of the scene, if both halves of the instants tell it alike.
 
         Two angles about axes across gravity are fitted with all parameters, to first order, and anew near the fit.
-
-        Args:
-            theta: (p,) of a fit; sigma: (joints,) of its residuals [N m].
         """
         g = np.array(scene.gravity, dtype=float)
         if not g.any():
@@ -97,25 +95,21 @@ class Raw:
     def _weighted(self, structure: Structure, sigma: Floats, gravity: Floats) -> tuple[Floats, Floats]:
         """Return columns of the parameters (k, p) and torques (k,) of all instants, joint by joint in each."""
         regressor, shape = structure.regressor.under(tuple(gravity.tolist())), structure.shape
-        parts = [self._columns(regressor, few) for few in self.few]
+        parts = regressor.by_joint(regressor.compute(self.few))
         Y, z = [], []
-        for place, (j, used, scale) in enumerate(zip(regressor.measured, regressor.used, sigma, strict=True)):
-            columns, late = np.concatenate([part[place] for part in parts]), self._later(self.late[j : j + 1], j)
+        for j, used, columns, scale in zip(regressor.measured, regressor.used, parts, sigma, strict=True):
+            late = self._later(self.late[j : j + 1], j)
             there = np.isfinite(late)
             Y.append(np.where(there, columns[:, :-2] @ shape[used], 0.0) / scale)
             z.append(np.where(there, late - columns[:, -2:-1], 0.0)[:, 0] / scale)
         return np.stack(Y, axis=1).reshape(-1, len(structure.names)), np.stack(z, axis=1).ravel()
 
-    def _columns(self, regressor: RegressorColumns, few: Samples) -> list[Floats]:
-        """Return of each measured joint what `RegressorColumns.compute` does, wherever its torque may be later."""
-        return regressor.by_joint(regressor.compute(few._replace(tau=np.zeros_like(few.tau))))
-
     def _later(self, shifts: Floats, j: int) -> Floats:
         """Return (k, shifts) the torque of a joint later than at the instants, NaN outside of the log."""
-        pairs = zip(self.whole, self.few, strict=True)
-        return np.concatenate(
-            [np.interp(few.time[:, None] + shifts, all.time, all.tau[:, j], np.nan, np.nan) for all, few in pairs]
-        )
+        found = []
+        for each, own in zip(self.whole, self.some, strict=True):
+            found.append(np.interp(each.time[own, None] + shifts, each.time, each.tau[:, j], np.nan, np.nan))
+        return np.concatenate(found)
 
 
 def _until(log: Log, cutoff: float, stop: float) -> Samples:
@@ -125,10 +119,7 @@ def _until(log: Log, cutoff: float, stop: float) -> Samples:
         found.append(part.cut(slice(0, int(np.searchsorted(part.time, stop))), part.begins))
         if part.time[-1] >= stop or sum(len(each.time) for each in found) > _SAMPLES:
             break
-    whole = found[0]
-    for part in found[1:]:
-        whole = joined(whole, part)
-    return whole
+    return reduce(joined, found)
 
 
 def _presliding(whole: Samples, step: float) -> Floats:
@@ -160,8 +151,7 @@ def _best(shifts: Floats, columns: Floats, targets: Floats) -> float:
     return float(f"{shifts[k] + place * (shifts[1] - shifts[0]):.3g}")
 
 
-_INSTANTS, _JOINTS = 400, 8
-_FEWEST, _WHOLE = 100, 1e-6
+_INSTANTS, _JOINTS, _FEWEST, _WHOLE = 400, 8, 100, 1e-6
 _CLEAR = 1.0 / 16.0
 """What the right reading leaves at most of the squares of the one at hand, as a product over the joints."""
 
@@ -173,9 +163,6 @@ def misread(logs: Sequence[Log], cutoff: float, structure: Structure, sigma: Flo
     two exchanged, with and without their torques, are put in the place of those of the log, and base parameters and
     motors are fitted anew. The best one counts if the squares that it leaves, multiplied over the joints, are less
     than `_CLEAR` of those as they are. Robots with joints whose positions are quaternions are left out.
-
-    Args:
-        logs: that are fitted; sigma: (joints,) of residuals as they are [N m].
     """
     model = structure.regressor.model
     if model.nq != model.n:

@@ -18,12 +18,9 @@ _ANGLE, _LENGTH, _TURN, _RATE, _SPEED = range(5)
 
 @dataclass(frozen=True, eq=False)
 class MotionError:
-    """Differences of states (N, nq + n) relative to the largest number of their kind in a motion.
+    """Differences of states (N, nq + n) relative to the largest number of their kind in a motion, `scale`.
 
     Kinds are angles, lengths, quaternions (whose largest is 1), angular and linear rates.
-
-    Attributes:
-        scale: (nq + n,).
     """
 
     scale: Floats
@@ -69,10 +66,8 @@ def between_records(motion: Simulation) -> Callable[[Floats], Floats]:
     return lambda times: np.asarray(spline(times), dtype=float)
 
 
-SEEN = 50
-"""Records at which motions by different methods are compared."""
-SAME = 1e-12
-"""Times nearer than this part of them are the same."""
+SEEN, SAME = 50, 1e-12
+"""Records at which motions by different methods are compared; times nearer than this part of them are the same."""
 
 
 def apart(coarse: Simulation, fine: Simulation) -> float:
@@ -81,7 +76,7 @@ def apart(coarse: Simulation, fine: Simulation) -> float:
     Where there are few of these, at those of the coarser, between records of the other. inf where one ends at another
     limit than the other, or both are too short.
     """
-    if _limit(coarse) != _limit(fine):
+    if coarse.ended.rpartition(" at ")[0] != fine.ended.rpartition(" at ")[0]:
         return inf
     end = min(coarse.time[-1], fine.time[-1])
     rows = np.flatnonzero(coarse.time < end if coarse.ended else coarse.time <= end)
@@ -105,11 +100,6 @@ def seen(motion: Simulation | None) -> list[float]:
     rows = np.unique(np.linspace(0, max(last, 0), min(last, SEEN) + 1).astype(int))
     times: list[float] = motion.time[rows[1:]].tolist()
     return times
-
-
-def _limit(motion: Simulation) -> str:
-    """Return the limit that ends a motion."""
-    return motion.ended.rpartition(" at ")[0]
 
 
 def states_of(motion: Simulation) -> Floats:

@@ -28,10 +28,8 @@ from robodyn.support.floats import first_largest
 CODE, SCIPY, CALLED = 2e-9, 1e-4, 1e-7
 """Seconds of machine code per operation, one step after another; that a method of SciPy takes per evaluation, beside
 the evaluation; and of machine code per evaluation, beside its operations."""
-ALLOWED = 20.0
-"""Seconds of work on a typical machine that the search for an accuracy may take in all."""
-SHARES = 4
-"""Ways among which the work is divided."""
+ALLOWED, SHARES = 20.0, 4
+"""Seconds of work on a typical machine that the search for an accuracy may take in all; ways that share it."""
 FIRST = 5e4
 """Evaluations for the usual motion, which the search begins with."""
 
@@ -41,10 +39,8 @@ class Effort:
     """Runs of one simulation by methods and steps.
 
     Attributes:
-        duration: s; None for the usual one.
         given: what else `simulate` takes.
         left: seconds of work that are left; floor: what the others of the ways that are tried shall find.
-        steps: done so far.
     """
 
     model: Model
@@ -108,15 +104,13 @@ class Effort:
         return motion
 
 
-FIRST_STEP, LAST_STEP = 1.6e-2, 1e-8
+FIRST_STEP, LAST_STEP, TINY = 1.6e-2, 1e-8, 1e-300
 """s: the steps that are halved, from the first to the last."""
-SLOWEST = 1.5
-"""A step half as long has to leave no more than 1 / 1.5 of the difference, or the error has reached its floor."""
+SLOWEST, FLOOR = 1.5, 8.0
+"""A step half as long has to leave no more than 1 / 1.5 of the difference, or the error has reached its floor, where it
+is multiplied with 8."""
 GROWN = 1.5
 """Twice as many whole steps have to make at least so many times as many in all."""
-TINY = 1e-300
-FLOOR = 8.0
-"""What a difference at the floor of rounding is multiplied with."""
 
 
 class Settled(NamedTuple):
