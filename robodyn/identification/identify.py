@@ -20,22 +20,25 @@ from robodyn.dynamics.regressor import INERTIAL
 from robodyn.errors import InputError
 from robodyn.identification.log.log import Log
 from robodyn.identification.log.rows import kernel
-from robodyn.identification.model_selection import strength, with_load, with_possible_loads, with_stribeck
-from robodyn.identification.parameters.base import base_of
-from robodyn.identification.parameters.consistent import consistent_parameters
-from robodyn.identification.parameters.prior import Prior, prior_of, pseudo_inertia
-from robodyn.identification.parameters.qr_accumulation import Gathered
-from robodyn.identification.parameters.regressor_columns import PARAMETERS, PLAIN
-from robodyn.identification.parameters.structure import (
+from robodyn.identification.model_selection import (
     Structure,
     counts,
     covariance,
     fitted,
     least_squares,
     squares,
+    strength,
     system,
+    with_load,
+    with_possible_loads,
+    with_stribeck,
     without_one,
 )
+from robodyn.identification.parameters.base import base_of
+from robodyn.identification.parameters.consistent import consistent_parameters
+from robodyn.identification.parameters.prior import Prior, prior_of, pseudo_inertia
+from robodyn.identification.parameters.qr_accumulation import Gathered
+from robodyn.identification.parameters.regressor_columns import PARAMETERS, PLAIN
 from robodyn.identification.passes import FOLDS, RESTS, Run, begun, first_fit, repeated, weighted_rows
 from robodyn.identification.result import BaseFit, Errors, Identified, motor_fits, outcome
 from robodyn.scene.scene import DEFAULT, Scene

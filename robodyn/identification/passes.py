@@ -15,11 +15,20 @@ from robodyn.identification.faults.channels import magnitudes, told
 from robodyn.identification.faults.installation import CLEAR, Raw, misread
 from robodyn.identification.log.log import Log
 from robodyn.identification.log.rows import PERIODS, POSITIONS, kernel, rates, states
-from robodyn.identification.model_selection import coupled, coupled_motors, joint_motors, scene_motors, with_speeds
+from robodyn.identification.model_selection import (
+    Structure,
+    counts,
+    coupled,
+    coupled_motors,
+    fitted,
+    joint_motors,
+    scene_motors,
+    system,
+    with_speeds,
+)
 from robodyn.identification.parameters.base import base_of
 from robodyn.identification.parameters.qr_accumulation import Gathered, Guess, Moments, gather
 from robodyn.identification.parameters.regressor_columns import PLAIN, Motor, RegressorColumns
-from robodyn.identification.parameters.structure import Structure, counts, fitted, system
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.caveats import WrongUnits

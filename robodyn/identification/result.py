@@ -10,8 +10,8 @@ import numpy as np
 from robodyn.dynamics.effects.friction import friction_of
 from robodyn.dynamics.regressor import INERTIAL, regressor
 from robodyn.identification.calibrated import calibrated
+from robodyn.identification.model_selection import Structure
 from robodyn.identification.parameters.base import Base
-from robodyn.identification.parameters.structure import Structure
 from robodyn.robot.model import Model
 from robodyn.scene.parts import CoupledMotor, Friction
 from robodyn.scene.scene import Scene

@@ -9,11 +9,10 @@ import numpy as np
 from helpers import motion_classes
 from robodyn.identification.log.log import Samples
 from robodyn.identification.log.rows import convolved, decimation, kernel
-from robodyn.identification.model_selection import joint_motors
+from robodyn.identification.model_selection import Structure, covariance, fitted, joint_motors, system
 from robodyn.identification.parameters.base import base_of
 from robodyn.identification.parameters.qr_accumulation import Gathered, Guess, Moments
 from robodyn.identification.parameters.regressor_columns import PLAIN, RegressorColumns
-from robodyn.identification.parameters.structure import Structure, covariance, fitted, system
 from robodyn.scene.scene import DEFAULT
 
 

@@ -11,8 +11,8 @@ import numpy as np
 from robodyn.identification.faults.faults import range_basis
 from robodyn.identification.log.log import Log, Samples, joined
 from robodyn.identification.log.rows import filtered, states
+from robodyn.identification.model_selection import Structure, least_squares, whole_system
 from robodyn.identification.parameters.regressor_columns import RegressorColumns
-from robodyn.identification.parameters.structure import Structure, least_squares, whole_system
 from robodyn.programs.vectors import product
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
