@@ -167,11 +167,8 @@ class Landscape:
         return float(pressure * self.programs.r / (kinds * m + len(self._efforts)) / (samples // _THIN))
 
     def _telling(self, rows: list[Floats]) -> tuple[float, list[Floats]]:
-        """Return log det (sum Y^T W Y / N) and its derivative by the rows of each torque.
-
-        Raises:
-            numpy.linalg.LinAlgError: it is singular.
-        """
+        """Return log det (sum Y^T W Y / N) and its derivative by the rows of each torque; raise
+        numpy.linalg.LinAlgError if it is singular."""
         A = np.zeros((self.programs.r, self.programs.r))
         weights = [scale * scale / len(part) for scale, part in zip(self._scales, rows, strict=True)]
         for columns, part, weight in zip(self.programs.shown, rows, weights, strict=True):
@@ -196,11 +193,8 @@ def _barrier(z: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def search(landscape: Landscape, starts: int, seed: int) -> Floats:
-    """Return the best position that is found from so many places.
-
-    Raises:
-        InputError: no posture that is tried can be held.
-    """
+    """Return the best position that is found from so many places; raise InputError if no posture that is tried can be
+    held."""
 
     lowest = partial(_lowest, landscape)
     ends = [reduce(lowest, _EARLY, start) for start in _starts(landscape, starts, seed)]

@@ -235,11 +235,8 @@ class Motion:
 
 
 def within_limits(motion: Motion) -> Motion:
-    """Return the motion, swinging as much less about its centre as keeps all limits.
-
-    Raises:
-        InputError: however little it swings, it exceeds one.
-    """
+    """Return the motion, swinging as much less about its centre as keeps all limits; raise InputError if however little
+    it swings, it exceeds one."""
     size = 1.0
     while size > _LEAST:
         x = motion.x * size

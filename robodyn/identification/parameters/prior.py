@@ -203,11 +203,8 @@ def body_boxes(model: Model) -> tuple[dict[str, Box], tuple[str, ...]]:
 
 
 def _box(description: Description, shape: Shape) -> Box:
-    """Return the box around a shape, along the axes of its link.
-
-    Raises:
-        MeshError: the mesh is not found, cannot be read, or may not be the whole.
-    """
+    """Return the box around a shape, along the axes of its link; raise MeshError if the mesh is not found, cannot be
+    read, or may not be the whole."""
     geometry, file = shape.geometry, mesh_file(shape)
     if shape.missing:
         raise MeshError(missing_mesh(description, geometry).what)

@@ -153,11 +153,7 @@ def by_box(corners: Floats) -> Moments:
 
 
 def by_hull(corners: Floats) -> Moments:
-    """Of the convex hull.
-
-    Raises:
-        scipy.spatial.QhullError: the corners lie in a plane.
-    """
+    """Of the convex hull; raise scipy.spatial.QhullError if the corners lie in a plane."""
     from scipy.spatial import ConvexHull
 
     hull = ConvexHull(corners.reshape(-1, 3))
@@ -210,21 +206,15 @@ def _of_matrix(matrix: Floats) -> Moments:
 
 
 def by_decimation(corners: Floats, tolerance: float) -> Moments:
-    """Of the body with fewer triangles, none of which is farther off than this share of the box's diagonal.
-
-    Raises:
-        MeshError: the surface is no manifold.
-    """
+    """Of the body with fewer triangles, none of which is farther off than this share of the box's diagonal; raise
+    MeshError if the surface is no manifold."""
     mesh = _manifold(corners).simplify(tolerance * length(np.ptp(corners, axis=(0, 1)))).to_mesh64()
     return _about_origin(mesh.vert_properties[:, :3][mesh.tri_verts])
 
 
 def union_with_a_copy(corners: Floats) -> Any:
-    """Return the body united with itself moved by a fifth of its box: what uniting bodies of this size takes.
-
-    Raises:
-        MeshError: the surface is no manifold.
-    """
+    """Return the body united with itself moved by a fifth of its box: what uniting bodies of this size takes; raise
+    MeshError if the surface is no manifold."""
     from manifold3d import Manifold, OpType
 
     solid = _manifold(corners)
@@ -284,11 +274,8 @@ def integral_operations(triangles: int) -> int:
 
 
 def needs_rationals(target: float) -> bool:
-    """Whether floats, which are escalated until their bounds are below 1e-12, are not enough for a relative error.
-
-    Raises:
-        InputError: no result in doubles can be that accurate.
-    """
+    """Whether floats, which are escalated until their bounds are below 1e-12, are not enough for a relative error;
+    raise InputError if no result in doubles can be that accurate."""
     refuse_beyond_doubles(target)
     return target < LIMIT
 

@@ -67,11 +67,8 @@ class Effort:
         return motion.evaluations * self.cost(motion.method)
 
     def is_stiff(self) -> bool:
-        """Return whether the motion, made as it is without an accuracy, asks for an implicit method.
-
-        Raises:
-            InputError: no method can do it.
-        """
+        """Return whether the motion, made as it is without an accuracy, asks for an implicit method; raise InputError
+        if no method can do it."""
         try:
             return self._counted(most=FIRST).method.name == "radau"
         except TooMuchError as error:
@@ -129,11 +126,8 @@ class UnsettledError(InputError):
 
 
 def refined(effort: Effort, name: str, target: float) -> Settled:
-    """Return the motion by a method, refined until that changes it by less than the target.
-
-    Raises:
-        UnsettledError: the changes stop falling above the target, or the work is done.
-    """
+    """Return the motion by a method, refined until that changes it by less than the target; raise UnsettledError if the
+    changes stop falling above the target, or the work is done."""
     before, change, problem = None, inf, "one motion alone tells no error"
     effort.next_way(ALLOWED / SHARES)
     finer: dict[str, float] | None = {"rtol": 0.2 * target} if method_named(name).adaptive else {"step": FIRST_STEP}
@@ -295,11 +289,8 @@ def simulate_within(model: Model, scene: Scene, duration: float | None, target: 
 
 
 def _within(effort: Effort, target: float, stiff: bool) -> tuple[Settled, Settled, float]:
-    """Motions by two methods and their error; where they do not agree, the first is refined further.
-
-    Raises:
-        InputError: no two agree to within the target.
-    """
+    """Motions by two methods and their error; where they do not agree, the first is refined further; raise InputError
+    if no two agree to within the target."""
     what, error = "", inf
     for tighter in TIGHTER:
         try:
@@ -317,11 +308,8 @@ def _within(effort: Effort, target: float, stiff: bool) -> tuple[Settled, Settle
 
 
 def _settled(effort: Effort, target: float, wanted: float, stiff: bool) -> Settled:
-    """Return the first method that can be refined until that changes less than half of what is wanted.
-
-    Raises:
-        InputError: none can.
-    """
+    """Return the first method that can be refined until that changes less than half of what is wanted; raise InputError
+    if none can."""
     tightened = () if effort.scene.loops else TIGHTENED
     problems, reached = [], inf
     for name in (*tightened, *HALVED) if stiff else (*HALVED, *tightened):
@@ -334,11 +322,8 @@ def _settled(effort: Effort, target: float, wanted: float, stiff: bool) -> Settl
 
 
 def _confirmed(effort: Effort, settled: Settled, target: float) -> Settled:
-    """Return the motion by another method, and how far it is from the first.
-
-    Raises:
-        InputError: no other method gets through.
-    """
+    """Return the motion by another method, and how far it is from the first; raise InputError if no other method gets
+    through."""
     motion = settled.motion
     best, problem = Settled(motion, inf), ""
     for name in CONFIRMING[motion.method.name]:
