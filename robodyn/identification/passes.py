@@ -12,7 +12,7 @@ from robodyn.dynamics.effects.motors import spins
 from robodyn.dynamics.regressor import INERTIAL
 from robodyn.errors import InputError
 from robodyn.identification.faults.channels import magnitudes, told
-from robodyn.identification.faults.installation import CLEAR, Raw, misread
+from robodyn.identification.faults.installation import CLEAR, Raw
 from robodyn.identification.log.log import Log
 from robodyn.identification.log.rows import PERIODS, POSITIONS, kernel, rates, states
 from robodyn.identification.model_selection import (
@@ -159,7 +159,7 @@ def first_fit(run: Run) -> First:
     chosen = [k for k, motor in enumerate(motors) if k in joints or motor.name in ratios]
     second = Structure(regressor, dict.fromkeys(chosen, PLAIN))
     theta, sigma = fitted(plain, range(FOLDS), second)
-    faults = faults or misread(raw.logs, run.cutoff, second, sigma)
+    faults = faults or raw.misread(second, sigma)
     caveats = [] if faults else raw.leaning(second, theta, sigma, run.scene)
     values = dict(zip(regressor.names, (second.shape @ theta).tolist(), strict=True))
     units = [

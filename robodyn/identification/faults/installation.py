@@ -10,7 +10,7 @@ import numpy as np
 
 from robodyn.identification.faults.faults import range_basis
 from robodyn.identification.log.log import Log, Samples, joined
-from robodyn.identification.log.rows import filtered, states
+from robodyn.identification.log.rows import states
 from robodyn.identification.model_selection import Structure, least_squares, whole_system
 from robodyn.identification.parameters.regressor_columns import RegressorColumns
 from robodyn.programs.vectors import product
@@ -28,6 +28,9 @@ _BENDS = (0.003, 0.01, 0.03)
 """Of a joint's usual speed times 1 s: displacements over which dry friction may turn its sign, which looks late."""
 _LEAN, _ALIKE, _ROUNDS, _SMALL = 1.0, 0.45, 2, 1e-3
 """Degrees that are told, if both halves of a log tell them alike but for a part; rounds; rad of differences."""
+_INSTANTS, _JOINTS, _FEWEST, _CLEAR = 400, 8, 100, 1.0 / 16.0
+"""Instants and joints at which other readings of positions are tried; and what the right one leaves at most of the
+squares of the one at hand, as a product over the joints."""
 
 
 class Raw:
@@ -92,6 +95,33 @@ class Raw:
         what = f"torques fit gravity that leans by {np.degrees(np.arctan(size)):.2g} degrees"
         return [f"{what}: does the base stand tilted? then --gravity {said}"]
 
+    def misread(self, structure: Structure, sigma: Floats) -> list[str]:
+        """Return in words how positions are misread, if the torques tell.
+
+        Of the joints that are explained worst, every position with the other sign, with and without its torque's, and
+        every two exchanged, with and without their torques, are put in the place of those of the log, and base
+        parameters and motors are fitted anew. The best one counts if the squares that it leaves, multiplied over the
+        joints, are less than `_CLEAR` of those as they are. Joints whose positions are quaternions are left out.
+        """
+        model, measured = self.regressor.model, self.regressor.measured
+        tau = np.column_stack([self._later(self.late[j : j + 1], j) for j in range(model.n)])
+        whole = np.flatnonzero(np.isfinite(tau).all(axis=1))
+        if model.nq != model.n or len(whole) < _FEWEST:
+            return []
+        rows = self.few._replace(tau=tau).cut(whole[:: 1 + len(whole) // _INSTANTS], True)
+        before = _left_by_joint(rows, structure, sigma)
+        size = np.array([np.sum(rows.tau[:, j] ** 2) for j in measured]) / sigma**2
+        worst = sorted(np.argsort(-before / np.maximum(size, 1e-300), kind="stable")[:_JOINTS].tolist())
+        best, words = np.log(_CLEAR), []
+        for order, sign, torques, said in _readings(model.rates, [measured[place] for place in worst]):
+            q, qd, qdd = (each[:, order] * sign for each in (rows.q, rows.qd, rows.qdd))
+            along = rows.tau[:, order] * sign if torques else rows.tau
+            after = _left_by_joint(Samples(rows.time, q, qd, qdd, along, True), structure, sigma)
+            ratio = float(np.log(after / before).sum())
+            if ratio < best:
+                best, words = ratio, [said]
+        return words
+
     def _weighted(self, structure: Structure, sigma: Floats, gravity: Floats) -> tuple[Floats, Floats]:
         """Return columns of the parameters (k, p) and torques (k,) of all instants, joint by joint in each."""
         regressor, shape = structure.regressor.under(tuple(gravity.tolist())), structure.shape
@@ -151,39 +181,6 @@ def _best(shifts: Floats, columns: Floats, targets: Floats) -> float:
     return float(f"{shifts[k] + place * (shifts[1] - shifts[0]):.3g}")
 
 
-_INSTANTS, _JOINTS, _FEWEST, _WHOLE = 400, 8, 100, 1e-6
-_CLEAR = 1.0 / 16.0
-"""What the right reading leaves at most of the squares of the one at hand, as a product over the joints."""
-
-
-def misread(logs: Sequence[Log], cutoff: float, structure: Structure, sigma: Floats) -> list[str]:
-    """Return in words how positions are misread, if the torques tell.
-
-    Of the joints that are explained worst, every position with the other sign, with and without its torque's, and every
-    two exchanged, with and without their torques, are put in the place of those of the log, and base parameters and
-    motors are fitted anew. The best one counts if the squares that it leaves, multiplied over the joints, are less
-    than `_CLEAR` of those as they are. Robots with joints whose positions are quaternions are left out.
-    """
-    model = structure.regressor.model
-    if model.nq != model.n:
-        return []
-    rows = _instants(logs, cutoff)
-    if len(rows.time) < _FEWEST:
-        return []
-    before = _left_by_joint(rows, structure, sigma)
-    size = np.array([np.sum(rows.tau[:, j] ** 2) for j in structure.regressor.measured]) / sigma**2
-    worst = sorted(np.argsort(-before / np.maximum(size, 1e-300), kind="stable")[:_JOINTS].tolist())
-    best, words = np.log(_CLEAR), []
-    for order, sign, torques, said in _readings(model.rates, [structure.regressor.measured[place] for place in worst]):
-        tau = rows.tau[:, order] * sign if torques else rows.tau
-        q, qd, qdd = (each[:, order] * sign for each in (rows.q, rows.qd, rows.qdd))
-        after = _left_by_joint(Samples(rows.time, q, qd, qdd, tau, True), structure, sigma)
-        ratio = float(np.log(after / before).sum())
-        if ratio < best:
-            best, words = ratio, [said]
-    return words
-
-
 def _readings(names: Sequence[str], joints: Sequence[int]) -> Iterator[tuple[list[int], Floats, bool, str]]:
     """Yield which rate's columns are read as each rate's, with which sign, whether torques go along, and the words."""
     as_is, ahead = list(range(len(names))), np.ones(len(names))
@@ -195,21 +192,6 @@ def _readings(names: Sequence[str], joints: Sequence[int]) -> Iterator[tuple[lis
             order = as_is.copy()
             order[i], order[j] = j, i
             yield order, ahead, torques, f"{what if torques else what + 's'} of {names[i]} and {names[j]} are exchanged"
-
-
-def _instants(logs: Sequence[Log], cutoff: float) -> Samples:
-    """Return some hundred instants of the logs, around which no torque is left out: all through the same filter."""
-
-    def motion(samples: Samples) -> Floats:
-        lost = np.repeat(np.isnan(samples.tau).any(axis=1, keepdims=True), samples.q.shape[1], axis=1)
-        return np.stack((samples.q, samples.qd, samples.qdd, lost), axis=1)
-
-    parts = [rows for log in logs for rows in filtered(log, cutoff, motion)]
-    time, motions, tau = (np.concatenate([getattr(part, name) for part in parts]) for name in parts[0]._fields)
-    whole = np.flatnonzero(np.abs(motions[:, 3]).max(axis=1) < _WHOLE)
-    some = whole[:: 1 + len(whole) // _INSTANTS]
-    q, qd, qdd, _ = motions[some].swapaxes(0, 1)
-    return Samples(time[some], q, qd, qdd, tau[some], True)
 
 
 def _left_by_joint(rows: Samples, structure: Structure, sigma: Floats) -> Floats:

@@ -273,7 +273,7 @@ class Samples(NamedTuple):
     tau: Floats
     begins: bool
 
-    def cut(self, rows: slice, begins: bool) -> Samples:
+    def cut(self, rows: slice | NDArray[np.intp], begins: bool) -> Samples:
         time, q, qd, qdd, tau, _ = self
         return Samples(time[rows], q[rows], qd[rows], qdd[rows], tau[rows], begins)
 
