@@ -118,9 +118,7 @@ class Fourier:
     That is so if sum k a_k = 0 and sum k^2 b_k = 0 (Swevers and others 1997), and it is so in the shapes that follow,
     by which motions are combined: 1, sin(k w t)/k - sin((k+1) w t)/(k+1), cos(k w t)/k^2 - cos((k+1) w t)/(k+1)^2.
 
-    Attributes:
-        period: [s], w = 2 pi / period.
-        harmonics: 2 or more.
+    With w = 2 pi / period [s] and two harmonics or more.
     """
 
     period: float

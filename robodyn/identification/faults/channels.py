@@ -106,10 +106,7 @@ def magnitudes(rows: Sequence[Floats], names: Sequence[str]) -> list[str]:
     """Return a line if measured torques are a multiple of the computed ones that masses seldom make.
 
     Beside friction and rotor inertia the computed torque is fitted with a factor, which counts if it leaves less than
-    `_CLEAR` of what is left without.
-
-    Args:
-        rows: see `told`.
+    `_CLEAR` of what is left without. Rows are those of `told`.
     """
     far = []
     for j, (each, name) in enumerate(zip(rows, names, strict=True)):

@@ -193,10 +193,8 @@ def load_body(model: Model) -> str:
 def evidence_of(log: Log) -> tuple[Evidence, Floats, tuple[int, ...], list[str]]:
     """Return the evidence of a log, its times (k,), the joints in it as places in `model.rates`, and notes.
 
-    It is of the longest stretch without gaps; joints whose torque is constant in it are left out.
-
-    Raises:
-        TrajectoryError: no torque varies, or the filter leaves too few samples.
+    It is of the longest stretch without gaps; joints whose torque is constant in it are left out. Raise TrajectoryError
+    if none varies, or the filter leaves too few samples.
     """
     parts = [*filtered(log, log.cutoff, lambda samples: _columns(log, samples))]
     time = np.concatenate([np.empty(0), *(part.time for part in parts)])

@@ -33,14 +33,11 @@ class Spread:
 
 
 def timed(acts: Mapping[str, Callable[[], Any]], share: float = 1.0) -> dict[str, tuple[Any, Spread]]:
-    """Return what each act returns and how long it takes.
+    """Return what each act returns and how long it takes, a share of which counts.
 
     They take turns, so that all meet the same load of the machine. The first run, which brings code and data to the
     caches, counts for those alone that are slow; and a short act is run twice in each turn, of which the second counts,
     or it would pay for what the one before it has left in the caches.
-
-    Args:
-        share: of each time that counts.
     """
     results = {name: _run(act) for name, act in acts.items()}
     first = {name: took for name, (_, took) in results.items()}
@@ -144,12 +141,7 @@ class Ladder:
 
 @dataclass(frozen=True)
 class Accuracy:
-    """What accuracy costs in time.
-
-    Attributes:
-        prices: of what makes a result trustworthy, or ready.
-        effects: of a robot, those that are on; notes: what was left out, and why.
-    """
+    """What accuracy costs in time, with prices of what makes a result trustworthy or ready, and of effects."""
 
     name: str
     ladders: tuple[Ladder, ...]

@@ -36,10 +36,9 @@ FIRST = 5e4
 
 @dataclass(eq=False)
 class Effort:
-    """Runs of one simulation by methods and steps.
+    """Runs of one simulation by methods and steps, with what else `simulate` is given.
 
     Attributes:
-        given: what else `simulate` takes.
         left: seconds of work that are left; floor: what the others of the ways that are tried shall find.
     """
 
@@ -80,12 +79,7 @@ class Effort:
         self.floor = max(self.left - share, 0.0)
 
     def run(self, name: str, **options: Any) -> Simulation:
-        """Return the motion by a method, with this step or tolerance.
-
-        Raises:
-            TooMuchError: it takes more than what is left of the way's share.
-            InputError: the method does not get through.
-        """
+        """Return the motion by a method, with this step or tolerance; raise TooMuchError if the way's share is less."""
         cost = self.cost(method_named(name))
         most = int(max(self.left - self.floor, 0.0) / cost)
         try:
@@ -188,8 +182,7 @@ class Graze(NamedTuple):
     """A limit that a motion misses or passes by little.
 
     Attributes:
-        depth: by how much, rad or m; negative where it misses.
-        time: s, when.
+        depth: by how much, rad or m; negative where it misses; time: s, when.
         error: relative to the largest of the kind (see `MotionError`), at which either could be true.
     """
 

@@ -55,10 +55,7 @@ def motion_reference(model: Model, duration: float, run: Run) -> Reference:
     """Return the motion of a robot from its scene's initial state, in doubles; joint limits are not looked at.
 
     By DOP853 (or Radau) and by a Gauss-Legendre method of order 6 (or RK4), each the first of its kind that gets
-    through. The bound is the largest difference of the two.
-
-    Raises:
-        InputError: no method gets through.
+    through, or InputError is raised. The bound is the largest difference of the two.
     """
     halved = [("gauss6", 16), ("gauss6", 14), ("gauss6", 18), ("rk4", 17)]
     fine = _first(run, duration, [(name, {"step": duration / 2**k}) for name, k in halved])
@@ -199,10 +196,7 @@ def _tries(
 
 
 def state_errors(motion: Simulation, reference: Reference) -> tuple[float, float]:
-    """Of a motion's state at the end, and the largest at up to 64 of its recorded times, the reference's bound added.
-
-    Accuracy: never below the true error where the bound holds.
-    """
+    """Of a motion's state at the end, and the largest at up to 64 recorded times, the reference's bound added."""
     some = np.unique(np.linspace(0, len(motion.time) - 1, SEEN).astype(int))
     states = np.hstack((motion.q, motion.qd))[some]
     errors = reference.error(states, reference.at(motion.time[some]))

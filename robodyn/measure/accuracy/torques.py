@@ -95,14 +95,7 @@ def torque_accuracy(model: Model, samples: Trajectory, scene: Scene = DEFAULT) -
 
 
 def file_accuracy(model: Model, scene: Scene, trajectory: str, **reading: Any) -> Accuracy:
-    """`torque_accuracy` of the first block of a trajectory in a file, 32768 samples.
-
-    Args:
-        reading: as for `read_motion`.
-
-    Raises:
-        InputError: the trajectory is wrong or empty, or what `torque_accuracy` raises.
-    """
+    """`torque_accuracy` of the first block of a trajectory in a file, 32768 samples, read as by `read_motion`."""
     block = first_block(model, scene, trajectory, **reading)
     found = torque_accuracy(model, block, scene)
     return replace(found, notes=(*(f"warning: {caveat.text}" for caveat in block.caveats), *found.notes))
@@ -177,8 +170,6 @@ def derivative_ladder(a_plan: Plan, samples: Trajectory) -> Ladder:
 
     Raises:
         InputError: the motion is too short to be derived, or has floating joints and no accelerations.
-
-    Accuracy: errors are of one draw of the noise.
     """
     if samples.derivation is None:
         truth, data, against = samples, samples.q, "the velocities and accelerations given"
@@ -207,10 +198,8 @@ def torques(a_plan: Plan, samples: Trajectory) -> Floats:
 def like(model: Model, samples: Trajectory) -> Trajectory:
     """Return a motion whose accelerations are splines through the derived ones, and its exact velocities and positions.
 
-    Sampled half-way between the samples, so that no spline through its positions is the motion itself.
-
-    Raises:
-        InputError: a joint is floating.
+    Sampled half-way between the samples, so that no spline through its positions is the motion itself; raise InputError
+    if a joint is floating.
     """
     from scipy.interpolate import CubicSpline
 
@@ -283,12 +272,8 @@ MARGIN = 4.0
 
 @dataclass(frozen=True)
 class Arithmetic:
-    """The cheapest arithmetic for a target.
-
-    Attributes:
-        executor: that it needs, None for any.
-        expected: error, relative to the largest torque.
-    """
+    """The cheapest arithmetic for a target: the executor that it needs, None for any, and its error, relative to the
+    largest torque."""
 
     target: float
     executor: str | None
