@@ -70,12 +70,13 @@ class _Branch(NamedTuple):
 
 def _legs(model: Model) -> list[str]:
     """Return the links at which legs end, by where they are or else by their names."""
-    branches = list(_branches(model))
-    bottom = _bottom(model)
+    branches, base = list(_branches(model)), model.bodies[0].inertia
+    own = [frame.p[2] for name, frame in model.links.items() if frame.body == 0 and "footprint" not in _words(name)]
+    bottom = float(min(base.mc[2] / base.m, *own, 0.0) if base.m > 0.0 else min(own, default=0.0))
     below = [each for each in branches if each.drop > 0.5 * each.length and bottom - each.height > 0.25 * each.length]
     lowest = min((each.height for each in below), default=0.0)
     level = [each.foot for each in below if each.height < lowest + 0.2 * each.length]
-    if len(level) > 1 and model.bodies[0].inertia.m > 0.0:
+    if len(level) > 1 and base.m > 0.0:
         return level
     named = ([name for name in each.links if _words(name) & LEGS] for each in branches)
     return [names[-1] for names in named if names]
@@ -96,10 +97,3 @@ def _branches(model: Model) -> Iterator[_Branch]:
             end, height = model.links[foot], float(places[foot][2])
             drop = float(model.bodies[hip].joint.p[2]) - height
             yield _Branch(links, foot, height, drop, reach[end.body] + length(end.p))
-
-
-def _bottom(model: Model) -> float:
-    """Return the height of the lowest of the base's frames and mass centre, but for a footprint on the floor [m]."""
-    base = model.bodies[0].inertia
-    own = (frame.p[2] for name, frame in model.links.items() if frame.body == 0 and "footprint" not in _words(name))
-    return float(min(own, default=0.0)) if not base.m > 0.0 else float(min(base.mc[2] / base.m, *own, 0.0))

@@ -15,7 +15,6 @@ from robodyn.support.wording import alternatives, count, listed, shown
 
 Values = Sequence[float] | Mapping[str, float]
 
-_ATTITUDE = (0.0, 0.0, 0.0, 1.0)
 _UNITS = {"revolute": "rad", "prismatic": "m"}
 
 
@@ -34,24 +33,21 @@ def configuration(model: Model, values: Values = ()) -> Floats:
         InputError: there are more or fewer values than coordinates, a name is none, or a quaternion is zero.
     """
     q = np.zeros(model.nq)
-    for joint in model.independent:
-        if joint.kind == "floating":
-            q[joint.coordinate + 3 : joint.coordinate + 7] = _ATTITUDE
+    for _, k in model.quaternions:
+        q[k : k + 4] = (0.0, 0.0, 0.0, 1.0)
     place = {name: k for k, name in enumerate(model.coordinates)}
     for name, value in named(model, values, coordinates(model)).items():
         q[place[name]] = value
-    for joint in model.independent:
-        if joint.kind == "floating" and not q[joint.coordinate + 3 : joint.coordinate + 7].any():
-            raise InputError(f"the quaternion of joint {shown(joint.name)} is zero", remedy="give four numbers, w last")
+    for joint, k in model.quaternions:
+        if not q[k : k + 4].any():
+            raise InputError(f"the quaternion of joint {shown(joint)} is zero", remedy="give four numbers, w last")
     return q
 
 
 def unit_rows(model: Model, states: Floats) -> Floats:
     """Return rows of q and more (N, width), which change, with quaternions of unit length."""
-    for joint in model.independent:
-        if joint.kind == "floating":
-            h = states[:, joint.coordinate + 3 : joint.coordinate + 7]
-            h /= np.linalg.norm(h, axis=1)[:, None]
+    for _, k in model.quaternions:
+        states[:, k : k + 4] /= np.linalg.norm(states[:, k : k + 4], axis=1)[:, None]
     return states
 
 

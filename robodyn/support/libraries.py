@@ -51,28 +51,21 @@ def loading(modules: Sequence[str]) -> Iterator[tuple[str, str]]:
     One process imports them in turn; where it ends before the last, the next one has ended it, and another goes on.
     """
     waiting = list(modules)
+    folder = os.path.dirname(os.__file__)  # for processes that libraries start as they are imported
     while waiting:
-        answers, ended = _tried(waiting)
-        yield from answers
-        waiting = waiting[len(answers) :]
+        with start_python(f"{__name__}:import_each", *waiting, folder=folder, stderr=subprocess.DEVNULL) as process:
+            try:
+                said, _ = process.communicate(timeout=_LONGEST)
+                status = process.returncode
+                ended = f"it ends the process, {f'signal {-status}' if status < 0 else f'exit status {status}'}"
+            except subprocess.TimeoutExpired:
+                process.kill()
+                said, ended = process.communicate()[0], f"it does not end within {_LONGEST:.0f} s"
+        for line in said.decode(errors="replace").split("\n"):
+            if _MARK in line:
+                yield waiting.pop(0), json.loads(line.rpartition(_MARK)[2])
         if waiting:
             yield waiting.pop(0), ended
-
-
-def _tried(modules: Sequence[str]) -> tuple[list[tuple[str, str]], str]:
-    """Return what the process says of the modules until it ends, and how it ends."""
-    folder = os.path.dirname(os.__file__)  # for processes that libraries start as they are imported
-    with start_python(f"{__name__}:import_each", *modules, folder=folder, stderr=subprocess.DEVNULL) as process:
-        try:
-            said, _ = process.communicate(timeout=_LONGEST)
-            status = process.returncode
-            ended = f"it ends the process, {f'signal {-status}' if status < 0 else f'exit status {status}'}"
-        except subprocess.TimeoutExpired:
-            process.kill()
-            said, ended = process.communicate()[0], f"it does not end within {_LONGEST:.0f} s"
-    lines = said.decode(errors="replace").split("\n")
-    answers = [json.loads(line.rpartition(_MARK)[2]) for line in lines if _MARK in line]
-    return [(name, problem) for name, problem in answers], ended
 
 
 def import_each(*modules: str) -> None:
@@ -83,7 +76,7 @@ def import_each(*modules: str) -> None:
             problem = ""
         except BaseException as error:
             problem = (str(error).partition("\n")[0] or type(error).__name__)[:200]
-        print(_MARK + json.dumps([name, problem]), flush=True)
+        print(_MARK + json.dumps(problem), flush=True)
 
 
 _WARNINGS = threading.RLock()

@@ -12,12 +12,12 @@ from itertools import combinations, permutations, product
 
 import numpy as np
 
+from robodyn.robot.urdf.parts import INERTIA
 from robodyn.solids.inertia.laws import parallel_axis, rotation_law, symmetric
 from robodyn.support.floats import Floats
 
 UPPER = (0, 0, 0, 1, 1, 2), (0, 1, 2, 1, 2, 2)
 """Where ixx, ixy, ixz, iyy, iyz, izz are in the matrix."""
-_NAMES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 _MOMENTS, PRODUCTS = (0, 3, 5), (1, 2, 4)
 _ORDERS = {
     "ixx iyy izz ixy ixz iyz (MuJoCo's fullinertia)": (0, 3, 4, 1, 5, 2),
@@ -84,18 +84,18 @@ def _rows() -> Iterator[Row]:
     kept, ones = tuple(range(6)), (1.0,) * 6
     for count in (3, 2, 1):
         for flipped in combinations(PRODUCTS, count):
-            what = f"the products of inertia ({', '.join(_NAMES[k] for k in flipped)}) have the wrong sign"
+            what = f"the products of inertia ({', '.join(INERTIA[k] for k in flipped)}) have the wrong sign"
             factors = tuple(-1.0 if k in flipped else 1.0 for k in kept)
             yield Mistake("RD306", what, _SIGNS[count < 3]), kept, factors
     for name, places in _ORDERS.items():
         yield Mistake("RD310", f"the entries are in the order {name}", _ORDER), places, ones
     for a, b, c in permutations(PRODUCTS):
         if (a, b, c) != PRODUCTS:
-            what = f"the products of inertia are in another order: {_NAMES[a]} {_NAMES[b]} {_NAMES[c]}"
+            what = f"the products of inertia are in another order: {INERTIA[a]} {INERTIA[b]} {INERTIA[c]}"
             yield Mistake("RD310", what, _PRODUCT_ORDER), (0, a, b, 3, c, 5), ones
     for place in kept:
         for k in _DECADES:
-            what = f"{_NAMES[place]} is {10.0**-k:g} times what it was meant to be"
+            what = f"{INERTIA[place]} is {10.0**-k:g} times what it was meant to be"
             factors = tuple(10.0**k if place == other else 1.0 for other in kept)
             yield Mistake("RD311", what, _DECADE, place in _MOMENTS), kept, factors
     for order in permutations(range(3)):

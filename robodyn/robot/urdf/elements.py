@@ -74,7 +74,6 @@ def _count_continuations(data: bytes) -> int:
 class Attribute:
     """`name="value"`: `value` as XML reads it, `span` of the whole, `value_span` of what is between the quotes."""
 
-    name: str
     value: str
     span: Span
     value_span: Span
@@ -135,7 +134,7 @@ class Element:
                 place = match.end()
                 name = positions.decode(*match.span(1))
                 span, value_span = positions.span(match.start(1), place), positions.span(match.start(2) + 1, place - 1)
-                attributes[name] = Attribute(name, self.values[name], span, value_span)
+                attributes[name] = Attribute(self.values[name], span, value_span)
             end = positions.data.index(b">", place) + 1
             self._start_tag = attributes, positions.span(self.start, end)
         return self._start_tag
