@@ -39,45 +39,6 @@ class FrozenMapping(Mapping[str, V]):
         return type(self), (self._values,)
 
 
-class Frozen:
-    """A base of frozen dataclasses, which keep read-only copies of what they are given, and so do copies of them."""
-
-    __slots__ = ()
-
-    def __post_init__(self) -> None:
-        for name in _names(type(self)):  # type: ignore[arg-type]
-            object.__setattr__(self, name, self._kept(getattr(self, name)))
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), tuple(getattr(self, name) for name in _names(type(self)))  # type: ignore[arg-type]
-
-    @staticmethod
-    def _kept(value: Any) -> Any:
-        return frozen(value)
-
-
-@cache
-def _names(kind: type[Any]) -> tuple[str, ...]:
-    """Return the names of the fields of a dataclass."""
-    return tuple(field.name for field in fields(kind))
-
-
-class FrozenValue(Frozen):
-    """A base of dataclasses that are compared by content: equal ones are the same to the bit, and in every order."""
-
-    __slots__ = ("_hash",)
-    _hash: int
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        # Computed once, for programs are looked up by their scene at every call.
-        object.__setattr__(self, "_hash", hash(tuple(vars(self).values())))
-
-    @staticmethod
-    def _kept(value: Any) -> Any:
-        return frozen_value(value)
-
-
 def frozen(value: Any) -> Any:
     """Return the value with read-only copies of mappings, sequences and arrays, also inside each other."""
     if isinstance(value, Mapping):
@@ -107,3 +68,36 @@ def frozen_value(value: Any) -> Any:
         number = float(value)
         return math.nan if math.isnan(number) else number + 0.0
     return value
+
+
+class Frozen:
+    """A base of frozen dataclasses, which keep read-only copies of what they are given, and so do copies of them."""
+
+    __slots__ = ()
+    _kept = staticmethod(frozen)
+
+    def __post_init__(self) -> None:
+        for name in _names(type(self)):  # type: ignore[arg-type]
+            object.__setattr__(self, name, self._kept(getattr(self, name)))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), tuple(getattr(self, name) for name in _names(type(self)))  # type: ignore[arg-type]
+
+
+@cache
+def _names(kind: type[Any]) -> tuple[str, ...]:
+    """Return the names of the fields of a dataclass."""
+    return tuple(field.name for field in fields(kind))
+
+
+class FrozenValue(Frozen):
+    """A base of dataclasses that are compared by content: equal ones are the same to the bit, and in every order."""
+
+    __slots__ = ("_hash",)
+    _kept = staticmethod(frozen_value)
+    _hash: int
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        # Computed once, for programs are looked up by their scene at every call.
+        object.__setattr__(self, "_hash", hash(tuple(vars(self).values())))
