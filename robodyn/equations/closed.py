@@ -134,11 +134,7 @@ def _part(program: Program, symbols: Symbols, units: Sequence[str], products: in
 
 
 def _plain(program: Program, symbols: Symbols) -> list[Any]:
-    """Return the outputs as the recursion makes them.
-
-    Raises:
-        InputError: they are too long to be written down.
-    """
+    """Return the outputs as the recursion makes them; raise where they are too long to be written down."""
     lengths: list[int] = []
     for op, a, b in program.operations:
         leaf = op is INPUT or op is CONSTANT

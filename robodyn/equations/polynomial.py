@@ -51,7 +51,7 @@ class TooLargeError(Exception):
 
 @dataclass
 class Budget:
-    """Products of terms that may still be formed: a bound on time that no busy machine changes."""
+    """Products of terms that may still be formed."""
 
     left: int
 
@@ -165,21 +165,13 @@ class Forms:
     """
 
     def __init__(self, symbols: Mapping[tuple[str, int], Any], products: int) -> None:
-        """
-        Args:
-            symbols: SymPy symbols of the inputs; rates stand apart in results, being of the sources qd and qdd.
-            products: of terms that may be formed; `TooLargeError` is raised beyond.
-        """
+        """Args: symbols: of the inputs; those but q stand apart in results. products: of terms that may be formed."""
         self._symbols, self._budget = symbols, Budget(products)
         self._generators: dict[Any, int] = {symbol: k for k, symbol in enumerate(symbols.values())}
         self._rates = {symbol for (source, _), symbol in symbols.items() if source != "q"}
 
     def outputs(self, program: Program) -> list[Polynomial]:
-        """Return the outputs of a program.
-
-        Raises:
-            TooLargeError: the budget is spent.
-        """
+        """Return the outputs of a program; raise `TooLargeError` when the budget is spent."""
         values: list[Polynomial] = []
         for op, a, b in program.operations:
             if op is INPUT:
@@ -191,11 +183,7 @@ class Forms:
         return [values[k] for k in program.outputs]
 
     def expression(self, form: Polynomial, least: float = 0.0) -> Any:
-        """Return the SymPy expression of a form, sorted by products of rates.
-
-        Args:
-            least: smaller coefficients are left out.
-        """
+        """Return the SymPy expression of a form by products of rates, without coefficients smaller than `least`."""
         sympy, symbols = module(), list(self._generators)
         groups: defaultdict[Any, list[Any]] = defaultdict(list)
         for key, coefficient in form.items():

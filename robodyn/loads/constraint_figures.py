@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from operator import itemgetter
 
 import numpy as np
 
@@ -85,8 +86,8 @@ class ContactFigures:
                 self.missing.append(Missing(kind, now, now, force, moment))
             else:
                 last = self.missing[-1]
-                force, moment = max(last.force, force, key=_value), max(last.moment, moment, key=_value)
-                self.missing[-1] = Missing(kind, last.start, now, force, moment)
+                most = (max(pair, key=itemgetter(0)) for pair in ((last.force, force), (last.moment, moment)))
+                self.missing[-1] = Missing(kind, last.start, now, *most)
 
 
 class _ContactFigures:
@@ -99,11 +100,7 @@ class _ContactFigures:
         self.centre: Vector | None = None
 
     def update(self, time: Floats, row: int, touching: Mask, forces: Floats, arms: Floats) -> None:
-        """Take in a piece.
-
-        Args:
-            touching: (N, points); forces, arms: (N, points, 3) from the middle, in the axes of the ground.
-        """
+        """Take in a piece: touching (N, points); forces and arms from the middle (N, points, 3), in ground's axes."""
         on, total = touching.any(axis=1), forces.sum(axis=1)
         self.samples, self.on = self.samples + len(time), self.on + int(on.sum())
         press, used = product(total, self.normal), friction_used(forces, self.normal, self.contact.friction)
@@ -134,10 +131,6 @@ class _ContactFigures:
             margin=margin,
             centre=self.centre if margin else None,
         )
-
-
-def _value(peak: Peak) -> float:
-    return peak.value
 
 
 def _peak(found: Greatest, sign: float = 1.0) -> Peak | None:

@@ -40,21 +40,11 @@ class Follower:
     """
 
     def __init__(self, plan: Plan, followed: Sequence[str] = (), file: str | None = None) -> None:
-        """
-        Args:
-            plan: of a scene with loops. followed: joints without columns, as a reader or a trajectory has them.
-            file: as messages name it.
-
-        Raises:
-            TrajectoryError: a joint is in no loop.
-        """
+        """Args: followed: joints without columns, each in a loop or refused; file: as messages name it."""
         self.follow = Follow(plan, followed, file)
 
     def take(self, block: Trajectory) -> Trajectory:
-        """Return a block with what follows in it, its accelerations with the error bars that theirs come of.
-
-        Accelerations that follow are open where any that they come of are. Errors and accuracy are those of `Follow`.
-        """
+        """Return a block with what follows, accelerations open where any that they come of are; errors: of `Follow`."""
         if not len(block):
             return replace(block, followed=())
         found, branch = block.sampling, self.follow.branch
@@ -121,11 +111,7 @@ class ConstraintPass:
         return replace(block, extra={**block.extra, **dict(zip(names, self._wrenches.T, strict=True))})
 
     def written(self, columns: Floats) -> Floats:
-        """Return the columns of `output_names` for the last block.
-
-        Args:
-            columns: (N, n and more) torques of all rates, and what follows them in tables.
-        """
+        """Return the columns of `output_names` for the last block, of those (N, n and more) of all rates."""
         n, passive = self.model.n, self.solver.actuation.passive
         own = 6 * len(self.scene.constraint_names)
         return np.hstack((columns[:, :n][:, ~passive], self._wrenches[:, :own], columns[:, n:]))

@@ -124,11 +124,7 @@ def carried(
     """Return what is in doubt about what carries the base, and what carries the robot at floating joints.
 
     Nothing where the scene says that the base is held, where no wrench is left, where a base that does not move may
-    well be bolted down, and where loops hold the base: what they leave is told of its rates.
-
-    Args:
-        base, joints: their loads.
-        looped: whether loops to the ground hold the base.
+    well be bolted down, and where loops hold the base (`looped`): what they leave is told of its rates.
     """
     weight = model.total_mass * hypot(*scene.gravity)
     least_force = VANISHING * max(weight, checks.largest_force)

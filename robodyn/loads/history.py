@@ -76,11 +76,7 @@ class MinMaxDecimation:
         self._kept: dict[int, Floats] = {}
 
     def update(self, time: Floats, values: tuple[Floats, ...], expected_duration: float) -> None:
-        """Take in a block: time (N,), N > 0, and values (columns, N) for each quantity.
-
-        Args:
-            expected_duration: about how long the motion goes on from the first of these samples [s].
-        """
+        """Take in time (N,) and values (columns, N) of each quantity of a motion that goes on for about so long [s]."""
         if not self._kept:
             self._start, self._width = float(time[0]), expected_duration / SPANS or 1.0
         while (time[-1] - self._start) / self._width >= _ROOM * SPANS:

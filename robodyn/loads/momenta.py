@@ -31,13 +31,9 @@ class MomentumPass:
         self.extremes = Extremes(NAMES)
 
     def take(self, block: Trajectory, tau: Floats, pattern: ZeroColumns, run: Callable[[Runner], Floats]) -> Floats:
-        """Return the columns (N, 12) of one block.
+        """Return the columns (N, 12) of one block, in which `pattern` is zero.
 
-        Args:
-            tau: (N, n) its torques.
-            pattern: what is zero in it. Accelerations are not looked at, so that the energy of a rotor counts also in a
-                block without any.
-            run: runs a program over the block.
+        Accelerations are not looked at, so that the energy of a rotor counts also in a block without any.
         """
         moving = frozenset(pair for pair in pattern if pair[0] != "qdd")
         found = run(momentum_runner(plan(self.model, self.scene, moving), self.view))

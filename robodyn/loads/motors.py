@@ -145,12 +145,7 @@ class MotorPass(ShaftFigures):
         return float(self.integrals.totals["wear"][i] / travel) ** (1 / 3) if travel else 0.0
 
     def load(self, i: int, duration: float, inertia: float | None) -> MotorLoad:
-        """Return the figures of motor i.
-
-        Args:
-            duration: of the motion [s].
-            inertia: what the motor accelerates at the joint, with its rotor [kg m^2].
-        """
+        """Return the figures of motor i, which accelerates this inertia at the joint, with its rotor [kg m^2]."""
         train, totals = self.trains[i], {name: values[i] for name, values in self.integrals.totals.items()}
         motor = train.motor
         mean_speed = float(self.speed.score[i] if duration <= 0 else totals["travel"] / duration)

@@ -113,12 +113,7 @@ class SizingPass:
         self.slowest = np.zeros(len(joints))
 
     def take(self, block: Trajectory, loads: Floats, static: Floats) -> None:
-        """Take in a block.
-
-        Args:
-            loads: (N, k) tau, the base wrench, and the wrenches of all other bodies.
-            static: (N, n) torques that hold its poses at rest.
-        """
+        """Take in a block of loads (N, k): tau, the base wrench, the wrenches of all other bodies; static (N, n)."""
         n, rates, driven = self.model.n, self.rates, self.driven
         if block.slowest is not None:
             self.slowest = block.slowest[rates]
@@ -155,12 +150,7 @@ class SizingPass:
             yield from integrals.totals.values()
 
     def report(self, loads: Sequence[JointLoad], inertias: Mapping[int, float | None]) -> Sizing:
-        """Return everything gathered.
-
-        Args:
-            loads: of the joints; inertias: of those with motors, what each accelerates at its peak, with its rotor;
-                None of those that nothing drives.
-        """
+        """Return everything gathered; inertias: what motors accelerate at their peaks, None where nothing drives."""
         duration = self.integrals.duration
         motors = {k: self.motors.load(i, duration, inertias[k]) for i, k in enumerate(self.driven)}
         joints = tuple(self._joint(k, load, motors.get(k), duration) for k, load in enumerate(loads))
@@ -223,5 +213,5 @@ class SizingPass:
 
 
 def _severity(exceeded: Exceeded) -> tuple[bool, float]:
-    """Return what breaks before what wears, then by how far in relation to the limit."""
+    """What breaks comes before what wears, then by how far in relation to the limit."""
     return exceeded.level != "over peak", -float(steady(exceeded.value / exceeded.limit)) if exceeded.limit else -np.inf

@@ -42,11 +42,7 @@ class Greatest:
         self.kept: dict[str, Floats] = {}
 
     def update(self, time: Floats, first_row: int, score: Floats, **values: Floats) -> list[tuple[int, int]]:
-        """Take in a block: time (N,), score and further values (k, N), N > 0.
-
-        Returns:
-            (column, sample of the block) for every column that has a new greatest.
-        """
+        """Take in time (N,), score and more values (k, N), N > 0; return (column, sample) of each new greatest."""
         columns = np.arange(len(score))
         at = first_of_ties(score)
         new = (self.row == 0) | (steady(score[columns, at]) > steady(self.score))
@@ -183,12 +179,9 @@ class Statistics(ShaftFigures):
         state: dict[str, Floats],
         off: Floats | float = 0.0,
     ) -> None:
-        """Take in a block.
+        """Take in a block of q, qd, tau (joints, N) and the base wrench f, n (6, N).
 
-        Args:
-            q, qd, tau: (joints, N); base: (6, N) base wrench f, n.
-            state: (N, k) arrays of which a peak's sample is kept.
-            off: (joints, N) by how much torques may be off.
+        Args: state: (N, k) arrays of which a peak's sample is kept; off: (joints, N) by how much torques may be off.
         """
         base = np.vstack((base, resultant(base[0], base[1]), resultant(base[3], base[4])))
         row, size, power = self.integrals.samples + 1, np.abs(tau), tau * qd
@@ -212,11 +205,7 @@ REMEDY = "are masses, lengths, times and the motion in SI units?"
 
 
 def check_loads(loads: Floats, names: Sequence[str], first_row: int, file: str | None) -> None:
-    """Raise if a load (N, k) of some sample is not finite, naming the first row and its load.
-
-    Raises:
-        InputError: as told.
-    """
+    """Raise if a load (N, k) of some sample is not finite, naming the first row and its load."""
     if not np.isfinite(loads).all():
         row, column = np.argwhere(~np.isfinite(loads))[0]
         raise InputError(f"row {first_row + row}: {names[column]} overflows", remedy=REMEDY, file=file)
@@ -255,10 +244,8 @@ def joint_load(
     """Figures of joint k.
 
     RMS `sqrt(integral tau^2 dt / T)`, cubic mean `cbrt(integral |qd tau^3| dt / integral |qd| dt)`, work
-    `integral max(+-tau qd, 0) dt`; of one sample its torque is mean and RMS.
-
-    Args:
-        uncertainty: standard deviation and error bar of the peak.
+    `integral max(+-tau qd, 0) dt`; of one sample its torque is mean and RMS. `uncertainty` is the standard deviation
+    and the error bar of the peak.
     """
     totals = gathered.integrals.totals
     travel = float(totals["travel"][k])

@@ -156,16 +156,11 @@ class Figures:
         return self._figure(size, gradient, kept[..., 1:].reshape(-1, len(slope)), drawn)
 
     def _figure(self, value: float, gradient: Floats, rows: Floats, drawn: Callable[[Floats], Floats]) -> Drawn:
-        """Return a figure, drawn where its first term is not all.
-
-        Args:
-            rows: (n, m) derivatives of all that it is made of. drawn: its magnitudes for draws of theta.
-        """
+        """Return a figure, of which rows (n, m) are all derivatives, drawn where its first term is not all."""
         error = math.sqrt(float(self.of.found.variance(gradient)))
         missed = drawn(self.theta[:TRIED]) - abs(value) - product(self._linear[:TRIED], gradient)
-        if abs(float(missed.mean())) <= SHIFT * error and float(missed.std()) <= SCATTER * error:
-            return Drawn(value, error, gradient, self._parts(gradient[None]))
-        if float(np.abs(missed).max()) <= 1e-12 * abs(value):
+        small = abs(float(missed.mean())) <= SHIFT * error and float(missed.std()) <= SCATTER * error
+        if small or float(np.abs(missed).max()) <= 1e-12 * abs(value):
             return Drawn(value, error, gradient, self._parts(gradient[None]))
         curved = [drawn(self.theta[k : k + TOGETHER]) for k in range(0, DRAWS, TOGETHER)]
         return Drawn(value, error, gradient, self._parts(rows), np.concatenate(curved))
@@ -177,11 +172,7 @@ class Figures:
         return np.asarray((along * (along if L is None else product(product(along, L), L.T))).sum(0))
 
     def report(self, joints: Sequence[JointLoad], sizing: Sizing | None) -> Uncertain:
-        """Return everything gathered.
-
-        Args:
-            joints: loads, with limits; sizing: of motors, if asked for.
-        """
+        """Return everything gathered."""
         places = {(figure.owner, figure.name): k for k, figure in enumerate(self.of.of.figures)}
         sized = sizing.joints if sizing else (None,) * len(joints)
         found, kept = [], []

@@ -37,9 +37,7 @@ DRIVE = ("tau", "motor", "use", "gear")
 class Figure(NamedTuple):
     """A quantity: the magnitude of a column, the resultant of two, or a motor's torque, `|a + |b||`.
 
-    Attributes:
-        owner: the joint, "" of the base; name: of `DRIVE`, or a component's.
-        a, b: columns; b is -1 where there is one alone.
+    `owner` is the joint, "" of the base; `name` one of `DRIVE` or a component's; b is -1 where there is one column.
     """
 
     owner: str
@@ -62,10 +60,7 @@ class Figure(NamedTuple):
         return np.asarray(np.abs(a + np.abs(b)) if self.lossy else np.sqrt(a * a + b * b))
 
     def half(self, columns: Floats) -> Floats:
-        """Return half the derivatives of the magnitude's square by the columns (1 or 2, ...).
-
-        Times the columns, they add up to that square.
-        """
+        """Return half the derivatives of the magnitude's square by the columns (1 or 2, ...)."""
         if not self.lossy:
             return columns
         torque = columns[0] + np.abs(columns[1])
@@ -125,7 +120,8 @@ class Quantities:
         for k, train in self.trains:
             (mean, half), most = _shares(train, qd[k]), self._most(train, qd[k])
             load = load_torque(train, sums[k], qdd[k])
-            torque = _direction(train.gear * qd[k]) * (train.gear * train.inertia) * qdd[k] + mean * load
+            ahead = np.where(train.gear * qd[k] < 0.0, -1.0, 1.0)
+            torque = ahead * (train.gear * train.inertia) * qdd[k] + mean * load
             rows += [torque, half * load, torque / most, half * load / most, load]
         return np.concatenate((sums, rows)) if rows else sums
 
@@ -154,16 +150,12 @@ class Quantities:
         return np.maximum(allowed(curve, np.abs(qd * train.gear)), least)
 
 
-def _direction(speed: Floats) -> Floats:
-    return np.where(speed < 0.0, -1.0, 1.0)
-
-
 def _shares(train: Train, qd: Floats) -> tuple[Floats, Floats]:
     """Return what a motor gives for a joint's load: a times the load and |b load| more, in the direction that it turns.
 
     Of `motor_torque`, |b| is half the difference between a load that is driven and one that drives.
     """
-    ahead, still = _direction(qd), np.zeros_like(qd)
+    ahead, still = np.where(qd < 0.0, -1.0, 1.0), np.zeros_like(qd)
     driven, driving = (np.abs(motor_torque(train, load, qd, still)) for load in (ahead, -ahead))
     return 0.5 * (driven + driving) * ahead, 0.5 * (driven - driving)
 
@@ -214,11 +206,7 @@ class UncertainPeaks:
                 self._choose(k, near, each.size(drawn), values, changes)
 
     def _near(self, k: int, values: Floats, along: Floats, sizes: Floats) -> NDArray[np.int64]:
-        """Return the samples of figure k, of magnitudes (N,), that may rise to its peak.
-
-        Args:
-            values: (1 or 2, N); along: (1 or 2, N, p) of `Variations.spread`.
-        """
+        """Return the samples of figure k, of values (1 or 2, N) and magnitudes (N,), that may rise to its peak."""
         figure, at = self.figures[k], self.at[k, : len(values)]
         at_peak = self.found.spread(at[:, 1:])
         apart = figure.gradient(values, along) - figure.gradient(at[:, 0], at_peak)
@@ -301,12 +289,7 @@ class UncertaintyPass:
     def take(
         self, block: Trajectory, sources: Mapping[str, Floats], loads: Floats, zero: ZeroColumns, expected: int
     ) -> None:
-        """Take in a block.
-
-        Args:
-            loads: (N, ...) tau, base wrench, and with bearings the wrenches of all other bodies.
-            zero: sources that are zero throughout. expected: samples of the motion.
-        """
+        """Take in a block of loads (N, ...): tau, base wrench, and with bearings the wrenches of all other bodies."""
         if zero not in self._runners:
             self._runners[zero] = derivative_runner(plan(self.model, self.scene, zero), self.found, self.of.rows)
         runner = self._runners[zero]

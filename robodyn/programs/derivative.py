@@ -43,11 +43,7 @@ def jacobian(outputs: Sequence[Scalar], directions: Sequence[Direction]) -> list
 
 
 def derivative(program: Program, inputs: Sequence[tuple[str, int]]) -> Program:
-    """Return the program of d outputs / d inputs, row by row.
-
-    Args:
-        inputs: (source, column) pairs.
-    """
+    """Return the program of d outputs / d inputs, which are (source, column) pairs, row by row."""
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
         values = again(program, tape)

@@ -78,11 +78,7 @@ def statements(program: Program, language: Language) -> tuple[list[str], list[st
 
 
 def literal(value: float) -> str:
-    """Return the number as Python and C write it.
-
-    Raises:
-        InputError: it is not finite.
-    """
+    """Return the number as Python and C write it; raise if it is not finite."""
     if not math.isfinite(value):
         raise InputError("a constant of the equations overflows", remedy="check the masses, lengths and gravity")
     return repr(value)

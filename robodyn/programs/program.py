@@ -55,11 +55,7 @@ class Program:
         return {(a, b) for op, a, b in self.operations if op is INPUT}
 
     def rows(self, widths: Mapping[str, int], first: int = 0) -> dict[str, int]:
-        """Return the first row of each source that is read, in the order of their names, and at "" what comes last.
-
-        Args:
-            widths: rows of each source; first: the row that they begin at.
-        """
+        """Return the first row of each source that is read, by names, from `first` on, and at "" what comes last."""
         found = {}
         for source in sorted({source for source, _ in self.inputs}):
             found[source], first = first, first + widths[source]
@@ -71,13 +67,7 @@ class Program:
         number: Callable[[float], Any],
         functions: Mapping[str, Callable[..., Any]],
     ) -> list[Any]:
-        """Return the outputs in any arithmetic, one operation after another.
-
-        Args:
-            column: what an input is, by its source and column.
-            number: what a constant is.
-            functions: each operation.
-        """
+        """Return the outputs in any arithmetic: what inputs (source, column), constants and operations are in it."""
         values: list[Any] = []
         for op, a, b in self.operations:
             if op is INPUT:

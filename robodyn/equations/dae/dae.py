@@ -108,8 +108,7 @@ class Residuals(NamedTuple):
 
 
 class Solution(NamedTuple):
-    """What solves the saddle-point system: (6N,) accelerations (wd, dv/dt) of the bodies, and (m,) reactions [N, N m],
-    0 for redundant equations."""
+    """(6N,) accelerations (wd, dv/dt) of the bodies, and (m,) reactions [N, N m], 0 for redundant equations."""
 
     a: Floats
     reactions: Floats
@@ -181,10 +180,7 @@ def dae(model: Model, scene: Scene = DEFAULT, at: Values | None = None, qd: Valu
 def closed_state(model: Model, scene: Scene, at: Values | None, qd: Values) -> tuple[Floats, Floats]:
     """q and qd that close the loops: what is given stays, if the other coordinates alone can close them.
 
-    What is not given begins at the scene's initial values.
-
-    Args:
-        at, qd: by order or by name; None for the scene's initial positions.
+    What is not given (`at` None: nothing) begins at the scene's initial values.
 
     Raises:
         InputError: the loops do not close near there.
@@ -308,7 +304,7 @@ def solved(found: Matrices, independent: NDArray[np.bool_]) -> Solution:
 
 
 def _contradictions(found: Matrices, independent: NDArray[np.bool_], solution: Solution | None) -> tuple[str, ...]:
-    """What to say where redundant equations, which held for positions and velocities, do not for accelerations."""
+    """What to say where redundant equations do not hold for accelerations."""
     if solution is None or independent.all():
         return ()
     G, gamma = found.G[~independent], found.gamma[~independent]

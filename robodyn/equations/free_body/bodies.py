@@ -328,11 +328,7 @@ def free_bodies(
 
 
 def _not_given(model: Model, missing: Floats) -> Iterator[str]:
-    """Yield a sentence on each passive rate at which the motion takes what nothing gives.
-
-    Args:
-        missing: (n,) N m or N.
-    """
+    """Yield a sentence on each passive rate at which the motion takes what nothing gives, missing (n,) N m or N."""
     slides = {joint.name for joint in model.independent if joint.kind == "prismatic"}
     for name, value in zip(model.rates, missing.tolist(), strict=True):
         if value:

@@ -275,8 +275,7 @@ def equilibrium_near(robot: RobotAtRest, q: Floats) -> Floats:
 
 
 def _check_exists(robot: RobotAtRest, q: Floats) -> None:
-    """Raise if a torque is missing that does not change with the configuration, here and elsewhere: nothing balances
-    the weight of a free base, or of a slide that is not held."""
+    """Raise if a torque is missing at every configuration: of a free base, or of a slide that is not held."""
     elsewhere = None if robot.chain else robot.moved(q, 0.1 + 0.618 * np.arange(1.0, robot.model.n + 1.0) % 1.0)
     if elsewhere is None:
         return
@@ -321,7 +320,7 @@ def newton_step(robot: RobotAtRest, here: Balance) -> Floats:
 
 
 def _scaled(robot: RobotAtRest, here: Balance) -> Floats:
-    """Return the directions in coordinates in which all joints are about as stiff, however small what they carry."""
+    """Return the directions in coordinates in which all joints are about as stiff."""
     stiff = here.scale / robot.lengths
     stiff = np.where(stiff > 0.0, stiff, 1.0)
     root = np.sqrt(stiff)[:, None]

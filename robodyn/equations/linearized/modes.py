@@ -209,7 +209,11 @@ def modes_of(found: SmallMotion) -> Modes:
                 out += _held(found, parts)
         except np.linalg.LinAlgError:
             raise InputError("the eigenvalues overflow at this state", remedy="smaller numbers") from None
-    marked = [replace(a, alike=any(a is not b and _near(a, b) for b in out)) for a in out]
+
+    def near(a: Mode, b: Mode) -> bool:
+        return abs(complex(a.real, a.imag) - complex(b.real, b.imag)) <= a.error + b.error
+
+    marked = [replace(a, alike=any(a is not b and near(a, b) for b in out)) for a in out]
     return Modes(tuple(_ordered(marked)), found.at_rest)
 
 
@@ -259,9 +263,7 @@ def _sparse(columns: Complexes) -> Complexes:
 
 
 def _softness(found: SmallMotion, parts: Split, inner: Complexes, right: Complexes) -> Floats:
-    """Return |M^-T y| |x| of the speeds of left eigenvectors and the coordinates of right ones: how far a change of the
-    scaled stiffness by 1 moves their eigenvalues. What is soft because the weight takes nearly all stiffness of a drive
-    away is known no better than that."""
+    """Return |M^-T y| |x| of left and right eigenvectors: how far 1 more of the scaled stiffness moves eigenvalues."""
     k = len(found.M)
     left = product(parts.rest.T, inner)[k:]
     n = left.shape[1]
@@ -322,7 +324,3 @@ def _ordered(modes: Sequence[Mode]) -> Iterator[Mode]:
             alike, key=lambda mode: (mode.real > close, mode.real >= -close, int(np.argmax(np.equal(mode.shape, 1.0))))
         )
         left = [mode for mode in left if mode not in alike]
-
-
-def _near(a: Mode, b: Mode) -> bool:
-    return abs(complex(a.real, a.imag) - complex(b.real, b.imag)) <= a.error + b.error

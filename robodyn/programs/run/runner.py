@@ -52,14 +52,7 @@ class Choice(NamedTuple):
 
 
 class Work(NamedTuple):
-    """What is to be computed.
-
-    Attributes:
-        operations: per sample.
-        samples: all that are expected.
-        runs: calls in which they come.
-        blocks: how many times NumPy would go through the operations.
-    """
+    """Operations per sample, samples expected, calls in which they come, blocks in which NumPy would take them."""
 
     operations: int
     samples: int

@@ -15,17 +15,7 @@ DIGITS = 10
 
 
 def expressions(program: Program, symbols: Mapping[tuple[str, int], Any]) -> list[Any]:
-    """Return the outputs of a program as SymPy expressions of its inputs.
-
-    Args:
-        symbols: for each (source, column) that the program uses a symbol or any other expression.
-
-    Returns:
-        One expression per output; its constants are those of `number`.
-
-    Raises:
-        InputError: SymPy is not installed.
-    """
+    """Return the outputs of a program as SymPy expressions of its inputs, which are symbols or expressions."""
     return program.evaluated(lambda source, column: symbols[source, column], number, operations())
 
 
@@ -56,11 +46,7 @@ def operations() -> dict[str, Callable[..., Any]]:
 
 
 def module() -> Any:
-    """SymPy.
-
-    Raises:
-        InputError: it is not installed.
-    """
+    """SymPy; an InputError where it is not installed."""
     try:
         import sympy
     except ImportError:
