@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
     from robodyn.scene.parts import Payload
-    from robodyn.trajectory.columns.units import AngleUnit, TimeUnit
+    from robodyn.trajectory.columns.signals import AngleUnit, TimeUnit
 
 Callback = Callable[..., Any]
 Decorator = Callable[[Callback], Callback]
@@ -381,7 +381,7 @@ FORMAT = option("--format", "Form of the report; default text.", ("text", "json"
 
 def TABLE(command: Callback) -> Callback:
     """Return those options of `READING` that hold for any table."""
-    from robodyn.trajectory.columns.units import TimeUnit
+    from robodyn.trajectory.columns.signals import TimeUnit
 
     return together(
         option(
@@ -396,7 +396,7 @@ def TABLE(command: Callback) -> Callback:
 
 def READING(command: Callback) -> Callback:
     """Return the options that tell how a motion is read."""
-    from robodyn.trajectory.columns.units import AngleUnit
+    from robodyn.trajectory.columns.signals import AngleUnit
     from robodyn.trajectory.reading import MODES
 
     return together(

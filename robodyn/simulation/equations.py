@@ -74,8 +74,7 @@ class Equations:
 
     def given(self, tape: Tape, node: int = 0) -> Given:
         """The curves at one of the moments for which a program is given them."""
-        first = node * len(self.curves)
-        return {curve: tape.input(COLUMNS, k) for k, curve in enumerate(self.curves, first)}
+        return {curve: tape.input(COLUMNS, k) for k, curve in enumerate(self.curves, node * len(self.curves))}
 
     def drives(self, q: Sequence[Scalar], qd: Sequence[Scalar], given: Given) -> list[Scalar]:
         """The torques that the scene's drives apply."""
@@ -170,9 +169,6 @@ class Equations:
 
         Momenta are linear in rates: `A dw + m R_0 dv = dP` and `B dw = dH`, where column k of A and B are the momenta
         of a unit of the base's angular velocity k alone, and R_0 the axes in which v is given.
-
-        Args:
-            before: at the beginning of the step.
         """
         base = next(body for body in self.model.bodies if body.joint.kind == "floating")
         first, n, step = base.joint.rate, self.model.n, before.step
@@ -298,7 +294,6 @@ class Steps:
         return [self.equations.given(tape, moments.index(node)) for node in self.method.nodes]
 
     def _stages(self, tape: Tape) -> list[Rates]:
-        """The stages that a program is given."""
         n, at = self.equations.model.n, self.equations.width
         stages = []
         for first in range(at, at + len(self.method.b) * (2 * n + 1), 2 * n + 1):

@@ -89,8 +89,7 @@ FINEST = 1e-8
 
 
 class Touch(NamedTuple):
-    """A step in which a joint may pass a limit: its number, that of the limit, and where in the step (0 to 1) it is
-    farthest."""
+    """A step in which a joint may pass a limit, by numbers, and where in it (0 to 1) the joint is farthest."""
 
     step: int
     stop: int
@@ -98,13 +97,8 @@ class Touch(NamedTuple):
 
 
 def hermite_touches(limits: Limits, q: Floats, qd: Floats, length: Floats) -> list[Touch]:
-    """Where N steps may pass limits, in order of time: at their ends, or where cubics through them turn.
-
-    None is looked for after the first step that ends beyond a limit.
-
-    Args:
-        q, qd: (N + 1, nq), (N + 1, n) before, between and after the steps; length: (N,) s.
-    """
+    """Where N steps of lengths (N,) [s] may pass limits, up to the first that ends beyond one, in order of time: at
+    their ends, or where cubics through q and qd before, between and after them (N + 1, ...) turn."""
     if not limits.stops:
         return []
     room, rate = limits.room(q), limits.rate(qd)
@@ -139,11 +133,8 @@ def lowest_of_cubic(start: float, slope: float, end: float, after: float) -> tup
 
 
 def dense_touches(limits: Limits, dense: Callable[[Floats], Floats], after: Floats) -> list[Touch]:
-    """Where one step may pass limits, in order of time: at its end, or at an extremum of its dense output.
-
-    Args:
-        dense: q (N, nq) at fractions (N,) of the step; after: q (nq) at its end.
-    """
+    """Where one step may pass limits, in order of time: `after` it (nq), or at an extremum of its dense output, which
+    tells q (N, nq) at fractions (N,) of the step."""
     from numpy.polynomial import chebyshev
 
     found = [Touch(0, int(stop), 1.0) for stop in np.flatnonzero(limits.room(after) < 0.0)]
@@ -162,12 +153,8 @@ def dense_touches(limits: Limits, dense: Callable[[Floats], Floats], after: Floa
 
 
 def first_passed(touches: Iterable[Touch], room: Callable[[float], Floats], length: float) -> float | None:
-    """The last moment of a step before a joint is beyond a limit; None if it is nowhere.
-
-    Args:
-        touches: of this step.
-        room: of every limit, by the method itself, at a time after the beginning of the step.
-    """
+    """The last moment of a step before a joint is beyond a limit, by its touches and the room that the method itself
+    leaves to every limit at a time after its beginning; None if it is nowhere."""
     moments = []
     for _, stop, at in touches:
         left = partial(lambda stop, time: float(room(time)[stop]), stop)

@@ -127,7 +127,7 @@ def loop_program(equations: Equations, tape: Tape) -> Iterable[Scalar]:
 
 
 def check_closed(plan: Plan, q: Floats, qd: Floats) -> None:
-    """Raise if a state of q (N, nq) and qd (N, n) is not on the loops, with the first row that is not and its error."""
+    """Raise if a state of q (N, nq) and qd (N, n) is not on the loops."""
     chain = independent_equations(plan)
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
@@ -144,10 +144,7 @@ def check_closed(plan: Plan, q: Floats, qd: Floats) -> None:
 def start_caveats(plan: Plan, state: Floats) -> tuple[Caveat, ...]:
     """The caveats about a start in which the equations of the loops depend on each other.
 
-    With u^T J = 0 a motion keeps u^T J' qd = 0 too, a quadratic form of the speeds: they are along one of the ways on.
-
-    Raises:
-        InputError: they are along none.
+    With u^T J = 0 a motion keeps u^T J' qd = 0 too, a quadratic form of the speeds; raises if they do not.
     """
     if not plan.scene.loops:
         return ()
@@ -171,8 +168,7 @@ def start_caveats(plan: Plan, state: Floats) -> tuple[Caveat, ...]:
 
 def _turned(chain: ClosedChain, q: list[float], qd: Floats, left: Floats) -> Floats:
     """u^T J' qd of each u."""
-    bias = np.array(chain.equations(chain.sample(q, qd.tolist())).bias, dtype=float)
-    return np.asarray(bias @ left)
+    return np.asarray(np.array(chain.equations(chain.sample(q, qd.tolist())).bias, dtype=float) @ left)
 
 
 def _ways(plan: Plan, chain: ClosedChain, q: list[float], qd: Floats, left: Floats, across: Floats) -> str:

@@ -110,7 +110,6 @@ def rollouts(
 
 
 def _filled(run: CompiledSteps | NumpySteps, slots: Floats, every: int, columns: Floats | None = None) -> bool:
-    """Whether all slots could be filled from the first."""
     return run(slots, every, columns).steps == every * (len(slots) - 1) and bool(np.isfinite(slots[-1]).all())
 
 

@@ -4,7 +4,7 @@ else does."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from math import floor, log10
@@ -64,11 +64,8 @@ def with_friction(model: Model, scene: Scene) -> tuple[Scene, tuple[str, ...]]:
 
 
 class Stiffest(NamedTuple):
-    """The fastest rate [1/s] at which something in a scene settles or swings, what it is, and at which joint.
-
-    Attributes:
-        along: (N,) the rate at each configuration looked at, of which this is the largest.
-    """
+    """The fastest rate [1/s] at which something in a scene settles or swings, of those (N,) `along` the configurations
+    looked at; what it is, and at which joint."""
 
     rate: float
     cause: str
@@ -96,7 +93,12 @@ def stiffest(a_plan: Plan, q: Floats) -> Stiffest | None:
     root of the largest of M^-1 K for those over positions: springs, those at limits, and drives.
     """
     q, model = np.atleast_2d(q), a_plan.model
-    damping, stiffness = [*_damping(a_plan, q)], [*_springs(a_plan)]
+    damping = [*_damping(a_plan, q)]
+    stiffness = [
+        *_slopes_of([body.joint for body in model.bodies], a_plan.scene.spring, "stiffness", "the spring"),
+        *_slopes_of(model.independent, a_plan.scene.drive, "kp", "the drive's kp"),
+        *_slopes_of(*_limited(a_plan), "stiffness", "the limit spring"),
+    ]
     if not damping and not stiffness:
         return None
     # M by inverse dynamics of unit accelerations at rest: a short program, where M's has n^2 entries
@@ -110,13 +112,12 @@ def stiffest(a_plan: Plan, q: Floats) -> Stiffest | None:
     return max((each for each in found if each is not None), key=lambda each: each.rate, default=None)
 
 
-class Slope(NamedTuple):
-    """A torque's slope over a speed or position `along . q` [N m s/rad or N m/rad].
+def _along(joint: Joint) -> dict[int, float]:
+    return {joint.rate: joint.multiplier}
 
-    Attributes:
-        name: of the joint, or of a motor of several.
-        along: by coordinate.
-    """
+
+class Slope(NamedTuple):
+    """A torque's slope over a speed or position `along . q` [N m s/rad or N m/rad], of a joint or motor."""
 
     name: str
     along: Mapping[int, float]
@@ -132,10 +133,6 @@ def _rubbing(model: Model, scene: Scene) -> Iterator[tuple[str, Mapping[int, flo
         yield motor.name, along(turned), motor.friction
 
 
-def _along(joint: Joint) -> dict[int, float]:
-    return {joint.rate: joint.multiplier}
-
-
 def _damping(a_plan: Plan, q: Floats) -> Iterator[Slope]:
     """Yield slopes over speeds; of friction that grows with load under the largest weight at q (N, nq)."""
     model, scene = a_plan.model, a_plan.scene
@@ -144,8 +141,8 @@ def _damping(a_plan: Plan, q: Floats) -> Iterator[Slope]:
             yield Slope(name, rates, FRICTION, friction.dry / scene.slip_speed)
         if friction.viscous:
             yield Slope(name, rates, "viscous friction", friction.viscous)
-    yield from _slopes_of(a_plan, "the drive's kd", "kd", drives=True)
-    yield from _slopes_of(a_plan, "the limit spring's damping", "damping")
+    yield from _slopes_of(model.independent, scene.drive, "kd", "the drive's kd")
+    yield from _slopes_of(*_limited(a_plan), "damping", "the limit spring's damping")
     if scene.slip_speed and scene.loaded:
         held = inverse_dynamics(model, q, 0.0, 0.0, scene=replace(scene, wrenches=()), executor="numpy")
         for _, joint, friction in joints_with_friction(model, scene):
@@ -154,21 +151,16 @@ def _damping(a_plan: Plan, q: Floats) -> Iterator[Slope]:
                 yield Slope(joint.name, _along(joint), FRICTION, friction.load * weight / scene.slip_speed)
 
 
-def _springs(a_plan: Plan) -> Iterator[Slope]:
-    for body in a_plan.model.bodies:
-        spring = a_plan.scene.spring.get(body.joint.name)
-        if spring is not None and spring.stiffness > 0:
-            yield Slope(body.joint.name, _along(body.joint), "the spring", spring.stiffness)
-    yield from _slopes_of(a_plan, "the drive's kp", "kp", drives=True)
-    yield from _slopes_of(a_plan, "the limit spring", "stiffness")
+def _limited(a_plan: Plan) -> tuple[list[Joint], Mapping[str, object]]:
+    """The joints with limits, and the spring that each has there."""
+    joints = [b.joint for b in a_plan.model.bodies if b.joint.lower is not None or b.joint.upper is not None]
+    return joints, dict.fromkeys((joint.name for joint in joints), a_plan.scene.limit_spring)
 
 
-def _slopes_of(a_plan: Plan, cause: str, which: str, drives: bool = False) -> Iterator[Slope]:
-    """Yield what drives, or springs at limits, have of a kind."""
-    model, scene = a_plan.model, a_plan.scene
-    limited = [b.joint for b in model.bodies if b.joint.lower is not None or b.joint.upper is not None]
-    for joint in model.independent if drives else limited:
-        value = getattr(scene.drive.get(joint.name) if drives else scene.limit_spring, which, 0.0)
+def _slopes_of(joints: Iterable[Joint], given: Mapping[str, object], which: str, cause: str) -> Iterator[Slope]:
+    """Yield what drives or springs of joints, given by name, have of a kind."""
+    for joint in joints:
+        value = getattr(given.get(joint.name), which, 0.0)
         if value > 0:
             yield Slope(joint.name, _along(joint), cause, value)
 
@@ -257,9 +249,6 @@ def stiff_steps(
 
     Returns:
         The motion, its figures, how it was found, and what makes it doubtful.
-
-    Raises:
-        InputError: the method does not get through.
     """
     fastest = None if options.method.name == "radau" else stiffest(a_plan, q)
     free, most = Free(free.step, free.method and not a_plan.scene.loops), options.most

@@ -17,8 +17,7 @@ from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
 from robodyn.trajectory.columns.layout import listing
-from robodyn.trajectory.columns.signals import Signals
-from robodyn.trajectory.columns.units import TimeUnit
+from robodyn.trajectory.columns.signals import Signals, TimeUnit
 from robodyn.trajectory.motion import join
 from robodyn.trajectory.read import open_trajectory
 from robodyn.trajectory.reader import TrajectoryReader
@@ -63,16 +62,11 @@ def read_table(
     columns: Mapping[str, str] | None = None,
     time_unit: TimeUnit | None = None,
 ) -> Table:
-    """The columns that a scene names, of a file or of arrays.
+    """The columns that a scene names, of a file that `robodyn torques` reads (`-` is standard input) or of arrays by
+    name, `time` among them, or as they have been read already; raises where it names none, or one is wrong.
 
     Args:
-        source: a file that `robodyn torques` reads (`-` is standard input), arrays by name, `time` among them, or what
-            has been read already.
         columns: the scene's name -> the table's; time_unit: of stamps whose column does not tell, s by default.
-
-    Raises:
-        TrajectoryError: the file, a column or time is wrong.
-        SceneError: the scene names no column.
     """
     if isinstance(source, Table):
         return source
@@ -113,7 +107,7 @@ class Signal:
 
     Attributes:
         scene: with the initial state in numbers, those of the first row where columns are named.
-        source: the table as arrays by name; None where `scene` needs none.
+        source: the table as arrays by name, where `scene` still names columns.
     """
 
     def __init__(self, scene: Scene, model: Model, table: Table | None) -> None:
@@ -156,11 +150,8 @@ class Signal:
             raise InputError(what, remedy="give a shorter --duration, or none", file=self.table.file)
 
     def corners(self, knots: int = 1) -> Floats:
-        """(N,) s, increasing: rows at which steps have to end, as torques jump there or their slopes do.
-
-        Args:
-            knots: of references, whose splines are smooth, only every so many rows.
-        """
+        """(N,) s, increasing: rows at which steps have to end, as torques jump there or their slopes do; of references,
+        whose splines are smooth, only every so many rows."""
         if self.table is None or not self.curves:
             return np.empty(0)
         rows, columns = self._rows, self.table.columns
@@ -175,11 +166,8 @@ class Signal:
         return np.asarray(rows[changes])
 
     def at(self, time: Floats, within: Floats | None = None) -> Floats:
-        """(N, curves) at N times [s] since the simulation began.
-
-        Args:
-            within: (N,) s, times between the same rows as those that are meant: what is held jumps at rows.
-        """
+        """(N, curves) at N times [s] since the simulation began; times `within` the rows that are meant tell what is
+        held, which jumps at rows."""
         if self.table is None or not self.curves:
             return np.empty((len(time), 0))
         rows, meant = self._rows, time if within is None else within
@@ -244,27 +232,18 @@ def pieces(rows: Floats, h: float, count: int, size: int) -> Iterator[Piece]:
     apart = np.abs(rows - nearest * h) > NEAR * rows
     inner, outer = rows[apart], nearest[~apart].astype(np.int64)
     for first in range(0, count, size):
-        steps = _divided(first, min(size, count - first), h, inner, outer)
-        for k in range(0, len(steps.begin), size):
-            yield Piece(*(each[k : k + size] for each in steps))  # type: ignore[arg-type]
-
-
-def _divided(first: int, count: int, h: float, rows: Floats, ends: NDArray[np.int64]) -> Piece:
-    """`count` whole steps after `first` of them, divided at the rows, none of which is the end of a whole one.
-
-    Args:
-        ends: which whole steps end at other rows, increasing.
-    """
-    numbers = np.arange(first, first + count)
-    starts, last = numbers * h, (first + count) * h
-    inside = rows[slice(*np.searchsorted(rows, (starts[0], last)))]
-    begin = np.sort(np.concatenate((starts, inside)))
-    end = np.append(begin[1:], last)
-    length, whole = end - begin, np.zeros(len(begin), np.int64)
-    places = np.searchsorted(begin, starts)
-    final = np.append(places[1:], len(begin)) - 1
-    whole[final] = numbers + 1
-    length[places[final == places]] = h
-    row = whole == 0
-    row[final[ends[slice(*np.searchsorted(ends, (first + 1, first + count + 1)))] - first - 1]] = True
-    return Piece(begin, end, length, whole, row)
+        numbers = np.arange(first, min(first + size, count))
+        starts, last = numbers * h, (numbers[-1] + 1) * h
+        inside = inner[slice(*np.searchsorted(inner, (starts[0], last)))]
+        begin = np.sort(np.concatenate((starts, inside)))
+        end = np.append(begin[1:], last)
+        length, whole = end - begin, np.zeros(len(begin), np.int64)
+        places = np.searchsorted(begin, starts)
+        final = np.append(places[1:], len(begin)) - 1
+        whole[final] = numbers + 1
+        length[places[final == places]] = h
+        row = whole == 0
+        row[final[outer[slice(*np.searchsorted(outer, (first + 1, numbers[-1] + 2)))] - first - 1]] = True
+        for k in range(0, len(begin), size):
+            part = slice(k, k + size)
+            yield Piece(begin[part], end[part], length[part], whole[part], row[part])

@@ -12,8 +12,7 @@ import numpy as np
 from robodyn.errors import TrajectoryError
 from robodyn.support.caveats import Caveat, WrongUnits
 from robodyn.trajectory.columns.layout import ABSENT, Layout
-from robodyn.trajectory.columns.signals import Signal, Signals
-from robodyn.trajectory.columns.units import ANGLES, EPOCH, RATES, TICKS, Clock
+from robodyn.trajectory.columns.signals import ANGLES, EPOCH, RATES, TICKS, Clock, Signal, Signals
 from robodyn.trajectory.motion import FEW, Trajectory
 
 _SI = {"angle": ("rad", "angles are radians"), "length": ("m", "lengths are metres")}
@@ -128,7 +127,7 @@ class Plausibility:
         ]
         step = (self._end - self._start) / max(1, self._rows - 1)
         first = float(clock.start) + self._start
-        why, unit = _fine(seen, clock) or (not clock.told and (_coarse(seen, step) or _epoch(first))) or ("", "")
+        why, unit = _stamp_unit(seen, clock, step, first)
         if unit:
             now = next(name for name, ticks in TICKS.items() if ticks == clock.ticks)
             remedy = f"--time-unit {unit}" + ("" if clock.told else f", or --time-unit {now} if they are {_TIMES[now]}")
@@ -195,23 +194,18 @@ def _degrees(seen: list[_Seen]) -> str:
     return f"{moves}: are the angles {other}? ({remedy})"
 
 
-def _fine(seen: list[_Seen], clock: Clock) -> tuple[str, str] | None:
-    """Why stamps are of a longer unit than was told, and of which: speeds are far beyond their limits."""
+def _stamp_unit(seen: list[_Seen], clock: Clock, step: float, first: float) -> tuple[str, str]:
+    """Why stamps are of another unit, and of which, empty if they are not: speeds are far beyond limits; or no unit is
+    told, and rows are far apart while little has moved, or stamps begin at no time since 1970."""
     use = max((each.use for each in seen), default=0.0)
-    units = [unit for unit, ticks in TICKS.items() if ticks < clock.ticks and use * ticks / clock.ticks <= 2.0]
-    why = f"joints move at up to {use:.4g} times their limit of speed"
-    return (why, units[-1]) if units and use > _FAST else None
-
-
-def _coarse(seen: list[_Seen], step: float) -> tuple[str, str] | None:
-    """Why stamps are of a shorter unit than seconds, and of which: rows are far apart, and little has moved."""
+    longer = [unit for unit, ticks in TICKS.items() if ticks < clock.ticks and use * ticks / clock.ticks <= 2.0]
+    if longer and use > _FAST:
+        return f"joints move at up to {use:.4g} times their limit of speed", longer[-1]
+    if clock.told:
+        return "", ""
     use = max((each.speed / min(each.joint.speed, _MODERATE[each.kind]) for each in seen), default=0.0)
     unit = next((unit for unit, n in TICKS.items() if step / n < _COARSE or use * n > _SLOW), "s")
-    why = f"rows are {step:.6g} s apart and no joint moves faster than {100 * use:.2g} % of a moderate speed"
-    return (why, unit) if use and unit != "s" else None
-
-
-def _epoch(first: float) -> tuple[str, str] | None:
-    """Why stamps are of a shorter unit than seconds, and of which: they begin at no time since 1970."""
-    unit = next((unit for unit, n in TICKS.items() if first > _LATEST and EPOCH <= first / n <= _LATEST), None)
-    return (f"stamps begin at {first:.15g}, which is no time in seconds since 1970", unit) if unit else None
+    if use and unit != "s":
+        return f"rows are {step:.6g} s apart and no joint moves faster than {100 * use:.2g} % of a moderate speed", unit
+    unit = next((unit for unit, n in TICKS.items() if first > _LATEST and EPOCH <= first / n <= _LATEST), "")
+    return f"stamps begin at {first:.15g}, which is no time in seconds since 1970", unit

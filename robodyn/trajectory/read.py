@@ -20,8 +20,7 @@ from robodyn.scene.fit import refuse_others
 from robodyn.scene.scene import DEFAULT as EMPTY
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
-from robodyn.trajectory.columns.signals import Kind, Signal, Signals, matrix_column
-from robodyn.trajectory.columns.units import AngleUnit, TimeUnit
+from robodyn.trajectory.columns.signals import AngleUnit, Kind, Signal, Signals, TimeUnit, matrix_column
 from robodyn.trajectory.motion import Trajectory, join
 from robodyn.trajectory.reader import BLOCK_ROWS, TrajectoryReader
 from robodyn.trajectory.readers.table import FILE_TYPES, READABLE, ArrayTable, Table, log_kind, reason

@@ -11,7 +11,6 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from types import TracebackType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -123,7 +122,6 @@ class TrajectoryReader:
             raise TrajectoryError(error.what, remedy=error.remedy, file=self.file) from None
 
     def _blocks(self) -> Iterator[Trajectory]:
-        known: dict[int, tuple[float, float]] = {}
         pieces = self._pieces(*(_PIECES, _PIECE_ROWS) if self._groups else _COMPARED)
         if self._groups:
             from robodyn.trajectory.derivatives.derive import plan
@@ -131,7 +129,6 @@ class TrajectoryReader:
             mode = "auto" if self._mode == "anew" else self._mode
             self._plan = plan(self._groups, pieces, mode, self._encoder_error)
             self._remember(self._plan.notes)
-            known = self._plan.resolutions
         self._check = self._open = None
         if self._told and max(map(len, pieces), default=0) >= FEW:
             from robodyn.trajectory.derivatives.given_rates import against_positions, consistent
@@ -139,6 +136,7 @@ class TrajectoryReader:
             self._open = None if self._groups else consistent(self._told, pieces)
             if self._open is None:
                 self._check = against_positions(self._told, pieces, self._plan, self._encoder_error)
+        known = self._plan.resolutions if self._plan else {}
         still = Standstill(self._signals, self._layout, pieces, known) if self._mode != "none" else None
         halo = max(max(self._plan.halo, REACH) if self._plan else 0, self._check.halo if self._check else 0)
         needed = 1 + max((group.order for group in self._groups), default=0)  # one more than the highest derivative
@@ -261,9 +259,7 @@ class TrajectoryReader:
     def __enter__(self) -> TrajectoryReader:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
 

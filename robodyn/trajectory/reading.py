@@ -9,8 +9,7 @@ from typing import Literal
 
 from robodyn.errors import TrajectoryError
 from robodyn.support.wording import alternatives, shown
-from robodyn.trajectory.columns.signals import POSE, Signals
-from robodyn.trajectory.columns.units import ANGLES, AngleUnit, TimeUnit
+from robodyn.trajectory.columns.signals import ANGLES, POSE, AngleUnit, Signals, TimeUnit
 
 Derivatives = Literal["auto", "anew", "given", "spline", "savgol", "central", "none"]
 MODES = ("auto", "anew", "given", "spline", "savgol", "central")

@@ -13,8 +13,7 @@ from helpers.whole_tables import read_trajectory
 
 from robodyn.errors import TrajectoryError
 from robodyn.trajectory.columns.layout import Header, resolve
-from robodyn.trajectory.columns.signals import Signal, Signals
-from robodyn.trajectory.columns.units import unit_of
+from robodyn.trajectory.columns.signals import Signal, Signals, unit_of
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.reading import Reading
 

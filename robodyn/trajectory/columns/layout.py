@@ -13,19 +13,26 @@ from robodyn.errors import TrajectoryError
 from robodyn.support.input_limits import beyond, limits
 from robodyn.support.wording import alternatives, shown
 from robodyn.trajectory.columns.signals import (
+    ANGLES,
     ANY_WORD,
     COMPONENTS,
     MEASURED,
     POSE,
+    RATES,
     TIME_NAMES,
     WORDS,
+    AngleUnit,
+    Clock,
     Meaning,
     Place,
     Quantity,
     Signals,
+    clocks,
+    is_time,
+    split_unit,
+    unit_of,
     worded,
 )
-from robodyn.trajectory.columns.units import ANGLES, RATES, AngleUnit, Clock, clocks, is_time, split_unit, unit_of
 from robodyn.trajectory.reading import DEFAULT, REST, Reading
 
 _INDEX = r"(?:\[(?P<index>\d+)\]|[._/]?(?P<behind>\d+))"

@@ -1,16 +1,183 @@
-"""What the robot wants to read: one signal per coordinate, and the names its columns may have."""
+"""Columns: what the robot requires, one signal per coordinate; the names that these may have, and units in them, as
+`elbow [deg]`, `elbow_deg`, `time_ms`; columns of time as seconds."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from robodyn.errors import InputError
-from robodyn.trajectory.columns.units import split_unit, unit_of
+from robodyn.support.floats import Floats
+
+if TYPE_CHECKING:
+    from decimal import Decimal
+
+TimeUnit = Literal["s", "ms", "us", "ns"]
+AngleUnit = Literal["rad", "deg"]
+TICKS = {"s": 1, "ms": 10**3, "us": 10**6, "ns": 10**9}
+"""How many of a unit of time make a second."""
+ANGLES = {"rad": 1.0, "deg": 180.0 / math.pi}
+"""How many of a unit of angle make a radian."""
+RATES = ("", "/s", "/s^2")
+"""What follows the unit of a position, of a velocity and of an acceleration."""
+
+
+class Unit(NamedTuple):
+    """A unit: `parts` of it make one of SI (s, rad, m); `order` 1 is per second, 2 per second squared."""
+
+    dimension: str
+    parts: float
+    order: int = 0
+
+
+_BASES = {
+    **{name: Unit("time", ticks) for name, ticks in TICKS.items()},
+    **dict.fromkeys(("sec", "secs", "seconds"), Unit("time", 1)),
+    **dict.fromkeys(("nsec", "nsecs", "nanosec", "nanoseconds"), Unit("time", 10**9)),
+    **dict.fromkeys(("rad", "radian", "radians"), Unit("angle", ANGLES["rad"])),
+    **dict.fromkeys(("deg", "degree", "degrees"), Unit("angle", ANGLES["deg"])),
+    **{"m": Unit("length", 1.0), "cm": Unit("length", 100.0), "mm": Unit("length", 1000.0)},
+}
+_SPELLINGS = str.maketrans({"\u00b5": "u", "\u03bc": "u", "\u00b0": "deg", "\u00b2": "2", "^": None, " ": None})
+_PER_SECOND = {"": 0, "/s": 1, "_s": 1, "_per_s": 1, "/s2": 2, "/s/s": 2, "_s2": 2, "_per_s2": 2}
+_BRACKETS = re.compile(r"(.+?)\s*(?:\[(?!\d+\])([^\[\]]+)\]|\((?!\d+\))([^()]+)\))")
+_SUFFIX = re.compile(rf"(.+?)_((?:{'|'.join(_BASES)})(?:(?:_per)?_s2?)?)", re.IGNORECASE)
+
+
+def unit_of(text: str) -> Unit | None:
+    """The unit that a text stands for, None if it is not understood: `deg`, `rad/s`, `m/s^2`."""
+    text = text.translate(_SPELLINGS).lower()
+    base = next((text[:end] for end in range(len(text), 0, -1) if text[:end] in _BASES), "")
+    order = _PER_SECOND.get(text[len(base) :])
+    return _BASES[base]._replace(order=order) if base and order is not None else None
+
+
+def split_unit(column: str) -> Iterator[tuple[str, str]]:
+    """Yield the name before a unit, and the unit's text: any text in brackets, what is known behind `_`."""
+    if found := _BRACKETS.fullmatch(column):
+        yield found[1], (found[2] or found[3]).strip()
+    if found := _SUFFIX.fullmatch(column):
+        yield found[1], found[2]
+
+
+EPOCH = 1e8
+"""Seconds from which a stamp is taken to count from a distant origin, as that of 1970."""
+_NANO = TICKS["ns"]
+_PATTERNS = (
+    (r"_*time|t|time_?stamps?", None),
+    (r"%time", "ns"),
+    (r"(?:.*[./_])?time_from_start", None),
+    (r"field\.header\.stamp", "ns"),
+    (r"(?:.*[./_])?stamp", None),
+)
+"""Names of time, the best first, and the unit of those that have one: `%time` is what `rostopic echo -p` writes."""
+_TIMES = tuple((re.compile(pattern, re.IGNORECASE), unit) for pattern, unit in _PATTERNS)
+_PAIRED = re.compile(r"(?P<stem>.*?)[./_]?(?P<part>secs?|n(?:ano)?secs?)", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Columns of time: the stamps (or the whole seconds in them), and nanoseconds to add if there are any.
+
+    Attributes:
+        ticks: how many of the unit make a second; told: whether a name or an option tells that.
+        origin: the first row of the columns, if it is far from zero; the table then subtracts it, exactly.
+    """
+
+    column: int
+    ticks: int = 1
+    nano: int | None = None
+    told: bool = False
+    origin: tuple[Decimal, ...] = ()
+
+    @property
+    def columns(self) -> tuple[int, ...]:
+        return (self.column,) if self.nano is None else (self.column, self.nano)
+
+    def seconds(self, stamps: Floats, nano: Floats | None = None) -> Floats:
+        """Stamps (N,) of the columns as seconds since the origin, rounded once if they are whole numbers."""
+        return stamps / self.ticks if nano is None else (stamps * _NANO + nano) / _NANO
+
+    def given(self, stamps: Floats, time: Floats) -> Floats | None:
+        """Stamps as the table gives them, of two columns in seconds, given less the origin; None if they are `time`."""
+        if self.origin:
+            from decimal import Decimal
+
+            first = self.origin[0] if self.nano is None else self.start
+            high = float(first)
+            return high + (float(first - Decimal(high)) + (stamps if self.nano is None else time))
+        return None if self.ticks == 1 else stamps
+
+    @property
+    def start(self) -> Decimal | int:
+        """The origin in seconds."""
+        if not self.origin:
+            return 0
+        return self.origin[0] / self.ticks if self.nano is None else self.origin[0] + self.origin[1] / _NANO
+
+    def begun(self, first: Sequence[str | float]) -> Clock:
+        """The clock with the first row of its columns as origin, if that is far from zero."""
+        try:
+            if not first or not EPOCH <= abs(float(first[0])) / self.ticks < math.inf:
+                return self
+        except ValueError:  # told with its line when the rows are read
+            return self
+        from decimal import Decimal, InvalidOperation
+
+        try:
+            return replace(self, origin=tuple(Decimal(x.strip() if isinstance(x, str) else x) for x in first))
+        except InvalidOperation:
+            return self
+
+    def in_unit(self, unit: str | None) -> Clock:
+        """The clock with the unit that an option tells; that of a name stays."""
+        return self if unit is None or self.told else replace(self, ticks=TICKS[unit], told=True)
+
+
+def clocks(names: Mapping[int, str], chosen: Collection[int] = ()) -> tuple[list[Clock], set[int]]:
+    """What can tell the time by its name, only the best kind, `chosen` ones first; and columns of other kinds."""
+    ranked: list[tuple[int, Clock]] = []
+    stems: dict[str, dict[bool, int]] = {}  # of seconds and nanoseconds: `header.stamp.sec`, `header.stamp.nanosec`
+    for i, name in names.items():
+        if part := _PAIRED.fullmatch(name):
+            stems.setdefault(part["stem"], {})[part["part"][0] in "nN"] = i
+    for stem, parts in stems.items():
+        if len(parts) == 2:
+            rank = _rank(stem or "time")
+            clock = Clock(parts[False], nano=parts[True], told=True)
+            ranked.append((len(_TIMES) if rank is None else rank, clock))
+    paired = {i for _, clock in ranked for i in clock.columns}
+    ranked += [single for i, name in names.items() if i not in paired and (single := _single(i, name))]
+    found = [((clock.column in chosen, -rank), clock) for rank, clock in ranked]
+    best = max((key for key, _ in found), default=None)
+    others = {i for key, clock in found if key != best for i in clock.columns}
+    return [clock for key, clock in found if key == best], others
+
+
+def _single(i: int, name: str) -> tuple[int, Clock] | None:
+    if (rank := _rank(name)) is not None:
+        unit = _TIMES[rank][1]
+        return rank, Clock(i, TICKS[unit or "s"], told=unit is not None)
+    for stem, text in split_unit(name):
+        unit_told = unit_of(text)
+        rank = _rank(stem)
+        if rank is not None and unit_told and unit_told.dimension == "time" and not unit_told.order:
+            return rank, Clock(i, int(unit_told.parts), told=True)
+    return None
+
+
+def _rank(name: str) -> int | None:
+    return next((k for k, (pattern, _) in enumerate(_TIMES) if pattern.fullmatch(name)), None)
+
+
+def is_time(name: str) -> bool:
+    """Whether a name is one for time."""
+    return _single(0, name) is not None
+
 
 Kind = Literal["angle", "continuous", "length", "floating"]
 Quantity = Literal["q", "qd", "qdd", "tau"]

@@ -114,16 +114,18 @@ def against_positions(
     some = [cut(pieces[k], 0, min(ROWS, len(pieces[k]))) for k in picked]
     theirs = [piece if lacking is None else derive(piece, lacking)[0] for piece in some]
     own = plan(groups, pieces, "auto", encoder_error)
-    ours, bars = zip(*((each, off) for each, _, off in (derive(piece, own) for piece in some)), strict=True)
+    ours, _, bars = zip(*(derive(piece, own) for piece in some), strict=True)
+    off_qd = np.concatenate([a.qd - b.qd for a, b in zip(theirs, ours, strict=True)])
+    off_qdd = np.concatenate([a.qdd - b.qdd for a, b in zip(theirs, ours, strict=True)])
     wrong: list[int] = []
     said: list[tuple[str, str]] = []
     open_, noise = np.zeros(some[0].qdd.shape[1]), np.zeros(some[0].qdd.shape[1])
     for group in groups:
-        faults, clear, differences = [], False, _are_differences(group, theirs, ours)
+        faults, clear, differences = [], False, _are_differences(group, theirs, off_qd)
         if not differences and _unexplained(group, theirs) < BETTER * _unexplained(group, ours):
             continue
         for _, k in group.acceleration:
-            bar, apart = np.concatenate(bars)[:, k], _apart(theirs, ours, "qdd", k)
+            bar, apart = np.concatenate(bars)[:, k], off_qdd[:, k]
             level = _rms(np.concatenate([each.qdd[:, k] for each in ours]))
             noise[k] = estimate([(x.time, x.qdd[:, [k]], x.qdd[:, [k]]) for x in theirs]).sigma
             open_[k] = median(bar) + NOISE * noise[k]
@@ -136,9 +138,9 @@ def against_positions(
                 fault = f"accelerations are off by {figure(noise[k], 2)} of {figure(level, 2)} (rms){late}"
                 faults += [fault] if noise[k] > DOUBTED * level else []
         for _, k in group.velocity:
-            apart, level = _apart(theirs, ours, "qd", k), _rms(np.concatenate([each.qd[:, k] for each in ours]))
-            if clear and _rms(apart) > SPEED_OFF * level:
-                faults.append(f"velocities are off by {figure(_rms(apart), 2)} of {figure(level, 2)} (rms)")
+            off, level = _rms(off_qd[:, k]), _rms(np.concatenate([each.qd[:, k] for each in ours]))
+            if clear and off > SPEED_OFF * level:
+                faults.append(f"velocities are off by {figure(off, 2)} of {figure(level, 2)} (rms)")
         said += [(group.name, fault) for fault in faults[:1]]
     others = f"; so are those of {len(said) - 1} more" if len(said) > 1 else ""
     remedy = "--derivatives anew derives them from the positions instead"
@@ -165,18 +167,13 @@ def _unexplained_steps(group: Group, samples: Trajectory) -> Floats:
     return np.asarray(np.diff(straight(group, samples)[:, 0]) - moved)
 
 
-def _are_differences(group: Group, theirs: Sequence[Trajectory], ours: Sequence[Trajectory]) -> bool:
+def _are_differences(group: Group, theirs: Sequence[Trajectory], off_qd: Floats) -> bool:
     """Whether velocities are differences of neighbouring positions, and not what all positions say."""
     if group.kind == "quaternion" or not group.velocity:
         return False
     k = group.velocity[0][1]
     off = [each.qd[:, k] - np.gradient(straight(group, each)[:, 0], each.time) for each in theirs]
-    return _rms(np.concatenate(off)) < ALMOST * _rms(_apart(theirs, ours, "qd", k))
-
-
-def _apart(theirs: Sequence[Trajectory], ours: Sequence[Trajectory], name: str, k: int) -> Floats:
-    """What is given less what is derived, of a column."""
-    return np.concatenate([getattr(a, name)[:, k] - getattr(b, name)[:, k] for a, b in zip(theirs, ours, strict=True)])
+    return _rms(np.concatenate(off)) < ALMOST * _rms(off_qd[:, k])
 
 
 def _rms(values: Floats) -> float:

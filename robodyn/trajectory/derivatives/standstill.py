@@ -103,8 +103,8 @@ class Standstill:
         self,
         signals: Signals,
         layout: Layout,
-        pieces: Sequence[Trajectory] = (),
-        known: Mapping[int, tuple[float, float]] | None = None,
+        pieces: Sequence[Trajectory],
+        known: Mapping[int, tuple[float, float]],
     ) -> None:
         """Pieces stand for the table, without any the first block does; grids' steps and noises of q may be known."""
         self._joints = [
@@ -113,7 +113,7 @@ class Standstill:
             if joint.kind != "floating" and layout.q[q] != ABSENT
         ]
         self._given = {rate for _, _, rate in self._joints if layout.qd[rate] != ABSENT}
-        self._pieces, self._known, self._bands = pieces, dict(known or {}), dict[int, float]()
+        self._pieces, self._known, self._bands = pieces, dict(known), dict[int, float]()
         self._spacing = self._top = 0.0
 
     @np.errstate(all="ignore")

@@ -180,7 +180,6 @@ class _Budget:
         return found
 
     def decompress(self, data: bytes) -> bytes:
-        """Unpack one message."""
         return self.chunk("zstd", data)
 
     @contextmanager
@@ -191,7 +190,6 @@ class _Budget:
             yield self
 
     def read(self, size: int) -> bytes:
-        """Some bytes of a file."""
         found: bytes = self._inner.read(size)
         self._count(found)
         return found

@@ -72,28 +72,25 @@ class CsvTable(Table):
     def _columns(self, first: bytes) -> tuple[tuple[str, ...], bytes]:
         """Names and delimiter from the header line: the first of , ; tab that makes several cells, else blanks."""
 
-        def refuse(what: str, remedy: str) -> TrajectoryError:
-            return TrajectoryError(what, remedy=remedy, file=self.file, line=self.header_line)
-
         mark = next((name for start, name in _MARKS.items() if first.startswith(start)), None)
         if (mark and not first.isascii()) or b"\0" in first:
             remedy = "give a CSV table in UTF-8, or name its type by the suffix"
-            raise refuse(f"is {mark or 'binary'} data, not text", remedy)
+            raise self.error_at(0, f"is {mark or 'binary'} data, not text", remedy)
         try:
             text = first.decode("utf-8-sig").strip().removeprefix("#").strip()
         except UnicodeDecodeError:
-            raise refuse("the header is not UTF-8 text", "save the table as UTF-8") from None
+            raise self.error_at(0, "the header is not UTF-8 text", "save the table as UTF-8") from None
         delimiter = next((mark for mark in ",;\t" if mark in text), " ")
         try:
             cells = text.split() if delimiter == " " else next(csv.reader([text], delimiter=delimiter, strict=True))
         except (csv.Error, StopIteration) as error:
             remedy = "name the columns, quoted where a name has a comma"
-            raise refuse(f"the header cannot be read: {error}", remedy) from None
+            raise self.error_at(0, f"the header cannot be read: {error}", remedy) from None
         names = tuple(cell.strip() for cell in cells)
         with suppress(ValueError):
             if [*map(float, names)]:
                 remedy = "begin with a line of names, e.g. time,q_<joint>,..."
-                raise refuse("no header: the first line holds numbers", remedy)
+                raise self.error_at(0, "no header: the first line holds numbers", remedy)
         return names, delimiter.encode()
 
     def blocks(self, columns: Sequence[int], rows: int) -> Iterator[Floats]:

@@ -76,7 +76,6 @@ def joint_trajectory(message: Any, recorded: int = 0) -> list[State]:
 
 
 def _get(message: Any, name: str) -> Any:
-    """A part of a message, None if it has none."""
     return message.get(name) if isinstance(message, Mapping) else getattr(message, name, None)
 
 
