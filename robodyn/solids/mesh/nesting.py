@@ -38,8 +38,7 @@ class Nesting:
     Attributes:
         shells: bodies wound outwards, cavities inwards.
         uneven: whether faces of one shell were given more often than others, where there are cavities.
-        copies: (k,) how often each shell counts, cavities not more often than the bodies around.
-        cuts: the cavities that are cut out of each body, by its shell, where cavities do not cross each other.
+        cuts: the cavities that are cut out of each body, by its shell.
         inward: (k,) which are wound inwards.
         within: (k,) which bound nothing, as far as no two cross: they lie in a body and are wound as it is.
         proper: (k,) which are closed, not flat, and in no open ones.
@@ -49,7 +48,6 @@ class Nesting:
 
     shells: Shells
     uneven: bool
-    copies: Numbers
     cuts: dict[int, list[int]]
     inward: Mask
     within: Mask
@@ -94,7 +92,6 @@ def nested(
     wrong = np.where(shells.closed, state.turned, inside_out)
     return Nesting(
         shells=replace(shells, mesh=shells.mesh.turned(wrong[shells.label])),
-        copies=state.copies,
         cuts=state.cuts,
         uneven=bool((least < most).any() and state.inward.any()),
         inward=state.inward,
@@ -107,7 +104,7 @@ def nested(
 
 
 class _States:
-    """What shells are, decided from the outermost ones inwards; copies and cuts as in `Nesting`.
+    """What shells are, decided from the outermost ones inwards.
 
     turned, inward, within, patched: (k,) whether each has to be turned, is wound inwards then, bounds nothing, and lies
     in what open shells enclose.
@@ -126,7 +123,7 @@ class _States:
         """
         self.turned, self.inward, self.within, self.patched = np.zeros((4, len(ways)), np.bool_)
         self.cuts: dict[int, list[int]] = {}
-        self.copies = np.ones_like(copies) if cavities else copies.copy()
+        counts = np.ones_like(copies) if cavities else copies.copy()
         taken: dict[tuple[int, int], int] = {}
         winding, sense = {IN_PATCHES: 1}, {IN_PATCHES: patches}
         for shell in order:
@@ -134,11 +131,11 @@ class _States:
             sense[shell] = sense[around[shell][0]] if before > 0 else way
             inward = before > 0 and (cavities or way != sense[shell])
             if inward:
-                self.copies[shell] = min(self.copies[shell], before)
-            often = int(self.copies[shell])
+                counts[shell] = min(counts[shell], before)
+            often = int(counts[shell])
             winding[shell] = -often if inward else often
             for body in (each for each in around[shell] if inward and each >= 0 and not self.inward[each]):
-                room = int(self.copies[body]) - sum(taken.get((outer, body), 0) for outer in around[shell])
+                room = int(counts[body]) - sum(taken.get((outer, body), 0) for outer in around[shell])
                 taken[shell, body] = min(often, room)
                 often -= taken[shell, body]
                 if taken[shell, body] == room > 0:
