@@ -78,9 +78,9 @@ MUTATIONS = {
     ],
     "dynamics/constraints/test_random_mechanisms.py": [
         (
-            "dynamics/constraints/constraint_jacobian.py",
-            "turned([row.get(rate, 0.0) for rate in range(sample.model.n)], turns)",
-            "[row.get(rate, 0.0) for rate in range(sample.model.n)]",
+            "dynamics/loops/closure.py",
+            "(before.R @ joint.R).T",
+            "here.R.T",
         ),
         (
             "dynamics/constraints/constraint_jacobian.py",
