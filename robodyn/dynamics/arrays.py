@@ -42,17 +42,12 @@ def zero_sources(sources: Mapping[str, Floats]) -> ZeroColumns:
     There are few such patterns, so that calls with zeros in ever other columns share their programs.
     """
     zero = [source for source, rows in sources.items() if rows.size and rows.item(0) == 0.0 and source != "columns"]
-    if not zero:
-        return _NONE_ZERO
     return _whole(tuple((s, sources[s].shape[1]) for s in zero if not np.count_nonzero(_different(sources[s]))))
-
-
-_NONE_ZERO: ZeroColumns = frozenset()
 
 
 @lru_cache
 def _whole(sources: tuple[tuple[str, int], ...]) -> ZeroColumns:
-    """All columns of sources with so many; the same object, for its hash is looked up at every call."""
+    """All columns of sources with so many: the same object, for its hash is looked up at every call."""
     return frozenset((source, column) for source, count in sources for column in range(count))
 
 
@@ -70,7 +65,14 @@ def arrays_of(
 ) -> tuple[dict[str, Floats], tuple[int, ...]]:
     """Return arrays by coordinate as (samples, columns) matrices, and the shape of the samples."""
     refuse_others(model, scene)
-    kind = DOUBLE if dtype is np.float64 else _offered(dtype)
+    kind: np.dtype[Any] = DOUBLE
+    if dtype is not np.float64:
+        try:
+            kind = np.dtype(dtype)
+        except TypeError:
+            raise InputError(f"dtype {dtype!r} is not offered", remedy="float64 or float32") from None
+        if kind.type not in (np.float64, np.float32):
+            raise InputError(f"dtype {kind.name} is not offered", remedy="float64 or float32")
     arrays = {}
     for name, values in given.items():
         array, names = numbers(name, values, kind), model.coordinates if name == "q" else model.rates
@@ -90,7 +92,9 @@ def arrays_of(
     else:
         sources = {name: array[None] for name, array in arrays.items()}
     for name, first in model.quaternions:
-        if _has_zero(sources["q"][:, first : first + 4]):
+        h = sources["q"][:, first : first + 4]
+        still = h[:, 3] == 0.0
+        if still.any() and not h[still].any(axis=1).all():
             raise InputError(f"the quaternion of {name} is zero", remedy="no turn is qx qy qz qw = 0 0 0 1")
     stacked = [np.broadcast_to(array, shape) for array in extra.values()]
     sources["columns"] = _matrix(np.stack(stacked, -1), shape) if stacked else _NO_COLUMNS
@@ -98,7 +102,7 @@ def arrays_of(
 
 
 def numbers(name: str, values: ArrayLike, dtype: np.dtype[Any]) -> Floats:
-    """An array of this dtype; InputError where these are no real numbers, or rows of different lengths."""
+    """An array of this dtype; InputError where these are no real numbers."""
     if type(values) is np.ndarray and values.dtype == dtype:
         return values
     try:
@@ -109,16 +113,6 @@ def numbers(name: str, values: ArrayLike, dtype: np.dtype[Any]) -> Floats:
         found = "None" if values is None else _OTHERS.get(array.dtype.kind, str(array.dtype))
         raise InputError(f"{name} is no array of numbers: it holds {found}")
     return array.astype(dtype, copy=False)
-
-
-def _offered(dtype: DTypeLike) -> np.dtype[Any]:
-    try:
-        kind = np.dtype(dtype)
-    except TypeError:
-        raise InputError(f"dtype {dtype!r} is not offered", remedy="float64 or float32") from None
-    if kind.type not in (np.float64, np.float32):
-        raise InputError(f"dtype {kind.name} is not offered", remedy="float64 or float32")
-    return kind
 
 
 def results(
@@ -164,12 +158,6 @@ def _common_shape(given: Mapping[str, Floats], columns: Mapping[str, Floats]) ->
     except ValueError:
         found = ", ".join(f"{name} {array.shape}" for name, array in (*given.items(), *columns.items()))
         raise InputError(f"the shapes do not go together: {found}") from None
-
-
-def _has_zero(quaternions: Floats) -> bool:
-    """Return whether all four numbers of some row are zero."""
-    w = quaternions[:, 3]
-    return bool(np.count_nonzero(w) < len(w) and not quaternions[w == 0.0].any(axis=1).all())
 
 
 def _matrix(array: Floats, shape: tuple[int, ...]) -> Floats:

@@ -21,7 +21,7 @@ from robodyn.support.floats import Floats
 
 @traced
 def laws(plan: Plan, tape: Tape) -> Iterable[Scalar]:
-    """Return the program of the base wrench that Euler's laws demand, and of the power that goes into stored energy.
+    """The program of the base wrench that Euler's laws demand, and of the power that goes into stored energy.
 
     `f = dP/dt + w x P - m g - sum f_ext`, `n = dH/dt + w x H + v x P - c x m g - sum (n_ext + r x f_ext)`, about the
     base's origin and in its axes, w and v being the base's velocities; the rates come from dual scalars. Then dE/dt,
@@ -57,7 +57,7 @@ class LawResiduals:
     """The largest differences between the base wrench and what the laws demand, gathered over samples."""
 
     def __init__(self, borne: tuple[float, float] = (0.0, 0.0)) -> None:
-        """Args: borne: force [N] and moment [N m] that balance at least, besides the bodies' momenta."""
+        """Args: borne: force and moment that balance at least, besides the bodies' momenta."""
         self.samples = 0
         self._worst = np.zeros(3)
         self._scale = np.maximum((*borne, 0.0), np.finfo(float).tiny)
@@ -88,7 +88,7 @@ class LawResiduals:
 
 @traced
 def energy(plan: Plan, tape: Tape) -> Iterable[Scalar]:
-    """Return the program of the stored energy [J] and of the power lost [W]."""
+    """The program of the stored energy [J] and of the power lost [W]."""
     sample, terms = plan.terms(tape)
     joints = sample.motions()
     return [stored_energy(plan, sample, terms, joints), power_lost(plan, sample, terms, joints)]
@@ -96,7 +96,7 @@ def energy(plan: Plan, tape: Tape) -> Iterable[Scalar]:
 
 @traced
 def losses(plan: Plan, tape: Tape) -> Iterable[Scalar]:
-    """Return the program of the power lost alone [W]."""
+    """The program of the power lost alone [W]."""
     sample, terms = plan.terms(tape)
     return [power_lost(plan, sample, terms, sample.motions())]
 

@@ -117,8 +117,7 @@ def forward_dynamics_derivatives(
 def inverse_derivatives(plan: Plan) -> Program:
     """Return the program of d tau / dq, d tau / d qd and M, row by row.
 
-    What stands at the same place of the three is computed together, for it shares most: fewer values wait at a time
-    than where one matrix follows the other.
+    What stands at the same place of the three is computed together, for it shares most.
     """
     n = plan.model.n
 
@@ -157,7 +156,7 @@ def forward_derivatives(plan: Plan) -> Program:
 
 
 def _joined(rows: list[Row], n: int) -> list[Scalar]:
-    """Return the entries of the left and then of the right square, row by row."""
+    """The entries of the left and then of the right square, row by row."""
     return [*(x for row in rows for x in row[:n]), *(x for row in rows for x in row[n:])]
 
 
@@ -169,10 +168,7 @@ def _rates_of_torques(plan: Plan, tape: Tape) -> list[Row]:
 
 
 def moves(sample: Sample) -> list[Direction]:
-    """Return how q changes along each rate: its own coordinate, or a floating base's turn and shift.
-
-    A turn w about the body's axes changes the quaternion by `q (w, 0) / 2`, whatever its length.
-    """
+    """Return how q changes along each rate: its own coordinate, or a floating base's turn `q (w, 0) / 2` and shift."""
     out: list[Direction] = []
     for joint in sample.model.independent:
         k = joint.coordinate
@@ -239,7 +235,7 @@ def inverse_dynamics_derivative_entries(
 
 @lru_cache(maxsize=16)
 def _entries_runner(a_plan: Plan) -> tuple[Runner, NDArray[np.intp]]:
-    """Return what computes the entries, and their matrices, rows and columns."""
+    """What computes the entries, and their matrices, rows and columns."""
     refuse_load(a_plan.scene)
     n, whole = a_plan.model.n, inverse_derivatives(a_plan)
     zeros = {k for k, (op, a, _) in enumerate(whole.operations) if op is CONSTANT and a == 0.0}
@@ -261,11 +257,9 @@ MOST_BEFORE = 30_000
 class SecondDerivatives(NamedTuple):
     """How the derivatives of torques change: results (..., n, n, n).
 
-    Entry [i, j, k] of `a_b` is tau_i differentiated by a_j and then by b_k. Derivatives by q are rates as in
-    `InverseDerivatives`; turns of a floating base do not commute, so that there `q_q` is not symmetric in j and k.
-
-    Attributes:
-        q_q, qd_q, qd_qd, qdd_q: the last is dM/dq. All others are 0, or these with j and k exchanged.
+    Entry [i, j, k] of `a_b` is tau_i differentiated by a_j and then by b_k; `qdd_q` is dM/dq, and all others are 0, or
+    these with j and k exchanged. Derivatives by q are rates as in `InverseDerivatives`; turns of a floating base do not
+    commute, so that there `q_q` is not symmetric in j and k.
     """
 
     q_q: Floats

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from math import ceil, log
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
@@ -39,14 +38,6 @@ Rotors = Mapping[tuple[int, int], Scalar]
 Solve = Callable[[Sequence[Scalar], Rotors], list[Scalar]]
 
 
-class Loaded(NamedTuple):
-    """A joint's coordinate, its load with the sign of qd, and the torque that passes its gear to springs."""
-
-    rate: int
-    load: Scalar
-    springs: Scalar
-
-
 def repetitions(scene: Scene, names: Sequence[str]) -> int:
     """Return how often accelerations are found again for joints with rotors; InputError where a load is too large."""
     largest = max((scene.friction[name].load for name in names), default=0.0)
@@ -58,17 +49,10 @@ def repetitions(scene: Scene, names: Sequence[str]) -> int:
 
 
 def loaded_accelerations(
-    solve: Solve, forces: Sequence[Scalar], rotors: Rotors, joints: Sequence[Loaded], passes: int
+    solve: Solve, forces: Sequence[Scalar], rotors: Rotors, joints: Sequence[tuple[int, Scalar, Scalar]], passes: int
 ) -> list[Scalar]:
-    """Return qdd.
-
-    Args:
-        solve: qdd of an open tree from forces and rotors.
-        forces: n scalars, less all friction but that of the load, and less the torque of springs [N m or N].
-        rotors: reflected rotor inertias, by coordinates i <= j.
-        joints: those with such friction; rotors do not couple them.
-        passes: of `repetitions`.
-    """
+    """Return qdd with friction by load at joints, each its rate, its load with the sign of qd, and the torque that
+    passes its gear to springs; rotors do not couple them. `solve` finds qdd of an open tree from forces and rotors."""
 
     def solved(torques: Sequence[Scalar], scales: Sequence[Scalar]) -> list[Scalar]:
         """Return qdd with these torques through the gears, and rotors times a scale."""
@@ -122,7 +106,7 @@ def accelerations(sample: Sample, terms: Terms, tau: Sequence[Scalar], scene: Sc
     if not terms.load:
         return solve(forces, rotors)
     at = {i: model.bodies[i].joint for i in terms.load}
-    loaded = [Loaded(at[i].rate, load, terms.through_gear.get(i, 0.0)) for i, load in terms.load.items()]
+    loaded = [(at[i].rate, load, terms.through_gear.get(i, 0.0)) for i, load in terms.load.items()]
     heavy = [joint.name for joint in at.values() if rotors.get((joint.rate, joint.rate))]
     return loaded_accelerations(solve, forces, rotors, loaded, repetitions(scene, heavy))
 

@@ -29,7 +29,7 @@ from robodyn.support.wording import alternatives
 
 
 class Result(NamedTuple):
-    """An array that a function returns; `axes` are its dimensions: n of `model.n`, p of the regressor's parameters."""
+    """An array that a function returns; `axes` are n of `model.n`, or p of the regressor's parameters."""
 
     name: str
     axes: str
@@ -46,7 +46,7 @@ class Kind(NamedTuple):
     program: Callable[[Plan], Program]
 
     def widths(self, plan: Plan) -> dict[str, int]:
-        """The arguments and how many numbers each has; last the columns that wrenches name, if any do."""
+        """How many numbers each argument has; last the columns that wrenches name, if any do."""
         model, columns = plan.model, plan.scene.columns
         widths = {source: model.nq if source == "q" else model.n for source in self.sources}
         return {**widths, "columns": len(columns)} if columns else widths

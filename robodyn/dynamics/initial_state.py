@@ -34,11 +34,7 @@ def default_pose(model: Model) -> Floats:
 
 
 def initial_state(model: Model, scene: Scene) -> Floats:
-    """Return (width,) q, qd, no work done, and no step yet: what the scene says in numbers, else the default pose.
-
-    Raises:
-        InputError: a quaternion is zero.
-    """
+    """Return (width,) q, qd, no work done, and no step yet: what the scene says in numbers, else the default pose."""
     q = dict(zip(model.coordinates, default_pose(model).tolist(), strict=True))
     qd = dict.fromkeys(model.rates, 0.0)
     for values, begun in ((q, scene.initial_q), (qd, scene.initial_qd)):
@@ -56,11 +52,7 @@ def initial_state(model: Model, scene: Scene) -> Floats:
 
 
 def begun_at(model: Model, scene: Scene, values: Values) -> Scene:
-    """Return the scene with initial positions of the joints in their order, or of coordinates by name.
-
-    Raises:
-        InputError: there are more or fewer values than joints, or a name is none.
-    """
+    """Return the scene with initial positions of the joints in their order, or of coordinates by name."""
     given = named(model, values, model.coordinates if isinstance(values, Mapping) else coordinates(model))
     return replace(scene, initial_q={**scene.initial_q, **given}) if given else scene
 

@@ -33,12 +33,8 @@ COLUMNS = (*(f"{name}_{axis}" for name in ("com", "p", "L") for axis in "xyz"), 
 
 @dataclass(frozen=True)
 class View:
-    """How momenta are given: the frame whose axes and origin count, and the point that L is about.
-
-    Attributes:
-        about: "origin" of the frame, "com", or the coordinates of a point in the frame [m].
-        frame: "ground", or the name of a link.
-    """
+    """How momenta are given: L about the "origin" of the frame, "com" or a point in it [m]; the frame is "ground" or a
+    link."""
 
     about: str | Point = "origin"
     frame: str = GROUND
@@ -105,7 +101,14 @@ def momenta(
     Accuracy: 1e-14 of the sum of the magnitudes that add up to each result.
     """
     refuse_others(model, scene)
-    view = View(about if isinstance(about, str) else _point(about), frame)
+    if not isinstance(about, str):
+        try:
+            x, y, z = np.asarray(about, dtype=float).tolist()
+        except (TypeError, ValueError):
+            what = f"{np.asarray(about).tolist()} is no point"
+            raise InputError(what, remedy="three finite coordinates in metres") from None
+        about = x, y, z
+    view = View(about, frame)
     view.check(model, scene)
     columns = dict.fromkeys(scene.columns, 0.0)  # wrenches carry no momentum
     sources, shape = arrays_of(model, {"q": q, "qd": qd}, scene, columns)
@@ -117,15 +120,6 @@ def momenta(
 
 def _mass(model: Model, scene: Scene) -> float:
     return model.total_mass + sum(payload.mass for payload in scene.payloads)
-
-
-def _point(about: ArrayLike) -> Point:
-    try:
-        x, y, z = np.asarray(about, dtype=float).tolist()
-    except (TypeError, ValueError):
-        what = f"{np.asarray(about).tolist()} is no point"
-        raise InputError(what, remedy="three finite coordinates in metres") from None
-    return x, y, z
 
 
 _KINETIC = (motors.ROTOR, motors.COUPLED, motors.GYROSCOPIC)

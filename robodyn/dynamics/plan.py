@@ -87,7 +87,7 @@ class Plan:
     def torques(self) -> Program:
         """The program of tau alone, all effects together."""
         refuse_constraints(self.scene)
-        return trace(lambda tape: loads(*self.terms(tape)).tau, self.model.tips_first)
+        return self.without(None)
 
     def wrenches(self, joints: bool = False) -> Program:
         """The program of tau, then the base wrench (f, n), then with `joints` the wrench of every joint's body."""
@@ -101,7 +101,7 @@ class Plan:
         return trace(outputs, self.model.tips_first)
 
     def share(self, effect: Effect) -> Program:
-        """Return the program of the part of tau that one effect makes: the same recursion with nothing else on."""
+        """The program of the part of tau that one effect makes: the same recursion with nothing else on."""
 
         def outputs(tape: Tape) -> Iterable[Scalar]:
             if effect.by_load:
@@ -112,20 +112,17 @@ class Plan:
 
         return trace(outputs, self.model.tips_first)
 
-    def without(self, effect: Effect) -> Program:
-        """Return the program of tau with one effect left out: what the others cost."""
-        return trace(lambda tape: self.torques_without(tape, effect), self.model.tips_first)
-
-    def torques_without(self, tape: Tape, but: Effect | None = None) -> list[Scalar]:
-        """Return tau of all effects but one."""
-        return loads(*self.terms(tape, but)).tau
+    def without(self, effect: Effect | None) -> Program:
+        """The program of tau with one effect left out: what the others cost."""
+        return trace(lambda tape: loads(*self.terms(tape, effect)).tau, self.model.tips_first)
 
     def missing_without(self, tape: Tape, effect: Effect) -> list[Scalar]:
-        """Return what an effect adds to tau where all others are on."""
-        return [a - b for a, b in zip(self.torques_without(tape), self.torques_without(tape, effect), strict=True)]
+        """What an effect adds to tau where all others are on."""
+        whole, rest = loads(*self.terms(tape)).tau, loads(*self.terms(tape, effect)).tau
+        return [a - b for a, b in zip(whole, rest, strict=True)]
 
     def terms(self, tape: Tape, but: Effect | None = None) -> tuple[Sample, Terms]:
-        """Return the sample of `tape`, and what all effects but one add up to in it."""
+        """The sample of `tape`, and what all effects but one add up to in it."""
         sample = self.sample(tape)
         return sample, applied((effect for effect in self.effects if effect is not but), sample, self.scene)
 
@@ -155,11 +152,7 @@ def loads(sample: Sample, terms: Terms) -> Loads:
 
 @lru_cache(maxsize=16)
 def plan(model: Model, scene: Scene, zero_columns: ZeroColumns = frozenset()) -> Plan:
-    """Return the Plan of a model in a scene; the same one for the same arguments, with what it has traced so far.
-
-    Raises:
-        SceneError: the scene does not fit the model.
-    """
+    """Return the Plan of a model in a scene, the same one for the same arguments; SceneError if these do not fit."""
     check_scene(scene, model)
     return Plan(model, scene, zero_columns)
 

@@ -18,11 +18,10 @@ from robodyn.dynamics.effects.motors import (
     COUPLED,
     GYROSCOPIC,
     ROTOR,
-    acceleration_of,
     armatures,
     at_joints,
     coupled_motors,
-    speed_of,
+    moving,
     spins,
     with_spins,
 )
@@ -47,11 +46,9 @@ class Regressor(NamedTuple):
     """tau = Y theta + rest.
 
     Attributes:
-        Y: (..., n, p).
-        theta: (p,) the parameters of the model and the scene.
+        Y: (..., n, p); theta: (p,) the parameters of the model and the scene.
         names: of the parameters, "forearm.Ixx" of a body and "elbow.viscous" of a joint or a coupled motor.
-        rest: (..., n) what springs, wrenches and fluids add, in which nothing is to be identified; zero without them.
-            Friction that grows with load is there too, not being linear: that of the parameters of model and scene.
+        rest: (..., n) what springs, wrenches and fluids add; and friction that grows with load, not being linear.
     """
 
     Y: Floats
@@ -84,17 +81,11 @@ def regressor(
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "qdd": qdd}, scene, columns or {})
     a_plan = plan(model, scene)
-    names, theta = _names_and_values(a_plan)
+    names, theta = zip(*parameters(a_plan), strict=True)
     runner = ready(regressor_program, a_plan)
     rows = results(runner, sources, shape, (model.n * (len(names) + 1),), None, executor, threads)
     Y, rest = rows[..., : -model.n], rows[..., -model.n :]
-    return Regressor(Y.reshape(*shape, model.n, len(names)), theta.copy(), names, rest)
-
-
-@lru_cache(maxsize=16)
-def _names_and_values(plan: Plan) -> tuple[tuple[str, ...], Floats]:
-    names, theta = zip(*parameters(plan), strict=True)
-    return names, np.array(theta)
+    return Regressor(Y.reshape(*shape, model.n, len(names)), np.array(theta), names, rest)
 
 
 @lru_cache(maxsize=16)
@@ -140,7 +131,6 @@ def parameters(plan: Plan) -> tuple[tuple[str, float], ...]:
 
 
 def _torques(plan: Plan, sample: Sample, values: Sequence[Scalar]) -> list[Scalar]:
-    """Return the torques that parameters make."""
     model, scene, theta = plan.model, plan.scene, iter(values)
     of = dict(zip((name for name, _ in parameters(plan)), values, strict=True))
     inertias = []
@@ -149,11 +139,11 @@ def _torques(plan: Plan, sample: Sample, values: Sequence[Scalar]) -> list[Scala
         inertias.append(Inertia(m, vector(x, y, z), symmetric(moments)))
     at_joint = []
     for i, joint, friction in joints_with_friction(model, scene):
-        moving = sample.speed(joint), sample.acceleration(joint)
-        at_joint.append((i, _motor_torque(theta, friction, *moving, scene.slip_speed)))
+        torque = _motor_torque(theta, friction, sample.speed(joint), sample.acceleration(joint), scene.slip_speed)
+        at_joint.append((i, torque))
     for motor, turned in coupled_motors(model, scene):
-        moving = speed_of(sample, turned), acceleration_of(sample, turned)
-        at_joint += at_joints(turned, _motor_torque(theta, motor.friction, *moving, scene.slip_speed))
+        torque = _motor_torque(theta, motor.friction, *moving(sample, turned), scene.slip_speed)
+        at_joint += at_joints(turned, torque)
     terms = replace(applied(_MOTION, sample, scene), inertias=tuple(inertias)).with_torques(at_joint)
     spinning = ((spin, of[f"{spin.joint.name}.rotor"] * (1.0 / spin.gear)) for spin in spins(sample.model, scene))
     return loads(sample, with_spins(terms, sample, spinning)).tau

@@ -16,7 +16,7 @@ import numpy as np
 
 from robodyn.dynamics.effects.effect import Sample, Terms
 from robodyn.dynamics.effects.friction import coulomb_torque, direction, friction_of
-from robodyn.dynamics.effects.motors import acceleration_of, at_joints, coupled_motors, speed_of, spins, with_spins
+from robodyn.dynamics.effects.motors import at_joints, coupled_motors, moving, spins, with_spins
 from robodyn.dynamics.plan import Plan, loads, plan, runner_of
 from robodyn.dynamics.regressor import INERTIAL, parameters
 from robodyn.errors import SceneError
@@ -65,13 +65,7 @@ class Variation:
 
 @dataclass(frozen=True, eq=False)
 class UncertainLink:
-    """A link whose moments vary.
-
-    Attributes:
-        frame: its place in the body that it is part of.
-        deviations: (8,) of `OF_LINKS`.
-        first: the column of x that belongs to the first of them that is not zero.
-    """
+    """A link whose moments vary, its place in its body, deviations (8,) of `OF_LINKS`, and the first column of x."""
 
     inertial: Inertial
     frame: Frame
@@ -80,7 +74,6 @@ class UncertainLink:
 
     @property
     def varied(self) -> list[int]:
-        """The places in `OF_LINKS` of what varies."""
         return np.flatnonzero(self.deviations).tolist()
 
     def added(self, x: Floats) -> Floats:
@@ -106,11 +99,7 @@ class Variations:
     """The uncertain parameters x of a robot, each of variance 1, and how they change theta, in which loads are linear.
 
     theta has the ten moments (`INERTIAL`) of each body that varies, and an entry of its own for each x at a joint.
-
-    Attributes:
-        each: in the order of the columns of x.
-        links: those that vary otherwise than linearly.
-        factor: L with x = L z for independent z; None where x is independent.
+    `links` vary otherwise than linearly; `factor` is L with x = L z for independent z, None where x is.
     """
 
     each: tuple[Variation, ...]
@@ -163,7 +152,7 @@ class Variations:
     def _roots(self) -> list[tuple[slice, Floats]]:
         """The entries of theta of every body, and of joints, each with a root of their mean products."""
         drawn, found = self.theta(self.even_draws(_DRAWS, _SEED)), []
-        for rows in [self._place(body) for body in (*self.bodies, -1)]:
+        for rows in map(self._place, (*self.bodies, -1)):
             C = product(drawn[:, rows].T, drawn[:, rows]) / _DRAWS
             sizes = np.sqrt(np.diagonal(C))
             sizes = np.where(sizes > 0.0, sizes, 1.0)
@@ -223,11 +212,7 @@ OF_JOINTS = ("viscous", "forward", "backward", "stribeck", "load", "rotor")
 
 
 def variations(model: Model, scene: Scene) -> Variations:
-    """Return what is uncertain of a robot in a scene that says so.
-
-    Raises:
-        SceneError: nothing varies; or a covariance names a parameter that is none.
-    """
+    """Return what is uncertain of a robot; SceneError if nothing varies, or a covariance names no parameter of it."""
     given = scene.uncertainty or Uncertainty()
     if given.covariance is not None:
         return _of_covariance(given.covariance, model, scene)
@@ -342,15 +327,11 @@ Row = Sequence[tuple[int, float]]
 
 
 def summed(rows: Iterable[Row], loads: Sequence[Any]) -> list[Any]:
-    """Return the sums of some loads, scalars or arrays."""
     return [total(loads[k] if weight == 1.0 else weight * loads[k] for k, weight in row) for row in rows]
 
 
 def derivative_runner(a_plan: Plan, found: Variations, rows: Sequence[Row]) -> Runner:
-    """Return the derivatives of sums of loads by theta, at a given `theta`: for each sum in turn those by all of theta.
-
-    Accuracy: as that of the loads.
-    """
+    """Return the derivatives of sums of loads at a given `theta`, for each sum in turn those by all of theta."""
     refuse_constraints(a_plan.scene)
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
@@ -362,7 +343,6 @@ def derivative_runner(a_plan: Plan, found: Variations, rows: Sequence[Row]) -> R
 
 
 def _loads(a_plan: Plan, tape: Tape, theta: Sequence[Scalar], found: Variations) -> list[Scalar]:
-    """The loads of a robot with more moments, friction and rotors."""
     sample, terms = a_plan.terms(tape)
     inertias, width = list(terms.inertias), len(INERTIAL)
     for k, body in enumerate(found.bodies):
@@ -383,7 +363,7 @@ def _with_joints(terms: Terms, sample: Sample, a_plan: Plan, x: Sequence[Scalar]
     rotors = {spin.joint.name: spin for spin in spins(sample.model, a_plan.scene)}
     for scalar, variation in zip(x, each, strict=True):
         turned, friction = of[variation.joint], variation.friction
-        speed, acceleration = speed_of(sample, turned), acceleration_of(sample, turned)
+        speed, acceleration = moving(sample, turned)
         dry = coulomb_torque(friction, speed, a_plan.scene.slip_speed) if friction.dry else 0.0
         torque = friction.viscous * speed + dry + variation.rotor * acceleration
         torques += at_joints(turned, scalar * torque)

@@ -196,24 +196,17 @@ def _contact_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
     yield from (*places, *speeds)
 
 
-def loop_wrenches(plan: Plan, loops: LoopJacobian, multipliers: Floats) -> Floats:
-    """Return (N, 6 L) the wrench of each loop on its link at its point, in the axes of the other [N, N m], by the
-    multipliers (N, m) of the equations."""
-    parts, at = [np.zeros((len(multipliers), 0))], 0
-    for closure in closures(plan):
+def loop_wrenches(plan: Plan, loops: LoopJacobian, multipliers: Floats) -> tuple[Floats, Floats]:
+    """Return (N, 6 L) the wrench of each loop on its link, by multipliers (N, m) [N, N m]; and that on the other link.
+
+    Each is at the link's own point; the first in the axes of the other link, as is the second.
+    """
+    own, others, at = [np.zeros((len(multipliers), 0))], [np.zeros((len(multipliers), 0))], 0
+    for closure, gap in zip(closures(plan), loops.gaps.transpose(1, 0, 2), strict=True):
         k = slice(at, at + len(closure.equations))
-        force = np.array([equation.D for equation in closure.equations]).reshape(-1, 3)
-        parts.append(einsum("nk,ki->ni", multipliers[:, k], force))
-        parts.append(einsum("nk,nki->ni", multipliers[:, k], loops.moments[:, k]))
+        force = einsum("nk,ki->ni", multipliers[:, k], np.array([each.D for each in closure.equations]).reshape(-1, 3))
+        moment = einsum("nk,nki->ni", multipliers[:, k], loops.moments[:, k])
+        own += [force, moment]
+        others += [-force, -moment - np.cross(gap, force)]
         at = k.stop
-    return np.hstack(parts)
-
-
-def reactions(plan: Plan, loops: LoopJacobian, wrenches: Floats) -> Floats:
-    """Return (N, 6 L) what each loop does to the other link, at that link's point and in its axes, by what it does to
-    its own: `loop_wrenches`, and what follows."""
-    parts = [np.zeros((len(wrenches), 0))]
-    for k in range(len(plan.scene.loops)):
-        force, moment = wrenches[:, 6 * k : 6 * k + 3], wrenches[:, 6 * k + 3 : 6 * k + 6]
-        parts += [-force, -moment - np.cross(loops.gaps[:, k], force)]
-    return np.hstack(parts)
+    return np.hstack(own), np.hstack(others)

@@ -17,7 +17,6 @@ from robodyn.dynamics.constraints.constraint_jacobian import (
     loop_jacobian,
     loop_wrenches,
     normal_of,
-    reactions,
 )
 from robodyn.dynamics.constraints.torque_distribution import (
     GOOD,
@@ -231,8 +230,13 @@ class ConstraintSolver:
             crossed = self._crossings.update(shared.A, shared.decomposition)
         left = tau - einsum("nki,nk->ni", loops.J, multipliers)
         left = left - einsum("nki,nk->ni", contacts.J, forces.reshape(samples, -1))
-        wrenches = np.hstack((loop_wrenches(plan, loops, multipliers), _of_contacts(plan, contacts, forces)))
-        wrenches = np.hstack((wrenches, reactions(plan, loops, wrenches)))
+        own, others = loop_wrenches(plan, loops, multipliers)
+        parts, at = [own], 0
+        for contact in plan.scene.contacts:  # about the middle of its points
+            k = slice(at, at + len(contact.points))
+            parts += [forces[:, k].sum(axis=1), np.cross(contacts.arms[:, k], forces[:, k]).sum(axis=1)]
+            at = k.stop
+        wrenches = np.hstack((*parts, others))
         largest = np.abs(tau).max(axis=1, initial=0.0)[:, None]
         small = np.maximum(BALANCED * largest, ROUNDING * self._weight / self._units)
         left = np.where((np.abs(left) <= small) & self.actuation.passive, 0.0, left)
@@ -309,13 +313,3 @@ class ConstraintSolver:
             torques=torques,
             free=free,
         )
-
-
-def _of_contacts(plan: Plan, contacts: ContactJacobian, forces: Floats) -> Floats:
-    """Return (N, 6 C) force and moment of each contact about the middle of its points, in the axes of the ground."""
-    parts, at = [np.zeros((len(forces), 0))], 0
-    for contact in plan.scene.contacts:
-        k = slice(at, at + len(contact.points))
-        parts += [forces[:, k].sum(axis=1), np.cross(contacts.arms[:, k], forces[:, k]).sum(axis=1)]
-        at = k.stop
-    return np.hstack(parts)

@@ -24,11 +24,7 @@ def kinds(problem: Problem, forces: Forces, executor: str = "auto") -> list[str]
     """Return why each sample has no forces: "" (it has), "slip", "pull" or "tip".
 
     slip: unlimited friction would suffice. pull: even without the equations of moments, unlimited friction would not,
-    so that contacts had to pull. tip: all else.
-
-    Args:
-        problem: whose first six equations are moments and forces on the base.
-        forces: its solution.
+    so that contacts had to pull. tip: all else. The problem's first six equations are moments and forces on the base.
     """
     found = np.full(len(forces.feasible), "", dtype=object)
     lost = np.flatnonzero(~forces.feasible)
@@ -50,10 +46,7 @@ def least_friction(problem: Problem, known: float = 0.0, executor: str = "auto")
     forces beyond all bounds. What torques cost and their limits do not count either.
 
     Method: those samples that miss most where friction is not enough are solved for their own least mu, with many mu at
-    a time; then those that still miss something, until none does.
-
-    Returns:
-        None where no friction suffices.
+    a time; then those that still miss something, until none does. None where no friction suffices.
 
     Accuracy: 1e-6 relative; 1e-5 where forces become singular at the least mu.
     """
@@ -74,7 +67,7 @@ def least_friction(problem: Problem, known: float = 0.0, executor: str = "auto")
 
 
 def _least_of(problem: Problem, low: float, executor: str) -> float | None:
-    """Return the least mu, 1e-6 relative, with which all of a few samples have forces; `low` is not enough."""
+    """The least mu, 1e-6 relative, with which all of a few samples have forces; `low` is not enough."""
     ladder: Floats = max(0.25, 2.0 * low) * 4.0 ** np.arange(SECTIONS, dtype=float)
     held = _suffices(problem, ladder, executor)
     if not held.any():

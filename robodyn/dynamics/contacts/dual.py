@@ -33,8 +33,7 @@ def projected(z: Array, normal: Array, cosine: Scalar, sine: Scalar) -> Projecte
     """Return the projection of z onto the cone |f_t| cos <= f_n sin of half angle atan(mu), mu = sine / cosine.
 
     The same steps lead to every case: inside, 0, or onto the ray (z . u) u with u = sin e + cos n, e being the
-    direction of the tangential part of z. A half space (mu infinite) and a ray (mu = 0) are cones too. Where the
-    derivative is not unique it is one of those nearby.
+    direction of the tangential part of z. A half space and a ray are cones too.
     """
     press = z @ normal
     tangential = z - normal * press
@@ -139,12 +138,8 @@ TOWARDS = 0.2
 
 
 class Search(NamedTuple):
-    """Of each sample (N,): the length to look at, the ends between which the slope is 0, and the slopes there.
-
-    Attributes:
-        slope: where the step begins.
-        side: the end that moved last, 1 or -1; 0: none has.
-    """
+    """Of each sample (N,): the slope where the step begins, the length to look at, the ends between which the slope is
+    0, the slopes there, and the end that moved last, 1 or -1; 0: none has."""
 
     slope: Floats
     length: Floats
@@ -156,26 +151,17 @@ class Search(NamedTuple):
 
 
 def begun(slope: Floats) -> Search:
-    """Return the search along steps of length 1 that begin with these slopes."""
+    """Return the search along steps of length 1."""
     zero, one = np.zeros_like(slope), np.ones_like(slope)
     return Search(slope, one, zero, one, slope, zero, zero)
 
 
-def ended(search: Search, slope: Floats, fall: Floats) -> Any:
-    """Return whether to go no further than to where the function is less by `fall` and has this slope."""
-    flat = np.abs(slope) <= FLATTER * np.abs(search.slope)
-    narrow = search.high - search.low <= NARROW * search.length
-    return lower(search, fall) & (flat | narrow | (search.length == 1.0))
+def narrowed(search: Search, slope: Floats, lower: Any) -> Search:
+    """Return the search after a look: where a line between the slopes is 0, or nearer to an end that stays.
 
-
-def lower(search: Search, fall: Floats) -> Any:
-    """Return whether the function fell by enough."""
-    return fall >= ENOUGH * search.length * np.abs(search.slope)
-
-
-def narrowed(search: Search, slope: Floats, fall: Floats) -> Search:
-    """Return the search after such a look: where a line between the slopes is 0, or nearer to an end that stays."""
-    right = (slope >= 0.0) | ~lower(search, fall)
+    `lower` is whether the function fell by enough at a point of this slope.
+    """
+    right = (slope >= 0.0) | ~lower
     side = np.where(right, 1.0, -1.0)
     low, high = np.where(right, search.low, search.length), np.where(right, search.length, search.high)
     slope_low, slope_high = np.where(right, search.slope_low, slope), np.where(right, slope, search.slope_high)
@@ -270,10 +256,10 @@ class _State(NamedTuple):
     """Of each sample that is not done: its place among all, and how far it is.
 
     Attributes:
-        sample: (N,). stage: (N,), place in SOFTNESS, or more.
+        stage: place in SOFTNESS, or more.
         at, centre, step: (R, N), nu, c and the step that is searched along.
         value, gradient, residual: (N,), psi, |its gradient| and |b - G f| at nu.
-        best: (N,), the residual where the stage began. soft: (R, N), nu at the end of the last stage of SOFTNESS.
+        best: the residual where the stage began. soft: (R, N), nu at the end of the last stage of SOFTNESS.
     """
 
     sample: Any
@@ -289,9 +275,8 @@ class _State(NamedTuple):
 
     @property
     def rho(self) -> Floats:
-        later = np.maximum(self.stage - LAST, 0)
-        found: Floats = np.maximum(SOFTNESS[np.minimum(self.stage, LAST)] * SHRINK**later, HARDEST)
-        return found
+        soft = SOFTNESS[np.minimum(self.stage, LAST)] * SHRINK ** np.maximum(self.stage - LAST, 0)
+        return np.asarray(np.maximum(soft, HARDEST))
 
 
 def _least(cones: Cones, nu: Floats, run: Callable[..., Floats]) -> Floats:
@@ -331,8 +316,11 @@ def _looked(state: _State, search: Search, trial: Floats, out: Floats) -> tuple[
     value, down, ahead = out[0], out[1 : 1 + R], out[1 + R :]
     gradient, slope = _size(down), -_dot(down, state.step)
     with np.errstate(invalid="ignore"):
-        good = ended(search, slope, state.value - value) | (gradient <= 0.5 * state.gradient)
-        again, new = narrowed(search, slope, state.value - value), begun(-_dot(down, ahead))
+        lower = state.value - value >= ENOUGH * search.length * np.abs(search.slope)
+        flat = np.abs(slope) <= FLATTER * np.abs(search.slope)
+        narrow = search.high - search.low <= NARROW * search.length
+        good = lower & (flat | narrow | (search.length == 1.0)) | (gradient <= 0.5 * state.gradient)
+        again, new = narrowed(search, slope, lower), begun(-_dot(down, ahead))
     search = Search(*_where(good, new, again))
     rest = down + state.rho * (trial - state.centre)
     reached = state._replace(at=trial, step=ahead, value=value, gradient=gradient, residual=_size(rest))
@@ -365,8 +353,7 @@ def _where(good: Any, ones: Iterable[Any], others: Iterable[Any]) -> list[Any]:
 
 
 def _dot(x: Floats, y: Floats) -> Floats:
-    found: Floats = einsum("in,in->n", x, y)
-    return found
+    return np.asarray(einsum("in,in->n", x, y))
 
 
 def _size(x: Floats) -> Floats:

@@ -21,8 +21,7 @@ Flags = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class TorqueTerms:
-    """Torques tau = tau0 - T f - S x of m joints: their cost 1/2 sum w tau^2, and their limits (m,), which may be
-    infinite; T is (N, m, 3 K)."""
+    """Torques tau = tau0 - T f - S x of m joints, T being (N, m, 3 K): their cost 1/2 sum w tau^2, and limits (m,)."""
 
     tau0: Floats
     T: Floats

@@ -45,9 +45,7 @@ class Terms:
     """What the recursion is given for one sample; each effect returns it with something added.
 
     Attributes:
-        qd, qdd: rates that the recursion sees.
         gravity: in the ground's axes.
-        inertias: of each body.
         wrenches: (i, wrench) acting ON body i, about its origin and in its axes.
         at_joint: added to the torque at each body's joint.
         through_gear: the part of it that passes the gear: that of springs between links.
@@ -99,8 +97,7 @@ class Effect:
     """One physical effect: a subclass, whose one instance is named in the catalogue.
 
     Attributes:
-        name: as reports print it.
-        adds: what it adds to tau, in a few words.
+        name: as reports print it; adds: what it adds to tau, in a few words.
         by_load: whether it depends on the torques that the others make, so that it is what is missing without it.
     """
 
@@ -109,11 +106,9 @@ class Effect:
     by_load = False
 
     def why(self, model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
-        """Whether it is on, and why."""
         raise NotImplementedError
 
     def add(self, terms: Terms, sample: Sample, scene: Scene) -> Terms:
-        """The terms with this effect added."""
         raise NotImplementedError
 
     def background(self, terms: Terms, sample: Sample, scene: Scene) -> Terms:

@@ -92,14 +92,10 @@ def along(turned: list[Turned]) -> dict[int, float]:
     return shares
 
 
-def speed_of(sample: Sample, turned: list[Turned]) -> Scalar:
-    """s = sum c_k qd_k [rad/s]."""
-    return total(share * sample.speed(joint) for _, joint, share in turned)
-
-
-def acceleration_of(sample: Sample, turned: list[Turned]) -> Scalar:
-    """sdd = sum c_k qdd_k [rad/s^2]."""
-    return total(share * sample.acceleration(joint) for _, joint, share in turned)
+def moving(sample: Sample, turned: list[Turned]) -> tuple[Scalar, Scalar]:
+    """s = sum c_k qd_k and sdd = sum c_k qdd_k of a motor [rad/s, rad/s^2]."""
+    speed = total(share * sample.speed(joint) for _, joint, share in turned)
+    return speed, total(share * sample.acceleration(joint) for _, joint, share in turned)
 
 
 def motor_torque(motor: CoupledMotor, speed: Scalar, acceleration: Scalar, slip_speed: float) -> Scalar:
@@ -133,30 +129,28 @@ class CoupledMotors(Effect):
 
     def add(self, terms: Terms, sample: Sample, scene: Scene) -> Terms:
         for motor, turned in coupled_motors(sample.model, scene):
-            speed, acceleration = speed_of(sample, turned), acceleration_of(sample, turned)
-            terms = terms.with_torques(at_joints(turned, motor_torque(motor, speed, acceleration, scene.slip_speed)))
+            torque = motor_torque(motor, *moving(sample, turned), scene.slip_speed)
+            terms = terms.with_torques(at_joints(turned, torque))
         return terms
 
     def stored(self, sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> Scalar:
         """sum G^2 J s^2 / 2 [J]."""
-        moving = ((motor, speed_of(sample, turned)) for motor, turned in coupled_motors(sample.model, scene))
-        return total((0.5 * motor.reflected) * (speed * speed) for motor, speed in moving)
+        each = ((motor, moving(sample, turned)[0]) for motor, turned in coupled_motors(sample.model, scene))
+        return total((0.5 * motor.reflected) * (speed * speed) for motor, speed in each)
 
     def lost(self, sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> Scalar:
         """sum of friction times s [W]."""
-        moving = ((motor, speed_of(sample, turned)) for motor, turned in coupled_motors(sample.model, scene))
-        return total(motor_torque(motor, speed, 0.0, scene.slip_speed) * speed for motor, speed in moving)
+        each = ((motor, moving(sample, turned)[0]) for motor, turned in coupled_motors(sample.model, scene))
+        return total(motor_torque(motor, speed, 0.0, scene.slip_speed) * speed for motor, speed in each)
 
 
 class Spin(NamedTuple):
     """A rotor whose axis is said.
 
     Attributes:
-        body, joint: that it drives.
-        carrier, link: the body that carries it, and the link that it is fixed to.
+        body, joint: that it drives; carrier, link: the body that carries it, and the link that it is fixed to.
         axis: (3,) unit vector in the carrier's axes.
-        gear: its speed per speed of the joint.
-        share: J G, its angular momentum per speed of the joint [kg m^2].
+        gear: its speed per speed of the joint; share: J G, its angular momentum per that [kg m^2].
     """
 
     body: int
@@ -212,14 +206,13 @@ def with_spins(terms: Terms, sample: Sample, each: Iterable[tuple[Spin, Scalar]]
     A rotor takes the moment `dh/dt = J G (qdd a + w x qd a)` of its carrier, and `J G (a . wd)` of its motor; `each` is
     a rotor and its J G [kg m^2].
     """
-    pairs = list(each)
-    if not pairs:
+    if not (pairs := list(each)):
         return terms
     joints = sample.motions()
-    moving, speeding = velocities(sample.model.parents, joints), accelerations(sample.model.parents, joints)
+    speeds, rates = velocities(sample.model.parents, joints), accelerations(sample.model.parents, joints)
     wrenches, torques, columns = list(terms.wrenches), [], list(terms.spins)
     for spin, share in pairs:
-        (w, _), (wd, _), a = moving[spin.carrier], speeding[spin.carrier], spin.axis
+        (w, _), (wd, _), a = speeds[spin.carrier], rates[spin.carrier], spin.axis
         h, rate = a * (share * sample.speed(spin.joint)), a * (share * sample.acceleration(spin.joint))
         wrenches.append((spin.carrier, Wrench(ZERO, -(rate + cross(w, h)))))
         torques.append((spin.body, share * (a @ wd)))
@@ -258,15 +251,14 @@ class GyroscopicMoment(Effect):
 
     def stored(self, sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> Scalar:
         """sum J G qd (a . w) [J]."""
-        moving = velocities(sample.model.parents, motions)
-        each = spins(sample.model, scene)
-        return total((s.share * sample.speed(s.joint)) * (s.axis @ moving[s.carrier].w) for s in each)
+        speeds, each = velocities(sample.model.parents, motions), spins(sample.model, scene)
+        return total((s.share * sample.speed(s.joint)) * (s.axis @ speeds[s.carrier].w) for s in each)
 
     def lost(self, sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> Scalar:
         """Nothing: less the power of its moments on carriers, which counts as given by wrenches and is stored [W]."""
-        moving = velocities(sample.model.parents, motions)
+        speeds = velocities(sample.model.parents, motions)
         moments = self.add(replace(terms, wrenches=()), sample, scene).wrenches
-        return total(wrench.n @ moving[i].w for i, wrench in moments)
+        return total(wrench.n @ speeds[i].w for i, wrench in moments)
 
 
 ROTOR, COUPLED, GYROSCOPIC = RotorInertia(), CoupledMotors(), GyroscopicMoment()

@@ -142,7 +142,6 @@ class ClosedChain:
 
     @property
     def count(self) -> int:
-        """Equations."""
         return sum(len(closure.equations) for closure in self.closures)
 
     @cached_property
@@ -176,11 +175,8 @@ class ClosedChain:
         return replace(self, closures=tuple(closures), dropped=tuple(dropped))
 
     def equations(self, sample: Sample) -> Equations:
-        """The equations of all closures, one after another."""
         joints = sample.motions()
-        parts: list[tuple[Any, ...]] = [
-            held(closure, closure.relative(self.model, joints)) for closure in self.closures
-        ]
+        parts: list[Any] = [held(closure, closure.relative(self.model, joints)) for closure in self.closures]
         return Equations(*([x for part in parts for x in part[k]] for k in range(len(Equations._fields))))
 
     def jacobian(self, sample: Sample) -> Floats:
@@ -193,10 +189,8 @@ class ClosedChain:
         left = iter(multipliers)
         for closure, place in zip(self.closures, here.places, strict=True):
             parts = [(equation.D, equation.moment(place.B), next(left)) for equation in closure.equations]
-            f = [total(force[i] * value for force, _, value in parts) for i in range(3)]
-            yield Wrench(
-                vector(*f), vector(*(total(moment[i] * value for _, moment, value in parts) for i in range(3)))
-            )
+            f = vector(*(total(force[i] * value for force, _, value in parts) for i in range(3)))
+            yield Wrench(f, vector(*(total(moment[i] * value for _, moment, value in parts) for i in range(3))))
 
     def solver(self, sample: Sample, terms: Terms, J: Sequence[dict[int, Scalar]], softness: float) -> Solve:
         """Return what finds a and lambda of `M a - J^T lambda = f`, `J a = b` from f and b at a sample.
@@ -268,11 +262,10 @@ NOTHING = 1e-8
 
 @lru_cache(maxsize=16)
 def closed_chain(plan: Plan) -> ClosedChain:
-    """Return the closed chain of a model in a scene.
+    """Return the closed chain of a model in a scene, without equations that others of their loop imply everywhere.
 
-    Equations that never change on their own, such as the one across the plane of a planar linkage, are found at
-    configurations drawn at random: of the rows of J, side by side for all of them, the largest are kept one after
-    another, each without what it has in common with those before it, until nothing is left.
+    Such are those across the plane of a planar linkage. Of the rows of J at configurations drawn at random, side by
+    side, the largest are kept one after another, each without what it has in common with those before it.
     """
     model, scene = aligned(plan.model), plan.scene
     whole = ClosedChain(model, scene, tuple(closure_of(model, loop) for loop in scene.loops))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -46,7 +46,13 @@ def closed_start(plan: Plan, state: Floats) -> Floats:
     def others(kept: Sequence[int]) -> list[int]:
         return [rate for rate in range(model.n) if rate not in kept]
 
-    closed = _keeping(_rates_of(model, scene.initial_q), lambda kept: closed_by(chain, q, others(kept)))
+    rates_of: dict[str, range] = {}  # of each coordinate, those of its joint
+    for joint in model.independent:
+        numbers, rates = (7, 6) if joint.kind == "floating" else (1, 1)
+        for name in model.coordinates[joint.coordinate : joint.coordinate + numbers]:
+            rates_of[name] = range(joint.rate, joint.rate + rates)
+    placed = list(dict.fromkeys(rate for name in scene.initial_q for rate in rates_of[name]))
+    closed = _keeping(placed, lambda kept: closed_by(chain, q, others(kept)))
     if closed is None:
         errors = np.abs(np.array(chain.equations(chain.sample(q.tolist())).error, dtype=float))
         rows = [(closure.loop.name, equation.unit) for closure in chain.closures for equation in closure.equations]
@@ -56,7 +62,15 @@ def closed_start(plan: Plan, state: Floats) -> Floats:
         raise InputError(what, remedy=remedy)
     check_dropped(chain, closed)
     given = [model.rates.index(name) for name in scene.initial_qd]
-    rolling = _keeping(given, lambda kept: _rolling(chain, closed, qd, others(kept)))
+    sample = chain.sample(closed.tolist(), qd.tolist())
+    J, rate_of_error = chain.jacobian(sample), np.array(chain.equations(sample).rate, dtype=float)
+
+    def rolling_by(kept: Sequence[int]) -> Floats | None:
+        change = _least_change(J, rate_of_error, others(kept))
+        left = np.abs(product(J, change) + rate_of_error).max(initial=0.0)
+        return qd + change if left <= CLOSED * _reach(chain) * max(1.0, np.abs(qd).max(initial=0.0)) else None
+
+    rolling = _keeping(given, rolling_by)
     if rolling is None:
         raise InputError("the loops allow no speeds near those given", remedy="give [initial] qd of fewer joints")
     return np.array([*closed, *rolling, *state[model.nq + model.n :]])
@@ -82,16 +96,6 @@ def start_notes(model: Model, scene: Scene, begun: Floats, asked: Floats) -> lis
     kinds = ["q" if k < model.nq else "qd" for k in changed]
     moved = [f"{kind} {names[k]} {asked[k]:.6g} -> {begun[k]:.6g}" for kind, k in zip(kinds, changed, strict=True)]
     return [f"the loops close only with other values than given: {', '.join(moved)}"] if moved else []
-
-
-def _rates_of(model: Model, coordinates: Iterable[str]) -> list[int]:
-    """The rates of the joints that these coordinates belong to, in this order."""
-    owner = {}
-    for joint in model.independent:
-        numbers, rates = (7, 6) if joint.kind == "floating" else (1, 1)
-        for name in model.coordinates[joint.coordinate : joint.coordinate + numbers]:
-            owner[name] = range(joint.rate, joint.rate + rates)
-    return list(dict.fromkeys(rate for name in coordinates for rate in owner[name]))
 
 
 def closed_by(chain: ClosedChain, q: Floats, free: Sequence[int]) -> Floats | None:
@@ -141,15 +145,6 @@ def _left(chain: ClosedChain, sample: Sample) -> tuple[Floats, Floats]:
                         J[k, rate] = product(axis, twist.w)
         at += len(closure.equations)
     return error, J
-
-
-def _rolling(chain: ClosedChain, q: Floats, qd: Floats, free: Sequence[int]) -> Floats | None:
-    """qd with J qd = 0, the free speeds changed as little as possible; None if they cannot do it alone."""
-    sample = chain.sample(q.tolist(), qd.tolist())
-    J, rate = chain.jacobian(sample), np.array(chain.equations(sample).rate, dtype=float)
-    change = _least_change(J, rate, free)
-    left = np.abs(product(J, change) + rate).max(initial=0.0)
-    return qd + change if left <= CLOSED * _reach(chain) * max(1.0, np.abs(qd).max(initial=0.0)) else None
 
 
 def _reach(chain: ClosedChain) -> float:

@@ -153,8 +153,7 @@ def aligned(model: Model) -> Model:
     """Return the same robot with other axes in its bodies; origins stay, and so do q, qd and tau.
 
     Body i's new axes stand in its old ones as the columns of Q_i: z along its joint, x across this and the axis of the
-    first joint that it carries, as Denavit and Hartenberg's. Then `R' = Q_j^T R Q_i` is a turn about x, then one about
-    z. Coordinate axes become others without rounding.
+    first joint that it carries, as Denavit and Hartenberg's. Then `R' = Q_j^T R Q_i` is a turn about x, then about z.
 
     Accuracy: each number of the model within 16 eps of the largest of its vector or matrix.
     """

@@ -21,37 +21,23 @@ def dual_state(
 
 
 def position_rates(model: Model, q: Sequence[Scalar], qd: Sequence[Scalar]) -> list[Scalar]:
-    """Return the rates of q.
-
-    A hinge or slide moves at qd. A floating joint's position moves at v, its quaternion h (x y z w) at
-    `h_dot = h (w_body, 0) / 2`.
-    """
+    """Return the rates of q: qd; of a floating joint v, and `h (w_body, 0) / 2` of its quaternion h (x y z w)."""
     rates: list[Scalar] = []
     for joint in model.independent:
         if joint.kind == "floating":
             w, v = qd[joint.rate : joint.rate + 3], qd[joint.rate + 3 : joint.rate + 6]
-            rates += [*v, *_quaternion_rate(q[joint.coordinate + 3 : joint.coordinate + 7], w)]
+            x, y, z, s = q[joint.coordinate + 3 : joint.coordinate + 7]
+            a, b, c = (0.5 * component for component in w)
+            turn = [s * a + y * c - z * b, s * b + z * a - x * c, s * c + x * b - y * a, -(x * a + y * b + z * c)]
+            rates += [*v, *turn]
         else:
             rates.append(qd[joint.rate])
     return rates
 
 
-def _quaternion_rate(h: Sequence[Scalar], w: Sequence[Scalar]) -> list[Scalar]:
-    x, y, z, s = h
-    a, b, c = (0.5 * component for component in w)
-    return [s * a + y * c - z * b, s * b + z * a - x * c, s * c + x * b - y * a, -(x * a + y * b + z * c)]
-
-
 class Momenta(NamedTuple):
-    """Of the whole tree, about the base's origin and in the base's axes.
-
-    Attributes:
-        P: linear momentum [kg m/s].
-        H: angular momentum about the base's origin [kg m^2/s].
-        T: kinetic energy [J].
-        m: total mass [kg].
-        mc: first moment about the base's origin [kg m].
-    """
+    """Linear and angular momentum, kinetic energy, mass and first moment of the tree, about the base's origin and in
+    its axes [SI units]."""
 
     P: Array
     H: Array
@@ -71,13 +57,10 @@ def momentum_of_bodies(
 
 
 def momenta(parents: Sequence[int], motions: Sequence[Motion], inertias: Sequence[Inertia]) -> Momenta:
-    """Linear and angular momentum, kinetic energy, mass and first moment of the tree, from velocities alone.
+    """Momenta and energy from velocities alone: no force and no acceleration enters; arguments as for `newton_euler`.
 
     `T = sum (P . v + H . w) / 2` over the bodies; inward `P_j += R P`, `H_j += R H + p x R P`, and the same for mass
-    and first moment. No force and no acceleration enters.
-
-    Args:
-        parents, motions, inertias: as for `newton_euler`; the motions' `wd` and `a` are not used. Body 0 is the base.
+    and first moment.
 
     Accuracy: 1e-14 of the sum of the magnitudes that add up to each result.
     """

@@ -31,12 +31,9 @@ def newton_euler(
     Args:
         parents: parents[i] < i is the body that carries body i; -1 is the ground.
         motions: of each body relative to its parent.
-        inertias: of each body.
         gravity: (3,) m/s^2, in the ground's axes.
-        wrenches: (i, wrench) pairs of external wrenches that act ON body i.
-
-    Returns:
-        For each body the force [N] and the moment [N m] about its origin, in its axes, that its parent exerts on it.
+        wrenches: (i, wrench) pairs of external wrenches that act ON body i, like those returned about its origin and in
+            its axes.
 
     Accuracy: 1e-14 of the largest wrench for chains of up to 100 bodies.
     """
@@ -77,11 +74,10 @@ def inertial_wrenches(
 def euler(I: Array, w: Array, wd: Array) -> Array:
     """Return the moment I wd + w x (I w) that turns a body: Euler's second law about its mass centre or a fixed point.
 
-    Expanded by entries of I, as Euler wrote it for principal axes: three factors of the off-diagonal entries are also
-    entries of the acceleration matrix [wd] + [w][w], and the diagonal enters by differences, so a traced program needs
-    30 operations for it where the two products and the cross product take 42, and few for a diagonal I.
+    Expanded by entries of I, in the body's axes: three factors of the off-diagonal ones are entries of [wd] + [w][w],
+    and the diagonal enters by differences: 30 operations instead of 42, and few for a diagonal I.
 
-    All is in the body's axes. Accuracy: 8 eps (|I| |wd| + |I| |w|^2).
+    Accuracy: 8 eps (|I| |wd| + |I| |w|^2).
     """
     (xx, xy, xz), (_, yy, yz), (_, _, zz) = I
     x, y, z = w
@@ -104,12 +100,8 @@ def joint_torques(
 ) -> list[Scalar]:
     """Return the generalized force along every coordinate: tau = S^T (f, n) + what acts at the joint itself.
 
-    Revolute `axis . n`, prismatic `axis . f`; a floating joint gives the moment in the body's axes and the force in the
-    parent's, which are dual to its rates. A mimic joint's torque is reflected onto its leader by its multiplier.
-
-    Args:
-        motions, reactions: as `newton_euler` takes and returns them.
-        at_joint: by body, torque added at its joint (friction, rotor, spring).
+    A floating joint gives the moment in the body's axes and the force in the parent's, which are dual to its rates. A
+    mimic joint's torque is reflected onto its leader by its multiplier; `at_joint` is of friction, rotors and springs.
     """
     tau: list[Scalar] = [0.0] * model.n
     for i, body in enumerate(model.bodies):
