@@ -29,10 +29,7 @@ class Identity(NamedTuple):
 
 
 def identity(finding: Finding, folder: str = "") -> Identity:
-    """Return the identity of a finding, its file being named relative to a folder, by default as it was given.
-
-    Numbers that stand alone in the message become `#`; those that are part of a name (`link_2`) stay.
-    """
+    """Return the identity of a finding, its file being named relative to a folder, by default as it was given."""
     path = os.path.relpath(finding.file, folder) if folder and not finding.file.startswith("<") else finding.file
     subject = "" if finding.subject is None else f"{finding.subject.kind} {finding.subject.name}"
     return Identity(path.replace(os.sep, "/"), finding.code, subject, without_numbers(finding.message))

@@ -21,10 +21,8 @@ _MORE = re.compile(r" \(and (?:\d+|#) more[^()]*\)")
 
 
 def without_numbers(text: str) -> str:
-    """Return a message with `#` for the numbers that stand alone; those in a name (`link_2`) stay.
-
-    How many more there are of something is left out.
-    """
+    """Return a message with `#` for the numbers that stand alone, not for those in a name (`link_2`), and without how
+    many more there are of something."""
     return _NUMBER.sub("#", _MORE.sub("", text))
 
 

@@ -33,8 +33,22 @@ class Change:
     size: float
 
 
-def version_at(file: str, ref: str) -> bytes:
-    """Return the bytes of a file at a git revision.
+def _no_version(name: str, ref: str, said: str) -> InputError:
+    """Return what is wrong with a revision in words of ours; `said` by git."""
+    if "not a git repository" in said:
+        return InputError(f"{name} is in no git repository, which has its versions", remedy="leave --against out")
+    if os.path.exists(ref):
+        what = f"--against takes a revision of git, and {ref!r} is a file"
+        return InputError(what, remedy=f"give one such as HEAD~1 or main, with which {name} itself is compared")
+    if "invalid object name" in said or "bad revision" in said:
+        what, remedy = f"git has no revision {ref!r}", "give one such as HEAD~1 or main: git log lists them"
+    else:
+        what, remedy = f"there is no {name} at the revision {ref!r}", "give one that has it: git log FILE lists them"
+    return InputError(what, remedy=remedy)
+
+
+def model_at(file: str, ref: str) -> Model | None:
+    """Return the robot of a file at a git revision; None where the description there cannot be read.
 
     Raises:
         InputError: git is not there, or knows no such revision or file.
@@ -51,27 +65,8 @@ def version_at(file: str, ref: str) -> bytes:
         raise InputError(f"git cannot be run: {error}", remedy="install git, or leave --against out") from None
     if run.returncode:
         raise _no_version(name, ref, run.stderr.decode(errors="replace"))
-    return run.stdout
-
-
-def _no_version(name: str, ref: str, said: str) -> InputError:
-    """Return what is wrong with a revision in words of ours; `said` by git."""
-    if "not a git repository" in said:
-        return InputError(f"{name} is in no git repository, which has its versions", remedy="leave --against out")
-    if os.path.exists(ref):
-        what = f"--against takes a revision of git, and {ref!r} is a file"
-        return InputError(what, remedy=f"give one such as HEAD~1 or main, with which {name} itself is compared")
-    if "invalid object name" in said or "bad revision" in said:
-        what, remedy = f"git has no revision {ref!r}", "give one such as HEAD~1 or main: git log lists them"
-    else:
-        what, remedy = f"there is no {name} at the revision {ref!r}", "give one that has it: git log FILE lists them"
-    return InputError(what, remedy=remedy)
-
-
-def model_at(file: str, ref: str) -> Model | None:
-    """Return the robot at a git revision; None where the description there cannot be read."""
     try:
-        return load(version_at(file, ref))
+        return load(run.stdout)
     except DescriptionError:
         return None
 

@@ -92,10 +92,9 @@ def absurd_effort(context: Context) -> Faults:
     for joint in context.model.independent:
         limit = None if joint.name not in context.view.joint else context.view.joint[joint.name].limit
         most = bounds[joint.name].whole
-        sentinel = context.thresholds.most_effort
-        if limit is None or joint.effort is None or not FACTOR * most < joint.effort <= sentinel or not most > 0.0:
+        if limit is None or joint.effort is None or id(limit.effort) in explained:
             continue
-        if id(limit.effort) in explained:
+        if not FACTOR * most < joint.effort <= context.thresholds.most_effort or not most > 0.0:
             continue
         unit = "N" if joint.kind == "prismatic" else "N m"
         what = (

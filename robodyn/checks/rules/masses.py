@@ -151,13 +151,9 @@ def mass_ratio(context: Context) -> Faults:
         inner = None if group.parent is None else group.parent.mass
         if group.joint is None or group.parent is None or not group.mass or not inner:
             continue
-        if min(group.mass, inner) < least:
-            continue
         ratio = max(group.mass / inner, inner / group.mass)
-        if ratio <= bound:
-            continue
         odd = group if group.mass > inner else group.parent if group.parent.joint is not None else group
-        if odd in reported:
+        if min(group.mass, inner) < least or ratio <= bound or odd in reported:
             continue
         reported.add(odd)
         what = f"it joins bodies of {inner:g} kg and {group.mass:g} kg, a ratio of {ratio:.3g}"

@@ -91,11 +91,8 @@ def odd_parents(context: Context) -> tuple[Odd, ...]:
 
 
 def _blamed(context: Context, split: tuple[str, str], parent: Parents, left: Mapping[str, str]) -> Sequence[int]:
-    """Return which of two twins is the wrong one, or both, the later in the file first.
-
-    The wrong one is that which hangs as none in front of it or behind it does, or on the other's side, or apart from
-    its parent's shapes.
-    """
+    """Return which of two twins is wrong: the one that hangs as none in front or behind does, or on the other's side,
+    or apart from its parent's shapes; else both, the later in the file first."""
 
     def row(link: str) -> str:
         return row_of(left.get(link, link))

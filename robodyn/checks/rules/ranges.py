@@ -293,10 +293,8 @@ def _given(context: Context, attribute: str) -> _Given:
 
 
 def _apart(large: _Given, found: _Given, factor: float, gap: float, band: float) -> str:
-    """Return why the large limits are in another unit; empty if they are not.
-
-    They are no more than the others, all above `gap` times these, and among them when they are divided by the factor.
-    """
+    """Return why the large limits are in another unit: they are no more than the others, all above `gap` times these,
+    and among them when they are divided by the factor; empty if they are not."""
     marked = {id(each[0]) for each in large}
     others = [value for joint, _, value in found if id(joint) not in marked]
     values = [value for *_, value in large]

@@ -102,7 +102,7 @@ def several_roots(context: Context) -> Faults:
 
 
 def _first_above(view: View) -> dict[str, JointView]:
-    """Return for each link that is a joint's child, the first such joint."""
+    """Return for each link that is a joint's child the first such joint."""
     above: dict[str, JointView] = {}
     for joint in view.joints:
         if joint.child:
