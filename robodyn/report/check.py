@@ -55,7 +55,7 @@ def check_data(checked: Checked) -> dict[str, Any]:
 
 
 def check_verdict(checked: Checked) -> doc.Verdict:
-    """Return whether the descriptions can be used, and the first errors."""
+    """Return whether the descriptions can be used, and the first errors, each with its place."""
     errors, warnings, notes = (checked.count(severity) for severity in LEVELS)
     if errors:
         level, headline = LEVELS[Severity.ERROR], f"{count(errors, 'error')}: {UNFIT}"
@@ -66,17 +66,11 @@ def check_verdict(checked: Checked) -> doc.Verdict:
     else:
         more = f", {count(notes, 'note')}" if notes else ""
         level, headline = "good", f"No errors and no warnings{more}"
-    return doc.Verdict(
-        level, headline, (*error_lines(checked), *(f"{each.file}: {each.why}." for each in checked.unread))
-    )
-
-
-def error_lines(checked: Checked) -> list[str]:
-    """Return a sentence for each of the first errors, with its place."""
     worst = [finding for finding in checked.findings if finding.severity is Severity.ERROR]
     lines = [f"{finding.file}, line {finding.line}: {finding.message}." for finding in worst[:_NAMED]]
-    more = len(worst) - len(lines)
-    return [*lines, f"{count(more, 'more error')}: robodyn check lists all."] if more else lines
+    rest = len(worst) - len(lines)
+    lines += [f"{count(rest, 'more error')}: robodyn check lists all."] if rest else []
+    return doc.Verdict(level, headline, (*lines, *(f"{each.file}: {each.why}." for each in checked.unread)))
 
 
 _PLACES, _PLACES_SAID = 40, 10
@@ -166,7 +160,12 @@ def marked(line: int, excerpt: Excerpt) -> list[str]:
 
 def check_page(checked: Checked) -> doc.Document:
     """Return whether the descriptions can be used, which rules speak and how often, and every finding with its line."""
-    blocks: list[doc.Block] = [_verdict(checked)]
+    verdict = check_verdict(checked)
+    fixes = sum(finding.fix is not None and finding.fix.safe for finding in checked.findings)
+    correct = f"robodyn check --fix corrects {fixes} of the findings and leaves the dynamics as they are."
+    hidden = [f"Not shown: {hidden_line(checked)}."] if checked.hidden else []
+    reasons = (*verdict.reasons, *([correct] if fixes else []), *hidden)
+    blocks: list[doc.Block] = [replace(verdict, reasons=reasons)]
     if checked.findings:
         blocks += doc.titled("Rules", doc.on_page(statistics_sections(checked), "How often each rule speaks"))
     for file in checked.files:
@@ -178,15 +177,6 @@ def check_page(checked: Checked) -> doc.Document:
     return doc.Document(
         title, f"Check of robot descriptions: {count(len(checked.files), 'file')} checked", tuple(blocks)
     )
-
-
-def _verdict(checked: Checked) -> doc.Verdict:
-    found = check_verdict(checked)
-    fixes = sum(finding.fix is not None and finding.fix.safe for finding in checked.findings)
-    correct = f"robodyn check --fix corrects {fixes} of the findings and leaves the dynamics as they are."
-    hidden = f"Not shown: {hidden_line(checked)}."
-    more = (*((correct,) if fixes else ()), *((hidden,) if checked.hidden else ()))
-    return replace(found, reasons=(*found.reasons, *more))
 
 
 def _item(finding: Finding) -> tuple[doc.Level, str, tuple[tuple[str, bool], ...]]:
@@ -216,18 +206,17 @@ def fix_lines(files: Iterable[Fixed], did: str) -> list[str]:
     """Return a line for each fix that was made, `did` it being said how, and for each that was not, with the reason."""
     lines = []
     for fixed in files:
-        lines += [f"{did}: {_place_of_fix(one.finding)}: {one.fix.what} ({_kind_of_fix(one)})" for one in fixed.made]
-        lines += [f"not fixed: {_place_of_fix(one.finding)}: {one.fix.what} ({one.why})" for one in fixed.refused]
-    return [printable(line) for line in lines]
+        told = [(did, one.finding, one.fix, _kind_of_fix(one)) for one in fixed.made]
+        told += [("not fixed", one.finding, one.fix, one.why) for one in fixed.refused]
+        for how, finding, fix, why in told:
+            subject = f", {finding.subject.kind} {finding.subject.name}" if finding.subject else ""
+            place = f"{finding.file}:{finding.line}: {finding.code}{subject}"
+            lines.append(printable(f"{how}: {place}: {fix.what} ({why})"))
+    return lines
 
 
 def _source_lines(data: bytes) -> list[str]:
     return re.findall(r"[^\n]*\n|[^\n]+", data.decode("utf-8", "surrogateescape"))
-
-
-def _place_of_fix(finding: Finding) -> str:
-    subject = f", {finding.subject.kind} {finding.subject.name}" if finding.subject else ""
-    return f"{finding.file}:{finding.line}: {finding.code}{subject}"
 
 
 def _kind_of_fix(made: Made) -> str:

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from robodyn.loads.constraint_result import Constraints, ContactLoad, LoopLoad, Missing, Peak, Unbalanced
+from robodyn.loads.constraint_result import Constraints, ContactLoad
 from robodyn.loads.result import Exceeded, JointLoad, JointSizing, MotorLoad, Result, Sizing
 from robodyn.report.document import Facts, Paragraph, Section, Table
 from robodyn.report.sizes import Sizes, result_sizes, speed_unit
 from robodyn.report.table import (
-    Columns,
     Content,
     axis_text,
-    by_columns,
     first_names,
     is_noise,
     moment,
@@ -132,14 +130,10 @@ def _use(result: Result, sizing: Sizing) -> Content:
         row += [moment(load.peak_row, load.peak, torque), number(load.peak_speed, speed)]
         row += [moment(load.max_speed_time, load.max_speed, speed), number(load.torque_at_max_speed, torque)]
         row += [number(load.least_power, size["W"]), f"{number(joint.static_peak, torque)} {joint.unit}"]
-        held = _share(joint.static_share) if not is_noise(load.rms, torque) else "-"
-        rows.append((*row, number(joint.static_rms, torque), held))
+        share = f"{number(100 * joint.static_share)} %" if joint.static_share >= 1e-5 else "0 %"
+        rows.append((*row, number(joint.static_rms, torque), "-" if is_noise(load.rms, torque) else share))
     head = ("joint", "duty", "mean speed", "peak in row", "speed then", "max speed at [s]", "torque then")
     return (*head, "least power [W]", "static peak", "static RMS", "hold share"), rows
-
-
-def _share(share: float) -> str:
-    return f"{number(100 * share)} %" if share >= 1e-5 else "0 %"
 
 
 def _motors(sizing: Sizing, size: Sizes) -> Content:
@@ -186,26 +180,28 @@ def constraint_tables(result: Result) -> Iterator[tuple[str, Content]]:
     found, size = result.constraints, result_sizes(result)
     assert found is not None
     if found.loops:
-        loops = found.loops
-        columns: Columns[LoopLoad] = [
-            ("loop", lambda loop: loop.name),
-            ("on", lambda loop: loop.link),
-            ("by", lambda loop: loop.to),
-            ("kind", lambda loop: loop.kind),
-            ("force [N]", lambda loop: number(loop.force.value, size["N"])),
-            ("at [s]", lambda loop: size.moment(loop.force.time, loop.force.value, "N")),
-            ("RMS", lambda loop: number(loop.rms_force, size["N"])),
-            ("moment [N m]", lambda loop: number(loop.moment.value, size["N m"])),
-            ("RMS", lambda loop: number(loop.rms_moment, size["N m"])),
-            ("determined", lambda loop: "yes" if loop.determined else f"but {', '.join(loop.open)}"),
-        ]
-        yield "Loops: force and moment on the link", by_columns(columns, loops)
+        rows = []
+        for loop in found.loops:
+            force, turning = loop.force.value, loop.moment.value
+            row = [loop.name, loop.link, loop.to, loop.kind, size.number(force, "N")]
+            row += [size.moment(loop.force.time, force, "N"), size.number(loop.rms_force, "N")]
+            row += [size.number(turning, "N m"), size.number(loop.rms_moment, "N m")]
+            rows.append((*row, "yes" if loop.determined else f"but {', '.join(loop.open)}"))
+        head = ("loop", "on", "by", "kind", "force [N]", "at [s]", "RMS", "moment [N m]", "RMS", "determined")
+        yield "Loops: force and moment on the link", (head, rows)
     if found.contacts:
         yield "Contacts: what the link stands on, while it does", _contact_table(found.contacts, size)
     if found.missing:
-        yield "Where no contact forces balance the motion", _span_table(found.missing)
+        span_head = ("from [s]", "to [s]", "the robot", "force missing [N]", "moment missing [N m]")
+        spans = [
+            (f"{x.start:.4g}", f"{x.end:.4g}", _MISSING[x.kind], figure(x.force.value), figure(x.moment.value))
+            for x in found.missing
+        ]
+        yield "Where no contact forces balance the motion", (span_head, spans)
     if found.unbalanced:
-        yield "What the motion takes at passive joints and nothing gives", _unbalanced(found.unbalanced)
+        lacks = [(x.name, f"{figure(x.most.value)} {x.unit}", f"{x.most.time:.4g}") for x in found.unbalanced]
+        title = "What the motion takes at passive joints and nothing gives"
+        yield title, (("joint", "most", "at [s]"), lacks)
 
 
 def constraint_lines(found: Constraints) -> Iterator[str]:
@@ -250,49 +246,16 @@ def _ranks(found: Constraints) -> str:
 
 
 def _contact_table(contacts: tuple[ContactLoad, ...], size: Sizes) -> Content:
-    columns: Columns[ContactLoad] = [
-        ("contact", lambda each: each.name),
-        ("on", lambda each: f"{100 * each.on:.0f} %"),
-        ("force [N]", lambda each: number(each.force.value, size["N"])),
-        ("at [s]", lambda each: size.moment(each.force.time, each.force.value, "N")),
-        (
-            "along normal [N]",
-            lambda each: f"{number(each.least_normal.value, size['N'])} to {number(each.normal.value, size['N'])}",
-        ),
-        ("friction", lambda each: f"{each.friction:g}"),
-        ("of it used", lambda each: "" if each.friction_used is None else f"{100 * each.friction_used.value:.0f}%"),
-        ("at [s]", lambda each: _time_of(each.friction_used)),
-        ("margin [mm]", lambda each: f"{1e3 * each.margin.value:.3g}" if each.margin else ""),
-        ("at [s]", lambda each: _time_of(each.margin)),
-        (
-            "centre of pressure [mm]",
-            lambda each: point_text((1e3 * x for x in each.centre), _FINE) if each.centre else "",
-        ),
-    ]
-    if all(each.margin is None for each in contacts):
-        columns = columns[:-3]
-    return by_columns(columns, contacts)
-
-
-def _time_of(peak: Peak | None) -> str:
-    return "" if peak is None else f"{peak.time:.4g}"
-
-
-def _span_table(spans: tuple[Missing, ...]) -> Content:
-    columns: Columns[Missing] = [
-        ("from [s]", lambda span: f"{span.start:.4g}"),
-        ("to [s]", lambda span: f"{span.end:.4g}"),
-        ("the robot", lambda span: _MISSING[span.kind]),
-        ("force missing [N]", lambda span: figure(span.force.value)),
-        ("moment missing [N m]", lambda span: figure(span.moment.value)),
-    ]
-    return by_columns(columns, spans)
-
-
-def _unbalanced(rates: tuple[Unbalanced, ...]) -> Content:
-    columns: Columns[Unbalanced] = [
-        ("joint", lambda rate: rate.name),
-        ("most", lambda rate: f"{figure(rate.most.value)} {rate.unit}"),
-        ("at [s]", lambda rate: f"{rate.most.time:.4g}"),
-    ]
-    return by_columns(columns, rates)
+    rows = []
+    for each in contacts:
+        force, used, margin = each.force, each.friction_used, each.margin
+        row = [each.name, f"{100 * each.on:.0f} %", size.number(force.value, "N")]
+        row += [size.moment(force.time, force.value, "N")]
+        row += [f"{size.number(each.least_normal.value, 'N')} to {size.number(each.normal.value, 'N')}"]
+        row += [f"{each.friction:g}", f"{100 * used.value:.0f}%" if used else "", f"{used.time:.4g}" if used else ""]
+        row += [f"{1e3 * margin.value:.3g}", f"{margin.time:.4g}"] if margin else ["", ""]
+        rows.append([*row, point_text((1e3 * x for x in each.centre), _FINE) if each.centre else ""])
+    head = ["contact", "on", "force [N]", "at [s]", "along normal [N]", "friction", "of it used", "at [s]"]
+    head += ["margin [mm]", "at [s]", "centre of pressure [mm]"]
+    kept = 11 if any(each.margin for each in contacts) else 8
+    return head[:kept], [row[:kept] for row in rows]

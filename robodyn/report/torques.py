@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from robodyn.loads.result import ComponentLoad, EffectReport, JointLoad, MomentumReport, Result
@@ -59,7 +59,11 @@ def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]
     if result.derivation:
         methods, rows = derivation_table(result.derivation, result.samples_suffice)
         yield [Table(methods, *rows) if rows else Paragraph(methods)]
-    yield _base(result)
+    head, wrench = base_table(result)
+    beside = ", beside its contacts" if result.constraints and result.constraints.contacts else ""
+    title = f"Base wrench: ground on robot{beside}, about the base's origin"
+    still = all(rms == "0" for *_, rms in wrench)
+    yield [Paragraph(f"{title}: zero throughout") if still else Table(title, head, wrench)]
     if result.momentum:
         title, rows = momentum_table(result.momentum)
         yield [Table(title, *rows)]
@@ -90,15 +94,6 @@ def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]
     yield exceeded_section(result)
     yield [*accuracy_blocks(result)]
     yield remarks("warning", result.warnings)
-
-
-def _base(result: Result) -> Section:
-    head, rows = base_table(result)
-    beside = ", beside its contacts" if result.constraints and result.constraints.contacts else ""
-    title = f"Base wrench: ground on robot{beside}, about the base's origin"
-    if all(rms == "0" for *_, rms in rows):
-        return [Paragraph(f"{title}: zero throughout")]
-    return [Table(title, head, rows)]
 
 
 _TAKES = ("coulomb friction", "viscous friction", "load friction", "fluid")
@@ -229,15 +224,14 @@ def effect_table(result: Result) -> Content:
     columns: Columns[EffectReport] = [
         ("effect", lambda effect: effect.name),
         ("", lambda effect: "on" if effect.verdict.active else "off"),
-        ("operations alone", lambda effect: _figure(effect, effect.operations)),
-        ("saved without", lambda effect: _figure(effect, effect.saved)),
+        ("operations alone", lambda effect: str(effect.operations) if effect.verdict.active else ""),
+        (
+            "saved without",
+            lambda effect: "" if effect.saved is None or not effect.verdict.active else str(effect.saved),
+        ),
         ("why", lambda effect: effect.verdict.reason),
     ]
     return by_columns([column for column in columns if saved or column[0] != "saved without"], result.effects)
-
-
-def _figure(effect: EffectReport, operations: int | None) -> str:
-    return str(operations) if effect.verdict.active and operations is not None else ""
 
 
 def share_table(result: Result) -> Content:
@@ -283,7 +277,8 @@ def _bar(joint: JointLoad, scale: float) -> str:
 def derivation_table(derivation: Derivation, samples_suffice: bool = True) -> tuple[str, Content | None]:
     """Return a line that names the methods, and rows for joints with noise in their data; for all if methods differ."""
     joints = derivation.joints
-    velocity, acceleration = _named(joint.velocity for joint in joints), _named(joint.acceleration for joint in joints)
+    velocity = list(dict.fromkeys(joint.velocity for joint in joints if joint.velocity != "given"))
+    acceleration = list(dict.fromkeys(joint.acceleration for joint in joints if joint.acceleration != "given"))
     several = len({*velocity, *acceleration}) > 1
     quantities = " and ".join(name for name, used in (("velocity", velocity), ("acceleration", acceleration)) if used)
     shown = [joint for joint in joints if joint.noise or several]
@@ -301,10 +296,6 @@ def derivation_table(derivation: Derivation, samples_suffice: bool = True) -> tu
     return text, by_columns(columns, shown)
 
 
-def _named(methods: Iterable[str]) -> list[str]:
-    return [method for method in dict.fromkeys(methods) if method != "given"]
-
-
 def momentum_table(report: MomentumReport) -> tuple[str, Content]:
     """Return a title that says about what and in which frame, and for each quantity its least and its greatest."""
     from robodyn.dynamics.momenta import GROUND
@@ -313,7 +304,12 @@ def momentum_table(report: MomentumReport) -> tuple[str, Content]:
     about = {"origin": "the origin", "com": "the mass centre"}.get(str(report.about)) or "({:g}, {:g}, {:g}) m".format(
         *report.about
     )
-    scales = _scales(report)
+    scales: dict[str, float] = {}
+    for row in report.ranges:
+        kind = row.name.partition("_")[0]
+        scales[kind] = max(scales.get(kind, 0.0), abs(row.least), abs(row.greatest))
+    scales["L"] = max(scales["L"], scales["p"] * scales["com"])  # L also beside p at the mass centre's distance
+    scales["T"] = scales["V"] = max(scales["T"], scales["V"])
     rows = []
     for row in report.ranges:
         kind = row.name.partition("_")[0]
@@ -325,14 +321,3 @@ def momentum_table(report: MomentumReport) -> tuple[str, Content]:
         rows.append((name, *least, *greatest))
     title = f"Momentum and energy in the frame of {owner}, L about {about}; power is tau . qd"
     return title, (("", "least", "at [s]", "greatest", "at [s]"), rows)
-
-
-def _scales(report: MomentumReport) -> dict[str, float]:
-    """Return what is noise beside: L also beside p at the mass centre's distance, energies beside their largest."""
-    scales: dict[str, float] = {}
-    for row in report.ranges:
-        kind = row.name.partition("_")[0]
-        scales[kind] = max(scales.get(kind, 0.0), abs(row.least), abs(row.greatest))
-    scales["L"] = max(scales["L"], scales["p"] * scales["com"])
-    scales["T"] = scales["V"] = max(scales["T"], scales["V"])
-    return scales

@@ -15,8 +15,9 @@ from urllib.parse import quote
 
 from robodyn.checks.baseline import fingerprints
 from robodyn.checks.check import Checked, Unread
-from robodyn.checks.rule import Edit, Finding, Fix, Rule, Severity
+from robodyn.checks.rule import Finding, Rule, Severity
 from robodyn.report.check import further
+from robodyn.report.document import code_lines
 from robodyn.report.table import printable
 from robodyn.robot.urdf.document import Document
 from robodyn.robot.urdf.elements import SourcePositions
@@ -38,30 +39,25 @@ def check_junit(checked: Checked, strict: bool = False) -> str:
     found: dict[str, list[Finding]] = {file: [] for file in checked.files}
     for one in checked.findings:
         found.setdefault(one.checked, []).append(one)
-    suites = [_suite(file, findings, fatal) for file, findings in found.items()]
-    suites += map(_unread_suite, checked.unread)
-    failures = sum(finding.severity in fatal for finding in checked.findings)
-    tests = sum(max(suite.count("<testcase "), 1) for suite in suites)
+    suites, failures = [], 0
+    for file, findings in found.items():
+        failed = sum(finding.severity in fatal for finding in findings)
+        cases = [_case(finding, fatal) for finding in findings]
+        cases = cases or [f'    <testcase name="no findings" classname={_attribute(file)} time="0"/>']
+        counts = f'tests="{len(cases)}" failures="{failed}" errors="0" time="0"'
+        suites += [f"  <testsuite name={_attribute(file)} {counts}>", *cases, "  </testsuite>"]
+        failures += failed
+    for unread in checked.unread:
+        name = _attribute(unread.file)
+        suites += [
+            f'  <testsuite name={name} tests="1" failures="0" errors="1" time="0">',
+            f'    <testcase name="reading" classname={name} time="0">',
+            f"      <error message={_attribute(unread.why)}/>",
+            "    </testcase>\n  </testsuite>",
+        ]
+    tests = sum(part.count("<testcase ") for part in suites)
     head = f'<testsuites name="robodyn check" tests="{tests}" failures="{failures}" errors="{len(checked.unread)}">'
     return "\n".join(['<?xml version="1.0" encoding="UTF-8"?>', head, *suites, "</testsuites>\n"])
-
-
-def _suite(file: str, findings: Sequence[Finding], fatal: set[Severity]) -> str:
-    cases = [_case(finding, fatal) for finding in findings] or [
-        f'    <testcase name="no findings" classname={_attribute(file)} time="0"/>'
-    ]
-    failures = sum(finding.severity in fatal for finding in findings)
-    counts = f'tests="{len(cases)}" failures="{failures}" errors="0" time="0"'
-    return "\n".join([f"  <testsuite name={_attribute(file)} {counts}>", *cases, "  </testsuite>"])
-
-
-def _unread_suite(unread: Unread) -> str:
-    file = _attribute(unread.file)
-    return f"""  <testsuite name={file} tests="1" failures="0" errors="1" time="0">
-    <testcase name="reading" classname={file} time="0">
-      <error message={_attribute(unread.why)}/>
-    </testcase>
-  </testsuite>"""
 
 
 def _case(finding: Finding, fatal: set[Severity]) -> str:
@@ -70,17 +66,13 @@ def _case(finding: Finding, fatal: set[Severity]) -> str:
     head = f'    <testcase name={_attribute(name)} classname={_attribute(finding.file)} time="0">'
     cause = f"\ncause: {finding.cause}" if finding.cause else ""
     also = "".join(f"\nalso: {line}" for line in further(finding))
-    text = _text(f"{place}: {finding.severity.value}: {finding.message}{also}{cause}\nremedy: {finding.remedy}")
+    said = f"{place}: {finding.severity.value}: {finding.message}{also}{cause}\nremedy: {finding.remedy}"
+    text = escape(code_lines(said), quote=False)  # html's functions, for those of xml bring a client for HTTP along
     if finding.severity in fatal:
         what = f'<failure type="{finding.code}" message={_attribute(finding.message)}>{text}</failure>'
     else:
         what = f"<system-out>{text}</system-out>"
     return f"{head}\n      {what}\n    </testcase>"
-
-
-def _text(text: str) -> str:
-    """Return text as XML has it; html's functions, for those of xml bring a client for HTTP along."""
-    return "\n".join(escape(printable(line), quote=False) for line in text.split("\n"))
 
 
 def _attribute(text: str) -> str:
@@ -96,28 +88,23 @@ def check_github(findings: Sequence[Finding], unread: Sequence[Unread] = ()) -> 
     Method: percent, CR and LF are written %25, %0D and %0A, in properties colon and comma %3A and %2C as well, as the
     runner's own toolkit does (actions/toolkit, packages/core/src/command.ts).
     """
+    lines = []
+    for finding in findings:
+        of = "" if finding.description is None else f" (in {finding.description})"
+        parts = [finding.message + of, *(f"also: {line}" for line in further(finding))]
+        parts += [f"cause: {finding.cause}"] if finding.cause else []
+        message = "\n".join(map(printable, [*parts, f"remedy: {finding.remedy}"]))
+        place = {"file": _path(finding.file), "line": str(finding.line), "col": str(finding.column)}
+        properties = {**place, "title": f"{finding.code} {finding.name}"}
+        listed = ",".join(f"{key}={_property(value)}" for key, value in properties.items())
+        lines.append(f"::{COMMANDS[finding.severity]} {listed}::{_escaped(message)}\n")
     faults = [f"::error file={_property(_path(each.file))}::{_escaped(each.why)}\n" for each in unread]
-    return "".join([*map(_github_line, findings), *faults])
-
-
-def _github_line(finding: Finding) -> str:
-    place = {"file": _path(finding.file), "line": str(finding.line), "col": str(finding.column)}
-    properties = {**place, "title": f"{finding.code} {finding.name}"}
-    listed = ",".join(f"{key}={_property(value)}" for key, value in properties.items())
-    return f"::{COMMANDS[finding.severity]} {listed}::{_escaped(_message(finding))}\n"
+    return "".join([*lines, *faults])
 
 
 def _path(file: str) -> str:
     """Return the path as the repository has it, without `./`; standard input as it is."""
     return file if file.startswith("<") else os.path.normpath(file).replace(os.sep, "/")
-
-
-def _message(finding: Finding) -> str:
-    of = "" if finding.description is None else f" (in {finding.description})"
-    parts = [printable(finding.message + of), *(f"also: {printable(line)}" for line in further(finding))]
-    if finding.cause:
-        parts.append(f"cause: {printable(finding.cause)}")
-    return "\n".join([*parts, f"remedy: {printable(finding.remedy)}"])
 
 
 def _escaped(text: str) -> str:
@@ -126,11 +113,8 @@ def _escaped(text: str) -> str:
 
 def _property(text: str) -> str:
     """Return a property; whatever turns text around or drives a terminal is shown, not done."""
-    return (
-        _escaped("".join(letter if letter in "\r\n" else printable(letter) for letter in text))
-        .replace(":", "%3A")
-        .replace(",", "%2C")
-    )
+    shown = "".join(letter if letter in "\r\n" else printable(letter) for letter in text)
+    return _escaped(shown).replace(":", "%3A").replace(",", "%2C")
 
 
 SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
@@ -168,7 +152,18 @@ def check_sarif(
         _result(finding, index, name, region) for finding, name in zip(findings, fingerprints(findings), strict=True)
     ]
     own = version("robodyn")
-    driver = {"name": "robodyn", "version": own, "semanticVersion": own, "rules": list(map(_rule_json, rules))}
+    explained = [
+        {
+            "id": rule.code,
+            "name": rule.name,
+            "shortDescription": {"text": rule.summary},
+            "fullDescription": {"text": rule.explanation},
+            "help": {"text": f"{rule.explanation}\n\nBad:\n\n{rule.bad}\nGood:\n\n{rule.good}"},
+            "defaultConfiguration": {"level": rule.severity.value},
+        }
+        for rule in rules
+    ]
+    driver = {"name": "robodyn", "version": own, "semanticVersion": own, "rules": explained}
     invocation: Object = {"executionSuccessful": not unread}
     if unread:
         invocation["toolExecutionNotifications"] = [
@@ -179,29 +174,16 @@ def check_sarif(
             }
             for each in unread
         ]
-    run = {
-        "tool": {"driver": driver},
-        "invocations": [invocation],
-        "columnKind": "unicodeCodePoints",
-        "results": results,
-    }
+    run: Object = {"tool": {"driver": driver}, "invocations": [invocation], "columnKind": "unicodeCodePoints"}
+    run["results"] = results
     return json.dumps({"$schema": SCHEMA, "version": "2.1.0", "runs": [run]}, indent=2) + "\n"
-
-
-def _rule_json(rule: Rule) -> Object:
-    return {
-        "id": rule.code,
-        "name": rule.name,
-        "shortDescription": {"text": rule.summary},
-        "fullDescription": {"text": rule.explanation},
-        "help": {"text": f"{rule.explanation}\n\nBad:\n\n{rule.bad}\nGood:\n\n{rule.good}"},
-        "defaultConfiguration": {"level": rule.severity.value},
-    }
 
 
 def _result(finding: Finding, index: dict[str, int], name: str, region: Region) -> Object:
     cause = f" Cause: {finding.cause}." if finding.cause else ""
-    also = _also(finding)
+    links = [f"[line {other.line}]({k})" for k, other in enumerate(finding.others[:_LINKED], 1)]
+    links += [count(more, "more place")] if (more := len(finding.others) - _LINKED) > 0 else []
+    also = f" Also in {', '.join(links)}." if links else ""  # readers of SARIF make links to related locations of these
     result: Object = {
         "ruleId": finding.code,
         "level": finding.severity.value,
@@ -221,9 +203,12 @@ def _result(finding: Finding, index: dict[str, int], name: str, region: Region) 
     if known := {key: value for key, value in numbers.items() if value is not None and math.isfinite(value)}:
         result["properties"] = known
     if finding.fix is not None:
+        every = {edit for place in finding.places if place.fix for edit in place.fix.edits}
+        edits = sorted(every, key=lambda edit: edit.start)  # of all places, or of the first where some touch
+        edits = list(finding.fix.edits) if any(a.end > b.start for a, b in pairwise(edits)) else edits
         replacements = [
             {"deletedRegion": region(finding.file, edit.start, edit.end), "insertedContent": {"text": edit.text}}
-            for edit in _edits(finding, finding.fix)
+            for edit in edits
         ]
         change = {"artifactLocation": _artifact(finding.file), "replacements": replacements}
         result["fixes"] = [{"description": {"text": finding.fix.what}, "artifactChanges": [change]}]
@@ -232,14 +217,6 @@ def _result(finding: Finding, index: dict[str, int], name: str, region: Region) 
 
 _LINKED = 20
 """Further places that the message links to."""
-
-
-def _also(finding: Finding) -> str:
-    """Return links to the related locations, in the form that readers of SARIF make links of."""
-    links = [f"[line {other.line}]({k})" for k, other in enumerate(finding.others[:_LINKED], 1)]
-    more = len(finding.others) - _LINKED
-    listed = ", ".join([*links, *([count(more, "more place")] if more > 0 else [])])
-    return f" Also in {listed}." if links else ""
 
 
 def _location(finding: Finding, region: Region) -> Object:
@@ -253,13 +230,6 @@ def _location(finding: Finding, region: Region) -> Object:
         kind, named = finding.subject.kind, finding.subject.name
         location["logicalLocations"] = [{"name": named, "kind": kind, "fullyQualifiedName": f"{kind}/{named}"}]
     return location
-
-
-def _edits(finding: Finding, fix: Fix) -> Sequence[Edit]:
-    """Return the edits of all places, in their order; those of the first where some touch."""
-    every = {edit for place in finding.places if place.fix for edit in place.fix.edits}
-    edits = sorted(every, key=lambda edit: edit.start)
-    return fix.edits if any(a.end > b.start for a, b in pairwise(edits)) else edits
 
 
 def _artifact(file: str) -> Object:
