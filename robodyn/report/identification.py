@@ -27,7 +27,16 @@ def identified_sections(found: Identified) -> Iterator[doc.Section]:
     rows = [("all joints", *(_of(each, None) for each in parts))]
     rows += [(name, *(_of(each, name) for each in parts)) for name in found.train.joints]
     yield [doc.Table("", head, rows, "||computed - measured|| / ||measured||, in N m")]
-    yield [_motor_table(found)]
+    of_motor = ("motor", "viscous", "Coulomb", "offset", "breakaway", "decays with", "load", "rotor")
+    names = ("viscous", "coulomb", "offset", "stribeck", "stribeck_velocity", "load", "rotor")
+    rows = []
+    for name, motor in found.motors.items():
+        values = [getattr(motor, each) for each in names]
+        rows.append((name, *("-" if value is None else figure(value) for value in values)))
+    units = "N m s/rad, N m, N m, N m, rad/s, part of the torque through the gear, kg m^2; of slides likewise in m."
+    yield [
+        doc.Table("", of_motor, rows, f"{units} Offset: half of what friction differs by direction, or the sensor's.")
+    ]
     fit = found.base
     columns = (fit.values.tolist(), fit.standard_errors.tolist(), fit.consistent.tolist())
     known = [
@@ -85,18 +94,6 @@ def _of(errors: Errors | None, joint: str | None) -> str:
     return _percent(errors.relative_error if joint is None else errors.joints[joint])
 
 
-def _motor_table(found: Identified) -> doc.Table:
-    head = ("motor", "viscous", "Coulomb", "offset", "breakaway", "decays with", "load", "rotor")
-    names = ("viscous", "coulomb", "offset", "stribeck", "stribeck_velocity", "load", "rotor")
-    rows = []
-    for name, fit in found.motors.items():
-        values = [getattr(fit, each) for each in names]
-        rows.append((name, *("-" if value is None else figure(value) for value in values)))
-    units = "N m s/rad, N m, N m, N m, rad/s, part of the torque through the gear, kg m^2; of slides likewise in m."
-    offset = "Offset: half of what friction differs by direction, or the sensor's."
-    return doc.Table("", head, rows, f"{units} {offset}")
-
-
 def _known(value: float, error: float) -> str:
     """Return a value to a tenth of the first digit of its standard error: further digits tell nothing."""
     if not error > 0.0:
@@ -109,6 +106,12 @@ def _known(value: float, error: float) -> str:
 def identified_json(found: Identified) -> str:
     """Return errors, base parameters with standard errors, motors, and every parameter before and after."""
     held = found.original_held_out or found.original_train
+    fit = found.base
+    columns = (fit.values.tolist(), fit.standard_errors.tolist(), fit.consistent.tolist())
+    base = [
+        {"name": group, "parameter": fit.base.names[k], "value": value, "standard_error": error, "calibrated": after}
+        for group, k, value, error, after in zip(fit.base.groups, fit.base.independent, *columns, strict=True)
+    ]
     return doc.written(
         doc.select(
             found,
@@ -118,10 +121,13 @@ def identified_json(found: Identified) -> str:
             "duration logs warnings",
             original={**_errors_json(held), **_both_json(found.original_train, found.original_held_out)},
             bound=_both_json(found.bound_train, found.bound_held_out),
-            base_parameters=_base_json(found),
+            base_parameters=base,
             friction=[{"name": name, **doc.encode(fit)} for name, fit in found.motors.items()],
             coupled=[{"name": name, "unexplained": part} for name, part in found.coupled.items()],
-            parameters=_parameters_json(found),
+            parameters=[
+                {"name": name, "described": before, "calibrated": after}
+                for name, before, after in zip(found.names, found.described.tolist(), found.theta.tolist(), strict=True)
+            ],
             discrepancy=dict(found.discrepancy),
             delays=dict(found.delays),
             logs=[{"path": path, "sha256": sha256} for path, sha256 in found.hashes.items()],
@@ -137,26 +143,21 @@ def _both_json(train: Errors, held_out: Errors | None) -> dict[str, Any]:
     return {"train": _errors_json(train), "held_out": held_out and _errors_json(held_out)}
 
 
-def _base_json(found: Identified) -> list[dict[str, Any]]:
-    fit = found.base
-    columns = (fit.values.tolist(), fit.standard_errors.tolist(), fit.consistent.tolist())
-    return [
-        {"name": group, "parameter": fit.base.names[k], "value": value, "standard_error": error, "calibrated": after}
-        for group, k, value, error, after in zip(fit.base.groups, fit.base.independent, *columns, strict=True)
-    ]
-
-
-def _parameters_json(found: Identified) -> list[dict[str, Any]]:
-    pairs = zip(found.names, found.described.tolist(), found.theta.tolist(), strict=True)
-    return [{"name": name, "described": before, "calibrated": after} for name, before, after in pairs]
-
-
 _PICTURED = 12
 
 
 def excitation_sections(found: Excitation) -> Iterator[doc.Section]:
     """Yield how telling the motion is, what each joint does, and each base parameter's predicted standard error."""
-    yield doc.paragraphs(_excited_head(found))
+    series = found.series
+    rate = f"{found.motion.shape[1]} rows at {found.rate:.6g} /s"
+    lines = [
+        _shown(found),
+        f"period {series.period:g} s, {series.harmonics} harmonics, {rate}; "
+        "it begins and ends at rest, at its first and last row",
+        _compared(found),
+        "self-collision is not looked at beyond the joints' limits",
+    ]
+    yield doc.paragraphs(lines)
     head = ("joint", "from", "to", "unit", "speed", "acceleration", "effort", "noise")
     note = f"Largest magnitudes are of limits; positions keep {100 * MARGIN:.0f}% of the range from theirs."
     yield [doc.Table("", head, [_joint(joint) for joint in found.joints], note)]
@@ -164,7 +165,11 @@ def excitation_sections(found: Excitation) -> Iterator[doc.Section]:
     title = ("base parameter", "value", "standard error", "relative")
     note = "Values are the description's; errors are those of least squares over all rows of one period, with noise"
     yield [doc.Table("", title, [_parameter(*row) for row in rows], f"{note} independent from row to row.")]
-    yield doc.paragraphs([_invisible(found)])
+    base = found.base
+    bodies = Counter(base.names[k].rpartition(".")[0] for k in base.invisible)
+    some = ", ".join(f"{name} {amount}" for name, amount in bodies.items())
+    hidden = f"{len(base.invisible)} of {len(base.names)} parameters show in no torque: {some}"
+    yield [doc.Paragraph(hidden if bodies else "every parameter shows in some torque")]
     yield doc.remarks("note", found.notes)
 
 
@@ -185,17 +190,6 @@ def excitation_page(found: Excitation, pictures: bool = True) -> doc.Document:
     files = [("excite.json", excitation_json(found)), ("motion.csv", motion)]
     how, what = "robodyn excite --format json and --out write it to a file", "A motion that shows parameters"
     return doc.page(found.model.name, what, blocks, excitation_sections(found), "Motion", files, how)
-
-
-def _excited_head(found: Excitation) -> list[str]:
-    series, rows = found.series, found.motion.shape[1]
-    return [
-        _shown(found),
-        f"period {series.period:g} s, {series.harmonics} harmonics, {rows} rows at {found.rate:.6g} /s; "
-        "it begins and ends at rest, at its first and last row",
-        _compared(found),
-        "self-collision is not looked at beyond the joints' limits",
-    ]
 
 
 def _shown(found: Excitation) -> str:
@@ -228,15 +222,6 @@ def _joint(joint: JointSwing) -> tuple[str, ...]:
 def _parameter(group: str, value: float, error: float) -> tuple[str, ...]:
     relative = 100.0 * error / abs(value) if value else inf
     return (group, figure(value, 4), figure(error, 2), f"{figure(relative, 2)}%" if relative < 1e3 else "-")
-
-
-def _invisible(found: Excitation) -> str:
-    base = found.base
-    bodies = Counter(base.names[k].rpartition(".")[0] for k in base.invisible)
-    if not bodies:
-        return "every parameter shows in some torque"
-    some = ", ".join(f"{name} {amount}" for name, amount in bodies.items())
-    return f"{len(base.invisible)} of {len(base.names)} parameters show in no torque: {some}"
 
 
 def excitation_json(found: Excitation) -> str:

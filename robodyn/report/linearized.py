@@ -33,7 +33,14 @@ def linearized_sections(found: Linearized) -> Iterator[doc.Section]:
     verdict = stability(found)
     how = "an equilibrium" if found.balanced else "the state given"
     sizes = f"{count(len(found.states), 'state')}, {count(len(found.inputs), 'input')}"
-    lines = [f"{found.robot}: linear about {how}, {sizes}", *_held(found)]
+    lines = [f"{found.robot}: linear about {how}, {sizes}"]
+    if found.held.any() and not found.motion.at_rest:
+        lines.append("the torques added keep its speeds constant; they stay as they are in the linear equations")
+    elif found.held.any():
+        k = first_largest(abs(found.held))
+        most = f"{found.held[k]:.4g} {units_of(found.model)[k]} at {found.model.rates[k]}"
+        added = f"it is no equilibrium: constant torques are added that hold it, {most} the largest"
+        lines.append(f"{added}; --equilibrium looks for a state without them")
     if found.step is not None:
         step = f"steps of {found.step:.6g} s, inputs held in between"
         lines.append(f"A and B are those of {step}; modes are those of A before")
@@ -65,22 +72,21 @@ def _matrices(found: Linearized) -> Iterator[doc.Section]:
 
 def linearized_page(found: Linearized, pictures: bool = True) -> doc.Document:
     """Return the same as a page, with pictures of the modes, and A and B as data."""
-    blocks: list[doc.Block] = [stability(found), *(_pictures(found) if pictures else [])]
+    blocks: list[doc.Block] = [stability(found)]
+    if pictures:
+        from robodyn.report.pictures.robot import mode_figure
+
+        modes = found.modes.modes
+        words = [f"{_figures(mode)}: {moves(found.model.rates, mode)}" for mode in modes[:_PICTURED]]
+        shown = [
+            mode_figure(found.model, found.q, mode.shape, said, f"mode {k}")
+            for k, (mode, said) in enumerate(zip(modes, words, strict=False))
+        ]
+        some = [f"The slowest {_PICTURED} of {len(modes)} modes."] if len(modes) > _PICTURED else []
+        blocks += [doc.Heading("Mode shapes"), *doc.paragraphs(some), doc.Gallery(tuple(shown))]
     files, how = [("linear.json", linearized_json(found))], "robodyn linearize --format json prints it"
     what = "Linear equations near a state, and modes"
     return doc.page(found.robot, what, blocks, linearized_sections(found), "Mode", files, how)
-
-
-def _pictures(found: Linearized) -> list[doc.Block]:
-    from robodyn.report.pictures.robot import mode_figure
-
-    modes, names = found.modes.modes, found.model.rates
-    shown = [
-        mode_figure(found.model, found.q, mode.shape, f"{_figures(mode)}: {moves(names, mode)}", f"mode {k}")
-        for k, mode in enumerate(modes[:_PICTURED])
-    ]
-    some = [doc.Paragraph(f"The slowest {_PICTURED} of {len(modes)} modes.")] if len(modes) > _PICTURED else []
-    return [doc.Heading("Mode shapes"), *some, doc.Gallery(tuple(shown))]
 
 
 def stability(found: Linearized) -> doc.Verdict:
@@ -116,19 +122,6 @@ def _stability(modes: Modes) -> doc.Verdict:
     words = [f"{count(free, 'mode is', 'modes are')} held by nothing"] if free else []
     words += [f"{count(steady, 'mode is', 'modes are')} not damped within rounding"] if steady else []
     return doc.Verdict("doubtful", f"Neither stable nor unstable: {' and '.join(words)}")
-
-
-def _held(found: Linearized) -> list[str]:
-    if not found.held.any():
-        return []
-    if not found.motion.at_rest:
-        return ["the torques added keep its speeds constant; they stay as they are in the linear equations"]
-    k = first_largest(abs(found.held))
-    most = f"{found.held[k]:.4g} {units_of(found.model)[k]} at {found.model.rates[k]}"
-    return [
-        f"it is no equilibrium: constant torques are added that hold it, {most} the largest; "
-        "--equilibrium looks for a state without them"
-    ]
 
 
 def _state(found: Linearized) -> list[tuple[str, ...]]:

@@ -109,8 +109,22 @@ def measured_sections(found: Comparison) -> Iterator[doc.Section]:
     rest = [f"{few} that explain less than 2 % left out"] if len(told) < len(found.faults) else []
     numbered = [f"{k}. {line}" for k, line in enumerate(lines, start=1)]
     said = numbered or ["nothing that is more than noise"]
-    yield doc.paragraphs(["What explains the difference", *said, *rest, *_left(found)])
-    yield [doc.Table("Measured against computed", *_joints(found))]
+    dark = [
+        f"{printable(joint.name)} ({100 * (joint.left / joint.residual) ** 2:.0f} %)"
+        for joint in found.joints
+        if joint.left > np.sqrt(_MUCH) * joint.residual and joint.relative_error > _GOOD
+    ]
+    if dark and found.faults:
+        rest.append(f"None of these explains most of the residual of {', '.join(dark)}: noise, or inertias of links.")
+    yield doc.paragraphs(["What explains the difference", *said, *rest])
+    head = ["joint", "measured RMS", "computed", "residual", "with effects", "relative error", "correlation"]
+    rows = []
+    for joint in found.joints:
+        row = [joint.name, f"{number(joint.measured)} {joint.unit}", number(joint.computed, joint.measured)]
+        row += [number(x) if x > _ROUNDED * joint.measured else "0" for x in (joint.residual, joint.left)]
+        row.append(f"{100 * joint.relative_error:.3g} %")
+        rows.append([*row, "-" if joint.correlation is None else f"{joint.correlation:.3f}"])
+    yield [doc.Table("Measured against computed", head, rows)]
     head = ["joint", "gain", "offset", "viscous", "Coulomb", "rotor", "delay [ms]"]
     rows = []
     for joint in found.joints:
@@ -127,24 +141,19 @@ def measured_sections(found: Comparison) -> Iterator[doc.Section]:
 
 def measured_page(found: Comparison, pictures: bool = True) -> doc.Document:
     """Return the same as a page, with plots of torques, residuals and friction."""
-    blocks: list[doc.Block] = [verdict_on(found), *(_pictures(found) if pictures else [])]
+    blocks: list[doc.Block] = [verdict_on(found)]
+    if pictures:
+        from robodyn.report.pictures.simulation import friction_figure, torque_figure
+
+        places = range(len(found.joints))
+        what = "What is measured beyond the computed torque and all told effects but friction, over speed."
+        torques, friction = (tuple(draw(found, j) for j in places) for draw in (torque_figure, friction_figure))
+        blocks += [doc.Heading("Measured over computed"), doc.Gallery(torques)]
+        blocks += [doc.Heading("Friction"), doc.Paragraph(what), doc.Gallery(friction)]
     what = f"Measured against computed torques of {printable(found.file)}"
     files = [("measured.json", measured_json(found))]
     how = "robodyn torques --measured --format json prints it"
     return doc.page(found.robot, what, blocks, measured_sections(found), "Joint", files, how)
-
-
-def _pictures(found: Comparison) -> list[doc.Block]:
-    from robodyn.report.pictures.simulation import friction_figure, torque_figure
-
-    places = range(len(found.joints))
-    return [
-        doc.Heading("Measured over computed"),
-        doc.Gallery(tuple(torque_figure(found, j) for j in places)),
-        doc.Heading("Friction"),
-        doc.Paragraph("What is measured beyond the computed torque and all told effects but friction, over speed."),
-        doc.Gallery(tuple(friction_figure(found, j) for j in places)),
-    ]
 
 
 def verdict_on(found: Comparison) -> doc.Verdict:
@@ -167,39 +176,12 @@ def verdict_on(found: Comparison) -> doc.Verdict:
     return doc.Verdict(level, headline, tuple(reasons))
 
 
-def _left(found: Comparison) -> Iterator[str]:
-    dark = [
-        f"{printable(joint.name)} ({100 * (joint.left / joint.residual) ** 2:.0f} %)"
-        for joint in found.joints
-        if joint.left > np.sqrt(_MUCH) * joint.residual and joint.relative_error > _GOOD
-    ]
-    if dark and found.faults:
-        yield f"None of these explains most of the residual of {', '.join(dark)}: noise, or inertias of links."
-
-
 def _gross(found: Comparison) -> Iterator[str]:
     words = found.channels.words([printable(joint.name) for joint in found.joints])
     for line, joints in zip(words, found.channels.faults, strict=True):
         whose = "their residuals" if len(joints) > 1 else "its residual"
         part = percent(min(found.gross[j] for j in joints))
         yield f"{line[0].upper()}{line[1:]}: that explains {part} of {whose}"
-
-
-def _joints(found: Comparison) -> tuple[list[str], list[list[str]]]:
-    head = ["joint", "measured RMS", "computed", "residual", "with effects", "relative error", "correlation"]
-    rows = [
-        [
-            joint.name,
-            f"{number(joint.measured)} {joint.unit}",
-            number(joint.computed, joint.measured),
-            number(joint.residual) if joint.residual > _ROUNDED * joint.measured else "0",
-            number(joint.left) if joint.left > _ROUNDED * joint.measured else "0",
-            f"{100 * joint.relative_error:.3g} %",
-            "-" if joint.correlation is None else f"{joint.correlation:.3f}",
-        ]
-        for joint in found.joints
-    ]
-    return head, rows
 
 
 def measured_json(found: Comparison) -> str:

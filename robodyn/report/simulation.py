@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 
@@ -32,9 +31,18 @@ def simulation_sections(result: Simulation, explain: bool = False) -> Iterator[d
         explain: add why each effect is on or off.
     """
     size = simulation_sizes(result)
-    yield doc.paragraphs(_head(result))
-    yield [_coordinates(result, size)]
-    yield [_rates(result, size)]
+    on = [effect.name for effect, why in result.effects if why.active]
+    length = f"steps of {result.step:.6g} s" if result.step is not None else f"steps, rtol {result.rtol:.3g}"
+    method = f"{result.method.name} of order {result.method.order} ({result.method.about})"
+    yield doc.paragraphs(
+        [
+            f"{result.model.name}: {result.time[-1]:.6g} s, {gravity_text(result.scene.gravity)}",
+            f"effects on: {', '.join(on)}; no contact",
+            f"form: {LOOPED if result.loops else FREE}",
+            f"method: {method}, {result.steps} {length}, {result.evaluations} evaluations, {result.executor}",
+        ]
+    )
+    yield from _motion(result, size)
     if result.joints:
         yield [_limits(result, size)]
     yield doc.paragraphs(_drift(result, size))
@@ -61,37 +69,22 @@ def simulation_sections(result: Simulation, explain: bool = False) -> Iterator[d
     yield doc.remarks("note", result.notes)
 
 
-def _head(result: Simulation) -> tuple[str, ...]:
-    on = [effect.name for effect, why in result.effects if why.active]
-    length = f"steps of {result.step:.6g} s" if result.step is not None else f"steps, rtol {result.rtol:.3g}"
-    return (
-        f"{result.model.name}: {result.time[-1]:.6g} s, {gravity_text(result.scene.gravity)}",
-        f"effects on: {', '.join(on)}; no contact",
-        f"form: {LOOPED if result.loops else FREE}",
-        f"method: {result.method.name} of order {result.method.order} ({result.method.about}), "
-        f"{result.steps} {length}, {result.evaluations} evaluations, {result.executor}",
-    )
-
-
-def _coordinates(result: Simulation, size: MotionSizes) -> doc.Table:
-    lengths, _ = linear(result.model)
+def _motion(result: Simulation, size: MotionSizes) -> Iterator[doc.Section]:
+    """Yield tables of the positions and of the speeds."""
+    lengths, sliding = linear(result.model)
     floating = (joint.name for joint in result.model.independent if joint.kind == "floating")
     turns = {f"{name}_{part}" for name in floating for part in ("qx", "qy", "qz", "qw")}
     rows = []
     for k, (name, q) in enumerate(zip(result.model.coordinates, result.q.T, strict=True)):
         unit = "m" if lengths[k] else "" if name in turns else "rad"
         rows.append((name, unit, *(number(x, size.q[k]) for x in (q[0], q[-1], q.min(), q.max()))))
-    return doc.Table("", ("position", "unit", "at the start", "at the end", "least", "largest"), rows)
-
-
-def _rates(result: Simulation, size: MotionSizes) -> doc.Table:
-    _, sliding = linear(result.model)
+    yield [doc.Table("", ("position", "unit", "at the start", "at the end", "least", "largest"), rows)]
     rows = []
     for k, (name, qd, qdd) in enumerate(zip(result.model.rates, result.qd.T, result.qdd.T, strict=True)):
         unit = "m/s" if sliding[k] else "rad/s"
         speeds = (number(x, size.qd[k]) for x in (qd[0], qd[-1], np.abs(qd).max()))
         rows.append((name, unit, *speeds, f"{number(np.abs(qdd).max(), size.qdd[k])} {unit}^2"))
-    return doc.Table("", ("speed", "unit", "at the start", "at the end", "largest", "largest acceleration"), rows)
+    yield [doc.Table("", ("speed", "unit", "at the start", "at the end", "largest", "largest acceleration"), rows)]
 
 
 def _limits(result: Simulation, size: MotionSizes) -> doc.Table:
@@ -208,9 +201,23 @@ def _plots(result: Simulation) -> list[doc.Block]:
 
 def simulation_json(result: Simulation) -> str:
     """Return the document of `simulate`; docs/reference/schemas has its keys."""
-    from robodyn.simulation.result import held
+    from robodyn.simulation.result import deepest, held
+    from robodyn.trajectory.columns.signals import COMPONENTS
 
     energy, accuracy = result.figures.energy, doc.select(result, "target expected:expected_error")
+    spring, loops = None, None
+    if result.scene.limit_spring:
+        found = deepest(result.model, result.time, result.q, result.qd)
+        spring = found and doc.select(found, "joint:stop.joint.name side:stop.word value:stop.value depth time limits")
+    if result.loops:
+        own = result.loops
+        rows = zip(own.names, own.wrenches[-1].tolist(), own.gap.tolist(), own.slip.tolist(), strict=True)
+        closures = [
+            {"name": name, "final": dict(zip(COMPONENTS, wrench, strict=True)), "gap": gap, "slip": slip}
+            for name, wrench, gap, slip in rows
+        ]
+        keys = "equations dropped rank freedoms usual_freedoms:usual singular stabilised closures"
+        loops = doc.select(own, keys, closures=closures)
     stopped = held(result.model, result.scene, result.time, result.qd)
     drift = dict(zip(("linear", "angular"), result.momentum_drift, strict=True)) if result.free else None
     return doc.written(
@@ -225,9 +232,9 @@ def simulation_json(result: Simulation) -> str:
             "final": _state(result, -1),
             "energy": {"start": energy[0], "end": energy[-1], "work": result.work[-1], "drift": result.energy_drift},
             "momentum_drift": drift,
-            "loops": _loops_json(result.loops) if result.loops else None,
+            "loops": loops,
             "held": [doc.select(each, "joint:joint.name time creep speed") for each in stopped],
-            "limit_spring": _limit_json(result) if result.scene.limit_spring else None,
+            "limit_spring": spring,
             "effects": [{"name": effect.name, **doc.select(why, "active reason")} for effect, why in result.effects],
             **doc.select(
                 result,
@@ -245,24 +252,3 @@ def _state(result: Simulation, row: int) -> dict[str, dict[str, float]]:
         "q": dict(zip(result.model.coordinates, result.q[row].tolist(), strict=True)),
         "qd": dict(zip(result.model.rates, result.qd[row].tolist(), strict=True)),
     }
-
-
-def _limit_json(result: Simulation) -> dict[str, Any] | None:
-    from robodyn.simulation.result import deepest
-
-    found = deepest(result.model, result.time, result.q, result.qd)
-    return found and doc.select(found, "joint:stop.joint.name side:stop.word value:stop.value depth time limits")
-
-
-def _loops_json(loops: LoopFigures) -> dict[str, Any]:
-    from robodyn.trajectory.columns.signals import COMPONENTS
-
-    rows = zip(loops.names, loops.wrenches[-1].tolist(), loops.gap.tolist(), loops.slip.tolist(), strict=True)
-    return doc.select(
-        loops,
-        "equations dropped rank freedoms usual_freedoms:usual singular stabilised closures",
-        closures=[
-            {"name": name, "final": dict(zip(COMPONENTS, wrench, strict=True)), "gap": gap, "slip": slip}
-            for name, wrench, gap, slip in rows
-        ],
-    )
