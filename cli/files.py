@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from robodyn.cli.options import ROBOT_SUFFIXES, Call, Output, Parsed
+from robodyn.cli.options import ROBOT_SUFFIXES, TABLE_SUFFIXES, Call, Output, Parsed
 from robodyn.errors import InputError, SceneError
 from robodyn.support.input_file import open_input, read_standard_input
 
@@ -26,7 +26,7 @@ STANDARD_INPUT = "-"
 ROBOT, TABLE, SCENE_FILE = "a robot description", "a table", "a scene"
 _KINDS = {
     ROBOT: ROBOT_SUFFIXES,
-    TABLE: (".csv", ".tsv", ".parquet", ".pq", ".npz", ".db3", ".mcap", ".bag"),
+    TABLE: TABLE_SUFFIXES,
     SCENE_FILE: (".toml",),
     "a mesh": (".stl", ".obj", ".ply", ".off", ".dae", ".glb", ".gltf", ".3mf"),
 }

@@ -88,7 +88,14 @@ def command(
     how: dict[str, Any] = {"split": split, "cutoff": cutoff, "shapes": not no_shapes, "on_progress": _progress}
     found = identify(fitted, scene, validate=held_out, **how)
     _progress("")
-    why = None if force else _refusal(found)
+    why = None
+    if found.faults:
+        why = "; ".join(found.faults), "mend the columns, see --map"
+    elif not found.explains:
+        why = "most of the torques is left unexplained", "are torques in N m, and is it a log of this robot?"
+    elif not found.better:
+        why = "held-out torques are explained no better than by the description", "log a more exciting motion"
+    why = None if force else why
     written = _write(found, model, outputs) if not why else ""
     page, json = (lambda _: identified_page(found)), (lambda: identified_json(found))
     answer(call, identified_sections(found), page, written, json=json)
@@ -96,17 +103,6 @@ def command(
         what, remedy = why
         raise InputError(f"{what}: nothing is written", remedy=f"{remedy}, or --force", file=logs[0])
     return 0
-
-
-def _refusal(found: Identified) -> tuple[str, str] | None:
-    """Return why nothing is to be written, and a remedy."""
-    if found.faults:
-        return "; ".join(found.faults), "mend the columns, see --map"
-    if not found.explains:
-        return "most of the torques is left unexplained", "are torques in N m, and is it a log of this robot?"
-    if not found.better:
-        return "held-out torques are explained no better than by the description", "log a more exciting motion"
-    return None
 
 
 def _progress(stage: str) -> None:

@@ -25,6 +25,8 @@ Callback = Callable[..., Any]
 Decorator = Callable[[Callback], Callback]
 Vector = tuple[float, float, float]
 ROBOT_SUFFIXES = (".urdf", ".xacro")
+TABLE_SUFFIXES = (".csv", ".tsv", ".parquet", ".pq", ".npz", ".db3", ".mcap", ".bag")
+"""Suffixes that only such files have."""
 REPORT_FORMS = {".html": "html", ".htm": "html", ".md": "markdown"}
 """The form of a report by the suffix of its file."""
 

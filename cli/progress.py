@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -51,24 +51,21 @@ def watched(reader: TrajectoryReader) -> Iterator[Callable[..., None]]:
 
 
 @contextmanager
-def _counting(shown: bool, what: str, total: int, *columns: str, **options: Any) -> Iterator[Callable[[], None]]:
-    """Yield a function to call after each of so many things."""
-    with _bar(shown, what, total, "MofNCompleteColumn", *columns, **options) as move:
-        yield lambda: move(advance=1, refresh=bool(options))
+def counted(files: Sequence[Path]) -> Iterator[Callable[[], None]]:
+    """Yield a function to call after each of some meshes."""
+    long, columns = sum(map(_size, map(str, files))) >= LONG_MESHES, ("MofNCompleteColumn", "TaskProgressColumn")
+    with _bar(long, "measuring", len(files), *columns) as move:
+        yield lambda: move(advance=1)
 
 
-def counted(files: Sequence[Path]) -> AbstractContextManager[Callable[[], None]]:
-    """Return a context that yields a function to call after each of some meshes."""
-    long = sum(map(_size, map(str, files))) >= LONG_MESHES
-    return _counting(long, "measuring", len(files), "TaskProgressColumn")
-
-
-def robots_done(count: int, what: str = "checking") -> AbstractContextManager[Callable[[], None]]:
-    """Return a context that yields a function to call after each of some descriptions.
+@contextmanager
+def robots_done(count: int, what: str = "checking") -> Iterator[Callable[[], None]]:
+    """Yield a function to call after each of some descriptions.
 
     The bar has no thread of its own, so that processes can be started while it is shown.
     """
-    return _counting(count >= MANY_ROBOTS, what, count, auto_refresh=False)
+    with _bar(count >= MANY_ROBOTS, what, count, "MofNCompleteColumn", auto_refresh=False) as move:
+        yield lambda: move(advance=1, refresh=True)
 
 
 @contextmanager

@@ -21,14 +21,14 @@ _LIBRARIES = ("robodyn", "numpy", "scipy", "llvmlite", "matplotlib", "yourdfpy",
 
 def get_ready(call: Call) -> None:
     """Import what draws figures while what they show is still being computed."""
+
+    def load() -> None:
+        with suppress(ImportError):
+            for name in ("matplotlib.figure", "matplotlib.backends.backend_svg", "jinja2"):
+                import_module(name)
+
     if call.pictured:
-        Thread(target=_import, daemon=True).start()
-
-
-def _import() -> None:
-    with suppress(ImportError):
-        for name in ("matplotlib.figure", "matplotlib.backends.backend_svg", "jinja2"):
-            import_module(name)
+        Thread(target=load, daemon=True).start()
 
 
 def answer(

@@ -13,6 +13,7 @@ from typing import NoReturn
 import click
 
 from robodyn.cli.interrupts import STATUS, interrupted
+from robodyn.cli.options import TABLE_SUFFIXES
 from robodyn.errors import RobodynError
 from robodyn.report.table import PLAIN, Page, printable
 from robodyn.support.wording import alternatives
@@ -106,7 +107,7 @@ _PLAIN = {
     r"is not in the range x>=(\S+)$": r"is less than \1",
 }
 """Sentences of click in words that need no mathematics."""
-_OPTIONS = {".toml": "--scene", ".csv": "--traj", ".tsv": "--traj", ".parquet": "--traj", ".npz": "--traj"}
+_OPTIONS = {".toml": "--scene", **dict.fromkeys(TABLE_SUFFIXES, "--traj")}
 """Options that take files which are given without one."""
 
 

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from robodyn.robot.model import Model
     from robodyn.scene.scene import Scene
 
-_TABLES = (".csv", ".tsv", ".txt", ".dat", ".parquet", ".pq", ".npz")
 _MOMENTUM = "Mass centre, momenta, energies, power: report them, and write them to --out."
 
 
@@ -128,9 +127,11 @@ def command(
 
 def _is_batch(trajectories: Sequence[str], out: str | None) -> bool:
     """Return whether the trajectories are many: by their number, wildcards, or results that go to a folder."""
+    from robodyn.trajectory.readers.table import FILE_TYPES
+
     wild = any(set("*?[") & set(name) and not os.path.lexists(name) for name in trajectories)
     folder = out is not None and (
-        out[-1:] in (os.sep, "/") or (os.path.isdir(out) and not out.lower().endswith(_TABLES))
+        out[-1:] in (os.sep, "/") or (os.path.isdir(out) and not out.lower().endswith((*FILE_TYPES,)))
     )
     return len(trajectories) > 1 or wild or folder
 

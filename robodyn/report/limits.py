@@ -152,11 +152,8 @@ def nearest_limits(joints: Sequence[Reached]) -> Iterator[str]:
 
 def limits_section(result: Simulation) -> Section:
     """Return the verdict's headline, or a table of what is exceeded, and what could not be checked."""
-    unchecked = paragraphs(unchecked_words(result.limits))
-    if not result.exceeded:
-        return [Paragraph(f"{limits_verdict(result).headline}."), *unchecked]
-    head, rows = exceeded_table(result.exceeded)
-    return [Table(f"LIMITS EXCEEDED by {len(rows)} of {count(len(result.joints), 'joint')}", head, rows), *unchecked]
+    exceeded = exceeded_section(result) or [Paragraph(f"{limits_verdict(result).headline}.")]
+    return [*exceeded, *paragraphs(unchecked_words(result.limits))]
 
 
 def exceeded_table(exceeded: Sequence[Excess]) -> Content:
@@ -223,7 +220,7 @@ def verdict_section(result: Result) -> Section:
     return paragraphs([*(line for line in verdict.reasons if line not in shown), f"{verdict.headline}."])
 
 
-def exceeded_section(result: Result) -> Section:
+def exceeded_section(result: Result | Simulation) -> Section:
     """Return a table of the limits of the description that are exceeded; nothing without."""
     if not result.exceeded:
         return ()

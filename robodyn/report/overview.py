@@ -27,8 +27,26 @@ _DEEPEST = 40
 
 def overview_sections(found: Overview) -> Iterator[Section]:
     """Yield counts and mass, the tree as a table, then meshes, findings and what to run next."""
-    yield paragraphs(_head(found))
-    branches = found.branches
+    branches, merged, kinds = found.branches, found.types.get("fixed", 0), found.types.items()
+    joints = ", ".join(f"{amount} {kind}" for kind, amount in kinds)
+    freedoms = f"degrees of freedom: {found.freedoms}"
+    if found.base_freedoms:
+        freedoms += f", {found.base_freedoms} of them the base's"
+    if merged:
+        freedoms += f"; {count(merged, 'fixed joint is', 'fixed joints are')} merged"
+    if found.mimics:
+        freedoms += f"; {count(found.mimics, 'joint mimics another', 'joints mimic others')}"
+    if found.loops:
+        freedoms += f"; of the open tree, which {count(found.loops, '<constraint> closes', '<constraint>s close')}"
+    centre = ""
+    if found.com is not None:
+        values = ", ".join(f"{name} {value:.6g}" for name, value in found.moved.items())
+        where = "where every joint is zero" + (f" or at its limit nearest to zero: {values}" if values else "")
+        point = point_text(found.com, float(np.abs(found.com).max()))
+        centre = f", centre of mass {point} m in the frame of {shown(found.base)}, {where}"
+    lines = [f"{found.file}: robot {shown(found.name)}", f"links: {len(branches)}, {found.massive} with mass"]
+    lines += [f"joints: {sum(found.types.values())}{joints and f' ({joints})'}", freedoms]
+    yield paragraphs([*lines, f"mass: {number(found.mass)} kg{centre}", *(f"note: {note}" for note in found.notes)])
     deepest = max(branch.depth for branch in branches)
     step = 2 if deepest <= _DEEPEST // 2 else 1
     rows = [_row(branch, min(branch.depth * step, _DEEPEST)) for branch in branches]
@@ -40,55 +58,22 @@ def overview_sections(found: Overview) -> Iterator[Section]:
         yield paragraphs(["next:", *(f"  {command}" for command in found.next)])
 
 
-def _head(found: Overview) -> list[str]:
-    joints = ", ".join(f"{count} {kind}" for kind, count in found.types.items())
-    merged = found.types.get("fixed", 0)
-    freedoms = f"degrees of freedom: {found.freedoms}"
-    if found.base_freedoms:
-        freedoms += f", {found.base_freedoms} of them the base's"
-    if merged:
-        freedoms += f"; {count(merged, 'fixed joint is', 'fixed joints are')} merged"
-    if found.mimics:
-        freedoms += f"; {count(found.mimics, 'joint mimics another', 'joints mimic others')}"
-    if found.loops:
-        freedoms += f"; of the open tree, which {count(found.loops, '<constraint> closes', '<constraint>s close')}"
-    return [
-        f"{found.file}: robot {shown(found.name)}",
-        f"links: {len(found.branches)}, {found.massive} with mass",
-        f"joints: {sum(found.types.values())}{joints and f' ({joints})'}",
-        freedoms,
-        f"mass: {number(found.mass)} kg{_centre(found)}",
-        *(f"note: {note}" for note in found.notes),
-    ]
-
-
-def _centre(found: Overview) -> str:
-    if found.com is None:
-        return ""
-    values = ", ".join(f"{name} {value:.6g}" for name, value in found.moved.items())
-    where = "where every joint is zero" + (f" or at its limit nearest to zero: {values}" if values else "")
-    point = point_text(found.com, float(np.abs(found.com).max()))
-    return f", centre of mass {point} m in the frame of {shown(found.base)}, {where}"
-
-
 def _row(branch: Branch, indent: int) -> list[str]:
-    name = " " * indent + branch.name
-    mass = "" if branch.mass is None else number(branch.mass)
-    joint = branch.joint
+    mass, joint = "" if branch.mass is None else number(branch.mass), branch.joint
+    row = [" " * indent + branch.name, mass]
     if joint is None:
-        return [name, mass, *[""] * 8]
-    return [name, mass, joint.name, joint.type, _axis(joint), *_limits(joint), _mimic(joint)]
-
-
-def _axis(joint: Joint) -> str:
-    """Return the direction, as a letter where it is one of the joint's axes."""
-    if joint.type in ("fixed", "floating"):
-        return ""
-    axis = np.array(joint.axis) / max(map(abs, joint.axis))
-    axis = axis / np.sqrt(product(axis, axis))
-    if np.count_nonzero(axis) > 1:
-        return f"({', '.join(f'{value:.4g}' for value in axis)})"
-    return axis_text(axis.tolist())
+        return [*row, *[""] * 8]
+    axis, mimic = "", ""
+    if joint.type not in ("fixed", "floating"):
+        direction = np.array(joint.axis) / max(map(abs, joint.axis))
+        direction = direction / np.sqrt(product(direction, direction))
+        along = np.count_nonzero(direction) <= 1  # a letter stands for an axis of the joint's frame
+        axis = axis_text(direction.tolist()) if along else f"({', '.join(f'{value:.4g}' for value in direction)})"
+    if joint.mimic is not None:
+        factor, offset = joint.mimic.multiplier, joint.mimic.offset
+        mimic = joint.mimic.joint + ("" if factor == 1 else f" * {factor:.6g}")
+        mimic += f" {'+' if offset > 0 else '-'} {abs(offset):.6g}" if offset else ""
+    return [*row, joint.name, joint.type, axis, *_limits(joint), mimic]
 
 
 def _limits(joint: Joint) -> list[str]:
@@ -105,14 +90,6 @@ def _limits(joint: Joint) -> list[str]:
 
 def _with(value: float | None, unit: str) -> str:
     return "-" if value is None else number(value) + unit
-
-
-def _mimic(joint: Joint) -> str:
-    if joint.mimic is None:
-        return ""
-    factor = "" if joint.mimic.multiplier == 1 else f" * {joint.mimic.multiplier:.6g}"
-    offset = f" {'+' if joint.mimic.offset > 0 else '-'} {abs(joint.mimic.offset):.6g}" if joint.mimic.offset else ""
-    return f"{joint.mimic.joint}{factor}{offset}"
 
 
 def _meshes(meshes: Meshes) -> list[str]:

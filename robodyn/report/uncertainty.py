@@ -59,15 +59,12 @@ def _bars(loads: Sequence[tuple[str, UncertainLoad]], size: Sizes) -> Content:
     for name, load in loads:
         row = [name]
         for bar, unit in ((load.peak, f" {load.unit}"), (load.rms, "")):
-            row += [f"{size.number(bar.value, load.unit)}{unit}", _error(bar.standard_error, size[load.unit])]
+            error = "0" if is_noise(bar.standard_error, size[load.unit]) else f"{bar.standard_error:.2g}"
+            row += [f"{size.number(bar.value, load.unit)}{unit}", error]
             row += [f"{size.number(bar.low, load.unit)} to {size.number(bar.high, load.unit)}"]
         rows.append(row)
     each = ("std error", "95 %")
     return ("", "peak", *each, "RMS", *each), rows
-
-
-def _error(error: float, size: float) -> str:
-    return "0" if is_noise(error, size) else f"{error:.2g}"
 
 
 def ranks(shares: Mapping[str, float]) -> str:
