@@ -88,7 +88,7 @@ class _Sheared:
         return sheared
 
     def winding(self, point: Floats) -> int | None:
-        """RankChanges of the ray up from a point, upwards less downwards; None if it meets an edge within rounding."""
+        """Crossings of the ray up from a point, upwards less downwards; None if it meets an edge within rounding."""
         u, v, w = p = self._of(point)
         (left, front), (right, back, top) = self._lo, self._hi
         near = (left <= u) & (u <= right) & (front <= v) & (v <= back) & (top >= w)
