@@ -271,8 +271,9 @@ def check_json(checked: Checked) -> str:
 
     Places count from 1; edits are byte offsets of the file.
     """
-    place = "line column subject[kind name] message measured? bound? fix[what safe edits]"
-    keys = f"file {place} code name severity remedy cause places[{place}]"
+    subject, bounds, fix = "subject[kind name] message", "measured? bound?", "fix[what safe edits]"
+    places = f"places[line column {subject} {bounds} {fix}]"
+    keys = f"file line column code name severity {subject} remedy {bounds} cause {fix} {places}"
     return doc.written(
         {
             "findings": [doc.select(finding, keys) for finding in checked.findings],

@@ -243,13 +243,14 @@ def written(document: Mapping[str, Any]) -> str:
 
 
 def encode(value: Any) -> Any:
-    """Return a value as JSON has it: dataclasses and mappings as objects, other collections and arrays as lists."""
+    """Return a value as JSON has it: dataclasses, names first, and mappings as objects, the rest as lists."""
     if value is None or isinstance(value, (str, bool, int)):
         return value
     if hasattr(value, "tolist"):
         return value.tolist()
     if is_dataclass(value):
-        keys = {each.metadata.get("json", each.name): each.name for each in fields(value)}
+        ordered = sorted(fields(value), key=lambda each: each.name != "name")
+        keys = {each.metadata.get("json", each.name): each.name for each in ordered}
         keys |= {name: name for name in getattr(value, "JSON_ALSO", ())}
         return {key: encode(getattr(value, name)) for key, name in keys.items()}
     if hasattr(value, "_asdict"):

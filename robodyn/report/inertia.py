@@ -80,11 +80,11 @@ def inertia_tables(body: MassProperties, view: View) -> Iterator[Section]:
 
 def _symmetry(part: Part) -> Section:
     """Return planes and axes that hold or nearly do, and products that are 0 by them; nothing if none were sought."""
-    from robodyn.solids.mesh.symmetry_search import Axis, Plane
-
     found, reach, rows = part.symmetry, _reach(part), []
     if found is None:
         return []
+    from robodyn.solids.mesh.symmetry_search import Axis, Plane
+
     things: list[Plane | Axis] = [*found.planes, *found.axes]
     for thing in things:
         if thing.verdict != "none":

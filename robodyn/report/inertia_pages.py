@@ -153,8 +153,8 @@ def _compared(link: LinkComparison) -> dict[str, Any]:
     keys = "shape line size filename file scale xyz:origin.xyz rpy:origin.rpy"
     return doc.select(
         link,
-        "link:name line shapes declared derived reason remarks difference[density? com_distance:distance "
-        "com_offset:offset moment_ratios:ratios? inertia box_spread:room?]",
+        "link:name line shapes declared derived difference[density? com_distance:distance com_offset:offset "
+        "moment_ratios:ratios? inertia box_spread:room?] reason remarks",
         shapes=[doc.select(each.geometry, keys, file=each.path) for each in link.shapes],
         declared=declared and {**body_data(declared.body), "validity": validity_data(declared.validity)},
         derived=derived,

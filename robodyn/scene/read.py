@@ -40,7 +40,7 @@ _POINTS = "points are [speed, torque], such as [[0, 1.3], [300, 0.9]]"
 
 
 def load_scene(path: str | os.PathLike[str], *more: str | os.PathLike[str]) -> Scene:
-    """Return the scene that a TOML file describes, or several together; for the keys see `robodyn.scene.parts`.
+    """Return the scene that a TOML file describes, or several together; docs/reference/scene.md has its keys.
 
     Raises:
         SceneError: the file cannot be read, is not TOML, has a key that is not understood, lacks one, or has a value of

@@ -23,16 +23,20 @@ def articulated(body: Inertia) -> Array:
     return np.block([[body.I, H], [H.T, body.m * np.eye(3)]])
 
 
-def at_parent(A: Array, turns: tuple[Turn, Turn, Turn], p: Array) -> Array:
+def at_parent(A: Array, joint: Joint, R: Array, p: Array) -> Array:
     """Return the same inertia in the axes and about the origin of the parent.
 
-    With `R = Rz Rx Rz` made of the three turns: I, H and M become `R I R^T` and so on, then `H' = H + [p] M` and
+    I, H and M become `R I R^T` and so on, by three turns unless the joint is floating, then `H' = H + [p] M` and
     `I' = I + [p] H'^T + ([p] H^T)^T`, p being the origin from the parent's in the parent's axes.
     """
-    outer, middle, inner = turns
-    blocks = [_about_z(block, *inner) for block in (A[:3, :3], A[:3, 3:], A[3:, 3:])]
-    blocks = [np.roll(_about_z(np.roll(block, -1, (0, 1)), *middle), 1, (0, 1)) for block in blocks]  # about x
-    I, H, M = (_about_z(block, *outer) for block in blocks)
+    blocks = [A[:3, :3], A[:3, 3:], A[3:, 3:]]
+    if joint.kind == "floating":
+        I, H, M = (R @ block @ R.T for block in blocks)
+    else:
+        outer, middle, inner = turns_of(joint, R)
+        blocks = [_about_z(block, *inner) for block in blocks]
+        blocks = [np.roll(_about_z(np.roll(block, -1, (0, 1)), *middle), 1, (0, 1)) for block in blocks]  # about x
+        I, H, M = (_about_z(block, *outer) for block in blocks)
     shift = skew(p)
     H_p = H + shift @ M
     I_p = symmetric((I + shift @ H_p.T + (shift @ H.T).T)[np.triu_indices(3)])
@@ -112,7 +116,7 @@ def articulated_body(
                 if rate in ends[i]:
                     work.coordinate(i, rate, model.rates[rate])
         if (j := body.parent) >= 0:
-            work.A[j] = work.A[j] + at_parent(work.A[i], turns_of(joint, R), p)
+            work.A[j] = work.A[j] + at_parent(work.A[i], joint, R, p)
             work.b[j] = work.b[j] + wrench_at_parent(work.b[i], R, p)
             for rate, column in work.G[i].items():
                 work.G[j][rate] = work.G[j].get(rate, 0.0) + wrench_at_parent(column, R, p)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from robodyn.dynamics.recursions.articulated_body import AXES, articulated, at_parent, turns_of, wrench_at_parent
+from robodyn.dynamics.recursions.articulated_body import AXES, articulated, at_parent, wrench_at_parent
 from robodyn.dynamics.recursions.elimination import unresisted
 from robodyn.errors import InputError
 from robodyn.programs.vectors import Array, Scalar, sqrt, total
@@ -101,7 +101,7 @@ def composite_body(
                         entries[pair] = entries.get(pair, 0.0) + share
                 F, k = wrench_at_parent(F, motions[k].R, motions[k].p), model.bodies[k].parent
         if (j := body.parent) >= 0:
-            A[j] = A[j] + at_parent(A[i], turns_of(body.joint, motions[i].R), motions[i].p)
+            A[j] = A[j] + at_parent(A[i], body.joint, motions[i].R, motions[i].p)
     return entries
 
 
