@@ -167,7 +167,11 @@ def check_page(checked: Checked) -> doc.Document:
     reasons = (*verdict.reasons, *([correct] if fixes else []), *hidden)
     blocks: list[doc.Block] = [replace(verdict, reasons=reasons)]
     if checked.findings:
-        blocks += doc.titled("Rules", doc.on_page(statistics_sections(checked), "How often each rule speaks"))
+        tables = [
+            block for section in statistics_sections(checked) for block in section if isinstance(block, doc.Table)
+        ]
+        tables[0] = replace(tables[0], caption="How often each rule speaks")
+        blocks += [doc.Heading("Rules"), *tables, doc.Paragraph("robodyn rule CODE explains a rule.")]
     for file in checked.files:
         found = [finding for finding in checked.findings if finding.file == file]
         if found:

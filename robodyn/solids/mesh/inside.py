@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cache
+from itertools import product as product_of
 from math import pi
 from typing import Any
 
 import numpy as np
 
-from robodyn.solids.mesh.indexed import Indexed, Numbers, components, hashed, in_parts, triple
+from robodyn.solids.mesh.indexed import Indexed, Mask, Numbers, components, hashed, in_parts, triple
 from robodyn.solids.mesh.triangles import Triangles
 from robodyn.support.floats import Floats
 
@@ -130,16 +131,36 @@ def triangle_boxes(corners: Floats) -> Floats:
 
 
 _MOST_PAIRS = 2_000_000
+_CELLS = 64
 
 
 def may_cross(one: Floats, other: Floats) -> bool:
-    """Return whether triangles with these boxes (2, n, 3) may meet; True where there are too many to be compared."""
+    """Return whether triangles with these boxes (2, n, 3) may meet; True where that is not told.
+
+    Boxes are compared in pairs or, where they are many and small, by the cells of a lattice that they touch.
+    """
     lo = np.maximum(one[0].min(axis=0), other[0].min(axis=0))
     hi = np.minimum(one[1].max(axis=0), other[1].max(axis=0))
     one, other = (boxes[:, ((boxes[0] <= hi) & (boxes[1] >= lo)).all(axis=1)] for boxes in (one, other))
-    if one.shape[1] * other.shape[1] > _MOST_PAIRS:
+    if not one.shape[1] or not other.shape[1]:
+        return False
+    if one.shape[1] * other.shape[1] <= _MOST_PAIRS:
+        return any(bool(((one[0] <= top) & (one[1] >= low)).all(axis=1).any()) for low, top in zip(*other, strict=True))
+    step = np.maximum(hi - lo, np.finfo(float).tiny) / _CELLS
+    cells = [np.clip((boxes - lo) / step, 0, _CELLS - 1).astype(np.int64) for boxes in (one, other)]
+    if max(int((last - first).max()) for first, last in cells) > 2:
         return True
-    return any(bool(((one[0] <= top) & (one[1] >= low)).all(axis=1).any()) for low, top in zip(*other, strict=True))
+    touched = [_cells_of(*each) for each in cells]
+    return bool((touched[0] & touched[1]).any())
+
+
+def _cells_of(first: Numbers, last: Numbers) -> Mask:
+    """Return which cells are touched by boxes from these cells (n, 3) on to those, at most two further."""
+    found = np.zeros(_CELLS**3, np.bool_)
+    for steps in product_of(range(3), repeat=3):
+        x, y, z = np.minimum(first + np.array(steps), last).T
+        found[(x * _CELLS + y) * _CELLS + z] = True
+    return found
 
 
 _TRIED_PAIRS = 16
