@@ -81,11 +81,17 @@ def regressor(
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "qdd": qdd}, scene, columns or {})
     a_plan = plan(model, scene)
-    names, theta = zip(*parameters(a_plan), strict=True)
+    names, theta = _names_and_values(a_plan)
     runner = ready(regressor_program, a_plan)
     rows = results(runner, sources, shape, (model.n * (len(names) + 1),), None, executor, threads)
     Y, rest = rows[..., : -model.n], rows[..., -model.n :]
-    return Regressor(Y.reshape(*shape, model.n, len(names)), np.array(theta), names, rest)
+    return Regressor(Y.reshape(*shape, model.n, len(names)), theta.copy(), names, rest)
+
+
+@lru_cache(maxsize=16)
+def _names_and_values(plan: Plan) -> tuple[tuple[str, ...], Floats]:
+    names, theta = zip(*parameters(plan), strict=True)
+    return names, np.array(theta)
 
 
 @lru_cache(maxsize=16)
