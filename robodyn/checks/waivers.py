@@ -15,6 +15,8 @@ from bisect import bisect_left
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from robodyn.checks.context import Context
 from robodyn.checks.rule import Finding
 from robodyn.robot.urdf.document import Document
@@ -29,6 +31,7 @@ _WAIVER = re.compile(rb"<!--\s*robodyn:(.*?)-->", re.DOTALL)
 _ALLOW = re.compile(r"allow\s+(\w+(?:\s*,\s*\w+)*)\b[\s:;,.-]*(.*)", re.DOTALL)
 _REST = re.compile(rb"[ \t]*(?:\r\n|\r|\n)")
 _IN_LINE = re.compile(rb"[^\r\n]")
+_NONE = np.array([], int)
 _END_TAG = re.compile(rb"</([^ \t\r\n>]+)[ \t\r\n]*>\s*")
 
 
@@ -90,23 +93,28 @@ def waived(
 
     A finding in another file is waived as if it were at the robot's start tag.
     """
-    unused = {(waiver, code): None for waiver in given for code in waiver.codes}
-    allowing: dict[str, list[Waiver]] = {}
-    for waiver, code in unused:
-        allowing.setdefault(code, []).append(waiver)
+    starts, ends = (np.array([getattr(waiver, end) for waiver in given]) for end in ("start", "end"))
+    allowing: dict[str, list[int]] = {}
+    for k, waiver in enumerate(given):
+        for code in waiver.codes:
+            allowing.setdefault(code, []).append(k)
+    numbers = {code: np.array(found) for code, found in allowing.items()}
+    used = {code: np.zeros(len(given), bool) for code in allowing}
     kept = []
     for finding in findings:
         start = finding.start if finding.file == reading.file else reading.root.start
-        by = [waiver for waiver in allowing.get(finding.code, ()) if waiver.start <= start < waiver.end]
-        if not by:
+        of_code = numbers.get(finding.code, _NONE)
+        by = of_code[(starts[of_code] <= start) & (start < ends[of_code])]
+        if by.size:
+            used[finding.code][by] = True
+        else:
             kept.append(finding)
-        for waiver in by:
-            unused.pop((waiver, finding.code), None)
-    return kept, list(unused)
+    codes = ((k, waiver, code) for k, waiver in enumerate(given) for code in waiver.codes)
+    return kept, [(waiver, code) for k, waiver, code in codes if not used[code][k]]
 
 
 class _Places:
-    """What the comments of a file are about."""
+    """What the comments of a file are about, asked in their order; what is before one on its line is looked at once."""
 
     def __init__(self, reading: Document) -> None:
         blank = _COMMENT.sub(lambda comment: _IN_LINE.sub(b" ", comment[0]), reading.data)
@@ -121,13 +129,18 @@ class _Places:
             following = [*(child.start for child in element.children[1:]), after[id(element)]]
             after.update(zip(map(id, element.children), following, strict=False))
         self._ends = [after[id(element)] for element in elements]
+        self._seen, self._written = 0, False
+        self._closed: re.Match[bytes] | None = None
 
     def about(self, at: Span) -> tuple[int, int]:
         """Return the bytes from the element that a comment is about to the next element outside it."""
-        written = self._text[self._text.rfind(b"\n", 0, at.start) + 1 : at.start].rstrip()
+        _, line, written = self._text[self._seen : at.start].rpartition(b"\n")
+        self._seen, written = at.start, written.rstrip()
+        if line or written:
+            self._written, self._closed = bool(written), _END_TAG.fullmatch(written[written.rfind(b"<") :])
         first = k = bisect_left(self._starts, at.start)
-        if written:
-            closed = _END_TAG.fullmatch(written[written.rfind(b"<") :])
+        if self._written:
+            closed = self._closed
             of_tag = range(first) if closed is None else self._with_tag.get(closed.group(1).decode("latin-1"), ())
             before = bisect_left(of_tag, first)
             k = of_tag[before - 1] if before else first

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from robodyn.checks.bodies.contacts import Sides
 from robodyn.checks.check import Options, check_one
 from robodyn.checks.context import Context
+from robodyn.checks.examples import TENSOR
+from robodyn.checks.mirror.pairs import row_of
 from robodyn.checks.rule import Finding
+from robodyn.checks.rules import mirror
+from robodyn.checks.waivers import waivers
 from robodyn.robot.urdf.document import read
+from robodyn.robot.urdf.numbers import _parsed_before, parse_numbers
 from robodyn.robot.urdf.sources import LONGEST, long_token
 
 MANY = 10_000
@@ -68,7 +75,45 @@ def test_a_chain_below_one_shape() -> None:
     body = links(count).replace('<link name="0"/>', ball) + joints([(k, k + 1) for k in range(count - 1)], "floating")
     context = Context(read(f'<robot name="r">{body}</robot>'.encode()))
     sides = Sides(context)
+    asked = Counted(sides.shaped)
+    sides.shaped = asked
     assert all(sides._sides(joint)[1] == ["0"] for joint in context.view.joints)
+    assert asked.times < 10 * count
+
+
+class Counted(dict):
+    """How often it is asked whether a key is there."""
+
+    times = 0
+
+    def __contains__(self, key: object) -> bool:
+        self.times += 1
+        return super().__contains__(key)
+
+
+def test_many_twins_of_one_row() -> None:
+    """Of each mass those of a few others are looked at."""
+    pair = "".join(
+        f'<link name="{side}_{{0}}"><inertial><mass value="1"/>{TENSOR}</inertial></link><joint name="{side}_j{{0}}"'
+        f' type="revolute"><parent link="base"/><child link="{side}_{{0}}"/><origin xyz="{{0}} {y} 0"/></joint>'
+        for side, y in (("left", 1), ("right", -1))
+    ).format
+    context = Context(read(f'<robot name="r"><link name="base"/>{"".join(map(pair, range(40)))}</robot>'.encode()))
+    rows = context.once(mirror._legs)
+    assert sum(map(len, rows.values())) == 40
+    rows[""] = [row for each in rows.values() for row in each]
+    one = replace(rows[""][0], masses=(1.0, 2.0))
+    rows[row_of(one.pair.left.name)] = rows[""]
+    assert mirror._others(context, one) == (False, 16)
+
+
+def test_many_comments_in_a_line() -> None:
+    """Each byte of the line is looked at once: 20 000 comments take a third of a second, not ten."""
+    waiver = "<!-- robodyn: allow RD208 known -->"
+    reading = read(f'<robot name="r"><link name="a"/>{waiver * (2 * MANY)}<link name="b"/></robot>'.encode())
+    given = waivers(Context(reading))
+    assert len(given) == 2 * MANY
+    assert {reading.data[waiver.start :][:16] for waiver in given} == {b'<link name="a"/>'}
 
 
 @pytest.mark.parametrize("text", ["1 " * 1_000_000, "9" * 1_000_000, "x" * 1_000_000])
@@ -78,6 +123,12 @@ def test_a_long_attribute(text: str) -> None:
     ]
     assert len(finding.message) < 300
     assert len(finding.excerpt.text) < 300
+
+
+def test_long_numbers_are_not_kept() -> None:
+    kept = _parsed_before.cache_info().currsize
+    assert parse_numbers("1 " * 41, 41) == (1.0,) * 41
+    assert _parsed_before.cache_info().currsize == kept
 
 
 LINK = b"""<robot name="r">
@@ -115,6 +166,29 @@ def test_shorter_tokens_are_read(kind: str) -> None:
     data = LINK + before.replace(b"@", b"") + piece * (10_000 // len(piece)) + after + b"</link></robot>"
     assert long_token(data * (LONGEST // 5_000)) is None or not after
     assert long_token(data) is None
+
+
+HALF = LONGEST // 2
+BEFORE = '<robot name="a"><!-- c -->'
+BEHIND = {
+    "a comment": (BEFORE, LONGEST + 5, len(BEFORE)),
+    "a comment, with an apostrophe": (f"{BEFORE}it's ", LONGEST + 5, len(BEFORE)),
+    "nothing": ("", LONGEST + 5, 0),
+    "a tag, with an apostrophe": ('<robot name="a">it\'s ', LONGEST + 5, len('<robot name="a">')),
+    "a long comment": (f"<robot><!--{'c' * HALF}-->", HALF + 50, len("<robot><!---->") + HALF),
+    "a long comment with an apostrophe": (f"<robot><!--'{'c' * HALF}-->", HALF + 50, len("<robot><!--'-->") + HALF),
+}
+
+
+@pytest.mark.parametrize("kind", BEHIND)
+def test_long_text_begins_behind(kind: str) -> None:
+    before, letters, start = BEHIND[kind]
+    data = f"{before}{'x' * letters}<link/></robot>".encode()
+    end = len(before) + letters
+    assert long_token(data) == (start, end, "text")
+    (finding,) = check_one(data)
+    assert (finding.line, finding.column) == (1, start + 1)
+    assert finding.message.startswith(f"text of {end - start} bytes")
 
 
 def test_deep_nesting_ends_the_reading() -> None:

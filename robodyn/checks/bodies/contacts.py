@@ -146,6 +146,10 @@ class Sides:
         for joint in context.view.joints:
             if not joint.moves:
                 self._fixed.setdefault(joint.parent, []).append(joint.child)
+        self._next_shaped: dict[Group, Group] = {}
+        for group in context.tree.groups:
+            shaped = group.parent is None or any(link.name in self.shaped for link in group.links)
+            self._next_shaped[group] = group if shaped or group.parent is None else self._next_shaped[group.parent]
 
     def contact(self, joint: JointView, child: Pose | None) -> Contact | None:
         """Return the contact of a joint, the child standing at this pose in the root's frame; None where a pose or a
@@ -178,6 +182,7 @@ class Sides:
             inside = set(branch)
             above = []
             while group is not None and not above:
+                group = self._next_shaped[group]
                 above = [link.name for link in group.links if link.name in self.shaped and link.name not in inside]
                 group = group.parent
         return [name for name in branch if name in self.shaped], [name for name in above if name in self.shaped]

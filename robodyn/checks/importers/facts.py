@@ -6,22 +6,24 @@ it is written, for materials, textures or transmissions, the program itself tell
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from math import hypot
 from os.path import splitext
 from typing import NamedTuple
 
-from robodyn.checks.bodies.masses import inertia_together, principal_moments
+from robodyn.checks.bodies.masses import behind, link_poses, pose, principal_moments
 from robodyn.checks.context import Context
 from robodyn.checks.importers.inferred_mass import inferred_masses
 from robodyn.checks.importers.run import Answer, answer
 from robodyn.checks.meshes.files import MeshUse, State, mesh_names, mesh_uses
+from robodyn.programs.vectors import ZERO
 from robodyn.robot.masses.inertia_mistakes import UPPER
 from robodyn.robot.urdf.elements import Span
 from robodyn.robot.urdf.parts import WITH_AXIS, WITH_RANGE
 from robodyn.robot.urdf.view import JointView, LimitView, LinkView
+from robodyn.solids.inertia.laws import combined, inertia_of, symmetric
 
 _LEAST_MASS, _LEAST_MOMENT = 1e-15, 1e-14
 """MuJoCo: kg, and principal moments [kg m^2]."""
@@ -303,13 +305,24 @@ def _unphysical_lumps(context: Context) -> Iterator[Found]:
     found = context.once(_lumps)
     for name, links in found.links.items():
         doubtful = any((link.mass or 0.0) < 0 or _unphysical(context, link) for link in links)
-        whole = inertia_together(context, links) if name in found.kept - {"world"} and doubtful else None
-        if whole is not None:
-            alone = links[0].tensor if len(links) == 1 else None
-            small, middle, large = principal_moments(alone or tuple(whole.about_centre[UPPER].tolist()))
+        if name in found.kept - {"world"} and doubtful:
+            small, middle, large = _moments(context, links)
             massless = sum(link.mass or 0.0 for link in links) <= 0
             if massless or small < -_ROUNDING * large or small + middle < (1.0 - 2.0 * _ROUNDING) * large:
                 yield _part(links[0])
+
+
+def _moments(context: Context, links: Sequence[LinkView]) -> tuple[float, float, float]:
+    """Principal moments of links that are fixed to each other, ascending [kg m^2]: of those that can be read."""
+    if len(links) == 1:
+        return principal_moments(links[0].tensor or (0.0,) * 6)
+    poses, bodies = context.once(link_poses), []
+    for link in links:
+        inner, outer = None if link.inertial is None else pose(link.inertial.origin), poses.get(link.name)
+        if inner is not None and outer is not None and link.tensor is not None:
+            at = behind(outer, inner)
+            bodies.append(inertia_of(max(link.mass or 0.0, 0.0), ZERO, symmetric(link.tensor), at.R, at.p))
+    return principal_moments(tuple(combined(bodies).about_centre[UPPER].tolist()))
 
 
 def _malformed(joint: JointView) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -132,15 +132,16 @@ def directions(pair: Pair, context: Context) -> Iterator[int]:
             yield 1 if along > 0 else -1
 
 
-def reversed_axes(context: Context) -> Mapping[str, tuple[Pair, ...]]:
+def reversed_axes(context: Context) -> Mapping[str, Sequence[tuple[Pair, ...]]]:
     """Return by the name of the right joint the pairs that show that its axis is reversed.
 
     On four legs and more the joints of all rows are turned alike: of 13 published robots none differs. Of a row that
     is turned the other way it is the first pair of the kind. And the axes of a limb that lie in the mirror plane are
     turned alike, and so are those across it: either equal positions of all are mirror images, or opposite ones of all
-    are. Of a joint for which all others of its limb say otherwise it is these, `_OTHERS` at least.
+    are. Of a joint for which all others of its limb say otherwise it is these, `_OTHERS` at least. Those of the other
+    row come first.
     """
-    found, reversed_by = context.once(symmetry), dict[str, tuple[Pair, ...]]()
+    found, reversed_by = context.once(symmetry), defaultdict[str, list[tuple[Pair, ...]]](list)
     if found is None:
         return reversed_by
     for alike in _lying_alike(found):
@@ -149,7 +150,7 @@ def reversed_axes(context: Context) -> Mapping[str, tuple[Pair, ...]]:
         for k, pair in enumerate(alike):
             others = (*alike[:k], *alike[k + 1 :])
             if len(others) >= _OTHERS and any(count[-way] == len(others) and ways[k] == {way} for way in ways[k]):
-                reversed_by[pair.right_joint.name] = others
+                reversed_by[pair.right_joint.name].append(others)
     first: dict[str, tuple[Pair, set[int]]] = {}
     for pair in found.pairs:
         row, kinds = row_of(pair.left.name), {pair.left_joint.type, pair.right_joint.type}
@@ -157,7 +158,7 @@ def reversed_axes(context: Context) -> Mapping[str, tuple[Pair, ...]]:
             way = set(directions(pair, context))
             other, other_way = first.setdefault(row, (pair, way)) if len(way) == 1 else (pair, way)
             if way != other_way:
-                reversed_by[pair.right_joint.name] = (other,)
+                reversed_by[pair.right_joint.name].insert(0, (other,))
     return reversed_by
 
 

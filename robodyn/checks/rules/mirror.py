@@ -39,6 +39,8 @@ _FACTORS = (
 """Of masses, each with whether the larger one is in another unit."""
 _EXACT = 1e-3
 """How far the ratio may be from a factor: masses of twins are equal or differ by chance."""
+_LEGS = 16
+"""More than any robot has in a row."""
 
 
 @rule(
@@ -81,13 +83,20 @@ def mirror_mass(context: Context) -> Faults:
 def _others(context: Context, one: Twins) -> tuple[bool, int] | None:
     """Return whether it is the left link that weighs what no other leg's does, and how many weigh what the right one
     does, or the other way round; None where the other legs do not tell."""
-    row = row_of(one.pair.left.name)
-    legs = [other for other in context.once(twins) if other is not one and row_of(other.pair.left.name) == row]
-    masses = [mass for other in legs for mass in other.masses]
+    legs = context.once(_legs)[row_of(one.pair.left.name)]
+    masses = [mass for other in legs[: _LEGS + 1] if other is not one for mass in other.masses][:_LEGS]
     alike = [sum(abs(other - mass) <= MASS * mass for other in masses) for mass in one.masses]
     if len(masses) < 2 or max(alike) < len(masses) or min(alike):
         return None
     return alike[1] > alike[0], max(alike)
+
+
+def _legs(context: Context) -> dict[str, list[Twins]]:
+    """Return the twins in front, behind and so on together."""
+    found: dict[str, list[Twins]] = {}
+    for one in context.once(twins):
+        found.setdefault(row_of(one.pair.left.name), []).append(one)
+    return found
 
 
 @rule(
@@ -220,11 +229,12 @@ def mirror_joint(context: Context) -> Faults:
             yield Fault(value_span(context.view.joint[one.name].element, "type"), what, _CORRECT_JOINT)
         elif left.type in ("revolute", "continuous", "prismatic"):
             yield from (ranges := list(_range(pair, context, twin)))
-            others = context.once(reversed_axes).get(right.name, ())
+            shown_by = context.once(reversed_axes).get(right.name, ())
+            others = next((each for each in shown_by if len(each) > 1 or not list(_range(each[0], context, ""))), ())
             if not any(directions(pair, context)):
                 what = f"the axis is not parallel to the mirror image of that of its twin {twin}"
                 yield Fault(at, what, _CORRECT_JOINT)
-            elif len(others) == 1 and not ranges and not list(_range(others[0], context, "")):
+            elif len(others) == 1 and not ranges:
                 front, rear = others[0].left_joint, others[0].right_joint
                 what = (
                     f"it and its mirror twin {twin} are turned to each other as {shown(front.name)} and "

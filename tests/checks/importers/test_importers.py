@@ -207,6 +207,18 @@ GAZEBO = {
         "finds no centre of mass of <inertial>s without mass that are fixed to each other (link 'tip')",
     ),
     "negative mass": (weighed("-1", "0.1 0 0 0.1 0 0.1"), "requires inertia that a body can have"),
+    "a negative mass fixed to another": (
+        fixed(f'<mass value="-1"/>{INERTIA}', f'<mass value="3"/>{INERTIA}'),
+        "merges links on fixed joints",
+    ),
+    "a mass that is no number, fixed to another": (
+        fixed(f'<mass value="x"/>{inertia("0.1 0 0 0.1 0 0.5")}', HEALTHY),
+        "requires inertia that a body can have",
+    ),
+    "a place that is no number": (
+        fixed(f'<origin xyz="a 0 0"/>{HEALTHY}', '<mass value="1"/>' + inertia("0.1 0 0 0.1 0 0.5")),
+        "requires inertia that a body can have",
+    ),
     "a plate": (weighed("1", "0.1 0 0 0.2 0 0.3"), "loads it"),
     "triangle by 1e-13": (weighed("1", "0.1 0 0 0.1 0 0.20000000000002"), "requires inertia that a body can have"),
     "floating": (FLOAT, "knows no floating and no planar joints"),
