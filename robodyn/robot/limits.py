@@ -160,5 +160,6 @@ def within(exceeded: bool, limits: Sequence[Coverage], caveats: Sequence[Caveat]
 
 
 def _split(quantity: Quantity, limits: Mapping[str, float | None], most: float) -> Coverage:
-    checked = tuple(name for name, limit in limits.items() if limit is not None and 0.0 < limit < most)
-    return Coverage(quantity, checked, tuple(Unchecked(*each) for each in limits.items() if each[0] not in checked))
+    checked = {name: limit for name, limit in limits.items() if limit is not None and 0.0 < limit < most}
+    unchecked = tuple(Unchecked(*each) for each in limits.items() if each[0] not in checked)
+    return Coverage(quantity, tuple(checked), unchecked)

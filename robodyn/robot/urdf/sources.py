@@ -79,8 +79,8 @@ LONGEST = 1 << 21
 expat scans a token that is not complete yet again with every further megabyte: 100 MB in one attribute take it half a
 minute.
 """
-_STRETCH = re.compile(rb"<!--.*?(?:-->|\Z)|<[^<]*|[^<]+", re.DOTALL)
-"""A comment, or a tag with what follows it."""
+_STRETCH = re.compile(rb"(<!--.*?(?:-->|\Z))[^<]*|<[^<]*|[^<]+", re.DOTALL)
+"""A comment or a tag, with the text that follows it."""
 _PIECE = re.compile(rb""">|"[^"]*(?:"|\Z)|'[^']*(?:'|\Z)""")
 
 
@@ -90,9 +90,12 @@ def long_token(data: bytes) -> tuple[int, int, str] | None:
         start, end = stretch.span()
         if end - start <= LONGEST:
             continue
-        if data.startswith(b"<!--", start):
-            return start, end, "comment"
-        for piece in _PIECE.finditer(data, start):
+        behind = max(start, stretch.end(1))
+        if behind - start > LONGEST:
+            return start, behind, "comment"
+        if behind > start or not data.startswith(b"<", start):
+            return behind, end, "text"
+        for piece in _PIECE.finditer(data, start, end):
             if piece.group() == b">":
                 return piece.end(), end, "text"
             if piece.end() - piece.start() > LONGEST // 2:

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import TypeVar
+from typing import Any, Generic, TypeVar
 
 from robodyn.robot.urdf.elements import Element, Span
 from robodyn.robot.urdf.numbers import Numbers, numbers, value_span
@@ -18,6 +17,7 @@ from robodyn.robot.urdf.parts import INERTIA, JOINT_TYPES, SHAPES, SIZES
 from robodyn.support.wording import shown
 
 _MOVING = frozenset(JOINT_TYPES) - {"fixed"}
+T = TypeVar("T")
 P = TypeVar("P")
 N = TypeVar("N", bound="_Named")
 
@@ -35,24 +35,38 @@ class Subject:
         return f"{self.kind} {shown(self.name)}"
 
 
-def _number(name: str, count: int = 1, child: str = "") -> cached_property[Numbers]:
+class Kept(Generic[T]):
+    """A property that is computed when it is first asked for, and kept: `cached_property` without its lock."""
+
+    def __init__(self, read: Callable[[Any], T]) -> None:
+        self._read = read
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._name = name
+
+    def __get__(self, part: Any, owner: type) -> T:
+        part.__dict__[self._name] = value = self._read(part)
+        return value
+
+
+def _number(name: str, count: int = 1, child: str = "") -> Kept[Numbers]:
     """Return the numbers of an attribute of the part's element, or of its first child with that tag."""
-    return cached_property(lambda part: numbers(part.element.find(child) if child else part.element, name, count))
+    return Kept(lambda part: numbers(part.element.find(child) if child else part.element, name, count))
 
 
-def _text(name: str, child: str = "") -> cached_property[str]:
+def _text(name: str, child: str = "") -> Kept[str]:
     """Return an attribute of the part's element, or of its first child with that tag; empty where it is missing."""
 
     def read(part: Part) -> str:
         element = part.element.find(child) if child else part.element
         return (element and element.get(name)) or ""
 
-    return cached_property(read)
+    return Kept(read)
 
 
-def _child(tag: str, kind: Callable[[Element], P]) -> cached_property[P | None]:
+def _child(tag: str, kind: Callable[[Element], P]) -> Kept[P | None]:
     """Return the first child of the part's element with that tag, as a part."""
-    return cached_property(lambda part: None if (found := part.element.find(tag)) is None else kind(found))
+    return Kept(lambda part: None if (found := part.element.find(tag)) is None else kind(found))
 
 
 class OriginView:
@@ -71,7 +85,7 @@ class Part:
     def __init__(self, element: Element) -> None:
         self.element = element
 
-    @cached_property
+    @Kept
     def origin(self) -> OriginView:
         return OriginView(self.element)
 
@@ -83,11 +97,11 @@ class InertialView(Part):
     mass_element = _child("mass", lambda element: element)
     inertia_element = _child("inertia", lambda element: element)
 
-    @cached_property
+    @Kept
     def entries(self) -> tuple[Numbers, ...]:
         return tuple(numbers(self.inertia_element, name, 1) for name in INERTIA)
 
-    @cached_property
+    @Kept
     def tensor(self) -> tuple[float, ...] | None:
         """ixx, ixy, ixz, iyy, iyz, izz [kg m^2], if all six can be read."""
         values = tuple(entry.values[0] for entry in self.entries if entry.values is not None)
@@ -101,7 +115,7 @@ class GeometryView(Part):
     def kind(self) -> str:
         return self.element.tag
 
-    @cached_property
+    @Kept
     def shape(self) -> Element | None:
         found = self.element.find("geometry")
         return None if found is None else next((child for child in found.children if child.tag in SHAPES), None)
@@ -116,12 +130,12 @@ class GeometryView(Part):
         """The file of a mesh; empty where it names none."""
         return ("" if self.shape is None else self.shape.get("filename")) or ""
 
-    @cached_property
+    @Kept
     def sizes(self) -> tuple[Numbers, ...]:
         """The sizes of a primitive."""
         return tuple(numbers(self.shape, name, 3 if name == "size" else 1) for name in SIZES.get(self.tag, ()))
 
-    @cached_property
+    @Kept
     def scale(self) -> Numbers:
         """The scale of a mesh."""
         return numbers(self.shape, "scale", 3)
@@ -165,7 +179,7 @@ class _Named(Part):
 class LinkView(_Named):
     inertial = _child("inertial", InertialView)
 
-    @cached_property
+    @Kept
     def geometries(self) -> tuple[GeometryView, ...]:
         return tuple(GeometryView(child) for child in self.element.children if child.tag in ("visual", "collision"))
 

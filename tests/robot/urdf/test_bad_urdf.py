@@ -82,6 +82,7 @@ BAD: dict[str, tuple[str | bytes, int, tuple[str, ...]]] = {
     "duplicate joint": (arm(joint(), joint(child="c")), 4, ("second joint 'j'", "line 3")),
     # numbers
     "NaN": (arm(joint("\n<origin xyz='0 nan 0'/>")), 4, ("'xyz'", "joint 'j'", "not finite", "0 nan 0")),
+    "large, then NaN": (arm(joint("<origin xyz='1e300 nan 0'/>")), 3, ("'xyz'", "joint 'j'", "too large")),
     "infinity": (inertial("<mass value='inf'/>" + INERTIA), 4, ("'value'", "link 'a'", "not finite")),
     "overflow": (inertial("<mass value='1e999'/>" + INERTIA), 4, ("not finite", "1e999")),
     "comma": (arm(joint("<origin xyz='0,1,0'/>")), 3, ("comma", "0,1,0", "blanks")),
