@@ -99,10 +99,14 @@ def _put(whole: dict[str, Any], more: Mapping[str, Any], above: Path) -> Iterato
             whole[key] = value
         elif isinstance(old, dict) and isinstance(value, dict):
             yield from _put(old, value, path)
-        elif all(isinstance(each, list) and each and isinstance(each[0], dict) for each in (old, value)):
+        elif _is_tables(old) and _is_tables(value):
             whole[key] = [*whole[key], *value]
         else:
             yield path
+
+
+def _is_tables(value: Any) -> bool:
+    return isinstance(value, list) and bool(value) and all(isinstance(each, dict) for each in value)
 
 
 def place_of(sources: Sources, path: Path) -> tuple[str, int | None]:

@@ -62,7 +62,7 @@ def loading(modules: Sequence[str]) -> Iterator[tuple[str, str]]:
                 process.kill()
                 said, ended = process.communicate()[0], f"it does not end within {_LONGEST:.0f} s"
         for line in said.decode(errors="replace").split("\n"):
-            if _MARK in line:
+            if waiting and _MARK in line:
                 yield waiting.pop(0), json.loads(line.rpartition(_MARK)[2])
         if waiting:
             yield waiting.pop(0), ended

@@ -19,9 +19,10 @@ MOST_OF_WINDOWS = 61
 def cores(asked: int | None = None) -> int:
     """Return the number of threads asked for, a whole one from 1 on; None is as many as the process may use cores."""
     if asked is not None:
-        if not hasattr(asked, "__index__") or asked < 1:
-            remedy = "1 or more" if hasattr(asked, "__index__") else "a whole number"
-            raise InputError(f"{asked!r} threads cannot work", remedy=remedy)
+        if not hasattr(asked, "__index__"):
+            raise InputError(f"{asked!r} threads cannot work", remedy="a whole number")
+        if asked < 1:
+            raise InputError(f"{asked} threads cannot work", remedy="1 or more")
         return asked
     affinity = getattr(os, "sched_getaffinity", None)
     return len(affinity(0)) if affinity else os.cpu_count() or 1

@@ -15,7 +15,7 @@ from robodyn.report.accuracy import doctor_sections
 from robodyn.report.document import text
 from robodyn.robot.urdf.packages import VARIABLES
 from robodyn.support.extras import COMPILER, CORE, OPTIONAL, SCENES, Library
-from robodyn.support.libraries import Installed, installed, loading
+from robodyn.support.libraries import _MARK, Installed, installed, loading
 
 LIBRARIES = (*CORE, COMPILER, SCENES, *OPTIONAL)
 WORKS = SelfTest(None, False, 1e-4, 1e-2, 1e-3, 1e-5, 1e-16)
@@ -128,9 +128,12 @@ def test_environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, name: str)
 
 def test_modules_are_loaded_apart(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     (tmp_path / "loud_module.py").write_text("print('hello', end='')")
+    more = f"import atexit; atexit.register(print, {_MARK + '0'!r})"
+    (tmp_path / "late_module.py").write_text(more)
     (tmp_path / "dying_module.py").write_text("import os; os._exit(7)")
     (tmp_path / "failing_module.py").write_text("raise OSError('no libX.so\\nmore')")
     monkeypatch.syspath_prepend(tmp_path)
+    assert list(loading(["late_module"])) == [("late_module", "")]
     answers = list(loading(["loud_module", "dying_module", "failing_module", "json"]))
     assert answers == [
         ("loud_module", ""),

@@ -60,6 +60,7 @@ mass = 1
         ("waist = { coulomb = 5 }", "waist.coulomb = 7", (4, "friction.waist.coulomb")),
         ("waist = { viscous = 5 }", "[friction.waist]\nviscous = 1", (5, "friction.waist.viscous")),
         ("waist = { coulomb = 5 }", "waist = 7", (4, "friction.waist")),
+        ("waist = [{ a = 1 }, 2]", "waist = [{ a = 1 }, 2]", (4, "friction.waist")),
     ],
 )
 def test_a_key_twice_is_an_error_with_both_places(first: str, second: str, place: tuple[int, str]) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 
+import numpy as np
 import pytest
 from helpers.processed import figure_of, leave, write_interrupted
 
@@ -30,6 +31,11 @@ from robodyn.support.threads import processes
 def test_windows_waits_for_61_processes_at_most(monkeypatch, jobs, asked, platform, expected):
     monkeypatch.setattr(workers, "cores", lambda: 96)
     assert processes(jobs, asked, platform) == expected
+
+
+def test_a_number_of_threads_is_said_as_it_is_written():
+    with pytest.raises(InputError, match=r"^0 threads cannot work"):
+        workers.cores(np.int64(0))
 
 
 def test_files_are_checked_by_as_many(monkeypatch):
