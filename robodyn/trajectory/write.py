@@ -108,8 +108,6 @@ class CsvWriter(Writer):
 class ParquetWriter(Writer):
     """Parquet of float64 columns without nulls, compressed by zstd, a row group at a time."""
 
-    _arrow: Any = None
-
     def begin(self) -> None:
         import pyarrow as pa
         from pyarrow import parquet
@@ -117,7 +115,8 @@ class ParquetWriter(Writer):
         self._parts: list[Floats] = []
         self._rows = 0
         self._schema = pa.schema([pa.field(name, pa.float64(), nullable=False) for name in self._names])
-        self._arrow = parquet.ParquetWriter(self._stream, self._schema, compression="zstd", use_dictionary=False)
+        sink = _Sink(self._stream)
+        self._arrow = parquet.ParquetWriter(sink, self._schema, compression="zstd", use_dictionary=False)
 
     def add(self, time: Floats, columns: Floats) -> None:
         self._parts.append(_joined(time, columns))
@@ -137,12 +136,24 @@ class ParquetWriter(Writer):
             self._write_group()
         self._arrow.close()
 
-    def close(self) -> None:
-        if self._arrow:
-            try:
-                self._arrow.close()
-            finally:
-                self._arrow.is_open = False  # or it would write to a closed stream when it is collected
+
+class _Sink(io.RawIOBase):
+    """A stream as pyarrow's writer wants it, which ends its file even if that was given up and the stream closed."""
+
+    def __init__(self, stream: BinaryIO) -> None:
+        self._stream, self._written = stream, 0
+
+    def writable(self) -> bool:
+        return True
+
+    def write(self, data: Any) -> int:
+        if not self._stream.closed:
+            self._stream.write(data)
+        self._written += len(data)
+        return len(data)
+
+    def tell(self) -> int:
+        return self._written
 
 
 class NpzWriter(Writer):

@@ -8,6 +8,7 @@ import resource
 import subprocess
 import sys
 from pathlib import Path
+from threading import Thread
 
 import numpy as np
 import polars as pl
@@ -19,7 +20,16 @@ from hypothesis import strategies as st
 from robodyn.errors import InputError
 from robodyn.trajectory.columns.signals import Signal, Signals
 from robodyn.trajectory.reading import Reading
-from robodyn.trajectory.write import CsvWriter, NpzWriter, ParquetWriter, Writer, lines_fast, lines_plain, open_writer
+from robodyn.trajectory.write import (
+    GROUP_ROWS,
+    CsvWriter,
+    NpzWriter,
+    ParquetWriter,
+    Writer,
+    lines_fast,
+    lines_plain,
+    open_writer,
+)
 
 SUFFIXES = ["csv", "parquet", "npz"]
 FORMATS = {"csv": CsvWriter, "parquet": ParquetWriter, "npz": NpzWriter}
@@ -103,6 +113,27 @@ def test_an_error_in_between_leaves_nothing(
     with pytest.raises(failure):
         stop_half_way()
     assert [p.read_bytes() for p in tmp_path.iterdir()] == ([old] if old else [])
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="the system has no named pipes")
+def test_a_table_that_was_given_up_does_not_reach_a_pipe_as_whole(tmp_path: Path) -> None:
+    path, found = tmp_path / "t.parquet", list[bytes]()
+    os.mkfifo(path)
+    reader = Thread(target=lambda: found.append(path.read_bytes()))
+    reader.start()
+
+    def stop_half_way() -> None:
+        with open_writer(path, ["a", "b"]) as writer:
+            writer.write(np.arange(float(GROUP_ROWS)), np.zeros((GROUP_ROWS, 2)))
+            fill(writer)
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        stop_half_way()
+    reader.join()
+    assert found[0].startswith(b"PAR1")
+    with pytest.raises(pl.exceptions.ComputeError):
+        pl.read_parquet(found[0])
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
