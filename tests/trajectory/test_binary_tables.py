@@ -100,6 +100,14 @@ def test_pieces(tmp_path: Path, source: str, count: int) -> None:
         np.testing.assert_array_equal(piece, numbers()[start : start + 20, [0, 4]])
 
 
+def test_a_table_without_rows_has_no_pieces(tmp_path: Path) -> None:
+    """And says that it has no rows before it says that a column holds text."""
+    types = {"t": pl.Float64, "a": pl.String, "b": pl.String}
+    pl.DataFrame(schema=types).write_parquet(tmp_path / "t.parquet")
+    with pytest.raises(TrajectoryError, match="has no rows"):
+        blocks(tmp_path / "t.parquet", 100)
+
+
 def test_a_column_whose_name_begins_others(tmp_path: Path) -> None:
     """To Parquet, `a.vel` may be a part of `a`."""
     names = dict(zip(NAMES, ("time", "a", "b", "a.vel", "b.vel", "a.acc", "b.acc"), strict=True))

@@ -114,6 +114,8 @@ class ArrayTable(Table):
                 yield values
 
     def pieces(self, columns: Sequence[int], count: int, rows: int) -> list[Floats]:
+        if not self._rows:
+            return []
         starts, size = [0], self._rows
         if self._rows > count * rows:
             starts, size = np.linspace(0, self._rows - rows, count).astype(np.int64).tolist(), rows
