@@ -10,7 +10,6 @@ import numpy as np
 
 from robodyn.identification.log.log import Log, Samples
 from robodyn.support.floats import Floats
-from robodyn.support.sums import einsum
 
 POSITIONS = 2.5
 """Positions pass up to so many times the cutoff: what friction makes of a turn is sharper than what is compared."""
@@ -91,6 +90,8 @@ def _windows(parts: Iterable[tuple[bool, Arrays]], length: int, every: int) -> I
 SHAPE, PERIODS = 8.0, 5.1
 """Of Kaiser's window, by which the pass band is flat within 1e-4 and what is stopped keeps 1e-4; half the length of the
 kernel in periods of the cutoff, which takes it from 0.75 to 1.25 times the cutoff (Kaiser's rule)."""
+_TOGETHER = 32
+"""So many values are summed by one product of matrices."""
 
 
 def kernel(cutoff: float, step: float) -> Floats:
@@ -120,9 +121,18 @@ def convolved(values: Floats, taps: Floats, every: int = 1) -> Floats:
     """Return (k, ...) one of `every` of the values (N, ...), filtered, from the first whose window is whole on."""
     if len(values) < len(taps):
         return np.zeros((0, *values.shape[1:]))
-    columns = np.ascontiguousarray(values.reshape(len(values), -1).T)
-    windows = np.lib.stride_tricks.sliding_window_view(columns, len(taps), axis=1)[:, ::every]
-    return np.asarray(einsum("ckl,l->kc", windows, taps)).reshape(-1, *values.shape[1:])
+    flat = np.ascontiguousarray(values).reshape(len(values), -1)
+    count = (len(values) - len(taps)) // every + 1
+    found = np.empty((count, flat.shape[1]))
+    width = len(taps) + (_TOGETHER - 1) * every
+    together = np.zeros((_TOGETHER, width))
+    for i in range(_TOGETHER):
+        together[i, i * every : i * every + len(taps)] = taps
+    for first in range(0, count, _TOGETHER):
+        rows = flat[first * every : first * every + width]
+        some = min(_TOGETHER, count - first)
+        found[first : first + some] = together[:some, : len(rows)] @ rows
+    return found.reshape(count, *values.shape[1:])
 
 
 def decimation(cutoff: float, step: float) -> int:
