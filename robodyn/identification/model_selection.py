@@ -129,16 +129,20 @@ def least_squares(R: Floats, z: Floats, signed: NDArray[np.bool_] | None = None)
     Args:
         signed: (p,) which parameters are not negative.
     """
-    from scipy.optimize import lsq_linear
-
     unit, lengths = unit_columns(R)
     rows = np.concatenate([unit, _RIDGE * np.eye(len(lengths))])
-    whole = stacked([np.column_stack((rows, np.concatenate((z, np.zeros(len(lengths))))))])
+    signed = np.zeros(len(lengths), dtype=bool) if signed is None else signed
+    order, free = np.argsort(signed, kind="stable"), int(np.sum(~signed))
+    whole = stacked([np.column_stack((rows[:, order], np.concatenate((z, np.zeros(len(lengths))))))])
     triangle, right = whole[: len(lengths), :-1], whole[: len(lengths), -1]
-    if signed is None:
-        return np.linalg.solve(triangle, right) / lengths
-    least = np.where(signed, 0.0, -np.inf)
-    return np.asarray(lsq_linear(triangle, right, (least, np.inf), method="bvls").x / lengths)
+    theta = np.zeros(len(lengths))
+    if free < len(lengths):
+        from scipy.optimize import nnls
+
+        theta[order[free:]] = nnls(triangle[free:, free:], right[free:])[0]
+    rest = right - triangle @ theta[order]
+    theta[order[:free]] = np.linalg.solve(triangle[:free, :free], rest[:free])
+    return theta / lengths
 
 
 def fitted(gathered: Gathered, folds: Sequence[int], structure: Structure) -> tuple[Floats, Floats]:
