@@ -146,7 +146,7 @@ def refined(effort: Effort, name: str, target: float) -> Settled:
             if expected <= 2.0 * target:
                 return Settled(motion, expected)
             if change * SLOWEST > last and last < 1e-6:
-                break
+                raise UnsettledError(f"going to {shown(options)} changes the motion by {change:.0e} yet", change)
         before = motion or before
     told = f"going to {shown(options)} changes the motion by {change:.0e} yet" if change < inf else problem
     raise UnsettledError(told, change)

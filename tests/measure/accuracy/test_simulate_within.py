@@ -54,6 +54,14 @@ def test_what_rounding_forbids_is_refused(target, why, monkeypatch):
         simulate_within(pendulum(masses=2), SWING, 0.7, target)
 
 
+def test_a_change_without_end_after_a_small_one_is_told(monkeypatch):
+    changes = iter((1e-7, np.inf))
+    monkeypatch.setattr(effort, "apart", lambda *_: next(changes))
+    tried = effort.Effort(pendulum(masses=2), SWING, 0.1, {})
+    with pytest.raises(effort.UnsettledError, match="changes the motion by inf yet"):
+        effort.refined(tried, "rk4", 1e-12)
+
+
 def test_what_grows_too_fast_is_refused(monkeypatch):
     """After a minute a chaotic motion has lost all that doubles hold; what was reached is told."""
     monkeypatch.setattr(effort, "ALLOWED", 1.0)
