@@ -279,3 +279,33 @@ def test_the_factor_between_masses_of_twins_is_named(mass: str, cause: str | Non
     text = two_arms(right=f'{ORIGIN_IMAGE}<mass value="{mass}"/>{IMAGE}')
     (one,) = [finding for finding in check_one(text.encode()) if finding.code == "RD401"]
     assert one.cause == cause
+
+
+def four_legs(**upper: float) -> str:
+    """Legs of three joints each, of which the hip of the right rear one is reversed; upper limits of hips by leg."""
+    text = '<link name="base"/>'
+    for leg, x, y in (("front_left", 1, 1), ("front_right", 1, -1), ("rear_left", -1, 1), ("rear_right", -1, -1)):
+        parent, place = "base", f"{x} {y} 0"
+        for part in ("hip", "knee", "ankle"):
+            name = f"{leg}_{part}"
+            axis = -1 if name == "rear_right_hip" else 1
+            most = upper.get(leg, 1.0) if part == "hip" else 1.0
+            text += f'''<link name="{name}"><inertial><mass value="1"/>{TENSOR}</inertial></link>
+                <joint name="{name}_joint" type="revolute"><parent link="{parent}"/><child link="{name}"/>
+                <origin xyz="{place}"/><axis xyz="0 {axis} 0"/>
+                <limit lower="-1" upper="{most}" effort="1" velocity="1"/></joint>'''
+            parent, place = name, "0 0 -0.3"
+    return f'<robot name="r">{text}</robot>'
+
+
+@pytest.mark.parametrize(
+    ("upper", "words"),
+    [({}, "one of the four axes is reversed"), ({"front_right": 2.0}, "one of the two axes is reversed")],
+)
+def test_a_reversed_hip_is_shown_by_other_legs_whose_ranges_agree_or_by_its_limb(
+    upper: dict[str, float], words: str
+) -> None:
+    found = [finding for finding in check_one(four_legs(**upper).encode()) if finding.code == "RD404"]
+    (hip,) = [each for each in found if each.subject is not None and each.subject.name == "rear_right_hip_joint"]
+    assert words in hip.message
+    assert len(found) == 1 + len(upper)
