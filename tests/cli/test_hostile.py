@@ -219,4 +219,4 @@ def test_some_mutants() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
 def test_many_mutants(seed: int) -> None:
-    _try(15, 1000 + seed)
+    _try(10, 1000 + seed)

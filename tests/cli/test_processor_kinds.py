@@ -99,9 +99,9 @@ print(json.dumps(outputs))
 
 
 def _commands() -> Iterator[str]:
-    """Yield what is typed: text, and JSON of every command over the project's robots and some real ones."""
+    """Yield what is typed: text, and JSON of every command over half of the project's robots and some real ones."""
     yield from TEXT.strip().split("\n")
-    robots = [*(f"robots/{name}.urdf" for name in names()), *(str(path_of(stem)) for stem in REAL)]
+    robots = [*(f"robots/{name}.urdf" for name in names()[::2]), *(str(path_of(stem)) for stem in REAL)]
     meshes = sorted((TESTS.parent / "robots" / "meshes").glob("*.stl"))
     lines = [*JSON.strip().split("\n"), *(f"{command} {robot}" for robot in robots for command in OF_A_ROBOT)]
     lines += [f"inertia {mesh} --unit mm" for mesh in meshes] + [f"inertia {path_of('panda')} --compare"]

@@ -28,6 +28,8 @@ def all_paths():
 
 
 PATHS = [path for path in all_paths() if path.name not in REFUSED]
+LARGE_ONES = {path.stem for path in PATHS if path.stem.startswith(LARGE)} - {"talos_full_v2"}
+"""Those that one stands for where each takes ten seconds."""
 
 
 def cases(leave_out=()):
