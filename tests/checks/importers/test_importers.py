@@ -208,7 +208,7 @@ GAZEBO = {
     ),
     "negative mass": (weighed("-1", "0.1 0 0 0.1 0 0.1"), "requires inertia that a body can have"),
     "a negative mass fixed to another": (
-        fixed(f'<mass value="-1"/>{INERTIA}', f'<mass value="3"/>{INERTIA}'),
+        fixed(f'<origin xyz="9 0 0"/><mass value="-1"/>{INERTIA}', f'<mass value="3"/>{INERTIA}'),
         "merges links on fixed joints",
     ),
     "a mass that is no number, fixed to another": (
