@@ -99,7 +99,8 @@ def long_token(data: bytes) -> tuple[int, int, str] | None:
             if piece.group() == b">":
                 return piece.end(), end, "text"
             if piece.end() - piece.start() > LONGEST // 2:
-                return piece.start() + 1, piece.end() - 1, "attribute"
+                closed = data[piece.end() - 1] == data[piece.start()]
+                return piece.start() + 1, piece.end() - closed, "attribute"
             if piece.end() - start > LONGEST:
                 break
         return start, end, "tag"
