@@ -56,12 +56,14 @@ def reverse(tau):
     tau[:, 1] *= -1.0
 
 
-def misread(order=(0, 1), sign=(1.0, 1.0), torques_too=False):
-    """Write a log whose columns of positions, or of all, are of other joints or have other signs."""
+def misread(order=(0, 1), sign=(1.0, 1.0), torques_too=False, noise=0.0):
+    """Write a log whose columns of positions, or of all, are of other joints or have other signs, and whose torques
+    have noise beside them as a part of their size."""
 
     def make(_):
         q, qd, qdd = (each[:, order] * sign for each in states())
         tau = torques(*states())
+        tau += noise * np.sqrt((tau**2).mean(axis=0)) * np.random.default_rng(10).standard_normal(tau.shape)
         write_log("log.csv", MODEL, TIME, q, tau[:, order] * sign if torques_too else tau, qd, qdd)
         return ["log.csv"]
 
@@ -135,6 +137,10 @@ HARD = {
     "one name twice": (lambda _: [write(), "--out", "o.urdf", "--scene-out", "o.urdf"], "two outputs have this name"),
     "channels exchanged": (lambda _: [write(change=swap)], f"torques of {JOINTS[0]} and {JOINTS[1]} are exchanged"),
     "positions exchanged": (misread((1, 0)), f"positions of {JOINTS[0]} and {JOINTS[1]} are exchanged"),
+    "positions exchanged, under noise": (
+        misread((1, 0), noise=0.6),
+        f"positions of {JOINTS[0]} and {JOINTS[1]} are exchanged",
+    ),
     "a position reversed": (misread(sign=(1.0, -1.0)), f"position of {JOINTS[1]} has the wrong sign"),
     "a channel reversed": (lambda _: [write(change=reverse)], f"torque of {JOINTS[1]} has the wrong sign"),
 }

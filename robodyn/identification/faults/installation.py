@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import reduce
 from itertools import combinations
 
@@ -10,7 +11,7 @@ import numpy as np
 
 from robodyn.identification.faults.faults import range_basis
 from robodyn.identification.log.log import Log, Samples, joined
-from robodyn.identification.log.rows import states
+from robodyn.identification.log.rows import filtered, states
 from robodyn.identification.model_selection import Structure, least_squares, whole_system
 from robodyn.identification.parameters.regressor_columns import RegressorColumns
 from robodyn.programs.vectors import product
@@ -28,16 +29,16 @@ _BENDS = (0.003, 0.01, 0.03)
 """Of a joint's usual speed times 1 s: displacements over which dry friction may turn its sign, which looks late."""
 _LEAN, _ALIKE, _ROUNDS, _SMALL = 1.0, 0.45, 2, 1e-3
 """Degrees that are told, if both halves of a log tell them alike but for a part; rounds; rad of differences."""
-_INSTANTS, _JOINTS, _FEWEST, _CLEAR = 400, 8, 100, 1.0 / 16.0
-"""Instants and joints at which other readings of positions are tried; and what the right one leaves at most of the
-squares of the one at hand, as a product over the joints."""
+_INSTANTS, _JOINTS, _FEWEST, _WHOLE, _CLEAR = 400, 8, 100, 1e-6, 1.0 / 16.0
+"""Instants and joints at which other readings of positions are tried; what of a torque that is left out an instant may
+hold; and what the right reading leaves at most of the squares of the one at hand, as a product over the joints."""
 
 
 class Raw:
     """Some instants of logs that are fitted, each until a time `stop` [s]; `late` (n,) is how late torques are [s]."""
 
     def __init__(self, logs: Sequence[Log], cutoff: float, regressor: RegressorColumns, stop: Sequence[float]) -> None:
-        self.regressor, self.logs = regressor, logs
+        self.regressor, self.logs, self.cutoff = regressor, logs, cutoff
         self.whole = [_until(log, cutoff, end) for log, end in zip(logs, stop, strict=True)]
         count = min(_ROWS, _VALUES // sum(regressor.widths)) // len(logs)
         self.some = [slice(None, None, 1 + len(each.time) // max(count, 1)) for each in self.whole]
@@ -104,11 +105,11 @@ class Raw:
         joints, are less than `_CLEAR` of those as they are. Joints whose positions are quaternions are left out.
         """
         model, measured = self.regressor.model, self.regressor.measured
-        tau = np.column_stack([self._later(self.late[j : j + 1], j) for j in range(model.n)])
-        whole = np.flatnonzero(np.isfinite(tau).all(axis=1))
-        if model.nq != model.n or len(whole) < _FEWEST:
+        if model.nq != model.n:
             return []
-        rows = self.few._replace(tau=tau).cut(whole[:: 1 + len(whole) // _INSTANTS], True)
+        rows = _instants([replace(log, delays=self.late) for log in self.logs], self.cutoff)
+        if len(rows.time) < _FEWEST:
+            return []
         before = _left_by_joint(rows, structure, sigma)
         size = np.array([np.sum(rows.tau[:, j] ** 2) for j in measured]) / sigma**2
         worst = sorted(np.argsort(-before / np.maximum(size, 1e-300), kind="stable")[:_JOINTS].tolist())
@@ -192,6 +193,21 @@ def _readings(names: Sequence[str], joints: Sequence[int]) -> Iterator[tuple[lis
             order = as_is.copy()
             order[i], order[j] = j, i
             yield order, ahead, torques, f"{what if torques else what + 's'} of {names[i]} and {names[j]} are exchanged"
+
+
+def _instants(logs: Sequence[Log], cutoff: float) -> Samples:
+    """Return some hundred instants of the logs, around which no torque is left out: all through the same filter."""
+
+    def motion(samples: Samples) -> Floats:
+        lost = np.repeat(np.isnan(samples.tau).any(axis=1, keepdims=True), samples.q.shape[1], axis=1)
+        return np.stack((samples.q, samples.qd, samples.qdd, lost), axis=1)
+
+    parts = [rows for log in logs for rows in filtered(log, cutoff, motion)]
+    time, motions, tau = (np.concatenate([getattr(part, name) for part in parts]) for name in parts[0]._fields)
+    whole = np.flatnonzero(np.abs(motions[:, 3]).max(axis=1) < _WHOLE)
+    some = whole[:: 1 + len(whole) // _INSTANTS]
+    q, qd, qdd, _ = motions[some].swapaxes(0, 1)
+    return Samples(time[some], q, qd, qdd, tau[some], True)
 
 
 def _left_by_joint(rows: Samples, structure: Structure, sigma: Floats) -> Floats:
