@@ -68,9 +68,15 @@ class Interior:
         return None
 
 
-def is_in_open(point: Floats, mesh: Indexed) -> bool:
-    """Return whether an open surface, wound either way, has a point (3,) inside: a winding number above 1/2."""
-    return bool(abs(winding_numbers(point[None], mesh)[0]) > 0.5)
+class OpenInterior:
+    """The inside of an open surface, wound either way: where its winding number is above 1/2."""
+
+    def __init__(self, mesh: Indexed) -> None:
+        self._mesh = mesh
+
+    def has(self, point: Floats) -> bool:
+        """Return whether it has this point (3,)."""
+        return bool(abs(winding_numbers(point[None], self._mesh)[0]) > 0.5)
 
 
 class _Sheared:

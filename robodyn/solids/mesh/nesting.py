@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import cache
 
 import numpy as np
 
 from robodyn.errors import MeshError
 from robodyn.solids.mesh.indexed import Mask, Numbers, areas, in_parts, merged, triple
-from robodyn.solids.mesh.inside import Interior, is_in_open, may_cross, solid, triangle_boxes
+from robodyn.solids.mesh.inside import Interior, OpenInterior, may_cross, solid, triangle_boxes
 from robodyn.solids.mesh.shells import Shells
 from robodyn.support.floats import Floats
 from robodyn.support.input_limits import beyond, limits
-
-Inside = Callable[[Floats], bool | None]
-"""Whether a point (3,) lies inside of a surface; None where rounding cannot tell."""
 
 _NOISE = 1e-13
 """Volume over the sum of the sizes of its terms below which a shell is flat and has no sign."""
@@ -38,7 +34,8 @@ class Nesting:
     Attributes:
         shells: bodies wound outwards, cavities inwards.
         uneven: whether faces of one shell were given more often than others, where there are cavities.
-        cuts: the cavities that are cut out of each body, by its shell.
+        copies: (k,) how often each shell counts, cavities not more often than the bodies around.
+        cuts: the cavities that are cut out of each body, by its shell, where cavities do not cross each other.
         inward: (k,) which are wound inwards.
         within: (k,) which bound nothing, as far as no two cross: they lie in a body and are wound as it is.
         proper: (k,) which are closed, not flat, and in no open ones.
@@ -48,6 +45,7 @@ class Nesting:
 
     shells: Shells
     uneven: bool
+    copies: Numbers
     cuts: dict[int, list[int]]
     inward: Mask
     within: Mask
@@ -64,14 +62,21 @@ def nested(
 
     A shell that lies in no body is one, and turned outwards if need be, with all that is in it. In a body, one wound
     against it takes one off the winding number, which is 1 there; where none is left is a cavity. One wound as the body
-    is adds one, and so bounds nothing. A shell counts as often as it was given: a body given as a solid and once more
-    with a cavity is solid. Open shells taken together count as one, wound outwards by its volume with caps.
+    is adds one, and so bounds nothing: two bodies of which one lies in the other are as much as their union. A shell
+    counts as often as it was given: a body given as a solid and once more with a cavity is solid.
+
+    A shell is in another if its box is, none of a few of its points is outside, but one is inside, and it has no volume
+    outside. Open shells taken together count as one, wound outwards by its volume with caps, and around others by its
+    winding number.
 
     Args:
         copies: (m,) how often each of the first faces was given.
         caps: so many of the last faces are none of the surface; with them it is closed.
         cavities: a shell in a body is a cavity, however it is wound and however often it was given.
-        name: of the mesh, for the error of too many shells.
+        name: of the mesh, for the error.
+
+    Raises:
+        MeshError: there are too many shells to be placed.
     """
     often = np.ones(len(shells.label), np.int64)
     if copies is not None:
@@ -83,7 +88,7 @@ def nested(
     closed = shells.closed & ~flat
     gaping = ~shells.closed[shells.label]
     gaping[len(gaping) - caps :] = False
-    patches_inside = partial(is_in_open, mesh=shells.mesh.keep(gaping)) if gaping.any() else None
+    patches_inside = OpenInterior(shells.mesh.keep(gaping)) if gaping.any() else None
     around, order = _containers(shells, volumes, closed, patches_inside, name)
     patches = volumes[~shells.closed].sum()
     inside_out = bool(patches < 0 and not flat[~shells.closed].all())
@@ -92,6 +97,7 @@ def nested(
     wrong = np.where(shells.closed, state.turned, inside_out)
     return Nesting(
         shells=replace(shells, mesh=shells.mesh.turned(wrong[shells.label])),
+        copies=state.copies,
         cuts=state.cuts,
         uneven=bool((least < most).any() and state.inward.any()),
         inward=state.inward,
@@ -106,8 +112,10 @@ def nested(
 class _States:
     """What shells are, decided from the outermost ones inwards.
 
-    turned, inward, within, patched: (k,) whether each has to be turned, is wound inwards then, bounds nothing, and lies
-    in what open shells enclose.
+    Attributes:
+        copies, cuts: see `Nesting`.
+        turned, inward, within, patched: (k,) whether each has to be turned, is wound inwards then, bounds nothing, and
+            lies in what open shells enclose.
     """
 
     def __init__(
@@ -123,7 +131,7 @@ class _States:
         """
         self.turned, self.inward, self.within, self.patched = np.zeros((4, len(ways)), np.bool_)
         self.cuts: dict[int, list[int]] = {}
-        counts = np.ones_like(copies) if cavities else copies.copy()
+        self.copies = np.ones_like(copies) if cavities else copies.copy()
         taken: dict[tuple[int, int], int] = {}
         winding, sense = {IN_PATCHES: 1}, {IN_PATCHES: patches}
         for shell in order:
@@ -131,11 +139,11 @@ class _States:
             sense[shell] = sense[around[shell][0]] if before > 0 else way
             inward = before > 0 and (cavities or way != sense[shell])
             if inward:
-                counts[shell] = min(counts[shell], before)
-            often = int(counts[shell])
+                self.copies[shell] = min(self.copies[shell], before)
+            often = int(self.copies[shell])
             winding[shell] = -often if inward else often
             for body in (each for each in around[shell] if inward and each >= 0 and not self.inward[each]):
-                room = int(counts[body]) - sum(taken.get((outer, body), 0) for outer in around[shell])
+                room = int(self.copies[body]) - sum(taken.get((outer, body), 0) for outer in around[shell])
                 taken[shell, body] = min(often, room)
                 often -= taken[shell, body]
                 if taken[shell, body] == room > 0:
@@ -163,16 +171,12 @@ def _volumes(shells: Shells) -> tuple[Floats, Mask]:
 
 
 def _containers(
-    shells: Shells, volumes: Floats, proper: Mask, patches: Inside | None, name: str | None
+    shells: Shells, volumes: Floats, proper: Mask, patches: OpenInterior | None, name: str | None
 ) -> tuple[list[list[int]], list[int]]:
-    """Return the shells around each, the smallest first, and closed shells from the largest down.
-
-    A shell is in another if its box is, none of a few of its points is outside, but one is inside, and it has no volume
-    outside.
-    """
+    """Return the shells around each, the smallest first, and closed shells from the largest down."""
     corners, lo, hi = in_parts(shells.mesh.corners, shells.label)
     sizes = np.abs(volumes)
-    interior = cache(lambda shell: Interior(corners[shell]))
+    interiors: dict[int, Interior] = {}
     boxes = cache(lambda shell: triangle_boxes(corners[shell]))
     found: list[list[int]] = [[] for _ in sizes]
     tried, most = 0, limits().mesh_nesting
@@ -181,27 +185,38 @@ def _containers(
         around = proper & (sizes > sizes[shell]) & (lo <= lo[shell]).all(axis=1) & (hi >= hi[shell]).all(axis=1)
         points = _points(corners[shell]) if around.any() or patches else []
         for other in sorted(np.flatnonzero(around).tolist(), key=sizes.__getitem__):
+            if other not in interiors:
+                interiors[other] = Interior(corners[other])
             near = may_cross(boxes(shell), boxes(other))
             tried += len(points) if near else 1
             if tried > most:
                 what = f"{len(sizes)} shells to be placed in each other by {tried} points"
                 raise beyond("mesh_nesting", what, MeshError, file=name)
-            inside = _holds(interior(other).has, points, all_of_them=near)
-            if inside and near:
-                one, two = (solid(merged(each)) for each in (corners[shell], corners[other]))
-                inside = None in (one, two) or (one - two).volume() <= _TOUCH * one.volume()
-            if inside:
+            inside = _holds(interiors[other], points, all_of_them=near)
+            if inside and not (near and _reaches_out(corners[shell], corners[other])):
                 found[shell].append(other)
         if patches is not None and _holds(patches, points):
             found[shell].append(IN_PATCHES)
     return found, down
 
 
-def _holds(inside: Inside, points: list[Floats], all_of_them: bool = True) -> bool:
+def _reaches_out(corners: Floats, other: Floats) -> bool:
+    """Return whether a closed shell (n, 3, 3) has volume outside another, so far as both are manifolds."""
+    one, two = (solid(merged(each)) for each in (corners, other))
+    return None not in (one, two) and bool((one - two).volume() > _TOUCH * one.volume())
+
+
+def _holds(interior: Interior | OpenInterior, points: list[Floats], all_of_them: bool = True) -> bool:
     """Return whether points lie in a shell, as far as that can be told; or whether the first does for which it can."""
-    answers = (answer for answer in map(inside, points) if answer is not None)
-    first = next(answers, False)
-    return first and (not all_of_them or all(answers))
+    found = False
+    for point in points:
+        answer = interior.has(point)
+        if answer is False:
+            return False
+        found = found or answer is True
+        if found and not all_of_them:
+            break
+    return found
 
 
 def _points(corners: Floats) -> list[Floats]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
+from itertools import repeat
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +21,9 @@ _TOUCH = 1e-11
 
 _MOST_PAIRS = 10_000
 """Pairs of shells whose triangles' boxes are compared; of more some may cross."""
+
+_MOST_COPIES = 16
+"""Of a shell that are told apart."""
 
 _TURNS = (IDENTITY, *(rotation_from_rpy(*angles) for angles in ((0.7, -0.4, 1.9), (-1.1, 0.8, 0.3), (2.3, 0.5, -0.6))))
 """Poses in which bodies are united until two agree."""
@@ -46,8 +51,11 @@ class United:
 def united(nesting: Nesting, caps: int = 0) -> United:
     """Return the union of bodies, each without its cavities, where shells cross.
 
-    It is found by `manifold3d` for shells that are connected by overlapping boxes, if any two of them may cross. Where
-    its volume is what nesting says, none do, and they stay as they are. So many `caps`, the last faces, stay the last.
+    It is found by `manifold3d` (a robust boolean of triangle meshes) for shells that are connected by overlapping
+    boxes, if any two of them may cross. Where its volume is what nesting says, none do, and they stay as they are.
+
+    Args:
+        caps: so many of the last faces are none of the surface; they stay the last.
 
     Accuracy: volume and second moments of two convex bodies with curved faces within 1e-15 of those of their union in
         exact rationals, and within 1e-12 where they are a thousand of their sizes away from the origin.
@@ -65,7 +73,7 @@ def united(nesting: Nesting, caps: int = 0) -> United:
         volumes = np.array([part.volume(reference) for part in parts.values()])
         least = _TOUCH * float(np.abs(volumes).sum())
         whole = not capped.intersection(cluster) and pairs <= limits().mesh_overlaps
-        region = _region(parts, bodies_of, least) if whole else None
+        region = _region(parts, bodies_of, nesting.copies, least) if whole else None
         if region is None:
             untested += len(bodies_of)
             spare[cluster] = False
@@ -75,12 +83,7 @@ def united(nesting: Nesting, caps: int = 0) -> United:
             regions.append(region)
     rest = mesh.keep(~(spare | crossing)[label])
     folded = _folded(mesh.keep(~spare[label]), label[~spare[label]])
-    if regions:
-        every = [*regions, rest]
-        firsts = np.cumsum([0, *(len(part.vertices) for part in every)])
-        faces = [part.faces + first for part, first in zip(every, firsts[:-1], strict=True)]
-        rest = Indexed(np.concatenate([part.vertices for part in every]), np.concatenate(faces))
-    return United(rest, bodies, spare, untested, folded)
+    return United(_joined([*regions, rest]) if regions else rest, bodies, spare, untested, folded)
 
 
 def _clusters(corners: Floats, label: Numbers, proper: Mask) -> list[tuple[list[int], int]]:
@@ -115,25 +118,37 @@ def _folded(mesh: Indexed, label: Numbers) -> int:
     return len(np.unique(label[(edges.count[edges.of] > 2).any(axis=1)]))
 
 
-def _region(shells: dict[int, Indexed], cavities: dict[int, list[int]], least: float) -> Indexed | None:
-    """Return the union of bodies, each without its cavities.
+def _region(
+    shells: dict[int, Indexed], cavities: dict[int, list[int]], copies: Numbers, least: float
+) -> Indexed | None:
+    """Return the union of bodies, each without its cavities; of cavities that cross, where they are less than bodies.
 
     Where facets nearly coincide a boolean may fail, which shows in its volume when it is done again in another pose.
-    None if a shell is no manifold, or no two poses agree by no more than the least volume.
 
     Args:
         shells: of bodies and cavities, by their names. cavities: names of those of each body.
+        copies: how often each counts.
+        least: by which volumes may differ.
+
+    Returns:
+        None if a shell is no manifold, or no two poses agree.
     """
     from manifold3d import Manifold, OpType
 
+    inner = [name for name in shells if name not in cavities]
+    cross = _any_cross([triangle_boxes(shells[name].corners) for name in inner])
     solids = {name: solid(shell) for name, shell in shells.items()}
     if None in solids.values():
         return None
     reference, found = next(iter(shells.values())).corners[0, 0], list[Indexed]()
     for turn in _TURNS:
         turned = {name: body.transform(np.column_stack([turn, ZERO])) for name, body in solids.items()}
-        each = [[turned[body], *(turned[name] for name in inside)] for body, inside in cavities.items()]
-        whole = Manifold.batch_boolean([Manifold.batch_boolean(some, OpType.Subtract) for some in each], OpType.Add)
+        if cross:
+            outer, holes = ([(turned[name], int(copies[name])) for name in names] for names in (cavities, inner))
+            whole = _more_bodies_than_cavities(outer, holes)
+        else:
+            each = [[turned[body], *(turned[name] for name in inside)] for body, inside in cavities.items()]
+            whole = Manifold.batch_boolean([Manifold.batch_boolean(some, OpType.Subtract) for some in each], OpType.Add)
         mesh = whole.transform(np.column_stack([turn.T, ZERO])).to_mesh64()
         region = Indexed(np.array(mesh.vert_properties[:, :3]), np.array(mesh.tri_verts, np.int64))
         for other in found:
@@ -141,3 +156,47 @@ def _region(shells: dict[int, Indexed], cavities: dict[int, list[int]], least: f
                 return other
         found.append(region)
     return None
+
+
+def _any_cross(boxes: list[Floats]) -> bool:
+    """Return whether two shells, given by the boxes (2, n, 3) of their triangles, may cross."""
+    lo, hi = np.array([each[0].min(axis=0) for each in boxes]), np.array([each[1].max(axis=0) for each in boxes])
+    for k, each in enumerate(boxes[1:], start=1):
+        near = np.flatnonzero(((lo[:k] < hi[k]) & (lo[k] < hi[:k])).all(axis=1))
+        if any(may_cross(boxes[n], each) for n in near.tolist()):
+            return True
+    return False
+
+
+def _more_bodies_than_cavities(bodies: list[tuple[Any, int]], cavities: list[tuple[Any, int]]) -> Any:
+    """Return all bodies but for where at least n cavities are and at most n bodies, for any n.
+
+    Args:
+        bodies, cavities: solids, and how often each counts.
+    """
+    from manifold3d import Manifold, OpType
+
+    region = Manifold.batch_boolean([body for body, _ in bodies], OpType.Add)
+    holes = _layers(cavities)
+    around = _layers([(body ^ holes[0], often) for body, often in bodies])
+    for n, hole in enumerate(holes, start=1):
+        region -= hole - around[n] if n < len(around) else hole
+    return region
+
+
+def _layers(solids: list[tuple[Any, int]]) -> list[Any]:
+    """Return where at least one of the solids is, at least two of them, and so on."""
+    layers: list[Any] = []
+    for body, often in solids:
+        for rest in repeat(body, min(often, _MOST_COPIES)):
+            for n, layer in enumerate(layers):
+                layers[n], rest = layer + rest, layer ^ rest  # noqa: PLW2901
+            if not rest.is_empty():
+                layers.append(rest)
+    return layers
+
+
+def _joined(parts: list[Indexed]) -> Indexed:
+    firsts = np.cumsum([0, *(len(part.vertices) for part in parts)])
+    faces = [part.faces + first for part, first in zip(parts, firsts[:-1], strict=True)]
+    return Indexed(np.concatenate([part.vertices for part in parts]), np.concatenate(faces))
