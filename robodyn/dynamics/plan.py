@@ -3,8 +3,9 @@
 From a model and a scene to numbers:
 
 1. `plan` asks each effect of `effects/catalogue.py` whether it is on; `applied` lets those that are add their terms.
-2. `loads` gives the terms of a sample to the recursion, `recursions/newton_euler.py` (and `forward.py` to
-   `recursions/articulated_body.py`), over scalars that are traced: a program without all that is zero.
+2. `loads` gives the terms of a sample to the recursion, `recursions/newton_euler.py` (`forward.py` to
+   `recursions/articulated_body.py`, `mass.py` to `recursions/composite_body.py`), over scalars that are traced: a
+   program without all that is zero.
 3. `runner_of` makes the program ready to run on arrays of samples, which `arrays.py` takes and gives.
 4. Functions of arrays: `inverse.py`, `forward.py`, `mass.py`, `derivatives.py`, `momenta.py`, `regressor.py`,
    `kinematics.py`; of one sample: `function.py`. Self-checks of all: `balance.py`.
