@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from statistics import median
@@ -49,16 +49,6 @@ _ROWS = tuple(
         (_ALONE.format(f"l[{_ENDS.lower()}]"), "l*"),
     )
 )
-Names = tuple[str, str]
-"""Of a left and a right link."""
-_NEAR = 2e-3
-"""How far a frame may be from its mirror image, relative to the robot's size."""
-_SAME_PART = 1e-4
-"""How far the meshes of one part may be carried differently: entries of G, and of p [m]."""
-_EQUAL = 1e-12
-"""Inertias by mass that differ by no more are the same [m^2]."""
-_SQUARE = 0.02
-"""How far an axis may be from the mirror image of one [rad]."""
 
 
 def row_of(name: str) -> str:
@@ -79,6 +69,12 @@ def named_pairs(names: Collection[str]) -> Iterator[tuple[str, str]]:
             yield name, other
 
 
+Names = tuple[str, str]
+"""Of a left and a right link."""
+_NEAR = 2e-3
+"""How far a frame may be from its mirror image, relative to the robot's size."""
+
+
 @dataclass(frozen=True, eq=False)
 class Plane:
     """The plane n . x = offset in the root's axes."""
@@ -95,6 +91,30 @@ class Plane:
         """Return (..., 3) the mirror images of points."""
         moved: Floats = product(p, self.H) + 2.0 * self.offset * self.normal
         return moved
+
+
+def planes(named: Sequence[Names], p: Mapping[str, Floats], near: float) -> Iterator[tuple[Plane, list[Names]]]:
+    """Yield the planes that may be the mirror, each with those of the named pairs that it has at mirrored places.
+
+    They are across x, y or z of the root, or across the longest line between the two of a pair; amid the pairs, or
+    through the root.
+    """
+    left, right = (np.array([p[names[k]] for names in named]).reshape(-1, 3) for k in (0, 1))
+    apart = left - right
+    lengths = np.linalg.norm(apart, axis=1)
+    if not (lengths > near).any():
+        return
+    longest = first_largest(lengths)
+    for normal in (*np.eye(3), apart[longest] / lengths[longest]):
+        for offset in (median(product(left + right, normal).tolist()) / 2.0, 0.0):
+            plane = Plane(normal, offset)
+            there = (np.linalg.norm(plane.image(left) - right, axis=1) <= near) & (lengths > near)
+            if there.any():
+                yield plane, [named[k] for k in np.flatnonzero(there).tolist()]
+
+
+_SAME_PART = 1e-4
+"""How far the meshes of one part may be carried differently: entries of G, and of p [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,17 +139,16 @@ def carried(left: Link, right: Link, D: Floats, still: bool = False) -> Carried 
 
     The <visual> ones count, since collision meshes are simplified, to something symmetric even; or the <collision> ones
     where there are no others. Links without meshes are one part if their primitives stand at the same places, and these
-    are not each other's images, or both links are fixed (`still`): most often a sensor that was bought twice.
-    D (3, 3) is the reflection from the axes of the left link to those of the right.
+    are not each other's images, or both links are fixed: then it is most often a sensor that was bought twice.
+
+    D (3, 3) is the reflection from the axes of the left link to those of the right; `still` says whether both links are
+    fixed to what carries them.
     """
     for kind in ("visual", "collision"):
         one, other = ([shape for shape in link.geometries if shape.kind == kind] for link in (left, right))
         meshes = [[shape for shape in shapes if shape.shape == "mesh"] for shapes in (one, other)]
         if any(meshes):
-            if [mesh.filename for mesh in meshes[0]] != [mesh.filename for mesh in meshes[1]]:
-                return None
-            first, *others = (_move(*both) for both in zip(*meshes, strict=True))
-            return first if all(_is_same(first, move) for move in others) else None
+            return _common(*meshes)
         if one or other:
             made_of = [[(shape.shape, shape.size, shape.origin) for shape in shapes] for shapes in (one, other)]
             places = [np.array(shape.origin.xyz) for shape in one]
@@ -138,10 +157,16 @@ def carried(left: Link, right: Link, D: Floats, still: bool = False) -> Carried 
     return None
 
 
-def _is_same(one: Carried | None, other: Carried | None) -> bool:
-    if one is None or other is None:
-        return False
-    return bool(np.abs(one.G - other.G).max() <= _SAME_PART) and length(one.p - other.p) <= _SAME_PART
+def _common(one: list[Geometry], other: list[Geometry]) -> Carried | None:
+    if [mesh.filename for mesh in one] != [mesh.filename for mesh in other]:
+        return None
+    first, *others = (_move(*meshes) for meshes in zip(one, other, strict=True))
+    for move in others:
+        if first is None or move is None or np.abs(first.G - move.G).max() > _SAME_PART:
+            return None
+        if length(first.p - move.p) > _SAME_PART:
+            return None
+    return first
 
 
 def _move(one: Geometry, other: Geometry) -> Carried | None:
@@ -154,6 +179,12 @@ def _move(one: Geometry, other: Geometry) -> Carried | None:
     (R, x), (R_other, x_other) = placement(one.origin), placement(other.origin)
     G = product(R_other, np.diag(np.sign(other.scale) * np.sign(one.scale)), R.T)
     return Carried(G, x_other - product(G, x))
+
+
+_EQUAL = 1e-12
+"""Inertias by mass that differ by no more are the same [m^2]."""
+_SQUARE = 0.02
+"""How far an axis may be from the mirror image of one [rad]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,9 +222,12 @@ class Pair:
 class Symmetry:
     """How far a robot is its own mirror image.
 
-    `R` and `p` are rotation and origin of every link in the root's axes at q = 0; `near` is how far a frame may be from
-    its mirror image [m], `above` the joint that each link hangs on. Names propose the pairs `named`; `pairs` are those
-    that are confirmed, in the order of the right links in the file.
+    Attributes:
+        R, p: rotation and origin of every link in the root's axes at q = 0 [m].
+        near: how far a frame may be from its mirror image [m].
+        above: the joint that each link hangs on.
+        named: the pairs that names propose, left and right; pairs: those that are confirmed, in the order of the right
+            links in the file.
     """
 
     plane: Plane
@@ -221,7 +255,7 @@ def pairs(context: Context) -> tuple[Pair, ...]:
 def symmetry(context: Context) -> Symmetry | None:
     """Return what is symmetric about a robot; None where the description cannot be read, or nothing is.
 
-    Names propose pairs (`named_pairs`), and the plane is the one that suits most of them. A pair is
+    Names propose pairs (`named_pairs`), and the plane is the one of `planes` that suits most of them. A pair is
     confirmed if at q = 0 each frame's origin is at the mirror image of the other's, within 2e-3 of the robot's size,
     and the axes of one are the images of the other's but for their names and signs. Whatever hangs on a pair that is
     not confirmed is not confirmed either, since from there on the poses differ.
@@ -230,8 +264,8 @@ def symmetry(context: Context) -> Symmetry | None:
     if description is None:
         return None
     above = {joint.child: joint for joint in description.joints}
-    links, outward = {link.name: link for link in description.links}, [link.name for link in context.tree.links]
-    named = tuple(names for names in named_pairs(outward) if names[0] in above and names[1] in above)
+    links = {link.name: link for link in description.links}
+    named = tuple(names for names in named_pairs(links) if names[0] in above and names[1] in above)
     if not named:
         return None
     R, p = {description.root: np.eye(3)}, {description.root: np.zeros(3)}
@@ -255,37 +289,41 @@ def symmetry(context: Context) -> Symmetry | None:
 
 
 def _mirror(named: Sequence[Names], p: Mapping[str, Floats], above: Mapping[str, Joint], near: float) -> Plane | None:
-    """Return the plane in which most of the pairs on branches from links in it are mirrored, and of these most pairs.
+    """Return the plane that has most of the pairs on branches from links in it, and of these the one that has most.
 
-    It is across x, y or z of the root, or the longest line between the two of a pair; amid the pairs, through the root,
-    or through the first link that carries both sides. A pair on another one is mirrored if its steps from there are, so
-    that a limb which begins at the wrong place tells as much as the others.
+    A limb that stands on the wrong side is the mirror image of the other in a plane between the two, but not the link
+    that carries both. Where no such link lies in any of them, limbs that are each other's image but for where they
+    begin have the plane through what carries them.
     """
-    over = [(above[left].parent, above[right].parent) for left, right in named]
-    known = frozenset(named)
-    on_pair = np.array([each in known for each in over])[:, None]
-    left, right = (np.array([p[names[k]] for names in named]) for k in (0, 1))
-    left_step, right_step = (
-        ends - np.where(on_pair, np.array([p[names[k]] for names in over]), 0.0) for k, ends in enumerate((left, right))
-    )
-    lengths = np.linalg.norm(left - right, axis=1)
-    if not (lengths > near).any():
-        return None
-    longest, carriers = first_largest(lengths), dict.fromkeys(one for one, other in over if one == other)
     best, most = None, (0, 0)
-    for normal in (*np.eye(3), (left - right)[longest] / lengths[longest]):
-        first = [float(product(normal, p[carrier])) for carrier in list(carriers)[:1]]
-        for offset in (median(product(left + right, normal).tolist()) / 2.0, 0.0, *first):
-            plane = Plane(normal, offset)
-            images = np.where(on_pair, product(left_step, plane.H), plane.image(left))
-            off = np.linalg.norm(images - right_step, axis=1)
-            apart = np.abs(product(left_step - right_step, normal)) > near
-            there = [named[k] for k in np.flatnonzero((off <= near) & apart).tolist()]
-            within = {link for link in carriers if length(plane.image(p[link]) - p[link]) <= near}
-            count = len({*_rooted(named, above, within)} & {*there}), len(there)
-            if count > most:
-                best, most = plane, count
-    return best
+    for plane, there in planes(named, p, near):
+        carriers = {above[left].parent for left, right in there if above[left].parent == above[right].parent}
+        within = {link for link in carriers if length(plane.image(p[link]) - p[link]) <= near}
+        count = len(_rooted(there, above, within)), len(there)
+        if count > most:
+            best, most = plane, count
+    return best if most[0] else _through_carrier(named, p, above, near) or best
+
+
+def _through_carrier(
+    named: Sequence[Names], p: Mapping[str, Floats], above: Mapping[str, Joint], near: float
+) -> Plane | None:
+    """Return the plane through a link that carries both sides, across that axis of the root along which its first pair
+    is most apart, if two pairs farther out and all the others are mirrored in it but for where the limbs begin."""
+    first = next((names for names in named if above[names[0]].parent == above[names[1]].parent), None)
+    over = [(above[left].parent, above[right].parent) for left, right in named]
+    steps = [
+        (p[left] - p[one], p[right] - p[other])
+        for (left, right), (one, other) in zip(named, over, strict=True)
+        if (one, other) in named
+    ]
+    if first is None or len(steps) < 2:
+        return None
+    apart = np.abs(p[first[0]] - p[first[1]])
+    normal = np.eye(3)[int(np.argmax(apart))]
+    plane = Plane(normal, float(product(normal, p[above[first[0]].parent])))
+    alike = all(length(product(left, plane.H) - right) <= near for left, right in steps)
+    return plane if alike and float(apart.max()) > near else None
 
 
 def is_square(D: Floats) -> bool:
@@ -321,12 +359,18 @@ def link_inertia(inertial: Inertial) -> tuple[Floats, Floats]:
     return c, product(R, symmetric(inertial.inertia), R.T)
 
 
-def _rooted(found: Iterable[Names], above: Mapping[str, Joint], within: Collection[str] | None = None) -> list[Names]:
-    """Return the pairs, parents first as given, whose joints hang on one link, if given one of those within; or on the
-    two of another such pair."""
-    rooted: dict[Names, None] = {}
-    for left, right in found:
-        over = above[left].parent, above[right].parent
-        if over in rooted or (over[0] == over[1] and (within is None or over[0] in within)):
-            rooted[left, right] = None
-    return list(rooted)
+def _rooted(found: Collection[Names], above: Mapping[str, Joint], within: Collection[str] | None = None) -> list[Names]:
+    """Return the pairs whose joints hang on one link, if given one of those within; or on the two of another such
+    pair."""
+    known, verdicts = frozenset(found), dict[Names, bool]()
+    for names in found:
+        chain, one = [], names
+        while one not in verdicts:
+            chain.append(one)
+            over = above[one[0]].parent, above[one[1]].parent
+            if over in known and over[0] != over[1]:
+                one = over
+            else:
+                verdicts[one] = over[0] == over[1] and (within is None or over[0] in within)
+        verdicts.update((link, verdicts[one]) for link in chain)
+    return [names for names in found if verdicts[names]]
