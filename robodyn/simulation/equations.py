@@ -25,7 +25,7 @@ from robodyn.programs.program import Program, trace, traced
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.run.stepper import COLUMNS
 from robodyn.programs.scalar import Tape
-from robodyn.programs.vectors import Scalar, cross, total
+from robodyn.programs.vectors import Array, Scalar, cross, total
 from robodyn.robot.kinematics import Motion
 from robodyn.robot.model import Model
 from robodyn.scene.parts import GROUND, Entry
@@ -33,6 +33,7 @@ from robodyn.scene.scene import Scene
 from robodyn.simulation.methods import Method
 from robodyn.simulation.table import LOAD, RATE, REFERENCE, Curve, curves
 from robodyn.solids.inertia.laws import Inertia
+from robodyn.support.floats import Floats
 
 STATE = "state"
 """The source of programs whose columns are q, qd, the work done so far and the step."""
@@ -49,12 +50,13 @@ class Rates(NamedTuple):
 
 
 class State(NamedTuple):
-    """q (nq), qd (n), the work done on the robot since the start [J], and the step [s]."""
+    """q (nq), qd (n), the work done on the robot since the start [J], the step [s], and P and H where they are kept."""
 
     q: Sequence[Scalar]
     qd: Sequence[Scalar]
     work: Scalar
     step: Scalar
+    kept: Sequence[Scalar] = ()
 
 
 class Equations:
@@ -164,21 +166,20 @@ class Equations:
         sample = self.sample(self.model, q, qd, {})
         return self._momentum(sample, sample.motions(), applied([PAYLOAD], sample, self.scene).inertias)
 
-    def with_momenta(self, before: State, q: Sequence[Scalar], qd: list[Scalar]) -> list[Scalar]:
-        """qd with other rates of the floating base, so that momenta at q are those before and the weight's impulse.
+    def with_momenta(self, P: Array, H: Array, q: Sequence[Scalar], qd: list[Scalar]) -> list[Scalar]:
+        """qd with other rates of the floating base, so that the momenta at q are P and H.
 
         Momenta are linear in rates: `A dw + m R_0 dv = dP` and `B dw = dH`, where column k of A and B are the momenta
         of a unit of the base's angular velocity k alone, and R_0 the axes in which v is given.
         """
         base = next(body for body in self.model.bodies if body.joint.kind == "floating")
-        first, n, step = base.joint.rate, self.model.n, before.step
-        was, now = self.momentum(before.q, before.qd), self.momentum(q, qd)
+        first, n = base.joint.rate, self.model.n
+        now = self.momentum(q, qd)
         units = [self.momentum(q, [float(i == first + k) for i in range(n)]) for k in range(3)]
-        dP = was.P + np.array(self.scene.gravity) * (now.m * step) - now.P
         a, b, c = (unit.H for unit in units)
-        normals, dH = (cross(b, c), cross(c, a), cross(a, b)), was.H - now.H
+        normals, dH = (cross(b, c), cross(c, a), cross(a, b)), H - now.H
         dw = [(normal @ dH) / (a @ normals[0]) for normal in normals]
-        dP = dP - sum(unit.P * part for unit, part in zip(units, dw, strict=True))
+        dP = P - now.P - sum(unit.P * part for unit, part in zip(units, dw, strict=True))
         R = base.joint.R if base.parent < 0 else self.model.bodies[0].joint.R @ base.joint.R
         change = [*dw, *(R.T @ dP * (1.0 / now.m))]
         return [x + change[i - first] if first <= i < first + 6 else x for i, x in enumerate(qd)]
@@ -247,8 +248,18 @@ class Steps:
     def __init__(self, equations: Equations, method: Method) -> None:
         self.equations, self.method = equations, method
         stages, curves = len(method.b) if method.implicit else 0, len(equations.curves)
-        self.width = equations.width + stages * (2 * equations.model.n + 1)
+        self.kept = slice(equations.width, equations.width + 6 * method.keeps_momenta)
+        self.width = self.kept.stop + stages * (2 * equations.model.n + 1)
         self.columns = curves * len(method.moments) + 1 if curves else 0
+
+    def begin(self, states: Floats) -> Floats:
+        """(N, width) what the programs read first, from states (N, that of the equations); stages begin with zeros."""
+        slots, nq, n = np.zeros((len(states), self.width)), self.equations.model.nq, self.equations.model.n
+        slots[:, : states.shape[1]] = states
+        if self.method.keeps_momenta:
+            whole = (self.equations.momentum(state[:nq].tolist(), state[nq : nq + n].tolist()) for state in states)
+            slots[:, self.kept] = [[*one.P, *one.H] for one in whole]
+        return slots
 
     @cached_property
     def step(self) -> Program:
@@ -287,6 +298,7 @@ class Steps:
 
     def _state(self, tape: Tape) -> State:
         state = self.equations.state(tape)
+        state = state._replace(kept=[tape.input(STATE, k) for k in range(self.kept.start, self.kept.stop)])
         return state._replace(step=tape.input(COLUMNS, self.columns - 1)) if self.columns else state
 
     def _curves(self, tape: Tape) -> list[Given]:
@@ -294,7 +306,7 @@ class Steps:
         return [self.equations.given(tape, moments.index(node)) for node in self.method.nodes]
 
     def _stages(self, tape: Tape) -> list[Rates]:
-        n, at = self.equations.model.n, self.equations.width
+        n, at = self.equations.model.n, self.kept.stop
         stages = []
         for first in range(at, at + len(self.method.b) * (2 * n + 1), 2 * n + 1):
             values = [tape.input(STATE, first + k) for k in range(2 * n + 1)]
@@ -325,9 +337,12 @@ class Steps:
         u = [h * rate for rate in (qd if self.method.semi else _sums(b, [K.u for K in stages], model.n))]
         work = _sums(b, [[K.work] for K in stages], 1)[0]
         q, qd = self.equations.settled(moved(model, state.q, u), qd)
+        kept: list[Scalar] = []
         if self.method.keeps_momenta:
-            qd = self.equations.with_momenta(state, q, qd)
-        return [*q, *qd, state.work + h * work, h]
+            P, H = np.array(state.kept[:3]), np.array(state.kept[3:])
+            P = P + np.array(self.equations.scene.gravity) * (self.equations.momentum(q, qd).m * h)
+            qd, kept = self.equations.with_momenta(P, H, q, qd), [*P, *H]
+        return [*q, *qd, state.work + h * work, h, *kept]
 
 
 def _flat(stages: Iterable[Rates]) -> list[Scalar]:

@@ -55,7 +55,7 @@ class FixedSteps:
     def __init__(self, plan: Plan, method: Method, executor: str, steps: int, signal: Signal) -> None:
         """Args: steps: about how many will be done."""
         self.method, self.width, self.signal = method, plan.model.nq + plan.model.n + 2, signal
-        self.run = stepper(plan, method, executor, steps)
+        self.run, self._begin = stepper(plan, method, executor, steps), steps_of(plan, method).begin
         self._sweeps, self._most = 0, inf
 
     def motion(self, state: Floats, duration: float, step: float, limits: Limits, most: float = inf) -> Motion:
@@ -76,8 +76,8 @@ class FixedSteps:
         if (total + int(np.searchsorted(corners, duration))) * len(self.method.b) > most:
             what = f"{total} steps of {self.method.name} take more than {most:.3g} evaluations"
             raise TooMuchError(what, 0.0, state, "give a longer --step")
-        now = np.zeros(self.run.width)
-        now[: self.width], now[self.width - 1] = state, h
+        now = self._begin(state[None])[0]
+        now[self.width - 1] = h
         records, times, done, end, self._sweeps = [now[None, : self.width]], [np.zeros(1)], 0, None, 0
         for steps in pieces(corners, h, total, CHUNK):
             states, problem = self._advance(now, steps)
@@ -148,13 +148,14 @@ class FixedSteps:
 
 
 @lru_cache(maxsize=16)
-def _steps(plan: Plan, method: Method) -> Steps:
+def steps_of(plan: Plan, method: Method) -> Steps:
+    """The programs of a method for a robot in its scene."""
     return Steps(Equations(plan), method)
 
 
 @lru_cache(maxsize=16)
 def _compiled(plan: Plan, method: Method, lanes: int) -> CompiledSteps:
-    steps = _steps(plan, method)
+    steps = steps_of(plan, method)
     return CompiledSteps(STATE, steps.width, steps.step, steps.sweep, lanes, steps.columns)
 
 
@@ -162,7 +163,7 @@ def stepper(plan: Plan, method: Method, executor: str, steps: int, lanes: int = 
     """A step made ready by the executor that is asked for, or is quicker for so many steps; raises if it cannot run."""
     if executor not in EXECUTORS:
         raise InputError(f"there is no executor {executor!r}", remedy=alternatives(executor, EXECUTORS, "executors"))
-    made = _steps(plan, method)
+    made = steps_of(plan, method)
     work = made.step.size + (SWEEPS_USUAL * made.sweep.size if made.sweep else 0)
     by_numpy, by_code = times(Work(work, steps, 1, steps))
     if executor == "compiled" or (executor == "auto" and by_code < by_numpy):

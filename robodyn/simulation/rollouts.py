@@ -14,7 +14,7 @@ from robodyn.errors import InputError
 from robodyn.programs.run.stepper import LANES, SINGLE, CompiledSteps, NumpySteps
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.simulation.integrate import SHORTER, stepper
+from robodyn.simulation.integrate import SHORTER, stepper, steps_of
 from robodyn.simulation.loop_figures import check_closed
 from robodyn.simulation.methods import method_named
 from robodyn.simulation.stiff_steps import with_friction
@@ -84,10 +84,8 @@ def rollouts(
         check_closed(a_plan, sources["q"], sources["qd"])
     lanes = SINGLE if count == 1 else LANES
     run = stepper(a_plan, chosen, executor, steps * -(-count // LANES), lanes)
-    first = np.zeros((count, run.width))
-    first[:, : model.nq + model.n] = np.hstack((sources["q"], sources["qd"]))
     own = model.nq + model.n + 2
-    first[:, own - 1] = step
+    first = steps_of(a_plan, chosen).begin(np.hstack((sources["q"], sources["qd"], np.tile([0.0, step], (count, 1)))))
     signal.check_duration(steps * step)
     rows = pieces(signal.corners(), step, steps, PIECE) if signal.curves else ()
     given = [(each, signal.in_steps(each, chosen.moments)) for each in rows]
