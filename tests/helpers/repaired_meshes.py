@@ -23,6 +23,11 @@ def taken(found):
     return [(step.name, step.count) for step in found.steps]
 
 
+def enclosed(triangles):
+    """The signed volume of triangles as they are."""
+    return integrate(MemoryTriangles("part", triangles)).volume
+
+
 def volume(found):
     """What a repaired surface encloses; it must be closed."""
     assert fingerprint(found.triangles).closed

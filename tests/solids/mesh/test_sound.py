@@ -16,6 +16,20 @@ from robodyn.solids.mesh.read.load import load_triangles
 from robodyn.solids.mesh.triangles import MemoryTriangles
 
 
+def test_one_clean_shell_is_not_repaired_and_two_are(monkeypatch):
+    asked = []
+    monkeypatch.setattr(repair, "repair", lambda *given, real=repair.repair: (asked.append(1), real(*given))[1])
+    assert mass_properties(binary_stl(torus(2.0, 0.5, 40, 30))).repairs == ()
+    assert mass_properties(cylinder(), strict=True).closed
+    mass_properties(sheet(), shell=0.001)
+    mass_properties(torus()[1:], repair=False)
+    assert not asked
+    part = mass_properties(np.concatenate([box(), moved(flipped(box()), (2, 0, 0))]))
+    assert [step.name for step in part.repairs] == ["orientation"]
+    assert part.body.mass == 2000
+    assert len(asked) == 1
+
+
 def sound(triangles):
     return is_sound(triangles, *measure(triangles))
 
@@ -66,34 +80,7 @@ def test_what_is_sound_needs_no_repair(path):
     assert sound(triangles) == (not found.steps and not found.remarks and found.shells == 1)
 
 
-@pytest.fixture
-def asked(monkeypatch):
-    """The meshes that were repaired."""
-    names = []
-    monkeypatch.setattr(repair, "repair", lambda *given, real=repair.repair: (names.append(1), real(*given))[1])
-    return names
-
-
-def test_one_clean_shell_is_not_repaired(asked):
-    assert mass_properties(binary_stl(torus(2.0, 0.5, 40, 30))).repairs == ()
-    assert mass_properties(cylinder(), strict=True).closed
-    assert not asked
-
-
-def test_two_shells_are(asked):
-    part = mass_properties(np.concatenate([box(), moved(flipped(box()), (2, 0, 0))]))
-    assert [step.name for step in part.repairs] == ["orientation"]
-    assert part.body.mass == 2000
-    assert len(asked) == 1
-
-
-def test_a_sheet_and_a_signed_integral_are_not(asked):
-    mass_properties(sheet(), shell=0.001)
-    mass_properties(torus()[1:], repair=False)
-    assert not asked
-
-
-@pytest.mark.parametrize("spare", [0, 1, 5])
+@pytest.mark.parametrize("spare", [0, 5])
 def test_the_least_area(spare):
     small = moved(box((1e-3, 1e-3, 1e-3)), (0, 0, 2))
     found, _ = measure(body(np.concatenate([cylinder(1, 1, 2000 + spare), small])))

@@ -24,10 +24,14 @@ def test_every_form_of_index(corner):
 
 
 @pytest.mark.parametrize(
-    "face", ["f 1 2 3", "f -5 -4 -3", "f 1 -4 3//7", "f\t1  2\t3 \r", "f 1 \\\n2 \\\r\n 3 # a face"]
+    "face",
+    ["f 1 2 3", "f -5 -4 -3", "f 1 -4 3//7", "f\t1  2\t3 \r", "f 1 \\\n2 \\\r\n 3 # a face", "f 1 2 3 \\"],
 )
 def test_a_face_in_many_spellings(face):
-    np.testing.assert_array_equal(read(TEXT + face + "\n").array(), corners(VERTICES, [(0, 1, 2)]))
+    for text in (TEXT + face, TEXT + face + "\n", (TEXT + face).replace("\r\n", "\n").replace("\n", "\r")):
+        np.testing.assert_array_equal(read(text).array(), corners(VERTICES, [(0, 1, 2)]))
+    if not {"-", "\\"} & {*face}:
+        np.testing.assert_array_equal(read(f"{face}\n{TEXT}").array(), corners(VERTICES, [(0, 1, 2)]))
 
 
 def test_negative_indices_count_from_the_vertices_before_the_face():
@@ -57,10 +61,9 @@ def test_weights_colours_and_blanks(vertex):
     np.testing.assert_array_equal(read(text + "\nf 1 2 5").array(), corners(VERTICES, [(0, 1, 4)]))
 
 
-@pytest.mark.parametrize("feed", ["\n", "\r\n"])
-def test_continued_lines_across_chunks_of_the_text(feed):
-    count = 60_000
-    text = TEXT + f"f 1 \\{feed}2 \\{feed}3 # corners{feed}" * count
+def test_continued_lines_across_chunks_of_the_text():
+    count = 45_000
+    text = TEXT + "f 1 \\\r\n2 \\\r\n3 # corners\r\n" * count
     assert len(text) > 1 << 20
     np.testing.assert_array_equal(read(text).array(), corners(VERTICES, [(0, 1, 2)] * count))
 
@@ -71,19 +74,11 @@ def test_other_lines_do_not_matter():
     np.testing.assert_array_equal(read_back.array(), corners(VERTICES, [(0, 1, 2), (0, 2, 3), (0, 1, 4)]))
 
 
-def test_text_of_old_systems():
-    np.testing.assert_array_equal(read((TEXT + "f 1 2 3\n").replace("\n", "\r")).array()[0], VERTICES[:3])
-
-
 def test_polygons_become_fans():
     result = read(TEXT + "f 1 2 3 4\nf 5 1 2\nf 5 4 3 2 1\n")
     faces = [(0, 1, 2), (0, 2, 3), (4, 0, 1), (4, 3, 2), (4, 2, 1), (4, 1, 0)]
     np.testing.assert_array_equal(result.array(), corners(VERTICES, faces))
     assert "2 of 3 faces have more than three corners: cut into triangles" in result.notes
-
-
-def test_a_face_may_stand_before_its_vertices():
-    np.testing.assert_array_equal(read("f 1 2 3\n" + TEXT).array(), corners(VERTICES, [(0, 1, 2)]))
 
 
 def test_unused_vertices_do_not_matter():
@@ -126,11 +121,7 @@ def test_a_line_without_end_is_refused():
         read(b"v 1 2 3\nf 1 2 3 " + b"1 " * (9 << 20))
 
 
-def test_a_last_line_that_goes_on_nowhere():
-    assert read(TEXT + "f 1 2 3 \\").count == 1
-
-
-@pytest.mark.parametrize("count", [1000, 1025, 1500, 2500, 5000])
+@pytest.mark.parametrize("count", [1000, 2500])
 def test_digits_are_told_from_every_coordinate(count):
     """However many points are looked at, y and z are among the numbers."""
     points = "".join(f"v {k % 2} {np.sin(k):.6e} {np.cos(k):.6e}\n" for k in range(count))

@@ -19,7 +19,7 @@ def read(text):
 
 
 def test_many_chunks_of_text():
-    ring = torus(rings=150, sectors=100)
+    ring = torus(rings=90, sectors=50)
     np.testing.assert_array_equal(rows(read(off(ring)).array()), rows(ring))
 
 

@@ -37,25 +37,13 @@ def test_corners_are_those_of_the_file(ring):
     assert read.array().dtype == np.float64
 
 
-@pytest.mark.parametrize("rows", [1, 7, BLOCK, 6000, 10**6])
-def test_blocks_are_consecutive_and_can_be_read_again(ring, rows):
+@pytest.mark.parametrize("rows", [7, BLOCK, 10**6])
+def test_blocks_are_consecutive_for_two_readers_at_once(ring, rows):
     read = load_triangles(ring)
-    for _ in range(2):
-        blocks = list(read.blocks(rows))
-        assert {len(block) for block in blocks[:-1]} <= {rows}
-        np.testing.assert_array_equal(np.concatenate(blocks), RING.astype(np.float32))
-
-
-@pytest.mark.parametrize("from_memory", [False, True])
-def test_two_readers_do_not_disturb_each_other(ring, from_memory):
-    read = load_triangles(ring.read_bytes() if from_memory else ring)
-    for a, b in zip(read.blocks(100), read.blocks(100), strict=True):
-        np.testing.assert_array_equal(a, b)
-
-
-def test_columns_of_a_block_are_contiguous(ring):
-    block = next(load_triangles(ring).blocks())
-    assert block.transpose(1, 2, 0).flags.c_contiguous
+    blocks, others = zip(*zip(read.blocks(rows), read.blocks(rows), strict=True), strict=True)
+    assert {len(block) for block in blocks[:-1]} <= {rows}
+    for found in (blocks, others, list(load_triangles(ring.read_bytes()).records(rows))):
+        np.testing.assert_array_equal(np.concatenate(found), RING.astype(np.float32))
 
 
 def test_a_binary_file_is_never_in_memory_as_a_whole(tmp_path):
@@ -117,7 +105,7 @@ def test_the_line_of_a_bad_number_is_told():
         stl(data)
 
 
-@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("value", [np.nan, -np.inf])
 @pytest.mark.parametrize("write", [binary_stl, ascii_stl])
 def test_a_corner_that_is_not_finite_names_its_face(write, value):
     corners = RING.copy()
@@ -138,49 +126,38 @@ def test_a_file_that_changes_meanwhile_is_refused(ring):
         list(read.blocks())
 
 
-@pytest.mark.parametrize("feed", ["\n", "\r\n", "\r"])
-@pytest.mark.parametrize("change", [bytes, bytes.upper, lambda data: b"\xef\xbb\xbf" + data.replace(b" ", b" \t ")])
-def test_ascii_in_every_spelling(feed, change):
-    read = stl(change(ascii_stl(RING, feed=feed)))
+@pytest.mark.parametrize(
+    "data",
+    [
+        ascii_stl(RING, feed="\r\n").upper(),
+        b"\xef\xbb\xbf" + ascii_stl(RING, feed="\r").replace(b" ", b" \t "),
+        *(ascii_stl(RING, name) for name in ("", "vertex 1 2 3", "a solid, endfacet", "solid", "\xe9")),
+        *(
+            ascii_stl(RING).replace(b"facet normal 0 0 0", normal)
+            for normal in (b"facet", b"facet normal", b"facet normal nan nan -nan(ind)", b"facet normal 1 2")
+        ),
+    ],
+)
+def test_ascii_in_every_spelling(data):
+    """Ends of lines, cases and blanks, names of solids, and normals do not matter."""
+    read = stl(data)
     assert read.significand == 53
     np.testing.assert_array_equal(read.array(), RING)
 
 
-@pytest.mark.parametrize("number", ["%.17g", "%.9e", "%.6f", "%+.3E", "%g"])
-def test_ascii_numbers_are_correctly_rounded(number):
-    written = np.array([float(number % value) for value in RING.ravel()]).reshape(RING.shape)
-    np.testing.assert_array_equal(stl(ascii_stl(RING, number=number)).array(), written)
-
-
-@pytest.mark.parametrize(("number", "bits"), [("%.17g", 53), ("%.12g", 39), ("%.9g", 24), ("%.6g", 19), ("%.2f", 53)])
+@pytest.mark.parametrize(("number", "bits"), [("%.12g", 39), ("%.9e", 33), ("%+.6g", 19), ("%.2f", 53)])
 def test_the_digits_of_a_text_tell_how_far_it_is_rounded(number, bits):
-    """Numbers of fewer than five digits are taken as exact."""
-    assert stl(ascii_stl(RING, number=number)).significand == bits
-
-
-@pytest.mark.parametrize("name", ["", "vertex 1 2 3", "a solid, endfacet", "solid", "\xe9"])
-def test_names_of_solids_do_not_matter(name):
-    np.testing.assert_array_equal(stl(ascii_stl(box(), name)).array(), box())
+    """Numbers of fewer than five digits are taken as exact; all are rounded correctly."""
+    found = stl(ascii_stl(RING, number=number))
+    assert found.significand == bits
+    written = np.array([float(number % value) for value in RING.ravel()]).reshape(RING.shape)
+    np.testing.assert_array_equal(found.array(), written)
 
 
 def test_several_solids_are_taken_together():
     read = stl(ascii_stl(box()) + ascii_stl(RING))
     np.testing.assert_array_equal(read.array(), np.concatenate([box(), RING]))
     assert "2 solids are taken together" in read.notes
-
-
-@pytest.mark.parametrize("normal", [b"facet", b"facet normal", b"facet normal nan nan -nan(ind)", b"facet normal 1 2"])
-def test_normals_do_not_matter(normal):
-    data = ascii_stl(box()).replace(b"facet normal 0 0 0", normal)
-    np.testing.assert_array_equal(stl(data).array(), box())
-
-
-def test_records_of_bytes_are_those_bytes():
-    data = binary_stl(RING)
-    blocks = list(load_triangles(data).records(100))
-    assert np.array_equal(np.concatenate(blocks), RING.astype(np.float32))
-    assert all(np.shares_memory(block, np.frombuffer(data, np.uint8)) for block in blocks)
-    assert max(map(len, blocks)) == 100
 
 
 def test_a_header_that_counts_too_few_triangles_is_a_warning_with_both_numbers(tmp_path):

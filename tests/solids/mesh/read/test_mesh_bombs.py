@@ -69,6 +69,12 @@ def _objects(uses, last):
     return _archive("</resources>\n<build>", item)
 
 
+def _promising(archive, size):
+    """An archive whose table says this of the first file."""
+    at = archive.index(b"PK\x01\x02") + 24
+    return archive[:at] + size.to_bytes(4, "little") + archive[at + 4 :]
+
+
 def _glb(nodes, **changes):
     return glb(BOX, nodes=nodes, **changes)
 
@@ -127,7 +133,7 @@ SCENES = {
         ),
         "objects more than 200 deep",
     ),
-    "3mf: unpacks": (lambda: _archive("<resources>", "<resources>" + " " * 150_000_000), "unpacks to 150000"),
+    "3mf: unpacks": (lambda: _promising(three_mf(BOX), 2**32 - 2), "unpacks to 4294967294 bytes"),
 }
 
 
@@ -224,16 +230,16 @@ def test_lines_that_are_continued_without_end():
         load_triangles(corners + b"\\\n" * 10_000_000, file_type="obj")
 
 
-@pytest.mark.parametrize("corners", ["1 2 3 ", "1 2 ", "1 ", "1 2 3 4 "])
+@pytest.mark.parametrize("corners", ["1 ", "1 2 3 4 "])
 def test_a_polygon_that_names_few_corners_often(corners):
     text = f"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf {corners * 2000}\n"
     with pytest.raises(MeshError, match=r"no volume|no triangle with an area|not closed"):
         mass_properties(text.encode(), file_type="obj")
 
 
-@pytest.mark.parametrize("count", [30, 3000])
-def test_a_polygon_that_crosses_itself(count):
+def test_a_polygon_that_crosses_itself():
     """A star whose fan and caps fold over each other as often as it has corners: few winding numbers are taken."""
+    count = 3000
     turn = 6.28 * 0.49 * np.arange(count)
     places = np.stack([np.cos(turn) * (1 + np.arange(count) % 2), np.sin(turn), np.arange(count) % 5], axis=1)
     text = "".join(f"v {x} {y} {z}\n" for x, y, z in places) + f"f {' '.join(map(str, range(1, count + 1)))}\n"
@@ -259,7 +265,7 @@ def test_headers_with_many_properties_and_elements():
     assert load_triangles(head + more + b"element face" + rest, file_type="ply").count == 1
 
 
-@pytest.mark.parametrize("copies", [2, 3, 20_000, 20_001])
+@pytest.mark.parametrize("copies", [3, 20_000])
 def test_faces_given_very_often(copies):
     part = mass_properties(np.tile(tetrahedron(), (copies, 1, 1)))
     assert part.body.volume == pytest.approx(10, rel=1e-12)

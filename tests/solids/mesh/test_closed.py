@@ -1,18 +1,19 @@
-"""The fingerprint against what it stands for: directed edges, counted one by one."""
+"""Closed surfaces, and one shell, against edges and faces counted one by one."""
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, defaultdict
 
 import numpy as np
 import pytest
 from helpers.mesh_oracle import rational_moments_from, rotation
-from helpers.mesh_samples import box, corners, cylinder, flipped, moved, sheet, torus, uv_sphere
+from helpers.mesh_samples import box, corners, cylinder, flipped, moved, sheet, tetrahedron, torus, uv_sphere
 from helpers.sampled import sampled
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robodyn.solids.mesh.closed import fingerprint
+from robodyn.solids.mesh import closed
+from robodyn.solids.mesh.closed import fingerprint, is_one_shell
 from robodyn.solids.mesh.triangles import ROWS, MemoryTriangles
 
 
@@ -63,36 +64,38 @@ def test_closed(body):
     assert agrees(CLOSED[body]).closed
 
 
-@pytest.mark.parametrize("body", CLOSED)
-def test_open_by_one_triangle(body):
-    found = agrees(CLOSED[body][1:])
+def split(whole):
+    """With a corner in the middle of an edge."""
+    a, b, c = whole[0]
+    return np.concatenate([whole[1:], [(a, (a + b) / 2, c), ((a + b) / 2, b, c)]])
+
+
+def beside(whole):
+    """With one corner at the next float."""
+    array = whole.copy()
+    array[0, 0, 0] = np.nextafter(array[0, 0, 0], 1)
+    return array
+
+
+OPEN = {name: body[1:] for name, body in CLOSED.items()}
+OPEN |= {"split": split(box()), "beside": beside(box()), "a face twice": np.concatenate([torus(), torus()[:1]])}
+
+
+@pytest.mark.parametrize("body", OPEN)
+def test_open(body):
+    found = agrees(OPEN[body])
     assert not found.closed
     assert not found.mixed
 
 
-@pytest.mark.parametrize("body", ["box", "torus", "sphere", "cavity", "several blocks"])
+@pytest.mark.parametrize("body", ["box", "cavity"])
 def test_mixed_winding(body):
     array = CLOSED[body].copy()
     array[3::5] = flipped(array[3::5])
     found = agrees(array)
     assert found.mixed
     assert not found.closed
-
-
-def test_open_and_mixed_is_open():
-    array = np.concatenate([flipped(torus()[:5]), torus()[5:-1]])
-    assert not agrees(array).mixed
-
-
-def test_a_duplicate_face_opens_the_boundary():
-    assert not agrees(np.concatenate([torus(), torus()[:1]])).closed
-
-
-def test_a_corner_in_the_middle_of_an_edge_opens_the_boundary():
-    whole = box()
-    a, b, c = whole[0]
-    halves = np.array([(a, (a + b) / 2, c), ((a + b) / 2, b, c)])
-    assert not agrees(np.concatenate([whole[1:], halves])).closed
+    assert not agrees(array[1:]).mixed
 
 
 def test_degenerate_faces_do_not_matter():
@@ -108,12 +111,6 @@ def test_minus_zero_is_zero():
     array[::2][array[::2] == 0] = -0.0
     assert np.signbit(array[array == 0]).any()
     assert agrees(array).closed
-
-
-def test_neighbouring_floats_are_not_the_same_corner():
-    array = box()
-    array[0, 0, 0] = np.nextafter(array[0, 0, 0], 1)
-    assert not agrees(array).closed
 
 
 def test_order_does_not_matter():
@@ -157,7 +154,10 @@ def test_glued_tetrahedra(places, data):
     dropped = data.draw(st.lists(st.integers(0, len(whole) - 1), max_size=3))
     turned = data.draw(st.lists(st.integers(0, len(whole) - 1), max_size=3))
     whole[turned] = flipped(whole[turned])
-    agrees(np.delete(whole, dropped, axis=0))
+    left = np.delete(whole, dropped, axis=0)
+    agrees(left)
+    for array in (whole, left):
+        assert one_shell(array) == visited(array)
 
 
 @given(points, st.data())
@@ -173,19 +173,74 @@ def test_closed_is_when_the_integral_does_not_depend_on_the_origin(places, data)
     assert independent or not printed(array).closed
 
 
-@given(st.lists(st.floats(0.1, 2.0), min_size=3, max_size=20), st.floats(0.01, 10.0), st.integers(0, 99))
-def test_extruded_polygons(radii, height, seed):
-    angle = 2 * np.pi * np.arange(len(radii)) / len(radii)
-    ring = np.stack([radii * np.cos(angle), radii * np.sin(angle), 0 * angle], axis=1)
-    n, k = len(ring), np.arange(len(ring))
-    places = np.concatenate([ring, ring + np.array((0, 0, height)), [(0, 0, 0), (0, 0, height)]])
-    after = np.roll(k, -1)
-    sides = [
-        (k, after, after + n),
-        (k, after + n, k + n),
-        (after, k, 2 * n + 0 * k),
-        (k + n, after + n, 2 * n + 1 + 0 * k),
-    ]
-    body = moved(corners(places, np.concatenate([np.stack(side, axis=1) for side in sides])), R=rotation(seed))
-    assert agrees(body).closed
-    assert not agrees(body[1:]).closed
+def one_shell(array):
+    return is_one_shell(MemoryTriangles("body", np.asarray(array)))
+
+
+def visited(array):
+    """Two faces on every edge, and all of them reached from the first over edges."""
+    faces_on = defaultdict(list)
+    faces = [[tuple(corner) for corner in face] for face in (np.asarray(array) + 0.0).tolist()]
+    for number, (a, b, c) in enumerate(faces):
+        for edge in ((a, b), (b, c), (c, a)):
+            faces_on[frozenset(edge)].append(number)
+    waiting, seen = [0], {0}
+    while waiting:
+        a, b, c = faces[waiting.pop()]
+        for edge in ((a, b), (b, c), (c, a)):
+            new = set(faces_on[frozenset(edge)]) - seen
+            seen |= new
+            waiting.extend(new)
+    two = all(len(edge) == 2 and len(numbers) == 2 for edge, numbers in faces_on.items())
+    return two and len(seen) == len(faces)
+
+
+ONE = {
+    "tetrahedron": tetrahedron(),
+    "inwards": flipped(torus()),
+    "float32": torus().astype(np.float32),
+    "several blocks": cylinder(1, 1, ROWS),
+    "minus zero": np.where(box((2, 2, 2)) + 1.0 == 0, -0.0, box((2, 2, 2)) + 1.0),
+    "any order": np.random.default_rng(0).permutation(torus(2.0, 0.5, 80, 60)),
+    "any first corner": np.roll(torus(), 1, axis=1),
+    "a sheet from both sides": np.concatenate([sheet(), flipped(sheet()[:, [1, 2, 0]])])[[0, 2]],
+}
+OTHER = {
+    "two": np.concatenate([box(), moved(box(), (3, 0, 0))]),
+    "many": np.concatenate([moved(box(), (2 * k, 0, 0)) for k in range(ROWS // 12 + 5)]),
+    "cavity": np.concatenate([box((3, 3, 3)), flipped(box())]),
+    "an edge of four faces": np.concatenate([box(), moved(box(), (1, 1, 0))]),
+    "a corner of two": np.concatenate([box(), moved(box(), (1, 1, 1))]),
+    "the same twice": np.concatenate([box(), box()]),
+    "a wall": np.concatenate([box(), box()[:1], flipped(box()[:1])]),
+    "open": torus()[1:],
+    "a face without area": np.concatenate([torus(), torus()[:1, [0, 0, 1]]]),
+    "a point": np.concatenate([torus(), np.repeat(torus()[:1, :1], 3, axis=1)]),
+    "two blocks of shells": np.concatenate([cylinder(1, 1, ROWS), moved(cylinder(1, 1, ROWS), (0, 0, 3))]),
+}
+
+
+@pytest.mark.parametrize("body", ONE)
+def test_one_shell(body):
+    assert visited(ONE[body])
+    assert one_shell(ONE[body])
+
+
+@pytest.mark.parametrize("body", OTHER)
+def test_not_one_shell(body):
+    assert not visited(OTHER[body])
+    assert not one_shell(OTHER[body])
+
+
+def test_edges_with_a_hash_in_common_are_told_apart(monkeypatch):
+    """Hashes of 33 bits, of which strips leave some 20."""
+    body, sides_of, exact = torus(2.0, 0.5, 40, 30), closed._sides, closed._two_on_each
+    asked = []
+    monkeypatch.setattr(closed, "_sides", lambda mesh: (sides_of(mesh)[0] >> np.uint64(30), sides_of(mesh)[1]))
+    monkeypatch.setattr(closed, "_two_on_each", lambda sides: asked.append(len(sides)) or exact(sides))
+    rng = np.random.default_rng(5)
+    assert one_shell(rng.permutation(body))
+    assert asked
+    for other in (moved(body, (9, 0, 0)), body[:2], body):
+        assert not one_shell(rng.permutation(np.concatenate([body, other])))
+    assert not one_shell(rng.permutation(body)[1:])

@@ -1,0 +1,269 @@
+"""Integrals of closed surfaces: books, exact rationals by another formula, thin bodies, their bounds."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from helpers.mesh_oracle import centred, deviation, rational_moments, rational_moments_from, rotation
+from helpers.mesh_samples import box, cone, corners, cylinder, flipped, moved, tetrahedron, torus, uv_sphere
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from robodyn.solids.inertia.principal import principal_axes
+from robodyn.solids.inertia.properties import from_integrals
+from robodyn.solids.mesh.integrals import Moments, integrate, volume_bound
+from robodyn.solids.mesh.triangles import MemoryTriangles
+
+EPS = np.finfo(float).eps
+
+
+def central(corners):
+    """Volume, centre and inertia matrix about the centre at density 1."""
+    found = integrate(MemoryTriangles("body", corners))
+    offset = found.first / found.volume
+    S = found.S - found.volume * np.outer(offset, offset)
+    return found.volume, found.reference + offset, np.trace(S) * np.eye(3) - S
+
+
+def normwise(found, expected, k=8):
+    assert np.abs(found - np.asarray(expected)).max() <= k * EPS * np.abs(expected).max()
+
+
+def test_mirtichs_tetrahedron():
+    volume, centre, inertia = central(tetrahedron())
+    normwise(volume, 10.0)
+    normwise(centre, (1.25, 1.0, 0.75))
+    normwise(inertia, [[9.375, 2.5, 1.875], [2.5, 12.75, 1.5], [1.875, 1.5, 15.375]])
+
+
+def test_tonons_tetrahedron_to_the_printed_digits():
+    corners = [(8.33220, -11.86875, 0.93355), (0.75523, 5, 16.37072), (52.61236, 5, -5.38580), (2, 5, 3)]
+    _, centre, inertia = central(tetrahedron(corners))
+    normwise(centre, np.mean(corners, axis=0))
+    assert np.diagonal(inertia) == pytest.approx((43520.33329, 194711.29259, 191168.76489), rel=5e-8)
+    products = sorted(np.abs(inertia[np.triu_indices(3, 1)]))
+    assert products == pytest.approx((4417.66150, 11996.20119, 46343.16662), rel=5e-8)
+
+
+def test_box():
+    offset = (7, -3, 0.125)
+    a, b, c = sizes = np.array((0.375, 2.0, 0.0625))
+    volume, centre, inertia = central(moved(box(sizes), offset))
+    normwise(volume, a * b * c)
+    assert (centre == offset).all()
+    normwise(inertia, a * b * c / 12 * np.diag((b * b + c * c, a * a + c * c, a * a + b * b)))
+
+
+def test_prism_on_a_regular_polygon():
+    n, r, h = 47, 0.7, 1.9
+    area = n / 2 * np.sin(2 * np.pi / n) * r**2
+    across = area * h * r**2 / 12 * (2 + np.cos(2 * np.pi / n))
+    along = area * h**3 / 12
+    volume, _, inertia = central(cylinder(r, h, n))
+    normwise(volume, area * h)
+    normwise(inertia, np.diag((across + along, across + along, 2 * across)))
+
+
+def test_pyramid_on_a_regular_polygon():
+    n, r, h = 31, 0.4, 3.0
+    volume, centre, _ = central(cone(r, h, n))
+    normwise(volume, n / 2 * np.sin(2 * np.pi / n) * r**2 * h / 3)
+    normwise(centre, (0, 0, h / 4))
+
+
+def test_sphere_and_torus_are_approached_with_the_square_of_the_step():
+    r, R, sectors = 0.5, 2.0, 64
+    volume, _, inertia = central(torus(R, r, sectors, sectors))
+    exact = 2 * np.pi**2 * R * r**2
+    step = (2 * np.pi / sectors) ** 2
+    assert volume == pytest.approx(exact, rel=step / 2)
+    side = (4 * R**2 + 5 * r**2) / 8
+    assert inertia == pytest.approx(exact * np.diag((side, side, R**2 + 0.75 * r**2)), rel=step, abs=EPS * exact)
+    volume, _, inertia = central(uv_sphere(r, sectors, sectors))
+    exact = 4 / 3 * np.pi * r**3
+    assert volume == pytest.approx(exact, rel=step / 2)
+    assert inertia == pytest.approx(exact * 0.4 * r**2 * np.eye(3), rel=step, abs=EPS * exact)
+
+
+BODIES = {
+    "box": box((0.3, 2.0, 0.7)),
+    "tetrahedron": tetrahedron(),
+    "sphere": uv_sphere(0.77, 12, 25),
+    "cylinder": cylinder(0.37, 1.3, 100),
+    "cone": cone(0.5, 1.0, 40),
+    "torus": torus(2.0, 0.5, 24, 12),
+    "two": np.concatenate([box(), moved(torus(1, 0.3, 16, 8), (2.1, 0.2, -0.4))]),
+    "cavity": np.concatenate([box((3, 3, 3)), flipped(uv_sphere(1, 8, 16))]),
+}
+
+
+def integrals(array, exact=False):
+    return integrate(MemoryTriangles("body", array), exact)
+
+
+def errors(found, array):
+    """Relative errors of volume and second moments, normwise, against rationals."""
+    V, _, S = rational_moments(array, found.reference)
+    return deviation(found.volume, V), deviation(found.S, S)
+
+
+@pytest.mark.parametrize("body", BODIES)
+@pytest.mark.parametrize("offset", [0, 1e8])
+def test_within_1e15_wherever_the_origin_is(body, offset):
+    array = moved(BODIES[body], np.array((0.6, -1.0, 0.8)) * offset, rotation(3))
+    found = integrals(array)
+    volume, second = errors(found, array)
+    assert volume <= min(1e-15, found.bound)
+    assert second <= 1e-15
+    assert found.method == "float64"
+
+
+@pytest.mark.parametrize("body", BODIES)
+@pytest.mark.parametrize("scale", [1e-50, 1e50])
+def test_within_1e15_at_any_scale(body, scale):
+    array = moved(BODIES[body], (1, 2, 3), rotation(7)) * scale
+    found = integrals(array)
+    assert max(errors(found, array)) <= 1e-15
+    assert found.method == "float64"
+
+
+@pytest.mark.parametrize("sectors", [707, 1040])
+def test_equal_terms_do_not_pile_up_their_rounding(sectors):
+    array = cylinder(1.0, 2.0, sectors)
+    assert max(errors(integrals(array), array)) <= 2 * EPS
+
+
+def test_float32_corners_are_integrated_as_they_are():
+    array = moved(BODIES["torus"], (1e3, 2e3, -4e3), rotation(1)).astype(np.float32)
+    assert max(errors(integrals(array), array)) <= 1e-15
+
+
+@pytest.mark.parametrize("body", BODIES)
+@pytest.mark.parametrize("place", [1, 1e8])
+def test_exact_is_correctly_rounded(body, place):
+    array = moved(BODIES[body], np.array((0.1, 1.0, -0.3)) * place, rotation(5))
+    found = integrals(array, exact=True)
+    V, first, S = rational_moments(array, found.reference)
+    assert (found.moments.volume, *found.moments.first) == (V, *first)
+    assert (found.moments.second == S).all()
+    assert found.volume == float(V)
+    assert (S.astype(float) == found.S).all()
+    assert found.method == "rational"
+    assert found.bound == EPS / 2
+
+
+@pytest.mark.parametrize(("small", "large"), [(1e-300, 1e50), (5e-324, 1.0), (2.0**-60, 3e7)])
+def test_exact_over_many_orders_of_magnitude(small, large):
+    array = moved(BODIES["torus"][:9], (0.5, 0.25, 2))
+    array[1, 2] = (small, -large, 3 * small)
+    found = integrals(array, exact=True)
+    V, first, S = rational_moments_from(found.reference, array)
+    assert (found.moments.volume, *found.moments.first) == (V, *first)
+    assert (found.moments.second == S).all()
+
+
+numbers = st.one_of(
+    st.integers(-3, 3).map(float),
+    st.floats(-2.0, 2.0),
+    st.floats(-1e12, 1e12),
+    st.sampled_from([0.1, -0.0, 1e-20]),
+)
+
+
+@given(st.lists(st.tuples(*[numbers] * 3), min_size=3, max_size=8), st.data())
+def test_exact_on_any_triangles(points, data):
+    index = st.integers(0, len(points) - 1)
+    faces = data.draw(st.lists(st.tuples(index, index, index), min_size=1, max_size=12))
+    array = corners(points, faces)
+    found = integrals(array, exact=True)
+    V, first, S = rational_moments_from(found.reference, array)
+    assert (found.moments.volume, *found.moments.first) == (V, *first)
+    assert (found.moments.second == S).all()
+
+
+THIN = {
+    "box": box(),
+    "tetrahedron": tetrahedron(),
+    "sphere": uv_sphere(1, 8, 12),
+    "cylinder": cylinder(0.5, 1.0, 24),
+    "torus": torus(1.0, 0.3, 16, 8),
+}
+FINER = {"long double", "rational"}
+
+
+def principal_errors(found, array):
+    """Relative error of each principal second moment about the centre."""
+    expected = principal_axes(centred(*rational_moments(array, found.reference))).second
+    return np.abs(principal_axes(centred(*found.moments)).second / expected - 1)
+
+
+@pytest.mark.parametrize(
+    ("sizes", "body"), [((1, 1, 1e-6), "box"), ((1, 1e-6, 1e-6), "sphere"), ((1, 1e-3, 1e-6), "cylinder")]
+)
+@pytest.mark.parametrize("place", [(0, 0, 0), (1e3, 2e2, -1e3)])
+def test_in_any_pose(sizes, body, place):
+    array = moved(THIN[body] * sizes, place, rotation(11))
+    found = integrals(array)
+    assert principal_errors(found, array).max() <= 1e-12
+    assert deviation(found.volume, rational_moments(array, found.reference)[0]) <= 1e-12
+    assert found.method in FINER
+
+
+@pytest.mark.parametrize(("sizes", "body"), [((1, 1, 1e-6), "box"), ((1, 1e-6, 1e-6), "sphere")])
+def test_along_the_axes_float64_is_enough(sizes, body):
+    array = moved(THIN[body] * sizes, (0.5, -2, 0.25))
+    found = integrals(array)
+    assert found.method == "float64"
+    assert principal_errors(found, array).max() <= 1e-14
+
+
+def test_mass_properties_keep_the_small_moments():
+    array = moved(box((1, 1e-6, 1e-6)), (3, 2, 1), rotation(2))
+    found = integrals(array)
+    body = from_integrals(*found.moments, density=1.0, reference=found.reference)
+    expected = principal_axes(centred(*rational_moments(array, (0, 0, 0))))
+    assert body.principal.second == pytest.approx(expected.second, rel=1e-12)
+    assert body.principal.moments == pytest.approx(expected.moments, rel=1e-12)
+
+
+@pytest.mark.skipif(np.finfo(np.longdouble).nmant < 63, reason="long doubles have no more bits here")
+def test_long_double_is_tried_before_integers():
+    assert integrals(moved(box((1, 1, 0.03)), R=rotation(5))).method == "long double"
+    assert integrals(moved(box((1, 1, 1e-6)), R=rotation(5))).method == "rational"
+
+
+def test_where_long_doubles_are_no_wider_integers_follow(monkeypatch):
+    monkeypatch.setattr(np, "longdouble", np.float64)
+    assert integrals(moved(box((1, 1, 0.03)), R=rotation(5))).method == "rational"
+
+
+@given(
+    body=st.sampled_from(sorted(THIN)),
+    exponents=st.tuples(*[st.floats(-5, 0)] * 3),
+    seed=st.integers(0, 99),
+    offset=st.sampled_from([0.0, 1.0, 1e3]),
+)
+@example(body="box", exponents=(0.0, 0.0, -1.5), seed=1, offset=0.0)
+@example(body="box", exponents=(0.0, 0.0, -2.5), seed=1, offset=1.0)
+@example(body="cylinder", exponents=(0.0, -2.5, -2.5), seed=4, offset=1e3)
+def test_no_bound_is_broken(body, exponents, seed, offset):
+    array = moved(THIN[body] * 10.0 ** np.array(exponents), np.array((0.3, 0.1, -0.9)) * offset, rotation(seed))
+    found = integrals(array)
+    V, _, _ = rational_moments(array, found.reference)
+    assert deviation(found.volume, V) <= found.bound <= 1e-12
+    assert principal_errors(found, array).max() <= found.bound_second + 16 * EPS
+    assert found.bound_second <= 1e-12
+
+
+ONE = Moments(Fraction(1), np.zeros(3), np.eye(3))
+
+
+@pytest.mark.parametrize("perm", [12.34567, 9.999e5])
+def test_last_digits_do_not_show(perm: float) -> None:
+    bounds = [volume_bound(ONE, perm * (1 + k * 1e-15), 1e-16) for k in (-3, 0, 5)]
+    exact = 8e-16 * perm + 2.0**-53
+    assert len(set(bounds)) == 1
+    assert exact <= bounds[0] <= 1.01 * exact
+    assert float(f"{bounds[0]:.2e}") == bounds[0]

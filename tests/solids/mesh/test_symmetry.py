@@ -1,0 +1,232 @@
+"""Planes, axes and products of inertia that vanish, of bodies of which they are known; averages over them."""
+
+from __future__ import annotations
+
+from math import inf, pi
+
+import numpy as np
+import pytest
+from helpers import mesh_samples as samples
+from helpers.symmetric_bodies import any_rotation, bracket, cavity, found, pinwheel, verdicts
+
+from robodyn.errors import MeshError
+from robodyn.solids.inertia.properties import from_integrals
+from robodyn.solids.mesh.asymmetry import CentredBody, mirror
+from robodyn.solids.mesh.integrals import integrate
+from robodyn.solids.mesh.read.load import from_array
+from robodyn.solids.mesh.symmetry import symmetrized
+from robodyn.support.floats import first_largest
+
+
+def test_box_has_three_exact_planes_through_its_centre():
+    planes = found(samples.moved(samples.box((1, 2, 3)), (5, 7, 9))).planes
+    assert verdicts(planes) == ["exact"] * 3
+    assert max(plane.asymmetry for plane in planes) <= 1e-14
+    normals = np.array([plane.normal for plane in planes])
+    np.testing.assert_allclose(np.abs(normals).sum(axis=0), 1.0, atol=1e-14)
+    np.testing.assert_allclose([plane.offset for plane in planes], normals @ (5, 7, 9), rtol=1e-14)
+
+
+def test_angle_bracket_has_one_plane_in_any_pose_and_a_tetrahedron_none():
+    R = any_rotation(2)
+    given = found(samples.moved(bracket(), (100.0, -300.0, 50.0), R))
+    assert verdicts(given.planes) == ["exact", "none", "none"]
+    np.testing.assert_allclose(np.abs(given.planes[0].normal @ R), (0, 0, 1), atol=1e-11)
+    askew = found(samples.moved(bracket(), (0.1, 0.2, 0.3), any_rotation(1)).astype(np.float32)).planes[0]
+    assert (askew.verdict, 0 < askew.asymmetry < 1e-6) == ("exact", True)
+    planes = found(samples.tetrahedron()).planes
+    assert verdicts(planes) == ["none"] * 3
+    assert min(plane.asymmetry for plane in planes) > 0.3
+    assert given.axes == found(samples.tetrahedron()).axes == ()
+
+
+def test_winding_and_scale_do_not_matter():
+    body = bracket()
+    reference = [plane.asymmetry for plane in found(body).planes]
+    for other in (samples.flipped(body), body * 2.0**-20, body * 2.0**20):
+        assert [plane.asymmetry for plane in found(other).planes] == pytest.approx(reference, rel=1e-9, abs=1e-14)
+
+
+def test_hole_off_the_plane_is_seen():
+    """A hole of 0.07 % moves the centre and tilts the principal axes, which adds to its own share."""
+    body = np.concatenate([samples.box((2.0, 1.0, 0.9)), cavity((0.6, 0.3, 0.2), (0.14, 0.1, 0.09))])
+    planes = found(body).planes
+    assert verdicts(planes) == ["near"] * 3
+    assert min(plane.asymmetry for plane in planes) > 7e-4
+    assert max(plane.asymmetry for plane in planes) < 1e-2
+
+
+@pytest.mark.parametrize("size", [0.02, 0.005])
+def test_hole_between_the_columns_is_seen_by_the_moments(size):
+    body = np.concatenate([samples.box((1.0, 2.0, 3.0)), cavity((0.3, 0.6, 0.9), (size, size, size))])
+    for plane in found(body, tolerance=1e-9).planes:
+        assert plane.asymmetry > size**3 / 6 / 2
+        assert plane.verdict == "near"
+
+
+def test_score_is_the_symmetric_difference_about_the_plane_that_is_reported():
+    """A box about the origin with a hole at x = 0.01: the plane goes through the common centre, a little beside it."""
+    shift, V, hole = 0.01, 8 - 0.4**3, 0.4**3
+    body = np.concatenate([samples.box((4, 2, 1)), cavity((shift, 0, 0), (0.4, 0.4, 0.4))])
+    (across,) = [plane for plane in found(body).planes if abs(plane.normal[0]) > 0.9]
+    centre = -hole * shift / V
+    assert across.offset * across.normal[0] == pytest.approx(centre, rel=1e-9)
+    expected = (4 * abs(centre) * 2 * 1 + 4 * (shift - centre) * 0.4**2) / (2 * V)
+    assert across.asymmetry == pytest.approx(expected, rel=0.03)
+
+
+def test_no_volume_is_an_error():
+    with pytest.raises(MeshError, match="no volume"):
+        found(samples.sheet())
+
+
+@pytest.mark.parametrize("body", [samples.box((1, 2, 3)), samples.box(), samples.cylinder(height=3.0, sectors=5)])
+def test_normals_and_axes_point_to_their_largest_component(body):
+    """The first of ties: whichever sign an eigenvector or an angle came with."""
+    symmetry = found(samples.moved(body, (1.0, 2.0, 3.0), any_rotation(3)))
+    listed = [*(plane.normal for plane in symmetry.planes), *(axis.direction for axis in symmetry.axes)]
+    listed += [plane.normal for plane in found(body).planes]
+    assert len(listed) > 3
+    assert all(line[first_largest(np.abs(line))] > 0 for line in listed)
+
+
+def listed(corners):
+    return [(axis.fold, axis.verdict) for axis in found(corners).axes]
+
+
+def test_box_has_three_axes_of_half_turns():
+    assert listed(samples.box((1, 2, 3))) == [(2, "exact")] * 3
+
+
+def test_cube_has_thirteen_axes_and_nine_planes():
+    assert sorted(listed(samples.box())) == [(2, "exact")] * 6 + [(3, "exact")] * 4 + [(4, "exact")] * 3
+    planes = found(samples.box()).planes
+    assert verdicts(planes) == ["exact"] * 9
+    directions = np.sort([np.round(np.abs(plane.normal) * 2**0.5, 9) ** 2 for plane in planes], axis=1)
+    assert sorted(map(tuple, directions.round(6))) == sorted([(0, 0, 2)] * 3 + [(0, 1, 1)] * 6)
+
+
+@pytest.mark.parametrize("sectors", [3, 4, 7])
+def test_prism_has_the_fold_of_its_polygon_and_is_not_round(sectors):
+    verdict = found(samples.cylinder(height=3.0, sectors=sectors))
+    axes = [(axis.fold, axis.verdict) for axis in verdict.axes]
+    assert axes == [(sectors, "exact")] + [(2.0, "exact")] * sectors
+    assert verdicts(verdict.planes) == ["exact"] * (sectors + 1)
+
+
+@pytest.mark.parametrize("sectors", [24, 77])
+@pytest.mark.parametrize("body", [samples.cylinder, samples.cone])
+def test_facets_of_a_round_body_are_told_from_it(body, sectors):
+    axes = found(body(height=3.0, sectors=sectors)).axes
+    assert [(axis.fold, axis.verdict) for axis in axes] == [(sectors, "exact"), (inf, "within tessellation")]
+    facets = (2 * pi / sectors) ** 2 / 6
+    assert 0.1 * facets < axes[1].asymmetry < facets
+
+
+def test_torus_is_round():
+    body = samples.moved(samples.torus(rings=40), (10, -20, 5), any_rotation(3))
+    axes = found(body).axes
+    assert [(axis.fold, axis.verdict) for axis in axes] == [(40, "exact"), (inf, "within tessellation")]
+    for axis in axes:
+        np.testing.assert_allclose(np.abs(any_rotation(3).T @ axis.direction), (0, 0, 1), atol=1e-10)
+        np.testing.assert_allclose(axis.point, (10, -20, 5), rtol=1e-13)
+
+
+def test_ball_is_round_about_two_axes():
+    axes = found(samples.uv_sphere(rings=24, sectors=48)).axes
+    assert [axis.fold for axis in axes] == [48, inf, inf]
+    assert [axis.verdict for axis in axes] == ["exact", "within tessellation", "within tessellation"]
+
+
+def test_pinwheel_has_an_axis_and_only_the_plane_across():
+    assert listed(pinwheel()) == [(3, "exact")]
+    (plane,) = [plane for plane in found(pinwheel()).planes if plane.verdict != "none"]
+    np.testing.assert_allclose(np.abs(plane.normal), (0, 0, 1), atol=1e-14)
+
+
+def test_half_turn_without_planes():
+    one = samples.moved(samples.box((1.0, 0.5, 0.3)), (0.2, 1.0, 1.0), any_rotation(7))
+    other = samples.moved(one, R=np.diag([1.0, -1.0, -1.0]))
+    body = np.concatenate([one, other])
+    assert listed(body) == [(2, "exact")]
+    assert all(plane.verdict == "none" for plane in found(body).planes)
+
+
+def zeros(corners):
+    return [product.axes for product in found(corners).products if product.zero]
+
+
+def test_plane_makes_the_products_with_its_normal_zero():
+    assert zeros(bracket()) == ["xz", "yz"]
+    products = {product.axes: product for product in found(bracket()).products}
+    assert abs(products["xz"].relative) <= 1e-14
+    assert products["xy"].residual == pytest.approx(-1.5 * 0.75, rel=1e-12)
+
+
+def test_axis_of_any_fold_does_so_too():
+    assert zeros(pinwheel()) == ["xy", "xz", "yz"]
+
+
+def test_askew_body_has_planes_but_no_product_that_is_zero():
+    assert zeros(samples.moved(samples.box((1, 2, 3)), R=any_rotation(2))) == []
+    assert zeros(samples.moved(samples.box(), R=any_rotation(2))) == ["xy", "xz", "yz"]
+    assert zeros(samples.tetrahedron()) == []
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_asymmetry_is_not_below_what_products_and_moments_allow(seed):
+    triangles = from_array(samples.moved(bracket(), R=any_rotation(seed)))
+    body = CentredBody.of(triangles, integrate(triangles))
+    for normal in any_rotation(seed + 10):
+        across = np.eye(3)[0] - normal[0] * normal
+        across /= np.linalg.norm(across)
+        points = body.corners.reshape(-1, 3)
+        integral = abs(across @ body.S @ normal)
+        bound = integral / (body.volume * np.abs(points @ across).max() * np.abs(points @ normal).max())
+        assert 1e-4 < bound <= body.mirrored(normal)
+        assert 0 < body.least(mirror(normal)) <= body.mirrored(normal)
+
+
+def test_average_with_the_mirror_image_has_no_product_with_the_normal():
+    """A hole off the plane moves the centre, which goes back."""
+    R = any_rotation(5)
+    whole = samples.moved(bracket(), (1.0, 2.0, 3.0), R)
+    hole = samples.moved(cavity((0.5, 0.5, 0.4), (0.3, 0.2, 0.1)), (1.0, 2.0, 3.0), R)
+    given = properties(np.concatenate([whole, hole]))
+    average = symmetrized(given, found(whole))
+    plane = found(whole).planes[0]
+    n, eps = plane.normal, np.finfo(float).eps
+    assert abs(given.com @ n - plane.offset) > 1e-4
+    assert abs(average.com @ n - plane.offset) <= 4e-15
+    np.testing.assert_allclose(np.cross(average.com - given.com, n), 0, atol=2e-15)
+    product = average.S_c @ n
+    assert np.abs(product - n * (n @ product)).max() <= 4 * eps * np.trace(average.S_c)
+    assert (average.mass, average.volume) == (given.mass, given.volume)
+    half = given.scaled_to_mass(given.mass / 2)
+    both = half + half.placed(mirror(n), 2 * plane.offset * n)
+    np.testing.assert_allclose(average.S_c, both.S_c, rtol=0, atol=8 * eps * np.trace(both.S_c))
+
+
+def properties(corners):
+    found = integrate(from_array(corners))
+    return from_integrals(found.volume, found.first, found.S, density=2.0, reference=found.reference)
+
+
+def test_average_under_an_axis_has_equal_transverse_moments():
+    body = samples.moved(pinwheel(), (1.0, 2.0, 3.0))
+    noisy = properties(body + 1e-4 * np.random.default_rng(1).normal(size=(3, 3)))
+    average = symmetrized(noisy, found(body))
+    assert average.S_c[0, 0] == pytest.approx(average.S_c[1, 1], rel=1e-15)
+    assert abs(noisy.S_c[0, 0] / noisy.S_c[1, 1] - 1) > 1e-6
+    assert [average.S_c[0, 1], average.S_c[0, 2], average.S_c[1, 2]] == [0, 0, 0]
+
+
+def test_normals_of_a_float32_file_lie_along_the_axes():
+    """And so the products with them are 0 after the average, not only nearly."""
+    solid = samples.moved(bracket(), (0.1, 0.2, 0.3)) * 1.1
+    body = solid.astype(np.float32).astype(float)
+    plane = found(body).planes[0]
+    assert plane.holds
+    assert sorted(np.abs(plane.normal)) == [0, 0, 1]
+    average = symmetrized(properties(body), found(body))
+    assert average.S_c[0, 2] == average.S_c[1, 2] == 0 < abs(average.S_c[0, 1])
