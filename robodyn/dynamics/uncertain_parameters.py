@@ -1,14 +1,13 @@
 """Which parameters of a robot its scene calls uncertain and how far, and the loads of a robot with others.
 
-The parameters x are counted in standard deviations, and change theta, in which loads are linear: the moments of bodies,
-friction and rotors.
+The parameters x are counted in standard deviations, and change what loads are linear in, to first order: moments of
+bodies, friction and rotors.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from statistics import NormalDist
 from typing import Any
 
@@ -24,22 +23,18 @@ from robodyn.programs.derivative import jacobian
 from robodyn.programs.program import trace
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
-from robodyn.programs.vectors import Scalar, product, total, vector
+from robodyn.programs.vectors import IDENTITY, Scalar, length, product, total, vector
 from robodyn.robot.load import placement
 from robodyn.robot.model import Frame, Model
-from robodyn.robot.urdf.parts import Inertial, Link
+from robodyn.robot.urdf.parts import Inertial
 from robodyn.scene.fit import refuse_constraints
 from robodyn.scene.parts import Friction
 from robodyn.scene.scene import Scene
 from robodyn.scene.uncertainty import Covariance, LinkUncertainty, Uncertainty
-from robodyn.solids.inertia.laws import Inertia, combined, symmetric
+from robodyn.solids.inertia.laws import Inertia, combined, inertia_of, symmetric
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
 from robodyn.support.wording import alternatives, shown
-
-OF_LINKS = ("mass", "com", "com", "com", "inertia", "inertia", "inertia", "inertia")
-"""What varies of a link: mass, centre of mass along x, y and z, a factor of the inertia, and ixx, iyy and izz."""
-_DRAWS, _SEED = 1000, 1900
 
 
 @dataclass(frozen=True)
@@ -64,123 +59,20 @@ class Variation:
 
 
 @dataclass(frozen=True, eq=False)
-class UncertainLink:
-    """A link whose moments vary, its place in its body, deviations (8,) of `OF_LINKS`, and the first column of x."""
-
-    inertial: Inertial
-    frame: Frame
-    deviations: Floats
-    first: int
-
-    @property
-    def varied(self) -> list[int]:
-        return np.flatnonzero(self.deviations).tolist()
-
-    def added(self, x: Floats) -> Floats:
-        """Return (draws, 10) what is added to the body's moments where what varies is off by x (draws, varied)."""
-        off = np.zeros((1 + len(x), len(OF_LINKS)))
-        off[1:, self.varied] = x * self.deviations[self.varied]
-        (turn, c), mass = placement(self.inertial.origin), self.inertial.mass
-        m = mass + off[:, 0]
-        growth = (m / mass if mass else np.ones(len(m))) * (1.0 + off[:, 4])
-        I_c = product(turn, symmetric(self.inertial.inertia), turn.T) * growth[:, None, None]
-        I_c += off[:, 5:, None] * np.eye(3)
-        _, R, p = self.frame
-        centre = product(c + off[:, 1:4], R.T) + p
-        squares = einsum("ni,ni->n", centre, centre)
-        apart = squares[:, None, None] * np.eye(3) - centre[:, :, None] * centre[:, None, :]
-        I = einsum("ij,njk,lk->nil", R, I_c, R) + m[:, None, None] * apart
-        moments = np.column_stack((m, m[:, None] * centre, I[:, (0, 0, 0, 1, 1, 2), (0, 1, 2, 1, 2, 2)]))
-        return np.asarray(moments[1:] - moments[0])
-
-
-@dataclass(frozen=True, eq=False)
 class Variations:
-    """The uncertain parameters x of a robot, each of variance 1, and how they change theta, in which loads are linear.
-
-    theta has the ten moments (`INERTIAL`) of each body that varies, and an entry of its own for each x at a joint.
-    `links` vary otherwise than linearly; `factor` is L with x = L z for independent z, None where x is.
-    """
+    """The uncertain parameters x, each of variance 1; `factor` is L with x = L z for independent z, None where x is."""
 
     each: tuple[Variation, ...]
-    links: tuple[UncertainLink, ...] = ()
     factor: Floats | None = None
 
-    @cached_property
-    def bodies(self) -> tuple[int, ...]:
-        return tuple(sorted({variation.body for variation in self.each if variation.moments}))
-
-    @cached_property
-    def jacobian(self) -> Floats:
-        """(m, k) the derivative of theta by x."""
-        at = len(self.bodies) * len(INERTIAL)
-        found = np.zeros((at + sum(not each.moments for each in self.each), len(self.each)))
-        for k, variation in enumerate(self.each):
-            if variation.moments:
-                found[self._place(variation.body), k] = variation.moments
-            else:
-                found[at, k], at = 1.0, at + 1
-        return found
-
-    def along(self, changes: Floats) -> Floats:
-        """Return derivatives by x (..., k) of what has these by theta (..., m)."""
-        flat = changes.reshape(-1, len(self.jacobian))
-        found = np.empty((len(flat), len(self.each)))
-        for body in (*self.bodies, -1):
-            columns = [k for k, variation in enumerate(self.each) if variation.body == body]
-            rows = self._place(body)
-            found[:, columns] = product(flat[:, rows], self.jacobian[rows][:, columns])
-        return found.reshape(*changes.shape[:-1], len(self.each))
-
     def independent(self, changes: Floats) -> Floats:
-        """Return derivatives by independent parameters of variance 1 (..., k) of what has these by theta (..., m)."""
-        along = self.along(changes)
-        if self.factor is None:
-            return along
-        return np.asarray(product(along.reshape(-1, len(self.each)), self.factor).reshape(along.shape))
-
-    def spread(self, changes: Floats) -> Floats:
-        """Return derivatives (..., p) by uncorrelated numbers that move theta as x does, to all orders.
-
-        Their squares add up to the mean square of how what has the derivatives `changes` by theta (..., m) is off.
-        """
-        if not self.links:
-            return self.independent(changes)
-        return np.concatenate([product(changes[..., rows], root) for rows, root in self._roots], -1)
-
-    @cached_property
-    def _roots(self) -> list[tuple[slice, Floats]]:
-        """The entries of theta of every body, and of joints, each with a root of their mean products."""
-        drawn, found = self.theta(self.even_draws(_DRAWS, _SEED)), []
-        for rows in map(self._place, (*self.bodies, -1)):
-            C = product(drawn[:, rows].T, drawn[:, rows]) / _DRAWS
-            sizes = np.sqrt(np.diagonal(C))
-            sizes = np.where(sizes > 0.0, sizes, 1.0)
-            root = sizes[:, None] * pivoted(C / sizes / sizes[:, None])
-            found.append((rows, root[:, root.any(0)]))
-        return found
+        """Return derivatives by independent parameters of variance 1 of what has these by x (..., k)."""
+        return changes if self.factor is None else changes @ self.factor
 
     def variance(self, changes: Floats) -> Floats:
-        """Return the variance of what has these derivatives by theta (..., m), to first order."""
+        """Return the variance of what has these derivatives by x (..., k)."""
         along = self.independent(changes)
         return np.asarray(einsum("...k,...k->...", along, along))
-
-    def theta(self, x: Floats) -> Floats:
-        """(draws, m) by how much theta changes with x (draws, k), to all orders."""
-        found = product(x, self.jacobian.T)
-        for link in self.links:
-            columns = slice(link.first, link.first + len(link.varied))
-            place = self._place(link.frame.body)
-            linear = product(x[:, columns], self.jacobian[place, columns].T)
-            found[:, place] += link.added(x[:, columns]) - linear
-        return np.asarray(found)
-
-    def _place(self, body: int) -> slice:
-        """Return where the moments of a body are in theta; of -1 what is at joints."""
-        if body < 0:
-            return slice(len(self.bodies) * len(INERTIAL), None)
-        at = self.bodies.index(body) * len(INERTIAL)
-        return slice(at, at + len(INERTIAL))
 
     def even_draws(self, count: int, seed: int) -> Floats:
         """Return (count, k) draws of x, each independent parameter in even steps of probability (Latin hypercube)."""
@@ -217,35 +109,37 @@ def variations(model: Model, scene: Scene) -> Variations:
     if given.covariance is not None:
         return _of_covariance(given.covariance, model, scene)
     each: list[Variation] = []
-    links = []
     for link in model.description.links if model.description else ():
-        found = _uncertain(link, given.of_link(link.name), model, len(each))
-        if found is not None:
-            links.append(found)
-            one = np.eye(len(found.varied))  # moments are polynomials of second degree: central differences are exact
-            changes = 0.5 * (found.added(one) - found.added(-one))
-            for k, change in zip(found.varied, changes.tolist(), strict=True):
-                name, deviation = f"{link.name}.{OF_LINKS[k]}", float(found.deviations[k])
-                each.append(Variation(name, deviation, found.frame.body, tuple(change)))
+        if link.inertial is not None and link.name in model.links:
+            each += _of_link(link.name, link.inertial, given.of_link(link.name), model.links[link.name])
     each += _of_friction(given, model, scene)
     if not each:
         what = "[uncertainty] leaves nothing uncertain"
         raise SceneError(what, remedy='give mass = "5 %" to links with mass, or friction = "20 %" to joints with it')
-    return Variations(tuple(each), tuple(links))
+    return Variations(tuple(each))
 
 
-def _uncertain(link: Link, given: LinkUncertainty, model: Model, first: int) -> UncertainLink | None:
-    inertial = link.inertial
-    if inertial is None or link.name not in model.links:
-        return None
-    deviations = np.zeros(len(OF_LINKS))
-    if given.mass is not None:
-        deviations[0] = given.mass.of(inertial.mass)
-    if given.com is not None and inertial.mass:
-        deviations[1:4] = given.com.of(float(np.sqrt(np.square(inertial.origin.xyz).sum())))
-    if given.inertia is not None:
-        deviations[4 if given.inertia.relative else slice(5, 8)] = given.inertia.value
-    return UncertainLink(inertial, model.links[link.name], deviations, first) if deviations.any() else None
+def _of_link(name: str, inertial: Inertial, given: LinkUncertainty, frame: Frame) -> Iterator[Variation]:
+    """Yield the derivatives of a link's moments by its mass (radii of gyration kept), its mass centre and inertia."""
+    (turn, c), mass, (body, R, p) = placement(inertial.origin), inertial.mass, frame
+    I_c = product(turn, symmetric(inertial.inertia), turn.T)
+
+    def varied(quantity: str, deviation: float, changed: Inertia) -> Variation:
+        I = changed.I[np.triu_indices(3)]
+        return Variation(f"{name}.{quantity}", deviation, body, tuple(map(float, (changed.m, *changed.mc, *I))))
+
+    if given.mass is not None and (deviation := given.mass.of(mass)):
+        growth = deviation / mass if mass else 0.0
+        yield varied("mass", deviation, inertia_of(deviation, c, growth * I_c, R, p))
+    if given.com is not None and mass and (deviation := given.com.of(length(c))):
+        for axis in IDENTITY:
+            there, back = (
+                inertia_of(0.5 * sign * mass, c + sign * deviation * axis, np.zeros((3, 3)), R, p) for sign in (1, -1)
+            )
+            yield varied("com", deviation, combined((there, back)))  # of second degree: central differences are exact
+    if given.inertia is not None and (deviation := given.inertia.value):
+        for more in [I_c] if given.inertia.relative else [np.outer(axis, axis) for axis in IDENTITY]:
+            yield varied("inertia", deviation, inertia_of(0.0, c, deviation * more, R, p))
 
 
 def _of_friction(given: Uncertainty, model: Model, scene: Scene) -> Iterator[Variation]:
@@ -303,7 +197,7 @@ def _of_covariance(given: Covariance, model: Model, scene: Scene) -> Variations:
     sizes = deviations[kept]
     correlation = given.covariance[np.ix_(kept, kept)] / (sizes[:, None] * sizes)
     factor = None if np.array_equal(correlation, np.eye(len(each))) else pivoted(correlation)
-    return Variations(each, (), factor)
+    return Variations(each, factor)
 
 
 def _named(name: str, deviation: float, model: Model, scene: Scene) -> Variation:
@@ -331,37 +225,43 @@ def summed(rows: Iterable[Row], loads: Sequence[Any]) -> list[Any]:
 
 
 def derivative_runner(a_plan: Plan, found: Variations, rows: Sequence[Row]) -> Runner:
-    """Return the derivatives of sums of loads at a given `theta`, for each sum in turn those by all of theta."""
+    """Return the derivatives of sums of loads at a given `x`, for each sum in turn those by all of x."""
     refuse_constraints(a_plan.scene)
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
-        theta = [tape.input("theta", k) for k, _ in enumerate(found.jacobian)]
-        sums = summed(rows, _loads(a_plan, tape, theta, found))
-        return [entry for row in jacobian(sums, [{each: 1.0} for each in theta]) for entry in row]
+        x = [tape.input("x", k) for k, _ in enumerate(found.each)]
+        sums = summed(rows, _loads(a_plan, tape, x, found))
+        return [entry for row in jacobian(sums, [{each: 1.0} for each in x]) for entry in row]
 
-    return runner_of(trace(outputs), a_plan, {"theta": len(found.jacobian)})
+    return runner_of(trace(outputs), a_plan, {"x": len(found.each)})
 
 
-def _loads(a_plan: Plan, tape: Tape, theta: Sequence[Scalar], found: Variations) -> list[Scalar]:
+def _loads(a_plan: Plan, tape: Tape, x: Sequence[Scalar], found: Variations) -> list[Scalar]:
     sample, terms = a_plan.terms(tape)
-    inertias, width = list(terms.inertias), len(INERTIAL)
-    for k, body in enumerate(found.bodies):
-        m, x, y, z, *moments = theta[width * k : width * (k + 1)]
-        inertias[body] = combined((inertias[body], Inertia(m, vector(x, y, z), symmetric(moments))))
-    of_joints = [each for each in found.each if not each.moments]
-    terms = replace(terms, inertias=tuple(inertias))
-    result = loads(sample, _with_joints(terms, sample, a_plan, theta[width * len(found.bodies) :], of_joints))
+    inertias, at_joints = list(terms.inertias), []
+    added: dict[int, list[Scalar]] = {}
+    for scalar, variation in zip(x, found.each, strict=True):
+        if variation.moments:
+            before = added.get(variation.body, [0.0] * len(INERTIAL))
+            pairs = zip(before, variation.moments, strict=True)
+            added[variation.body] = [old + change * scalar if change else old for old, change in pairs]
+        else:
+            at_joints.append((scalar, variation))
+    for body, (m, *mc, xx, xy, xz, yy, yz, zz) in added.items():
+        more = Inertia(m, vector(*mc), symmetric((xx, xy, xz, yy, yz, zz)))
+        inertias[body] = combined((inertias[body], more))
+    result = loads(sample, _with_joints(replace(terms, inertias=tuple(inertias)), sample, a_plan, at_joints))
     return [*result.tau, *(scalar for wrench in result.reactions for part in wrench for scalar in part)]
 
 
-def _with_joints(terms: Terms, sample: Sample, a_plan: Plan, x: Sequence[Scalar], each: Sequence[Variation]) -> Terms:
+def _with_joints(terms: Terms, sample: Sample, a_plan: Plan, each: Sequence[tuple[Scalar, Variation]]) -> Terms:
     """The terms with more friction, which is linear in its coefficients, and more inertia of rotors."""
     of = {body.joint.name: [(i, body.joint, 1.0)] for i, body in enumerate(sample.model.bodies)}
     of |= {motor.name: turned for motor, turned in coupled_motors(sample.model, a_plan.scene)}
     torques: list[tuple[int, Scalar]] = []
     spinning, load = [], dict(terms.load)
     rotors = {spin.joint.name: spin for spin in spins(sample.model, a_plan.scene)}
-    for scalar, variation in zip(x, each, strict=True):
+    for scalar, variation in each:
         turned, friction = of[variation.joint], variation.friction
         speed, acceleration = moving(sample, turned)
         dry = coulomb_torque(friction, speed, a_plan.scene.slip_speed) if friction.dry else 0.0

@@ -1,9 +1,8 @@
 """From gathered derivatives to error bars, shares of variance, and probabilities that limits are kept.
 
 The first term of a figure is its derivative. It is tried with a few draws of the parameters, for which the loads at the
-samples that were kept are exact: they are linear in theta, whose entries are polynomials of the parameters. Where the
-first term misses them, because the peak is then at another sample, or a load that is small is made by the errors
-themselves, the figure is drawn often instead.
+samples that were kept are linear. Where the first term misses them, because the peak is then at another sample, or a
+load that is small is made by the errors themselves, the figure is drawn often instead.
 """
 
 from __future__ import annotations
@@ -30,7 +29,7 @@ class Drawn(NamedTuple):
     """A figure.
 
     Attributes:
-        value: with its sign; error: its standard error to first order; gradient: (m,) of its magnitude by theta.
+        value: with its sign; error: its standard error to first order; gradient: (m,) of its magnitude by x.
         parts: (k,) what each parameter adds to its variance, in some unit.
         curved: (draws,) of its magnitude, where the gradient alone would mislead; else None.
     """
@@ -77,6 +76,8 @@ SHIFT, SCATTER = 0.01, 0.03
 """Of the standard error: the mean and the standard deviation of what the first term may miss."""
 TOGETHER = 1000
 """Draws that are evaluated together."""
+FAR = 6.0
+"""Standard errors within which a sample may become the peak."""
 TINY = 1e-300
 
 
@@ -85,26 +86,26 @@ class Figures:
 
     def __init__(self, gathered: UncertaintyPass) -> None:
         self.of = gathered
-        x = gathered.found.even_draws(DRAWS, SEED)
-        self.theta = gathered.found.theta(x)
-        self._linear = product(x, gathered.found.jacobian.T)
+        self.x = gathered.found.even_draws(DRAWS, SEED)
         self._peaks: dict[int, Drawn] = {}
         self._rms: dict[int, Drawn] = {}
 
     def peak(self, k: int) -> Drawn:
         """Return the largest magnitude of figure k."""
         if k not in self._peaks:
-            of, figure = self.of.peaks, self.of.of.figures[k]
+            of, figure = self.of, self.of.of.figures[k]
             columns = len(figure.columns)
             at = of.at[k][:columns]
             value = at[0, 0] if columns == 1 else figure.size(at[:, 0])
-            samples = np.concatenate((at[None], of.rivals[k][:, :columns]))
-            flat, used = _used(samples.reshape(-1, samples.shape[-1]))
+            kept = np.concatenate((at[:, None], of.kept.columns[figure.columns]), 1)
+            spread = np.sqrt(of.found.variance(kept[..., 1:]).sum(0))
+            sizes = figure.size(kept[..., 0])
+            kept = kept[:, sizes + FAR * spread >= (sizes - FAR * spread).max()]
+            flat, used = _used(kept.reshape(-1, kept.shape[-1]))
 
-            def drawn(theta: Floats) -> Floats:
-                loads = flat[:, 0] + product(theta[:, used], flat[:, 1:].T)
-                sizes = figure.size(np.moveaxis(loads.reshape(len(theta), -1, columns), -1, 0))
-                return np.asarray(sizes.max(axis=1))
+            def drawn(x: Floats) -> Floats:
+                loads = flat[:, 0] + product(x[:, used], flat[:, 1:].T)
+                return np.asarray(figure.size(np.moveaxis(loads.reshape(len(x), columns, -1), 1, 0)).max(axis=1))
 
             self._peaks[k] = self._figure(float(value), figure.gradient(at[:, 0], at[:, 1:]), at[:, 1:], drawn)
         return self._peaks[k]
@@ -145,8 +146,8 @@ class Figures:
         own = power * einsum("cn,cnm->m", figure.half(at) * figure.size(at) ** (power - 2) * share, kept[..., 1:])
         first, before = (slope - own)[used], _powers(figure.size(at), power, share)
 
-        def drawn(theta: Floats) -> Floats:
-            some = theta[:, used]
+        def drawn(x: Floats) -> Floats:
+            some = x[:, used]
             loads = flat[:, 0] + product(some, flat[:, 1:].T)
             sizes = figure.size(np.moveaxis(loads.reshape(len(some), len(kept), -1), 1, 0))
             change = _powers(sizes, power, share) - before + product(some, first)
@@ -158,18 +159,17 @@ class Figures:
     def _figure(self, value: float, gradient: Floats, rows: Floats, drawn: Callable[[Floats], Floats]) -> Drawn:
         """Return a figure, of which rows (n, m) are all derivatives, drawn where its first term is not all."""
         error = math.sqrt(float(self.of.found.variance(gradient)))
-        missed = drawn(self.theta[:TRIED]) - abs(value) - product(self._linear[:TRIED], gradient)
+        missed = drawn(self.x[:TRIED]) - abs(value) - product(self.x[:TRIED], gradient)
         small = abs(float(missed.mean())) <= SHIFT * error and float(missed.std()) <= SCATTER * error
         if small or float(np.abs(missed).max()) <= 1e-12 * abs(value):
             return Drawn(value, error, gradient, self._parts(gradient[None]))
-        curved = [drawn(self.theta[k : k + TOGETHER]) for k in range(0, DRAWS, TOGETHER)]
+        curved = [drawn(self.x[k : k + TOGETHER]) for k in range(0, DRAWS, TOGETHER)]
         return Drawn(value, error, gradient, self._parts(rows), np.concatenate(curved))
 
     def _parts(self, rows: Floats) -> Floats:
         """Return (k,) what each parameter adds to the variance of what has these derivatives (n, m), in all."""
-        along = self.of.found.along(rows)
         L = self.of.found.factor
-        return np.asarray((along * (along if L is None else product(product(along, L), L.T))).sum(0))
+        return np.asarray((rows * (rows if L is None else product(product(rows, L), L.T))).sum(0))
 
     def report(self, joints: Sequence[JointLoad], sizing: Sizing | None) -> Uncertain:
         """Return everything gathered."""
@@ -242,12 +242,12 @@ class Figures:
         shown = UncertainLimit(quantity, figure.bar(), limit, unit, figure.within(limit))
         sizes = figure.curved
         if sizes is None:
-            sizes = abs(figure.value) + product(self._linear, figure.gradient)
+            sizes = abs(figure.value) + product(self.x, figure.gradient)
         return _Limit(shown, sizes <= BEYOND * limit)
 
 
 def _used(rows: Floats) -> tuple[Floats, NDArray[np.int64]]:
-    """Return rows of values and derivatives (n, 1 + m) without those that are all zero, and which of theta are left."""
+    """Return rows of values and derivatives (n, 1 + m) without those that are all zero, and which of x are left."""
     used = np.flatnonzero(rows[:, 1:].any(axis=0))
     return np.concatenate((rows[:, :1], rows[:, 1:][:, used]), 1), used
 

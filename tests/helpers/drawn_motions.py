@@ -23,13 +23,13 @@ ROOM = 4_000_000
 
 
 def varied_runner(plan, found, rows):
-    """Return sums of loads for a given `theta`, by which parameters are off."""
+    """Return sums of loads for a given `x`, by which parameters are off."""
 
     def outputs(tape):
-        theta = [tape.input("theta", k) for k, _ in enumerate(found.jacobian)]
-        return summed(rows, _loads(plan, tape, theta, found))
+        x = [tape.input("x", k) for k, _ in enumerate(found.each)]
+        return summed(rows, _loads(plan, tape, x, found))
 
-    return runner_of(trace(outputs), plan, {"theta": len(found.jacobian)})
+    return runner_of(trace(outputs), plan, {"x": len(found.each)})
 
 
 class SamplePass:
@@ -45,7 +45,7 @@ class SamplePass:
         self.runner = varied_runner(plan(beside.model, beside.scene), beside.found, beside.of.rows)
         found = beside.found
         z = np.random.default_rng(SEED).standard_normal((count, len(found.each)))
-        self.theta = found.theta(z if found.factor is None else z @ found.factor.T)
+        self.x = z if found.factor is None else z @ found.factor.T
         self.peaks = np.zeros((len(self.of.figures), count))
         self._integrals = [(slice(k, k + TOGETHER), Integrals()) for k in range(0, count, TOGETHER)]
         self._gears = [figure.a for figure in self.of.figures if figure.name == "gear"]
@@ -59,20 +59,20 @@ class SamplePass:
         threads: int | None,
     ) -> None:
         """Take in a block; motion: qd and qdd (joints, N)."""
-        step = max(2, ROOM // (TOGETHER * (self.of.columns + self.theta.shape[1])))
+        step = max(2, ROOM // (TOGETHER * (self.of.columns + self.x.shape[1])))
         for start in range(0, len(time), step):
             part = slice(start, start + step)
             given, of = {name: values[part] for name, values in sources.items()}, time[part]
             qd, qdd = (each[:, part] for each in motion)
             for draws, integrals in self._integrals:
-                theta = self.theta[draws]
-                many = {name: np.tile(values, (len(theta), *[1] * (values.ndim - 1))) for name, values in given.items()}
-                many["theta"] = np.repeat(theta, len(of), axis=0)
-                count, expected = len(theta) * len(of), len(self.theta) * len(of)
+                x = self.x[draws]
+                many = {name: np.tile(values, (len(x), *[1] * (values.ndim - 1))) for name, values in given.items()}
+                many["x"] = np.repeat(x, len(of), axis=0)
+                count, expected = len(x) * len(of), len(self.x) * len(of)
                 sums = self.runner.run(many, count, executor=executor, threads=threads, expected=expected).values
-                rates = (np.tile(each, len(theta)) for each in (qd, qdd))
+                rates = (np.tile(each, len(x)) for each in (qd, qdd))
                 values = self.of.with_motors(np.ascontiguousarray(sums.T), *rates)
-                self._gather(draws, integrals, of, values.reshape(len(values), len(theta), len(of)), qd)
+                self._gather(draws, integrals, of, values.reshape(len(values), len(x), len(of)), qd)
 
     def _gather(self, draws: slice, integrals: Integrals, time: Floats, values: Floats, qd: Floats) -> None:
         """Take in the columns (columns, draws, N) of a block for some draws."""

@@ -86,9 +86,7 @@ class Verdicts:
         scene = replace(self.scene, uncertainty=Uncertainty(covariance=self.known(values, C)))
         gathered = UncertaintyPass(self.bench.model, scene, slice(0, self.n), [], False, "numpy")
         at = {name: k for k, name in enumerate(self.names)}
-        bodies = [self.bench.model.bodies[k].name for k in gathered.found.bodies]
-        changes = [self.Y[:, :, at[f"{body}.{kind}"]] for body in bodies for kind in INERTIAL]
-        changes += [self.Y[:, :, at[each.name]] * each.deviation for each in gathered.found.each if not each.moments]
+        changes = [self.Y[:, :, at[each.name]] * each.deviation for each in gathered.found.each]
         loads = np.pad(self.Y @ self.parameters(values), ((0, 0), (0, 6)))
         gathered._runners[frozenset()] = _Known(np.pad(np.stack(changes, axis=2), ((0, 0), (0, 6), (0, 0))))
         gathered.take(Trajectory(self.time, *self.states), {}, loads, frozenset(), 1)

@@ -335,11 +335,11 @@ def drawn_torques(model, trajectory, scene, count, rng):
     """Torques (count, N, n) of drawn parameters, by the regressor."""
     of = variations(model, scene)
     Y, theta, names, rest = robodyn.regressor(model, trajectory.q, trajectory.qd, trajectory.qdd, scene=scene)
-    x = rng.normal(size=(count, len(of.each)))
-    drawn, changes = np.tile(theta, (count, 1)), of.theta(x)
-    for i, body in enumerate(of.bodies):
-        at = names.index(f"{model.bodies[body].name}.m")
-        drawn[:, at : at + 10] += changes[:, 10 * i : 10 * i + 10]
+    x, drawn = rng.normal(size=(count, len(of.each))), np.tile(theta, (count, 1))
+    for k, each in enumerate(of.each):
+        if each.moments:
+            at = names.index(f"{model.bodies[each.body].name}.m")
+            drawn[:, at : at + 10] += np.outer(x[:, k], each.moments)
     for k, each in enumerate(of.each):
         if each.joint:
             at = names.index(f"{each.joint}.viscous")
