@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from robodyn.equations.dae.constraints import Across, Equation
 from robodyn.equations.dae.dae import Counts, Dae
+from robodyn.equations.dae.system import Equation, Place, Sum
 from robodyn.programs.linear import eigen
 from robodyn.report.document import Block, Paragraph, Section, Table, encode, paragraphs, remarks, select, written
 from robodyn.report.equations import base_text
@@ -42,7 +42,7 @@ def _numbers(found: Dae) -> Iterator[Section]:
     state = _shortened("State", head, rows, "coordinates")
     off, rate = found.residuals
     if len(off):
-        turns = np.array([isinstance(equation, Across) for equation in found.system.equations])
+        turns = np.array([isinstance(each, Place) and bool(each.E.any()) for each in found.system.equations])
         points, angles = (relative_text(float(np.abs(off[which]).max(initial=0.0))) for which in (~turns, turns))
         speeds = relative_text(float(np.abs(rate).max()))
         state.append(Paragraph(f"consistent: g = 0 within {points} m and {angles} rad, G v = 0 within {speeds} per s"))
@@ -154,8 +154,9 @@ def dae_sections(found: Dae) -> Iterator[Section]:
     yield [unknowns, *paragraphs(_ranks(counts))]
     yield _bodies(found)
     yield _connections(found)
-    kinds = {type(equation).__name__ for equation in system.equations}
-    laws = "".join(words for kind, words in (("Along", ALONG), ("Across", ACROSS), ("Sum", MIMIC)) if kind in kinds)
+    places = [equation for equation in system.equations if isinstance(equation, Place)]
+    laws = ALONG * any(each.n.any() for each in places) + ACROSS * any(each.E.any() for each in places)
+    laws += MIMIC * any(isinstance(equation, Sum) for equation in system.equations)
     where = "x is the joint's point of a body, y that of its parent p; r = x - c, s = x - c_p; n moves with p"
     yield paragraphs([f"Constraints: {where}", *laws.splitlines()] if laws else [])
     yield from _numbers(found)
@@ -298,16 +299,16 @@ def dae_json(found: Dae) -> str:
 
 
 def _body_json(found: Dae, i: int) -> dict[str, Any]:
-    system, inertia, place = found.system, found.system.inertias[i], found.system.at.places[i]
+    system, inertia, body = found.system, found.system.inertias[i], found.system.at[i]
     a = None if found.solution is None else found.solution.a[6 * i : 6 * i + 6]
     return {
         "name": system.model.bodies[i].name,
         "mass": float(inertia.m),
         "com": inertia.centre_of_mass,
         "inertia": inertia.about_centre,
-        "rotation": place.R,
-        "centre": place.c - system.at.places[-1].c,
-        **select(system.at.speeds[i], "w v"),
+        "rotation": body.R,
+        "centre": body.c - system.at[-1].c,
+        **select(body, "w v"),
         "f": system.matrices.f[6 * i : 6 * i + 6],
         "wd": None if a is None else a[:3],
         "vd": None if a is None else a[3:],

@@ -6,8 +6,8 @@ import numpy as np
 
 from helpers.oracles import random_state
 from helpers.small_robots import body_numbers, built, chain, joint, link
-from robodyn.equations.dae.constraints import STILL, Place, Speed, State
 from robodyn.equations.dae.dae import dae_at
+from robodyn.equations.dae.system import Body
 from robodyn.programs.derivative import Dual
 from robodyn.programs.vectors import rotation_about, skew
 from robodyn.scene.parts import Loop
@@ -22,9 +22,9 @@ def turned(rng, most=3.0):
 
 def random_bodies(rng, count):
     """Places and speeds of bodies that nothing holds together."""
-    places = [Place(turned(rng), rng.normal(size=3)) for _ in range(count)] + [Place(np.eye(3), np.zeros(3))]
-    speeds = [Speed(rng.normal(size=3), rng.normal(size=3)) for _ in range(count)]
-    return State(tuple(places), (*speeds, STILL))
+    places = [(turned(rng), rng.normal(size=3)) for _ in range(count)]
+    bodies = (Body(*place, *rng.normal(size=(2, 3))) for place in places)
+    return (*bodies, Body(np.eye(3), *np.zeros((3, 3))))
 
 
 def _duals(values, rates):
@@ -35,9 +35,11 @@ def _duals(values, rates):
 def in_motion(at, a):
     """The state in dual scalars: R' = R [w], c' = v, and speeds that change at `a` (6N numbers)."""
     each = a.reshape(-1, 2, 3)
-    places = [Place(_duals(p.R, p.R @ skew(s.w)), _duals(p.c, s.v)) for p, s in zip(at.places, at.speeds, strict=True)]
-    speeds = [Speed(_duals(s.w, wd), _duals(s.v, vd)) for s, (wd, vd) in zip(at.speeds, each, strict=False)]
-    return State((*places[:-1], at.places[-1]), (*speeds, STILL))
+    bodies = (
+        Body(_duals(R, R @ skew(w)), _duals(c, v), _duals(w, wd), _duals(v, vd))
+        for (R, c, w, v), (wd, vd) in zip(at, each, strict=False)
+    )
+    return (*bodies, at[-1])
 
 
 def taken_apart(model, seed=0, scene=DEFAULT):

@@ -1,10 +1,14 @@
-"""A robot in a scene and a state as a system of single bodies: joints and loops as connections, and the matrices."""
+"""A robot as single bodies: what holds two of them together as equations, each a row of G; and the matrices.
+
+All functions take any scalar.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import atan2, remainder, tau
 from typing import NamedTuple
 
 import numpy as np
@@ -12,28 +16,266 @@ import numpy as np
 from robodyn.dynamics.effects.effect import Sample, Terms
 from robodyn.dynamics.effects.motors import armatures, coupled_motors, spins
 from robodyn.dynamics.plan import applied
-from robodyn.equations.dae.constraints import (
-    Along,
-    Anchors,
-    Connection,
-    Equation,
-    State,
-    Sum,
-    Turn,
-    connect,
-    drifts,
-    stacked,
-    state_of,
-)
 from robodyn.equations.ode import bias_plan
 from robodyn.errors import SceneError
-from robodyn.programs.vectors import IDENTITY, ZERO, Array, Scalar, cross, length, narrowed, rotation_from_rpy
-from robodyn.robot.kinematics import Wrench
+from robodyn.programs.vectors import IDENTITY, ZERO, Array, Scalar, cross, length, narrowed, rotation_from_rpy, skew
+from robodyn.robot.kinematics import Wrench, motions, poses, velocities
 from robodyn.robot.model import Model
 from robodyn.scene.parts import Loop
 from robodyn.scene.scene import Scene
 from robodyn.solids.inertia.laws import Inertia
-from robodyn.support.floats import Floats
+from robodyn.support.floats import Floats, first_largest
+
+
+class Body(NamedTuple):
+    """Where a body is and how it moves.
+
+    Attributes:
+        R: rotation of its axes in the ground's; c: of its mass centre from the base's origin, in the ground's axes [m]
+            (so that a robot that is far away loses no digits).
+        w: angular velocity in its axes; v: velocity of its mass centre in the ground's.
+    """
+
+    R: Array
+    c: Array
+    w: Array
+    v: Array
+
+
+State = tuple[Body, ...]
+"""The N bodies, and behind them the ground, so that body -1 is the ground; it stands at minus the base's position."""
+
+
+def velocities_of(at: State) -> Floats:
+    """Return (6 N,) velocities (w, v) of all bodies."""
+    return narrowed(np.concatenate([part for body in at[:-1] for part in (body.w, body.v)]))
+
+
+def state_of(model: Model, centres: Sequence[Array], q: Sequence[Scalar], qd: Sequence[Scalar]) -> State:
+    """Return the bodies in a motion of the joints: `c = p - p_base + R r`, `v = R (v_o + w x r)`, r the mass centre.
+
+    Args:
+        centres: (3,) of each body, in its frame [m].
+    """
+    base, *others = joints = motions(model, q, qd, (0.0,) * model.n)
+    there = poses(model.parents, [base._replace(p=ZERO), *others])
+    found = [
+        Body(pose.R, pose.p + pose.R @ r, w, pose.R @ (v + cross(w, r)))
+        for pose, (w, v), r in zip(there, velocities(model.parents, joints), centres, strict=True)
+    ]
+    return (*found, Body(IDENTITY, -base.p, ZERO, ZERO))
+
+
+Row = list[tuple[int, Array]]
+"""(body, its six entries) pairs; entries of the same body add up."""
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """`n . (x - y) + sum E_ij B_ij`: x is a body's point, y the other's, and B turns the body's axes to the other's.
+
+    A multiplier is a force along n at x and a moment on the body, and their opposites at the same point on the other.
+    The drift of this and other equations is their second derivative where nothing accelerates.
+
+    Attributes:
+        point, to: x and y from the mass centres, in the axes of each [m].
+        n, E: (3,), (3, 3) in the other's axes. E = b a^T keeps a direction a of the body across b of the other.
+    """
+
+    body: int
+    other: int
+    point: Array
+    to: Array
+    n: Array
+    E: Array
+
+    def _seen(self, at: State) -> tuple[Array, Array, Array]:
+        """Return x from both mass centres, in the ground's axes, and B."""
+        own, other = at[self.body], at[self.other]
+        r = own.R @ self.point
+        return r, own.c + r - other.c, other.R.T @ own.R
+
+    def value(self, at: State) -> Scalar:
+        _, s, B = self._seen(at)
+        return self.n @ (at[self.other].R.T @ s - self.to) + (self.E * B).sum()
+
+    def row(self, at: State) -> Row:
+        """B' = B [w] - [w_o] B; the point moves with v - v_o + w x r - w_o x s."""
+        _, s, B = self._seen(at)
+        R_o, f = at[self.other].R, at[self.other].R @ self.n
+        own = cross(self.point, at[self.body].R.T @ f) + np.array([(self.E * (B @ skew(e))).sum() for e in IDENTITY])
+        other = cross(self.n, R_o.T @ s) - np.array([(self.E * (skew(e) @ B)).sum() for e in IDENTITY])
+        return [(self.body, np.concatenate((own, f))), (self.other, np.concatenate((other, -f)))]
+
+    def drift(self, at: State) -> Scalar:
+        """n . (w x (w x r) - w_o x (w_o x s) - 2 w_o x u), of the velocity u seen, and the same of B."""
+        r, s, B = self._seen(at)
+        own, other = at[self.body], at[self.other]
+        w, w_o = own.R @ own.w, other.R @ other.w
+        u = own.v + cross(w, r) - other.v - cross(w_o, s)
+        turning, carried = skew(own.w), skew(other.w)
+        B_drift = B @ turning @ turning - 2.0 * (carried @ B @ turning) + carried @ carried @ B
+        point = cross(w, cross(w, r)) - cross(w_o, cross(w_o, s)) - 2.0 * cross(w_o, u)
+        return (other.R @ self.n) @ point + (self.E * B_drift).sum()
+
+
+@dataclass(frozen=True, eq=False)
+class Turn:
+    """Angle that a body has turned about its axis e against the other: the coordinate of a hinge, with e . (w - w_o).
+
+    Attributes:
+        axis: e, in the body's axes.
+        placed: rotation of the body's axes in the other's where the coordinate is zero.
+        near: the angle is that which differs from this one by less than half a turn [rad].
+    """
+
+    body: int
+    other: int
+    axis: Array
+    placed: Array
+    near: float = 0.0
+
+    def _seen(self, at: State) -> Array:
+        turned: Array = at[self.body].R.T @ at[self.other].R
+        return turned
+
+    def value(self, at: State) -> float:
+        """Return it for floats: sine and cosine are the skew part of the turn along e, and half its trace less 1."""
+        Q = np.asarray(self.placed.T @ self._seen(at).T, dtype=float)
+        sine = 0.5 * (self.axis @ np.array((Q[2, 1] - Q[1, 2], Q[0, 2] - Q[2, 0], Q[1, 0] - Q[0, 1])))
+        angle = atan2(sine, 0.5 * (np.trace(Q) - 1.0))
+        return float(self.near + remainder(angle - self.near, tau))
+
+    def row(self, at: State) -> Row:
+        other = self._seen(at).T @ self.axis
+        return [(self.body, np.append(self.axis, ZERO)), (self.other, np.append(-other, ZERO))]
+
+    def drift(self, at: State) -> Scalar:
+        """e . (w x w_o), which vanishes where the bodies only turn about e against each other."""
+        return self.axis @ cross(at[self.body].w, self._seen(at) @ at[self.other].w)
+
+
+@dataclass(frozen=True, eq=False)
+class Sum:
+    """A constant plus a weighted sum of other equations: how a mimic joint follows its leader."""
+
+    terms: tuple[tuple[float, Equation], ...]
+    constant: float = 0.0
+
+    def value(self, at: State) -> Scalar:
+        return self.constant + sum(weight * term.value(at) for weight, term in self.terms)
+
+    def row(self, at: State) -> Row:
+        return [(body, weight * entries) for weight, term in self.terms for body, entries in term.row(at)]
+
+    def drift(self, at: State) -> Scalar:
+        return sum(weight * term.drift(at) for weight, term in self.terms)
+
+
+Equation = Place | Turn | Sum
+
+
+def stacked(equations: Sequence[Equation], at: State) -> Array:
+    """Return the rows of equations, with six columns (w, v) for each body; the ground's are left out."""
+    G = np.zeros((len(equations), 6 * len(at) - 6), dtype=np.result_type(*(body.R for body in at)))
+    for k, equation in enumerate(equations):
+        for body, entries in equation.row(at):
+            if body >= 0:
+                G[k, 6 * body : 6 * body + 6] = G[k, 6 * body : 6 * body + 6] + entries
+    return narrowed(G)
+
+
+def drifts(equations: Sequence[Equation], at: State) -> Array:
+    return np.array([equation.drift(at) for equation in equations])
+
+
+def values(equations: Sequence[Equation], at: State) -> Floats:
+    """Return the value of each, of floats."""
+    return np.array([equation.value(at) for equation in equations], dtype=float)
+
+
+@dataclass(frozen=True, eq=False)
+class Connection:
+    """A joint, a mimic rule or a loop's closure, as equations between a body and another.
+
+    Attributes:
+        kind: "fixed", "revolute", "prismatic", "floating", "mimic", "point", "hinge", "weld" or "directions".
+        reactions: their names, F for forces and M for moments, each with its direction; equations: one for each.
+        free: rates of the joint's own coordinates, f of them; along them act drives, friction, springs and rotors.
+    """
+
+    name: str
+    kind: str
+    body: int
+    other: int
+    reactions: tuple[str, ...] = ()
+    equations: tuple[Equation, ...] = ()
+    free: tuple[Equation, ...] = ()
+
+
+class Anchors(NamedTuple):
+    """Two bodies, a point of each from its mass centre in its axes [m], and the turn R from the body's to the other's.
+
+    Axes that are R apart coincide where the bodies are connected.
+    """
+
+    body: int
+    other: int
+    point: Array
+    to: Array
+    R: Array
+
+    def along(self, n: Array) -> Place:
+        return Place(*self[:4], n, np.zeros((3, 3)))
+
+
+def connect(
+    name: str,
+    kind: str,
+    anchors: Anchors,
+    axis: Array | None = None,
+    along: Sequence[Array] = (),
+    free: Sequence[Equation] = (),
+) -> Connection:
+    """Return a connection that holds 6 - f directions.
+
+    "fixed" and "weld" hold all; "revolute" and "hinge" all but turns about the axis, "prismatic" all but moves along
+    it; "point" holds the points together, a ball joint; "directions" keeps them level along some directions.
+
+    Args:
+        axis: unit vector in the body's axes; along: of "directions", in the other's axes.
+    """
+    R = anchors.R
+    basis, names, last = basis_about(axis)
+    rest = [k for k in range(3) if k != last]
+    directions = {names[k]: R @ basis[k] for k in (rest if kind == "prismatic" else range(3))}
+    if kind == "directions":
+        directions = {str(k): n / length(n) for k, n in enumerate(along, 1)}
+    reactions = [f"F{which}" for which in directions]
+    equations = [anchors.along(n) for n in directions.values()]
+    turns = {"point": [], "directions": [], "revolute": rest, "hinge": rest}.get(kind, [0, 1, 2])
+    for k in turns:
+        # For the moment about k = i x j, direction i of the body stays across direction j of the other. Where the body
+        # may turn about j, its direction j stays across -i of the other: the moment keeps its place in the other.
+        i, j = (k + 1) % 3, (k + 2) % 3
+        reactions.append(f"M{names[k]}")
+        kept = j in turns or i not in turns
+        a, b = (basis[i], R @ basis[j]) if kept else (basis[j], -R @ basis[i])
+        equations.append(Place(*anchors[:4], ZERO, np.outer(b, a)))
+    return Connection(name, kind, anchors.body, anchors.other, tuple(reactions), tuple(equations), tuple(free))
+
+
+def basis_about(axis: Array | None) -> tuple[Array, str, int]:
+    """Return three perpendicular unit vectors, right-handed, their names, and the number of the axis among them.
+
+    x, y and z without an axis, or where it is one of these or its opposite; for any other two vectors 1 and 2 with
+    1 x 2 = a.
+    """
+    if axis is None or np.abs(axis).max() == 1.0:
+        return np.eye(3), "xyz", 2 if axis is None else int(np.argmax(np.abs(axis)))
+    first = np.cross(np.eye(3)[first_largest(-np.abs(axis), noise=1e-9)], axis)
+    first = first / length(first)
+    return np.array((first, np.cross(axis, first), axis)), "12a", 2
 
 
 class Matrices(NamedTuple):
@@ -66,7 +308,6 @@ class System:
         sample, terms: the motion without acceleration, and what the scene's effects make of it.
         joints: of each body; mimics: one equation each; loops: what else connects bodies.
         rotors: by pairs of bodies, the reflected inertia between their joints [kg m^2 or kg].
-        at: where the bodies are.
     """
 
     model: Model
@@ -136,13 +377,13 @@ class System:
         """
         S, sigma = stacked(self.free, self.at), drifts(self.free, self.at)
         G, gamma = stacked(self.equations, self.at), -drifts(self.equations, self.at)
-        tau = [
+        along = np.array([
             (0.0 if body.joint.mimics is not None else self.tau[body.joint.rate + k]) - self.terms.at_joint.get(i, 0.0)
             for i, (body, connection) in enumerate(zip(self.model.bodies, self.joints, strict=True))
             for k in range(len(connection.free))
-        ]
-        along = np.array(tau)
-        M, f = self._masses(), narrowed(self._forces()) + S.T @ along
+        ])  # fmt: skip
+        M, f = self._laws()
+        f = f + S.T @ along
         bodies = [joint.body for joint in self.joints for _ in joint.free]
         armature = np.array([[self.rotors.get((i, k), 0.0) for k in bodies] for i in bodies])
         armature = armature.reshape(len(bodies), len(bodies))
@@ -151,37 +392,27 @@ class System:
             f = f - armature[i, k] * sigma[k] * S[i]
         return Matrices(M, f, G, gamma, S, sigma, along, armature)
 
-    def _masses(self) -> Array:
+    def _laws(self) -> tuple[Array, Array]:
+        """Return M, and f: (moment about the mass centre in the body's axes, force in the ground's), gyroscopic too."""
         blocks = [inertia.about_centre for inertia in self.inertias]
-        count = 6 * len(blocks)
-        M = np.zeros((count, count), dtype=np.result_type(*blocks, *(type(b.m) for b in self.inertias)))
-        for i, (inertia, I_c) in enumerate(zip(self.inertias, blocks, strict=True)):
+        M = np.zeros((6 * len(blocks),) * 2, dtype=np.result_type(*blocks, *(type(b.m) for b in self.inertias)))
+        moments, forces, centres = [], [], self.centres
+        for i, (inertia, I_c, body) in enumerate(zip(self.inertias, blocks, self.at, strict=False)):
             M[6 * i : 6 * i + 3, 6 * i : 6 * i + 3] = I_c
             for k in range(6 * i + 3, 6 * i + 6):
                 M[k, k] = inertia.m
-        return M
-
-    def _forces(self) -> Array:
-        """(moment about the mass centre in the body's axes, force in the ground's) on each body, gyroscopic too."""
-        moments, forces = [], []
-        for inertia, speed in zip(self.inertias, self.at.speeds, strict=False):
-            moments.append(-cross(speed.w, inertia.about_centre @ speed.w))
+            moments.append(-cross(body.w, I_c @ body.w))
             forces.append(inertia.m * self.terms.gravity)
-        centres = self.centres
         for i, (force, moment) in self.terms.wrenches:
             moments[i] = moments[i] + moment - cross(centres[i], force)
-            forces[i] = forces[i] + self.at.places[i].R @ force
-        return np.concatenate([part for pair in zip(moments, forces, strict=True) for part in pair])
+            forces[i] = forces[i] + self.at[i].R @ force
+        return M, narrowed(np.concatenate([part for pair in zip(moments, forces, strict=True) for part in pair]))
 
     def joint_wrenches(self, a: Floats, reactions: Floats) -> list[Wrench]:
         """Return the force and moment that each body's parent exerts on it, about its origin, drives included.
 
         The reactions of its joint's equations; along the joint's coordinates what acts there, less `J (S a + sigma)`
         for a rotor, and the reactions of the mimic rules that it takes part in.
-
-        Args:
-            a: (6N,) accelerations of the bodies.
-            reactions: (m,) in the order of the rows of G.
         """
         found = self.matrices
         along = found.along - found.armature @ (found.S @ a + found.sigma)
@@ -212,16 +443,12 @@ class System:
 
     def _about_origin(self, i: int, total: Floats) -> Wrench:
         """From the moment about the mass centre (body's axes) and the force (ground's): both about the origin."""
-        f = self.at.places[i].R.T @ total[3:]
+        f = self.at[i].R.T @ total[3:]
         return Wrench(f, total[:3] + cross(self.centres[i], f))
 
 
 def system_at(model: Model, scene: Scene, q: Sequence[Scalar], qd: Sequence[Scalar], tau: Sequence[Scalar]) -> System:
-    """Return the robot in a state; `q`, `qd` and `tau` may be any scalar.
-
-    Raises:
-        InputError: the scene does not fit the model, or says the axes of rotors.
-    """
+    """Return the robot in a state; SceneError where the scene does not fit the model, or says the axes of rotors."""
     for spin in spins(model, scene):
         what = f"[rotor] {spin.joint.name} has an axis, and bodies on their own know only rotors that turn in place"
         raise SceneError(what, remedy="leave axis and on out, or ask for another form of the equations")
@@ -244,25 +471,22 @@ def joint_connections(model: Model, centres: Sequence[Array], q: Sequence[Scalar
     """Return one for each body's joint, in the order of the bodies; where a joint is floating, one without equations.
 
     Args:
-        centres: (3,) mass centre of each body, in its frame [m].
-        q: nq scalars near which the angles of hinges are (they count turns).
+        centres: (3,) mass centre of each body, in its frame [m]; q: near which the angles of hinges are.
     """
     found = []
     for i, body in enumerate(model.bodies):
         joint, j, R = body.joint, body.parent, body.joint.R
-        to = joint.p - (centres[j] if j >= 0 else ZERO)
-        anchors = Anchors(i, j, -centres[i], to, R)
+        anchors = Anchors(i, j, -centres[i], joint.p - (centres[j] if j >= 0 else ZERO), R)
         if joint.kind == "floating":
-            turns = [Turn(i, j, e, R) for e in IDENTITY]
-            moves = [Along(i, j, -centres[i], to, R @ e) for e in IDENTITY]
-            found.append(Connection(joint.name, "floating", i, j, free=(*turns, *moves)))
+            free = (*(Turn(i, j, e, R) for e in IDENTITY), *(anchors.along(R @ e) for e in IDENTITY))
+            found.append(Connection(joint.name, "floating", i, j, free=free))
         elif joint.kind == "fixed":
             found.append(connect(joint.name, "fixed", anchors))
         else:
             near = joint.multiplier * q[joint.coordinate] + joint.offset
-            turn, move = Turn(i, j, joint.axis, R, near), Along(i, j, -centres[i], to, R @ joint.axis)
-            free = turn if joint.kind == "revolute" else move
-            found.append(connect(joint.name, joint.kind, anchors, joint.axis, free=(free,)))
+            turning = joint.kind == "revolute"
+            rate = Turn(i, j, joint.axis, R, near) if turning else anchors.along(R @ joint.axis)
+            found.append(connect(joint.name, joint.kind, anchors, joint.axis, free=(rate,)))
     return tuple(found)
 
 
@@ -281,16 +505,16 @@ def _mimic_connections(model: Model, joints: Sequence[Connection]) -> Iterator[C
 def _loop_connection(model: Model, centres: Sequence[Array], loop: Loop) -> Connection:
     body, R, place = _frame(model, centres, loop.link, loop.point)
     other, R_o, to = _frame(model, centres, loop.to, loop.to_point)
+    axis, turn = None, R_o @ R.T
     if loop.kind == "hinge":
         axis, to_axis = R @ np.array(loop.axis), R_o @ np.array(loop.to_axis)
         axis, to_axis = axis / length(axis), to_axis / length(to_axis)
-        return connect(loop.name, "hinge", Anchors(body, other, place, to, _turn_between(axis, to_axis)), axis)
-    if loop.kind == "weld":
-        return connect(loop.name, "weld", Anchors(body, other, place, to, R_o @ rotation_from_rpy(*loop.rpy) @ R.T))
-    if loop.directions:
-        along = [R_o @ np.array(n) for n in loop.directions]
-        return connect(loop.name, "directions", Anchors(body, other, place, to, IDENTITY), along=along)
-    return connect(loop.name, "point", Anchors(body, other, place, to, R_o @ R.T))
+        turn = _turn_between(axis, to_axis)
+    elif loop.kind == "weld":
+        turn = R_o @ rotation_from_rpy(*loop.rpy) @ R.T
+    along = [R_o @ np.array(n) for n in loop.directions]
+    kind = "directions" if along else loop.kind
+    return connect(loop.name, kind, Anchors(body, other, place, to, turn), axis, along)
 
 
 def _frame(model: Model, centres: Sequence[Array], link: str, at: Sequence[float]) -> tuple[int, Array, Array]:

@@ -12,8 +12,8 @@ from helpers.oracles import robot, worst
 from helpers.single_bodies import taken_apart
 from helpers.small_robots import built, joint, link, random_tree
 
-from robodyn.equations.dae import elimination
-from robodyn.equations.dae.elimination import reduced
+from robodyn.equations.dae import dae
+from robodyn.equations.dae.dae import reduced
 from robodyn.equations.dae.system import system_at
 from robodyn.scene.parts import Rotor
 from robodyn.scene.scene import Scene
@@ -57,16 +57,16 @@ def test_speeds_are_those_of_the_joints():
 @pytest.mark.parametrize(("what", "first"), [("velocity_transformation", 0), ("accelerations_at_rest", 1)])
 def test_a_wrong_transformation_would_show(monkeypatch, what, first):
     """Each step can fail: 1e-6 more of J or of Jdot qd is seen."""
-    right = getattr(elimination, what)
-    monkeypatch.setattr(elimination, what, lambda given: right(given) + 1e-6 * np.arange(right(given).size).reshape(
+    right = getattr(dae, what)
+    monkeypatch.setattr(dae, what, lambda given: right(given) + 1e-6 * np.arange(right(given).size).reshape(
         right(given).shape))  # fmt: skip
     errors = [step.error for step in taken_apart(random_tree(0, 6)).steps]
     assert errors[first] > 1e-9
 
 
 def test_a_wrong_mass_matrix_would_show(monkeypatch):
-    right = elimination.mass_matrix
-    monkeypatch.setattr(elimination, "mass_matrix", lambda *a, **b: 1.0001 * right(*a, **b))
+    right = dae.mass_matrix
+    monkeypatch.setattr(dae, "mass_matrix", lambda *a, **b: 1.0001 * right(*a, **b))
     errors = [step.error for step in taken_apart(random_tree(0, 6)).steps]
     assert errors[3] > 1e-6
     assert max(errors[:3]) <= 4e-15

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from helpers.busy_robot import busy_robot
@@ -9,19 +11,20 @@ from helpers.oracles import EPS, random_state, robot, worst
 from helpers.single_bodies import in_motion, random_bodies
 from helpers.small_robots import random_tree
 
-from robodyn.equations.dae.constraints import (
-    Across,
-    Along,
+from robodyn.equations.dae.system import (
     Anchors,
+    Place,
     Sum,
     Turn,
     connect,
     drifts,
+    joint_connections,
     stacked,
     state_of,
+    system_at,
     values,
+    velocities_of,
 )
-from robodyn.equations.dae.system import joint_connections, system_at
 from robodyn.programs.derivative import rate_of, value_of
 from robodyn.scene.scene import DEFAULT
 
@@ -32,9 +35,11 @@ def unit(rng):
 
 
 def every_kind(rng, body, other):
-    along = Along(body, other, *rng.normal(size=(2, 3)), unit(rng))
-    across, turn = Across(body, other, unit(rng), unit(rng)), Turn(body, other, unit(rng), np.eye(3))
-    return along, across, turn, Sum(((1.0, along), (-2.5, turn)), 0.3)
+    point, to = rng.normal(size=(2, 3))
+    along = Place(body, other, point, to, unit(rng), np.zeros((3, 3)))
+    across = Place(body, other, point, to, np.zeros(3), np.outer(unit(rng), unit(rng)))
+    both, turn = replace(across, n=unit(rng)), Turn(body, other, unit(rng), np.eye(3))
+    return along, across, both, turn, Sum(((1.0, along), (-2.5, turn)), 0.3)
 
 
 @pytest.mark.parametrize(("body", "other"), [(0, 1), (1, -1), (-1, 0)])
@@ -45,10 +50,10 @@ def test_rows_and_drifts_are_derivatives(seed, body, other):
     moving = in_motion(at, a)
     for equation in every_kind(rng, body, other):
         (row,) = stacked([equation], at)
-        speed = row @ at.v
-        if isinstance(equation, (Along, Across)):
+        speed = row @ velocities_of(at)
+        if isinstance(equation, Place):
             assert abs(rate_of(equation.value(moving)) - speed) <= 64 * EPS
-        in_duals = stacked([equation], moving)[0] @ moving.v
+        in_duals = stacked([equation], moving)[0] @ velocities_of(moving)
         assert abs(value_of(in_duals) - speed) <= 64 * EPS
         assert abs(rate_of(in_duals) - (row @ a + equation.drift(at))) <= 128 * EPS
 
@@ -61,7 +66,7 @@ def test_what_acts_on_a_body_acts_oppositely_on_the_other(seed):
     for equation in every_kind(rng, 0, 1):
         (row,) = stacked([equation], at)
         forces, moments = np.zeros(3), np.zeros(3)
-        for place, (moment, force) in zip(at.places, row.reshape(-1, 2, 3), strict=False):
+        for place, (moment, force) in zip(at, row.reshape(-1, 2, 3), strict=False):
             forces += force
             moments += place.R @ moment + np.cross(place.c, force)
         assert max(np.abs(forces).max(), np.abs(moments).max()) <= 64 * EPS
@@ -74,7 +79,7 @@ def test_mimic_joints_hold_with_their_offsets():
     rules = [equation for mimic in system.mimics for equation in mimic.equations]
     assert any(rule.constant for rule in rules)
     assert np.abs(values(rules, system.at)).max() <= 16 * EPS
-    assert np.abs(stacked(rules, system.at) @ system.at.v).max() <= 64 * EPS
+    assert np.abs(stacked(rules, system.at) @ velocities_of(system.at)).max() <= 64 * EPS
 
 
 def test_a_hinge_counts_turns():
@@ -94,7 +99,7 @@ def test_joints_leave_their_own_rates_and_hold_the_rest(seed, moving_base):
     (q,), (qd,), _ = random_state(model, np.random.default_rng(seed), 1)
     centres = [body.inertia.centre_of_mass for body in model.bodies]
     joints, at = joint_connections(model, centres, q), state_of(model, centres, q, qd)
-    v = at.v
+    v = velocities_of(at)
     held = [equation for joint in joints for equation in joint.equations]
     size = np.abs(v).max()
     assert np.abs(values(held, at)).max() <= 64 * EPS
@@ -116,15 +121,15 @@ def test_connections_hold_six_less_their_freedom(axis):
     """Assembled with a relative turn, the rows are orthonormal forces at the point and moments about axes."""
     rng = np.random.default_rng(5)
     at, axis = random_bodies(rng, 2), np.array(axis, dtype=float)
-    point_of, R = rng.normal(size=3), at.places[1].R.T @ at.places[0].R
-    to = at.places[1].R.T @ (at.places[0].c + at.places[0].R @ point_of - at.places[1].c)
+    point_of, R = rng.normal(size=3), at[1].R.T @ at[0].R
+    to = at[1].R.T @ (at[0].c + at[0].R @ point_of - at[1].c)
     anchors = Anchors(0, 1, point_of, to, R)
     made = [connect(kind, kind, anchors, axis if kind in ("hinge", "prismatic") else None) for kind in COUNTS]
     for connection in made:
         assert len(connection.equations) == len(set(connection.reactions)) == COUNTS[connection.kind]
         assert np.abs(values(connection.equations, at)).max() <= 16 * EPS
         rows = stacked(connection.equations, at)[:, :6]
-        forces, moments = rows[:, 3:], rows[:, :3] - np.cross(point_of, rows[:, 3:] @ at.places[0].R)
+        forces, moments = rows[:, 3:], rows[:, :3] - np.cross(point_of, rows[:, 3:] @ at[0].R)
         both = np.hstack((forces, moments))
         assert worst(both @ both.T, np.eye(len(both))) <= 32 * EPS
         freedom = np.hstack((moments @ axis * (connection.kind == "hinge"), 0.0))
@@ -136,12 +141,12 @@ def test_connections_hold_six_less_their_freedom(axis):
 def test_a_moment_keeps_its_place_in_the_other_body_while_a_hinge_turns():
     """lambda of a hinge is along axes that do not turn with the body."""
     at = random_bodies(np.random.default_rng(7), 2)
-    anchors = Anchors(0, 1, np.zeros(3), np.zeros(3), at.places[1].R.T @ at.places[0].R)
+    anchors = Anchors(0, 1, np.zeros(3), np.zeros(3), at[1].R.T @ at[0].R)
     axis = np.array((0.0, 0.0, 1.0))
     joint = connect("h", "hinge", anchors, axis)
     c, s = np.cos(0.7), np.sin(0.7)
-    spun = at.places[0]._replace(R=at.places[0].R @ np.array(((c, -s, 0), (s, c, 0), (0, 0, 1.0))))
-    later = at._replace(places=(spun, *at.places[1:]))
+    spun = at[0]._replace(R=at[0].R @ np.array(((c, -s, 0), (s, c, 0), (0, 0, 1.0))))
+    later = (spun, *at[1:])
     moments = [stacked(joint.equations[3:], here)[:, 6:9] for here in (at, later)]
     assert worst(moments[0], moments[1]) <= 16 * EPS
     assert worst(moments[0], -(anchors.R @ np.eye(3)[:, :2]).T) <= 16 * EPS
