@@ -76,6 +76,8 @@ SHIFT, SCATTER = 0.01, 0.03
 """Of the standard error: the mean and the standard deviation of what the first term may miss."""
 TOGETHER = 1000
 """Draws that are evaluated together."""
+FEW = 128
+"""Samples of which the higher orders of a mean are."""
 FAR = 6.0
 """Standard errors within which a sample may become the peak."""
 TINY = 1e-300
@@ -86,6 +88,7 @@ class Figures:
 
     def __init__(self, gathered: UncertaintyPass) -> None:
         self.of = gathered
+        self.some = slice(None, None, -(-len(gathered.kept.time) // FEW))
         self.x = gathered.found.even_draws(DRAWS, SEED)
         self._peaks: dict[int, Drawn] = {}
         self._rms: dict[int, Drawn] = {}
@@ -119,7 +122,7 @@ class Figures:
         if k not in self._rms:
             figure = self.of.of.figures[k]
             square, slope = (totals[name][figure.columns].sum(0) / duration for name in ("square", "product"))
-            self._rms[k] = self._mean(figure, 2, float(square), 2.0 * slope, _shares(self.of.kept.time))
+            self._rms[k] = self._mean(figure, 2, float(square), 2.0 * slope, _shares(self.of.kept.time[self.some]))
         return self._rms[k]
 
     def cubic(self, i: int) -> Drawn:
@@ -127,7 +130,7 @@ class Figures:
         totals, of = self.of.integrals.totals, self.of.of
         travel = float(totals["travel"][i]) or 1.0
         figure = [figure for figure in of.figures if figure.name == "gear"][i]
-        share = _shares(self.of.kept.time) * self.of.kept.pace[of.trains[i][0]]
+        share = _shares(self.of.kept.time[self.some]) * self.of.kept.pace[of.trains[i][0], self.some]
         cube, slope = float(totals["wear"][i]) / travel, 3.0 * totals["wear change"][i] / travel
         return self._mean(figure, 3, cube, slope, share / (share.sum() + TINY))
 
@@ -136,9 +139,9 @@ class Figures:
 
         Args:
             whole: the mean of the power at all samples; slope: (m,) its derivative.
-            share: of each sample that was kept, of which the higher orders are.
+            share: of each of some samples, of which the higher orders are.
         """
-        kept = self.of.kept.columns[figure.columns]
+        kept = self.of.kept.columns[figure.columns, self.some]
         flat, used = _used(kept.reshape(-1, kept.shape[-1]))
         root = cube_roots if power == 3 else np.sqrt
         size = float(root(np.array(whole)))

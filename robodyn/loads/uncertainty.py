@@ -166,7 +166,7 @@ def _bearing(joint: Joint, first: int) -> list[Row]:
 
 ROOM = 4_000_000
 """Numbers of derivatives that are held at a time."""
-ROWS = 128
+ROWS = 1024
 """Samples that are kept of the whole motion at the most, evenly spread, and half as many at least."""
 
 
