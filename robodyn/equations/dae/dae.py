@@ -449,8 +449,9 @@ def compared(system: System, solution: Solution, qdd: Floats, wrenches: Sequence
     others = narrowed_all(loads(sample, terms).reactions)
     (f, n), (f_ode, n_ode) = (np.array(each, dtype=float).swapaxes(0, 1) for each in (wrenches, others))
     moved = [part.reshape(-1, 6)[:, 3:] for part in (system.matrices.f, system.matrices.M @ a)]
-    force = max(map(_largest, (*moved, f_ode)))
-    scales = max(map(_largest, (ode, a, scene.gravity))), force, max(_largest(n_ode), force * system.length)
+    force = max(_largest(part) for part in (*moved, f_ode))
+    fastest = max(_largest(part) for part in (ode, a, scene.gravity))
+    scales = fastest, force, max(_largest(n_ode), force * system.length)
     pairs = zip((qdd - ode, f - f_ode, n - n_ode), scales, strict=True)
     return Comparison(ode, *(_largest(difference) / (scale or 1.0) for difference, scale in pairs))
 

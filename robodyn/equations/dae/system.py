@@ -478,8 +478,8 @@ def joint_connections(model: Model, centres: Sequence[Array], q: Sequence[Scalar
         joint, j, R = body.joint, body.parent, body.joint.R
         anchors = Anchors(i, j, -centres[i], joint.p - (centres[j] if j >= 0 else ZERO), R)
         if joint.kind == "floating":
-            free = (*(Turn(i, j, e, R) for e in IDENTITY), *(anchors.along(R @ e) for e in IDENTITY))
-            found.append(Connection(joint.name, "floating", i, j, free=free))
+            turns, moves = [Turn(i, j, e, R) for e in IDENTITY], [anchors.along(R @ e) for e in IDENTITY]
+            found.append(Connection(joint.name, "floating", i, j, free=(*turns, *moves)))
         elif joint.kind == "fixed":
             found.append(connect(joint.name, "fixed", anchors))
         else:
