@@ -6,9 +6,7 @@ import json
 import math
 import zipfile
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import dataclass
-from io import BytesIO
 from typing import Any, BinaryIO
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
@@ -96,18 +94,18 @@ _UNITS_3MF = {
 }
 _LARGEST_ELEMENT = 16
 """Bytes of an element of an accessor, but for matrices, which no mesh has."""
-
 _HARMLESS = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_", "MSFT_texture_", "KHR_xmp")
 
 
 def asset_of(source: Source, kind: str) -> Asset:
     """Return what a file of this kind says about its unit and axes; refuses what would be read wrongly."""
     with source.opened() as stream:
-        return _READERS[kind](source, stream) if kind in _READERS else Asset(None)
+        if kind == "gltf":
+            return _gltf_of(source, json.load(stream))
+        return {"dae": _dae, "3mf": _3mf, "glb": _glb}[kind](source, stream)
 
 
 def _3mf(source: Source, stream: BinaryIO) -> Asset:
-    _zip(source, stream)
     units, items, current = list[str](), list[str](), ""
     uses: dict[str, list[str]] = {}
 
@@ -127,6 +125,9 @@ def _3mf(source: Source, stream: BinaryIO) -> Asset:
     parser = expat.ParserCreate(namespace_separator="}")
     parser.StartElementHandler = begin
     with zipfile.ZipFile(stream) as archive:
+        size = sum(info.file_size for info in archive.infolist())
+        if size > limits().mesh_unpacked:
+            raise beyond("mesh_unpacked", f"unpacks to {size} bytes", MeshError, file=source.name)
         name = next((name for name in archive.namelist() if "3d/3dmodel.model" in name.lower()), None)
         if name is None:
             raise source.error("has no 3D/3dmodel.model inside", remedy="export it again")
@@ -137,23 +138,6 @@ def _3mf(source: Source, stream: BinaryIO) -> Asset:
     if unit not in _UNITS_3MF:
         raise source.error(f"unknown unit {unit[:40]!r}", remedy=f"units of 3MF: {', '.join(_UNITS_3MF)}")
     return Asset(_UNITS_3MF[unit])
-
-
-def _zip(source: Source, stream: BinaryIO) -> Asset:
-    with zipfile.ZipFile(stream) as archive:
-        size = sum(info.file_size for info in archive.infolist())
-    if size > limits().mesh_unpacked:
-        raise beyond("mesh_unpacked", f"unpacks to {size} bytes", MeshError, file=source.name)
-    stream.seek(0)
-    return Asset(None)
-
-
-def _zae(source: Source, stream: BinaryIO) -> Asset:
-    _zip(source, stream)
-    with zipfile.ZipFile(stream) as archive:
-        name = next(name for name in archive.namelist() if name.lower().endswith(".dae"))
-        with archive.open(name) as inner:
-            return _dae(source, BytesIO(inner.read()))
 
 
 def _glb(source: Source, stream: BinaryIO) -> Asset:
@@ -233,13 +217,3 @@ def _count(source: Source, uses: dict[str, list[str]], roots: list[str], limit: 
     total = max(sum(size[root] for root in roots), len(uses))
     if total > most:
         raise beyond(limit, f"{total} {what}", MeshError, file=source.name)
-
-
-_READERS: dict[str, Callable[[Source, BinaryIO], Asset]] = {
-    "dae": _dae,
-    "3mf": _3mf,
-    "zae": _zae,
-    "3dxml": _zip,
-    "glb": _glb,
-    "gltf": lambda source, stream: _gltf_of(source, json.load(stream)),
-}

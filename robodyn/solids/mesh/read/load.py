@@ -16,7 +16,7 @@ from robodyn.support.input_file import LFS_POINTER
 
 _HEAD = 4096
 _CONTROLS = bytes(set(range(32)) - set(b"\t\n\v\f\r"))
-SCENES = ("dae", "zae", "glb", "gltf", "3mf", "3dxml", "xaml")
+SCENES = ("dae", "glb", "gltf", "3mf")
 """Types that trimesh reads."""
 KINDS = ("stl", "obj", "ply", "off", *SCENES)
 """All types of meshes; also the suffixes of their names."""
@@ -102,7 +102,7 @@ def kind_of(source: Source, file_type: str | None) -> str:
     suffix = os.path.splitext(source.path or "")[1].lower().removeprefix(".")
     found = _begins_as(head, source.size)
     if suffix in KINDS:
-        if found and found != suffix and {found, suffix} != {"dae", "xaml"}:
+        if found and found != suffix:
             raise source.error(
                 f"is named .{suffix} but begins as {found.upper()} does", remedy=f"rename it to .{found}"
             )

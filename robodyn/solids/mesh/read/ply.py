@@ -5,6 +5,7 @@ from __future__ import annotations
 from array import array
 from collections import Counter
 from dataclasses import dataclass
+from itertools import islice
 from struct import calcsize, error, unpack_from
 from typing import Any, Literal
 
@@ -12,7 +13,7 @@ import numpy as np
 
 from robodyn.errors import MeshError
 from robodyn.solids.mesh.read.source import Source
-from robodyn.solids.mesh.read.text import TRUNCATED, indices, lines, number
+from robodyn.solids.mesh.read.text import TRUNCATED, indices, lines, numbers
 from robodyn.solids.mesh.triangles import Corners, IndexedTriangles, polygon_triangles
 
 Encoding = Literal["ascii", "<", ">"]
@@ -56,6 +57,7 @@ class Header:
     elements: tuple[Element, ...]
     size: int
     """Bytes of the header: the data begin there."""
+    lines: int
 
 
 def read_header(source: Source) -> Header:
@@ -97,8 +99,13 @@ def read_header(source: Source) -> Header:
             raise source.error(f"{shown!r} is not understood", "repair the header", at) from None
     if encoding is None:
         raise source.error("the header names no format", remedy="ascii, binary_little_endian or binary_big_endian")
+    for name, _, properties in elements:
+        often = Counter(known.name for known in properties)
+        twice = next((known for known, count in often.items() if count > 1), None)
+        if twice is not None:
+            raise source.error(f"the element {name!r} has the property {twice!r} twice", remedy="repair the header")
     found = tuple(Element(name, count, tuple(properties)) for name, count, properties in elements)
-    return Header(encoding, found, stop + len(feed))
+    return Header(encoding, found, stop + len(feed), text[:stop].count(feed) + 1)
 
 
 _AXES = ("x", "y", "z")
@@ -148,10 +155,6 @@ def _only(source: Source, header: Header, name: str) -> Element:
         raise source.error("has no element 'face'", remedy="export a mesh of triangles, not a cloud of points")
     if len(found) != 1:
         raise source.error(f"has {len(found)} elements {name!r}", remedy="one is needed")
-    often = Counter(known.name for known in found[0].properties)
-    twice = next((name for name, count in often.items() if count > 1), None)
-    if twice is not None:
-        raise source.error(f"the element {name!r} has the property {twice!r} twice", remedy="repair the header")
     return found[0]
 
 
@@ -161,81 +164,66 @@ _Columns = dict[str, tuple[Any, Any]]
 
 def _read_text(source: Source, header: Header) -> dict[str, _Columns]:
     """Return the properties of each element, one line for each row."""
-    rows = ((line, text.split()) for line, text in lines(source, header.size) if not text.isspace() and text)
+    rows = ((line, words) for line, text in lines(source, header.size, header.lines + 1) if (words := text.split()))
     found = {}
     for element in header.elements:
-        columns = found[element.name] = _empty(element)
+        columns = found[element.name] = {
+            known.name: (array("q"), array("d" if known.type in "fd" else "q")) for known in element.properties
+        }
         for read in range(element.count if element.properties else 0):
             line, words = next(rows, (0, None))
             if words is None:
                 what = f"the header promises {element.count} of the element {element.name!r}, {read} are there"
                 raise source.error(what, remedy=TRUNCATED)
-            if element.name in _WANTED:
-                _read_row(source, line, words, element, columns)
+            if element.name not in _WANTED:
+                continue
+            rest, short = iter(words), False
+            for known in element.properties:
+                length = indices(source, line, [next(rest, "-1")])[0] if known.length else 1
+                taken = [*islice(rest, max(length, 0))]
+                short = len(taken) != length
+                if short:
+                    break
+                lengths, values = columns[known.name]
+                lengths.append(length)
+                values.extend((numbers if known.type in "fd" else indices)(source, line, taken))
+            if short or next(rest, None) is not None:
+                what = f"the line has not the number of words that an element {element.name!r} needs"
+                raise source.error(what, "one line holds all properties of one element", line)
     return found
-
-
-def _empty(element: Element) -> _Columns:
-    return {known.name: (array("q"), array("d" if known.type in "fd" else "q")) for known in element.properties}
-
-
-def _read_row(source: Source, line: int, words: list[bytes], element: Element, columns: _Columns) -> None:
-    """Take the properties of one row."""
-    at = 0
-    for known in element.properties:
-        length = 1
-        if known.length and at < len(words):
-            length = indices(source, line, words[at : at + 1])[0]
-            at += 1
-        taken = words[at : at + length] if length >= 0 else []
-        if len(taken) != length:
-            break
-        lengths, values = columns[known.name]
-        lengths.append(length)
-        is_float = known.type in "fd"
-        values.extend([number(source, line, word) for word in taken] if is_float else indices(source, line, taken))
-        at += length
-    else:
-        if at == len(words):
-            return
-    what = f"the line has not the number of words that an element {element.name!r} needs"
-    raise source.error(what, "one line holds all properties of one element", line)
 
 
 def _read_binary(source: Source, header: Header) -> dict[str, _Columns]:
-    """Return the properties of each element up to the last that is wanted."""
-    data, at = source.data(), header.size
-    found: dict[str, _Columns] = {}
+    """Return the properties of each element up to the last that is wanted: rows of one length at once."""
+    data, at, found = source.data(), header.size, dict[str, _Columns]()
     for element in header.elements:
         if set(_WANTED) <= set(found):
             break
-        at, found[element.name] = _element(source, data, at, element, header.encoding)
+        if not element.count or not element.properties:
+            found[element.name] = _walked(source, data, at, element, header.encoding, 0)[1]
+            continue
+        least = sum(np.dtype(known.length or known.type).itemsize for known in element.properties)
+        if element.count * least > len(data) - at:
+            raise _too_short(source, element, (len(data) - at) // least)
+        _, first = _walked(source, data, at, element, header.encoding, 1)
+        fields: list[tuple[str, str, tuple[int]]] = []
+        for known in element.properties:
+            if known.length:
+                fields.append((f"length of {known.name}", header.encoding + known.length, (1,)))
+            fields.append((known.name, header.encoding + known.type, (first[known.name][0][0],)))
+        row = np.dtype(fields)
+        if element.count * row.itemsize <= len(data) - at:
+            rows = np.frombuffer(data, row, element.count, at)
+            lists = [known.name for known in element.properties if known.length]
+            if all((rows[f"length of {name}"] == first[name][0][0]).all() for name in lists):
+                found[element.name] = {
+                    name: (np.full(len(rows), lengths[0]), rows[name].reshape(-1))
+                    for name, (lengths, _) in first.items()
+                }
+                at += element.count * row.itemsize
+                continue
+        at, found[element.name] = _walked(source, data, at, element, header.encoding, element.count)
     return found
-
-
-def _element(source: Source, data: bytes, at: int, element: Element, order: str) -> tuple[int, _Columns]:
-    """Return where the next element begins, and the properties: rows of one length at once, others one by one."""
-    if not element.count or not element.properties:
-        return at, _empty(element)
-    least = sum(np.dtype(known.length or known.type).itemsize for known in element.properties)
-    if element.count * least > len(data) - at:
-        raise _too_short(source, element, (len(data) - at) // least)
-    _, first = _walked(source, data, at, element, order, 1)
-    fields: list[tuple[str, str, tuple[int]]] = []
-    for i, known in enumerate(element.properties):
-        if known.length:
-            fields.append((f"length {i}", order + known.length, (1,)))
-        fields.append((f"value {i}", order + known.type, (first[i][0][0],)))
-    row = np.dtype(fields)
-    if element.count * row.itemsize <= len(data) - at:
-        rows = np.frombuffer(data, row, element.count, at)
-        if all((rows[name] == rows[name][0]).all() for name, _, _ in fields if name.startswith("length")):
-            return at + element.count * row.itemsize, {
-                known.name: (np.full(len(rows), first[i][0][0]), rows[f"value {i}"].reshape(-1))
-                for i, known in enumerate(element.properties)
-            }
-    end, walked = _walked(source, data, at, element, order, element.count)
-    return end, {known.name: column for known, column in zip(element.properties, walked, strict=True)}
 
 
 def _too_short(source: Source, element: Element, there: int) -> MeshError:
@@ -243,20 +231,17 @@ def _too_short(source: Source, element: Element, there: int) -> MeshError:
     return source.error(what, remedy=TRUNCATED)
 
 
-def _walked(
-    source: Source, data: bytes, at: int, element: Element, order: str, rows: int
-) -> tuple[int, list[tuple[Any, Any]]]:
+def _walked(source: Source, data: bytes, at: int, element: Element, order: str, rows: int) -> tuple[int, _Columns]:
     """Return where some rows end, and the lengths and the values of each property in them."""
-    columns = [(array("q"), array(known.type)) for known in element.properties]
-    kinds = [(order + (known.length or ""), known.type) for known in element.properties]
+    columns: _Columns = {known.name: (array("q"), array(known.type)) for known in element.properties}
     for row in range(rows):
         try:
-            for (kind, item), (lengths, values) in zip(kinds, columns, strict=True):
+            for known in element.properties:
                 length = 1
-                if len(kind) > 1:
-                    (length,) = unpack_from(kind, data, at)
-                    at += calcsize(kind)
-                form = f"{order}{length}{item}"
+                if known.length:
+                    (length,) = unpack_from(order + known.length, data, at)
+                    at += calcsize(order + known.length)
+                form, (lengths, values) = f"{order}{length}{known.type}", columns[known.name]
                 values.extend(unpack_from(form, data, at))
                 lengths.append(length)
                 at += calcsize(form)

@@ -21,7 +21,7 @@ from robodyn.support.input_file import read_input
 from robodyn.support.input_limits import beyond, limits
 from robodyn.support.libraries import library_messages, treated_warnings
 
-_FLOAT32 = ("dae", "zae", "glb", "gltf")
+_FLOAT32 = ("dae", "glb", "gltf")
 """Kinds whose coordinates are float32, in the file or in their reader."""
 
 _Part = tuple[Corners, Indices]
@@ -67,9 +67,9 @@ def _loaded(source: Source, kind: str, data: bytes | None) -> tuple[dict[str, An
     options: dict[str, Any] = {"file_type": kind, "resolver": resolver}
     if kind in ("glb", "gltf"):
         options["skip_materials"] = True
-    if kind in ("dae", "zae"):
+    if kind == "dae":
         options["ignore_broken"] = False
-    loader: Any = mesh_loaders["dae" if kind == "zae" else kind]
+    loader: Any = mesh_loaders[kind]
     unread = treated_warnings("error", "string or file could not be read to its end")
     with source.opened() as stream, library_messages("trimesh") as messages, unread, np.errstate(all="ignore"):
         loaded: dict[str, Any] = loader(file_obj=stream if data is None else BytesIO(data), **options)

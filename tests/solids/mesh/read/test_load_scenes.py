@@ -115,16 +115,6 @@ def test_the_axis_that_points_up_is_noted(up, noted):
     assert noted == (f"the axis {up[0]} points up in the file; its axes are kept" in read.notes)
 
 
-def test_zipped_collada():
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w") as archive:
-        archive.writestr("manifest.xml", "<dae_root>part.dae</dae_root>")
-        archive.writestr("part.dae", dae(BALL))
-    read = load_triangles(stream.getvalue(), file_type="zae")
-    assert read.scale == 1e-3
-    np.testing.assert_array_equal(rows(read.array()), rows(BALL))
-
-
 def test_gltf_with_its_buffer_beside_it_or_inside(tmp_path):
     data = glb(BALL)
     length = int.from_bytes(data[12:16], "little")
@@ -161,7 +151,6 @@ BAD = [
     (three_mf(BALL, unit='unit="furlong"'), "3mf", "unknown unit 'furlong'"),
     (three_mf(BALL)[:-30], "3mf", "cannot be read as 3MF"),
     (b"PK\x03\x04", "3mf", "cannot be read as 3MF"),
-    (b"<xml/>", "xaml", "cannot be read as XAML"),
 ]
 
 

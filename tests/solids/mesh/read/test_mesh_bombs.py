@@ -226,8 +226,7 @@ def test_lines_that_are_continued_without_end():
     assert read.count == 1
     read = load_triangles(corners + b"\nf 1 \\\r\n 2 \\\n \\\n 3\n" * 50_000, file_type="obj")
     assert read.count == 50_001
-    with pytest.raises(MeshError, match="a line longer than 16 MB"):
-        load_triangles(corners + b"\\\n" * 10_000_000, file_type="obj")
+    assert load_triangles(corners + b"\\\n" * 2_000_000, file_type="obj").count == 1
 
 
 @pytest.mark.parametrize("corners", ["1 ", "1 2 3 4 "])
