@@ -167,13 +167,14 @@ def _read_text(source: Source, header: Header) -> dict[str, _Columns]:
     rows = ((line, words) for line, text in lines(source, header.size, header.lines + 1) if (words := text.split()))
     found = {}
     for element in header.elements:
-        columns = found[element.name] = {
+        columns: _Columns = {
             known.name: (array("q"), array("d" if known.type in "fd" else "q")) for known in element.properties
         }
-        for read in range(element.count if element.properties else 0):
-            line, words = next(rows, (0, None))
-            if words is None:
-                what = f"the header promises {element.count} of the element {element.name!r}, {read} are there"
+        found[element.name] = columns
+        for there in range(element.count if element.properties else 0):
+            line, words = next(rows, (0, []))
+            if not words:
+                what = f"the header promises {element.count} of the element {element.name!r}, {there} are there"
                 raise source.error(what, remedy=TRUNCATED)
             if element.name not in _WANTED:
                 continue
@@ -186,7 +187,7 @@ def _read_text(source: Source, header: Header) -> dict[str, _Columns]:
                     break
                 lengths, values = columns[known.name]
                 lengths.append(length)
-                values.extend((numbers if known.type in "fd" else indices)(source, line, taken))
+                values.extend(numbers(source, line, taken) if known.type in "fd" else indices(source, line, taken))
             if short or next(rest, None) is not None:
                 what = f"the line has not the number of words that an element {element.name!r} needs"
                 raise source.error(what, "one line holds all properties of one element", line)
