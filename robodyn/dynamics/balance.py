@@ -96,7 +96,6 @@ def energy(plan: Plan, tape: Tape) -> Iterable[Scalar]:
 
 @traced
 def losses(plan: Plan, tape: Tape) -> Iterable[Scalar]:
-    """The program of the power lost alone [W]."""
     sample, terms = plan.terms(tape)
     return [power_lost(plan, sample, terms, sample.motions())]
 

@@ -198,7 +198,6 @@ class Entries(NamedTuple):
     n: int
 
     def dense(self) -> InverseDerivatives:
-        """Return the three matrices."""
         whole = np.zeros((*self.values.shape[:-1], 3, self.n, self.n), self.values.dtype)
         whole[..., self.matrix, self.row, self.column] = self.values
         mass = self.matrix == 2
@@ -235,7 +234,6 @@ def inverse_dynamics_derivative_entries(
 
 @lru_cache(maxsize=16)
 def _entries_runner(a_plan: Plan) -> tuple[Runner, NDArray[np.intp]]:
-    """What computes the entries, and their matrices, rows and columns."""
     refuse_load(a_plan.scene)
     n, whole = a_plan.model.n, inverse_derivatives(a_plan)
     zeros = {k for k, (op, a, _) in enumerate(whole.operations) if op is CONSTANT and a == 0.0}

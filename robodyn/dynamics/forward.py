@@ -152,7 +152,6 @@ def forward_dynamics(
 
 @lru_cache(maxsize=16)
 def acceleration_runner(model: Model, scene: Scene, zero_columns: ZeroColumns = frozenset()) -> Runner:
-    """Return qdd of their plan, ready to run."""
     a_plan = plan(model, scene, zero_columns)
     return runner_of(acceleration_program(a_plan), a_plan)
 

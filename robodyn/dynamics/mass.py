@@ -42,7 +42,6 @@ def mass_matrix(
 
 @lru_cache(maxsize=16)
 def mass_runner(model: Model, scene: Scene) -> Runner:
-    """Return the entries of M(q) row by row, ready to run."""
     a_plan = plan(model, scene)
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
@@ -88,7 +87,6 @@ def coriolis_matrix(
 
 @traced
 def coriolis_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
-    """The program of C row by row."""
     model, sample = plan.model, plan.sample(tape)
     sample = replace(sample, qdd=(0.0,) * model.n)
     terms = applied([rigid_bodies.CORIOLIS, rigid_bodies.PAYLOAD, motors.GYROSCOPIC], sample, plan.scene)

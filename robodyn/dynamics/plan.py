@@ -135,7 +135,6 @@ def at_rest(sample: Sample) -> Terms:
 
 
 def applied(effects: Iterable[Effect], sample: Sample, scene: Scene) -> Terms:
-    """Return the terms that some effects add up to."""
     terms = at_rest(sample)
     for effect in effects:
         terms = effect.add(terms, sample, scene)
@@ -160,7 +159,6 @@ def plan(model: Model, scene: Scene, zero_columns: ZeroColumns = frozenset()) ->
 
 @lru_cache(maxsize=16)
 def torque_runner(model: Model, scene: Scene, zero_columns: ZeroColumns = frozenset()) -> Runner:
-    """Return tau of their plan, ready to run."""
     a_plan = plan(model, scene, zero_columns)
     return runner_of(a_plan.torques(), a_plan)
 

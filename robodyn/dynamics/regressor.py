@@ -158,7 +158,6 @@ def _torques(plan: Plan, sample: Sample, values: Sequence[Scalar]) -> list[Scala
 def _motor_torque(
     theta: Iterator[Scalar], friction: Friction, speed: Scalar, acceleration: Scalar, slip_speed: float
 ) -> Scalar:
-    """Return the torque of a motor whose parameters come next."""
     viscous, forward, backward = islice(theta, 3)
     stribeck = None if friction.stribeck is None else next(theta)
     coefficients = replace(friction, forward=forward, backward=backward, stribeck=stribeck)

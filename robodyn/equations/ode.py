@@ -41,7 +41,6 @@ def check_equations(model: Model, scene: Scene) -> None:
 
 
 def bias_plan(model: Model, scene: Scene) -> Plan:
-    """Return the plan of a motion without acceleration."""
     return replace(plan(model, scene), zero_columns=frozenset(("qdd", i) for i in range(model.n)))
 
 
@@ -142,7 +141,6 @@ def ode(model: Model, scene: Scene = DEFAULT, at: Values = (), qd: Values = ()) 
 
 
 def units_of(model: Model) -> tuple[str, ...]:
-    """Return the units of the entries of tau, N m or N."""
     units = ["N m"] * model.n
     for joint in model.independent:
         if joint.kind == "prismatic":

@@ -70,7 +70,6 @@ def generator(k: int) -> Polynomial:
 
 
 def total(a: Polynomial, b: Polynomial, sign: float = 1.0) -> Polynomial:
-    """a + sign b."""
     terms = dict(a)
     for key, (value, size) in b.items():
         old = terms.get(key, Coefficient(0.0, 0.0))

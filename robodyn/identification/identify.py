@@ -187,7 +187,6 @@ def identify(
 
 
 def _prior(run: Run, structure: Structure, shapes: bool) -> Prior:
-    """Return the prior of the structure's parameters: what the description and the scene say."""
     values = dict(zip(structure.regressor.bodies, structure.regressor.described.tolist(), strict=True))
     motors = [(motor.name, motor.friction, motor.reflected) for motor in run.scene.coupled]
     for _, joint, friction in joints_with_friction(run.model, run.scene):

@@ -72,7 +72,6 @@ class Structure:
         return {k: found[f"{self.regressor.motors[k].name}.load"] for k in loaded}
 
     def reshaped(self, shapes: dict[int, Shape]) -> Structure:
-        """Return the structure with some motors modelled otherwise."""
         return replace(self, shapes={**self.shapes, **shapes})
 
 
@@ -119,7 +118,6 @@ def squares(gathered: Gathered, fold: int, structure: Structure, theta: Floats) 
 
 
 def counts(gathered: Gathered, folds: Sequence[int]) -> Floats:
-    """Return (joints,) how many rows there are."""
     return np.asarray(np.sum([[float(each.count) for each in gathered.parts[fold]] for fold in folds], axis=0))
 
 
@@ -223,12 +221,10 @@ STRENGTHS = (0.01, 0.1, 1.0, 10.0, 100.0, 1000.0)
 
 
 def joint_motors(model: Model) -> list[Motor]:
-    """The motor of every joint."""
     return [Motor(name, axis, 0.0) for name, axis in zip(model.rates, np.eye(model.n), strict=True)]
 
 
 def scene_motors(model: Model, scene: Scene) -> list[Motor]:
-    """The coupled motors of a scene."""
     turns = ((motor.name, [motor.joints.get(name, 0.0) for name in model.rates]) for motor in scene.coupled)
     return [Motor(name, np.array(direction), 0.0) for name, direction in turns]
 

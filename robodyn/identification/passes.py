@@ -129,7 +129,6 @@ class First(NamedTuple):
 
 
 def first_fit(run: Run) -> First:
-    """Return what a fit with plain motors tells."""
     names = run.model.rates
     given = {*names, *(motor.name for motor in run.scene.coupled)}
     slow = max(RESTS, 2.0 * run.slip_speed)

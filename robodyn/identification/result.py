@@ -127,7 +127,6 @@ class Identified:
 
 
 def motor_fits(structure: Structure, theta: Floats) -> dict[str, MotorFit]:
-    """Return what was found of every motor."""
     found, fits = dict(zip(structure.names, theta.tolist(), strict=True)), {}
     for k, shape in structure.shapes.items():
         motor = structure.regressor.motors[k]

@@ -197,7 +197,6 @@ class ConstraintFigures:
         self._was_singular, self._last_time = bool(found.singular[-1]), float(time[-1])
 
     def _loops(self) -> Iterator[LoopLoad]:
-        """Yield what the loops bear."""
         if not len(self.gaps):
             return
         structure, found = self.solver.structure, closures(self.solver.plan)

@@ -140,12 +140,10 @@ class Constraints:
 
     @property
     def balanced(self) -> bool:
-        """Whether there are forces for all of the motion."""
         return not self.unbalanced and not self.missing
 
     @property
     def caveats(self) -> tuple[Caveat, ...]:
-        """What keeps a verdict over the motion from being sure."""
         caveats = []
         if self.missing:
             worst = self.missing[first_largest([each.force.value for each in self.missing])]

@@ -118,7 +118,6 @@ class ConstraintPass:
 
     @property
     def holds_base(self) -> bool:
-        """Whether loops to the ground hold a base that moves."""
         base = 6 if self.model.floating else 0
         return bool(base and not self.scene.contacts and self.solver.actuation.passive[:base].all())
 

@@ -38,7 +38,6 @@ RATE = 100.0
 
 
 def sampling_caveat(joints: Sequence[JointLoad], bars: Sequence[float], samples: int, duration: float) -> Caveat | None:
-    """Return the caveat about torques whose accelerations are open at large, None where that does not count."""
     if not joints:
         return None
     least = NEGLIGIBLE * max(abs(joint.peak) for joint in joints)
@@ -55,7 +54,6 @@ def sampling_caveat(joints: Sequence[JointLoad], bars: Sequence[float], samples:
 
 
 def energy_caveat(balance: EnergyBalance, samples: int, duration: float) -> Caveat | None:
-    """Return the caveat about a motion whose energy does not balance, None if it does."""
     if balance.consistent:
         return None
     off = f"energy balance is off by {balance.worst:.3g} J of {balance.turnover:.3g} J"

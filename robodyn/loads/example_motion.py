@@ -93,7 +93,6 @@ def overloaded(model: Model, scene: Scene, columns: Floats) -> list[str]:
 
 
 def _first(model: Model) -> _Swings:
-    """Return swings within the limits of position and speed."""
     least, largest = _ranges(model)
     c, h, w = np.zeros(model.nq), np.zeros(model.nq), np.zeros(model.nq)
     speed = np.full(model.nq, np.inf)

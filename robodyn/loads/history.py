@@ -148,7 +148,6 @@ class Recorder:
             self.contacts.update(time, touch, expected_duration)
 
     def history(self, at_peak: Mapping[int, Mapping[str, Floats]]) -> History:
-        """Return what has been gathered, with the states at the peaks of the joints."""
         states = tuple(at_peak[k] for k in range(len(at_peak)))
         joints, contacts = (each.curves() if each.names else None for each in (self.joints, self.contacts))
         return History(joints, self.base.curves(), self.energy.curves(), states, contacts)

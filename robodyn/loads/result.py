@@ -305,12 +305,10 @@ class MotorLoad(ShaftLoad):
 
     @property
     def continuous_margin(self) -> float | None:
-        """What is left of the continuous torque, negative if exceeded."""
         return None if self.continuous_limit is None else self.continuous_limit - self.rms
 
     @property
     def peak_margin(self) -> float | None:
-        """What is left below the peak curve at `nearest`, negative if exceeded."""
         return None if self.nearest is None else self.nearest.limit - self.nearest.torque
 
 
@@ -391,7 +389,6 @@ class Sizing:
 
     @property
     def exceeded(self) -> bool:
-        """Whether any joint is over what it may bear."""
         return any(joint.exceeded for joint in self.joints)
 
 
@@ -435,12 +432,10 @@ class Result:
 
     @property
     def exceeded(self) -> tuple[Excess, ...]:
-        """Every limit of the description that the motion exceeds."""
         return tuple(excess for joint in self.joints for excess in joint.exceeded)
 
     @property
     def samples_suffice(self) -> bool:
-        """Whether there are samples enough to derive accelerations."""
         return not any(caveat.kind == TOO_FEW for caveat in self.caveats)
 
     @property

@@ -139,7 +139,6 @@ class SizingPass:
                 self.motors.update(time, row, tau[driven], qd[driven], qdd[driven])
 
     def static_runner(self) -> Runner:
-        """Return the torques of standing still in each pose."""
         rates = frozenset((source, k) for source in ("qd", "qdd") for k in range(self.model.n))
         return torque_runner(self.model, self.scene, rates)
 

@@ -112,7 +112,6 @@ def torques(
 
 
 def check_uncertain(scene: Scene) -> None:
-    """Raise where error bars are asked for that are not computed."""
     if scene.uncertainty is not None and scene.constrained:
         what = "[uncertainty] gives error bars of open trees alone, and the scene has loops, contacts or passive joints"
         raise SceneError(what, remedy="leave [uncertainty] out")
@@ -132,7 +131,6 @@ def _blocks(motion: Trajectory | TrajectoryReader) -> Iterator[tuple[Trajectory,
 
 @np.errstate(all="ignore")
 def _gathered(run: TorqueAccumulator, last: Trajectory, explain: bool) -> Result:
-    """Return everything gathered up to the last block, with shares and uncertainty at the peaks."""
     assert run.choice is not None
     whole = plan(run.model, run.scene, run.zero_columns or frozenset())
     total, checks = run.statistics.integrals, run.checks.report()
@@ -223,7 +221,6 @@ def _inertias(run: TorqueAccumulator, joints: Sequence[int], idle: Sequence[int]
 
 
 def _idle(run: TorqueAccumulator) -> list[int]:
-    """Return the joints with motors that nothing drives."""
     if run.sizing is None or run.constraints is None:
         return []
     passive = run.constraints.solver.actuation.passive[run.rates]

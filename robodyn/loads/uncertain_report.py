@@ -49,7 +49,6 @@ class Drawn(NamedTuple):
         return Bar(self.value, float(self.curved.std(ddof=1)), low, high, "draws")
 
     def within(self, limit: float) -> float:
-        """Return the probability that the magnitude is within a limit."""
         if self.curved is not None:
             return float((self.curved <= BEYOND * limit).mean())
         if self.error <= 1e-12 * max(abs(self.value), abs(limit)):
@@ -94,7 +93,6 @@ class Figures:
         self._rms: dict[int, Drawn] = {}
 
     def peak(self, k: int) -> Drawn:
-        """Return the largest magnitude of figure k."""
         if k not in self._peaks:
             of, figure = self.of, self.of.of.figures[k]
             columns = len(figure.columns)
@@ -126,7 +124,6 @@ class Figures:
         return self._rms[k]
 
     def cubic(self, i: int) -> Drawn:
-        """Return the cubic mean of what gear i bears."""
         totals, of = self.of.integrals.totals, self.of.of
         travel = float(totals["travel"][i]) or 1.0
         figure = [figure for figure in of.figures if figure.name == "gear"][i]
@@ -175,7 +172,6 @@ class Figures:
         return np.asarray((rows * (rows if L is None else product(product(rows, L), L.T))).sum(0))
 
     def report(self, joints: Sequence[JointLoad], sizing: Sizing | None) -> Uncertain:
-        """Return everything gathered."""
         places = {(figure.owner, figure.name): k for k, figure in enumerate(self.of.of.figures)}
         sized = sizing.joints if sizing else (None,) * len(joints)
         found, kept = [], []
@@ -270,7 +266,6 @@ def _shares(time: Floats) -> Floats:
 
 
 def _sure(quantity: str, value: float, limit: float, unit: str) -> _Limit:
-    """Return a limit of what no parameter changes."""
     kept = abs(value) <= BEYOND * limit
     shown = UncertainLimit(quantity, Bar(value, 0.0, value, value, "linear"), limit, unit, float(kept))
     return _Limit(shown, np.full(DRAWS, kept))

@@ -100,7 +100,6 @@ class Uncertain:
 
     @property
     def caveats(self) -> tuple[Caveat, ...]:
-        """Why a verdict for the parameters as they are given may not hold for the robot."""
         if self.lasting is None or self.lasting >= SURE:
             return ()
         said = f"parameters are uncertain: limits are kept all with a probability of {100.0 * self.lasting:.3g} %"

@@ -33,12 +33,10 @@ def columns_of(name: str) -> tuple[str, ...]:
 
 
 def reaction_columns_of(name: str) -> tuple[str, ...]:
-    """Return the columns of the wrench of a loop on the other link."""
     return tuple(f"reaction {column}" for column in columns_of(name))
 
 
 def open_scene(scene: Scene) -> Scene:
-    """Return the scene without constraints."""
     return replace(
         scene, loops=(), contacts=(), actuated=None, passive=(), share=Scene.share, weights={}, weight=Scene.weight,
         contact_cost=ContactCost(),

@@ -112,7 +112,6 @@ def _solved(
 
 
 def _of_samples(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Floats:
-    """(N,) a column of contacts."""
     given = numbers(name, values, np.dtype(float))
     if np.isnan(given).any():
         what = f"column {shown(name)} of contacts is not a number at {np.isnan(given).sum()} of {given.size} samples"

@@ -204,7 +204,6 @@ class ConstraintSolver:
                 self._units[turns] = 1.0 / (model.reach or 1.0)
 
     def pieces(self, samples: int) -> list[slice]:
-        """The parts of a block that `solve` takes."""
         return [slice(start, start + PIECE) for start in range(0, samples, PIECE)]
 
     def solve(self, q: Floats, qd: Floats, tau: Floats, touching: Mask) -> Found:

@@ -59,7 +59,6 @@ class Structure:
     equation_determined: Mask
 
     def scaled(self, J: Floats) -> Floats:
-        """Return the equilibrated J (N, m, n)."""
         return np.asarray(J * self.equation_scale[:, None] * self.rate_scale)
 
 

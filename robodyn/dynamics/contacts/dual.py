@@ -217,7 +217,6 @@ class Cones(NamedTuple):
     sine: Floats
 
     def chosen(self, samples: Any) -> Cones:
-        """Return those of some samples."""
         return Cones(*(np.ascontiguousarray(part[:, samples]) for part in self))
 
 

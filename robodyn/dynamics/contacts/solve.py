@@ -69,7 +69,6 @@ class Problem:
         return samples, rows, columns // 3
 
     def chosen(self, rows: Any) -> Problem:
-        """The problem of some samples."""
         torques, free = self.torques, self.free
         if torques is not None:
             torques = replace(torques, tau0=torques.tau0[rows], T=torques.T[rows])
@@ -106,7 +105,6 @@ class Forces:
     within_limits: Flags
 
     def chosen(self, rows: Any) -> Forces:
-        """The forces of some samples."""
         return Forces(*(getattr(self, each.name)[rows] for each in fields(self)))
 
 
@@ -261,7 +259,6 @@ def _softened(sample: _Sample) -> _Sample:
 
 
 def _by_clarabel(sample: _Sample, limited: bool) -> Floats | None:
-    """Return x; None where there is none."""
     import clarabel
     from scipy import sparse
 

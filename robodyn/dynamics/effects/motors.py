@@ -63,7 +63,6 @@ Turned = tuple[int, Joint, float]
 
 
 def coupled_motors(model: Model, scene: Scene) -> Iterator[tuple[CoupledMotor, list[Turned]]]:
-    """Every coupled motor with the joints that it turns with."""
     joints = [(i, body.joint) for i, body in enumerate(model.bodies)]
     for motor in scene.coupled:
         yield motor, [(i, joint, motor.joints[joint.name]) for i, joint in joints if joint.name in motor.joints]

@@ -94,7 +94,6 @@ def _inputs(tape: Tape, source: str, count: int) -> list[Scalar]:
 
 @lru_cache(maxsize=16)
 def block_equations(plan: Plan) -> BlockEquations:
-    """Return the equations of a plan, with what has been traced of them so far."""
     return BlockEquations(plan)
 
 
@@ -378,14 +377,12 @@ UNREACHED = "correct these columns, the loop's points or the links' lengths"
 
 
 def singular(branch: Branch, where: str) -> TrajectoryError:
-    """Return the error about a row at which what follows is not determined."""
     names = [f"q_{branch.equations.model.rates[rate]}" for rate in branch.followed]
     what = f"{where}: the loops are singular, so that {', '.join(names)} do not follow from the other columns there"
     return TrajectoryError(what, remedy=f"give {' or '.join(names[:SHOWN])} as well, or leave the rows there out")
 
 
 def given(branch: Branch, q: Floats) -> str:
-    """Return the values of given coordinates of the loops, of the first few."""
     model = branch.equations.model
     joints = [joint for joint in model.independent if joint.rate in branch.given and joint.kind != "floating"]
     shown = [f"q_{joint.name} = {q[joint.coordinate]:.6g}" for joint in joints[:SHOWN]]

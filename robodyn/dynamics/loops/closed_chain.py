@@ -165,7 +165,6 @@ class ClosedChain:
         return Sample(self.model, tuple(q), nothing if qd is None else tuple(qd), nothing)
 
     def keeping(self, rows: Collection[int]) -> ClosedChain:
-        """The chain with these of its equations alone; the others are dropped."""
         closures, dropped, at = [], list(self.dropped), 0
         for closure in self.closures:
             own = list(enumerate(closure.equations, at))

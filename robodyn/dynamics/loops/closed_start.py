@@ -122,7 +122,6 @@ def _displaced(chain: ClosedChain, q: Floats, moves: Floats) -> Floats:
 
 
 def closed_near(chain: ClosedChain, q: Floats, moves: Floats) -> Floats | None:
-    """Return the closed place nearest to q after some moves; None if there is none."""
     return closed_by(chain, _displaced(chain, q, moves), range(chain.model.n))
 
 
@@ -153,7 +152,6 @@ def _reach(chain: ClosedChain) -> float:
 
 
 def check_dropped(chain: ClosedChain, q: Floats) -> None:
-    """Raise if an equation that was dropped does not hold."""
     motions = chain.sample(q.tolist()).motions()
     for closure, equation in chain.dropped:
         place = closure.relative(chain.model, motions)

@@ -287,8 +287,6 @@ class Equations(NamedTuple):
 
 
 def held(closure: Closure, here: Relative) -> Equations:
-    """Return the equations of one closure."""
-
     def of(twist: Twist) -> list[Scalar]:
         turned = skew(twist.w) @ here.B
         return [equation.of(twist.v, turned) for equation in closure.equations]

@@ -96,7 +96,6 @@ class Misfits:
         self._sums = np.maximum(self._sums, [values.max(axis=0) for values in sums])
 
     def notes(self) -> list[str]:
-        """A note on loops that the positions given leave open."""
         open_by = [each for each in self.largest[:1] if each.share > NOTED]
         return [
             f'loop "{each.loop}" is open by up to {each.size:.2g} {each.unit} ({each.time:.4g} s)' for each in open_by
@@ -156,7 +155,6 @@ class Follow:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Which of several branches was chosen, and what is open."""
         return (*self._chosen, *self.misfits.notes())
 
     @property
@@ -206,7 +204,6 @@ class Follow:
         return whole
 
     def _close(self, time: Floats, q: Floats, first_row: int) -> None:
-        """Fill in positions."""
         if self._place is None:
             self._place = q[0].copy()
             if len(self.branch.followed):
@@ -222,7 +219,6 @@ class Follow:
         self._place = q[-1].copy()
 
     def _lost(self, lost: Lost, q: Floats, where: str) -> TrajectoryError:
-        """The error about a row that the branch does not reach."""
         if lost.singular:
             return singular(self.branch, where)
         places, missed = search(self.branch, q[lost.row], lost.place, OFF)
@@ -235,7 +231,6 @@ class Follow:
         return TrajectoryError(what, remedy="give more rows, or columns of more joints")
 
     def _rates(self, time: Floats, part: Whole, first_row: int) -> None:
-        """Fill in velocities, accelerations and bars, and look at what is left."""
         branch, equations = self.branch, self.equations
         phi, J = equations.places(part.q)
         self.misfits.refuse(phi, time, first_row, bool(len(branch.followed)))

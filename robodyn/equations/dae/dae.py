@@ -337,7 +337,6 @@ def solved(found: Matrices, independent: NDArray[np.bool_]) -> Solution:
 
 
 def accelerations_along(system: System, a: Floats) -> Floats:
-    """qdd out of the accelerations of the bodies."""
     return np.array(system.own_rates(list(system.matrices.S @ a + system.matrices.sigma)))
 
 

@@ -190,7 +190,6 @@ def drifts(equations: Sequence[Equation], at: State) -> Array:
 
 
 def values(equations: Sequence[Equation], at: State) -> Floats:
-    """Return the value of each, of floats."""
     return np.array([equation.value(at) for equation in equations], dtype=float)
 
 

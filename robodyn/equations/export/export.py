@@ -306,7 +306,6 @@ def export(
 
 
 def _words(what: str | Iterable[str]) -> list[str]:
-    """Return the functions that are asked for, each once."""
     asked = what.split(",") if isinstance(what, str) else what if isinstance(what, Iterable) else [what]
     words = [word.strip() if isinstance(word, str) else word for word in asked]
     for word in words:

@@ -129,12 +129,10 @@ class JointRow:
 
     @property
     def freedom(self) -> int:
-        """f."""
         return {"fixed": 0, "floating": 6}.get(self.kind, 1)
 
     @property
     def reactions(self) -> int:
-        """6 - f."""
         return 6 - self.freedom
 
 

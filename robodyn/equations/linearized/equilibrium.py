@@ -96,7 +96,6 @@ class Balance(NamedTuple):
 
     @property
     def part(self) -> float:
-        """The largest of these."""
         return float(self.parts.max(initial=0.0))
 
 
@@ -213,7 +212,6 @@ def robot_at_rest(model: Model, scene: Scene, q: Floats) -> RobotAtRest:
 
 
 def _beyond(model: Model, link: str) -> set[int]:
-    """Return the bodies from this link to the base."""
     k, out = model.links[link].body if link in model.links else -1, set()
     while k >= 0:
         out.add(k)

@@ -80,7 +80,6 @@ class Linearized:
 
     @property
     def verdict(self) -> str:
-        """That of the modes, or "beyond limits"."""
         return "beyond limits" if self.exceeded else self.modes.verdict
 
     @cached_property
@@ -185,7 +184,6 @@ def linearize(
 
 
 def _state(model: Model, scene: Scene, at: Values | None, qd: Values) -> tuple[Floats, Floats]:
-    """Return where it is put, and its speeds."""
     speeds = rates(model, qd)
     if not scene.loops:
         return begun(model.coordinates, configuration(model, () if at is None else at), at, scene.initial_q)[0], speeds
@@ -195,7 +193,6 @@ def _state(model: Model, scene: Scene, at: Values | None, qd: Values) -> tuple[F
 
 
 def _near(robot: RobotAtRest, q: Floats, qd: Floats) -> Linearized:
-    """Return the linear equations at a state."""
     model, moves = robot.model, bool(qd.any())
     balance = robot.balance(q)
     given = inverse_dynamics_derivatives(model, q, qd, 0.0, scene=robot.tree, executor="numpy")

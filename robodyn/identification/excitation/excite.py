@@ -127,12 +127,10 @@ class Excitation:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of `columns`."""
         return tuple(f"{kind}_{name}" for kind in ("q", "qd", "qdd") for name in self.model.joint_names)
 
     @property
     def time(self) -> Floats:
-        """(N,) [s]."""
         return np.asarray(np.arange(self.motion.shape[1]) / self.rate)
 
     @property
@@ -243,7 +241,6 @@ def _random_rows(model: Model, scene: Scene, bounds: Bounds) -> tuple[Floats, Fl
 def _deviations(
     model: Model, bounds: Bounds, noise: Sequence[float] | Mapping[str, float] | None, rms: Floats
 ) -> Floats:
-    """Return the standard deviation of every joint's torque."""
     size = np.where(np.isfinite(bounds.effort), bounds.effort, rms)
     found = NOISE * np.where(size > 0.0, size, 1.0)
     if isinstance(noise, Mapping):

@@ -47,7 +47,6 @@ class Channels(NamedTuple):
         return [*self.exchanged, *((j,) for j in self.reversed)]
 
     def words(self, names: Sequence[str]) -> list[str]:
-        """Return a line of each fault."""
         return [
             f"the measured torques of {', '.join(names[j] for j in first)} and {names[last]} are exchanged"
             if first
@@ -57,7 +56,6 @@ class Channels(NamedTuple):
 
 
 def channels(evidence: Evidence) -> Channels:
-    """Return `told` of evidence."""
     parts = zip(evidence.own.swapaxes(0, 1), evidence.computed.T, strict=True)
     return told([np.column_stack((own, computed, evidence.measured)) for own, computed in parts])
 

@@ -149,7 +149,6 @@ def compare(
 
 
 def _joint(model: Model, name: str, raw: Evidence, found: Explained, j: int) -> JointComparison:
-    """Return what there is to say of a joint, of the torques that were measured as its."""
     prismatic = any(body.joint.name == name and body.joint.kind == "prismatic" for body in model.bodies)
     measured, computed = raw.measured[raw.inside, j], raw.computed[raw.inside, j]
     a, b = measured - measured.mean(), computed - computed.mean()

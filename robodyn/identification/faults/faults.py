@@ -156,7 +156,6 @@ class Explained:
 
 
 def rms(values: Floats) -> Floats:
-    """Root mean square of each column."""
     return np.asarray(np.sqrt(einsum("ki,ki->i", values, values) / len(values)))
 
 
@@ -208,7 +207,6 @@ def effects(evidence: Evidence) -> list[Effect]:
 
 
 def _explained(evidence: Evidence, start: Floats, every: list[Effect]) -> Explained:
-    """Return what of these effects explains the difference."""
     level, whole = LEVEL / max(1, len(every)), fit(evidence, start, every)
     sure = [effect for effect in every if _chance(whole, effect) < level]
     near_whole = _Shares(evidence, whole)
@@ -351,7 +349,6 @@ def _rows(evidence: Evidence, found: Sequence[Floats], left: Floats, weights: Fl
 
 
 def _pseudoinverse(matrix: Floats) -> Floats:
-    """Pseudoinverse, of columns scaled to length 1."""
     unit, size = unit_columns(matrix)
     return np.linalg.pinv(unit, rcond=_DEPENDENT) / size[:, None]
 

@@ -279,7 +279,6 @@ class Samples(NamedTuple):
 
 
 def joined(first: Samples, second: Samples) -> Samples:
-    """Return consecutive samples as one."""
     time, q, qd, qdd, tau = map(np.concatenate, zip(first[:-1], second[:-1], strict=True))
     return Samples(time, q, qd, qdd, tau, first.begins)
 
@@ -308,7 +307,6 @@ class Grid:
             self._rows = rows.cut(slice(first, None), False)
 
     def finish(self) -> Iterator[Samples]:
-        """Yield what is left of a stretch."""
         if self._rows is not None:
             yield from self._until(float(self._rows.time[-1]))
 

@@ -58,7 +58,6 @@ class Base:
 
     @property
     def rank(self) -> int:
-        """The number r of base parameters."""
         return len(self.independent)
 
     @property

@@ -140,7 +140,6 @@ class Moments:
         self.restart()
 
     def restart(self) -> None:
-        """Begin rows that do not follow those before."""
         self._columns = [np.zeros((0, each.shape[1])) for each in self.columns]
         self._residuals = np.zeros((0, len(self.columns)))
 

@@ -93,7 +93,6 @@ class Shape:
         return found
 
     def names(self, motor: Motor) -> tuple[str, ...]:
-        """Return the names of the parameters."""
         return tuple(f"{motor.name}.{kind}" for kind in self.kinds())
 
 
@@ -152,7 +151,6 @@ class RegressorColumns:
         return found
 
     def under(self, gravity: Vector) -> RegressorColumns:
-        """Return the columns under another gravity [m/s^2]."""
         found = copy(self)
         found._scene = replace(self._scene, gravity=gravity)
         return found
