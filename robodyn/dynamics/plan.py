@@ -2,7 +2,7 @@
 
 From a model and a scene to numbers:
 
-1. `plan` asks each effect of `effects/catalogue.py` whether it is on; `applied` lets those that are add their terms.
+1. `plan` asks each of `EFFECTS` whether it is on; `applied` lets those that are add their terms.
 2. `loads` gives the terms of a sample to the recursion, `recursions/newton_euler.py` (`forward.py` to
    `recursions/articulated_body.py`, `mass.py` to `recursions/composite_body.py`), over scalars that are traced: a
    program without all that is zero.
@@ -22,7 +22,7 @@ from functools import cached_property, lru_cache
 from types import MappingProxyType
 from typing import NamedTuple
 
-from robodyn.dynamics.effects.catalogue import EFFECTS
+from robodyn.dynamics.effects import friction, motors, rigid_bodies, springs, wrenches
 from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
 from robodyn.dynamics.effects.friction import load_torques
 from robodyn.dynamics.recursions.newton_euler import joint_torques, newton_euler
@@ -35,6 +35,27 @@ from robodyn.robot.model import Frame, Model
 from robodyn.scene.fit import check_scene, refuse_constraints
 from robodyn.scene.scene import Scene
 from robodyn.solids.inertia.laws import Inertia
+
+EFFECTS: tuple[Effect, ...] = (
+    rigid_bodies.GRAVITY,
+    rigid_bodies.INERTIA,
+    rigid_bodies.CORIOLIS,
+    rigid_bodies.MOVING_BASE,
+    rigid_bodies.PAYLOAD,
+    friction.VISCOUS,
+    friction.COULOMB,
+    motors.ROTOR,
+    motors.COUPLED,
+    motors.GYROSCOPIC,
+    springs.JOINT,
+    springs.LIMIT,
+    wrenches.EXTERNAL,
+    wrenches.LOOPS,
+    wrenches.CONTACTS,
+    wrenches.FLUID,
+    friction.LOAD,
+    rigid_bodies.MIMIC,
+)
 
 
 class Loads(NamedTuple):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -10,14 +12,245 @@ import numpy as np
 
 from robodyn.dynamics.mass import mass_runner
 from robodyn.equations.ode import bias_plan, check_equations, identifiers
-from robodyn.equations.polynomial import Forms, TooLargeError, largest
 from robodyn.errors import InputError
 from robodyn.programs.program import Program
 from robodyn.programs.run.numpy_blocks import Numbers, NumpyBlocks
-from robodyn.programs.run.symbolic import expressions, module
-from robodyn.programs.scalar import CONSTANT, INPUT
+from robodyn.programs.run.symbolic import DIGITS, expressions, module, number, operations
+from robodyn.programs.scalar import ADD, CONSTANT, COS, DIV, INPUT, MUL, NEG, SIN
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
+
+EPS = 2.0**-52
+ROUNDING = 4 * EPS
+"""A coefficient that is a smaller share of what added up to it is zero."""
+
+Angle = tuple[float, ...]
+"""Multiples of the generators; the first that is not zero is positive."""
+
+
+class Key(NamedTuple):
+    """`powers` are generators, each as often as its power; `wave` is "cos", or "sin" with an angle that is not zero."""
+
+    powers: tuple[int, ...]
+    wave: str
+    angle: Angle
+
+
+ONE = Key((), "cos", ())
+
+
+class Coefficient(NamedTuple):
+    """A coefficient, and the sum of the magnitudes that added up to it."""
+
+    value: float
+    size: float
+
+
+Polynomial = dict[Key, Coefficient]
+
+
+class TooLargeError(Exception):
+    """More products of terms would be needed than the budget allows."""
+
+
+@dataclass
+class Budget:
+    """Products of terms that may still be formed."""
+
+    left: int
+
+    def spend(self, products: int) -> None:
+        self.left -= products
+        if self.left < 0:
+            raise TooLargeError
+
+
+def constant(value: float) -> Polynomial:
+    return {ONE: Coefficient(value, abs(value))} if value else {}
+
+
+def generator(k: int) -> Polynomial:
+    return {Key((k,), "cos", ()): Coefficient(1.0, 1.0)}
+
+
+def total(a: Polynomial, b: Polynomial, sign: float = 1.0) -> Polynomial:
+    terms = dict(a)
+    for key, (value, size) in b.items():
+        old = terms.get(key, Coefficient(0.0, 0.0))
+        terms[key] = Coefficient(old.value + sign * value, old.size + size)
+    return _pruned(terms)
+
+
+def product(a: Polynomial, b: Polynomial, budget: Budget) -> Polynomial:
+    """a b, with products of waves made into sums."""
+    budget.spend(len(a) * len(b))
+    values: defaultdict[Key, list[float]] = defaultdict(lambda: [0.0, 0.0])
+    for left, (x, x_size) in a.items():
+        for right, (y, y_size) in b.items():
+            powers = tuple(sorted(left.powers + right.powers))
+            for wave, angle, share in _waves(left, right):
+                entry = values[Key(powers, wave, angle)]
+                entry[0] += share * x * y
+                entry[1] += abs(share) * x_size * y_size
+    return _pruned({key: Coefficient(*entry) for key, entry in values.items()})
+
+
+def wave(kind: str, angle: Angle) -> Polynomial:
+    """Return the sine or cosine of a combination of generators."""
+    turned, sign = _upright(kind, angle)
+    if not turned:
+        return constant(1.0) if kind == "cos" else {}
+    return {Key((), kind, turned): Coefficient(sign, 1.0)}
+
+
+def linear(a: Polynomial) -> tuple[Angle, float] | None:
+    """Return the multiples of generators and the constant that a sums up, if it is no more than that."""
+    multiples: dict[int, float] = {}
+    offset = 0.0
+    for key, (value, _) in a.items():
+        if key.angle or len(key.powers) > 1:
+            return None
+        if key.powers:
+            multiples[key.powers[0]] = value
+        else:
+            offset = value
+    width = max(multiples, default=-1) + 1
+    return tuple(multiples.get(k, 0.0) for k in range(width)), offset
+
+
+def _waves(left: Key, right: Key) -> list[tuple[str, Angle, float]]:
+    """Return the product of two waves as a sum: wave, angle, share."""
+    if not left.angle or not right.angle:
+        other = left if left.angle else right
+        return [(other.wave, other.angle, 1.0)]
+    sum_of, difference = _combined(left.angle, right.angle, 1.0), _combined(left.angle, right.angle, -1.0)
+    if left.wave == right.wave:
+        share = 0.5 if left.wave == "cos" else -0.5
+        pairs = [("cos", difference, 0.5), ("cos", sum_of, share)]
+    else:
+        pairs = [("sin", sum_of, 0.5), ("sin", difference, 0.5 if left.wave == "sin" else -0.5)]
+    out = []
+    for kind, angle, share in pairs:
+        turned, sign = _upright(kind, angle)
+        if turned or kind == "cos":
+            out.append((kind, turned, sign * share))
+    return out
+
+
+def _combined(a: Angle, b: Angle, sign: float) -> Angle:
+    width = max(len(a), len(b))
+    padded = zip(a + (0.0,) * (width - len(a)), b + (0.0,) * (width - len(b)), strict=True)
+    return tuple(x + sign * y for x, y in padded)
+
+
+def _upright(kind: str, angle: Angle) -> tuple[Angle, float]:
+    """Return the angle with its first multiple positive and without zeros at its end, and the sign of the wave."""
+    width = max((k + 1 for k, x in enumerate(angle) if x), default=0)
+    angle = angle[:width]
+    if next((x for x in angle if x), 0.0) < 0.0:
+        return tuple(-x for x in angle), -1.0 if kind == "sin" else 1.0
+    return angle, 1.0
+
+
+def _pruned(terms: Polynomial) -> Polynomial:
+    return {key: entry for key, entry in terms.items() if abs(entry.value) > ROUNDING * entry.size}
+
+
+SHORT = 16 * 2.0**-52
+"""A coefficient this near a short decimal, as a share of itself, is taken to be that decimal."""
+
+
+class Forms:
+    """Programs in the arithmetic of `robodyn.equations.closed`.
+
+    What is no such polynomial (the sign of a speed, a root) becomes a generator of its own, with its argument in
+    closed form.
+    """
+
+    def __init__(self, symbols: Mapping[tuple[str, int], Any], products: int) -> None:
+        """Args: symbols: of the inputs; those but q stand apart in results. products: of terms that may be formed."""
+        self._symbols, self._budget = symbols, Budget(products)
+        self._generators: dict[Any, int] = {symbol: k for k, symbol in enumerate(symbols.values())}
+        self._rates = {symbol for (source, _), symbol in symbols.items() if source != "q"}
+
+    def outputs(self, program: Program) -> list[Polynomial]:
+        """Return the outputs of a program; raise `TooLargeError` when the budget is spent."""
+        values: list[Polynomial] = []
+        for op, a, b in program.operations:
+            if op is INPUT:
+                values.append(self._generator(self._symbols[a, b]))
+            elif op is CONSTANT:
+                values.append(constant(a))
+            else:
+                values.append(self._operation(op, *(values[k] for k in (a, b) if k is not None)))
+        return [values[k] for k in program.outputs]
+
+    def expression(self, form: Polynomial, least: float = 0.0) -> Any:
+        """Return the SymPy expression of a form by products of rates, without coefficients smaller than `least`."""
+        sympy, symbols = module(), list(self._generators)
+        groups: defaultdict[Any, list[Any]] = defaultdict(list)
+        for key, coefficient in form.items():
+            if abs(coefficient.value) < least:
+                continue
+            powers = [symbols[k] for k in key.powers]
+            rates = sympy.Mul(*(x for x in powers if x in self._rates))
+            rest = sympy.Mul(*(x for x in powers if x not in self._rates))
+            groups[rates].append(_rounded(coefficient.value) * rest * self._wave(key))
+        return sympy.Add(*(rates * sympy.Add(*terms) for rates, terms in groups.items()))
+
+    def _wave(self, key: Key) -> Any:
+        if not key.angle:
+            return 1
+        sympy, symbols = module(), list(self._generators)
+        angle = sympy.Add(*(number(x) * symbols[k] for k, x in enumerate(key.angle)))
+        return getattr(sympy, key.wave)(angle)
+
+    def _operation(self, op: str, a: Polynomial, b: Polynomial | None = None) -> Polynomial:
+        if b is None:
+            return self._function(op, a)
+        if op is MUL:
+            return product(a, b, self._budget)
+        return self._quotient(a, b) if op is DIV else total(a, b, 1.0 if op is ADD else -1.0)
+
+    def _function(self, op: str, a: Polynomial) -> Polynomial:
+        if op is NEG:
+            return total({}, a, -1.0)
+        return self._turned(op, a) if op in (SIN, COS) else self._opaque(operations()[op](self.expression(a)))
+
+    def _quotient(self, a: Polynomial, b: Polynomial) -> Polynomial:
+        angle, divisor = linear(b) or ((1.0,), 0.0)
+        inverse = self._opaque(1 / self.expression(b)) if angle else constant(1.0 / divisor)
+        return product(a, inverse, self._budget)
+
+    def _turned(self, op: str, a: Polynomial) -> Polynomial:
+        """Return the sine or cosine of a; a constant in the angle turns one into the other."""
+        known = linear(a)
+        if known is None:
+            return self._opaque(operations()[op](self.expression(a)))
+        angle, offset = known
+        sine, cosine = wave("sin", angle), wave("cos", angle)
+        first, second = (cosine, sine) if op is COS else (sine, cosine)
+        turned = product(second, constant(math.sin(offset)), self._budget)
+        return total(product(first, constant(math.cos(offset)), self._budget), turned, -1.0 if op is COS else 1.0)
+
+    def _opaque(self, expression: Any) -> Polynomial:
+        if expression.is_number:
+            return constant(float(expression))
+        return self._generator(expression)
+
+    def _generator(self, expression: Any) -> Polynomial:
+        return generator(self._generators.setdefault(expression, len(self._generators)))
+
+
+def largest(forms: Sequence[Polynomial]) -> float:
+    return max((abs(x.value) for form in forms for x in form.values()), default=0.0)
+
+
+def _rounded(value: float) -> Any:
+    """Return the short decimal next to a coefficient, if rounding alone can tell them apart."""
+    short = float(f"{value:.{DIGITS - 1}e}")
+    return number(short if abs(short - value) <= SHORT * abs(value) else value)
+
 
 Symbols = Mapping[tuple[str, int], Any]
 

@@ -12,7 +12,7 @@ import numpy as np
 from robodyn.dynamics.effects.friction import friction_of, joints_with_friction
 from robodyn.dynamics.effects.motors import rotor_of
 from robodyn.errors import InputError
-from robodyn.identification.parameters.prior import parameters_of, pseudo_inertia
+from robodyn.identification.parameters.consistent import parameters_of, pseudo_inertia
 from robodyn.programs.vectors import product
 from robodyn.robot.masses.declared import declared
 from robodyn.robot.model import Model

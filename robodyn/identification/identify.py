@@ -2,7 +2,7 @@
 
 1. `log/log.py` reads logs; `log/rows.py` puts motion and torques through one filter.
 2. `passes.py` goes over them: a first fit, what is wrong with the logs (`faults/`), rows of all columns.
-3. `parameters/regressor_columns.py` has the columns, `parameters/qr_accumulation.py` keeps their triangular factors.
+3. `parameters/regressor_columns.py` has the columns and keeps their triangular factors.
 4. `model_selection.py` chooses coupled motors, breakaway, friction under load, the strength of the prior.
 5. `parameters/consistent.py` fits bodies that can exist, `parameters/base.py` the base parameters.
 6. Here errors, intervals and warnings are told; `result.py` holds what was found, `calibrated.py` writes it.
@@ -35,10 +35,8 @@ from robodyn.identification.model_selection import (
     without_one,
 )
 from robodyn.identification.parameters.base import base_of
-from robodyn.identification.parameters.consistent import consistent_parameters
-from robodyn.identification.parameters.prior import Prior, prior_of, pseudo_inertia
-from robodyn.identification.parameters.qr_accumulation import Gathered
-from robodyn.identification.parameters.regressor_columns import PARAMETERS, PLAIN
+from robodyn.identification.parameters.consistent import Prior, consistent_parameters, prior_of, pseudo_inertia
+from robodyn.identification.parameters.regressor_columns import PARAMETERS, PLAIN, Gathered
 from robodyn.identification.passes import FOLDS, RESTS, Run, begun, first_fit, repeated, weighted_rows
 from robodyn.identification.result import BaseFit, Errors, Identified, motor_fits, outcome
 from robodyn.scene.scene import DEFAULT, Scene

@@ -9,10 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.identification.parameters.base import Base, shown
-from robodyn.identification.parameters.consistent import consistent_parameters
-from robodyn.identification.parameters.prior import Prior
-from robodyn.identification.parameters.qr_accumulation import LAGS, Gathered, Moments, stacked
-from robodyn.identification.parameters.regressor_columns import PLAIN, Motor, RegressorColumns, Shape
+from robodyn.identification.parameters.consistent import Prior, consistent_parameters
+from robodyn.identification.parameters.regressor_columns import (
+    LAGS,
+    PLAIN,
+    Gathered,
+    Moments,
+    Motor,
+    RegressorColumns,
+    Shape,
+    stacked,
+)
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats

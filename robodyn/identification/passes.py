@@ -27,8 +27,15 @@ from robodyn.identification.model_selection import (
     with_speeds,
 )
 from robodyn.identification.parameters.base import base_of
-from robodyn.identification.parameters.qr_accumulation import Gathered, Guess, Moments, gather
-from robodyn.identification.parameters.regressor_columns import PLAIN, Motor, RegressorColumns
+from robodyn.identification.parameters.regressor_columns import (
+    PLAIN,
+    Gathered,
+    Guess,
+    Moments,
+    Motor,
+    RegressorColumns,
+    gather,
+)
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.caveats import WrongUnits

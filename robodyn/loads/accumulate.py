@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 from robodyn.dynamics.arrays import zero_columns, zero_sources
 from robodyn.dynamics.balance import LawResiduals, energy, laws, losses
 from robodyn.dynamics.effects.effect import ZeroColumns
+from robodyn.dynamics.momenta import COLUMNS, View, momentum_runner
 from robodyn.dynamics.plan import Plan, plan, runner_of, torque_runner
 from robodyn.loads.error_bars import ErrorBars
-from robodyn.loads.result import Checks, EnergyBalance
-from robodyn.loads.statistics import Statistics, check_loads, joint_of_rates, position_of_rates
+from robodyn.loads.result import Checks, EnergyBalance, MomentumReport
+from robodyn.loads.statistics import Extremes, Statistics, check_loads, joint_of_rates, position_of_rates
 from robodyn.programs.run.runner import Choice, Run, Runner
 from robodyn.robot.limits import binding
 from robodyn.robot.model import Model
@@ -31,9 +32,37 @@ if TYPE_CHECKING:
     from robodyn.dynamics.momenta import View
     from robodyn.loads.constraints import ConstraintPass
     from robodyn.loads.history import Recorder
-    from robodyn.loads.momenta import MomentumPass
     from robodyn.loads.sizing import SizingPass
     from robodyn.loads.uncertainty import UncertaintyPass
+
+
+NAMES = (*COLUMNS, "power")
+"""Columns of momentum and energy, and the power tau . qd of the actuators and of what moves the base."""
+
+
+class MomentumPass:
+    """Gathers what `View` asks for, block by block."""
+
+    def __init__(self, model: Model, scene: Scene, view: View, file: str | None) -> None:
+        view.check(model, scene)
+        self.model, self.scene, self.view, self.file = model, scene, view, file
+        self.extremes = Extremes(NAMES)
+
+    def take(self, block: Trajectory, tau: Floats, pattern: ZeroColumns, run: Callable[[Runner], Floats]) -> Floats:
+        """Return the columns (N, 12) of one block, in which `pattern` is zero.
+
+        Accelerations are not looked at, so that the energy of a rotor counts also in a block without any.
+        """
+        moving = frozenset(pair for pair in pattern if pair[0] != "qdd")
+        found = run(momentum_runner(plan(self.model, self.scene, moving), self.view))
+        columns = np.column_stack((found, einsum("ij,ij->i", tau, block.qd)))
+        check_loads(columns, NAMES, block.first_row, self.file)
+        self.extremes.update(block.time, columns)
+        return columns
+
+    def report(self) -> MomentumReport:
+        return MomentumReport(self.view.about, self.view.frame, tuple(self.extremes.ranges()))
+
 
 CHECKED_PER_BLOCK = 64
 """Samples of each block at which the laws are checked, evenly spread."""
@@ -190,8 +219,6 @@ class TorqueAccumulator:
             self.history = Recorder(model.rates[self.rates], COMPONENTS, feet)
         self.momentum: MomentumPass | None = None
         if options.momentum is not None:
-            from robodyn.loads.momenta import MomentumPass
-
             self.momentum = MomentumPass(model, scene, options.momentum, file)
         self.sizing: SizingPass | None = None
         if options.sizing:
@@ -273,8 +300,6 @@ def output_names(model: Model, reactions: bool, momentum: bool = False, scene: S
         names += [f"base_{part}" for part in COMPONENTS]
         names += [f"{part}_{body.joint.name}" for body in model.bodies[1:] for part in COMPONENTS]
     if momentum:
-        from robodyn.loads.momenta import NAMES
-
         names += NAMES
     if not scene.constrained:
         return names

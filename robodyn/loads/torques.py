@@ -2,7 +2,7 @@
 
 The room: `accumulate` takes block after block through the recursion and holds the laws against it, `statistics` gathers
 peaks and integrals, `error_bars` tells by how much derived accelerations put them off, `constraints` and
-`constraint_figures` add loops and contacts, `sizing` and `motors` what motors and bearings bear, `uncertainty` and
+`constraint_figures` add loops and contacts, `sizing` tells what motors and bearings bear, `uncertainty` and
 `uncertain_report` what parameters that are uncertain do; here all becomes a `Result`.
 """
 

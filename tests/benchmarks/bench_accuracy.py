@@ -19,9 +19,8 @@ from helpers.robot_catalogue import runs
 from helpers.small_robots import chain
 
 import robodyn
-from robodyn.dynamics.effects.catalogue import EFFECTS
 from robodyn.dynamics.effects.effect import Sample
-from robodyn.dynamics.plan import Plan, applied, loads
+from robodyn.dynamics.plan import EFFECTS, Plan, applied, loads
 
 STATES = 4
 HEAD = ("quantity", "compared with", "cases", "median error", "largest error")

@@ -13,7 +13,7 @@ from helpers.oracles import EPS, robot, worst
 
 import robodyn
 from robodyn.dynamics.momenta import View
-from robodyn.loads.momenta import NAMES
+from robodyn.loads.accumulate import NAMES
 from robodyn.scene.parts import Rotor
 from robodyn.scene.scene import Scene
 

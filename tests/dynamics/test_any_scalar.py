@@ -8,9 +8,8 @@ import pytest
 import sympy
 from helpers.oracles import golden_model, random_state, reference, worst
 
-from robodyn.dynamics.effects.catalogue import EFFECTS
 from robodyn.dynamics.effects.effect import Sample
-from robodyn.dynamics.plan import applied, loads
+from robodyn.dynamics.plan import EFFECTS, applied, loads
 from robodyn.dynamics.recursions.newton_euler import newton_euler
 from robodyn.programs.derivative import Dual
 from robodyn.programs.vectors import vector

@@ -12,12 +12,11 @@ from helpers.factorised import forward_by_factorisation
 from helpers.oracles import EPS, golden_model, random_state, reference, robot, worst
 from helpers.small_robots import body_numbers, built, joint, link, numbers, random_tree
 
-from robodyn.dynamics.effects.catalogue import EFFECTS
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.forward import accelerations, forward_dynamics
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.mass import mass_matrix
-from robodyn.dynamics.plan import applied, loads
+from robodyn.dynamics.plan import EFFECTS, applied, loads
 from robodyn.dynamics.recursions.elimination import aligned
 from robodyn.errors import InputError
 from robodyn.scene.parts import Rotor

@@ -12,9 +12,8 @@ from helpers.small_robots import built, joint, link, random_tree
 
 import robodyn
 from robodyn.equations import closed as closed_module
-from robodyn.equations.closed import closed
+from robodyn.equations.closed import Forms, closed
 from robodyn.equations.ode import ode
-from robodyn.equations.polynomial import Forms
 from robodyn.errors import InputError
 from robodyn.scene.scene import Scene
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robodyn.equations.polynomial import ONE, Budget, TooLargeError, constant, generator, linear, product, total, wave
+from robodyn.equations.closed import ONE, Budget, TooLargeError, constant, generator, linear, product, total, wave
 
 X = (0.7, -1.3, 2.1)
 multiples = st.tuples(*[st.sampled_from([-2.0, -1.0, 0.0, 0.5, 1.0])] * 3)

@@ -16,7 +16,7 @@ from helpers.machine import machine
 from helpers.markdown_tables import table
 from helpers.oracles import robot
 from helpers.robot_catalogue import robots_table
-from robodyn.dynamics.effects.catalogue import EFFECTS
+from robodyn.dynamics.plan import EFFECTS
 from robodyn.scene.scene import Scene
 
 TIMED = {

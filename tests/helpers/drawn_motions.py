@@ -8,7 +8,7 @@ import numpy as np
 
 from robodyn.dynamics.plan import plan, runner_of
 from robodyn.dynamics.uncertain_parameters import _loads, summed
-from robodyn.loads.motors import train_of
+from robodyn.loads.sizing import train_of
 from robodyn.loads.statistics import Integrals
 from robodyn.loads.uncertainty import Quantities, UncertaintyPass
 from robodyn.programs.program import trace

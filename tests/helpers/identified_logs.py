@@ -11,8 +11,7 @@ from robodyn.identification.log.log import Samples
 from robodyn.identification.log.rows import convolved, decimation, kernel
 from robodyn.identification.model_selection import Structure, covariance, fitted, joint_motors, system
 from robodyn.identification.parameters.base import base_of
-from robodyn.identification.parameters.qr_accumulation import Gathered, Guess, Moments
-from robodyn.identification.parameters.regressor_columns import PLAIN, RegressorColumns
+from robodyn.identification.parameters.regressor_columns import PLAIN, Gathered, Guess, Moments, RegressorColumns
 from robodyn.scene.scene import DEFAULT
 
 

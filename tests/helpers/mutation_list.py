@@ -344,16 +344,16 @@ MUTATIONS = {
         ("loads/sizing.py", "(f[:2], m)", "(f[:2], m[::-1])"),
     ],
     "loads/test_motor_torque.py": [
-        ("loads/motors.py", "driving > 0", "driving < 0"),
-        ("loads/motors.py", "tau - (train.gear * train.gear * train.inertia) * qdd", "tau"),
+        ("loads/sizing.py", "driving > 0", "driving < 0"),
+        ("loads/sizing.py", "tau - (train.gear * train.gear * train.inertia) * qdd", "tau"),
         (
-            "loads/motors.py",
+            "loads/sizing.py",
             "(train.gear * train.inertia) * qdd + load * share / train.gear",
             "load * share / train.gear",
         ),
-        ("loads/motors.py", "np.interp(speed, speeds, torques, right=0.0)", "np.interp(speed, speeds, torques)"),
-        ("loads/motors.py", "carried * carried * carried * np.abs(qd)", "carried * carried * carried"),
-        ("loads/motors.py", "size / np.maximum(peak, self.least)", "size - peak"),
+        ("loads/sizing.py", "np.interp(speed, speeds, torques, right=0.0)", "np.interp(speed, speeds, torques)"),
+        ("loads/sizing.py", "carried * carried * carried * np.abs(qd)", "carried * carried * carried"),
+        ("loads/sizing.py", "size / np.maximum(peak, self.least)", "size - peak"),
         ("loads/sizing.py", "torque_runner(self.model, self.scene, rates)", "torque_runner(self.model, self.scene)"),
     ],
     "programs/test_folding.py": [

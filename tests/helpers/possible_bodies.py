@@ -6,7 +6,7 @@ import numpy as np
 
 from robodyn.dynamics.plan import plan
 from robodyn.dynamics.regressor import parameters
-from robodyn.identification.parameters.prior import parameters_of, prior_of, pseudo_inertia
+from robodyn.identification.parameters.consistent import parameters_of, prior_of, pseudo_inertia
 from robodyn.scene.scene import DEFAULT
 
 SIGNS = {"viscous": 1.0, "forward": 1.0, "backward": -1.0, "rotor": 1.0}

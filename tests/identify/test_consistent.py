@@ -13,10 +13,12 @@ from helpers.small_robots import built, joint, link, random_tree
 
 import robodyn
 from robodyn.errors import InputError
-from robodyn.identification.parameters.consistent import MARGIN, consistent_parameters, coordinates
-from robodyn.identification.parameters.prior import (
+from robodyn.identification.parameters.consistent import (
+    MARGIN,
     Prior,
     PriorBody,
+    consistent_parameters,
+    coordinates,
     ellipsoid,
     parameters_of,
     prior_of,

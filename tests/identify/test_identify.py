@@ -14,8 +14,7 @@ from robodyn.dynamics.regressor import INERTIAL, regressor
 from robodyn.identification.identify import identify
 from robodyn.identification.log.log import read_log
 from robodyn.identification.model_selection import joint_motors
-from robodyn.identification.parameters.qr_accumulation import Gathered, Guess, Moments, gather
-from robodyn.identification.parameters.regressor_columns import RegressorColumns
+from robodyn.identification.parameters.regressor_columns import Gathered, Guess, Moments, RegressorColumns, gather
 from robodyn.scene.parts import CoupledMotor, Friction, Rotor, Spring
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.scene.uncertainty import Uncertainty, read_covariance

@@ -13,7 +13,7 @@ from scipy.integrate import trapezoid
 
 import robodyn
 from robodyn.errors import SceneError
-from robodyn.loads.motors import allowed
+from robodyn.loads.sizing import allowed
 from robodyn.loads.torques import torques
 from robodyn.scene.parts import Motor, Rotor
 from robodyn.scene.scene import Scene

@@ -10,8 +10,8 @@ from helpers.command_line import ROBOTS, run
 from helpers.oracles import robot
 from scipy.integrate import trapezoid
 
-from robodyn.loads.motors import train_of
 from robodyn.loads.result import Exceeded
+from robodyn.loads.sizing import train_of
 from robodyn.report.sizing import in_words
 from robodyn.scene.read import load_scene
 

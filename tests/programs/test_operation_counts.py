@@ -10,8 +10,7 @@ from helpers.example_robots import real
 from helpers.oracles import frictionless, robot
 from helpers.small_robots import body_numbers, built, chain, chain_parts, joint, link, random_tree
 
-from robodyn.dynamics.effects.catalogue import EFFECTS
-from robodyn.dynamics.plan import Plan
+from robodyn.dynamics.plan import EFFECTS, Plan
 from robodyn.scene.parts import ExternalWrench, Friction, Payload, Rotor, Spring
 from robodyn.scene.scene import Scene
 

@@ -12,7 +12,7 @@ from helpers.html_pages import contrast
 from helpers.oracles import random_state, robot
 
 import robodyn
-from robodyn.dynamics.effects.catalogue import EFFECTS
+from robodyn.dynamics.plan import EFFECTS
 from robodyn.report.pictures.free_body import (
     COLOURS,
     LONGEST,

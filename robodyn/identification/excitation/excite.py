@@ -30,7 +30,7 @@ from robodyn.identification.excitation.motion import (
     within_limits,
 )
 from robodyn.identification.parameters.base import Base, structural_base
-from robodyn.identification.parameters.qr_accumulation import stacked
+from robodyn.identification.parameters.regressor_columns import stacked
 from robodyn.robot.model import Model
 from robodyn.scene.fit import refuse_constraints, refuse_load
 from robodyn.scene.scene import DEFAULT, Scene

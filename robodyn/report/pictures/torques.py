@@ -10,8 +10,8 @@ import numpy as np
 
 from robodyn.loads.constraint_result import ContactLoad
 from robodyn.loads.history import Curves, History
-from robodyn.loads.motors import load_torque, motor_torque, train_of
 from robodyn.loads.result import ComponentLoad, EnergyBalance, JointLoad, MotorLoad, Sizing
+from robodyn.loads.sizing import load_torque, motor_torque, train_of
 from robodyn.loads.statistics import joint_of_rates
 from robodyn.report.document import Figure
 from robodyn.report.pictures.figures import (
