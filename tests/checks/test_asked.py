@@ -16,7 +16,7 @@ from robodyn.checks.catalogue import BY_CODE
 from robodyn.checks.check import Options, check_one, found_in
 from robodyn.checks.context import TARGETS, Asked
 from robodyn.checks.examples import a_joint, a_link, arm
-from robodyn.checks.importers.facts import FACTS
+from robodyn.checks.importers import FACTS
 from robodyn.checks.regression import changes
 from robodyn.checks.rule import Finding
 from robodyn.errors import InputError

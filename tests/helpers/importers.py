@@ -6,7 +6,7 @@ import json
 import re
 import subprocess
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -20,8 +20,7 @@ _READERS = {
     "mujoco": """
 import mujoco
 def read(file, packages):
-    model = mujoco.MjModel.from_xml_path(file)
-    return {model.body(i).name: float(model.body_mass[i]) for i in range(model.nbody)}
+    mujoco.MjModel.from_xml_path(file)
 """,
     "drake": """
 from pydrake.multibody.parsing import Parser
@@ -36,7 +35,6 @@ def read(file, packages):
     parser.AddModels(file)
     plant.Finalize()
     builder.Build().CreateDefaultContext()
-    return {}
 """,
 }
 _RUN = """
@@ -48,8 +46,9 @@ for file, packages in json.load(sys.stdin):
     inlet, outlet = os.pipe()
     child = os.fork()
     if not child:
+        answer = {}
         try:
-            answer = {"masses": read(file, packages)}
+            read(file, packages)
         except Exception as error:
             answer = {"refused": str(error)}
         os.write(outlet, json.dumps(answer).encode())
@@ -67,10 +66,9 @@ _PACKAGE = re.compile(r"(?:package|model)://([^/\"']+)/")
 
 @dataclass(frozen=True)
 class Answer:
-    """What a program makes of a file: why it refuses it, if it does, and the masses of its bodies [kg]."""
+    """What a program makes of a file: why it refuses it, if it does."""
 
     refused: str | None = None
-    masses: Mapping[str, float] | None = None
 
 
 def answers(target: str, files: Sequence[Path], search: Sequence[Path] = ()) -> list[Answer]:

@@ -7,8 +7,7 @@ from math import isfinite
 
 from robodyn.checks.context import TARGETS
 from robodyn.checks.examples import a_joint, a_link, arm
-from robodyn.checks.importers.facts import FACTS, Opinion, Verdict, named, opinion, refusals
-from robodyn.checks.importers.run import INSTALLABLE
+from robodyn.checks.importers import FACTS, INSTALLABLE, Opinion, Verdict, named, opinion, refusals
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.robot.urdf.view import JointView, LinkView, Subject
 
@@ -68,7 +67,7 @@ _KNOWN = "\n".join(f"{fact.target} {fact.verdict.name.lower()}: it {fact.does} [
 rejection by a program that is asked for is an error, all else a remark. {" and ".join(INSTALLABLE)} are run where they
 are installed, in a process of their own, and what they say is given; what they alter, and what others do, is looked up
 in a table. Without being asked nothing is run, and only what the table knows {" and ".join(INSTALLABLE)} to reject, but
-for meshes, is reported where no other rule tells of the same link or joint why. The table (KG is a mass):
+for meshes, is reported where no other rule tells of the same link or joint why. The table:
 {_KNOWN}""",
     good=arm(more=a_link("cross") + a_joint("pitch", "upper", "cross") + _TOOL),
     bad=arm(more=a_link("cross", "") + a_joint("pitch", "upper", "cross") + _TOOL),
@@ -91,8 +90,7 @@ def _verdict(context: Context, one: Opinion) -> Fault:
     reasons = []
     for fact, found in shown:
         more = f" and {len(found) - _MOST} more" if len(found) > _MOST else ""
-        does = fact.does.replace("KG", f"{sum(each.mass for each in found):.3g} kg")
-        reasons.append(f"it {does} ({', '.join(each.what for each in found[:_MOST])}{more})")
+        reasons.append(f"it {fact.does} ({', '.join(each.what for each in found[:_MOST])}{more})")
     sources, answer = dict.fromkeys(fact.source for fact, _ in shown), one.answer
     if answer is not None and answer.refusal is not None:
         reasons.insert(0, f'it says "{answer.refusal[:_LONGEST]}"')

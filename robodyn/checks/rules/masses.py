@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from math import fsum
 
 from robodyn.checks.bodies.bodies import bodies, repeated
 from robodyn.checks.bodies.masses import POINT, carried_masses, gyration, severity_of_zero
@@ -22,7 +21,6 @@ from robodyn.checks.examples import (
     longer_arm,
     one_link,
 )
-from robodyn.checks.importers.inferred_mass import inferred_masses
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.robot.base_guess import untouched
 from robodyn.robot.urdf.parts import INERTIA as ENTRIES
@@ -74,10 +72,9 @@ def massless_group(context: Context) -> Faults:
         with_it = f" with {listed([link.name for link in group.links[1:]])}" if len(group.links) > 1 else ""
         what = f"joint '{group.joint.name}' moves it{with_it}, and it has no mass"
         what += f"; what it carries has {carried[group]:g} kg" if onward else ""
-        masses = inferred_masses(context, group.links).values()
-        known = [mass for mass in masses if mass is not None]
-        invents = f"invents {f'{fsum(known):.3g} kg' if known else 'a mass'} from its collision shapes"
-        what += f"; MuJoCo {invents if masses else 'refuses it'}, Gazebo drops it" + " and what it carries" * onward
+        shaped = any(shape.kind == "collision" for link in group.links for shape in real_shapes(link))
+        does = "invents a mass from its collision shapes" if shaped else "refuses it"
+        what += f"; MuJoCo {does}, Gazebo drops it" + " and what it carries" * onward
         remedy = "add an <inertial>" if onward else "add an <inertial>, or make the joint fixed"
         severity = Severity.WARNING if onward else Severity.ERROR
         yield Fault(first.name_span, what, remedy, measured=0.0, severity=severity, kind="a joint moves no mass")

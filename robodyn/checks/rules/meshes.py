@@ -8,7 +8,7 @@ from pathlib import Path
 
 from robodyn.checks.context import STDIN
 from robodyn.checks.examples import a_mesh, a_shaped_link
-from robodyn.checks.importers.facts import READS, unread
+from robodyn.checks.importers import READS, unread
 from robodyn.checks.meshes.facts import MeshFacts
 from robodyn.checks.meshes.files import MeshName, State, all_facts, mesh_names, mesh_slips, mesh_uses
 from robodyn.checks.rule import Context, Fault, Faults, Fix, Severity, rule

@@ -1,4 +1,4 @@
-"""What other programs do to descriptions: a table of facts about links, joints and shapes.
+"""What other programs do to descriptions: MuJoCo and Drake run, and a table of facts about links, joints and shapes.
 
 Each row was learnt by running the program or from what it documents. The table is not complete: what is refused for how
 it is written, for materials, textures or transmissions, the program itself tells where it is installed; see `opinion`.
@@ -6,29 +6,28 @@ it is written, for materials, textures or transmissions, the program itself tell
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+import json
+import re
+import sys
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from enum import IntEnum
 from math import hypot
 from os.path import splitext
+from pathlib import Path
 from typing import NamedTuple
 
-from robodyn.checks.bodies.masses import behind, link_poses, pose, principal_moments
+from robodyn.checks.bodies.masses import inertia_together, principal_moments
 from robodyn.checks.context import Context
-from robodyn.checks.importers.inferred_mass import inferred_masses
-from robodyn.checks.importers.run import Answer, answer
-from robodyn.checks.meshes.files import MeshUse, State, mesh_names, mesh_uses
-from robodyn.programs.vectors import ZERO
+from robodyn.checks.meshes.files import MeshUse, State, mesh_names
 from robodyn.robot.masses.inertia_mistakes import UPPER
 from robodyn.robot.urdf.elements import Span
 from robodyn.robot.urdf.parts import WITH_AXIS, WITH_RANGE
 from robodyn.robot.urdf.view import JointView, LimitView, LinkView
-from robodyn.solids.inertia.laws import combined, inertia_of, symmetric
 
 _LEAST_MASS, _LEAST_MOMENT = 1e-15, 1e-14
 """MuJoCo: kg, and principal moments [kg m^2]."""
 _ROUNDING = 1e-15
-"""MuJoCo: of principal moments, relative; within it its own rounding decides."""
+"""Of principal moments, relative; within it a program's own rounding decides."""
 _LEAST_GAZEBO = 1e-6
 """kg."""
 _LIMITED = ("revolute", "continuous", "prismatic")
@@ -44,22 +43,20 @@ class Verdict(IntEnum):
 
 
 class Found(NamedTuple):
-    """A place, what is there, and the mass of it where that is what matters [kg]."""
+    """A place, and what is there."""
 
     at: Span
     what: str
-    mass: float = 0.0
 
 
 Find = Callable[[Context], Iterable[Found]]
 
 
-@dataclass(frozen=True, slots=True)
-class Fact:
+class Fact(NamedTuple):
     """One thing that a program does: to what (`find`), what (`does`), and how that is known (`source`).
 
-    KG in what it does stands for the mass of all that is found. Of nearly every robot the meshes cannot be read by some
-    program: facts about `files` count only where the program is asked for.
+    Of nearly every robot the meshes cannot be read by some program: facts about `files` count only where the program is
+    asked for.
     """
 
     target: str
@@ -150,13 +147,24 @@ def _missing_meshes(*kinds: str) -> Find:
     ]
 
 
+def _uris(context: Context) -> Iterator[Found]:
+    for name in context.once(mesh_names).values() if _compiler(context).get("strippath") != "true" else ():
+        if "://" in name.uri:
+            yield from (_used(use, name.uri) for use in name.uses if use.geometry.kind == "collision")
+
+
 def _sizeless(context: Context) -> Iterator[Found]:
-    """Primitives to collide with that have a size which is not positive."""
     for link in context.view.links:
         for shape in link.geometries:
             sizes = [value for size in shape.sizes for value in size.values or ()]
             if shape.kind == "collision" and min(sizes, default=1.0) <= 0:
                 yield Found(shape.element.span, f"the collision of {named(link)}")
+
+
+def _visuals(context: Context) -> Iterator[Found]:
+    if _compiler(context).get("discardvisual", "true") == "true":
+        for link in context.view.links:
+            yield from (Found(one.element.span, named(link)) for one in link.geometries if one.kind == "visual")
 
 
 def _nameless(context: Context) -> list[Found]:
@@ -178,59 +186,32 @@ def _unphysical(context: Context, link: LinkView) -> bool:
     along_axes = not (tensor[1] or tensor[2] or tensor[4])
     small, middle, large = sorted((tensor[0], tensor[3], tensor[5])) if along_axes else principal_moments(tensor)
     room = 0.0 if along_axes else _ROUNDING * large
-    balanced = context.once(_compiler).get("balanceinertia") == "true"
+    balanced = _compiler(context).get("balanceinertia") == "true"
     return small < _LEAST_MOMENT or (small + middle < large - room and not balanced)
 
 
+def _inferred(link: LinkView) -> bool:
+    """Whether MuJoCo makes up the mass of a link."""
+    return link.inertial is None and any(one.kind == "collision" and one.shape is not None for one in link.geometries)
+
+
 def _massless(context: Context) -> Iterator[Found]:
-    """Rigid groups that a joint moves, in which nothing with mass has moments of inertia; but for those that are
-    refused for a tensor, and whose mass MuJoCo is told to bound or to take from shapes."""
-    if {"boundmass", "boundinertia", "inertiafromgeom"} & context.once(_compiler).keys():
-        return
+    """Moving rigid groups in which nothing has, or is given, mass and moments of inertia."""
     for group in context.tree.groups[1:]:
-        inferred = inferred_masses(context, group.links)
-        weighed = any(_has_inertia(link) for link in group.links)
-        shaped = any(mass is None or mass >= _LEAST_MASS for mass in inferred.values())
-        if not weighed and not shaped and not any(_unphysical(context, link) for link in group.links):
+        told = [
+            _inferred(link)
+            or _unphysical(context, link)
+            or (link.inertial is not None and (link.mass is None or link.tensor is None))
+            or ((link.mass or 0.0) >= _LEAST_MASS and any(link.tensor or ()))
+            for link in group.links
+        ]
+        if not any(told) and not {"boundmass", "boundinertia", "inertiafromgeom"} & _compiler(context).keys():
             yield _part(group.links[0])
-
-
-def _has_inertia(link: LinkView) -> bool:
-    """Whether a link has mass and moments of inertia, or they cannot be read."""
-    if link.inertial is None or link.mass is None or link.tensor is None:
-        return link.inertial is not None
-    return link.mass >= _LEAST_MASS and any(link.tensor)
-
-
-def _inferred(context: Context) -> Iterator[Found]:
-    """Links whose mass MuJoCo infers, with it; what stands still with the root has none to it."""
-    moving = (link for group in context.tree.groups[1:] for link in group.links)
-    for name, mass in inferred_masses(context, moving).items():
-        link = context.view.link[name]
-        known = "of a mesh that is not there or cannot be read" if mass is None else f"{mass:.3g} kg"
-        yield Found(link.element.span, f"{named(link)} {known}", mass or 0.0)
 
 
 def _unlimited(limit: LimitView) -> bool:
     lower, upper = limit.lower.value, limit.upper.value
-    given = limit.lower.given or limit.upper.given
-    return given and (lower is None or upper is None or not lower < upper)
-
-
-def _visuals(context: Context) -> Iterator[Found]:
-    if context.once(_compiler).get("discardvisual", "true") == "true":
-        for link in context.view.links:
-            yield from (Found(one.element.span, named(link)) for one in link.geometries if one.kind == "visual")
-
-
-def _uris(context: Context) -> list[Found]:
-    if context.once(_compiler).get("strippath") == "true":
-        return []
-    return [
-        _used(use, use.geometry.uri)
-        for use in mesh_uses(context)
-        if "://" in use.geometry.uri and use.geometry.kind == "collision"
-    ]
+    return (limit.lower.given or limit.upper.given) and (lower is None or upper is None or not lower < upper)
 
 
 def _turned(limit: LimitView) -> bool:
@@ -247,107 +228,56 @@ def _mimic_leader(context: Context) -> Iterator[Found]:
                 yield Found(joint.mimic.element.span, named(joint))
 
 
-class _Lumps(NamedTuple):
-    """The links that Gazebo makes one, by the name of the first; the names of those that it keeps, the links that it
-    drops, and the names of those without a centre of mass."""
-
-    links: dict[str, list[LinkView]]
-    kept: set[str]
-    dropped: list[LinkView]
-    nowhere: set[str]
-
-
-def _lumps(context: Context) -> _Lumps:
-    """What Gazebo makes of the links: each joins what fixed joints hang on it, but for those to a root called world.
-    From the root down, a link without mass is dropped with everything behind it. Two <inertial>s without mass that are
-    joined have no centre: 0 / 0."""
-    tree = context.tree
-    onto = {one.child: one.parent for one in tree.above.values() if not one.moves and one.parent != "world"}
-    joining: dict[str, list[LinkView]] = {}
-    for link in tree.links:
-        joining.setdefault(onto.get(link.name, ""), []).append(link)
-    mass: dict[str, float | None] = {}
-    found = _Lumps({}, set(), [], set())
-    for link in reversed(tree.links):
-        whole = None if link.inertial is None else link.mass or 0.0
-        for other in joining.get(link.name, ()):
-            more = mass[other.name]
-            if more is not None:
-                whole = (whole or 0.0) + more
-                if whole == 0.0 or other.name in found.nowhere:
-                    found.nowhere.add(link.name)
-        mass[link.name] = whole
-    first: dict[str, str] = {}
-    for link in tree.links:
-        first[link.name] = first[onto[link.name]] if link.name in onto else link.name
-        found.links.setdefault(first[link.name], []).append(link)
-        above = tree.above.get(link.name)
-        if above is None or above.parent in found.kept:
-            if abs(mass[link.name] or 0.0) > _LEAST_GAZEBO or (above is None and link.name == "world"):
-                found.kept.add(link.name)
-            else:
-                found.dropped.append(link)
-    return found
+def _weightless(context: Context) -> frozenset[str]:
+    """Links that Gazebo drops, with all behind them: they and what is fixed to them have no mass; but a root called
+    world, to which nothing is joined."""
+    mass = dict.fromkeys(context.view.link, 0.0)
+    for link in reversed(context.tree.links):
+        mass[link.name] += link.mass or 0.0
+        joint = context.tree.above.get(link.name)
+        if joint is not None and not joint.moves:
+            mass[joint.parent] += mass[link.name]
+    return frozenset(name for name, whole in mass.items() if abs(whole) <= _LEAST_GAZEBO) - {"world"}
 
 
 def _dropped(context: Context) -> list[Found]:
-    """Links that are left out and take joints with them."""
-    moving = {joint.child for joint in context.view.joints if joint.moves}
-    for link in reversed(context.tree.links):
-        above = context.tree.above.get(link.name)
-        if above is not None and link.name in moving:
-            moving.add(above.parent)
-    return [_part(link) for link in context.once(_lumps).dropped if link.name in moving]
+    """Links that are left out and take a joint with them."""
+    moved = {name for joint in context.view.joints if joint.moves for name in (joint.parent, joint.child)}
+    return [_part(link) for link in context.tree.links if link.name in moved & _weightless(context)]
 
 
-def _unphysical_lumps(context: Context) -> Iterator[Found]:
-    """Links whose mass or inertia, with that of what is fixed to them, no body has."""
-    found = context.once(_lumps)
-    for name, links in found.links.items():
+def _unphysical_groups(context: Context) -> Iterator[Found]:
+    """Rigid groups whose mass or inertia no body has; where all of it can be read."""
+    for links in (group.links for group in context.tree.groups):
         doubtful = any((link.mass or 0.0) < 0 or _unphysical(context, link) for link in links)
-        if name in found.kept - {"world"} and doubtful:
-            small, middle, large = _moments(context, links)
-            massless = sum(link.mass or 0.0 for link in links) <= 0
-            if massless or small < -_ROUNDING * large or small + middle < (1.0 - 2.0 * _ROUNDING) * large:
+        whole = inertia_together(context, links) if doubtful else None
+        if whole is not None and abs(whole.m) > _LEAST_GAZEBO:
+            tensor = tuple(whole.about_centre[UPPER].tolist()) if links[1:] else links[0].tensor or ()
+            small, middle, large = principal_moments(tensor)
+            if whole.m < 0 or small < -_ROUNDING * large or small + middle < (1.0 - 2.0 * _ROUNDING) * large:
                 yield _part(links[0])
 
 
-def _moments(context: Context, links: Sequence[LinkView]) -> tuple[float, float, float]:
-    """Principal moments of links that are fixed to each other, ascending [kg m^2]: of those that can be read."""
-    if len(links) == 1:
-        return principal_moments(links[0].tensor or (0.0,) * 6)
-    poses, bodies = context.once(link_poses), []
-    for link in links:
-        inner, outer = None if link.inertial is None else pose(link.inertial.origin), poses.get(link.name)
-        if inner is not None and outer is not None and link.tensor is not None:
-            at = behind(outer, inner)
-            bodies.append(inertia_of(max(link.mass or 0.0, 0.0), ZERO, symmetric(link.tensor), at.R, at.p))
-    return principal_moments(tuple(combined(bodies).about_centre[UPPER].tolist()))
-
-
 def _malformed(joint: JointView) -> bool:
-    if joint.limit is None:
+    if joint.limit is None or joint.type not in WITH_RANGE:
         return joint.type in WITH_RANGE
-    effort, velocity = joint.limit.effort, joint.limit.velocity
-    wrong = any(one.problem for one in (joint.limit.lower, joint.limit.upper, effort, velocity))
-    return joint.type in WITH_RANGE and (wrong or not (effort.given and velocity.given))
+    needed = joint.limit.effort, joint.limit.velocity
+    return not all(one.given for one in needed) or any(
+        one.problem for one in (joint.limit.lower, joint.limit.upper, *needed)
+    )
 
 
 def _taken_names(context: Context) -> Iterator[Found]:
-    """Joints that are kept and called as a link, and links with reserved names, __so__."""
-    found = context.once(_lumps)
-    kept, first = found.kept, found.kept & found.links.keys()
-    for link in context.tree.links:
-        if link.name in first and len(link.name) > 3 and link.name.startswith("__") and link.name.endswith("__"):
-            yield _part(link)
-    yield from (_part(one) for one in context.view.joints if one.moves and one.name in first and one.child in kept)
+    """Joints called as a link, and links with reserved names, __so__."""
+    yield from (_part(link) for link in context.tree.links if re.fullmatch("__.*__", link.name))
+    yield from (_part(one) for one in context.view.joints if one.moves and one.name in context.view.link)
 
 
 _MIMIC = _joints(lambda joint: joint.mimic)
 _FIXED = _joints(lambda joint: joint.type == "fixed")
 _UNACTUATED = _joints(lambda joint: joint.type in ("floating", "planar"))
 _HEAVY_ROOT = _root(lambda link: link.mass)
-_REFUSED_TENSOR, _MALFORMED = _inertials(_unphysical), _joints(_malformed)
+_REFUSED_TENSOR = _inertials(_unphysical)
 _INCOMPLETE = _inertials(
     lambda _, link: link.inertial and None in (link.inertial.inertia_element, link.inertial.mass_element)
 )
@@ -363,7 +293,9 @@ _TABLE: Mapping[tuple[str, Verdict, str, bool], Mapping[str, Find]] = {
         "requires positive sizes of what collides": _sizeless,
     },
     ("mujoco", Verdict.ALTERS, _MUJOCO, False): {
-        "infers KG: links without <inertial> weigh what water in their collision shapes does": _inferred,
+        "infers masses: links without <inertial> weigh what water in their collision shapes does": lambda context: [
+            _part(link) for group in context.tree.groups[1:] for link in group.links if _inferred(link)
+        ],
         "leaves out what is only <visual>": _visuals,
         "makes the root a part of the world, without its mass": _HEAVY_ROOT,
         "ignores limits unless lower < upper, both given": _limits(WITH_RANGE, _unlimited),
@@ -396,18 +328,13 @@ _TABLE: Mapping[tuple[str, Verdict, str, bool], Mapping[str, Find]] = {
         "requires meshes to be there": _missing_meshes("visual", "collision"),
     },
     ("gz", Verdict.REJECTS, _GAZEBO, False): {
-        "keeps nothing, since it drops links without mass and all behind them": lambda context: (
-            [] if context.once(_lumps).kept - {"world"} else [_part(context.tree.root)]
-        ),
-        "requires inertia that a body can have, of links with what is fixed to them": _unphysical_lumps,
-        "finds no centre of mass of <inertial>s without mass that are fixed to each other": lambda context: [
-            _part(context.view.link[name])
-            for name in context.once(_lumps).links
-            if name in context.once(_lumps).kept & context.once(_lumps).nowhere
+        "keeps nothing, since it drops links without mass and all behind them": lambda context: [
+            _part(link) for link in context.tree.links[:1] if link.name in _weightless(context)
         ],
+        "requires inertia that a body can have, of links with what is fixed to them": _unphysical_groups,
         "knows no floating and no planar joints": _UNACTUATED,
         "requires an axis of 1e-6 or more": _axis_shorter_than(1e-6),
-        "requires numbers, and <limit> with effort and velocity, in revolute and prismatic joints": _MALFORMED,
+        "requires numbers, and <limit> with effort and velocity, in revolute and prismatic joints": _joints(_malformed),
         "requires names of joints that are no links', and none like __this__": _taken_names,
         "requires a name of the robot": _nameless,
     },
@@ -442,6 +369,87 @@ FACTS = tuple(
 )
 """The table, row by row: what a program does, and where to find that."""
 
+INSTALLABLE = {"mujoco": "mujoco", "drake": "drake"}
+"""Programs that can be run, by the package to install."""
+_PACKAGE = re.compile(rb"(?:package|model)://([^/\"']+)/")
+PATIENCE = 60.0
+"""s."""
+
+
+class Answer(NamedTuple):
+    """The version of a program, None where it is not installed; and why it refuses a file, None where it does not."""
+
+    version: str | None
+    refusal: str | None = None
+
+
+def answer(context: Context, target: str) -> Answer:
+    """What an installable program says of a file, in a process of its own, which is killed after 60 s. A description
+    that is not the file itself, such as expanded xacro, is handed over in a temporary folder."""
+    import subprocess
+    from tempfile import TemporaryDirectory
+
+    from robodyn.support.children import start_python
+    from robodyn.support.input_file import read_input
+
+    if (installed := _version(INSTALLABLE[target])) is None:
+        return Answer(None)
+    names = {name.decode(errors="replace") for name in _PACKAGE.findall(context.reading.data)}
+    shares = {name: context.search.share(name) for name in sorted(names)}
+    packages = {name: str(share.resolve()) for name, share in shares.items() if share is not None}
+    with TemporaryDirectory() as folder:
+        file = Path(context.reading.file).resolve()
+        if not file.is_file() or read_input(file) != context.reading.data:
+            file = Path(folder) / "robot.urdf"
+            file.write_bytes(context.reading.data)
+        arguments = target, str(file), json.dumps(packages)
+        child = start_python(f"{__name__}:serve", *arguments, folder=folder, stderr=subprocess.DEVNULL)
+        try:
+            said, _ = child.communicate(timeout=PATIENCE)
+        except subprocess.TimeoutExpired:
+            return Answer(installed, f"it is not done after {PATIENCE:g} s")
+        finally:
+            child.kill()
+            child.communicate()
+    if child.returncode:
+        return Answer(installed, f"its process ended with status {child.returncode}")
+    return Answer(installed, json.loads(said.splitlines()[-1]))
+
+
+def _version(package: str) -> str | None:
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None
+
+
+def serve(target: str, file: str, packages: str) -> None:
+    """Read a file, and write as the last line of JSON why it is refused; null where it is not."""
+    said = None
+    try:
+        if target == "mujoco":
+            import mujoco
+
+            mujoco.MjModel.from_xml_path(file)
+        else:
+            from pydrake.multibody.parsing import Parser
+            from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
+            from pydrake.systems.framework import DiagramBuilder
+
+            builder = DiagramBuilder()
+            plant, _ = AddMultibodyPlantSceneGraph(builder, 0.0)
+            parser = Parser(plant)
+            for name, folder in json.loads(packages).items():
+                parser.package_map().Add(name, Path(folder))
+            parser.AddModels(Path(file))
+            plant.Finalize()
+            builder.Build().CreateDefaultContext()
+    except Exception as error:
+        said = " ".join(str(error).split())
+    sys.stdout.write(f"\n{json.dumps(said)}\n")
+
 
 class Opinion(NamedTuple):
     """What one program makes of a file: the verdict, for each fact that counts where it was found, and what the program
@@ -465,7 +473,7 @@ def opinion(context: Context, target: str) -> Opinion:
     MuJoCo and Drake are run where they are installed, and reject what they do reject; what else they do, and what
     others do, the table tells.
     """
-    said = answer(context, target)
+    said = answer(context, target) if target in INSTALLABLE else None
     refused = said is not None and said.refusal is not None
     taken = said is not None and said.version is not None and not refused
     found = ((fact, tuple(fact.find(context))) for fact in FACTS if fact.target == target)
