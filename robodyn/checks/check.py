@@ -3,7 +3,7 @@
 1. Which files: `sources` finds them in folders and patterns, and the descriptions that a mesh or an SRDF belongs to.
 2. How each is checked: `config` reads the settings of its project, `catalogue` has the rules and which are selected.
 3. One file (`check_one`): read as far as it can be, of xacro its expansion (`Origins` leads back to the macros), into a
-   `context`, which derives what rules ask for (its tree, `srdf`, `meshes/`, `bodies/`, `mirror/`) once.
+   `context`, which derives what rules ask for (its tree, `srdf`, `meshes/`, `bodies/`, `mirror`) once.
 4. The rules (`run_rules`): `rule` says what one is; those of a family are a file in `rules/`. `waivers` allow findings.
 5. What is shown (`select_findings`): of two rules that tell of one defect one, places of one cause together (`groups`).
 6. What may follow: `fixes` are made and proven, `baseline` knows findings of before, `regression` earlier dynamics.

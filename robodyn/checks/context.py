@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 STDIN = "<stdin>"
 TARGETS = ("mujoco", "drake", "gz", "kdl", "isaac")
-"""The programs whose verdict is known; see `robodyn.checks.importers.facts`."""
+"""The programs whose verdict is known; see `robodyn.checks.importers`."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 
 from robodyn.checks.bodies.contacts import Sides
 from robodyn.checks.check import Options, check_one
 from robodyn.checks.context import Context
-from robodyn.checks.examples import TENSOR
-from robodyn.checks.mirror.pairs import row_of
 from robodyn.checks.rule import Finding
-from robodyn.checks.rules import mirror
 from robodyn.checks.waivers import waivers
 from robodyn.robot.urdf.document import read
 from robodyn.robot.urdf.numbers import _parsed_before, parse_numbers
@@ -89,22 +84,6 @@ class Counted(dict):
     def __contains__(self, key: object) -> bool:
         self.times += 1
         return super().__contains__(key)
-
-
-def test_many_twins_of_one_row() -> None:
-    """Of each mass those of a few others are looked at."""
-    pair = "".join(
-        f'<link name="{side}_{{0}}"><inertial><mass value="1"/>{TENSOR}</inertial></link><joint name="{side}_j{{0}}"'
-        f' type="revolute"><parent link="base"/><child link="{side}_{{0}}"/><origin xyz="{{0}} {y} 0"/></joint>'
-        for side, y in (("left", 1), ("right", -1))
-    ).format
-    context = Context(read(f'<robot name="r"><link name="base"/>{"".join(map(pair, range(40)))}</robot>'.encode()))
-    rows = context.once(mirror._legs)
-    assert sum(map(len, rows.values())) == 40
-    rows[""] = [row for each in rows.values() for row in each]
-    one = replace(rows[""][0], masses=(1.0, 2.0))
-    rows[row_of(one.pair.left.name)] = rows[""]
-    assert mirror._others(context, one) == (False, 16)
 
 
 def test_many_comments_in_a_line() -> None:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from robodyn.checks.bodies.bodies import bodies, weighed
+from robodyn.checks.bodies.causes import faults
 from robodyn.checks.bodies.shapes import shaped
 from robodyn.checks.examples import IMAGE, SHAPED_INERTIA, a_shaped_link, inertia, two_arms
-from robodyn.checks.mirror.causes import faults
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.robot.masses.inertia_mistakes import QUANTITIES
 from robodyn.support.wording import figure, one_of

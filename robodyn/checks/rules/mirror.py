@@ -8,24 +8,15 @@ from math import isclose, pi
 
 import numpy as np
 
+from robodyn.checks.bodies.causes import causes
 from robodyn.checks.bodies.masses import POINT, is_physical, principal_moments
 from robodyn.checks.examples import ARM_LIMIT, IMAGE, TENSOR, two_arms, two_elbows
-from robodyn.checks.mirror.causes import causes
-from robodyn.checks.mirror.pairs import Pair, Symmetry, is_square, pairs, row_of, symmetry
-from robodyn.checks.mirror.twins import (
-    MASS,
-    MOMENTS,
-    Twins,
-    directions,
-    heavy_links,
-    reversed_axes,
-    twins,
-)
+from robodyn.checks.mirror import MASS, MOMENTS, Pair, Symmetry, Twins, is_square, symmetry, twins
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.programs.vectors import length, product, rotation_from_rpy
 from robodyn.robot.urdf.numbers import value_span
 from robodyn.robot.urdf.parts import WITH_RANGE, Joint, Limit
-from robodyn.robot.urdf.view import JointView
+from robodyn.robot.urdf.view import JointView, LimitView
 from robodyn.support.floats import Floats
 from robodyn.support.wording import figure, place, shown
 
@@ -39,8 +30,8 @@ _FACTORS = (
 """Of masses, each with whether the larger one is in another unit."""
 _EXACT = 1e-3
 """How far the ratio may be from a factor: masses of twins are equal or differ by chance."""
-_LEGS = 16
-"""More than any robot has in a row."""
+_LIGHT = 1e-3
+"""Sensors and marks that weigh no more [kg] are put where there is room."""
 
 
 @rule(
@@ -50,8 +41,8 @@ _LEGS = 16
     explanation=f"""Links are twins if their names are each other's but for left and right, and at q = 0 each stands
 where the mirror image of the other does; the plane is found from the robot. Masses may differ by {100 * MASS:g} %.
 Where two parts that stand opposite each other do differ, as two tools do, a waiver says so. A ratio of 1000, 2.2046, 10
-or 100 is named as the slip that makes it. The one that is in grams or pounds, or that weighs what no other of the legs
-in front and behind does, is the wrong one; where neither tells, both are named.""",
+or 100 is named as the slip that makes it. The one that is in grams or pounds is the wrong one; otherwise both are
+named.""",
     good=two_arms(),
     bad=(f'"2"/>{IMAGE}', f'"2.1"/>{IMAGE}'),
     explains=("RD208", "RD313"),
@@ -62,41 +53,19 @@ def mirror_mass(context: Context) -> Faults:
         left, right = one.masses
         if abs(left - right) <= MASS * max(left, right):
             continue
-        named = (
-            factor for factor in _FACTORS if isclose(max(left, right) / min(left, right), factor[0], rel_tol=_EXACT)
-        )
-        (_, unit, how), others = next(named, (1.0, False, None)), _others(context, one)
-        is_left = left > right if unit else others is not None and others[0]
+        ratio = max(left, right) / min(left, right)
+        named = (factor for factor in _FACTORS if isclose(ratio, factor[0], rel_tol=_EXACT))
+        _, unit, how = next(named, (1.0, False, None))
+        is_left = unit and left > right
         link = context.view.link[one.pair.left.name] if is_left else one.link
         assert link.inertial is not None, "it has mass"
         mass, its = (left, right) if is_left else (right, left)
         twin = f"{shown(one.pair.right.name)} (line {one.pair.right.line})" if is_left else one.other
-        told = "" if others is None else f"; {others[1]} other links of this row weigh that"
         apart = figure(100 * abs(left - right) / max(left, right), 2)
-        what = f"the mass is {mass:g} kg, that of its mirror twin {twin} {its:g} kg, {apart} % apart{told}"
+        what = f"the mass is {mass:g} kg, that of its mirror twin {twin} {its:g} kg, {apart} % apart"
         cause = None if how is None else f"{'it' if mass > its else 'that of the twin'} is {how}"
-        known = unit or others is not None
-        remedy = f"correct it, to {its:g} kg if the parts are alike" if known else _ONE_OF_TWO.format("parts")
+        remedy = f"correct it, to {its:g} kg if the parts are alike" if unit else _ONE_OF_TWO.format("parts")
         yield Fault(link.inertial.mass.span, what, remedy, mass, its, cause=cause)
-
-
-def _others(context: Context, one: Twins) -> tuple[bool, int] | None:
-    """Return whether it is the left link that weighs what no other leg's does, and how many weigh what the right one
-    does, or the other way round; None where the other legs do not tell."""
-    legs = context.once(_legs)[row_of(one.pair.left.name)]
-    masses = [mass for other in legs[: _LEGS + 1] if other is not one for mass in other.masses][:_LEGS]
-    alike = [sum(abs(other - mass) <= MASS * mass for other in masses) for mass in one.masses]
-    if len(masses) < 2 or max(alike) < len(masses) or min(alike):
-        return None
-    return alike[1] > alike[0], max(alike)
-
-
-def _legs(context: Context) -> dict[str, list[Twins]]:
-    """Return the twins in front, behind and so on together."""
-    found: dict[str, list[Twins]] = {}
-    for one in context.once(twins):
-        found.setdefault(row_of(one.pair.left.name), []).append(one)
-    return found
 
 
 @rule(
@@ -215,11 +184,12 @@ def mirror_joint(context: Context) -> Faults:
     the image reversed, lower and upper change places and signs; on a part that is mounted on both sides either is
     right. Copying limits from left to right where the axes ask for a change of sign is a common slip: a knee then
     bends the wrong way. So is a joint that was fixed for a test, while its twin still moves; and an axis that is
-    reversed, which also shows where front and hind legs are not turned alike, or where all other joints of the limb
-    that have their axes in the mirror plane, or across it, are turned the other way. Twins are found as RD401 says.
-    Ranges that RD503, RD504 or RD507 report are not compared.
+    reversed, where the range does not tell the same both ways. Twins are found as RD401 says. Ranges that RD503,
+    RD504 or RD507 report are not compared.
     """
-    for pair in context.once(pairs):
+    found = context.once(symmetry)
+    for pair in () if found is None else found.pairs.values():
+        assert found is not None, "it has pairs"
         left, right = pair.left_joint, pair.right_joint
         view, twin = context.view.joint[right.name], f"{shown(left.name)} (line {left.line})"
         at = view.element.span if view.axis.element is None else view.axis.span
@@ -228,36 +198,19 @@ def mirror_joint(context: Context) -> Faults:
             what = f"it is {one.type}, but its mirror twin {shown(other.name)} (line {other.line}) is {other.type}"
             yield Fault(value_span(context.view.joint[one.name].element, "type"), what, _CORRECT_JOINT)
         elif left.type in ("revolute", "continuous", "prismatic"):
-            yield from (ranges := list(_range(pair, context, twin)))
-            shown_by = context.once(reversed_axes).get(right.name, ())
-            others = next((each for each in shown_by if len(each) > 1 or not list(_range(each[0], context, ""))), ())
-            if not any(directions(pair, context)):
+            ways = set(found.directions(pair))
+            if not ways:
                 what = f"the axis is not parallel to the mirror image of that of its twin {twin}"
                 yield Fault(at, what, _CORRECT_JOINT)
-            elif len(others) == 1 and not ranges:
-                front, rear = others[0].left_joint, others[0].right_joint
-                what = (
-                    f"it and its mirror twin {twin} are turned to each other as {shown(front.name)} and "
-                    f"{shown(rear.name)} (line {rear.line}) are not: one of the four axes is reversed"
-                )
-                yield Fault(at, what, "correct the one of the four that is wrong, or allow it where the legs differ")
-            elif len(others) > 1 and not ranges:
-                named = " and ".join(shown(each.right_joint.name) for each in others[:2])
-                what = (
-                    f"it and its mirror twin {twin} are turned to each other as those of the limb whose axes lie like "
-                    f"theirs, {named} among {len(others)}, are not: one of the two axes is reversed"
-                )
-                yield Fault(at, what, _CORRECT_JOINT)
+            elif len(ways) == 1 and view.limit is not None:
+                yield from _range(pair, view.limit, ways.pop(), twin)
             yield from _magnitudes(pair, view, twin)
 
 
-def _range(pair: Pair, context: Context, twin: str) -> Faults:
+def _range(pair: Pair, limit: LimitView, direction: int, twin: str) -> Faults:
     kind, left, right = pair.left_joint.type, pair.left_joint.limit, pair.right_joint.limit
-    limit, ways = context.view.joint[pair.right_joint.name].limit, set(directions(pair, context))
-    plain = kind in WITH_RANGE and _is_plain(left, kind) and _is_plain(right, kind)
-    if limit is None or not plain or len(ways) != 1:
+    if kind not in WITH_RANGE or not (_is_plain(left, kind) and _is_plain(right, kind)):
         return
-    direction = ways.pop()
     (low, high), here = _ends(left), _ends(right)
     image = (low, high) if direction > 0 else (0.0 - high, 0.0 - low)
     slack = _LIMIT * max(1.0, abs(high - low))
@@ -315,15 +268,17 @@ def mirror_origin(context: Context) -> Faults:
     ones that carry no mass, such as sensors; what is mounted alike on a part that is itself mounted on both sides,
     as fingers on a gripper; and frames that lie askew where no sign in rpy explains it: they are chosen freely.
     """
-    found = context.once(symmetry)
+    found, heavy = context.once(symmetry), set[str]()
     if found is None:
         return
-    heavy = heavy_links(found)
+    for link in reversed(context.tree.links[1:]):
+        if link.name in heavy or (link.mass or 0.0) > _LIGHT:
+            heavy |= {link.name, found.above[link.name].parent}
     for left, right in found.named:
         joints = found.above[left], found.above[right]
         over = [joint.parent for joint in joints]
-        pair = found.by_right.get(over[1])
-        if right in found.by_right or not all(joint.type != "fixed" or joint.child in heavy for joint in joints):
+        pair = found.pairs.get(over[1])
+        if right in found.pairs or not all(joint.type != "fixed" or joint.child in heavy for joint in joints):
             continue
         if over[0] == over[1] and length(found.plane.image(found.p[over[0]]) - found.p[over[0]]) <= found.near:
             pair = None

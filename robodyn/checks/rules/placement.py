@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import re
-from collections import Counter, defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterator
 from typing import NamedTuple
 
-from robodyn.checks.bodies.contacts import contacts, detached, too_large
+import numpy as np
+
+from robodyn.checks.bodies.contacts import detached, too_large
 from robodyn.checks.bodies.shapes import other_unit
-from robodyn.checks.examples import a_joint, a_link, a_tower, arm
-from robodyn.checks.mirror.pairs import named_pairs, row_of
+from robodyn.checks.examples import a_tower, two_elbows
+from robodyn.checks.mirror import named_pairs
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.robot.urdf.numbers import value_span
 from robodyn.support.wording import shown
@@ -41,130 +42,70 @@ def detached_part(context: Context) -> Faults:
         yield Fault(at, what, remedy, contact.gap, bound, cause=too_large(context, joint))
 
 
-_NUMBER = re.compile(r"(?<!\d)\d{1,9}(?!\d)")
-_OTHERS, _EACH, _MOST = 3, 2, 0.9
-"""Least number of links of a row that hang alike, of those that one link carries, and the share of all but one that
-hang alike. Of 124 descriptions, most of them published, none has an exception then."""
-
-Parents = Mapping[str, str]
+_SAME_PLACE = 1e-6
+"""Between the joints of namesakes on their parents, each coordinate without its sign [m]."""
 
 
 class Odd(NamedTuple):
     """A link (or the one of two that stands later in the file) that hangs on another parent than the `expected` one,
-    which its namesakes say; the `other` namesake that may be the wrong one instead; and what the others do."""
+    which its namesake says; and the `other` namesake that may be the wrong one instead."""
 
     link: str
     expected: str
     other: str | None
-    why: str
+    namesake: str
 
 
-def odd_parents(context: Context) -> tuple[Odd, ...]:
-    """Return the links that hang on another parent than those whose names differ in left and right, or in a number.
-    From stage TREE on."""
-    parent = {child: joint.parent for child, joint in context.tree.above.items()}
-    found = {odd.link: odd for odd in _rows(parent)}
-    named = list(named_pairs({*parent, *parent.values()}))
+def odd_parents(context: Context) -> Iterator[Odd]:
+    """Yield the links on other parents than those whose names differ in left and right, joined at each other's mirror
+    image. From stage TREE on."""
+    above = context.tree.above
+    named = list(named_pairs([link.name for link in context.tree.links]))
     times = Counter(name for names in named for name in names)  # the left finger of a right hand is in two pairs
     left = {right: left for left, right in named if times[left] == times[right] == 1}
     twin = {**left, **{one: other for other, one in left.items()}}
-    alike, splits = 0, []
     for right, one in left.items():
-        if one in parent and right in parent:
-            first, second = parent[one], parent[right]
-            if max(times[first], times[second]) > 1 or first == right or second == one:
-                continue
-            if twin.get(first, first) == second and not (first in twin and first == second):
-                alike += 1
-            else:
-                splits.append((one, right))
-    others = sum(not set(split) & {parent[link] for link in split} for split in splits)
-    for split in splits if alike and alike >= _MOST * (alike + others - 1) else ():
-        if not found.keys() & set(split):
-            blamed = _blamed(context, split, parent, left)
-            k, other = blamed[0], split[1 - blamed[0]]
-            pairs = "1 other pair named so hangs" if alike == 1 else f"{alike} other pairs named so hang"
-            why = f"{shown(other)} hangs on {shown(parent[other])}, and {pairs} alike"
-            expected = twin.get(parent[other], parent[other])
-            found[split[k]] = Odd(split[k], expected, other if len(blamed) > 1 else None, why)
-    return tuple(found.values())
-
-
-def _blamed(context: Context, split: tuple[str, str], parent: Parents, left: Mapping[str, str]) -> Sequence[int]:
-    """Return which of two twins is wrong: the one that hangs as none in front or behind does, or on the other's side,
-    or apart from its parent's shapes; else both, the later in the file first."""
-
-    def row(link: str) -> str:
-        return row_of(left.get(link, link))
-
-    hung = Counter(row(parent[link]) for link in parent if row(link) == row(split[0]))
-    alone = [hung[row(parent[link])] == 1 < max(hung.values()) for link in split]
-    known = [context.once(contacts).get(context.tree.above[link].name) for link in split]
-    apart = [contact is not None and not contact.touches for contact in known]
-    sided = {*left, *left.values()}
-    crossed = [parent[link] in sided and (parent[link] in left) != (link in left) for link in split]
-    for signs in (alone, crossed, apart):
-        if signs[0] != signs[1]:
-            return (0,) if signs[0] else (1,)
-    return sorted((0, 1), key=lambda k: -context.tree.above[split[k]].element.start)
-
-
-def _rows(parent: Parents) -> Iterator[Odd]:
-    """Yield the links of a row of numbers that hang neither on the one before nor, with others, on one that carries
-    several of the row, where all others do."""
-    rows: dict[tuple[str, str], dict[int, str]] = defaultdict(dict)
-    for name in parent:
-        for found in _NUMBER.finditer(name):
-            rows[name[: found.start()], name[found.end() :]][int(found[0])] = name
-    for row in rows.values():
-        if len(row) <= _OTHERS:
+        split = one, right
+        if one not in above or right not in above:
             continue
-        members = set(row.values())
-        carried = Counter(parent[name] for name in row.values() if parent[name] not in members)
-        most, count = max(carried.items(), key=lambda one: one[1])
-        after = {name: row.get(k - 1) for k, name in row.items()}
-        chained = [name for name, before in after.items() if parent[name] == before]
-        hung = [name for name in row.values() if carried[parent[name]] > _EACH]
-        first = [name for name, before in after.items() if before is None and count <= len(chained)]
-        alike = len({*chained, *hung})
-        odd = sorted(members.difference(chained, hung, first))
-        if odd and alike >= _OTHERS and alike >= _MOST * (alike + len(odd) - 1):
-            for name in odd:
-                before = after[name]
-                if before is not None and len(chained) >= count:
-                    why = f"{len(chained)} other links of this row of numbers hang on the one before"
-                    yield Odd(name, before, None, why)
-                else:
-                    why = f"{count} other links of this row of numbers hang on {shown(most)}"
-                    yield Odd(name, most, None, why)
-
-
-_SEGMENTS = [f"segment_{k}" for k in range(1, 7)]
-_CHAIN = zip(("upper", *_SEGMENTS), _SEGMENTS, strict=False)
-_LONG_ARM = arm(more="".join(a_link(child) + a_joint(f"on_{parent}", parent, child) for parent, child in _CHAIN))
+        joints, parents = [above[link] for link in split], [above[link].parent for link in split]
+        alike = twin.get(parents[0], parents[0]) == parents[1]
+        places = [np.abs(joint.origin.xyz.or_default(0.0, 0.0, 0.0) or np.nan) for joint in joints]
+        if alike or not twin.keys() & {*parents} or max(times[parent] for parent in parents) > 1:
+            continue
+        if not np.allclose(places[0], places[1], rtol=0.0, atol=_SAME_PLACE):
+            continue
+        crossed = [
+            parent in twin and (parent in left) != (link in left) for link, parent in zip(split, parents, strict=True)
+        ]
+        k = crossed.index(True) if sum(crossed) == 1 else int(joints[1].element.start > joints[0].element.start)
+        other, on = split[1 - k], parents[1 - k]
+        yield Odd(split[k], twin.get(on, on), None if sum(crossed) == 1 else other, other)
 
 
 @rule(
     "RD112",
     Severity.WARNING,
     Stage.TREE,
-    good=_LONG_ARM,
-    bad=('<parent link="segment_4"/>', '<parent link="segment_2"/>'),
+    good=two_elbows(),
+    bad=('parent link="right_arm"', 'parent link="base"'),
     explains=("RD111",),
 )
 def odd_parent(context: Context) -> Faults:
-    """A link has the parent that its namesakes tell.
+    """A link has the parent that its namesake tells.
 
     Of links whose names differ in left and right, left_hand and right_hand, FL_calf and FR_calf, each is a child of
-    the namesake of the other's parent, and link_5 is a child of link_4. Where others do so, and all but one in ten,
-    one that does not has the wrong parent: by a copied line that was not changed, or changed twice. Which one of
-    two is wrong is told by the links in front of them and behind them, by the side that a name and its parent's name
-    say, and by shapes that do not touch those of the parent; where nothing tells, both are named.
+    the namesake of the other's parent, or both of one link. Where they are not, although their joints stand at the
+    same place on their parents but for signs, one has the wrong parent: by a copied line that was not changed, or
+    changed twice. It is the one whose parent's name says the other side; where none does, both are named.
     """
-    for odd in context.once(odd_parents):
+    for odd in odd_parents(context):
         joint = context.tree.above[odd.link]
-        what = f"it makes {shown(odd.link)} a child of {shown(joint.parent)}, but {odd.why}"
-        either = "" if odd.other is None else f", or the other pairs show that {shown(odd.other)} is the wrong one"
+        what = (
+            f"it makes {shown(odd.link)} a child of {shown(joint.parent)}, but {shown(odd.namesake)} hangs on "
+            f"{shown(context.tree.above[odd.namesake].parent)}"
+        )
+        either = "" if odd.other is None else f", or {shown(odd.other)} is the wrong one"
         parent = next(child for child in joint.element.children if child.tag == "parent")
         yield Fault(value_span(parent, "link"), what, f"make {shown(odd.expected)} its parent{either}")
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import isclose, log10
 
 from robodyn.checks.bodies.bodies import given
+from robodyn.checks.bodies.causes import explained
 from robodyn.checks.bodies.masses import (
     POINT,
     gyration,
@@ -17,8 +18,7 @@ from robodyn.checks.bodies.masses import (
 )
 from robodyn.checks.bodies.shapes import shaped
 from robodyn.checks.examples import INERTIA, inertia, longer_arm, one_link
-from robodyn.checks.mirror.causes import explained
-from robodyn.checks.mirror.pairs import pairs
+from robodyn.checks.mirror import pairs
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.masses.mistake_posterior import apart
 from robodyn.robot.urdf.view import LinkView

@@ -1,6 +1,6 @@
 """What a declared inertial was meant to be: one row of a table for each way in which its numbers go wrong.
 
-Nothing here judges; `robodyn.robot.masses.mistake_posterior` does by the shapes, `robodyn.checks.mirror.causes` by the
+Nothing here judges; `robodyn.robot.masses.mistake_posterior` does by the shapes, `robodyn.checks.bodies.causes` by the
 mirror twin too.
 """
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from helpers.example_robots import path_of
 
+from robodyn.checks.bodies.causes import Cause, causes
 from robodyn.checks.check import Options, check_one, found_in
 from robodyn.checks.context import Context
 from robodyn.checks.examples import ORIGIN, two_arms
-from robodyn.checks.mirror.causes import Cause, causes
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.robot.masses.inertia_mistakes import UPPER, Given, corrections
 from robodyn.robot.urdf.document import read

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from robodyn.checks.check import check_one
 from robodyn.checks.context import Context
 from robodyn.checks.examples import ARM_LIMIT, IMAGE, ORIGIN, ORIGIN_IMAGE, TENSOR, two_arms, two_elbows
-from robodyn.checks.mirror.pairs import Plane, link_inertia, named_pairs, pairs, reflected, row_of
+from robodyn.checks.mirror import Plane, link_inertia, named_pairs, pairs
 from robodyn.robot.urdf.document import read
 from robodyn.solids.inertia.properties import from_inertia
 
@@ -56,24 +56,6 @@ def test_letters_inside_words_are_not_sides(name: str, other: str) -> None:
     assert not list(named_pairs([name, other]))
 
 
-@pytest.mark.parametrize(
-    ("name", "row"),
-    [
-        ("FL_hip", "*L_hip"),
-        ("RL_calf", "*L_calf"),
-        ("LH_KFE", "L*_KFE"),
-        ("lf_haa", "l*_haa"),
-        ("front_left_hip", "*_left_hip"),
-        ("left_rear_foot", "left_*_foot"),
-        ("left_hip_pitch", "left_hip_pitch"),
-        ("LHipYaw", "LHipYaw"),
-        ("l_hand", "l_hand"),
-    ],
-)
-def test_rows_of_legs(name: str, row: str) -> None:
-    assert row_of(name) == row
-
-
 def test_pairs_need_their_mirrored_place() -> None:
     assert [(pair.left.name, pair.right.name) for pair in pairs(context(two_arms()))] == [("left_arm", "right_arm")]
     moved = two_arms().replace('xyz="0 -0.3 0"', 'xyz="0.2 -0.3 0"')
@@ -104,7 +86,7 @@ def test_the_mirror_image_is_that_of_the_mass(numbers: list[float]) -> None:
     text = two_arms(left=f'<origin xyz="{origin}"/><mass value="2"/><inertia {entries}/>')
     (pair,) = pairs(context(text))
     assert pair.left.inertial is not None
-    centre, image = reflected(pair, pair.left.inertial)
+    centre, image = pair.reflected(pair.left.inertial)
     H = Plane(np.array((0.0, 1.0, 0.0)), 0.0).H
     expected = from_inertia(2.0, c, I).placed(H, np.zeros(3))
     assert np.abs(image - expected.inertia).max() <= 64 * EPS * np.abs(I).max()
@@ -279,33 +261,3 @@ def test_the_factor_between_masses_of_twins_is_named(mass: str, cause: str | Non
     text = two_arms(right=f'{ORIGIN_IMAGE}<mass value="{mass}"/>{IMAGE}')
     (one,) = [finding for finding in check_one(text.encode()) if finding.code == "RD401"]
     assert one.cause == cause
-
-
-def four_legs(**upper: float) -> str:
-    """Legs of three joints each, of which the hip of the right rear one is reversed; upper limits of hips by leg."""
-    text = '<link name="base"/>'
-    for leg, x, y in (("front_left", 1, 1), ("front_right", 1, -1), ("rear_left", -1, 1), ("rear_right", -1, -1)):
-        parent, place = "base", f"{x} {y} 0"
-        for part in ("hip", "knee", "ankle"):
-            name = f"{leg}_{part}"
-            axis = -1 if name == "rear_right_hip" else 1
-            most = upper.get(leg, 1.0) if part == "hip" else 1.0
-            text += f'''<link name="{name}"><inertial><mass value="1"/>{TENSOR}</inertial></link>
-                <joint name="{name}_joint" type="revolute"><parent link="{parent}"/><child link="{name}"/>
-                <origin xyz="{place}"/><axis xyz="0 {axis} 0"/>
-                <limit lower="-1" upper="{most}" effort="1" velocity="1"/></joint>'''
-            parent, place = name, "0 0 -0.3"
-    return f'<robot name="r">{text}</robot>'
-
-
-@pytest.mark.parametrize(
-    ("upper", "words"),
-    [({}, "one of the four axes is reversed"), ({"front_right": 2.0}, "one of the two axes is reversed")],
-)
-def test_a_reversed_hip_is_shown_by_other_legs_whose_ranges_agree_or_by_its_limb(
-    upper: dict[str, float], words: str
-) -> None:
-    found = [finding for finding in check_one(four_legs(**upper).encode()) if finding.code == "RD404"]
-    (hip,) = [each for each in found if each.subject is not None and each.subject.name == "rear_right_hip_joint"]
-    assert words in hip.message
-    assert len(found) == 1 + len(upper)

@@ -147,11 +147,11 @@ TREE = (
     Plant("RD111", "tiago_no_hand", "joint torso_lift_joint", 'xyz="0.0 0.0 0.597"', 'xyz="0.0 5.97 0.0"'),
     Plant("RD111", "ur5_robot", "joint wrist_1_joint", 'link="forearm_link"', 'link="base_link"'),
     Plant("RD112", "hyq_no_sensors", "joint rf_kfe_joint", 'parent link="[^"]*"', 'parent link="lh_upperleg"', "lf_"),
-    Plant("RD112", "b1", "joint FL_calf_joint", 'parent link="[^"]*"', 'parent link="RL_hip"', "pairs named so"),
-    Plant("RD112", "kinova", "joint j2s6s200_joint_3", 'parent link="[^"]*"', 'parent link="j2s6s200_link_base"'),
+    Plant("RD112", "b1", "joint FL_calf_joint", 'parent link="[^"]*"', 'parent link="RL_hip"', "'FR_calf'"),
+    Plant("RD111", "kinova", "joint j2s6s200_joint_3", 'parent link="[^"]*"', 'parent link="j2s6s200_link_base"'),
     Plant("RD111", "so101", "joint elbow_flex", 'parent link="[^"]*"', 'parent link="base_link"'),
     Plant("RD112", "solo12", "joint FL_KFE", 'parent link="[^"]*"', 'parent link="HR_SHOULDER"'),
-    Plant("RD112", "xarm7", "joint joint5", 'parent link="[^"]*"', 'parent link="link_base"'),
+    Plant("RD111", "xarm7", "joint joint5", 'parent link="[^"]*"', 'parent link="link_base"'),
 )  # fmt: skip
 _LINK7 = (
     '<inertial><origin rpy="0 0 0" xyz="1.0517e-02 -4.252e-03 6.1597e-02"/><mass value="0.735522"/><inertia '

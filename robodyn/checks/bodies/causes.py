@@ -13,7 +13,7 @@ from robodyn.checks.bodies.bodies import given, weighed
 from robodyn.checks.bodies.masses import Tensor, is_physical, nearest
 from robodyn.checks.bodies.shapes import box_of, real_shapes, shaped, solids
 from robodyn.checks.context import Context
-from robodyn.checks.mirror.pairs import Pair, link_inertia, pairs, reflected
+from robodyn.checks.mirror import Pair, link_inertia, pairs
 from robodyn.checks.rule import Edit, Fault, Fix
 from robodyn.programs.vectors import length, product
 from robodyn.robot.kinematics import Pose
@@ -96,7 +96,7 @@ def _evidence(context: Context, link: LinkView, given: Given, twin: Pair | None)
     alone = Evidence(context, link, given)
     if twin is None or twin.left.inertial is None or not twin.left.inertial.mass > 0:
         return alone
-    _, I = reflected(twin, twin.left.inertial)
+    _, I = twin.reflected(twin.left.inertial)
     if not alone.possible(I):
         return alone
     scale = given.mass / twin.left.inertial.mass

@@ -1,0 +1,386 @@
+"""Links that are each other's mirror image: by their names, and by where they are at q = 0."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from operator import attrgetter
+from statistics import median
+
+import numpy as np
+
+from robodyn.checks.context import Context
+from robodyn.programs.vectors import length, product
+from robodyn.robot.load import placement
+from robodyn.robot.urdf.parts import Inertial, Joint, Link
+from robodyn.robot.urdf.view import InertialView, LinkView
+from robodyn.solids.inertia.laws import symmetric
+from robodyn.support.floats import Floats, first_largest
+from robodyn.support.wording import shown
+
+MASS, MOMENTS = 0.02, 0.10
+"""How far twins may differ: their masses, and their moments relative to the largest."""
+_FLOOR = 1e-3
+"""A shift of the centre of mass that is no more is none [m]."""
+_AXIS = 0.02
+"""How far an axis may be from the image of its twin's [rad]."""
+_ALONE = r"(?<![A-Za-z]){}(?![A-Za-z])"
+_ENDS = "FBHMR"
+"""Front, back, hind, middle, rear."""
+_SWAPS = tuple(
+    (re.compile(pattern), replacement)
+    for pattern, replacement in (
+        ("left", "right"),
+        ("Left", "Right"),
+        ("LEFT", "RIGHT"),
+        (_ALONE.format("l"), "r"),
+        (_ALONE.format("L"), "R"),
+        (_ALONE.format(f"([{_ENDS}])L"), r"\1R"),
+        (_ALONE.format(f"([{_ENDS.lower()}])l"), r"\1r"),
+        (_ALONE.format(f"L([{_ENDS}])"), r"R\1"),
+        (_ALONE.format(f"l([{_ENDS.lower()}])"), r"r\1"),
+        (r"(?<![A-Za-z])L(?=[A-Z][a-z])", "R"),
+        (r"(?<![A-Za-z])l(?=[A-Z])", "r"),
+        (r"(?<=[a-z0-9])L(?![A-Za-z])", "R"),
+    )
+)
+
+
+def named_pairs(names: Collection[str]) -> Iterator[tuple[str, str]]:
+    """Yield (left, right) of the names that are each other's but for left and right, l and r, two letters such as FL,
+    LF, RL or LH, all in lower and upper case, and L as the first letter of LHipYaw and the last of ElbowL."""
+    known = frozenset(names)
+    for name in names:
+        swapped = (pattern.sub(to, name, count=count) for pattern, to in _SWAPS for count in (0, 1))
+        other = next((other for other in swapped if other != name and other in known), None)
+        if other is not None:
+            yield name, other
+
+
+Names = tuple[str, str]
+"""Of a left and a right link."""
+_NEAR = 2e-3
+"""How far a frame may be from its mirror image, relative to the robot's size."""
+
+
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """The plane n . x = offset in the root's axes."""
+
+    normal: Floats
+    offset: float
+
+    @property
+    def H(self) -> Floats:
+        """The reflection 1 - 2 n n^T."""
+        return np.eye(3) - 2.0 * np.outer(self.normal, self.normal)
+
+    def image(self, p: Floats) -> Floats:
+        """Return (..., 3) the mirror images of points."""
+        moved: Floats = product(p, self.H) + 2.0 * self.offset * self.normal
+        return moved
+
+
+_file = attrgetter("filename")
+_SAME_PART = 1e-4
+"""How far a primitive may be from the place of its mirror image, to tell nothing [m]."""
+_EQUAL = 1e-12
+"""Inertias by mass that differ by no more are the same [m^2]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """What both links are made of: the isometry x -> G x + p from the axes of the left link to those of the right that
+    carries the one's shapes onto the other's; det G = -1 if a scale is negative on one side."""
+
+    G: Floats
+    p: Floats
+
+    def point(self, x: Floats) -> Floats:
+        moved: Floats = product(self.G, x) + self.p
+        return moved
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """Two links, left and right as their names have it, that are where each other's mirror image is; D (3, 3) is the
+    reflection from the axes of the left link to those of the right: x -> D x, det D = -1."""
+
+    left: Link
+    right: Link
+    left_joint: Joint
+    right_joint: Joint
+    D: Floats
+
+    @cached_property
+    def part(self) -> Part | None:
+        """The part that both links are; None unless their first meshes are one, of one size.
+
+        The <visual> ones count, since collision meshes are simplified, to something symmetric even; or the <collision>
+        ones where there are no others. Links without meshes are one part if their primitives stand at the same places,
+        and these are not each other's images, or both links are fixed: then it is most often a sensor that was bought
+        twice.
+        """
+        for kind in ("visual", "collision"):
+            one, other = ([each for each in link.geometries if each.kind == kind] for link in (self.left, self.right))
+            meshes = [[shape for shape in shapes if shape.shape == "mesh"] for shapes in (one, other)]
+            if any(meshes):
+                first, its = (shapes[0] if shapes else None for shapes in meshes)
+                if first is None or its is None or [*map(_file, meshes[0])] != [*map(_file, meshes[1])]:
+                    return None
+                if not np.allclose(np.abs(first.scale), np.abs(its.scale), rtol=1e-6, atol=0.0) or 0.0 in first.scale:
+                    return None
+                (R, x), (R_its, x_its) = placement(first.origin), placement(its.origin)
+                G = product(R_its, np.diag(np.sign(its.scale) * np.sign(first.scale)), R.T)
+                return Part(G, x_its - product(G, x))
+            if one or other:
+                made_of = [[(shape.shape, shape.size, shape.origin) for shape in shapes] for shapes in (one, other)]
+                places = [np.array(shape.origin.xyz) for shape in one]
+                mirrored = all(length(product(self.D, place) - place) <= _SAME_PART for place in places)
+                still = self.left_joint.type == self.right_joint.type == "fixed"
+                return None if made_of[0] != made_of[1] or (mirrored and not still) else Part(np.eye(3), np.zeros(3))
+        return None
+
+    @property
+    def turned(self) -> Pair:
+        """The right link as the image of which the left one is held to be."""
+        return Pair(self.right, self.left, self.right_joint, self.left_joint, self.D.T)
+
+    def mounts_alike(self, left: Joint, right: Joint, near: float) -> bool:
+        """Return whether two joints on the links stand where the part on both sides, turned with it, has one."""
+        if self.part is None:
+            return False
+        (R, p), (R_right, p_right) = placement(left.origin), placement(right.origin)
+        turned = float(np.abs(product(self.part.G, R) - R_right).max())
+        return length(self.part.point(p) - p_right) <= near and turned <= _AXIS
+
+    def reflected(self, inertial: Inertial) -> tuple[Floats, Floats]:
+        """Return the centre of mass [m] and inertia about it [kg m^2] of the left link's mirror image, in the right
+        link's axes.
+
+        A part that is mounted on both sides is no mirror image of itself: where the same meshes are on both links, what
+        goes with them is returned if the right link is nearer to that.
+        """
+        c, I = link_inertia(inertial)
+        image, right = (product(self.D, c), product(self.D, I, self.D.T)), self.right.inertial
+        if right is None or not (right.mass > 0 and inertial.mass > 0):
+            return image
+        c_right, I_right = link_inertia(right)
+
+        def apart(one: tuple[Floats, Floats]) -> float:
+            """Of the centres, squared, or of the inertias by mass, whichever is more [m^2]."""
+            shift = length(one[0] - c_right)
+            return max(shift * shift, float(np.abs(one[1] / inertial.mass - I_right / right.mass).max()))
+
+        part = self.part if apart(image) > _EQUAL else None
+        return image if part is None else min(image, (part.point(c), product(part.G, I, part.G.T)), key=apart)
+
+
+@dataclass(frozen=True, eq=False)
+class Symmetry:
+    """How far a robot is its own mirror image.
+
+    Attributes:
+        R, p: rotation and origin of every link in the root's axes at q = 0 [m].
+        near: how far a frame may be from its mirror image [m].
+        above: the joint that each link hangs on.
+        named: the pairs that names propose, left and right; pairs: those that are confirmed, by their right links, in
+            the order of these in the file.
+    """
+
+    plane: Plane
+    R: Mapping[str, Floats]
+    p: Mapping[str, Floats]
+    near: float
+    above: Mapping[str, Joint]
+    named: Sequence[Names]
+    pairs: Mapping[str, Pair]
+
+    def directions(self, pair: Pair) -> Iterator[int]:
+        """Yield 1 where equal positions of both joints are mirror images, -1 where opposite ones are; else nothing.
+
+        A reflection D carries a translation a to D a, and a rotation about a to one about -D a. On a part that is
+        mounted on both sides equal positions are alike.
+        """
+        left, right = (np.array(joint.axis) for joint in (pair.left_joint, pair.right_joint))
+        left, right = left / length(left), right / length(right)
+        images = [product(pair.D, left) * (1.0 if pair.left_joint.type == "prismatic" else -1.0)]
+        over = self.pairs.get(pair.right_joint.parent)
+        if over is not None and over.mounts_alike(pair.left_joint, pair.right_joint, self.near):
+            images.append(left)
+        for image in images:
+            along = float(product(image, right))
+            if abs(along) >= 1.0 - _AXIS**2:
+                yield 1 if along > 0 else -1
+
+
+def pairs(context: Context) -> tuple[Pair, ...]:
+    """Return the confirmed pairs, in the order of the right links in the file; none where the description cannot be
+    read."""
+    found = context.once(symmetry)
+    return () if found is None else tuple(found.pairs.values())
+
+
+def symmetry(context: Context) -> Symmetry | None:
+    """Return what is symmetric about a robot; None where the description cannot be read, or nothing is.
+
+    Names propose pairs (`named_pairs`). A pair is confirmed if at q = 0 each frame's origin is at the mirror image of
+    the other's, within 2e-3 of the robot's size, and the axes of one are the images of the other's but for their names
+    and signs. Whatever hangs on a pair that is not confirmed is not confirmed either, since from there on the poses
+    differ.
+    """
+    description = None if context.tree_or_none is None else context.description_or_none
+    if description is None:
+        return None
+    above = {joint.child: joint for joint in description.joints}
+    links = {link.name: link for link in description.links}
+    outward = [link.name for link in context.tree.links]
+    named = [names for names in named_pairs(outward) if names[0] in above and names[1] in above]
+    if not named:
+        return None
+    R, p = {description.root: np.eye(3)}, {description.root: np.zeros(3)}
+    for name in outward[1:]:
+        joint = above[name]
+        turn, shift = placement(joint.origin)
+        R[name], p[name] = product(R[joint.parent], turn), p[joint.parent] + product(R[joint.parent], shift)
+    near = _NEAR * float(np.ptp(np.array(list(p.values())), axis=0).max())
+    plane = _mirror(named, p, above, near)
+    if plane is None:
+        return None
+    found = {}
+    for left, right in named:
+        D = product(R[right].T, plane.H, R[left])
+        there = length(plane.image(p[left]) - p[right]) <= near
+        apart = length(p[left] - p[right]) > near or abs(product(plane.normal, p[left]) - plane.offset) <= near
+        if there and apart and is_square(D):
+            found[left, right] = Pair(links[left], links[right], above[left], above[right], D)
+    confirmed = sorted((found[names] for names in _rooted(found, above)), key=lambda pair: pair.right.line)
+    return Symmetry(plane, R, p, near, above, named, {pair.right.name: pair for pair in confirmed})
+
+
+def _mirror(named: Sequence[Names], p: Mapping[str, Floats], above: Mapping[str, Joint], near: float) -> Plane | None:
+    """Return the plane that has most of the pairs on branches from links in it, and of these the one that has most.
+
+    It is across x, y or z of the root, or the longest line between the two of a pair; amid the pairs, through the root,
+    or through the first link that carries both sides. A pair on another one is mirrored if its steps from there are, so
+    that a limb which begins at the wrong place tells as much as the others.
+    """
+    over, known = [(above[left].parent, above[right].parent) for left, right in named], frozenset(named)
+    on_pair = np.array([each in known for each in over])[:, None]
+    left, right = (np.array([p[names[k]] for names in named]) for k in (0, 1))
+    left_step, right_step = (
+        ends - np.where(on_pair, np.array([p[names[k]] for names in over]), 0.0) for k, ends in enumerate((left, right))
+    )
+    lengths = np.linalg.norm(left - right, axis=1)
+    longest, carriers = first_largest(lengths), dict.fromkeys(one for one, other in over if one == other)
+    if lengths[longest] <= near:
+        return None
+    best, most = None, (0, 0)
+    for normal in (*np.eye(3), (left - right)[longest] / lengths[longest]):
+        first = [float(product(normal, p[carrier])) for carrier in list(carriers)[:1]]
+        for offset in (median(product(left + right, normal).tolist()) / 2.0, 0.0, *first):
+            plane = Plane(normal, offset)
+            images = np.where(on_pair, product(left_step, plane.H), plane.image(left))
+            there = np.linalg.norm(images - right_step, axis=1) <= near
+            there &= np.abs(product(left_step - right_step, normal)) > near
+            within = {link for link in carriers if length(plane.image(p[link]) - p[link]) <= near}
+            rooted = frozenset(_rooted(named, above, within))
+            count = sum(yes and names in rooted for names, yes in zip(named, there.tolist(), strict=True)), there.sum()
+            if count > most:
+                best, most = plane, count
+    return best
+
+
+def _rooted(found: Collection[Names], above: Mapping[str, Joint], within: Collection[str] | None = None) -> list[Names]:
+    """Return the pairs, given outward, whose joints hang on one link, if given one of those within; or on the two of
+    another such pair."""
+    kept: dict[Names, None] = {}
+    for names in found:
+        over = above[names[0]].parent, above[names[1]].parent
+        if over in kept or (over[0] == over[1] and (within is None or over[0] in within)):
+            kept[names] = None
+    return list(kept)
+
+
+def is_square(D: Floats) -> bool:
+    """Return whether a reflection carries axes to axes, but for their names and signs."""
+    return bool(np.abs(D - np.round(D)).max() <= _AXIS)
+
+
+def link_inertia(inertial: Inertial) -> tuple[Floats, Floats]:
+    """Return the centre of mass [m] and inertia about it [kg m^2], in the axes of the link."""
+    R, c = placement(inertial.origin)
+    return c, product(R, symmetric(inertial.inertia), R.T)
+
+
+@dataclass(frozen=True, eq=False)
+class Twins:
+    """A pair of which both links have mass: the right link in the file, the masses of left and right [kg], centre of
+    mass [m] and inertia by mass [m^2] of the left link's mirror image and of the right link, in the right link's
+    axes."""
+
+    pair: Pair
+    link: LinkView
+    inertial: InertialView
+    masses: tuple[float, float]
+    c: Floats
+    I: Floats
+    c_right: Floats
+    I_right: Floats
+
+    @property
+    def other(self) -> str:
+        """The left link, as messages name it."""
+        return f"{shown(self.pair.left.name)} (line {self.pair.left.line})"
+
+    @property
+    def moments(self) -> tuple[Floats, Floats]:
+        """(3,) principal moments by mass of the left and the right link, ascending [m^2]."""
+        left, right = np.linalg.eigvalsh(np.stack((self.I, self.I_right)))
+        return left, right
+
+    def apart(self, left: Floats, right: Floats) -> float:
+        """Relative distance of moments by mass, or of the moments as they stand, so that a wrong mass alone sets none
+        apart."""
+        mass, mass_right = self.masses
+        return min(_apart(left, right), _apart(mass * left, mass_right * right))
+
+    @property
+    def tensors_apart(self) -> float:
+        return self.apart(self.I, self.I_right)
+
+    @property
+    def shift(self) -> float:
+        """How far the centre of mass is from its mirror image [m]."""
+        return length(self.c_right - self.c)
+
+    @property
+    def most_shift(self) -> float:
+        """A tenth of the radius of gyration, and 1 mm at least [m]."""
+        return MOMENTS * float(np.sqrt(max(np.trace(self.I_right), np.trace(self.I), 0.0) / 2.0)) + _FLOOR
+
+    @property
+    def centre_is_copied(self) -> bool:
+        """Whether the centre of mass is not where it ought to be, but where the left link's is in its own axes."""
+        left = self.pair.left.inertial
+        copy = np.zeros(3) if left is None else link_inertia(left)[0]
+        return self.shift > self.most_shift and length(self.c_right - copy) <= self.most_shift
+
+
+def twins(context: Context) -> tuple[Twins, ...]:
+    """Return the pairs of which both links have mass. From stage MODEL on."""
+    found = []
+    for pair in context.once(pairs):
+        left, right = pair.left.inertial, pair.right.inertial
+        link = context.view.link[pair.right.name]
+        if left is not None and right is not None and link.inertial is not None and left.mass > 0 and right.mass > 0:
+            (c, I), (c_right, I_right), masses = pair.reflected(left), link_inertia(right), (left.mass, right.mass)
+            found.append(Twins(pair, link, link.inertial, masses, c, I / left.mass, c_right, I_right / right.mass))
+    return tuple(found)
+
+
+def _apart(one: Floats, other: Floats) -> float:
+    largest = max(np.abs(one).max(), np.abs(other).max())
+    return float(np.abs(one - other).max() / largest) if largest else 0.0

@@ -1,1 +1,0 @@
-"""Links that are each other's mirror image."""
