@@ -14,8 +14,7 @@ from robodyn.checks.bodies.shapes import group_boxes, link_boxes, shaped
 from robodyn.checks.context import Context
 from robodyn.programs.vectors import length, product
 from robodyn.robot.kinematics import Pose
-from robodyn.robot.masses.inertia_mistakes import PRODUCTS, Given, raised
-from robodyn.robot.masses.mistake_posterior import DOUBTED, Posterior, Uniform, mistake_posterior
+from robodyn.robot.masses.mistakes import DOUBTED, PRODUCTS, Given, Posterior, Uniform, mistake_posterior
 from robodyn.robot.urdf.elements import Span
 from robodyn.robot.urdf.view import InertialView, JointView, LinkView
 from robodyn.solids.inertia.laws import second_moments, symmetric
@@ -184,7 +183,7 @@ def suspected(context: Context, body: Body, centre: bool = False) -> str | None:
     if verdict is None or verdict.right > DOUBTED:
         return None
     said = given(body.link)
-    fits = (one for one in verdict.causes if (one.units is not None and one.units.factors[1] != 1) == centre)
-    if not centre and said is not None and raised(said) and any(said.entries[k] for k in PRODUCTS):
+    fits = (one for one in verdict.causes if (1 in one.mistake.wrong) == centre)
+    if not centre and said is not None and said.raised and any(said.entries[k] for k in PRODUCTS):
         return one_of([f"its moments were raised to {figure(said.entries[0], 2)} kg m^2, as simulators are helped"])
     return one_of(one.what for one in fits)

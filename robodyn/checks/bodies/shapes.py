@@ -16,7 +16,7 @@ from robodyn.checks.meshes.facts import MeshFacts
 from robodyn.checks.meshes.files import all_facts, mesh_slips
 from robodyn.programs.vectors import length, product
 from robodyn.robot.kinematics import Pose
-from robodyn.robot.masses.mistake_posterior import Uniform
+from robodyn.robot.masses.mistakes import Uniform
 from robodyn.robot.urdf.view import GeometryView, LinkView
 from robodyn.solids.inertia.laws import symmetric
 from robodyn.solids.inertia.solids import SHAPES

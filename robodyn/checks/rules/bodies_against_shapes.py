@@ -14,7 +14,7 @@ from robodyn.checks.examples import SHAPED_INERTIA, a_shaped_link, inertia
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import length, product
-from robodyn.robot.masses.mistake_posterior import Uniform
+from robodyn.robot.masses.mistakes import Uniform
 from robodyn.solids.inertia.laws import inertia_matrix
 from robodyn.solids.inertia.validity import Box
 from robodyn.support.floats import Floats, first_largest

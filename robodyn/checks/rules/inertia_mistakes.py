@@ -7,7 +7,7 @@ from robodyn.checks.bodies.causes import faults
 from robodyn.checks.bodies.shapes import shaped
 from robodyn.checks.examples import IMAGE, SHAPED_INERTIA, a_shaped_link, inertia, two_arms
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.robot.masses.inertia_mistakes import QUANTITIES
+from robodyn.robot.masses.mistakes import QUANTITIES
 from robodyn.support.wording import figure, one_of
 
 
@@ -28,10 +28,10 @@ def unit_slip(context: Context) -> Faults:
         if not verdict.units:
             continue
         body, first = context.once(bodies)[name], (verdict.named or verdict.either)[0]
-        assert first.units is not None, "it is one of units"
-        which, factors = first.units.wrong[0], first.units.factors
+        factors, wrong = first.mistake.factors, first.mistake.wrong
+        assert factors is not None, "it is one of units"
         mass, xyz = body.inertial.mass, body.inertial.origin.xyz
-        at = body.tensor_span if QUANTITIES[which] == "inertia" else (mass, xyz)[which].span
+        at = body.tensor_span if QUANTITIES[wrong[0]] == "inertia" else (mass, xyz)[wrong[0]].span
         if verdict.named:
             solid, apart = context.once(shaped)[name].solid, figure(100.0 * first.apart, 2)
             fits = f"(then {figure(first.mass / solid.volume)} kg/m^3, and an inertia {apart} % from the shapes')"
@@ -39,13 +39,13 @@ def unit_slip(context: Context) -> Faults:
                 f"divide the {QUANTITIES[k]} by {factors[k]:g}"
                 if factors[k] > 1
                 else f"multiply the {QUANTITIES[k]} by {1 / factors[k]:g}"
-                for k in first.units.wrong
+                for k in wrong
             ]
             what, remedy, severity = f"{first.what} {fits}", f"{' and '.join(undone)} if that is so", None
         else:
             what, remedy = one_of([one.what for one in verdict.either]) or "", "see which it is, and correct it"
             severity = Severity.WARNING
-        yield Fault(at, what, remedy, factors[which], 1.0, severity=severity, subject=body.link.subject)
+        yield Fault(at, what, remedy, factors[wrong[0]], 1.0, severity=severity, subject=body.link.subject)
 
 
 @rule("RD306", Severity.WARNING, good=two_arms(), bad=(IMAGE, inertia("0.02 0.004 -0.002 0.03 0.003 0.025")))

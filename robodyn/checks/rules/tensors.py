@@ -20,7 +20,6 @@ from robodyn.checks.bodies.shapes import shaped
 from robodyn.checks.examples import INERTIA, inertia, longer_arm, one_link
 from robodyn.checks.mirror import pairs
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
-from robodyn.robot.masses.mistake_posterior import apart
 from robodyn.robot.urdf.view import LinkView
 from robodyn.support.wording import figure
 
@@ -168,7 +167,7 @@ def placeholder_tensor(context: Context) -> Faults:
                 f"the same six numbers as link '{twin.name}', whose mass is {twin.mass:g} kg and not {link.mass:g}"
             )
         said, shape = given(link), context.once(shaped).get(link.name)
-        own = said and shape and apart(said.tensor, said.mass, shape.solid.along(said.R)) <= _NEAR
+        own = said and shape and shape.solid.along(said.R).apart(said.tensor, said.mass) <= _NEAR
         if pattern is not None and not own:
             tree, what = context.tree_or_none, f"the inertia looks like a placeholder: {pattern}"
             whole = None if tree is None else tree.group[link.name].mass

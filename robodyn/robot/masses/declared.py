@@ -20,12 +20,8 @@ from robodyn.support.wording import shown
 
 @dataclass(frozen=True, eq=False)
 class LinkInertia:
-    """What is declared of one link.
-
-    Attributes:
-        body: in the link's frame.
-        pose: of the link's frame in the base's, or in itself if the link is asked for alone.
-    """
+    """What is declared of one link: the body in the link's frame, whose pose is that in the base's, or in itself if the
+    link is asked for alone."""
 
     name: str
     line: int
@@ -51,13 +47,11 @@ class LinkInertia:
 
 @dataclass(frozen=True, eq=False)
 class RobotInertia:
-    """The robot as one rigid body, its joints locked.
+    """The robot as one rigid body, in the frame of the base, its joints locked.
 
     Attributes:
         at: values of the coordinates [rad or m].
-        links: those with an <inertial>, in the order of the file.
-        massive, count: how many links have mass, and how many there are.
-        body: in the frame of the base.
+        links: those with an <inertial>, in the order of the file; massive, count: how many have mass, and of how many.
         warnings: faults of links, and coordinates beyond their limits.
     """
 

@@ -14,10 +14,9 @@ from robodyn.errors import DescriptionError, InputError, MeshError, RobodynError
 from robodyn.programs.vectors import length, product
 from robodyn.robot.load import placement
 from robodyn.robot.masses.declared import LinkInertia, declared
-from robodyn.robot.masses.inertia_mistakes import Given
-from robodyn.robot.masses.mistake_posterior import Uniform, mistake_posterior
+from robodyn.robot.masses.mistakes import Given, Uniform, mistake_posterior, relative
 from robodyn.robot.urdf.description import Shape, link_named, link_shapes, missing_mesh
-from robodyn.robot.urdf.parts import Description, Inertial, Kind, Link, Vector
+from robodyn.robot.urdf.parts import Description, Inertial, Kind, Vector
 from robodyn.solids.inertia.properties import MassProperties, composite
 from robodyn.solids.inertia.solids import SHAPES, WATER
 from robodyn.solids.inertia.validity import PRINTED, Box, around, box_bound, counted_twice, half_size
@@ -47,16 +46,9 @@ class How(TypedDict, total=False):
 
 @dataclass(frozen=True)
 class Reading:
-    """How meshes are read.
-
-    Attributes:
-        how: see `mass_properties`.
-        workers: threads; by default one per processor.
-        watch: is told of the files, and of each that is done.
-    """
+    """How meshes are read; `watch` is told of the files, and of each that is done."""
 
     how: How
-    workers: int | None = None
     watch: Watch = lambda files: nullcontext(lambda: None)
 
     def parts(self, files: Iterable[MeshFile]) -> dict[MeshFile, Outcome]:
@@ -73,7 +65,7 @@ class Reading:
                 finally:
                     tick()
 
-            return dict(zip(wanted, in_threads(measure, wanted, self.workers), strict=True))
+            return dict(zip(wanted, in_threads(measure, wanted), strict=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,20 +110,17 @@ def shapes_inertia(
         elif shape.missing:
             raise missing_mesh(description, shape.geometry)
         else:
-            body, box = _solid(description, shape)
+            geometry = shape.geometry
+            try:
+                body = SHAPES[geometry.shape](*geometry.size, density=WATER)
+            except RobodynError as error:
+                at = {"remedy": error.remedy, "file": description.file}
+                raise DescriptionError(error.what, line=geometry.line, **at) from None
+            half = half_size(geometry.shape, geometry.size)
+            box = Box(-half, half)
         placed.append((body, pose))
         boxes.append(box.placed(*pose))
     return ShapesInertia(composite(placed), around(boxes), tuple(parts), (*remarks, *counted_twice(boxes)))
-
-
-def _solid(description: Description, shape: Shape) -> tuple[MassProperties, Box]:
-    geometry = shape.geometry
-    try:
-        body = SHAPES[geometry.shape](*geometry.size, density=WATER)
-    except RobodynError as error:
-        raise DescriptionError(error.what, remedy=error.remedy, file=description.file, line=geometry.line) from None
-    half = half_size(geometry.shape, geometry.size)
-    return body, Box(-half, half)
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,13 +192,11 @@ class Difference:
     """How far declared properties are from those of the shapes at the same mass.
 
     Attributes:
-        body: of the shapes, at the declared mass, in the link's frame.
-        density: that the declared mass gives the shapes [kg/m^3].
-        distance: of the centres of mass [m]; offset: (3,) from that of the shapes to the declared one.
+        body: of the shapes, at the declared mass, in the link's frame; density: that this gives them [kg/m^3].
+        offset: (3,) from the centre of mass of the shapes to the declared one, `distance` its length [m].
         ratios: (3,) of declared to shapes' principal moments, both ascending.
-        inertia: |I_declared - I_shapes| / |I_shapes| about the centres of mass, in Frobenius' norm.
-        room: the most by which the declared spread exceeds what any mass inside the box around the shapes can have;
-            above 1 no distribution of mass inside them is possible; see `box_bound`.
+        inertia: `relative` distance of the inertias about the centres of mass.
+        room: above 1 no distribution of mass inside the box around the shapes is possible; see `box_bound`.
         slip: what explains the difference, if anything does.
     """
 
@@ -271,29 +258,25 @@ def compare(description: Description, kind: Kind = "visual", reading: Reading | 
     wanted = [link for link in description.links if link.inertial or shapes[link.name]]
     files = [file for link in wanted if link.inertial for shape in shapes[link.name] if (file := mesh_file(shape))]
     meshes = (reading or Reading({})).parts(files)
-    links = [_compared(description, link, kind, shapes[link.name], meshes) for link in wanted]
+    links = []
+    for link in wanted:
+        given, own = declared(link), shapes[link.name]
+        difference, reason = None, None
+        if given is None or link.inertial is None:
+            reason = "no <inertial>"
+        elif not own:
+            reason = f"no <{kind}> shape"
+        elif not given.body.mass > 0:
+            reason = f"a mass of {given.body.mass:g} kg"
+        else:
+            try:
+                difference = _difference(given.body, link.inertial, shapes_inertia(description, own, meshes))
+            except RobodynError as error:
+                at = error.file if isinstance(error, MeshError) else None  # no remedy, for a mesh in a command
+                reason = error.what if at is None else f"{Path(at).name}: {error.what}"
+        links.append(LinkComparison(link.name, link.line, own, given, difference, reason))
     ordered = ranked(links, lambda link: link.difference.inertia if link.difference else -1.0, UNCERTAIN)
     return Comparison(description.name, description.file, kind, tuple(ordered))
-
-
-def _compared(
-    description: Description, link: Link, kind: Kind, shapes: tuple[Shape, ...], meshes: Mapping[MeshFile, Outcome]
-) -> LinkComparison:
-    given = declared(link)
-    difference, reason = None, None
-    if given is None or link.inertial is None:
-        reason = "no <inertial>"
-    elif not shapes:
-        reason = f"no <{kind}> shape"
-    elif not given.body.mass > 0:
-        reason = f"a mass of {given.body.mass:g} kg"
-    else:
-        try:
-            difference = _difference(given.body, link.inertial, shapes_inertia(description, shapes, meshes))
-        except RobodynError as error:
-            file = error.file if isinstance(error, MeshError) else None  # without the remedy, for a mesh in a command
-            reason = error.what if file is None else f"{Path(file).name}: {error.what}"
-    return LinkComparison(link.name, link.line, shapes, given, difference, reason)
 
 
 def _difference(given: MassProperties, inertial: Inertial, shapes: ShapesInertia) -> Difference:
@@ -318,15 +301,10 @@ def _difference(given: MassProperties, inertial: Inertial, shapes: ShapesInertia
     )
 
 
-def relative(I: Floats, right: Floats) -> float:
-    """Return |I - right| / |right| in Frobenius' norm."""
-    return float(length(I - right) / length(right))
-
-
 def mistakes_in_words(inertial: Inertial, shapes: MassProperties) -> tuple[str, ...]:
     """Return the mistake that explains an inertial of positive mass, in words, or those of which one does.
 
-    See `robodyn.robot.masses.mistake_posterior`; shapes are of one density, in the link's frame.
+    See `robodyn.robot.masses.mistakes`; shapes are of one density, in the link's frame.
     """
     R, p = placement(inertial.origin)
     if not any(inertial.inertia) or not shapes.volume:

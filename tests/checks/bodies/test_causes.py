@@ -13,7 +13,7 @@ from robodyn.checks.check import Options, check_one, found_in
 from robodyn.checks.context import Context
 from robodyn.checks.examples import ORIGIN, two_arms
 from robodyn.programs.vectors import rotation_from_rpy
-from robodyn.robot.masses.inertia_mistakes import UPPER, Given, corrections
+from robodyn.robot.masses.mistakes import UPPER, Given, corrections
 from robodyn.robot.urdf.document import read
 from robodyn.solids.inertia.laws import inertia_matrix, parallel_axis
 

@@ -165,19 +165,10 @@ def test_each_mesh_is_read_once_and_reported():
         seen.extend(file.name for file in files)
         yield lambda: done.append(1)
 
-    compare(load_description(text.encode(), str(ROBOTS / "arm.urdf")), reading=Reading({}, workers=3, watch=watch))
+    compare(load_description(text.encode(), str(ROBOTS / "arm.urdf")), reading=Reading({}, watch=watch))
     meshes = {path.name for path in (ROBOTS / "meshes").iterdir()}
     assert sorted(seen) == sorted(meshes)
     assert len(done) == len(seen)
-
-
-@pytest.mark.parametrize("workers", [1, 2, 5])
-def test_the_number_of_threads_changes_nothing(arm, workers):
-    found = compare(load_description(ROBOTS / "meshed_arm.urdf"), reading=Reading({}, workers=workers))
-    assert [link.name for link in found.links] == list(arm)
-    for link in found.links:
-        if link.difference is not None:
-            np.testing.assert_array_equal(link.difference.body.S_c, arm[link.name].difference.body.S_c)
 
 
 OFF = SOLID.rotated(rotation_from_rpy(0.4, 0.5, 0.6)).moved(np.array([0.2, 0.1, -0.3]))

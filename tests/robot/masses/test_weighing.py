@@ -1,6 +1,6 @@
 """Slips planted in links of real robots are named by the links' own shapes, and none by another name.
 
-The robots are none of those on which the distributions of `robodyn.robot.masses.mistake_posterior` were measured.
+The robots are none of those on which the distributions of `robodyn.robot.masses.mistakes` were measured.
 """
 
 from __future__ import annotations
@@ -16,8 +16,7 @@ from helpers.example_robots import path_of
 from robodyn.checks.bodies.bodies import bodies, given
 from robodyn.checks.bodies.shapes import shaped
 from robodyn.checks.context import Context
-from robodyn.robot.masses.inertia_mistakes import UPPER, Given
-from robodyn.robot.masses.mistake_posterior import Posterior, Uniform, mistake_posterior
+from robodyn.robot.masses.mistakes import UPPER, Given, Posterior, Uniform, mistake_posterior
 from robodyn.robot.urdf.document import read
 
 ROBOTS = ("go2", "laikago", "kinova", "panda", "xarm7", "solo12", "z1", "bolt", "allegro_right_hand", "human")
@@ -107,8 +106,10 @@ def healthy() -> tuple[tuple[Given, Uniform], ...]:
 def is_it(verdict: Posterior, meant: str | tuple[float, float, float] | None) -> bool:
     first = verdict.named[0]
     if isinstance(meant, str):
-        return first.code == meant
-    return meant is not None and first.units is not None and np.allclose(first.units.factors, meant, rtol=1e-4)
+        return first.mistake.code == meant
+    return (
+        meant is not None and first.mistake.factors is not None and np.allclose(first.mistake.factors, meant, rtol=1e-4)
+    )
 
 
 @cache
