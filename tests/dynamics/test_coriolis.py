@@ -9,7 +9,8 @@ import pytest
 from helpers.busy_robot import BUSY_SCENE, busy_robot
 from helpers.exact_rates import exact_rates
 from helpers.oracles import frictionless, random_state, robot, worst
-from helpers.robot_catalogue import FOLDER
+from helpers.robot_catalogue import names
+from helpers.sampled import sampled
 
 import robodyn
 from robodyn.dynamics.mass import coriolis_matrix, mass_runner
@@ -19,7 +20,7 @@ SAMPLES = 4
 PAYLOADS = Scene(gravity=(0.0, 0.0, 0.0), payloads=BUSY_SCENE.payloads)
 
 
-@pytest.fixture(params=["busy", *(path.stem for path in sorted(FOLDER.glob("*.urdf")))])
+@pytest.fixture(params=["busy", "satellite", *sampled(names(), 7)])
 def name(request):
     return request.param
 

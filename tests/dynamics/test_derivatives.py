@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from helpers.busy_robot import BUSY_SCENE, EVERY_EFFECT, busy_robot
 from helpers.exact_rates import exact_rates
-from helpers.example_robots import LARGE_ONES, VARIANTS, cases, real
+from helpers.example_robots import kinds, real
 from helpers.oracles import EPS, frictionless, random_state, robot, tangent, worst
 from helpers.oracles import ROBOTS as FOLDER
 from helpers.pinocchio_robots import PinocchioRobot
-from helpers.sampled import sampled
 
 import robodyn
 from robodyn.dynamics.derivatives import forward_dynamics_derivatives, inverse_dynamics_derivatives
@@ -18,14 +17,16 @@ from robodyn.dynamics.forward import acceleration_program
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError, SceneError
 from robodyn.robot.load import load
-from robodyn.scene.parts import Friction, Loop
+from robodyn.scene.parts import ExternalWrench, Friction, Loop
 from robodyn.scene.read import load_scene
 from robodyn.scene.scene import Scene
 
 SAMPLES = 2
-EXECUTORS = ("numpy", "compiled")
 bases = pytest.mark.parametrize(
     "moving_base", [False, pytest.param(True, marks=pytest.mark.slow)], ids=["fixed", "free"]
+)
+effects = pytest.mark.parametrize(
+    ("moving_base", "executor"), [(False, "numpy"), pytest.param(True, "compiled", marks=pytest.mark.slow)]
 )
 
 
@@ -47,34 +48,32 @@ def thirds(rates, n):
     return np.moveaxis(rates.astype(float).reshape(len(rates), n, 3, n), 2, 0)
 
 
-@bases
-def test_every_effect_of_inverse_dynamics(moving_base):
+@effects
+def test_every_effect_of_inverse_dynamics(moving_base, executor):
     model, q, qd, qdd, columns = busy_state(moving_base)
     program = Plan(model, EVERY_EFFECT).torques()
     sources = {"q": q, "qd": qd, "qdd": qdd, "columns": np.column_stack(list(columns.values()))}
     expected = thirds(exact_rates(program, directions(model, q, "qdd"), sources), model.n)
-    for executor in EXECUTORS:
-        found = inverse_dynamics_derivatives(model, q, qd, qdd, scene=EVERY_EFFECT, columns=columns, executor=executor)
-        assert max(map(worst, found, expected)) <= 1e-14, executor
-        assert (found.dqdd == np.swapaxes(found.dqdd, -1, -2)).all(), executor
+    found = inverse_dynamics_derivatives(model, q, qd, qdd, scene=EVERY_EFFECT, columns=columns, executor=executor)
+    assert max(map(worst, found, expected)) <= 1e-14
+    assert (found.dqdd == np.swapaxes(found.dqdd, -1, -2)).all()
 
 
-@bases
-def test_every_effect_of_forward_dynamics(moving_base):
+@effects
+def test_every_effect_of_forward_dynamics(moving_base, executor):
     model, q, qd, _, columns = busy_state(moving_base)
     tau = np.random.default_rng(6).uniform(-5, 5, (SAMPLES, model.n))
     program = acceleration_program(Plan(model, EVERY_EFFECT))
     sources = {"q": q, "qd": qd, "tau": tau, "columns": np.column_stack(list(columns.values()))}
     expected = thirds(exact_rates(program, directions(model, q, "tau"), sources), model.n)
     condition = np.linalg.cond(robodyn.mass_matrix(model, q, scene=EVERY_EFFECT)).max()
-    for executor in EXECUTORS:
-        found = forward_dynamics_derivatives(model, q, qd, tau, scene=EVERY_EFFECT, columns=columns, executor=executor)
-        assert max(map(worst, found, expected)) <= 8 * EPS * condition, executor
-        assert (found.dtau == np.swapaxes(found.dtau, -1, -2)).all(), executor
+    found = forward_dynamics_derivatives(model, q, qd, tau, scene=EVERY_EFFECT, columns=columns, executor=executor)
+    assert max(map(worst, found, expected)) <= 8 * EPS * condition
+    assert (found.dtau == np.swapaxes(found.dtau, -1, -2)).all()
 
 
 @bases
-@pytest.mark.parametrize("path", sampled(cases(leave_out=VARIANTS), 7))
+@pytest.mark.parametrize("path", kinds())
 def test_pinocchio(path, moving_base):
     model, rng = load(path, moving_base=moving_base), np.random.default_rng(len(path.name))
     other, (q, qd, qdd) = PinocchioRobot(path, free=moving_base), random_state(model, rng, 2)
@@ -87,46 +86,19 @@ def test_pinocchio(path, moving_base):
     assert worst(found.dqdd, other.mass_matrices(model, q)) <= 1e-12
 
 
-@bases
-@pytest.mark.parametrize("path", sampled(cases(leave_out=LARGE_ONES), 5))
-def test_forward_undoes_inverse(path, moving_base):
-    """M d qdd = -d tau, at the accelerations that the torques make."""
-    model, rng = load(path, moving_base=moving_base), np.random.default_rng(len(path.name))
-    q, qd, qdd = random_state(model, rng, 2)
-    scene = frictionless(model)
-    tau = robodyn.inverse_dynamics(model, q, qd, qdd, scene=scene)
-    M = robodyn.mass_matrix(model, q, scene=scene)
-    if not model.n or np.linalg.cond(M).max() > 1e9:
-        pytest.skip("the mass matrix of this robot leaves no digits, or there is none")
-    forward = forward_dynamics_derivatives(model, q, qd, tau, scene=scene)
-    inverse = inverse_dynamics_derivatives(model, q, qd, qdd, scene=scene)
-    for a, b in ((forward.dq, inverse.dq), (forward.dqd, inverse.dqd)):
-        largest = max(each.max(initial=0) for each in (np.abs(b), np.abs(M) @ np.abs(a), np.abs(tau)))
-        assert worst(M @ a, -b, largest) <= 1e-11
-    assert worst(M @ forward.dtau, np.broadcast_to(np.eye(model.n), M.shape), np.linalg.cond(M).max()) <= 1e-13
-
-
-def scenes():
-    """Every robot of robots/ with the scenes of trees named after it, its base fixed and free, where that goes."""
-    trees = [scene for scene in sorted(FOLDER.glob("*.toml")) if not load_scene(scene).constraint_names]
-    for scene in (None, *trees):
-        for path in sorted(FOLDER.glob("*.urdf")):
-            if scene is None or scene.stem.startswith(f"{path.stem}_"):
-                for moving_base in (False, True):
-                    kind = "free" if moving_base else "fixed"
-                    yield pytest.param(path, scene, moving_base, id=f"{(scene or path).stem}-{kind}")
-
-
-OF_A_FREE_BASE = ("composite_throw", "satellite_deploy")
-"""Scenes that do not fit a fixed base."""
+WITH_SCENES = {
+    **dict.fromkeys(("gripper", "puma560_motors", "heavy_top_steady", "cylindrical_fall", "delta"), False),
+    **dict.fromkeys(("satellite_deploy", "quadruped", "double_pendulum_chaos", "puma_polish"), True),
+}
+"""Robots of robots/ and some of their scenes, and whether the base is free."""
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("path", "scene_path", "moving_base"), list(scenes()))
-def test_robots_and_scenes(path, scene_path, moving_base):
-    model, scene = load(path, moving_base=moving_base), Scene() if scene_path is None else load_scene(scene_path)
-    if not model.n or (scene_path and scene_path.stem in OF_A_FREE_BASE and not moving_base):
-        pytest.skip("nothing moves, or the scene is of a free base")
+@pytest.mark.parametrize("name", WITH_SCENES)
+def test_robots_and_scenes(name):
+    path = FOLDER / f"{name}.toml"
+    scene = load_scene(path) if path.exists() else Scene()
+    model = robot(name if (FOLDER / f"{name}.urdf").exists() else name.rpartition("_")[0], WITH_SCENES[name])
     rng = np.random.default_rng(0)
     state, columns = random_state(model, rng, 2), {name: rng.uniform(-1, 1, 2) for name in scene.columns}
     found = inverse_dynamics_derivatives(model, *state, scene=scene, columns=columns)
@@ -160,49 +132,41 @@ def test_friction_has_a_slope_where_it_is_smooth():
         assert found.dqd[0, 0] == pytest.approx(slope, rel=1e-15)
 
 
-@pytest.mark.parametrize("executor", EXECUTORS)
+PUSHED = Scene(wrenches=(ExternalWrench("spindle", ("push", 0.0, 2.0), (0.0, "twist", 0.0)),))
+
+
+def pushed(samples, seed=5):
+    """A small arm, and what goes into its derivatives."""
+    model, rng = robot("scara"), np.random.default_rng(seed)
+    return model, random_state(model, rng, samples), {name: rng.uniform(-1, 1, samples) for name in PUSHED.columns}
+
+
+@pytest.mark.parametrize("executor", ["numpy", "compiled"])
 def test_shapes_and_out(executor):
-    model, q, qd, qdd, columns = busy_state(False)
-    whole = inverse_dynamics_derivatives(model, q, qd, qdd, scene=EVERY_EFFECT, columns=columns, executor=executor)
+    model, state, columns = pushed(SAMPLES)
+    more = {"scene": PUSHED, "executor": executor}
+    whole = inverse_dynamics_derivatives(model, *state, columns=columns, **more)
     n = model.n
     assert whole.dq.shape == (SAMPLES, n, n)
+    assert max(map(worst, whole, inverse_dynamics_derivatives(model, *state, scene=PUSHED, columns=columns))) <= 8 * EPS
     single = {name: values[0] for name, values in columns.items()}
-    one = inverse_dynamics_derivatives(
-        model, q[0], qd[0], qdd[0], scene=EVERY_EFFECT, columns=single, executor=executor
-    )
+    one = inverse_dynamics_derivatives(model, *(x[0] for x in state), columns=single, **more)
     assert one.dq.shape == (n, n)
     assert max(map(worst, one, (x[0] for x in whole))) <= 8 * EPS
     for order in "CF":
         out = np.empty((SAMPLES, 3, n, n), order=order)
-        given = inverse_dynamics_derivatives(
-            model, q, qd, qdd, scene=EVERY_EFFECT, columns=columns, executor=executor, out=out
-        )
+        given = inverse_dynamics_derivatives(model, *state, columns=columns, out=out, **more)
         assert all(np.shares_memory(x, out) for x in given)
         assert all((a == b).all() for a, b in zip(given, whole, strict=True))
-    in_32 = inverse_dynamics_derivatives(model, q, qd, qdd, scene=EVERY_EFFECT, columns=columns, dtype=np.float32)
+    in_32 = inverse_dynamics_derivatives(model, *state, columns=columns, dtype=np.float32, **more)
     assert in_32.dq.dtype == np.float32
     assert max(map(worst, in_32, whole)) <= 1e-5
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("name", "bound"), [("ur5_robot", 1e-5), ("anymal", 1e-4)])
-def test_single_precision_of_free_robots(name, bound):
-    """At rest, d tau / dq of ANYmal's base is the small rest of large weights."""
-    model = real(name, True)
-    q = random_state(model, np.random.default_rng(7), 20)[0].astype(np.float32)
-    for executor in EXECUTORS:
-        whole, in_32 = (
-            inverse_dynamics_derivatives(model, q, 0, 0, executor=executor, dtype=x) for x in (np.float64, np.float32)
-        )
-        assert max(map(worst, in_32, whole)) <= bound
-
-
 def test_the_threads_agree():
-    model, q, qd, qdd, columns = busy_state(True)
-    many = [np.resize(x, (3000, x.shape[1])) for x in (q, qd, qdd)]
-    more = {name: np.resize(x, 3000) for name, x in columns.items()}
+    model, state, columns = pushed(3000)
     one, two = (
-        inverse_dynamics_derivatives(model, *many, scene=EVERY_EFFECT, columns=more, executor="compiled", threads=k)
+        inverse_dynamics_derivatives(model, *state, scene=PUSHED, columns=columns, executor="compiled", threads=k)
         for k in (1, 2)
     )
     assert all((a == b).all() for a, b in zip(one, two, strict=True))
@@ -218,24 +182,13 @@ def test_refusals():
         inverse_dynamics_derivatives(model, q, qd, qdd, scene=Scene(loops=(Loop("l", "tool"),)))
 
 
-ROBOTS = {
-    "busy": (busy_robot(False), BUSY_SCENE),
-    "busy, free": (busy_robot(True), BUSY_SCENE),
-    "puma": (robot("puma560"), Scene()),
-}
-
-
 @pytest.mark.parametrize(
     ("name", "executor"),
-    [
-        *((name, "numpy") for name in ROBOTS),
-        *((name, "compiled") for name in ("busy", "puma")),
-        pytest.param("busy, free", "compiled", marks=pytest.mark.slow),
-    ],
+    [("busy", "numpy"), ("scara", "compiled"), pytest.param("busy, free", "compiled", marks=pytest.mark.slow)],
 )
 def test_dense_form(name, executor):
     """Every entry to the last bit; those left out are zero, or are given on the other side of the diagonal of M."""
-    model, scene = ROBOTS[name]
+    model, scene = (robot(name), PUSHED) if name == "scara" else (busy_robot("free" in name), BUSY_SCENE)
     rng = np.random.default_rng(3)
     state, columns = random_state(model, rng, 40), {each: rng.uniform(-1, 1, 40) for each in scene.columns}
     found = robodyn.inverse_dynamics_derivative_entries(model, *state, scene=scene, columns=columns, executor=executor)

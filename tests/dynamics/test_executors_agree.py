@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 from helpers.busy_robot import BUSY_SCENE, busy_robot
 from helpers.compiled_programs import bits, needs_compiler
-from helpers.example_robots import cases
-from helpers.oracles import EPS, golden_model, random_state, robot, worst
-from helpers.robot_catalogue import names
-from helpers.sampled import sampled
+from helpers.example_robots import real
+from helpers.oracles import EPS, ROBOTS, random_state, robot, worst
 
 from robodyn.dynamics.balance import energy, laws, losses
+from robodyn.dynamics.forward import forward_dynamics
 from robodyn.dynamics.inverse import inverse_dynamics
+from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.programs.run.compiled_blocks import CompiledBlocks
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
-from robodyn.robot.load import load
+from robodyn.scene.read import load_scene
 from robodyn.scene.scene import Scene
 
 pytestmark = needs_compiler
@@ -40,35 +40,27 @@ def both(program, arrays, dtype=np.float64):
     return [ready(program, widths, dtype)(given, samples).astype(float) for ready in (CompiledBlocks, NumpyBlocks)]
 
 
-@pytest.mark.parametrize("moving_base", [False, True], ids=["fixed", "free"])
-@pytest.mark.parametrize("path", sampled(cases(), 7))
-def test_torques_of_real_robots(path, moving_base):
-    model = load(path, moving_base=moving_base)
+@pytest.mark.parametrize(
+    ("name", "free"),
+    [("ur5_robot", False), *(pytest.param(name, True, marks=pytest.mark.slow) for name in ("panda", "anymal"))],
+)
+def test_torques_of_real_robots(name, free):
+    model = real(name, free)
     compiled, plain = both(Plan(model, Scene()).torques(), sources(model, Scene()))
-    assert worst(compiled, plain) <= APART[moving_base]
-
-
-ROBOTS = {
-    "tree": (lambda free: golden_model("tree15_bf2_skew0.3"), Scene()),
-    "every effect": (busy_robot, BUSY_SCENE),
-    "mimic joints": (lambda free: robot("gripper", moving_base=free), Scene()),
-}
+    assert worst(compiled, plain) <= APART[free]
 
 
 @pytest.mark.parametrize(
-    ("name", "free"),
+    "make",
     [
-        ("tree", False),
-        ("every effect", False),
-        ("mimic joints", True),
-        pytest.param("every effect", True, marks=pytest.mark.slow),
-        pytest.param("mimic joints", False, marks=pytest.mark.slow),
+        lambda: (robot("gripper"), load_scene(ROBOTS / "gripper.toml")),
+        pytest.param(lambda: (busy_robot(True), BUSY_SCENE), marks=pytest.mark.slow),
     ],
+    ids=["mimic joints", "every effect"],
 )
-def test_every_program_of_a_plan(name, free):
-    made, scene = ROBOTS[name]
-    plan = Plan(made(free), scene)
-    arrays = sources(plan.model, scene)
+def test_every_program_of_a_plan(make):
+    plan = Plan(*make())
+    arrays = sources(plan.model, plan.scene)
     programs = [plan.torques(), plan.wrenches(joints=True), energy(plan), losses(plan), *map(plan.share, plan.effects)]
     assert len(programs) >= 7
     for program in programs:
@@ -78,27 +70,21 @@ def test_every_program_of_a_plan(name, free):
         assert worst(compiled[:, part], plain[:, part]) <= 8 * EPS
 
 
-@pytest.mark.parametrize("name", names())
-@pytest.mark.parametrize("free", [False, True])
+@pytest.mark.parametrize(("name", "free"), [("gripper", False), ("satellite", True)])
 def test_single_precision(name, free):
-    model = robot(name, moving_base=free)
-    program, arrays = Plan(model, Scene()).torques(), sources(model, Scene(), 1000)
-    exact = both(program, arrays)[1]
-    for found in both(program, arrays, np.float32):
-        assert worst(found, exact) <= 1e-6
-
-
-def test_single_precision_of_inverse_dynamics():
-    model = robot("puma560")
-    state = random_state(model, np.random.default_rng(4), 1000)
-    exact = inverse_dynamics(model, *state)
+    model = robot(name, free)
+    q, qd, qdd = random_state(model, np.random.default_rng(4), 1000)
+    tau = inverse_dynamics(model, q, qd, qdd)
+    back = np.finfo(np.float32).eps * np.linalg.cond(mass_matrix(model, q)).max()
     for executor in ("numpy", "compiled"):
-        tau = inverse_dynamics(model, *state, executor=executor, dtype=np.float32)
-        assert tau.dtype == np.float32
-        assert 1e-9 < worst(tau, exact) <= 1e-6
+        how = {"executor": executor, "dtype": np.float32}
+        found, again = inverse_dynamics(model, q, qd, qdd, **how), forward_dynamics(model, q, qd, tau, **how)
+        assert found.dtype == again.dtype == np.float32
+        assert 1e-9 < worst(found, tau) <= 1e-6
+        assert worst(again, forward_dynamics(model, q, qd, tau)) <= back
 
 
-MODEL = golden_model("puma560_corke")
+MODEL = robot("puma")
 STATE = random_state(MODEL, np.random.default_rng(5), 5000)
 
 
@@ -126,21 +112,21 @@ LAYOUTS = {
 }
 
 
-@pytest.mark.parametrize("layout", LAYOUTS)
-def test_arrays_of_any_layout(layout):
+def test_arrays_of_any_layout():
     state = [x[:300] for x in STATE]
-    np.testing.assert_array_equal(bits(torques([LAYOUTS[layout](x) for x in state])), bits(torques(state)))
+    for layout in LAYOUTS.values():
+        np.testing.assert_array_equal(bits(torques([layout(x) for x in state])), bits(torques(state)))
 
 
 def test_output_arrays():
     state = [x[:240] for x in STATE]
     right = torques(state)
-    for out in (np.empty((240, 6)), np.empty((6, 240)).T, np.empty((240, 12))[:, ::2], np.empty((480, 6))[::-2]):
+    for out in (np.empty((240, 3)), np.empty((3, 240)).T, np.empty((240, 6))[:, ::2], np.empty((480, 3))[::-2]):
         assert torques(state, out=out) is out
         np.testing.assert_array_equal(bits(out), bits(right))
-    cube = np.empty((6, 4, 3, 20)).T
-    torques([x.reshape(20, 3, 4, 6) for x in state], out=cube)
-    np.testing.assert_array_equal(cube, right.reshape(20, 3, 4, 6))
+    cube = np.empty((3, 4, 3, 20)).T
+    torques([x.reshape(20, 3, 4, 3) for x in state], out=cube)
+    np.testing.assert_array_equal(cube, right.reshape(20, 3, 4, 3))
     over = state[0].copy()
     torques([over, *state[1:]], out=over)
     np.testing.assert_array_equal(bits(over), bits(right))
@@ -149,7 +135,7 @@ def test_output_arrays():
 def test_inputs_that_broadcast():
     q, qd, qdd = (x[:40] for x in STATE)
     crossed = torques([q[0], qd[:, None], qdd])
-    assert crossed.shape == (40, 40, 6)
+    assert crossed.shape == (40, 40, 3)
     np.testing.assert_array_equal(bits(crossed[5, 7]), bits(torques([q[0], qd[5], qdd[7]])))
     resting = torques([q, 0.0, 0.0])
     assert worst(resting, inverse_dynamics(MODEL, q, 0.0, 0.0, executor="numpy")) <= 4 * EPS

@@ -1,19 +1,14 @@
-"""Poses and Jacobians of links against Pinocchio, differences and virtual work."""
+"""Poses and Jacobians of links against differences and virtual work."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 from helpers.busy_robot import busy_robot
-from helpers.example_robots import cases
 from helpers.oracles import random_state, robot, worst
-from helpers.peers import pin
-from helpers.pinocchio_robots import PinocchioRobot
-from helpers.sampled import sampled
 
 import robodyn
 from robodyn.errors import InputError
-from robodyn.robot.load import load
 from robodyn.scene.parts import ExternalWrench
 from robodyn.scene.scene import Scene
 
@@ -44,18 +39,6 @@ def test_velocities_are_rates_of_poses():
     assert worst((ahead.p - behind.p) / (2 * step), v) <= 1e-8
     spin = np.einsum("kij,klj->kil", (ahead.R - behind.R) / (2 * step), here.R)
     assert worst(np.stack((spin[:, 2, 1], spin[:, 0, 2], spin[:, 1, 0]), -1), w) <= 1e-8
-
-
-@bases
-@pytest.mark.parametrize("path", sampled(cases(), 4))
-def test_pinocchio(path, free):
-    model = load(path, moving_base=free)
-    other = PinocchioRobot(path, free)
-    (q, qd, qdd), link = random_state(model, np.random.default_rng(3), 1), model.bodies[-1].name
-    pin.framesForwardKinematics(other.model, other.data, other.state(model, q[0], qd[0], qdd[0])[0])
-    frame = other.data.oMf[other.model.getFrameId(link)]
-    found = robodyn.forward_kinematics(model, q[0], link)
-    assert max(worst(found.R, frame.rotation), worst(found.p, frame.translation)) <= 1e-12
 
 
 def test_what_is_no_link_or_point():

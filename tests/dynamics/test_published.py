@@ -72,15 +72,11 @@ def test_torques(case):
     assert _agrees(tau, case.get("tau", case.get("gravload")))
 
 
-@pytest.mark.parametrize("q", ["qn", "[0,pi/4,-pi,1,pi/4,0]"])
-def test_inertia_matrix(q):
-    assert _agrees(mass_matrix(MODEL, NAMED[q], scene=MOTORS), PRINTED[f"inertia({q})"])
-
-
-def test_inertia_torque():
-    qdd = np.array([1.0, 2, 3, 1, 2, 3])
+def test_inertia():
+    for q in ("qn", "[0,pi/4,-pi,1,pi/4,0]"):
+        assert _agrees(mass_matrix(MODEL, NAMED[q], scene=MOTORS), PRINTED[f"inertia({q})"])
+    qdd, weightless = np.array([1.0, 2, 3, 1, 2, 3]), replace(MOTORS, gravity=(0.0, 0.0, 0.0))
     assert _agrees(mass_matrix(MODEL, QN, scene=MOTORS) @ qdd, PRINTED["itorque(qn,[1,2,3,1,2,3])"])
-    weightless = replace(MOTORS, gravity=(0.0, 0.0, 0.0))
     assert _agrees(inverse_dynamics(MODEL, QN, 0, qdd, scene=weightless), PRINTED["itorque(qn,[1,2,3,1,2,3])"])
 
 
@@ -131,62 +127,35 @@ def test_two_links_with_a_force_at_the_tip():
     assert tuple(tau) == tuple(OTHERS_PRINTED["twolink_rtb"]["tip force 1 N up, g=0 -> tau"]) == (2, 1)
 
 
-class TestModernRobotics:
-    """Its first screw has length sqrt 2: our q1 is sqrt 2 times its theta1, its tau1 sqrt 2 times ours."""
+MR, STRETCH = OTHERS_PRINTED["modern_robotics_3link"], np.array([np.sqrt(2), 1, 1])
+"""Its first screw has length sqrt 2: our q1 is sqrt 2 times its theta1, its tau1 sqrt 2 times ours."""
 
-    P = OTHERS_PRINTED["modern_robotics_3link"]
-    model = golden_model("mr_3link")
-    stretch = np.array([np.sqrt(2), 1, 1])
-    weight = Scene(gravity=tuple(P["g"]))
 
-    def ours(self, key):
-        return self.stretch * self.P[key]
+def _tip():
+    """The tool's frame is turned by 90 degrees about y from the last link's; its wrench acts on the environment."""
+    m, f = np.array(MR["Ftip_by_tip_on_env(m,f)"]).reshape(2, 3)
+    turn = np.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]])
+    return ExternalWrench("link3", tuple(-turn @ f), tuple(-turn @ m), point=(0.39225, 0.01615, 0.000159))
 
-    @property
-    def tip(self):
-        """The tool's frame is turned by 90 degrees about y from the last link's; its wrench acts on the environment."""
-        m, f = np.array(self.P["Ftip_by_tip_on_env(m,f)"]).reshape(2, 3)
-        turn = np.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]])
-        force, moment = tuple(-turn @ f), tuple(-turn @ m)
-        return ExternalWrench("link3", force, moment, point=(0.39225, 0.01615, 0.000159))
 
-    def printed(self, key, found, decimals=8):
-        return np.abs(found - np.array(self.P[key])).max() <= 0.51 * 10.0**-decimals
-
-    def test_inverse_dynamics(self):
-        scene = replace(self.weight, wrenches=(self.tip,))
-        tau = inverse_dynamics(self.model, self.ours("q"), self.ours("qd"), self.ours("qdd"), scene=scene)
-        assert self.printed("InverseDynamics", self.stretch * tau)
-
-    @pytest.mark.parametrize(
-        ("key", "effect"), [("GravityForces", rigid_bodies.GRAVITY), ("VelQuadraticForces", rigid_bodies.CORIOLIS)]
-    )
-    def test_parts(self, key, effect):
-        plan = Plan(self.model, self.weight)
-        share = run(plan.share(effect), plan, self.ours("q"), self.ours("qd"), self.ours("qdd"))[0]
-        assert self.printed(key, self.stretch * share, 7)
-
-    def test_end_effector_forces(self):
-        scene = Scene(gravity=(0, 0, 0), wrenches=(self.tip,))
-        tau = inverse_dynamics(self.model, self.ours("q"), 0, 0, scene=scene)
-        assert self.printed("EndEffectorForces", self.stretch * tau)
-
-    def test_mass_matrix(self):
-        M = mass_matrix(self.model, self.ours("q")) * np.outer(self.stretch, self.stretch)
-        assert self.printed("MassMatrix", M, 6)
-
-    def test_forward_dynamics_backwards(self):
-        qdd = self.stretch * self.P["ForwardDynamics(tau=[.5,.6,.7])"]
-        scene = replace(self.weight, wrenches=(self.tip,))
-        tau = inverse_dynamics(self.model, self.ours("q"), self.ours("qd"), qdd, scene=scene)
-        assert worst(self.stretch * tau, [0.5, 0.6, 0.7]) <= 1e-6
-
-    def test_computed_torque(self):
-        theta, rate, wanted = np.array(self.P["q"]), np.array(self.P["qd"]), np.ones(3)
-        error = wanted - theta
-        push = 1.3 * error + 1.2 * (0.2 + error) + 1.1 * (np.array([2, 1.2, 2]) - rate) + 0.1
-        tau = inverse_dynamics(self.model, self.ours("q"), self.ours("qd"), self.stretch * push, scene=self.weight)
-        assert self.printed("ComputedTorque", self.stretch * tau)
+def test_modern_robotics():
+    model, (q, qd, qdd) = golden_model("mr_3link"), (STRETCH * MR[key] for key in ("q", "qd", "qdd"))
+    weight = Scene(gravity=tuple(MR["g"]))
+    pushed, plan = replace(weight, wrenches=(_tip(),)), Plan(model, weight)
+    error = np.ones(3) - MR["q"]
+    wanted = 1.3 * error + 1.2 * (0.2 + error) + 1.1 * (np.array([2, 1.2, 2]) - MR["qd"]) + 0.1
+    found = {
+        "InverseDynamics": (inverse_dynamics(model, q, qd, qdd, scene=pushed), 8),
+        "GravityForces": (run(plan.share(rigid_bodies.GRAVITY), plan, q, qd, qdd)[0], 7),
+        "VelQuadraticForces": (run(plan.share(rigid_bodies.CORIOLIS), plan, q, qd, qdd)[0], 7),
+        "EndEffectorForces": (inverse_dynamics(model, q, 0, 0, scene=replace(pushed, gravity=(0, 0, 0))), 8),
+        "ComputedTorque": (inverse_dynamics(model, q, qd, STRETCH * wanted, scene=weight), 8),
+        "MassMatrix": (mass_matrix(model, q) * STRETCH[:, None], 6),
+    }
+    for key, (ours, decimals) in found.items():
+        assert np.abs(ours * STRETCH - MR[key]).max() <= 0.51 * 10.0**-decimals, key
+    qdd = STRETCH * MR["ForwardDynamics(tau=[.5,.6,.7])"]
+    assert worst(STRETCH * inverse_dynamics(model, q, qd, qdd, scene=pushed), [0.5, 0.6, 0.7]) <= 1e-6
 
 
 AXES = {key: value for key, value in OTHERS_PRINTED["negative_and_oblique_axis"].items() if key.startswith("(")}

@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 from helpers.busy_robot import BUSY_SCENE, busy_robot
 from helpers.compiled_programs import needs_compiler
-from helpers.oracles import random_state, robot, run, worst
+from helpers.oracles import random_state, robot, worst
 
 import robodyn
-from robodyn.dynamics.effects import motors, rigid_bodies
-from robodyn.dynamics.plan import Plan, plan
+from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError
 from robodyn.scene.scene import Scene
 
@@ -29,17 +28,6 @@ def test_tau_is_mass_times_acceleration_plus_bias(moving_base):
     assert worst(np.einsum("ijk,ik->ij", M, qdd) + bias, tau) <= 1e-14
     np.testing.assert_array_equal(M, np.swapaxes(M, 1, 2))
     assert (np.linalg.eigvalsh(M) > 0).all()
-
-
-def test_mass_matrix_is_the_share_of_inertia_payload_and_rotors():
-    model = busy_robot()
-    q = random_state(model, np.random.default_rng(2), 1)[0]
-    a_plan = Plan(model, Scene((0.0, 0.0, 0.0), rotor=BUSY_SCENE.rotor, payloads=BUSY_SCENE.payloads))
-    unit, still = np.eye(model.n), np.zeros((model.n, model.n))
-    state = np.repeat(q, model.n, axis=0), still, unit
-    effects = rigid_bodies.INERTIA, rigid_bodies.PAYLOAD, motors.ROTOR
-    expected = sum(run(a_plan.share(effect), a_plan, *state) for effect in effects)
-    assert worst(robodyn.mass_matrix(model, q[0], scene=BUSY_SCENE), expected) <= 1e-14
 
 
 def test_shapes():

@@ -7,9 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.busy_robot import EVERY_EFFECT, busy_robot
-from helpers.example_robots import VARIANTS, cases
+from helpers.example_robots import kinds
 from helpers.oracles import random_state, robot, worst
-from helpers.sampled import sampled
 
 import robodyn
 from robodyn.dynamics.regressor import INERTIAL, regressor
@@ -20,6 +19,7 @@ from robodyn.scene.scene import Scene
 
 SAMPLES = 3
 bases = pytest.mark.parametrize("moving_base", [False, True], ids=["fixed", "free"])
+COMPILED = pytest.param(False, 0.2, "compiled", marks=pytest.mark.slow)
 
 
 def error(found, tau):
@@ -28,24 +28,24 @@ def error(found, tau):
     return worst((found.Y @ found.theta) + found.rest, tau, max(terms, np.abs(tau).max(initial=0)))
 
 
-@bases
-@pytest.mark.parametrize("slip_speed", [0.0, 0.2])
-def test_every_effect(moving_base, slip_speed):
+@pytest.mark.parametrize(
+    ("moving_base", "slip_speed", "executor"), [(False, 0.0, "numpy"), (True, 0.2, "numpy"), COMPILED]
+)
+def test_every_effect(moving_base, slip_speed, executor):
     model, rng = busy_robot(moving_base), np.random.default_rng(4)
     scene = replace(EVERY_EFFECT, slip_speed=slip_speed)
     state = random_state(model, rng, SAMPLES)
     columns = {name: rng.uniform(-1, 1, SAMPLES) for name in scene.columns}
     expected = robodyn.inverse_dynamics(model, *state, scene=scene, columns=columns)
-    for executor in ("numpy", "compiled"):
-        found = regressor(model, *state, scene=scene, columns=columns, executor=executor)
-        assert found.Y.shape == (SAMPLES, model.n, len(found.names)) == (SAMPLES, model.n, len(found.theta))
-        assert error(found, expected) <= 1e-14
+    found = regressor(model, *state, scene=scene, columns=columns, executor=executor)
+    assert found.Y.shape == (SAMPLES, model.n, len(found.names)) == (SAMPLES, model.n, len(found.theta))
+    assert error(found, expected) <= 1e-14
     alone = replace(scene, friction={}, rotor={}, payloads=(), gravity=(0.0, 0.0, 0.0))
     assert np.abs(found.rest).max() > 0.1, alone
 
 
 @bases
-@pytest.mark.parametrize("path", sampled(cases(VARIANTS), 7))
+@pytest.mark.parametrize("path", kinds())
 def test_published_robots(path, moving_base):
     model = load(path, moving_base=moving_base)
     state = random_state(model, np.random.default_rng(len(path.name)), 2)

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.busy_robot import BUSY_SCENE, busy_robot
+from helpers.busy_robot import EVERY_EFFECT, busy_robot
 from helpers.drawn_motions import varied_runner
 from helpers.oracles import random_state, robot, worst
 from helpers.small_robots import body_numbers, built, joint, link
@@ -49,7 +49,7 @@ def varied(model, scene, given, x, joints=False):
 @pytest.mark.parametrize("moving_base", [False, True], ids=["fixed", "free"])
 def test_derivatives_by_the_regressors_parameters_are_its_columns(moving_base):
     model, rng = busy_robot(moving_base), np.random.default_rng(5)
-    scene = replace(BUSY_SCENE, slip_speed=0.2)
+    scene = replace(EVERY_EFFECT, slip_speed=0.2)
     state = random_state(model, rng, SAMPLES)
     columns = {name: rng.uniform(-1, 1, SAMPLES) for name in scene.columns}
     Y, theta, names, _ = robodyn.regressor(model, *state, scene=scene, columns=columns)
@@ -112,7 +112,7 @@ def test_derivatives_are_those_of_an_edited_description():
 
 def test_derivatives_are_differences_of_the_loads():
     """Loads are linear in x, so that these are exact."""
-    model, rng = robot("puma560"), np.random.default_rng(2)
+    model, rng = robot("scara"), np.random.default_rng(2)
     given = Uncertainty(Deviation(0.1), Deviation(0.02, relative=False), Deviation(0.2), Deviation(0.3))
     scene = Scene(uncertainty=given)
     state = sources(model, random_state(model, rng, SAMPLES))

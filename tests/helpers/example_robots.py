@@ -44,6 +44,18 @@ def path_of(stem):
     return next(path for path in PATHS if path.stem == stem)
 
 
+KINDS = ("ur5_robot", "panda", "anymal", "allegro_left_hand")
+"""An arm, slides that mimic, legs under a trunk, a hand that branches: by default they stand for all."""
+MORE_KINDS = ("xarm7", "so101", "double_pendulum_continuous", "hextilt_flying_arm_5", "baxter", "simple_humanoid")
+MORE_KINDS += ("talos_full_v2", "g1_29dof_with_hand_rev_1_0")
+
+
+def kinds():
+    """Twelve robots of every kind as parameters of a test, most of them among the slow."""
+    slow = [pytest.param(path_of(stem), id=stem, marks=pytest.mark.slow) for stem in MORE_KINDS]
+    return [*(pytest.param(path_of(stem), id=stem) for stem in KINDS), *slow]
+
+
 @cache
 def real(stem, moving_base=False):
     return load(path_of(stem), moving_base=moving_base)

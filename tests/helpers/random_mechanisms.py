@@ -23,7 +23,7 @@ SHAPES = (
     *("to the ground", "two loops", "bennett", "directions"),
 )
 DRIVES = ("driven", "redundant", "all", "undriven")
-COUNT = 200
+COUNT = 40
 STATES = 3
 GAP = 1e-2, 1e-11
 """Singular values that count are above the first part of the largest, and the others below the second."""

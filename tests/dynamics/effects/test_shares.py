@@ -19,7 +19,7 @@ from robodyn.scene.parts import CoupledMotor, Friction, Rotor
 from robodyn.scene.read import load_scene
 from robodyn.scene.scene import Scene
 
-SAMPLES = 50
+SAMPLES = 20
 
 
 def _columns(scene, rng):
@@ -34,13 +34,10 @@ COUPLED_TOO = replace(
     friction={**BUSY_SCENE.friction, "j4": replace(BUSY_SCENE.friction["j4"], load=0.1)},
 )
 SYSTEMS = {
-    "busy": lambda: (busy_robot(), BUSY_SCENE),
     "busy and coupled": lambda: (busy_robot(), COUPLED_TOO),
     "busy and free": lambda: (busy_robot(True), BUSY_SCENE),
-    "puma560 with motors": lambda: (robot("puma560"), load_scene(FOLDER / "puma560_motors.toml")),
-    "puma polishing": lambda: (robot("puma"), load_scene(FOLDER / "puma_polish.toml")),
     "gripper": lambda: (robot("gripper"), load_scene(FOLDER / "gripper.toml")),
-    "talos": lambda: (real("talos_reduced", True), Scene()),
+    "anymal": lambda: (real("anymal", True), Scene()),
 }
 
 
@@ -64,14 +61,13 @@ def test_every_effect_is_on_in_the_busy_scene():
     ]
 
 
-SCALES = [1e-8, 1e3, 1e150]
+SCALES = [1e-8, 1e150]
 
 
 @pytest.mark.parametrize("scale", SCALES)
-@pytest.mark.parametrize("name", ["puma560_corke", "tree15_bf2_skew0.3", "iiwa14_drake"])
-def test_coriolis_is_quadratic(name, scale):
+def test_coriolis_is_quadratic(scale):
     """By subtraction of gravity the slowest would have errors of 1e-1; its own program has none."""
-    model = golden_model(name)
+    model = golden_model("tree15_bf2_skew0.3")
     q, qd, _ = random_state(model, np.random.default_rng(7), 20)
     plan = Plan(model, Scene())
     share, still = plan.share(rigid_bodies.CORIOLIS), np.zeros_like(qd)
@@ -95,11 +91,6 @@ def test_inertia_is_linear_and_gravity_too(scale):
     assert worst(run(heavy.share(rigid_bodies.GRAVITY), heavy, q, still, still) / scale, weight) <= 8 * EPS
 
 
-def _payload_share(scene, model, state, table):
-    plan = Plan(model, scene)
-    return run(plan.share(rigid_bodies.PAYLOAD), plan, *state, table)
-
-
 def test_an_effect_is_the_difference_that_it_makes():
     """But for those that are told apart by what else is on: gravity pulls on payloads and drives buoyancy."""
     model = busy_robot(True)
@@ -112,7 +103,9 @@ def test_an_effect_is_the_difference_that_it_makes():
             difference = whole - run(plan.without(effect), plan, *state, table)
             assert worst(run(plan.share(effect), plan, *state, table), difference, np.abs(whole).max()) <= 1e-14
     weightless = replace(BUSY_SCENE, gravity=(0.0, 0.0, 0.0))
-    pulled = _payload_share(BUSY_SCENE, model, state, table) - _payload_share(weightless, model, state, table)
+    with_weight, without = (
+        run(each.share(rigid_bodies.PAYLOAD), each, *state, table) for each in (plan, Plan(model, weightless))
+    )
     difference = whole - run(plan.without(rigid_bodies.GRAVITY), plan, *state, table)
-    share = run(plan.share(rigid_bodies.GRAVITY), plan, *state, table) + pulled
+    share = run(plan.share(rigid_bodies.GRAVITY), plan, *state, table) + with_weight - without
     assert worst(share, difference, np.abs(whole).max()) <= 1e-14

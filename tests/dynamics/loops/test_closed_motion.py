@@ -22,32 +22,12 @@ ENERGY_BAR = 0.1
 """J over 10 s, of the benchmark."""
 
 
-def reference(count):
-    """Rows of t, x, z, vx, vz of B0, from the exact reduction to one degree of freedom."""
-    data = json.loads(REFERENCE.read_text())["data"]
-    if f"N={count}" in data:
-        return np.array(data[f"N={count}"]["rows"], dtype=float)
-    inertia, weight = (count + 1) / 3 + count, ((count + 1) / 2 + count) * 9.81
-    times = (1.0, 2.0, 5.0, 10.0, 20.0)
-    found = solve_ivp(
-        lambda _, y: (y[1], -weight / inertia * np.cos(y[0])),
-        (0.0, 20.0),
-        (np.pi / 2, -1.0),
-        "DOP853",
-        times,
-        rtol=1e-13,
-        atol=1e-13,
-    )
-    th, w = found.y
-    return np.column_stack((times, np.cos(th), np.sin(th), -np.sin(th) * w, np.cos(th) * w))
-
-
 def errors(count, step, **more):
-    """Errors of B0 at the times of the reference, and the motion."""
+    """Errors of B0 at the times of the exact reduction to one freedom, rows of t, x, z, vx, vz, and the motion."""
     model, scene = four_bars(count)
     result = robodyn.simulate(model, scene, 20.0, step=step, **more)
     rows = []
-    for t, *expected in reference(count):
+    for t, *expected in np.array(json.loads(REFERENCE.read_text())["data"][f"N={count}"]["rows"], dtype=float):
         k = round(t / step)
         th, w = result.q[k, 0], result.qd[k, 0]
         rows.append(np.abs(np.array((np.cos(th), np.sin(th), -np.sin(th) * w, np.cos(th) * w)) - expected).max())
@@ -55,7 +35,7 @@ def errors(count, step, **more):
 
 
 @pytest.mark.parametrize(
-    ("count", "step", "bar"), [(2, 1e-3, 1e-8), (8, 2e-3, 1e-5), pytest.param(40, 1e-3, 1e-4, marks=pytest.mark.slow)]
+    ("count", "step", "bar"), [(2, 2e-3, 1e-8), pytest.param(40, 2e-3, 1e-4, marks=pytest.mark.slow)]
 )
 def test_four_bars_through_their_flat_configuration(count, step, bar):
     found, result = errors(count, step)
@@ -183,21 +163,6 @@ def test_a_linkage_that_moves_though_it_should_not():
     ratio = np.sin((1.1 + 0.6) / 2) / np.sin((1.1 - 0.6) / 2)
     products = np.tan(result.q[:, 0] / 2) * np.tan(result.q[:, 1] / 2)
     assert np.abs(products - ratio).max() <= 1e-8 * ratio
-
-
-def test_baumgarte_keeps_errors_small_and_projection_smaller():
-    model, scene = crank_slider()
-    projected = robodyn.simulate(model, scene, 5.0, step=2e-3)
-    held = robodyn.simulate(*crank_slider(baumgarte=20.0), 5.0, step=2e-3)
-    assert "Baumgarte's terms at 20/s" in held.loops.stabilised
-    assert projected.loops.drift[0] <= 1e-14 < held.loops.drift[0] <= 1e-7
-    assert np.abs(held.q[-1, 0] - projected.q[-1, 0]) <= 1e-5
-
-
-def test_verlet_does_not_apply():
-    model, scene = four_bars(2)
-    with pytest.raises(InputError, match=r"verlet does not apply: accelerations depend on speeds \(loops\)"):
-        robodyn.simulate(model, scene, 1.0, method="verlet")
 
 
 def test_adaptive_methods_follow_too():

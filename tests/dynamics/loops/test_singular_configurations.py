@@ -14,7 +14,6 @@ import robodyn
 from robodyn.errors import InputError
 from robodyn.measure.accuracy.simulate_within import simulate_within
 from robodyn.report.simulation import simulation_json, simulation_page
-from robodyn.simulation import loop_figures
 
 LEAVE = "the loops leave 2 degrees of freedom where the motion begins, and 1 nearby: "
 WAYS = {"a": 1.0, "b": 1.0, "c": -1.0}, {"a": 1.0, "b": -3.0, "c": -3.0}
@@ -76,13 +75,6 @@ def test_passing_is_told_with_its_times(count):
     shown = ", ".join(f"{time:.4g}" for time in times)
     assert f"up to {1 + count} degrees of freedom, and 1 elsewhere, where the motion passes at {shown} s" in note
     assert not found.caveats or "ways part" not in found.caveats[0].text
-
-
-def test_a_coarse_look_is_refined_to_the_records(monkeypatch):
-    model, scene = four_bars(1)
-    found = robodyn.simulate(model, scene, 3.0, step=2e-3).loops.singular
-    monkeypatch.setattr(loop_figures, "WORK", 20 * 3 * 2**2 * 60)
-    assert robodyn.simulate(model, scene, 3.0, step=2e-3).loops.singular == found
 
 
 @pytest.mark.parametrize("chain", [crank_slider, bennett], ids=lambda chain: chain.__name__)
