@@ -21,7 +21,6 @@ BOX = ANALYTIC["mujoco_box_halfsize(.1,.2,.3)_m1_w(1,2,3)"]
 CYLINDER = ANALYTIC["free_cylinder_drake"]
 EVERY = {"gauss6": {"step": 5e-3}, "rk4": {"step": 2e-4}, "dop853": {"rtol": 1e-13}, "radau": {"rtol": 1e-9}}
 BOUND = {"gauss6": 1e-11, "rk4": 1e-11, "dop853": 1e-11, "radau": 1e-7}
-SPINNING = {"base_wx": 1e-3, "base_wy": 1.0, "base_wz": 1e-3}
 
 
 def turning(w):
@@ -34,8 +33,7 @@ def body(*moments):
     return built(link("body", 1.0, inertia=(Ixx, 0, 0, Iyy, 0, Izz)), moving_base=True)
 
 
-@pytest.mark.parametrize("method", EVERY)
-@pytest.mark.parametrize("time", [1, 5, 20])
+@pytest.mark.parametrize(("method", "time"), [*((method, 5) for method in EVERY), ("gauss6", 20)])
 def test_dzhanibekov(method, time):
     found = robodyn.simulate(robot("rigid_body"), turning((1e-3, 1.0, 1e-3)), time, method=method, **EVERY[method])
     expected = np.array(FLIP["w_body(t)"][str(time)], dtype=float)
@@ -58,14 +56,14 @@ def test_the_period_of_the_flip():
     assert np.abs(found.qd[-1, :3] - found.qd[0, :3]).max() <= 1e-10
 
 
-@pytest.mark.parametrize("method", EVERY)
+@pytest.mark.parametrize("method", ["rk4", "dop853"])
 def test_a_box(method):
     model = body(*(1 / 3 * (a * a + b * b) for a, b in ((0.2, 0.3), (0.1, 0.3), (0.1, 0.2))))
     found = robodyn.simulate(model, turning((1, 2, 3)), 5.0, method=method, **EVERY[method])
     assert np.abs(found.qd[-1, :3] - np.array(BOX["w_body(t)"]["5"], dtype=float)).max() <= BOUND[method]
 
 
-@pytest.mark.parametrize("method", EVERY)
+@pytest.mark.parametrize("method", ["gauss6", "radau"])
 def test_a_free_cylinder_precesses(method):
     """w turns about the axis at s = (I - J) / I w_z; the body about H at |H| / I and back about its axis at s."""
     time, (I, J) = 5.0, (CYLINDER["I"], CYLINDER["J"])

@@ -21,7 +21,7 @@ from robodyn.scene.scene import Scene
 from robodyn.simulation.methods import METHODS
 
 WAYS = [{}, {"rtol": 1e-6}, {"rtol": 1e-9}, {"method": "radau"}]
-WAYS += [{"method": name} for name in ("verlet", "midpoint", "gauss2", "gauss4", "gauss6")]
+WAYS += [{"method": name} for name in ("verlet", "midpoint", "gauss6")]
 
 
 @cache
@@ -83,7 +83,7 @@ def test_a_short_passing_between_records(monkeypatch):
     assert found.steps == int(np.ceil(found.time[-1] / 1e-3))
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", range(4))
 def test_random_limits_are_reached_when_a_closed_form_says(seed):
     """Slides under forces of a table, held between rows: parabolas, whose first passing is known."""
     rng = np.random.default_rng(seed)
@@ -182,10 +182,10 @@ def test_how_far_a_joint_would_go_on_beyond_its_limit():
     assert near.depth == pytest.approx(0.1, rel=1e-9)
 
 
-SLOW = [pytest.param(seed, marks=pytest.mark.slow) for seed in range(4, 60)]
+SLOW = [pytest.param(seed, marks=pytest.mark.slow) for seed in range(4, 16)]
 
 
-@pytest.mark.parametrize("seed", [*range(4), *SLOW])
+@pytest.mark.parametrize("seed", [*range(2), *SLOW])
 def test_pendulums_under_random_torques_end_where_scipy_has_them(seed):
     """Rows held or straight between, limits 1e-9 to 0.1 rad beside a turn; as accurate as asked, or refused."""
     rng = np.random.default_rng(seed)
@@ -201,7 +201,7 @@ def test_pendulums_under_random_torques_end_where_scipy_has_them(seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(100, 160))
+@pytest.mark.parametrize("seed", range(100, 112))
 def test_slides_under_random_forces_as_accurate_as_asked(seed):
     rng = np.random.default_rng(seed)
     passing, target = passing_of(rng), 10.0 ** rng.uniform(-9, -2)

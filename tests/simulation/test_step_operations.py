@@ -9,31 +9,21 @@ import pytest
 from helpers.oracles import robot
 
 from robodyn.dynamics.plan import plan
-from robodyn.scene.parts import Drive, ExternalWrench, Friction, Immersed, LimitSpring, Payload, Rotor, Spring
+from robodyn.scene.parts import Drive, Friction, Immersed, LimitSpring, Spring
 from robodyn.scene.scene import Scene
 from robodyn.simulation.equations import Equations, Steps
 from robodyn.simulation.methods import method_named
 
 BARE = Scene(gravity=(0, 0, 0))
 PRESENT = {
-    "gravity": Scene(),
-    "viscous friction": replace(BARE, friction={"elbow": Friction(viscous=2.0)}),
     "coulomb friction": replace(BARE, friction={"elbow": Friction(forward=2.0, backward=-2.0)}, slip_speed=0.01),
-    "joint spring": replace(BARE, spring={"elbow": Spring(10.0, 0.1)}),
     "limit spring": replace(BARE, limit_spring=LimitSpring(10.0), joint_limits="spring"),
-    "external wrench": replace(BARE, wrenches=(ExternalWrench("forearm", (1, 2, 3)),)),
     "fluid": replace(BARE, immersed=(Immersed("forearm", drag_area=(1, 1, 1)),), fluid_density=1000.0),
     "a drive": replace(BARE, drive={"elbow": Drive(torque=1.0)}),
     "a drive that follows": replace(BARE, drive={"elbow": Drive(kp=2.0, kd=3.0, reference=0.3)}),
 }
 ABSENT = {
-    "viscous friction": replace(BARE, friction={"elbow": Friction()}),
-    "coulomb friction": replace(BARE, friction={"elbow": Friction()}, slip_speed=0.01),
     "joint spring": replace(BARE, spring={"elbow": Spring(0.0, 0.1)}),
-    "payload": replace(BARE, payloads=(Payload("forearm", 0.0, (1, 2, 3)),)),
-    "rotor inertia": replace(BARE, rotor={"elbow": Rotor(0.0, 100.0)}),
-    "external wrench": replace(BARE, wrenches=(ExternalWrench("forearm", point=(1, 2, 3)),)),
-    "fluid": replace(BARE, immersed=(Immersed("forearm", 1.0, drag_area=(1, 1, 1)),)),
     "a drive": replace(BARE, drive={"elbow": Drive(reference=1.0, speed=2.0)}),
     "limits as events": replace(BARE, joint_limits="stop"),
     "limits not looked at": replace(BARE, joint_limits="ignore"),
