@@ -9,6 +9,8 @@ from math import gcd
 import numpy as np
 from scipy.spatial import ConvexHull
 
+from helpers.mesh_oracle import rational_moments
+
 UNIT = 2.0**-20
 """All coordinates are multiples of this."""
 
@@ -48,25 +50,9 @@ def common_moments(one, other):
     Its boundary is what of either surface lies in the other body; what lies in both surfaces counts once.
     """
     one, other = _numbers(one), _numbers(other)
-    return _moments([*_within(one, other, False), *_within(other, one, True)])
-
-
-def moments(triangles):
-    """Of one body, as fractions."""
-    return _moments(_numbers(triangles))
-
-
-def _moments(polygons):
-    """By tetrahedra from the origin, as `mesh_oracle` has them."""
-    volume, first, second = Fraction(0), np.array([Fraction(0)] * 3), np.array([[Fraction(0)] * 3] * 3)
-    for p, *others in polygons:
-        for q, r in itertools.pairwise(others):
-            a, b, c = (np.array([Fraction(x) for x in corner]) for corner in (p, q, r))
-            s = a + b + c
-            D = a @ np.cross(b, c)
-            volume += D / 6
-            first += D * s / 24
-            second += D * sum(np.outer(u, u) for u in (a, b, c, s)) / 120
+    polygons = [*_within(one, other, False), *_within(other, one, True)]
+    fans = [(p, q, r) for p, *others in polygons for q, r in itertools.pairwise(others)]
+    volume, first, second = rational_moments([x for fan in fans for corner in fan for x in corner], (0, 0, 0))
     unit = Fraction(UNIT)
     return volume * unit**3, first * unit**4, second * unit**5
 

@@ -10,7 +10,7 @@ import numpy as np
 from helpers import mesh_samples as samples
 from helpers.mesh_oracle import rotation
 from helpers.smooth_solids import solids
-from helpers.symmetric_bodies import extrusion, found
+from helpers.symmetric_bodies import found
 from robodyn.solids.mesh.asymmetry import CentredBody
 from robodyn.solids.mesh.integrals import integrate
 from robodyn.solids.mesh.read.load import from_array
@@ -71,17 +71,6 @@ def bodies(count: int, seed: int = 0) -> Iterator[Body]:
 
 
 def _body(rng: np.random.Generator) -> tuple[str, np.ndarray, str]:
-    kind = rng.integers(4)
-    if kind == 0:
-        half = (np.arange(5) + rng.uniform(0.2, 0.8, 5)) * np.pi / 5
-        angles = np.concatenate([half, 2 * np.pi - half[::-1]])
-        reach = rng.uniform(0.6, 1.6, 5)
-        outline = np.column_stack([np.cos(angles), np.sin(angles)]) * np.concatenate([reach, reach[::-1]])[:, None]
-        return "prism on a mirrored polygon", extrusion(outline, rng.uniform(0.3, 3)), "yz"
-    if kind == 1:
-        angles = np.linspace(0, 2 * np.pi, 9, endpoint=False)
-        outline = np.column_stack([np.cos(angles), np.sin(angles)]) * rng.uniform(0.6, 1.6, 9)[:, None]
-        return "prism on any polygon", extrusion(outline, rng.uniform(0.3, 3)), "z"
     solid = rng.choice([one for one in solids() if one.name in PLANES])
     facets = int(rng.integers(16, 49))
     while _lacking(solid.mesh(facets)) > FINE:

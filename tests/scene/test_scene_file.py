@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.oracles import ROBOTS, robot
+from helpers.oracles import robot
 
+from robodyn.dynamics.effects.motors import rotor_of
 from robodyn.errors import SceneError
 from robodyn.scene.parts import (
     Contact,
@@ -26,7 +28,6 @@ from robodyn.scene.parts import (
 from robodyn.scene.read import load_scene, parse_scene
 from robodyn.scene.scene import Scene
 
-RPM = np.pi / 30
 EVERYTHING = b"""
 gravity = [0.5, -1, -9.81]
 
@@ -95,20 +96,7 @@ def test_every_key():
     assert (scene.fluid_density, scene.fluid_velocity) == (1000.0, (1.0, 0.0, 0.0))
     assert scene.immersed == (Immersed("hand", 0.5, (0.0, 1.0, 0.0), (1.0, 2.0, 3.0)),)
     assert scene.moving_base is True
-
-
-def test_an_empty_file_is_the_default_scene():
-    scene, default = parse_scene(b""), Scene()
-    assert {name: getattr(scene, name) for name in Scene.__dataclass_fields__} == {
-        name: getattr(default, name) for name in Scene.__dataclass_fields__
-    }
-    assert scene.gravity == (0.0, 0.0, -9.81)
-
-
-@pytest.mark.parametrize("frame", ["link", "base", "world"])
-def test_frames(frame):
-    text = f'[[wrench]]\nlink = "a"\nframe = "{frame}"'.encode()
-    assert parse_scene(text).wrenches[0].frame == frame
+    assert parse_scene(b"") == Scene()
 
 
 def test_parts_of_a_simulation():
@@ -215,20 +203,10 @@ def test_actuation_and_contacts():
     assert (sole.normal, sole.friction, sole.on) == ((0.0, 1.0, 1.0), 0.4, ((0.0, 0.5), (1.0, 1.5)))
     assert (hand.points, hand.on) == (((0.0, 0.0, 0.1),), "hand_on")
     assert scene.motion_columns == ("hand_on",)
+    everyone = parse_scene(b'weights = "effort"')
+    assert (everyone.share, dict(everyone.weights), everyone.weight) == ("weighted", {}, "effort")
+    assert [parse_scene(b"passive = " + names).constrained for names in (b"[]", b'["a"]')] == [False, True]
     assert scene.columns == ()
-
-
-@pytest.mark.parametrize(
-    "text", [b"passive = []", b'passive = ["a"]', b"actuated = []", b'[[loop]]\nname="l"\nlink="a"']
-)
-def test_constrained(text):
-    assert parse_scene(text).constrained == (text != b"passive = []")
-
-
-def test_weights_of_all():
-    scene = parse_scene(b'weights = "effort"')
-    assert scene.share == "weighted"
-    assert (dict(scene.weights), scene.weight) == ({}, "effort")
 
 
 def motor(text):
@@ -240,33 +218,19 @@ def test_every_key_of_a_motor():
         'gear = -50, efficiency = 0.8, inertia = 2e-4, speed_unit = "rpm", continuous = [[0, 0.5], [3000, 0.4]], '
         "peak = 1.5, max_speed = 5000, gear_average = 40, gear_peak = 60"
     )
-    curve = ((0.0, 0.5), (3000 * RPM, 0.4))
-    assert scene.motor == {"j": Motor(0.8, curve, 1.5, 5000 * RPM, 40.0, 60.0)}
+    rpm = np.pi / 30
+    assert scene.motor == {"j": Motor(0.8, ((0.0, 0.5), (3000 * rpm, 0.4)), 1.5, 5000 * rpm, 40.0, 60.0)}
     assert scene.rotor == {"j": Rotor(2e-4, -50.0)}
-
-
-def test_what_is_left_out():
-    scene = motor("")
-    assert (scene.motor, scene.rotor) == ({"j": Motor()}, {})
-    assert motor("gear = 3").rotor == {"j": Rotor(None, 3.0)}
-    assert motor("peak = [[300, 2]]").motor["j"].peak == ((300.0, 2.0),)
-
-
-def test_a_rotor_may_stand_in_its_own_table():
-    scene = parse_scene(b"[rotor]\nj = { inertia = 1, gear = 2 }\n[motor]\nj = { peak = 3 }")
-    assert (scene.motor, scene.rotor) == ({"j": Motor(peak=3.0)}, {"j": Rotor(1.0, 2.0)})
+    assert (motor("").motor, motor("").rotor) == ({"j": Motor()}, {})
+    own = parse_scene(b"[rotor]\nj = { inertia = 1, gear = 2 }\n[motor]\nj = { peak = 3 }")
+    assert (own.motor, own.rotor) == ({"j": Motor(peak=3.0)}, {"j": Rotor(1.0, 2.0)})
 
 
 def test_a_gear_alone_leaves_the_inertia_of_the_description():
-    from dataclasses import replace
-
-    from robodyn.dynamics.effects.motors import rotor_of
-
-    joint = replace(robot("puma560").independent[0], rotor_inertia=5e-4, reduction=30.0)
-    assert rotor_of(joint, motor("gear = 3")) == (5e-4, 30.0)
-    named = replace(joint, name="j")
-    assert rotor_of(named, motor("gear = 3")) == (5e-4, 3.0)
-    assert rotor_of(named, motor("inertia = 1e-3")) == (1e-3, 30.0)
+    joint = replace(robot("puma560").independent[0], name="j", rotor_inertia=5e-4, reduction=30.0)
+    assert rotor_of(replace(joint, name="i"), motor("gear = 3")) == (5e-4, 30.0)
+    assert rotor_of(joint, motor("gear = 3")) == (5e-4, 3.0)
+    assert rotor_of(joint, motor("inertia = 1e-3")) == (1e-3, 30.0)
 
 
 UNKNOWN = {
@@ -276,15 +240,8 @@ UNKNOWN = {
         *("actuated", "passive", "share", "weights", "contact", "contact_cost", "uncertainty"),
     ),
     "[friction]\na = { viscos = 1 }": ("viscous", "coulomb", "stribeck", "stribeck_velocity", "load"),
-    "[rotor]\na = { inertia = 1, ratio = 2 }": ("inertia", "gear", "axis", "on"),
-    "[spring]\na = { stiffness = 1, k = 2 }": ("stiffness", "rest"),
-    '[[payload]]\nlink = "a"\nmass = 1\ncentre = [0, 0, 0]': ("link", "mass", "com", "inertia"),
-    '[[wrench]]\nlink = "a"\ntorque = [0, 0, 0]': ("link", "force", "moment", "point", "frame"),
-    "[fluid]\ndensity = 1\nspeed = [0, 0, 0]": ("density", "velocity", "link"),
     '[fluid]\ndensity = 1\n[[fluid.link]]\nlink = "a"\narea = 1': ("link", "volume", "centre", "drag_area"),
     '[base]\nmoving = "yes"': ("motion", "held"),
-    "[drive]\na = { torqe = 1 }": ("torque", "kp", "kd", "reference", "speed"),
-    'joint_limits = "spring"\n[limit_spring]\nk = 1\nstiffness = 2': ("stiffness", "damping"),
     "[initial]\nqdd = { a = 1 }": ("q", "qd"),
 }
 
@@ -302,78 +259,55 @@ NAMED = '[[loop]]\nname = "a"\nlink = "b"\n'
 FOOT = '[[contact]]\nname = "f"\nlink = "l"\n'
 WRONG = {
     "gravity = 9.81": 'the scene: "gravity" is 9.81, not 3 numbers',
-    "gravity = [0, 0]": '"gravity" is [0, 0], not 3 numbers',
-    'gravity = "down"': "\"gravity\" is 'down', not 3 numbers",
     "gravity = [0, 0, true]": '"gravity" is True, not a finite number',
     "gravity = [0, 0, nan]": '"gravity" is nan, not a finite number',
-    "gravity = [0, 0, -inf]": '"gravity" is -inf, not a finite number',
     'gravity = [0, 0, "g"]': "\"gravity\" is 'g', not a finite number",
-    "gravity = [0, 0, [1]]": '"gravity" is [1], not a finite number',
-    "gravity = [0, 0, 2020-01-01]": "not a finite number",
     "friction = 1": "[friction] is 1, not a table",
-    "friction = []": "[friction] is [], not a table",
-    "[friction]\na = 1": "[friction] a is 1, not a table",
     '[friction]\na = { viscous = "1" }': "[friction] a: \"viscous\" is '1', not a finite number",
     "[friction]\na = { viscous = -1 }": '"viscous" is -1 (positive or zero: else it drives the joint)',
     "[friction]\na = { coulomb = -1 }": '"coulomb" is -1 (positive or zero: else it drives the joint)',
-    "[friction]\na = { stribeck = -1 }": '"stribeck" is -1 (positive or zero: else it drives the joint)',
     "[friction]\na = { coulomb = [1, 1] }": '"coulomb" is [1, 1], which drives the joint',
-    "[friction]\na = { coulomb = [-1, -1] }": '"coulomb" is [-1, -1], which drives the joint',
     "[friction]\na = { coulomb = [1] }": '"coulomb" is [1], not 2 numbers',
     "[friction]\na = { stribeck_velocity = 0 }": '"stribeck_velocity" is 0',
     "[rotor]\na = {}": '[rotor] a: "inertia" is missing',
     "[rotor]\na = { inertia = -1 }": '"inertia" is -1',
-    "[rotor]\na = { gear = 2 }": '"inertia" is missing',
-    "[spring]\na = { rest = 1 }": '[spring] a: "stiffness" is missing',
     "payload = 1": '"payload" is not a list of tables',
-    "[payload]\nmass = 1": '"payload" is not a list of tables',
     "payload = [1]": "[[payload]] number 1 is 1, not a table",
     "[[payload]]\nmass = 1": '[[payload]] number 1: "link" is missing',
-    '[[payload]]\nlink = "a"': '[[payload]] number 1: "mass" is missing',
     '[[payload]]\nlink = "a"\nmass = 1\n[[payload]]\nlink = 3': '[[payload]] number 2: "link" is 3, not a name',
     '[[payload]]\nlink = ""\nmass = 1': "\"link\" is '', not a name",
     '[[payload]]\nlink = "a"\nmass = 1\ninertia = [1, 1, 1]': '"inertia" is [1, 1, 1], not 6 numbers',
-    "[[wrench]]\nforce = [0, 0, 1]": '[[wrench]] number 1: "link" is missing',
     '[[wrench]]\nlink = "a"\nforce = "fx"': "\"force\" is 'fx', not 3 numbers or names of columns",
     '[[wrench]]\nlink = "a"\nforce = [0, "", 1]': "\"force\" is '', not a finite number",
-    '[[wrench]]\nlink = "a"\nmoment = [0, 1]': '"moment" is [0, 1], not 3 numbers or names of columns',
     '[[wrench]]\nlink = "a"\npoint = ["x", 0, 0]': "\"point\" is 'x', not a finite number",
     '[[wrench]]\nlink = "a"\nframe = "tool"': '"frame" is "tool" (one of: link, base, world)',
-    "[fluid]\nvelocity = [0, 0, 0]": '[fluid]: "density" is missing',
     "[fluid]\ndensity = -1": '"density" is -1',
-    "fluid = 1": "[fluid] is 1, not a table",
-    '[fluid]\ndensity = 1\n[[fluid.link]]\nlink = "a"\nvolume = -1': '[[fluid.link]] number 1: "volume" is -1',
     '[base]\nmotion = "free"': '"motion" is "free" (one of: fixed, moving)',
-    "base = 1": "[base] is 1, not a table",
     "slip_speed = -1": '"slip_speed" is -1',
     'joint_limits = "bounce"': '"joint_limits" is "bounce" (one of: stop, ignore, spring)',
     'joint_limits = "spring"': '"joint_limits" is "spring" without a [limit_spring] (give its stiffness, N m/rad)',
     'joint_limits = "stop"\n[limit_spring]\nstiffness = 1': '"joint_limits" is "stop" with a [limit_spring] (write',
-    'joint_limits = "spring"\nlimit_spring = {}': '[limit_spring]: "stiffness" is missing',
     'joint_limits = "spring"\nlimit_spring = { stiffness = 0 }': '[limit_spring]: "stiffness" is 0 (it is positive)',
     'between_rows = "spline"': '"between_rows" is "spline" (one of: linear, hold)',
     "[initial]\nq = 3": "[initial] q is 3, not a table",
     '[initial]\nqd = { a = "" }': "[initial] qd: \"a\" is '', not a finite number",
     "[drive]\na = { kp = true }": '[drive] a: "kp" is True, not a finite number',
-    "contact = 0": '"contact" is not a list of tables',
     "ground = 0": '"ground" is no key',
     "gravity = [": "is not TOML",
-    "gravity = [0, 0, 0]\ngravity = [0, 0, 0]": "is not TOML",
+    f"[fluid]\ndensity = {'9' * 400}": "not a finite number",
+    f"[rotor]\na = {{ inertia = {'9' * 5000} }}": "is not TOML",
     "\x00": "is not TOML",
     '[loop]\nname = "a"': '"loop" is not a list of tables (write [[loop]] above each)',
     '[[loop]]\nlink = "b"': '[[loop]] number 1: "name" is missing',
-    '[[loop]]\nname = "a"': '[[loop]] number 1: "link" is missing',
     NAMED + 'kind = "ball"': '"kind" is "ball" (one of: point, hinge, weld)',
     NAMED + 'kind = "hinge"': '"axis" is missing',
     NAMED + 'kind = "hinge"\naxis = [0, 0, 0]': '"axis" is (0.0, 0.0, 0.0) (give a vector that has a direction)',
-    NAMED + 'kind = "hinge"\naxis = [0, 0, 1]\nto_axis = [0, 0, 0]': '"to_axis" is (0.0, 0.0, 0.0) (give',
     NAMED
     + "axis = [0, 0, 1]": "unknown key \"axis\" (valid keys: 'kind', 'directions', 'name', 'link', 'point', 'to', "
     "'to_point')",
     NAMED + 'kind = "weld"\ndirections = []': 'unknown key "directions"',
     NAMED + "directions = [1, 0, 0]": '"directions" is 1, not 3 numbers',
     NAMED + "directions = [[0, 0, 0]]": 'one of "directions" is zero',
-    NAMED + "directions = [[0, 0, 1], [0, 0, -2]]": 'two of "directions" are parallel, or three',
     NAMED + "directions = [[1, 0, 0], [0, 1, 0], [1, 1, 0]]": 'two of "directions" are parallel, or three',
     NAMED + f"directions = {[[1, 0, 0]] * 4}": "not at most 3 vectors of 3 numbers",
     NAMED + 'to = "b"': '"link" and "to" are both "b" (a loop connects two links)',
@@ -386,38 +320,28 @@ WRONG = {
     'share = "least"\nweights = { a = 1 }': '"weights" are given, and "share" is "least" (write share = "weighted")',
     'share = "weighted"\nweights = { a = 0 }': '[weights]: "a" is 0 (give a positive weight, or "effort"',
     'share = "weighted"\nweights = { a = "x" }': "[weights]: \"a\" is 'x', not a finite number",
-    '[[contact]]\nname = "f"': '"link" is missing',
     FOOT + "normal = [0, 0, 0]": '"normal" is (0.0, 0.0, 0.0) (give',
     FOOT + "friction = -1": '"friction" is -1',
     FOOT + "polygon = [[0, 0, 0], [1, 0, 0]]": '"polygon" has 2 different points (give at least 3',
-    FOOT + "polygon = [[0, 0, 0], [1, 0, 0], [0, 0, 0]]": '"polygon" has 2 different points',
     FOOT + "polygon = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]\npoint = [0, 0, 0]": '"point" and "polygon" are both given',
     FOOT + "on = [0, 1]": '"on" is [0, 1] (give "always", "auto", the name of a column, or intervals',
     FOOT + "on = [[1, 0]]": '"on" is [[1, 0]]',
-    FOOT + "on = [[nan, 1]]": '"on" is [[nan, 1]]',
-    FOOT + "on = []": '"on" is []',
-    FOOT + FOOT: '2 loops and contacts have the name "f"',
     FOOT + '[[loop]]\nname = "f"\nlink = "a"': '2 loops and contacts have the name "f"',
     "contact_cost = { forces = 0 }": '"forces" is 0 (it is positive: torques alone leave forces open)',
     "contact_cost = { torques = -1 }": '"torques" is -1',
     "contact_cost = { within_limits = 1 }": '"within_limits" is 1, not true or false',
     "[motor]\nj = { efficiency = 85 }": '"efficiency" is 85 (a share above 0 and up to 1, such as 0.85 of 85 %)',
-    "[motor]\nj = { efficiency = 0 }": '"efficiency" is 0 (a share above 0',
     "[motor]\nj = { gear = 0 }": '"gear" is 0 (turns of the motor per turn of the joint)',
     "[motor]\nj = { inertia = -1 }": '"inertia" is -1 (it is positive or zero)',
     "[motor]\nj = { peak = 0 }": '"peak" is 0 (it is positive; leave it out if it is not known)',
-    "[motor]\nj = { max_speed = -1 }": '"max_speed" is -1 (it is positive',
     "[motor]\nj = { peak = [1, 2] }": '"peak" is 1, not 2 numbers (points are [speed, torque]',
     "[motor]\nj = { peak = [] }": '"peak" is () (points are',
-    "[motor]\nj = { peak = [[0, 1], [0, 2]] }": 'the speeds of "peak" do not increase from 0 on: 0, 0',
     "[motor]\nj = { peak = [[1.5, 0], [1.2, 300]] }": 'the speeds of "peak" do not increase from 0 on: 1.5, 1.2',
     "[motor]\nj = { peak = [[0, -1], [9, 2]] }": 'the torques of "peak" are not positive: -1, 2',
-    "[motor]\nj = { peak = [[0, nan]] }": '"peak" is nan, not a finite number',
     "[motor]\nj = { continuous = [[0, 1], [9, 2]], peak = [[0, 3], [9, 1]] }": '"continuous" allows 2 at 9',
     '[motor]\nj = { speed_unit = "rpms" }': '"speed_unit" is "rpms" (one of: rad/s, rpm)',
     "[motor]\nj = { spead = 1 }": 'unknown key "spead" (valid keys: ',
     "[rotor]\nj = { inertia = 1 }\n[motor]\nj = { gear = 3 }": '"gear" and [rotor] j say the same (leave [rotor] out)',
-    "[rotor]\nj = { inertia = 1 }\n[motor]\nj = { inertia = 3 }": '"inertia" and [rotor] j say the same (leave',
 }
 
 
@@ -447,14 +371,6 @@ def test_the_line_of_what_is_wrong(text):
     assert caught.value.line == PLACES[text]
 
 
-@pytest.mark.parametrize("digits", [400, 5000], ids=["no float", "no integer"])
-@pytest.mark.parametrize("text", ["gravity = [0, 0, {}]", "[rotor]\na = {{ inertia = {} }}", "[fluid]\ndensity = {}"])
-def test_integers_that_no_float_holds(text, digits):
-    with pytest.raises(SceneError) as caught:
-        parse_scene(text.format("9" * digits).encode())
-    assert "\n" not in str(caught.value)
-
-
 def test_files(tmp_path):
     with pytest.raises(SceneError, match="no such file"):
         load_scene(tmp_path / "missing.toml")
@@ -467,8 +383,3 @@ def test_files(tmp_path):
     good = tmp_path / "good.toml"
     good.write_bytes(EVERYTHING)
     assert load_scene(good).payloads == parse_scene(EVERYTHING).payloads
-
-
-@pytest.mark.parametrize("path", sorted(ROBOTS.glob("*.toml")), ids=lambda path: path.stem)
-def test_scenes_of_the_examples(path):
-    assert isinstance(load_scene(path), Scene)

@@ -14,6 +14,7 @@ from robodyn.loads.torques import torques
 from robodyn.scene.fit import check_scene
 from robodyn.scene.parts import ExternalWrench, Friction, Immersed, Loop, Motor, Payload, Rotor, Spring
 from robodyn.scene.scene import Scene
+from robodyn.scene.uncertainty import Deviation, Uncertainty
 from robodyn.trajectory.read import motion
 
 PUMA = robot("puma560")
@@ -23,6 +24,10 @@ MISFITS = {
     "spring": (Scene(spring={"waste": Spring(1.0)}), "[spring]: the robot has no joint 'waste' that moves"),
     "payload": (Scene(payloads=(Payload("flang", 1.0),)), "[[payload]]: the robot has no link 'flang'"),
     "wrench": (Scene(wrenches=(ExternalWrench("flang"),)), "[[wrench]]: the robot has no link 'flang'"),
+    "uncertain friction": (
+        Scene(uncertainty=Uncertainty(joint={"waste": Deviation(0.1)})),
+        "[uncertainty.joint]: the robot has no joint 'waste' that moves",
+    ),
     "fluid": (Scene(immersed=(Immersed("flang"),)), "[[fluid.link]]: the robot has no link 'flang'"),
 }
 
@@ -49,21 +54,16 @@ def test_a_moving_base_needs_a_model_that_has_one():
     check_scene(Scene(moving_base=True), robot("puma560", True))
 
 
-def test_torques_asks():
+def test_the_functions_of_dynamics_ask():
+    scene = MISFITS["rotor"][0]
     still = motion(PUMA, [0.0, 1.0], [[0.0] * 6] * 2, [[0.0] * 6] * 2, [[0.0] * 6] * 2)
-    with pytest.raises(SceneError, match="no joint 'waste'"):
-        torques(PUMA, still, MISFITS["rotor"][0])
-
-
-@pytest.mark.parametrize("where", MISFITS)
-def test_the_functions_of_arrays_ask_too(where):
-    scene = MISFITS[where][0]
     for call in (
+        lambda: torques(PUMA, still, scene),
         lambda: inverse_dynamics(PUMA, [0.1] * 6, 0, 0, scene=scene),
         lambda: bias_forces(PUMA, [0.1] * 6, 0, scene=scene),
         lambda: mass_matrix(PUMA, [0.1] * 6, scene=scene),
     ):
-        with pytest.raises(SceneError):
+        with pytest.raises(SceneError, match="no joint 'waste'"):
             call()
 
 

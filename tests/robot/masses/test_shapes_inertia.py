@@ -36,19 +36,14 @@ def close(found, expected):
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-def test_a_solid_at_its_pose(shape):
+def test_a_solid_at_its_pose_and_the_box_around_it(shape):
     found = link_from_shapes(described((POSE, shape)), "a")
     close(found.body, SHAPES[shape].placed(R, P))
     assert found.weight == "at an assumed density"
-
-
-@pytest.mark.parametrize("shape", SHAPES)
-def test_the_box_of_a_solid_holds_it(shape):
-    """Its half widths are those of the solid along the link's axes, turned by right angles here."""
-    found = link_from_shapes(described(('<origin rpy="0 1.5707963267948966 0"/>', shape)), "a").shapes.box
+    around = link_from_shapes(described(('<origin rpy="0 1.5707963267948966 0"/>', shape)), "a").shapes.box
     half = {"box": (0.05, 0.1, 0.15), "sphere": (0.2,) * 3, "cylinder": (0.25, 0.1, 0.1), "capsule": (0.35, 0.1, 0.1)}
-    np.testing.assert_allclose(found.hi, half[shape[1:].partition(" ")[0]], rtol=4 * EPS)
-    np.testing.assert_array_equal(found.lo, -found.hi)
+    np.testing.assert_allclose(around.hi, half[shape[1:].partition(" ")[0]], rtol=4 * EPS)
+    np.testing.assert_array_equal(around.lo, -around.hi)
 
 
 def test_several_shapes_are_one_body():

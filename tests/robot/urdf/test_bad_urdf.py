@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 
@@ -43,32 +44,25 @@ BAD: dict[str, tuple[str | bytes, int, tuple[str, ...]]] = {
     "empty": (b"", 1, ("empty",)),
     "blank": (b"\xef\xbb\xbf \r\n\t", 1, ("empty",)),
     "binary": (b"\x7fELF\x02\x01\x00\x00\x00", 1, ("binary",)),
-    "binary after a start tag": (b"<robot name='r'>\n\x00\x01</robot>", 2, ("binary",)),
     "plain text": ("joint names:\n q1", 1, ("malformed XML", "<robot>")),
     "truncated in an element": ("<robot name='r'>\n<link name='a'>\n", 3, ("no element found", "<link> of line 2")),
     "truncated in a tag": ("<robot name='r'>\n<link na", 2, ("unclosed token", "<robot> of line 1")),
-    "truncated in a comment": ("<robot name='r'>\n<!-- ", 2, ("malformed XML", "<robot> of line 1")),
     "mismatched tags": ("<robot name='r'>\n<link>\n</joint></robot>", 3, ("mismatched tag", "<link> of line 2")),
     "no quotes": ("<robot name=r/>", 1, ("malformed XML",)),
     "attribute twice": ("<robot name='r'\nname='s'/>", 2, ("duplicate attribute", "keep one")),
     "two roots": ("<robot name='r'/>\n<robot name='s'/>", 2, ("junk after document element",)),
     "declaration after a blank": (" <?xml version='1.0'?><robot/>", 1, ("declaration", "before <?xml")),
-    "bare ampersand": ("<robot name='r'>\n<link name='a & b'/></robot>", 2, ("malformed XML",)),
     "undefined entity": ("<robot name='r'>\n&nbsp;</robot>", 2, ("an entity", "&amp;")),
     "unknown encoding": ("<?xml version='1.0' encoding='klingon'?>\n<robot/>", 1, ("encoding", "UTF-8")),
-    "multi-byte encoding": ("<?xml version='1.0' encoding='shift_jis'?>\n<robot/>", 1, ("UTF-8",)),
     "wrong encoding": (b"<robot name='r'>\n<link name='\xff'/></robot>", 2, ("malformed XML",)),
-    "UTF-16 declared, not used": ("<?xml version='1.0' encoding='UTF-16'?>\n<robot/>", 1, ("encoding", "first line")),
     "half a UTF-16 character": ("<robot/>".encode("utf-16") + b"\0", 1, ("UTF-16",)),
     # not to be trusted
     "entity bomb": (BOMB + "<robot name='&b;'/>", 1, ("document type", "delete it")),
     "external entity": ("\n" + EXTERNAL + "<robot>&a;</robot>", 2, ("document type",)),
-    "external document type": ("<!DOCTYPE robot SYSTEM 'http://example.com/x.dtd'>\n<robot/>", 1, ("document type",)),
     "undeclared prefix": ("<robot name='r'>\n<sim:x/></robot>", 2, ("'sim:x'", "not declared", "xmlns:sim")),
     # not URDF
     "SDF": ("<!-- -->\n<sdf version='1.6'/>", 2, ("is <sdf>", "SDF")),
     "MJCF": ("<mujoco/>", 1, ("is <mujoco>", "MJCF")),
-    "HTML": ("<html></html>", 1, ("is <html>",)),
     "xacro element": (robot("<xacro:arm side='left'/>"), 2, ("'xacro:arm'", "FILE.xacro")),
     "xacro expression": (robot("<link name='a'/>", "<link\nname='${side}_b'/>"), 4, ("'${side}_b'", "FILE.xacro")),
     "xacro substitution": (shape("<mesh filename='$(find p)/a.stl'/>"), 4, ("$(find p)", "FILE.xacro")),
@@ -76,30 +70,21 @@ BAD: dict[str, tuple[str | bytes, int, tuple[str, ...]]] = {
     "robot without name": ("<robot>" + LINKS + "</robot>", 1, ("<robot>", "no attribute 'name'")),
     "no links": ("<robot name='r'>\n</robot>", 1, ("no links",)),
     "link without name": (robot("<link/>"), 2, ("<link>", "no attribute 'name'")),
-    "link with empty name": (robot("<link name=''/>"), 2, ("<link>", "empty attribute 'name'")),
     "joint without name": (arm("<joint type='fixed'/>"), 3, ("<joint>", "no attribute 'name'")),
     "duplicate link": (robot(LINKS, "<link name='b'/>"), 3, ("second link 'b'", "line 2", "rename")),
     "duplicate joint": (arm(joint(), joint(child="c")), 4, ("second joint 'j'", "line 3")),
     # numbers
     "NaN": (arm(joint("\n<origin xyz='0 nan 0'/>")), 4, ("'xyz'", "joint 'j'", "not finite", "0 nan 0")),
-    "large, then NaN": (arm(joint("<origin xyz='1e300 nan 0'/>")), 3, ("'xyz'", "joint 'j'", "too large")),
-    "infinity": (inertial("<mass value='inf'/>" + INERTIA), 4, ("'value'", "link 'a'", "not finite")),
     "overflow": (inertial("<mass value='1e999'/>" + INERTIA), 4, ("not finite", "1e999")),
     "comma": (arm(joint("<origin xyz='0,1,0'/>")), 3, ("comma", "0,1,0", "blanks")),
-    "decimal comma": (inertial("<mass value='1,5'/>" + INERTIA), 4, ("comma", "1,5", "decimal point")),
     "two numbers": (arm(joint("<origin rpy='0 1'/>")), 3, ("'rpy'", "has 2 numbers, not 3")),
-    "four numbers": (arm(joint("<axis xyz='0 0 0 1'/>")), 3, ("'xyz'", "has 4 numbers, not 3")),
-    "no numbers": (arm(joint("<axis xyz=' '/>")), 3, ("has 0 numbers, not 3",)),
     "two masses": (inertial("<mass value='1 2'/>" + INERTIA), 4, ("has 2 numbers, not 1", "one number")),
     "a unit": (inertial("<mass value='2kg'/>" + INERTIA), 4, ("not a number", "2kg")),
-    "underscore": (inertial("<mass value='1_000'/>" + INERTIA), 4, ("not a number", "1_000")),
-    "hexadecimal": (inertial("<mass value='0x10'/>" + INERTIA), 4, ("not a number", "0x10")),
     "other digits": (inertial("<mass value='\u0661'/>" + INERTIA), 4, ("U+0661", "write ASCII")),
     "hard blank": (arm(joint("<axis xyz='0 0\u00a01'/>")), 3, ("no-break space", "U+00A0")),
     "number in a later line of the tag": (arm(joint("<limit\nlower='0'\nupper='x'/>")), 5, ("'upper'", "'x'")),
     # links
     "no mass": (inertial(INERTIA), 3, ("<inertial> of link 'a'", "no <mass>")),
-    "no mass value": (inertial("<mass/>" + INERTIA), 4, ("<mass> of link 'a'", "no attribute 'value'")),
     "no inertia": (inertial("<mass value='1'/>"), 3, ("no <inertia>",)),
     "no iyy": (inertial("<mass value='1'/>\n" + INERTIA.replace("iyy='1'", "")), 5, ("no attribute 'iyy'",)),
     "two inertials": (robot("<link name='a'><inertial/>", "<inertial/></link>"), 3, ("2 <inertial>", "keep one")),
@@ -107,21 +92,11 @@ BAD: dict[str, tuple[str | bytes, int, tuple[str, ...]]] = {
     "geometry without shape": (shape(""), 3, ("no shape", "cylinder")),
     "unknown shape": (shape("<cilinder/>"), 3, ("unknown shape 'cilinder'", "did you mean 'cylinder'?")),
     "two shapes": (shape("<box size='1 1 1'/>\n<sphere radius='1'/>"), 5, ("2 shapes",)),
-    "sphere without radius": (shape("<sphere/>"), 4, ("<sphere> of link 'a'", "'radius'")),
-    "box of two lengths": (shape("<box size='1 2'/>"), 4, ("'size'", "2 numbers, not 3")),
     "mesh without file": (shape("<mesh/>"), 4, ("<mesh> of link 'a'", "'filename'")),
-    "mesh with one scale": (shape("<mesh filename='a.stl' scale='0.1'/>"), 4, ("'scale'", "1 numbers, not 3")),
     # joints
     "no type": (arm("<joint name='j'/>"), 3, ("joint 'j'", "no attribute 'type'")),
     "unknown type": (arm(joint(kind="Revolut")), 3, ("unknown type 'Revolut'", "did you mean 'revolute'?")),
-    "quite unknown type": (arm(joint(kind="xyz")), 3, ("unknown type 'xyz'", "'prismatic'")),
     "no parent": (arm("<joint name='j' type='fixed'><child link='b'/></joint>"), 3, ("joint 'j'", "no <parent>")),
-    "parent without link": (
-        arm("<joint name='j' type='fixed'><parent/><child link='b'/></joint>"),
-        3,
-        ("<parent> of joint 'j'", "no attribute 'link'"),
-    ),
-    "no child": (arm("<joint name='j' type='fixed'><parent link='a'/></joint>"), 3, ("joint 'j'", "no <child>")),
     "dangling parent": (arm(joint(parent="forarm")), 3, ("parent of joint 'j'", "'forarm'", "does not exist", "'a'")),
     "dangling child": (
         robot("<link name='forearm'/>", joint(parent="forearm", child="foream")),
@@ -201,17 +176,12 @@ def test_missing_file_folder_and_odd_names(tmp_path: Path) -> None:
         check(caught.value, path, None, words)
 
 
-@pytest.mark.parametrize(
-    ("failure", "words"), [(PermissionError, "no permission"), (OSError(5, "I/O error"), "I/O error")]
-)
-def test_unreadable_file(failure: Exception, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(*arguments: object) -> None:
-        raise failure
-
-    monkeypatch.setattr(os, "open", refuse)
-    with pytest.raises(DescriptionError) as caught:
-        load_description(f"{tmp_path}/a.urdf")
-    check(caught.value, f"{tmp_path}/a.urdf", None, (words,))
+def test_unreadable_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for failure, words in ((PermissionError(), "no permission"), (OSError(5, "I/O error"), "I/O error")):
+        monkeypatch.setattr(os, "open", Mock(side_effect=failure))
+        with pytest.raises(DescriptionError) as caught:
+            load_description(f"{tmp_path}/a.urdf")
+        check(caught.value, f"{tmp_path}/a.urdf", None, (words,))
 
 
 def test_long_values_and_names_stay_short_in_messages() -> None:

@@ -121,19 +121,6 @@ def test_a_declared_one_byte_encoding_keeps_the_bytes(example: tuple[str, list[l
     check_spans(document, text, moved)
 
 
-def test_columns_count_characters_beyond_the_first_block_of_a_long_line() -> None:
-    head = "<robot name='" + "世" * 5000 + "'><link name='é'"
-    document = read_document(f"{head} id='1'/></robot>".encode())
-    assert document.root.children[0].attributes["id"].span.column == len(head) + 2
-
-
-def test_utf16_is_transcoded_and_says_so() -> None:
-    text = "<?xml version='1.0' encoding='UTF-16'?><robot name='ü'/>"
-    document = read_document(text.encode("utf-16"))
-    assert document.data == text.encode()
-    assert document.encoding == "utf-8"
-
-
 def test_text_children_and_unknown_parts_are_kept() -> None:
     root = read_document(
         b"<robot name='r'><weird a='1'>x<y/><![CDATA[<z>]]> &lt;<!-- no --></weird><y n='2'/><y/></robot>"
@@ -144,23 +131,6 @@ def test_text_children_and_unknown_parts_are_kept() -> None:
     assert [child.tag for child in weird.children] == ["y"]
     assert [child.get("n") for child in root.findall("y")] == ["2", None]
     assert root.find("nothing") is None
-
-
-def test_prefixes_need_a_declaration_only_outside_extensions() -> None:
-    for text in (
-        "<robot xmlns:p='u'><p:x/><link p:a='1'/></robot>",
-        "<robot><link><p:x xmlns:p='u'/></link></robot>",
-        "<robot xml:lang='de'><gazebo><controller:old name='$(find x)'/></gazebo></robot>",
-        "<robot xmlns='u' xmlns:xacro='http://www.ros.org/wiki/xacro'/>",
-    ):
-        assert read_document(text.encode()).root.tag == "robot"
-    for text in (
-        "<robot><p:x/></robot>",
-        "<robot><link><p:x/></link></robot>",
-        "<robot xmlns:q='u'><link p:a='1'/></robot>",
-    ):
-        with pytest.raises(DescriptionError, match="not declared"):
-            read_document(text.encode())
 
 
 def test_nesting_up_to_the_limit() -> None:

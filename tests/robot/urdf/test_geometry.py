@@ -1,19 +1,16 @@
-"""Shapes of links, and where the files of their meshes are found."""
+"""Shapes of links, and where the files of their meshes are: in folders, packages of ROS, workspaces, behind links."""
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
-import numpy as np
 import pytest
-import yourdfpy
-from helpers.example_robots import path_of
 
-from robodyn.errors import InputError
+from robodyn.robot.urdf import packages
 from robodyn.robot.urdf.description import link_shapes, load_description, missing_mesh
 from robodyn.robot.urdf.packages import VARIABLES, Search
 
-ROBOTS = Path(__file__).parents[3] / "robots"
 TWO = """<robot name="r"><link name="a">
 <visual><origin xyz="1 2 3" rpy="0.1 0.2 0.3"/><geometry><mesh filename="m.stl" scale="1 -2 3"/></geometry></visual>
 <collision><geometry><box size="1 2 3"/></geometry></collision>
@@ -49,15 +46,12 @@ def test_shapes_in_order_with_lines_and_files(tmp_path):
     assert link_shapes(description, "a", "collision") == (second,)
     assert link_shapes(description, "a", "visual") == (first, third)
     assert link_shapes(description, "b") == ()
+    fetched = load_description(TWO.replace("absent.stl", "http://host/m.stl").encode())
+    assert "files are not fetched" in str(missing_mesh(fetched, link_shapes(fetched, "a", "visual")[1].geometry))
     error = missing_mesh(description, third.geometry)
     assert str(error) == f"{tmp_path / 'r.urdf'}:4: the mesh 'absent.stl' is not found " + (
         "(names are relative to the description's folder)"
     )
-
-
-def test_a_link_that_is_not_there():
-    with pytest.raises(InputError, match="there is no link 'c'"):
-        link_shapes(load_description(TWO.encode()), "c")
 
 
 def test_relative_and_absolute_names(tmp_path):
@@ -91,35 +85,114 @@ def test_the_manifest_names_the_package_and_not_its_folder(tmp_path):
     assert resolve("package://checkout-main/m.stl", "/", [mesh.parent]) is None
 
 
-def test_nothing_is_fetched(tmp_path):
-    description = load_description(TWO.replace("absent.stl", "http://host/m.stl").encode())
-    shape = link_shapes(description, "a", "visual")[1]
-    assert "files are not fetched" in str(missing_mesh(description, shape.geometry))
+URI = "package://arm/m.stl"
 
 
-@pytest.mark.parametrize("source", [ROBOTS / "meshed_arm.urdf", "panda", "solo12", "ur5_robot"], ids=str)
-def test_yourdfpy_finds_the_same(source):
-    """The same meshes, poses and scales; yourdfpy's own search is given the package folder."""
-    path = source if isinstance(source, Path) else path_of(source)
-    share = next((folder for folder in path.parents if folder.name == "share"), path.parent)
-    description = load_description(path)
-    theirs = yourdfpy.URDF.load(path, load_meshes=False, build_scene_graph=False)
-    count = 0
-    for link in theirs.robot.links:
-        for kind, shapes in (("visual", link.visuals), ("collision", link.collisions)):
-            ours = link_shapes(description, link.name, kind)
-            assert len(ours) == len(shapes)
-            for our, their in zip(ours, shapes, strict=True):
-                place = np.eye(4) if their.origin is None else their.origin
-                np.testing.assert_array_equal(our.geometry.origin.xyz, place[:3, 3])
-                if their.geometry.mesh is None:
-                    assert our.path is None
-                    continue
-                name = their.geometry.mesh.filename
-                expected = share / name.removeprefix("package://") if "://" in name else path.parent / name
-                assert our.path is not None
-                assert our.path.samefile(expected)
-                scale = 1.0 if their.geometry.mesh.scale is None else their.geometry.mesh.scale
-                np.testing.assert_array_equal(our.geometry.scale, np.broadcast_to(scale, 3))
-                count += 1
-    assert count >= 9
+def package(folder: Path, name: str | None = "arm") -> Path:
+    """A package with a mesh; without a manifest if it has no name. The mesh."""
+    folder.mkdir(parents=True)
+    if name is not None:
+        (folder / "package.xml").write_text(f"<package><name>{name}</name></package>")
+    (folder / "m.stl").touch()
+    return folder / "m.stl"
+
+
+PLACES = {
+    "merged installation": ("install/share/arm", "far/r.urdf", "install"),
+    "isolated installation": ("install/arm/share/arm", "far/r.urdf", "install"),
+    "group of repositories": ("src/group/repository/arm_checkout", "far/r.urdf", "src"),
+    "beside that of the description": ("ws/arm-main", "ws/robot_description/urdf/r.urdf", None),
+    "in the same workspace": ("ws/src/parts/arms/arm-main", "ws/src/robots/robot_description/r.urdf", None),
+    "in the same repository": ("repository/parts/arms/arm-main", "repository/robots/robot_description/r.urdf", None),
+    "below a hidden folder": ("src/.hidden/arm", "far/r.urdf", "src"),
+    "among the tests of another": ("src/other/test/arm", "far/r.urdf", "src"),
+}
+"""Of the package, of the description, and of what --package-path names."""
+
+
+@pytest.mark.parametrize("case", PLACES)
+def test_where_packages_are_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, case: str) -> None:
+    """By their names, whatever their folders are called."""
+    folder, description, given = PLACES[case]
+    (tmp_path / "repository" / ".git").mkdir(parents=True)
+    package(tmp_path / "src" / "other", "other")
+    for own in Path(description).parents:
+        if own.name == "robot_description":
+            package(tmp_path / own, "robot")
+    mesh = package(tmp_path / folder)
+    expected = None if "hidden" in folder or "test" in folder else mesh
+    assert Search(str(tmp_path / description), () if given is None else (str(tmp_path / given),)).find(URI) == expected
+    if "installation" in case:
+        monkeypatch.setenv(VARIABLES[2], os.pathsep.join(("", str(tmp_path / "none"), str(tmp_path / "install"))))
+        search = Search(str(tmp_path / description))
+        assert search.find(URI) == mesh
+        assert search.knows_packages
+
+
+def test_each_package_has_a_prefix_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As the setup files of an isolated workspace write it."""
+    meshes = {name: package(tmp_path / name / "share" / name, name) for name in ("arm", "hand")}
+    monkeypatch.setenv("AMENT_PREFIX_PATH", os.pathsep.join(str(tmp_path / name) for name in meshes))
+    search = Search(str(tmp_path / "r.urdf"))
+    assert {name: search.find(f"package://{name}/m.stl") for name in meshes} == meshes
+
+
+def test_order_of_precedence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    option = package(tmp_path / "option" / "arm")
+    by_variable = [package(tmp_path / name / "share" / "arm") for name in VARIABLES]
+    above = package(tmp_path / "home" / "arm")
+    real = package(tmp_path / "real" / "arm")
+    (above.parent / "link.urdf").symlink_to(real.parent / "r.urdf")
+    for name in VARIABLES:
+        monkeypatch.setenv(name, str(tmp_path / name))
+    expected = [option, *by_variable, above, real]
+    for mesh in expected:
+        search = Search(str(above.parent / "link.urdf"), (str(tmp_path / "option"),))
+        assert search.find(URI) == mesh, mesh
+        mesh.unlink()
+
+
+def test_a_link_leads_to_the_package_and_to_the_folder_of_the_real_file(tmp_path: Path) -> None:
+    mesh = package(tmp_path / "src" / "checkout")
+    (mesh.parent / "urdf").mkdir()
+    (mesh.parent / "urdf" / "r.urdf").touch()
+    (tmp_path / "file.urdf").symlink_to(mesh.parent / "urdf" / "r.urdf")
+    (tmp_path / "folder").symlink_to(mesh.parent / "urdf")
+    for name in ("file.urdf", "folder/r.urdf"):
+        search = Search(str(tmp_path / name))
+        assert search.home == mesh.parent
+        found = [search.find(uri) for uri in (URI, "../m.stl")]
+        assert all(path is not None and path.samefile(mesh) for path in found)
+
+
+def test_a_large_folder_is_not_searched_for_ever(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    package(tmp_path / "a" / "b" / "c" / "arm")
+    monkeypatch.setattr(packages, "_MOST_FOLDERS", 1)
+    assert Search("/far/r.urdf", (str(tmp_path),)).find(URI) is None
+
+
+def test_of_a_package_without_a_file_to_find_the_one_with_a_manifest_counts(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The prefix `install/arm` has the package's name, and is not the package."""
+    mesh = package(tmp_path / "install" / "arm" / "share" / "arm")
+    search = Search("/far/r.urdf", (str(tmp_path / "install"),))
+    assert search.share("arm") == mesh.parent
+    assert search.share("none") is None
+    (mesh.parent / "package.xml").unlink()
+    assert Search("/far/r.urdf", (str(tmp_path / "install"),)).share("arm") == tmp_path / "install" / "arm"
+
+
+def test_the_folder_entered_through_a_symbolic_link(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The name of the package is that of the link."""
+    real = package(tmp_path / "checkout" / "arm-main", None)
+    (tmp_path / "ws").mkdir()
+    (tmp_path / "ws" / "arm").symlink_to(real.parent)
+    (real.parent / "urdf").mkdir()
+    monkeypatch.chdir(tmp_path / "ws" / "arm")
+    monkeypatch.setenv("PWD", str(tmp_path / "ws" / "arm"))
+    found = Search("urdf/r.urdf").find(URI)
+    assert found is not None
+    assert found.samefile(real)
+    monkeypatch.setenv("PWD", str(tmp_path))
+    assert Search("urdf/r.urdf").find(URI) is None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import random
 import sys
 from importlib.metadata import distributions
 from pathlib import Path
@@ -125,53 +124,6 @@ def test_long_chains_of_properties_and_macros(robot: Path) -> None:
     assert b'name="a91"' in same(robot)
 
 
-VALUES = ["1", "0.5", "left", "${2 * 3}", "1 2 3", "true", "${[1, 2, 3]}", "${dict(a=1, b='x')}", "-1e-3", "'7'", ""]
-EXPRESSIONS = [
-    "{0}", "{0} + {1}", "{0} * 2", "str({0}) + '_' + str({1})", "[{0}, {1}]", "len(str({0}))", "{0} if {1} else {2}",
-    "not {0}", "{0} == {1}", "{0} and {1}", "sin({0})", "round({0}, 2)", "'%s' % {0}", "{0}[0]", "{0}.a", "{0}['a']",
-    "{0}.split()", "max({0}, {1})", "[x for x in {0}]", "math.floor({0})", "isinstance({0}, str)", "{0} ** 2", "-{0}",
-    "list(map(str, {0}))", "sorted({0})", "' '.join(map(str, {0}))", "{0}.get('a', {1})", "int({0})", "{0} in {1}",
-]  # fmt: skip
-"""Of properties; some are wrong for the values that these happen to have."""
-
-
-def random_robot(draw: random.Random) -> str:
-    names = [f"p{k}" for k in range(draw.randint(2, 5))]
-    lines = [f'<xacro:property name="{name}" value="{draw.choice(VALUES)}"/>' for name in names]
-    lines += [
-        f'<xacro:property name="q{k}" value="${{{draw.choice(EXPRESSIONS).format(*draw.choices(names, k=3))}}}"/>'
-        for k in range(draw.randint(1, 2))
-    ]
-    draw.shuffle(lines)
-    lines.append(
-        f'<xacro:macro name="m" params="a b:=${{{draw.choice(names)}}} c:=^|none"><x v="${{a}}${{b}} ${{c}}"/>'
-    )
-    lines.append(f'</xacro:macro><xacro:m a="${{q0}}"/><y v="${{{draw.choice(names)}}}"/></robot>')
-    return HEAD + "\n".join(lines)
-
-
-def refused(path: Path) -> bool:
-    """Whether it is refused a file that xacro cannot expand either."""
-    with pytest.raises(InputError) as ours:
-        expanded(str(path))
-    return "is refused" in str(ours.value)
-
-
-def test_random_files_are_as_xacro_has_them(robot: Path) -> None:
-    """Text, or that there is none."""
-    draw, good = random.Random(28), 0
-    for _ in range(24):
-        robot.write_text(random_robot(draw))
-        try:
-            text = expanded(str(robot), trusted=True).text
-        except InputError:
-            assert not refused(robot), robot.read_text()
-        else:
-            assert expanded(str(robot)).text == text
-            good += 1
-    assert good > 6
-
-
 INSTALLED = sorted({path for folder in sys.path for path in Path(folder).glob("cmeel.prefix/**/*.xacro")})
 
 
@@ -182,7 +134,8 @@ def test_files_of_installed_packages(robot: Path) -> None:
         try:
             expected = expanded(str(path), trusted=True).text
         except InputError:
-            assert not refused(path), path
+            with pytest.raises(InputError, match=r"^(?!.*is refused)"):
+                expanded(str(path))
         else:
             assert expanded(str(path)).text == expected
             found += 1

@@ -81,11 +81,9 @@ def written(folder: Path, body: str, name: str = "own.xacro") -> Path:
     return folder / name
 
 
-def test_every_file_is_tried() -> None:
-    assert {path.stem for path in HOSTILE.glob("*.xacro")} == REFUSED.keys() | FAILED.keys() | {"merges"}
-
-
-@pytest.mark.parametrize("name", REFUSED)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name == "macros")) for name in REFUSED]
+)
 def test_is_refused_with_its_line(folder: Path, name: str) -> None:
     line, why = REFUSED[name]
     said = refusal(f"{name}.xacro")
@@ -97,15 +95,13 @@ def test_is_refused_with_its_line(folder: Path, name: str) -> None:
 
 @pytest.mark.parametrize("name", FAILED)
 def test_fails_with_one_line(folder: Path, name: str) -> None:
+    assert {path.stem for path in HOSTILE.glob("*.xacro")} == REFUSED.keys() | FAILED.keys() | {"merges"}
     if name == "entities" and sys.version_info < (3, 11):
         pytest.skip("an older expat, which memory and time bound")
     assert FAILED[name] in refusal(f"{name}.xacro")
 
 
-@pytest.mark.parametrize(
-    "expression",
-    ["a${xacro.load_yaml}", "${f}", "${python.repr(f)}", "${'%.30s' % [f]}", "${python.hash(f)}"],
-)
+@pytest.mark.parametrize("expression", ["a${xacro.load_yaml}", "${python.repr(f)}", "${'%.30s' % [f]}"])
 def test_no_address_comes_out(folder: Path, expression: str) -> None:
     own = written(folder, f'<xacro:property name="f" value="${{xacro.load_yaml}}"/>\n<link name="{expression}"/>')
     assert "the address of a function is refused" in refusal(own.name)
@@ -128,8 +124,10 @@ def test_the_line_is_that_of_the_macro_in_another_file(folder: Path) -> None:
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes and links")
-@pytest.mark.parametrize("use", ['<xacro:include filename="{}"/>', "<link name=\"${{xacro.load_yaml('{}')}}\"/>"])
-@pytest.mark.parametrize("trusted", [False, True])
+@pytest.mark.parametrize(
+    ("use", "trusted"),
+    [('<xacro:include filename="{}"/>', False), ("<link name=\"${{xacro.load_yaml('{}')}}\"/>", True)],
+)
 def test_pipes_and_devices_are_no_files(folder: Path, use: str, trusted: bool) -> None:
     os.mkfifo("pipe")
     assert "this is no regular file" in refusal(written(folder, use.format("pipe")), trusted=trusted)
@@ -188,11 +186,6 @@ def test_of_arguments_only_files_are_read(folder: Path) -> None:
         with pytest.raises(InputError, match="outside of the packages that were found"):
             expanded(str(own), args={"x": other})
     assert b"opensesame" in expanded(str(own), args={"x": str(secret)}).text
-
-
-def test_trust_lets_it_do_what_it_likes(folder: Path) -> None:
-    own = written(folder, "<link name=\"${(lambda: 'a' * 3)()}$(env TOKEN)\"/>")
-    assert b'name="aaaopensesame"' in expanded(str(own), trusted=True).text
 
 
 SLOW = '<link name="${len([0 for a in range(300) for b in range(300)])}"/>\n'
@@ -260,20 +253,18 @@ WRONG = [
 
 
 @pytest.mark.skipif(os.name != "posix", reason="some of these calls are of POSIX")
-@pytest.mark.parametrize("call", WRONG)
-def test_what_comes_through_an_expression_is_stopped(folder: Path, call: str) -> None:
+def test_what_comes_through_an_expression_is_stopped(folder: Path) -> None:
     """Should one ever lead to Python's functions; here they are called in its place."""
     code = f"""
 import os, subprocess, sys, socket, ctypes
 from robodyn.robot.urdf import xacro_child
-def wrong():
-    {call}
-code = wrong
+wrong = [{", ".join(f"lambda: {call}" for call in WRONG)}]
 sys.addaudithook(xacro_child._watch)
-try:
-    code()
-except xacro_child.RefusedError:
-    print("refused")
+for call in wrong:
+    try:
+        call()
+    except xacro_child.RefusedError:
+        print("refused")
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, cwd=folder)
-    assert done.stdout == "refused\n", done.stderr
+    assert done.stdout == "refused\n" * len(WRONG), done.stderr

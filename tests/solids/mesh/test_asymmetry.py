@@ -12,25 +12,12 @@ from helpers.repaired_meshes import R
 from helpers.symmetric_bodies import any_rotation
 
 from robodyn.solids.mesh.asymmetry import TriangleSet, axial_moments, central_moments
-from robodyn.solids.mesh.columns import Hits, Lattice, differing_volume
-from robodyn.solids.mesh.indexed import Indexed, merged
+from robodyn.solids.mesh.columns import Lattice, differing_volume
+from robodyn.solids.mesh.indexed import merged
 from robodyn.solids.mesh.inside import winding_numbers
 
 ALONG = (0.0, 0.0, 1.0)
 OBLIQUE = (0.36, 0.48, 0.8)
-NO_HITS = Hits(np.empty(0, int), np.empty(0), np.empty(0, int))
-
-
-def volume(body, direction, count=4096):
-    lattice = Lattice.over(body, np.array(direction), count=count)
-    return differing_volume(lattice.hits(body), NO_HITS, lattice.cell)
-
-
-def test_overlapping_bodies_count_once_and_cavities_not_at_all():
-    two = np.concatenate([samples.box((1, 1, 1)), samples.moved(samples.box((1, 1, 1)), (0.5, 0.2, 0.1))])
-    assert volume(two, OBLIQUE, 100_000) == pytest.approx(2 - 0.5 * 0.8 * 0.9, rel=1e-6)
-    hollow = np.concatenate([samples.box((2, 2, 2)), samples.flipped(samples.box())])
-    assert volume(hollow, OBLIQUE, 100_000) == pytest.approx(7, rel=1e-6)
 
 
 def test_integral_is_exact_in_depth():
@@ -49,14 +36,6 @@ def test_difference_of_a_box_and_the_same_moved(offset):
     shared = prod(max(0.0, 1 - abs(d)) for d in offset)
     found = differing_volume(lattice.hits(one), lattice.hits(other), lattice.cell)
     assert found == pytest.approx(2 - 2 * shared, rel=5e-3)
-
-
-def test_body_no_column_meets_has_no_volume():
-    body = samples.box()
-    lattice = Lattice.over(body, np.array(ALONG))
-    hits = lattice.hits(samples.moved(body, (0, 50, 0)))
-    assert len(hits.depth) == 0
-    assert differing_volume(hits, NO_HITS, lattice.cell) == differing_volume(hits, hits, lattice.cell) == 0.0
 
 
 def numbers(triangles, *points):
@@ -78,20 +57,6 @@ def test_a_closed_surface_from_within_and_from_outside(body):
     assert set(np.rint(found)) == {0, 1}
     np.testing.assert_allclose(numbers(flipped(body), *points), -found, rtol=0, atol=1e-12)
     np.testing.assert_allclose(numbers(np.concatenate([body, body]), *points), 2 * found, rtol=0, atol=1e-12)
-
-
-def test_blocks_of_points_and_vertices_out_of_use_change_nothing():
-    mesh = merged(torus(rings=96, sectors=96))
-    points = np.random.default_rng(1).normal(size=(50, 3))
-    whole = winding_numbers(points, mesh)
-    part = Indexed(mesh.vertices, mesh.faces[:4000])
-    rest = Indexed(mesh.vertices, mesh.faces[4000:])
-    np.testing.assert_allclose(winding_numbers(points, part) + winding_numbers(points, rest), whole, rtol=0, atol=1e-12)
-
-
-def test_nothing_has_no_winding_number():
-    nothing = Indexed(np.zeros((1, 3)), np.empty((0, 3), np.int64))
-    assert winding_numbers(np.ones((2, 3)), nothing).tolist() == [0, 0]
 
 
 CORNER = samples.tetrahedron(((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)))

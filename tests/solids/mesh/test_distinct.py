@@ -10,8 +10,9 @@ from robodyn.solids.mesh.indexed import distinct, distinct_points, numbered, pai
 RNG = np.random.default_rng(5)
 
 
-@pytest.mark.parametrize("count", [0, 1, 2, 7, 1000])
-@pytest.mark.parametrize("most", [1, 30, 2**40, 2**53 + 1, 2**63 - 1])
+@pytest.mark.parametrize(
+    ("count", "most"), [(0, 30), (1, 1), (2, 2**40), (7, 2**53 + 1), (1000, 30), (1000, 2**63 - 1)]
+)
 def test_keys_by_their_values(count: int, most: int) -> None:
     keys = RNG.choice(RNG.integers(0, most, 100), count)
     keys[:1] = most - 1

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from math import isqrt
 
 import numpy as np
 import pytest
-from helpers.mesh_oracle import centred, deviation, rational_moments, rational_moments_from, rotation
+from helpers.mesh_oracle import centred, deviation, exact, rational_moments, rational_moments_from, rotation
 from helpers.mesh_samples import box, cone, corners, cylinder, flipped, moved, tetrahedron, torus, uv_sphere
 from hypothesis import example, given
 from hypothesis import strategies as st
 
 from robodyn.solids.inertia.principal import principal_axes
 from robodyn.solids.inertia.properties import from_integrals
-from robodyn.solids.mesh.integrals import Moments, integrate, volume_bound
+from robodyn.solids.mesh.integrals import Moments, integrate, surface, volume_bound
 from robodyn.solids.mesh.triangles import MemoryTriangles
 
 EPS = np.finfo(float).eps
@@ -54,37 +55,6 @@ def test_box():
     normwise(volume, a * b * c)
     assert (centre == offset).all()
     normwise(inertia, a * b * c / 12 * np.diag((b * b + c * c, a * a + c * c, a * a + b * b)))
-
-
-def test_prism_on_a_regular_polygon():
-    n, r, h = 47, 0.7, 1.9
-    area = n / 2 * np.sin(2 * np.pi / n) * r**2
-    across = area * h * r**2 / 12 * (2 + np.cos(2 * np.pi / n))
-    along = area * h**3 / 12
-    volume, _, inertia = central(cylinder(r, h, n))
-    normwise(volume, area * h)
-    normwise(inertia, np.diag((across + along, across + along, 2 * across)))
-
-
-def test_pyramid_on_a_regular_polygon():
-    n, r, h = 31, 0.4, 3.0
-    volume, centre, _ = central(cone(r, h, n))
-    normwise(volume, n / 2 * np.sin(2 * np.pi / n) * r**2 * h / 3)
-    normwise(centre, (0, 0, h / 4))
-
-
-def test_sphere_and_torus_are_approached_with_the_square_of_the_step():
-    r, R, sectors = 0.5, 2.0, 64
-    volume, _, inertia = central(torus(R, r, sectors, sectors))
-    exact = 2 * np.pi**2 * R * r**2
-    step = (2 * np.pi / sectors) ** 2
-    assert volume == pytest.approx(exact, rel=step / 2)
-    side = (4 * R**2 + 5 * r**2) / 8
-    assert inertia == pytest.approx(exact * np.diag((side, side, R**2 + 0.75 * r**2)), rel=step, abs=EPS * exact)
-    volume, _, inertia = central(uv_sphere(r, sectors, sectors))
-    exact = 4 / 3 * np.pi * r**3
-    assert volume == pytest.approx(exact, rel=step / 2)
-    assert inertia == pytest.approx(exact * 0.4 * r**2 * np.eye(3), rel=step, abs=EPS * exact)
 
 
 BODIES = {
@@ -133,11 +103,6 @@ def test_within_1e15_at_any_scale(body, scale):
 def test_equal_terms_do_not_pile_up_their_rounding(sectors):
     array = cylinder(1.0, 2.0, sectors)
     assert max(errors(integrals(array), array)) <= 2 * EPS
-
-
-def test_float32_corners_are_integrated_as_they_are():
-    array = moved(BODIES["torus"], (1e3, 2e3, -4e3), rotation(1)).astype(np.float32)
-    assert max(errors(integrals(array), array)) <= 1e-15
 
 
 @pytest.mark.parametrize("body", BODIES)
@@ -267,3 +232,38 @@ def test_last_digits_do_not_show(perm: float) -> None:
     assert len(set(bounds)) == 1
     assert exact <= bounds[0] <= 1.01 * exact
     assert float(f"{bounds[0]:.2e}") == bounds[0]
+
+
+def surface_moments(corners, reference):
+    """Area, first and second moments of faces, of which each area has 40 digits."""
+    area, first, second = Fraction(0), np.zeros(3, object), np.zeros((3, 3), object)
+    for a, b, c in exact(corners) - exact(reference):
+        normal = np.cross(b - a, c - a)
+        size = Fraction(isqrt((normal @ normal) * 10**80 // 1), 10**40) / 2
+        s = a + b + c
+        area += size
+        first = first + size * s / 3
+        second = second + size * sum(np.outer(v, v) for v in (a, b, c, s)) / 12
+    return area, first, second
+
+
+@pytest.mark.parametrize("body", [box((1, 2, 3)), uv_sphere(0.5, 6, 8), torus(2, 0.5, 12, 8)])
+@pytest.mark.parametrize("offset", [0, 1e8])
+def test_surfaces_within_1e15_wherever_the_origin_is_and_however_wound(body, offset):
+    array = moved(body, (0.6 * offset, -offset, 0.8 * offset), rotation(3))
+    array[:5] = flipped(array[:5])
+    found = surface(MemoryTriangles("sheet", array))
+    A, first, S = surface_moments(array, found.reference)
+    assert deviation(found.area, A) <= 1e-15
+    assert deviation(found.S, S) <= 1e-15
+    assert np.abs(exact(found.first) - first).max() <= 1e-15 * float(A) * np.ptp(array)
+
+
+def test_the_surface_of_a_box():
+    a, b, c = 1.0, 2.0, 3.0
+    found = surface(MemoryTriangles("sheet", moved(box((a, b, c)), (5, 6, 7))))
+    assert found.area == 2 * (a * b + b * c + c * a)
+    assert (found.reference + found.first / found.area == (5, 6, 7)).all()
+    along_x = (b * c) * a * a / 2 + (a * b + a * c) * a * a / 6
+    assert found.S[0, 0] == pytest.approx(along_x, rel=4 * EPS)
+    assert np.abs(found.S - np.diag(np.diagonal(found.S))).max() <= 4 * EPS * found.S.max()

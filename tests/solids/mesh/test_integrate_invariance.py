@@ -14,11 +14,10 @@ from helpers.mesh_samples import binary_stl, box, cylinder, flipped, moved, shee
 from robodyn.errors import MeshError
 from robodyn.solids.mass_properties import mass_properties
 from robodyn.solids.mesh.asymmetry import TriangleSet, mirror
-from robodyn.solids.mesh.closed import fingerprint
 from robodyn.solids.mesh.integrals import integrate, measure, surface, swept
 from robodyn.solids.mesh.kernel import volume_kernel
 from robodyn.solids.mesh.read.load import load_triangles
-from robodyn.solids.mesh.triangles import BLOCK, ROWS, MemoryTriangles, reference_in
+from robodyn.solids.mesh.triangles import BLOCK, ROWS, MemoryTriangles
 
 EPS = np.finfo(float).eps
 BODY = moved(torus(2.0, 0.5, 60, 40), (0.3, 0.2, 0.1), rotation(1))
@@ -44,38 +43,12 @@ def integrals(array, exactly=False):
     return integrate(MemoryTriangles("body", array), exactly)
 
 
-def same(found, expected, k=8):
-    """Volume, centre and second moments about the centre agree normwise."""
-    for a, b in zip(about_centre(found), about_centre(expected), strict=True):
-        assert np.abs(a - b).max() <= k * EPS * np.abs(b).max()
-
-
-def about_centre(found):
-    offset = found.first / found.volume
-    return found.volume, found.reference + offset, found.S - found.volume * np.outer(offset, offset)
-
-
 def test_winding_inwards_changes_the_sign_of_everything():
     outwards, inwards = integrals(BODY), integrals(flipped(BODY))
     assert inwards.volume == pytest.approx(-outwards.volume, rel=4 * EPS)
     assert np.abs(inwards.S + outwards.S).max() <= 4 * EPS * np.abs(outwards.S).max()
     assert inwards.area == pytest.approx(outwards.area, rel=4 * EPS)
     assert inwards.bound <= 1e-13
-
-
-def test_order_of_triangles_and_first_corner_do_not_matter():
-    rng = np.random.default_rng(4)
-    turns = rng.integers(0, 3, len(BODY))
-    shuffled = np.stack([np.roll(face, shift, axis=0) for face, shift in zip(BODY, turns, strict=True)])
-    same(integrals(rng.permutation(shuffled)), integrals(BODY))
-
-
-def test_triangles_without_area_add_nothing():
-    corner, edge = np.repeat(BODY[:9, :1], 3, axis=1), BODY[:9][:, [0, 1, 0]]
-    line = np.stack([BODY[0, 0] * (1 - t) + BODY[0, 1] * t for t in (0, 0.5, 1)])[None]
-    found = integrals(np.concatenate([corner, edge, BODY, line]))
-    same(found, integrals(BODY))
-    assert found.area == pytest.approx(integrals(BODY).area, rel=8 * EPS)
 
 
 @pytest.mark.parametrize(("count", "spare"), [(ROWS, 0), (ROWS - 4, 1), (ROWS + 4, 1)])
@@ -96,31 +69,6 @@ def test_layout_of_the_corners_does_not_matter():
         found = integrals(array)
         assert (found.volume, found.area) == (expected.volume, expected.area)
         assert (found.S == expected.S).all()
-
-
-def test_the_box_is_that_of_all_blocks():
-    array = np.concatenate([moved(box(), (x, 0, 0)) for x in np.linspace(-50, 50, ROWS // 4)])
-    found = integrals(np.concatenate([array, array[:, :, [1, 0, 2]]]))
-    assert (found.lo == (-50.5, -50.5, -0.5)).all()
-    assert (found.hi == (50.5, 50.5, 0.5)).all()
-
-
-@pytest.mark.parametrize("offset", [0.3, 1e4])
-def test_subtracting_the_reference_from_float32_is_exact(offset):
-    array = moved(BODY, (offset, -offset, 2 * offset), rotation(8)).astype(np.float32)
-    reference = integrals(array).reference
-    differences = array.astype(np.float64) - reference
-    assert (exact(differences) == exact(array) - exact(reference)).all()
-
-
-@pytest.mark.parametrize("offset", [1e-300, 1.0, 1e8, 1e300])
-def test_the_reference_lies_inside_the_box(offset):
-    rng = np.random.default_rng(3)
-    for size in (0, 1e-9, 1):
-        array = offset * (1 + size * rng.random((5, 3, 3)))
-        reference = reference_in(array.transpose(1, 2, 0))
-        assert (array.min(axis=(0, 1)) <= reference).all()
-        assert (reference <= array.max(axis=(0, 1))).all()
 
 
 def test_a_mesh_is_read_once_and_again_for_finer_arithmetic():
@@ -151,13 +99,6 @@ def test_blocks_need_not_outlive_the_next(exactly):
     assert (measure(Reused(array))[0].S == integrals(array).S).all()
 
 
-def test_measure_is_integrate_and_fingerprint():
-    mesh = MemoryTriangles("body", BODY)
-    found, edges = measure(mesh)
-    assert edges == fingerprint(mesh)
-    assert (found.volume, found.S.tolist()) == (integrate(mesh).volume, integrate(mesh).S.tolist())
-
-
 def test_an_open_surface_is_not_worth_finer_arithmetic():
     flat = MemoryTriangles("body", sheet())
     found, edges = measure(flat)
@@ -178,21 +119,6 @@ def test_beyond_the_range_of_floats(size, how):
     for use in (integrals, partial(integrals, exactly=True), lambda array: surface(MemoryTriangles("body", array))):
         with pytest.raises(MeshError, match=re.escape(f"body: is too {how}")):
             use(box((size, size, size)))
-
-
-@pytest.mark.parametrize("size", [1e-60, 1e60])
-def test_near_the_ends_of_the_range(size):
-    found = integrals(box((size, size, size)))
-    assert found.volume == pytest.approx(size**3, rel=4 * EPS)
-    assert found.S[0, 0] == pytest.approx(size**5 / 12, rel=8 * EPS)
-    assert found.area == pytest.approx(6 * size**2, rel=4 * EPS)
-
-
-def test_a_sheet_too_thin_for_floats_is_no_error():
-    array = box()
-    for height in (3e-310, 5e-324):
-        array[..., 2] = np.where(array[..., 2] > 0, height, 0.0)
-        assert integrals(array).volume == height
 
 
 def test_no_triangles():
@@ -221,12 +147,6 @@ def test_perm_is_a_bound_and_no_wild_one(name):
     bound, least = sweep.perm(sweep.sums[:, SQUARES]), float(exact_perm(BODIES[name], sweep.reference))
     assert least <= bound * (1 + 1e-14)
     assert bound <= 12 * least
-
-
-def test_perm_is_near_where_blocks_are_small_parts():
-    array = torus(2.0, 0.5, 600, 40)
-    sweep = swept(MemoryTriangles("torus", array), volume_kernel)
-    assert sweep.perm(sweep.sums[:, SQUARES]) <= 5 * float(exact_perm(array[::40], sweep.reference) * 40)
 
 
 @pytest.mark.parametrize(("value", "face"), [(np.nan, 0), (np.inf, ROWS - 1), (-np.inf, ROWS + 5)])

@@ -78,18 +78,6 @@ def test_known_cases(case: str) -> None:
         assert shell_faults(from_array(size * np.concatenate(parts))) == (inverted, overlapping)
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_what_is_found_is_there(seed: int) -> None:
-    """Against the union of the repair, which finds every overlap."""
-    rng = np.random.default_rng(seed)
-    parts = [moved(box(rng.uniform(0.3, 1.0, 3)), rng.uniform(-1.0, 1.0, 3)) for _ in range(4)]
-    triangles = from_array(np.concatenate(parts))
-    inverted, overlapping = shell_faults(triangles)
-    steps = {step.name for step in repair(triangles).steps}
-    assert inverted == 0
-    assert overlapping == bool(steps & {"union", "overlaps"})
-
-
 BALL = uv_sphere(rings=8, sectors=12)
 SURFACES = {
     "sound": box(),

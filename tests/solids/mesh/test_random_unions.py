@@ -15,8 +15,9 @@ from helpers.repaired_meshes import R, repaired, taken, volume
 
 from robodyn.solids.mass_properties import mass_properties
 
-FIRST = 100_000
-BLOCK = 50
+FIRST, BLOCK = 100_000, 50
+FAILED = (101_562, 102_545, 102_784, 102_845)
+"""In these cavities that cross were once filled without a word."""
 
 
 def check(seed):
@@ -35,11 +36,13 @@ def check(seed):
     return False
 
 
-BLOCKS = range(FIRST, FIRST + 1200, BLOCK)
+def test_volume_centre_and_inertia():
+    assert sum(check(seed) for seed in (*range(FIRST, FIRST + 16), *FAILED)) <= 2
 
 
-@pytest.mark.parametrize("first", [BLOCKS[0], *(pytest.param(first, marks=pytest.mark.slow) for first in BLOCKS[1:])])
-def test_volume_centre_and_inertia(first):
+@pytest.mark.slow
+@pytest.mark.parametrize("first", range(FIRST, FIRST + 1200, BLOCK))
+def test_more_of_them(first):
     assert sum(check(seed) for seed in range(first, first + BLOCK)) <= 5
 
 

@@ -13,7 +13,6 @@ from helpers.mesh_samples import (
     flipped,
     moved,
     sheet,
-    tetrahedron,
     torus,
     uv_sphere,
 )
@@ -23,44 +22,13 @@ from hypothesis import strategies as st
 
 from robodyn.errors import MeshError
 from robodyn.solids.mesh.integrals import integrate
-from robodyn.solids.mesh.repair import repair
 from robodyn.solids.mesh.shells import collinear
-from robodyn.solids.mesh.triangles import MemoryTriangles
 
 EPS = np.finfo(np.float64).eps
 
 
 def same_volume(found, expected, k=64):
     assert volume(found) == pytest.approx(expected, rel=k * EPS, abs=0)
-
-
-@pytest.mark.parametrize(
-    "parts",
-    [
-        (box(),),
-        (torus(),),
-        (moved(tetrahedron(), R=R),),
-        (box(), moved(uv_sphere(), (5, 0, 0))),
-        (box((3, 3, 3)), flipped(box())),
-        (box((5, 5, 5)), flipped(box((3, 3, 3))), box()),
-    ],
-)
-def test_a_sound_surface_is_the_same_object(parts):
-    given = MemoryTriangles("part", np.concatenate(parts))
-    found = repair(given)
-    assert found.triangles is given
-    assert found.steps == ()
-    assert found.remarks == ()
-    assert found.closed
-    assert found.shells == len(parts)
-
-
-def test_mixed_winding_and_inverted():
-    whole = flipped(uv_sphere())
-    whole[:7] = flipped(whole[:7])
-    found = repaired(whole)
-    assert taken(found) == [("winding", 7), ("orientation", 1)]
-    same_volume(found, volume(repaired(uv_sphere())))
 
 
 def test_disjoint_shells_with_overlapping_boxes():
@@ -112,14 +80,6 @@ def test_volume_does_not_jump_when_a_body_slides_into_another(turn):
         assert volume(found) == pytest.approx(27 + 1 - min(max(reach, 0), 1), rel=1e-12)
 
 
-def test_two_cavities_in_a_ring():
-    ring = torus(major=2.0, minor=0.5, rings=64, sectors=32)
-    cube = box((0.2, 0.2, 0.2))
-    found = repaired(ring, flipped(moved(cube, (2, 0, 0))), flipped(moved(cube, (-2, 0.1, 0))), cube)
-    assert taken(found) == []
-    same_volume(found, volume(repaired(ring)) - 2 * 0.2**3 + 0.2**3)
-
-
 def test_bodies_that_share_an_edge():
     found = repaired(box(), moved(flipped(box()), (1, 1, 0)))
     assert found.shells == 2
@@ -133,34 +93,6 @@ def test_nothing_but_lines_is_refused():
         repaired(corners([(0, 0, 0), (1, 1, 1), (2, 2, 2)], [(0, 1, 2)]))
 
 
-def test_a_strip_with_one_side_is_refused():
-    angle = np.pi * np.arange(24) / 12
-    radial = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
-    across = np.cos(angle / 2)[:, None] * radial + np.sin(angle / 2)[:, None] * (0, 0, 1)
-    rim = np.concatenate([3 * radial + across, 3 * radial - across])
-    after = np.roll(rim.reshape(2, 24, 3), -1, axis=1)
-    after[:, -1] = after[::-1, -1].copy()
-    first, last = rim[:24], rim[24:]
-    strip = np.concatenate([np.stack([first, last, after[1]], axis=1), np.stack([first, after[1], after[0]], axis=1)])
-    with pytest.raises(MeshError, match="48 of 48 faces form surfaces with one side only"):
-        repaired(strip)
-
-
-def same_faces(found, expected):
-    assert sorted(map(bytes, found.triangles.array())) == sorted(map(bytes, expected))
-
-
-def test_faces_with_equal_corners_and_on_a_line():
-    extra = torus()[:5]
-    extra[:, 2] = extra[:, 0]
-    line = corners([(0, 0, 0), (1, 2, 3), (3, 6, 9)], [(0, 1, 2)])
-    found = repaired(torus(), extra, line)
-    assert taken(found) == [("degenerate", 6)]
-    assert found.steps[0].what == "6 faces without area dropped"
-    assert found.steps[0].change == 0
-    same_faces(found, torus())
-
-
 def test_a_face_on_a_line_that_closes_a_seam_stays():
     a, b, c = box()[0]
     middle = a / 2 + b / 2
@@ -169,26 +101,6 @@ def test_a_face_on_a_line_that_closes_a_seam_stays():
     found = repaired(whole)
     assert found.steps == ()
     assert found.closed
-
-
-def test_duplicates_of_some_faces():
-    found = repaired(torus(), *(np.roll(torus()[10:20], turns, axis=1) for turns in range(3)))
-    assert taken(found) == [("duplicate", 30)]
-    assert found.steps[0].what == "30 faces given more than once dropped"
-    same_faces(found, torus())
-
-
-def test_all_faces_twice():
-    found = repaired(uv_sphere(), np.roll(uv_sphere(), 1, axis=1))
-    assert taken(found) == [("duplicate", len(uv_sphere()))]
-    assert found.steps[0].volume_before == pytest.approx(2 * found.steps[0].volume_after)
-    same_faces(found, uv_sphere())
-
-
-def test_a_face_given_both_ways_in_a_sound_surface_stays_once():
-    found = repaired(torus(), flipped(torus()[:1]))
-    assert taken(found) == [("duplicate", 1)]
-    same_faces(found, torus())
 
 
 def test_walls_within_a_block_of_eight_boxes_cancel():
@@ -211,15 +123,6 @@ def test_lines_are_told_from_triangles_without_rounding(numbers, factor, nudge):
     assert collinear(triangle)[0] == exact
 
 
-@pytest.mark.parametrize("missing", [0, 7])
-def test_a_box_without_one_triangle(missing):
-    whole = box((3, 4, 4))
-    found = repaired(np.delete(whole, missing, axis=0))
-    assert taken(found) == [("holes", 1)]
-    assert found.steps[0].what == "1 hole filled by 1 triangle"
-    assert volume(found) == pytest.approx(48, rel=8 * EPS)
-
-
 @pytest.mark.parametrize(("seed", "count"), [(0, 1), (1, 2), (2, 5)])
 def test_scattered_holes_in_a_sphere(seed, count):
     whole = moved(uv_sphere(), (3, 1, -2))
@@ -240,13 +143,6 @@ def test_the_change_of_volume_is_that_of_the_cap():
     found = repaired(np.delete(whole, 100, axis=0))
     expected = np.linalg.det(missing[0]) / 6
     assert found.steps[0].change == pytest.approx(expected, rel=1e-12)
-    assert volume(found) == pytest.approx(enclosed(whole), rel=16 * EPS)
-
-
-def test_a_hole_in_an_inverted_surface():
-    whole = uv_sphere()
-    found = repaired(flipped(whole[1:]))
-    assert taken(found) == [("holes", 1), ("orientation", 1)]
     assert volume(found) == pytest.approx(enclosed(whole), rel=16 * EPS)
 
 

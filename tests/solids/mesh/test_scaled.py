@@ -8,7 +8,6 @@ from helpers import mesh_samples
 
 from robodyn.errors import MeshError
 from robodyn.solids.mass_properties import mass_properties
-from robodyn.solids.mesh.read.load import load_triangles
 from robodyn.solids.mesh.triangles import MemoryTriangles, scaled
 
 EPS = np.finfo(float).eps
@@ -42,13 +41,6 @@ def test_moments_are_those_of_the_stretched_body(factors):
     np.testing.assert_allclose(part.body.S_c, expected, rtol=0, atol=32 * EPS * np.abs(expected).max())
     corners = WEDGE * factors
     np.testing.assert_array_equal((part.lo, part.hi), (corners.min(axis=(0, 1)), corners.max(axis=(0, 1))))
-
-
-def test_blocks_of_a_file(tmp_path):
-    path = tmp_path / "ball.stl"
-    path.write_bytes(mesh_samples.binary_stl(mesh_samples.uv_sphere()))
-    found = scaled(load_triangles(path), (1.0, 1.0, 3.0))
-    np.testing.assert_array_equal(np.concatenate(list(found.blocks(100))), found.array())
 
 
 @pytest.mark.parametrize("factors", [(0, 1, 1), (1, np.nan, 1), (1, 1, np.inf)])

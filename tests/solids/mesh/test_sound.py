@@ -78,10 +78,3 @@ def test_what_is_sound_needs_no_repair(path):
     triangles = load_triangles(path)
     found = repair.repair(triangles)
     assert sound(triangles) == (not found.steps and not found.remarks and found.shells == 1)
-
-
-@pytest.mark.parametrize("spare", [0, 5])
-def test_the_least_area(spare):
-    small = moved(box((1e-3, 1e-3, 1e-3)), (0, 0, 2))
-    found, _ = measure(body(np.concatenate([cylinder(1, 1, 2000 + spare), small])))
-    assert found.least == pytest.approx(5e-7, rel=1e-9)

@@ -88,17 +88,6 @@ def test_prism_lacks_what_its_polygon_does_of_the_circle(sectors):
     assert len(found.missing) == sectors
 
 
-def test_hole_takes_in_too_much():
-    found = line_masses(named("plate with a hole").mesh(32))
-    assert found.missing.sum() == -found.size < 0
-
-
-def test_facets_beside_a_plane_lack_nothing_on_its_side():
-    """Quarter cylinders of radius r at four edges of height h lack as much as one whole cylinder."""
-    lacking = (pi - 16 * sin(2 * pi / 32)) * 0.5**2 * 0.4
-    assert line_masses(named("plate with rounded corners").mesh(32)).size == pytest.approx(lacking, rel=0.01)
-
-
 def test_rounding_errors_of_flat_faces_do_not_count_for_the_median():
     """A grid of flat quads in float32 around few smooth edges."""
     side = np.linspace(-1, 1, 41)

@@ -77,17 +77,10 @@ def check(data, kind):
 CUT = st.one_of(st.just(1.0), st.floats(0, 1))
 
 
-@pytest.mark.parametrize("kind", NATIVE)
+@pytest.mark.parametrize("kind", [*NATIVE, *SCENES])
 @given(st.data())
 def test_damaged_files(kind, data):
-    sample = data.draw(st.sampled_from(NATIVE[kind]))
-    check(mutated(sample, data.draw(EDITS), data.draw(CUT)), kind)
-
-
-@pytest.mark.parametrize("kind", SCENES)
-@given(st.data())
-def test_damaged_scenes(kind, data):
-    sample = data.draw(st.sampled_from(SCENES[kind]))
+    sample = data.draw(st.sampled_from((NATIVE | SCENES)[kind]))
     check(mutated(sample, data.draw(EDITS), data.draw(CUT)), kind)
 
 

@@ -1,10 +1,10 @@
-"""Wavefront OBJ: every form of index, polygons, comments, continued lines; what else stands in it does not matter."""
+"""OBJ and OFF: every form of index, polygons, comments, continued lines, and every way to be cut short."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers.mesh_files import obj, rows
+from helpers.mesh_files import obj, off, rows
 from helpers.mesh_samples import box, corners, torus
 
 from robodyn.errors import MeshError
@@ -126,3 +126,67 @@ def test_digits_are_told_from_every_coordinate(count):
     """However many points are looked at, y and z are among the numbers."""
     points = "".join(f"v {k % 2} {np.sin(k):.6e} {np.cos(k):.6e}\n" for k in range(count))
     assert read(points + "f 1 2 3\n").significand == 23
+
+
+POINTS = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+SQUARE = "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n"
+
+
+def read_off(text):
+    return load_triangles(text.encode() if isinstance(text, str) else text, file_type="off")
+
+
+def test_many_chunks_of_text():
+    ring = torus(rings=90, sectors=50)
+    np.testing.assert_array_equal(rows(read_off(off(ring)).array()), rows(ring))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        SQUARE,
+        SQUARE.replace("\n", "\r\n"),
+        SQUARE.replace("\n", "\r"),
+        SQUARE.replace("OFF\n", "OFF "),
+        SQUARE.replace("OFF\n", "# a comment: OFF 9 9 9\n\n  OFF # here\n"),
+        SQUARE.replace("4 2 0", "4 2"),
+        SQUARE.replace("OFF", "COFF").replace("1 0 0\n", "1 0 0 255 255 0 128\n"),
+        SQUARE.replace("OFF", "NOFF").replace("1 0 0\n", "1 0 0 0 0 1 # normal\n"),
+        SQUARE.replace("3 0 1 2", "3  0 1 2 0.5 0.5 0.5"),
+        SQUARE.replace("2 0\n", "1 0\n").replace("3 0 1 2\n3 0 2 3", "4 0 1 2 3"),
+        SQUARE + "more words that do not matter\n",
+    ],
+)
+def test_the_same_square_in_many_spellings(text):
+    np.testing.assert_array_equal(read_off(text).array(), corners(POINTS, [(0, 1, 2), (0, 2, 3)]))
+
+
+def test_every_truncation_is_told():
+    for length in range(len(SQUARE) - 2):
+        with pytest.raises(MeshError, match=r"^<bytes>:.*\)$"):
+            read_off(SQUARE[:length])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "what"),
+    [
+        ("4 2 0", "4 3 0", "the header promises 3 faces, 2 are there"),
+        ("4 2 0", "4 999999999999999999 0", "promises 999999999999999999 faces, 2 are there"),
+        ("4 2 0", "999999999999999999 2 0", "promises 999999999999999999 vertices, 6 are there"),
+        ("4 2 0", "4 0 0", "holds 4 vertices and no faces"),
+        ("OFF", "4OFF", "does not begin with 'OFF'"),
+        ("OFF\n", "OFF BINARY\n", "does not begin with 'OFF'"),
+        ("3 0 1 2", "4 0 1 2", "7: a face of 4 corners with 3 words after that number"),
+        ("3 0 1 2", "2 0 1", "7: a face of 2 corners"),
+        ("3 0 1 2", "-3 0 1 2", "7: a face of -3 corners"),
+        ("3 0 1 2", "3 0 1 4", "face 1 names vertex 4, counted from 0, of 4"),
+        ("3 0 2 3", "3 0 2 -1", "face 2 names vertex -1"),
+        ("1 1 0", "1 nan 0", "face 1 has a corner at (1, nan, 0)"),
+        ("1 1 0", "1 1", "5: a vertex with 2 coordinates"),
+        ("1 1 0", "1 1 z", "5: 'z' is not a number"),
+    ],
+)
+def test_what_is_wrong_with_an_off_is_told(old, new, what):
+    with pytest.raises(MeshError, match=r"^<bytes>:") as caught:
+        read_off(SQUARE.replace(old, new, 1))
+    assert what in str(caught.value)
