@@ -184,15 +184,13 @@ def conic_forces(problem: Problem) -> Forces:
     f, free, residual = np.zeros((N, K, 3)), np.zeros((N, L)), np.zeros((N, R))
     within, feasible = np.ones(N, dtype=bool), np.ones(N, dtype=bool)
     axes = np.broadcast_to(axes_of(problem.normals), (N, K, 3, 3))
-    stuck: list[int] = []
     for n in range(N):
         active = np.ones(K, dtype=bool) if problem.active is None else problem.active[n]
         size = length(problem.b[n]) or 1.0
         sample = _sample(problem, n, active, axes[n], size)
         x, within[n] = _solved(sample)
         if x is None:
-            stuck.append(n)
-            continue
+            raise InputError("no contact forces are found, not even such as leave the least unbalanced", remedy=SCALES)
         points = int(active.sum())
         f[n, active] = size * einsum("kij,kj->ki", axes[n][active], x[: 3 * points].reshape(points, 3))
         free[n] = size * x[3 * points :]
@@ -200,14 +198,6 @@ def conic_forces(problem: Problem) -> Forces:
         if problem.free is not None:
             residual[n] -= product(problem.free.H[n], free[n])
         feasible[n] = length(residual[n]) <= FEASIBLE * size
-    if stuck and problem.free is not None:
-        raise InputError("no contact forces are found, not even such as leave the least unbalanced", remedy=SCALES)
-    if stuck:  # the least forces, whatever torques cost
-        part, terms = plain_forces(problem.chosen(stuck)), problem.torques
-        f[stuck], residual[stuck], feasible[stuck] = part.f, part.residual, part.feasible
-        if terms is not None and terms.limits is not None:
-            torques = terms.tau0[stuck] - einsum("nij,nj->ni", terms.T[stuck], part.f.reshape(len(stuck), -1))
-            within[stuck] = (np.abs(torques) <= terms.limits * BEYOND).all(axis=1)
     return Forces(f, free, residual, feasible, within)
 
 

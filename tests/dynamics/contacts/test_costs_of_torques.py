@@ -129,12 +129,7 @@ def test_without_clarabel_one_line_says_so(monkeypatch):
         contact_forces(legs())
 
 
-def test_where_clarabel_gets_stuck_forces_alone_are_least(monkeypatch):
-    problem, expected = legs(push=10.0, limits=np.array((0.5, 0.5))), contact_forces(replace(legs(10.0), torques=None))
+def test_where_clarabel_gets_stuck_one_line_says_so(monkeypatch):
     monkeypatch.setattr("robodyn.dynamics.contacts.solve._by_clarabel", lambda sample, limited: None)
-    found = contact_forces(problem)
-    assert (found.f == expected.f).all()
-    assert found.feasible.all()
-    assert not found.within_limits.any()
     with pytest.raises(InputError, match="no contact forces are found"):
-        contact_forces(replace(problem, free=FreeTerms(np.zeros((1, 6, 1)), np.zeros((1, 2, 1)))))
+        contact_forces(legs())
