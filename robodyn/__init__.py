@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from robodyn.checks.check import check as check
-    from robodyn.dynamics.constraints.inverse import constraint_forces as constraint_forces
+    from robodyn.dynamics.constraints.solve import constraint_forces as constraint_forces
     from robodyn.dynamics.derivatives import forward_dynamics_derivatives as forward_dynamics_derivatives
     from robodyn.dynamics.derivatives import (
         inverse_dynamics_derivative_entries as inverse_dynamics_derivative_entries,
@@ -26,11 +26,11 @@ if TYPE_CHECKING:
     from robodyn.dynamics.forward import forward_dynamics as forward_dynamics
     from robodyn.dynamics.function import function as function
     from robodyn.dynamics.inverse import bias_forces as bias_forces
+    from robodyn.dynamics.inverse import coriolis_matrix as coriolis_matrix
     from robodyn.dynamics.inverse import inverse_dynamics as inverse_dynamics
+    from robodyn.dynamics.inverse import mass_matrix as mass_matrix
     from robodyn.dynamics.kinematics import forward_kinematics as forward_kinematics
     from robodyn.dynamics.kinematics import jacobian as jacobian
-    from robodyn.dynamics.mass import coriolis_matrix as coriolis_matrix
-    from robodyn.dynamics.mass import mass_matrix as mass_matrix
     from robodyn.dynamics.momenta import momenta as momenta
     from robodyn.dynamics.regressor import regressor as regressor
     from robodyn.equations.dae.dae import dae as dae
@@ -74,7 +74,7 @@ if not os.path.isdir(os.path.join(os.path.dirname(__file__), "cli")):
 
 _HOMES = {
     "checks.check": ("check",),
-    "dynamics.constraints.inverse": ("constraint_forces",),
+    "dynamics.constraints.solve": ("constraint_forces",),
     "dynamics.derivatives": (
         "forward_dynamics_derivatives",
         "inverse_dynamics_derivative_entries",
@@ -83,9 +83,8 @@ _HOMES = {
     ),
     "dynamics.forward": ("forward_dynamics",),
     "dynamics.function": ("function",),
-    "dynamics.inverse": ("bias_forces", "inverse_dynamics"),
+    "dynamics.inverse": ("bias_forces", "coriolis_matrix", "inverse_dynamics", "mass_matrix"),
     "dynamics.kinematics": ("forward_kinematics", "jacobian"),
-    "dynamics.mass": ("coriolis_matrix", "mass_matrix"),
     "dynamics.momenta": ("momenta",),
     "dynamics.regressor": ("regressor",),
     "equations.dae.dae": ("dae",),

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from robodyn.dynamics.arrays import arrays_of, results
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.forward import acceleration_program
-from robodyn.dynamics.mass import mass_runner
+from robodyn.dynamics.inverse import mass_runner
 from robodyn.dynamics.plan import Plan, loads, plan, ready, runner_of
 from robodyn.errors import InputError
 from robodyn.programs.derivative import Direction, Row, again, jacobian

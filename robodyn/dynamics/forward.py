@@ -13,10 +13,9 @@ from numpy.typing import ArrayLike, DTypeLike
 from robodyn.dynamics.arrays import arrays_of, results, zero_sources
 from robodyn.dynamics.effects.effect import Sample, Terms, ZeroColumns
 from robodyn.dynamics.effects.motors import reflected
-from robodyn.dynamics.mass import mass_matrix
+from robodyn.dynamics.inverse import mass_matrix
 from robodyn.dynamics.plan import Plan, applied, plan, runner_of
-from robodyn.dynamics.recursions.articulated_body import articulated_body
-from robodyn.dynamics.recursions.elimination import RESIST, aligned, floating_turns, turned
+from robodyn.dynamics.recursions.articulated_body import RESIST, aligned, articulated_body, floating_turns, turned
 from robodyn.dynamics.recursions.newton_euler import inertial_wrenches
 from robodyn.errors import InputError
 from robodyn.programs.program import traced

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from robodyn.dynamics.arrays import DOUBLE, numbers
 from robodyn.dynamics.derivatives import forward_derivatives, inverse_derivatives
 from robodyn.dynamics.forward import acceleration_program
-from robodyn.dynamics.mass import coriolis_program, mass_runner
+from robodyn.dynamics.inverse import coriolis_program, mass_runner
 from robodyn.dynamics.plan import Plan, plan
 from robodyn.dynamics.regressor import parameters, regressor_program
 from robodyn.errors import InputError

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from robodyn.dynamics.mass import mass_runner
+from robodyn.dynamics.inverse import mass_runner
 from robodyn.equations.ode import bias_plan, check_equations, identifiers
 from robodyn.errors import InputError
 from robodyn.programs.program import Program

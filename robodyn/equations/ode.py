@@ -9,8 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from robodyn.dynamics.arrays import zero_columns
-from robodyn.dynamics.inverse import bias_forces
-from robodyn.dynamics.mass import mass_matrix
+from robodyn.dynamics.inverse import bias_forces, mass_matrix
 from robodyn.dynamics.plan import Plan, plan, runner_of
 from robodyn.errors import InputError
 from robodyn.programs.linear import eigen

@@ -10,8 +10,7 @@ import numpy as np
 from robodyn.dynamics.constraints.constraint_jacobian import closures, normal_of
 from robodyn.dynamics.constraints.solve import ConstraintSolver, Found
 from robodyn.dynamics.constraints.torque_distribution import Mask
-from robodyn.dynamics.contacts.diagnosis import centre_of_pressure, friction_used, kinds, least_friction
-from robodyn.dynamics.contacts.solve import Forces, Problem
+from robodyn.dynamics.contacts.solve import Forces, Problem, centre_of_pressure, friction_used, kinds, least_friction
 from robodyn.dynamics.loops.closed_chain import Dropped
 from robodyn.dynamics.loops.closed_start import independent_equations
 from robodyn.loads.constraint_result import Constraints, ContactLoad, LoopLoad, Missing, Peak, Unbalanced

@@ -17,9 +17,9 @@ from robodyn.dynamics.constraints.constraint_jacobian import (
 )
 from robodyn.dynamics.constraints.solve import ConstraintSolver, Found, touching
 from robodyn.dynamics.constraints.torque_distribution import Mask
+from robodyn.dynamics.inverse import mass_matrix
 from robodyn.dynamics.loops.closed_chain import NOTHING
 from robodyn.dynamics.loops.position_continuation import Follow
-from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan, plan, torque_runner
 from robodyn.loads.constraint_figures import ConstraintFigures
 from robodyn.loads.constraint_result import Constraints

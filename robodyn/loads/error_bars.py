@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robodyn.dynamics.effects.friction import joints_with_friction
-from robodyn.dynamics.mass import mass_matrix
+from robodyn.dynamics.inverse import mass_matrix
 from robodyn.loads.result import Checks, ComponentLoad, EnergyBalance, JointLoad, Sizing
 from robodyn.programs.vectors import length
 from robodyn.robot.base_guess import untouched

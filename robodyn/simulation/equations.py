@@ -18,7 +18,7 @@ from robodyn.dynamics.forward import accelerations
 from robodyn.dynamics.loops.closed_start import independent_equations
 from robodyn.dynamics.loops.closure import local_rates, moved, unit
 from robodyn.dynamics.plan import Plan, applied, runner_of
-from robodyn.dynamics.recursions.elimination import aligned
+from robodyn.dynamics.recursions.articulated_body import aligned
 from robodyn.dynamics.recursions.momentum import Momenta, momenta, position_rates
 from robodyn.errors import InputError
 from robodyn.programs.program import Program, trace, traced

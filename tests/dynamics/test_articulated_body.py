@@ -12,10 +12,9 @@ from helpers.small_robots import body_numbers, built, joint, link, numbers, rand
 
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.forward import accelerations, forward_dynamics
-from robodyn.dynamics.inverse import inverse_dynamics
-from robodyn.dynamics.mass import mass_matrix
+from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import EFFECTS, applied, loads
-from robodyn.dynamics.recursions.elimination import aligned
+from robodyn.dynamics.recursions.articulated_body import aligned
 from robodyn.errors import InputError
 from robodyn.scene.parts import Rotor
 from robodyn.scene.scene import Scene

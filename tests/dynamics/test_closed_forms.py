@@ -8,8 +8,7 @@ from helpers.closed_forms import TORQUES, g, two_link_planar_masses
 from helpers.oracles import frictionless, robot, run, worst
 from helpers.small_robots import body_numbers, built, link
 
-from robodyn.dynamics.inverse import inverse_dynamics
-from robodyn.dynamics.mass import mass_matrix
+from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.scene.scene import Scene
 

@@ -13,7 +13,7 @@ from helpers.robot_catalogue import names
 from helpers.sampled import sampled
 
 import robodyn
-from robodyn.dynamics.mass import coriolis_matrix, mass_runner
+from robodyn.dynamics.inverse import coriolis_matrix, mass_runner
 from robodyn.scene.scene import Scene
 
 SAMPLES = 4

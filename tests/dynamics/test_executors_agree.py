@@ -11,8 +11,7 @@ from helpers.oracles import EPS, ROBOTS, random_state, robot, worst
 
 from robodyn.dynamics.balance import energy, laws, losses
 from robodyn.dynamics.forward import forward_dynamics
-from robodyn.dynamics.inverse import inverse_dynamics
-from robodyn.dynamics.mass import mass_matrix
+from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.programs.run.compiled_blocks import CompiledBlocks
 from robodyn.programs.run.numpy_blocks import NumpyBlocks

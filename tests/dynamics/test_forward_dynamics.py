@@ -14,8 +14,7 @@ from helpers.small_robots import built, chain, chain_parts, link, random_tree
 
 import robodyn
 from robodyn.dynamics.forward import acceleration_program, forward_dynamics
-from robodyn.dynamics.inverse import bias_forces, inverse_dynamics
-from robodyn.dynamics.mass import mass_matrix
+from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.programs.run.multiprecision import Multiprecision

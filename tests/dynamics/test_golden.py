@@ -7,8 +7,7 @@ import pytest
 from helpers.oracles import golden_model, reference, run, worst
 
 from robodyn.dynamics.effects.rigid_bodies import CORIOLIS, GRAVITY
-from robodyn.dynamics.inverse import inverse_dynamics
-from robodyn.dynamics.mass import mass_matrix
+from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.scene.scene import Scene
 

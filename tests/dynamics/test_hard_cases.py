@@ -12,8 +12,7 @@ from helpers.oracles import EPS, random_state, reference, run, worst
 from helpers.small_robots import body_numbers, built, chain, joint, link, random_tree, random_tree_parts, urdf
 
 from robodyn.dynamics.effects.effect import Sample
-from robodyn.dynamics.inverse import inverse_dynamics
-from robodyn.dynamics.mass import mass_matrix
+from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan, applied, loads
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.robot.load import load

@@ -11,8 +11,7 @@ from helpers.pinocchio_robots import PinocchioRobot
 from helpers.small_robots import chain, urdf
 
 import robodyn
-from robodyn.dynamics.inverse import bias_forces, inverse_dynamics
-from robodyn.dynamics.mass import mass_matrix
+from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.dynamics.recursions.momentum import dual_state, momenta, momentum_of_bodies
 from robodyn.errors import InputError

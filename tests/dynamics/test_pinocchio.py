@@ -11,8 +11,7 @@ from helpers.pinocchio_robots import PinocchioRobot
 
 import robodyn
 from robodyn.dynamics.forward import forward_dynamics
-from robodyn.dynamics.inverse import bias_forces, inverse_dynamics
-from robodyn.dynamics.mass import mass_matrix
+from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.robot.load import load

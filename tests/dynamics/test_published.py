@@ -15,8 +15,7 @@ from helpers.robot_files import FOLDER
 from helpers.small_robots import built, joint, link
 
 from robodyn.dynamics.effects import rigid_bodies
-from robodyn.dynamics.inverse import bias_forces, inverse_dynamics
-from robodyn.dynamics.mass import mass_matrix
+from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.scene.parts import ExternalWrench, Payload
 from robodyn.scene.read import load_scene

@@ -235,7 +235,7 @@ MUTATIONS = {
         ("dynamics/loops/closed_chain.py", "c * lower - s * upper", "c * lower + s * upper"),
         ("dynamics/loops/closed_chain.py", "c * change[i]", "change[i]"),
         ("dynamics/loops/closed_chain.py", "0.0 - bias", "bias"),
-        ("dynamics/recursions/elimination.py", "turn.T if back else turn", "turn if back else turn"),
+        ("dynamics/recursions/articulated_body.py", "turn.T if back else turn", "turn if back else turn"),
         ("dynamics/recursions/composite_body.py", "share * 2.0 if other == rate else share", "share"),
         (
             "dynamics/recursions/composite_body.py",

@@ -7,8 +7,7 @@ import pytest
 from helpers.oracles import EPS, random_state, run, worst
 from helpers.small_robots import body_numbers, joint, link, random_tree_parts, urdf
 
-from robodyn.dynamics.inverse import inverse_dynamics
-from robodyn.dynamics.mass import mass_matrix
+from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.robot.load import load

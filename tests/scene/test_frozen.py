@@ -13,9 +13,9 @@ from helpers.oracles import robot
 from helpers.small_robots import joint, link, urdf
 
 import robodyn
-from robodyn.dynamics.mass import mass_runner
+from robodyn.dynamics.inverse import mass_runner
 from robodyn.dynamics.plan import plan
-from robodyn.dynamics.recursions.elimination import aligned
+from robodyn.dynamics.recursions.articulated_body import aligned
 from robodyn.robot.model import Body, Frame, Joint, Model
 from robodyn.scene.parts import (
     Contact,

@@ -7,8 +7,7 @@ import re
 import pytest
 from helpers.oracles import robot
 
-from robodyn.dynamics.inverse import bias_forces, inverse_dynamics
-from robodyn.dynamics.mass import mass_matrix
+from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
 from robodyn.errors import SceneError
 from robodyn.loads.torques import torques
 from robodyn.scene.fit import check_scene

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from robodyn.dynamics.recursions.articulated_body import AXES, articulated, at_parent, wrench_at_parent
-from robodyn.dynamics.recursions.elimination import unresisted
+from robodyn.dynamics.recursions.articulated_body import AXES, articulated, at_parent, unresisted, wrench_at_parent
 from robodyn.errors import InputError
 from robodyn.programs.vectors import Array, Scalar, sqrt, total
 from robodyn.robot.kinematics import Motion

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robodyn.dynamics.arrays import arrays_of, zero_columns
-from robodyn.dynamics.constraints.inverse import as_tree
+from robodyn.dynamics.constraints.solve import as_tree
 from robodyn.dynamics.effects import motors
 from robodyn.dynamics.effects.effect import Effect, Sample, Terms
 from robodyn.dynamics.effects.motors import spins

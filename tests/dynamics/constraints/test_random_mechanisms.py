@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 
 import robodyn
 from robodyn.dynamics.constraints.constraint_jacobian import contact_jacobian, loop_jacobian
-from robodyn.dynamics.constraints.inverse import constraint_forces
+from robodyn.dynamics.constraints.solve import constraint_forces
 from robodyn.dynamics.constraints.torque_distribution import structure
 from robodyn.dynamics.loops.closure import moved
 from robodyn.dynamics.plan import plan

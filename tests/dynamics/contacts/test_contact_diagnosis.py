@@ -6,8 +6,15 @@ import numpy as np
 import pytest
 from helpers.stances import base_columns, feet
 
-from robodyn.dynamics.contacts.diagnosis import STRONGEST, centre_of_pressure, friction_used, kinds, least_friction
-from robodyn.dynamics.contacts.solve import Problem, contact_forces
+from robodyn.dynamics.contacts.solve import (
+    STRONGEST,
+    Problem,
+    centre_of_pressure,
+    contact_forces,
+    friction_used,
+    kinds,
+    least_friction,
+)
 
 UP = np.array((0.0, 0.0, 1.0))
 SQUARE = np.array([(x, y, 0.0) for x in (-0.1, 0.1) for y in (-0.1, 0.1)])

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from helpers.stances import base_columns, feet, stance
 
-from robodyn.dynamics.contacts.diagnosis import least_friction
-from robodyn.dynamics.contacts.solve import FreeTerms, Problem, TorqueTerms, contact_forces
+from robodyn.dynamics.contacts.solve import FreeTerms, Problem, TorqueTerms, contact_forces, least_friction
 from robodyn.errors import InputError
 
 UP = np.array((0.0, 0.0, 1.0))

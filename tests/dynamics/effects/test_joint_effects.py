@@ -9,8 +9,7 @@ from helpers.oracles import EPS, frictionless, random_state, run, worst
 from helpers.small_robots import body_numbers, built, joint, link, urdf
 
 from robodyn.dynamics.effects import rigid_bodies, wrenches
-from robodyn.dynamics.inverse import inverse_dynamics
-from robodyn.dynamics.mass import mass_matrix
+from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.robot.load import load
 from robodyn.scene.parts import Friction, Immersed, Payload, Rotor, Spring

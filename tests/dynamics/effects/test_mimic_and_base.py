@@ -11,8 +11,7 @@ from helpers.oracles import EPS, random_state, run, worst
 from helpers.pinocchio_robots import PinocchioRobot
 from helpers.small_robots import joint, link, random_tree, random_tree_parts, urdf
 
-from robodyn.dynamics.inverse import inverse_dynamics
-from robodyn.dynamics.mass import mass_matrix
+from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.programs.vectors import cross

@@ -12,8 +12,7 @@ from helpers.oracles import EPS, golden_model, random_state, robot, run, worst
 from helpers.robot_files import FOLDER
 
 from robodyn.dynamics.effects import rigid_bodies
-from robodyn.dynamics.inverse import inverse_dynamics
-from robodyn.dynamics.mass import mass_matrix
+from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import EFFECTS, Plan
 from robodyn.scene.parts import CoupledMotor, Friction, Rotor
 from robodyn.scene.read import load_scene

@@ -10,8 +10,7 @@ from helpers.busy_robot import busy_robot
 from helpers.oracles import random_state, robot
 
 from robodyn.dynamics.forward import acceleration_program
-from robodyn.dynamics.inverse import inverse_dynamics
-from robodyn.dynamics.mass import mass_runner
+from robodyn.dynamics.inverse import inverse_dynamics, mass_runner
 from robodyn.dynamics.plan import Plan
 from robodyn.scene.parts import ExternalWrench, Friction, Immersed, Payload, Rotor, Spring
 from robodyn.scene.scene import Scene

@@ -11,8 +11,8 @@ import robodyn
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.loops.closed_chain import GivensProjection, closed_chain
 from robodyn.dynamics.plan import applied, plan
+from robodyn.dynamics.recursions.articulated_body import aligned
 from robodyn.dynamics.recursions.composite_body import Root, composite_body, rates_inward
-from robodyn.dynamics.recursions.elimination import aligned
 from robodyn.errors import InputError
 from robodyn.scene.parts import Loop
 from robodyn.scene.scene import Scene
