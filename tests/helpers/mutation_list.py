@@ -226,7 +226,19 @@ MUTATIONS = {
         ),
         ("dynamics/effects/springs.py", "_positive(x)", "x"),
     ],
-    "loads/test_sizing_figures.py": [
+    "loads/test_sizing.py": [
+        ("loads/sizing.py", "(f[:2], m)", "(f[:2], m[::-1])"),
+        ("loads/sizing.py", "driving > 0", "driving < 0"),
+        ("loads/sizing.py", "tau - (train.gear * train.gear * train.inertia) * qdd", "tau"),
+        (
+            "loads/sizing.py",
+            "(train.gear * train.inertia) * qdd + load * share / train.gear",
+            "load * share / train.gear",
+        ),
+        ("loads/sizing.py", "np.interp(speed, speeds, torques, right=0.0)", "np.interp(speed, speeds, torques)"),
+        ("loads/sizing.py", "carried * carried * carried * np.abs(qd)", "carried * carried * carried"),
+        ("loads/sizing.py", "size / np.maximum(peak, self.least)", "size - peak"),
+        ("loads/sizing.py", "torque_runner(self.model, self.scene, rates)", "torque_runner(self.model, self.scene)"),
         ("loads/statistics.py", "weights[0] += before", "weights[0] += 0.0"),
         ("loads/statistics.py", "np.abs(power)", "power"),
         ("loads/statistics.py", "1 / 3", "1 / 2"),
@@ -337,22 +349,6 @@ MUTATIONS = {
         ("simulation/table.py", "kind == RATE", "kind != RATE"),
         ("simulation/table.py", "meant * (1.0 + NEAR)", "time * (1.0 + NEAR)"),
         ("simulation/equations.py", "[h * x for x in mean]", "[h * x for x in qd]"),
-    ],
-    "loads/test_bearings.py": [
-        ("loads/sizing.py", "(f[:2], m)", "(f[:2], m[::-1])"),
-    ],
-    "loads/test_motor_torque.py": [
-        ("loads/sizing.py", "driving > 0", "driving < 0"),
-        ("loads/sizing.py", "tau - (train.gear * train.gear * train.inertia) * qdd", "tau"),
-        (
-            "loads/sizing.py",
-            "(train.gear * train.inertia) * qdd + load * share / train.gear",
-            "load * share / train.gear",
-        ),
-        ("loads/sizing.py", "np.interp(speed, speeds, torques, right=0.0)", "np.interp(speed, speeds, torques)"),
-        ("loads/sizing.py", "carried * carried * carried * np.abs(qd)", "carried * carried * carried"),
-        ("loads/sizing.py", "size / np.maximum(peak, self.least)", "size - peak"),
-        ("loads/sizing.py", "torque_runner(self.model, self.scene, rates)", "torque_runner(self.model, self.scene)"),
     ],
     "programs/test_folding.py": [
         ("programs/scalar.py", "self - other.a", "self + other.a"),

@@ -106,14 +106,6 @@ WALKERS = {
         stride=0.12,
         lift=0.08,
     ),
-    "Solo12": Walker(
-        "solo12",
-        {"hl": "HL_FOOT", "fl": "FL_FOOT", "hr": "HR_FOOT", "fr": "FR_FOOT"},
-        POINT,
-        _legs("FL FR", "HL HR", ("HFE", "KFE"), (0.8, -1.6), True),
-        stride=0.05,
-        lift=0.03,
-    ),
     "Go2": Walker(
         "go2",
         {"rl": "RL_foot", "fl": "FL_foot", "rr": "RR_foot", "fr": "FR_foot"},

@@ -36,9 +36,13 @@ def moves(time, long):
     return [there - back for there, back in zip(*parts, strict=True)]
 
 
-@pytest.mark.parametrize("name", ROBOT_JOINTS)
-@pytest.mark.parametrize("scene", SCENES)
-@pytest.mark.parametrize("digits", [6, pytest.param(9, marks=pytest.mark.slow), 15])
+CASES = [*zip(ROBOT_JOINTS, [*SCENES, "coulomb"], (6, 15, 6, 15), strict=True)]
+MORE = [(name, scene, digits) for name in ROBOT_JOINTS for scene, digits in zip(SCENES, (15, 9, 6), strict=True)]
+
+
+@pytest.mark.parametrize(
+    ("name", "scene", "digits"), [*CASES, *(pytest.param(*case, marks=pytest.mark.slow) for case in MORE)]
+)
 def test_friction_and_losses_of_a_dwell(name: str, scene: str, digits: int) -> None:
     model = load(str(ROBOTS / f"{name}.urdf"))
     names = [joint.name for joint in model.independent]

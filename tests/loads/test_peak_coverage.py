@@ -15,14 +15,14 @@ from helpers.exact_motions import MOTIONS, course
 from helpers.read_motions import GIVEN, READINGS
 from scipy.stats import binom
 
-DRAWS = 30
+DRAWS = 10
 RISK, KEPT = 1e-3, 0.9
 CLASSES = [*MOTIONS, *READINGS, *GIVEN, "100 Hz", "250 Hz", "500 Hz", "1000 Hz"]
 
 
 @pytest.fixture(scope="module")
 def cases() -> list[Case]:
-    return [case(kind, draw, "test") for kind in MOTIONS for draw in range(DRAWS)]
+    return [case(kind, draw, "test", judged=1) for kind in MOTIONS for draw in range(DRAWS)]
 
 
 def least(share: float, count: int) -> int:
@@ -62,11 +62,11 @@ def test_verdicts_tell_a_limit_that_is_kept(cases: list[Case]) -> None:
     No verdict is green over rates that positions contradict, so the share that is kept is of the other tables. A
     verdict is of all joints: one with a wide bar near its limit leaves it open.
     """
-    firsts = [each.verdicts[:3] for each in cases]
+    firsts = [each.verdicts for each in cases]
     narrow = [told for load, share, told in chain(*firsts) if share == ABOVE and load.bar <= NARROW * load.true]
     assert len(narrow) >= len(cases) / 3
     assert len(narrow) - sum(told is False for told in narrow) >= least(1 - GREEN, len(narrow))
-    sound = [case.verdicts[:3] for case in cases if case.labels[2] in ("none", "velocity", "both")]
+    sound = [case.verdicts for case in cases if case.labels[2] in ("none", "velocity", "both")]
     narrow = [told for load, share, told in chain(*sound) if share == ABOVE and load.bar <= NARROW * load.true]
     assert sum(told is True for told in narrow) >= least(KEPT, len(narrow)), len(narrow)
 

