@@ -62,7 +62,7 @@ def outside(text):
     return b"".join(re.sub(rb"<(link[^>]*?)\s*/>", rb"<\1></link>", text).split())
 
 
-@pytest.mark.parametrize("path", [*sampled(OURS, 6), *map(path_of, REAL)], ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", [*sampled(OURS, 10), *map(path_of, REAL)], ids=lambda path: path.stem)
 def test_it_reads_back(path):
     model = load(path)
     names, theta, wanted = calibration(model, 3)
@@ -71,18 +71,12 @@ def test_it_reads_back(path):
     assert_has(again, names, wanted)
     assert_links_possible(again, impossible(model))
     assert outside(found.data) == outside(path.read_bytes())
-
-
-@pytest.mark.parametrize("path", [path_of("ur10_robot"), *OURS[:2]], ids=lambda path: path.stem)
-def test_it_passes_the_check_as_before(path):
-    model = load(path)
-    names, theta, wanted = calibration(model, 4, 0.05)
-    found = calibrated_urdf(model, names, theta, wanted, comment=["calibrated"])
-    before, after = (
-        {(one.code, one.subject) for one in check_one(data, name=str(path)) if one.severity is Severity.ERROR}
-        for data in (path.read_bytes(), found.data)
-    )
-    assert after <= before
+    if path.stem == "ur10_robot":
+        before, after = (
+            {(one.code, one.subject) for one in check_one(data, name=str(path)) if one.severity is Severity.ERROR}
+            for data in (path.read_bytes(), found.data)
+        )
+        assert after <= before
 
 
 TEXT = b"""<?xml version="1.0"?>\r\n<robot name="arm"><!-- kept -->\r
@@ -115,13 +109,7 @@ def test_only_numbers_change():
     expected = TEXT.replace(b"2.00", b"4.0").replace(b"0 0.5 0", b"0 0 0").replace(b"0.1 0 0", b"0.125 0.0 0.0")
     assert found == expected.replace(old, new[0])
     assert_has(load(found), names, wanted)
-
-
-def test_nothing_changed_is_the_same_file():
-    model = load(TEXT)
-    names, theta = described(model)
-    found = calibrated_urdf(model, names, theta, theta, friction=True)
-    assert found == (TEXT, ())
+    assert calibrated_urdf(model, names, theta, theta, friction=True) == (TEXT, ())
 
 
 def test_a_comment_goes_to_the_top():
@@ -179,28 +167,20 @@ def inertials(model):
     return {each.name: each.inertial for each in model.description.links}
 
 
-def test_of_links_fixed_to_each_other_the_first_changes():
-    model = lumped()
+@pytest.mark.parametrize(("own", "changed"), [(1.0, "arm"), (None, "hand")])
+def test_of_links_fixed_to_each_other_the_first_or_the_heaviest_changes(own, changed):
+    model = lumped(own=own)
     names, theta, wanted = with_body(model, 1.3)
     found = calibrated_urdf(model, names, theta, wanted)
     again = load(found.data)
     assert_has(again, names, wanted)
     assert not found.notes
     before, after = inertials(model), inertials(again)
-    assert (before["hand"], before["tool"]) == (after["hand"], after["tool"])
-    assert after["arm"].mass == pytest.approx(1.0 + 0.3 * 1.6)
+    assert [name for name in before if before[name] != after[name]] == [changed]
+    assert own is None or after["arm"].mass == pytest.approx(1.0 + 0.3 * 1.6)
 
 
-def test_of_a_first_link_without_mass_the_heaviest_changes():
-    model = lumped(own=None)
-    names, theta, wanted = with_body(model, 1.3)
-    again = load(calibrated_urdf(model, names, theta, wanted).data)
-    assert_has(again, names, wanted)
-    before, after = inertials(model), inertials(again)
-    assert (before["arm"], before["tool"]) == (after["arm"], after["tool"])
-
-
-@pytest.mark.parametrize("factor", [0.5, 0.01, 1e-6])
+@pytest.mark.parametrize("factor", [0.5, 1e-6])
 def test_links_that_are_more_than_their_body_are_scaled(factor):
     model = lumped()
     names, theta, wanted = with_body(model, factor)
@@ -240,14 +220,8 @@ def test_friction_in_the_description():
     )
     names, theta = described(model)
     wanted = dict(zip(names, theta.tolist(), strict=True))
-    wanted |= {
-        "j.viscous": 0.3,
-        "j.forward": 2.0,
-        "j.backward": -2.0,
-        "k.viscous": 0.1,
-        "k.forward": 1.0,
-        "k.backward": -3.0,
-    }
+    wanted |= {"j.viscous": 0.3, "j.forward": 2.0, "j.backward": -2.0}
+    wanted |= {"k.viscous": 0.1, "k.forward": 1.0, "k.backward": -3.0}
     values = np.array(list(wanted.values()))
     found = calibrated_urdf(model, names, theta, values, friction=True)
     assert b'<dynamics damping="0.3" friction="2.0"/>' in found.data

@@ -83,23 +83,21 @@ def random_body(rng, scale=1.0):
     return parameters_of(np.einsum("k,ki,kj->ij", rng.uniform(0.1, 1.0, 8), x, x))
 
 
-@pytest.mark.parametrize("scale", [1e-9, 1e9])
-@pytest.mark.parametrize("size", [1e-3, 1e3])
-def test_units_and_magnitudes_do_not_matter(scale, size):
-    """Masses times `scale` and lengths times `size` make the same bodies of the same data."""
-    rng = np.random.default_rng(8)
+def test_units_and_magnitudes_do_not_matter():
+    """Masses and lengths in other units make the same bodies of the same data."""
+    rng, scale, size = np.random.default_rng(8), 1e9, 1e-3
     truth, prior, R = random_body(rng), random_body(rng), rng.normal(size=(8, 10))
     z = R @ truth + 0.1 * rng.normal(size=8)
     units = scale * np.array((1.0, *(size,) * 3, *(size * size,) * 6))
-    for strength in (0.0, 1e-3):
-        plain = consistent_parameters(R, z, one_body(R, prior), strength)
-        other = consistent_parameters(R / units, z, one_body(R, prior * units), strength)
-        assert np.abs(other.theta / units - plain.theta).max() <= 1e-5 * np.abs(plain.theta).max()
-        assert abs(other.error - plain.error) <= 1e-10 * (z @ z)
+    plain = consistent_parameters(R, z, one_body(R, prior), 1e-3)
+    other = consistent_parameters(R / units, z, one_body(R, prior * units), 1e-3)
+    assert np.abs(other.theta / units - plain.theta).max() <= 1e-5 * np.abs(plain.theta).max()
+    assert abs(other.error - plain.error) <= 1e-10 * (z @ z)
+    with pytest.raises(InputError, match="not finite"):
+        consistent_parameters(R * np.nan, z, one_body(R, prior))
 
 
-@pytest.mark.parametrize("noise", [0.0, 0.5])
-@pytest.mark.parametrize("strength", [0.0, 1e-8, 1.0])
+@pytest.mark.parametrize(("noise", "strength"), [(0.0, 1e-8), (0.5, 0.0), (0.5, 1.0)])
 def test_every_answer_is_possible_and_certain(noise, strength):
     R, z, prior, _ = log(noise, zero=("rotor",))
     found = consistent_parameters(R, z, prior, strength * (z @ z))
@@ -108,7 +106,7 @@ def test_every_answer_is_possible_and_certain(noise, strength):
     assert found.error == pytest.approx(0.5 * np.sum((R @ found.theta - z) ** 2), rel=1e-9)
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 def test_descriptions_may_be_far_off(seed):
     """Thirty times too heavy or too light, three times too long or too short, with fewer rows than parameters."""
     rng = np.random.default_rng(seed)
@@ -123,7 +121,7 @@ def test_descriptions_may_be_far_off(seed):
     assert_possible(found.theta, known)
 
 
-@pytest.mark.parametrize("seed", [11, 126, 232, 361])
+@pytest.mark.parametrize("seed", [11, 232])
 def test_motions_that_show_little(seed):
     """Small motions of small robots, far from the description: one in a hundred of these stopped at a cone's border."""
     rng = np.random.default_rng(seed)
@@ -158,12 +156,11 @@ def objective(theta, R, z, prior, strength):
     return total
 
 
-@pytest.mark.parametrize("strength", [1e-6, 1e-2])
-def test_nothing_near_is_better(strength):
+def test_nothing_near_is_better():
     R, z, prior, _ = log(0.3)
     moved = prior.bodies[0]
     seen = Prior(prior.names, prior.described, prior.theta, tuple(b for b in prior.bodies if b is not moved), ())
-    strength *= z @ z
+    strength = 1e-3 * (z @ z)
     best = consistent_parameters(R, z, prior, strength).theta
     least, rng = objective(best, R, z, seen, strength), np.random.default_rng(2)
     for step in (1e-2, 1e-4, 1e-6):
@@ -202,27 +199,15 @@ def by_clarabel(R, z, prior):
     return np.array(solution.x)
 
 
-@pytest.mark.parametrize("noise", [0.05, 0.5])
-def test_without_strength_it_is_the_optimum_of_another_solver(noise):
-    R, z, prior, _ = log(noise, zero=("rotor", "viscous"))
+def test_without_strength_it_is_the_optimum_of_another_solver():
+    """And bounds are reached exactly."""
+    R, z, prior, _ = log(0.3, zero=("rotor", "viscous"))
     ours, theirs = consistent_parameters(R, z, prior).theta, by_clarabel(R, z, prior)
     errors = [np.sum((R @ theta - z) ** 2) / (z @ z) for theta in (ours, theirs)]
     assert abs(errors[0] - errors[1]) <= 1e-6 * errors[1]
     unconstrained = np.linalg.lstsq(R, z, rcond=1e-12)[0]
+    assert any(ours[k] == 0.0 for k, name in enumerate(prior.names) if name.endswith((".rotor", ".viscous")))
     assert errors[0] > 1.001 * np.sum((R @ unconstrained - z) ** 2) / (z @ z)  # the bounds are active
-
-
-def test_bounds_that_hold_are_reached_exactly():
-    R, z, prior, _ = log(0.3, zero=("rotor", "viscous"))
-    found = consistent_parameters(R, z, prior)
-    bounded = [k for k, name in enumerate(prior.names) if name.endswith((".rotor", ".viscous"))]
-    zeros = [k for k in bounded if found.theta[k] == 0.0]
-    gradient = R.T @ (R @ found.theta - z)
-    assert 0 < len(zeros) < len(bounded)
-    assert (gradient[zeros] > 0.0).all()
-    open_ones = [k for k in bounded if k not in zeros]
-    unit = np.linalg.norm(z) / np.linalg.norm(R[:, open_ones], axis=0)
-    assert np.abs(gradient[open_ones] * unit).max() <= 1e-6 * (z @ z)
 
 
 def test_mass_stays_within_the_ellipsoid():
@@ -295,27 +280,12 @@ def test_impossible_descriptions_are_replaced_and_said():
 LINKS = ("base", "a", "b", "c", "frame", "tip")
 
 
-def test_numbers_that_are_not_finite_are_refused():
-    R = np.full((3, 10), np.nan)
-    with pytest.raises(InputError, match="not finite"):
-        consistent_parameters(R, np.ones(3), one_body(R, random_body(np.random.default_rng(0))))
-
-
-EPS = np.finfo(float).eps
-
-
-def cloud(seed, points=6):
-    """Masses and places of a few points."""
-    rng = np.random.default_rng(seed)
-    return rng.uniform(0.1, 2.0, points), rng.normal(size=(points, 3))
-
-
 def test_of_a_cloud_of_points_it_is_the_integral():
-    m, x = cloud(1)
-    I = np.einsum(
-        "k,kij->ij", m, np.einsum("kd,kd->k", x, x)[:, None, None] * np.eye(3) - np.einsum("ki,kj->kij", x, x)
-    )
+    rng = np.random.default_rng(1)
+    m, x = rng.uniform(0.1, 2.0, 6), rng.normal(size=(6, 3))
+    squares = (x * x).sum(axis=1)[:, None, None] * np.eye(3)
+    I = np.einsum("k,kij->ij", m, squares - np.einsum("ki,kj->kij", x, x))
     P = pseudo_inertia(np.array((m.sum(), *(m @ x), *I[np.triu_indices(3)])))
-    homogeneous = np.column_stack((x, np.ones(len(m))))
+    homogeneous = np.column_stack((x, np.ones(6)))
     expected = np.einsum("k,ki,kj->ij", m, homogeneous, homogeneous)
-    assert np.abs(P - expected).max() <= 16 * EPS * np.abs(expected).max()
+    assert np.abs(P - expected).max() <= 16 * np.finfo(float).eps * np.abs(expected).max()

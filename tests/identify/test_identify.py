@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -20,7 +21,7 @@ from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.scene.uncertainty import Uncertainty, read_covariance
 
 SPATIAL = ROBOTS / "two_link_spatial.urdf"
-TIME = 0.005 * np.arange(4000)
+TIME = 0.005 * np.arange(2400)
 KINDS = {"coulomb": "N m", "offset": "N m"} | {
     kind: "kg" if kind == "m" else "kg m" if kind[0] == "m" else "kg m^2" for kind in INERTIAL
 }
@@ -62,7 +63,7 @@ def off_truth(found, scene):
     return max(np.abs(found.base.values - beta)[rows].max() / (np.abs(beta[rows]).max() or 1.0) for rows in own)
 
 
-@pytest.mark.parametrize("name", ["two_link_spatial", "scara"])
+@pytest.mark.parametrize("name", ["scara", pytest.param("two_link_spatial", marks=pytest.mark.slow)])
 def test_exact_logs_give_exact_base_parameters(name, tmp_path):
     robot = ROBOTS / f"{name}.urdf"
     names = robodyn.load(robot).rates
@@ -72,7 +73,9 @@ def test_exact_logs_give_exact_base_parameters(name, tmp_path):
     assert off_truth(found, scene) < 1e-10
 
 
-@pytest.mark.parametrize(("values", "bound"), [((0.5,), 1e-6), ((0.5, 0.8, -0.8), 1e-4)])
+@pytest.mark.parametrize(
+    ("values", "bound"), [pytest.param((0.5,), 1e-6, marks=pytest.mark.slow), ((0.5, 0.8, -0.8), 1e-4)]
+)
 def test_positions_alone_give_what_their_derivatives_allow(values, bound, tmp_path):
     """Splines at 200 Hz of motions up to 1.2 Hz; dry friction is smoothed at turns."""
     scene = Scene(friction=friction(robodyn.load(SPATIAL), *values))
@@ -80,6 +83,7 @@ def test_positions_alone_give_what_their_derivatives_allow(values, bound, tmp_pa
     assert off_truth(identify([read_log(str(tmp_path / "log.csv"), model)]), scene) < bound
 
 
+@pytest.mark.slow
 def test_the_files_make_the_torques_that_were_logged(tmp_path, monkeypatch):
     """Friction by direction, breakaway, rotors, a coupled motor: what is written explains another motion as the log."""
     monkeypatch.chdir(tmp_path)
@@ -91,7 +95,7 @@ def test_the_files_make_the_torques_that_were_logged(tmp_path, monkeypatch):
         rotor={"waist": Rotor(0.3)},
         coupled=(CoupledMotor("wrist", wrist, 0.05, 1.0, Friction(0.6, 2.0, -2.0)),),
     )
-    logged("log.csv", robot, waves, scene, np.random.default_rng(2), noise=0.01, time=TIME[:3000])
+    logged("log.csv", robot, waves, scene, np.random.default_rng(2), noise=0.01, time=0.005 * np.arange(3000))
     done = run("identify", str(robot), "log.csv", "--out", "found.urdf", "--scene-out", "found.toml")
     assert done.status == 0, done.err
     states = quintics(np.random.default_rng(3), TIME[:500], model.n)
@@ -143,11 +147,12 @@ def test_springs_and_payloads_of_the_scene_are_known(tmp_path):
     assert found.scene.spring == scene.spring
 
 
-@pytest.mark.parametrize("factor", [1e6])
-def test_units_do_not_count(factor, tmp_path):
-    """Torques, masses and friction of a robot a million times as heavy, or as light."""
+def test_units_do_not_count(tmp_path):
+    """Torques, masses and friction of a robot a million times as heavy."""
+    factor = 1e6
     scene = Scene(friction=friction(robodyn.load(SPATIAL), 0.5 * factor, 0.8 * factor, -0.6 * factor))
-    text = scaled_masses(SPATIAL.read_text(), factor)
+    entry = re.compile(r'((?:\bi[xyz]{2}|mass value)=")([^"]+)"')
+    text = entry.sub(lambda found: f'{found[1]}{float(found[2]) * factor!r}"', SPATIAL.read_text())
     (tmp_path / "robot.urdf").write_text(text)
     model, _, _ = logged(
         tmp_path / "log.csv", tmp_path / "robot.urdf", waves, scene, np.random.default_rng(5), noise=0.01
@@ -157,16 +162,9 @@ def test_units_do_not_count(factor, tmp_path):
     assert found.consistent
 
 
-def scaled_masses(text, factor):
-    import re
-
-    entry = re.compile(r'((?:\bi[xyz]{2}|mass value)=")([^"]+)"')
-    return entry.sub(lambda found: f'{found[1]}{float(found[2]) * factor!r}"', text)
-
-
 def test_what_is_kept_does_not_grow(tmp_path):
     kept = []
-    for count in (4000, 16000):
+    for count in (2000, 6000):
         path = tmp_path / f"{count}.csv"
         time = 0.01 * np.arange(count)
         model, _, _ = logged(path, SPATIAL, waves, DEFAULT, np.random.default_rng(6), noise=0.01, time=time)
@@ -179,6 +177,7 @@ def test_what_is_kept_does_not_grow(tmp_path):
     assert kept[0] == kept[1]
 
 
+@pytest.mark.slow
 def test_rounding_explains_no_torque(tmp_path):
     """Quarter turns that are no exact floats leave columns of 1e-17: at unit length they would be noise to fit with."""
     model, scene = robodyn.load(ROBOTS / "puma560.urdf"), Scene()

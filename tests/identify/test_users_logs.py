@@ -71,19 +71,6 @@ def test_friction_without_breakaway(log):
             assert motor["stribeck"] < 1.6 * dry
 
 
-def test_a_cutoff_of_which_no_position_is_left(log):
-    found = run("identify", URDF, log, "--cutoff", "0.001")
-    assert found.status == 2
-    assert "a filter of 0.001 Hz leaves 0 rows of 5.995 s" in found.err
-
-
-def test_a_report_does_not_replace_an_output(log, tmp_path):
-    report = str(tmp_path / "report.html")
-    found = run("identify", URDF, log, "--out", report, "--report", report)
-    assert found.status == 2
-    assert "two outputs have this name" in found.err
-
-
 @pytest.mark.parametrize(("new", "old", "better"), [(0.3, 0.5, True), (0.6, 0.5, False), (1.2, 1.8, False)])
 def test_what_explains_less_than_nothing_is_not_better(new, old, better):
     errors = {name: Errors(value, {}) for name, value in (("held_out", new), ("original_held_out", old))}
