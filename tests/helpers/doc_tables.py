@@ -24,13 +24,13 @@ TIMED = {
     "streaming": "bench_streaming",
     "tables": "bench_tables",
     "startup": "bench_startup",
-    "forward": "bench_forward_dynamics",
+    "forward": "bench_executors --forward 1",
     "gradients": "bench_derivatives",
     "contacts": "bench_contacts",
     "excitation": "bench_excitation",
     "one-sample": "bench_one_sample",
     "precision": "bench_work_precision",
-    "meshes": "bench_cold_mesh",
+    "meshes": "bench_startup --meshes 5000000",
     "check": "bench_check",
     "findings": "bench_findings",
     "slips": "bench_slips",
@@ -74,7 +74,7 @@ def timed_tables() -> dict[str, Callable[[], str]]:
 
 
 def measured(script: str) -> str:
-    """What a benchmark prints, and on which machine if it does not say so."""
-    command = [sys.executable, "-m", f"benchmarks.{script}"]
+    """What a benchmark with its options prints, and on which machine if it does not say so."""
+    command = [sys.executable, "-m", *f"benchmarks.{script}".split()]
     text = subprocess.run(command, cwd=Path(__file__).parents[1], check=True, stdout=subprocess.PIPE, text=True).stdout
     return text if "Measured on " in text else f"{text}\n{machine('click')}"

@@ -13,7 +13,7 @@ from robodyn.programs.derivative import again, derivative, jacobian
 from robodyn.programs.program import Program, trace
 from robodyn.programs.run.multiprecision import Multiprecision
 from robodyn.programs.scalar import CONSTANT, Tape
-from robodyn.programs.vectors import cos, exp, sign, sin, sqrt
+from robodyn.programs.vectors import sign, sin
 
 ROWS = 2
 
@@ -33,50 +33,30 @@ def worst(program: Program, widths: dict[str, int], seed: int) -> mpmath.mpf:
 
 
 @pytest.mark.parametrize("operations", [4, 15, 60])
-@pytest.mark.parametrize("first", [0, pytest.param(25, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("first", [0, pytest.param(8, marks=pytest.mark.slow)])
 def test_random_programs(operations: int, first: int) -> None:
-    for seed in range(first, first + 25):
-        assert worst(*seeded(seed, operations, True), seed) < 1e-35
+    for seed in range(first, first + 8):
+        assert worst(*seeded(seed, operations), seed) < 1e-35
 
 
-@given(programs(True))
+@given(programs())
 def test_programs_that_shrink(drawn) -> None:
     assert worst(*drawn, 3) < 1e-35
 
 
-@pytest.mark.parametrize(
-    ("function", "slope"),
-    [
-        (lambda x: 3.0 * x + 2.0, lambda x: 3.0),
-        (lambda x: x * x * x, lambda x: 3 * x * x),
-        (lambda x: 1.0 / x, lambda x: -1 / x**2),
-        (sqrt, lambda x: 0.5 / np.sqrt(x)),
-        (lambda x: sin(x) * cos(x), lambda x: np.cos(2 * x)),
-        (lambda x: exp(-(x * x)), lambda x: -2 * x * np.exp(-(x**2))),
-        (lambda x: x * x * sign(x), lambda x: 2 * np.abs(x)),
-        (sign, lambda x: 0.0),
-        (lambda x: 4.0, lambda x: 0.0),
-        (lambda x: x, lambda x: 1.0),
-    ],
-    ids=["line", "cube", "quotient", "root", "waves", "bell", "drag", "step", "constant", "itself"],
-)
-def test_functions_of_one_number(function, slope) -> None:
-    program = derivative(trace(lambda tape: [function(tape.input("x", 0))]), [("x", 0)])
-    for x in (0.3, 1.7):
-        (found,) = Multiprecision(program, digits=30)({"x": [[x]]}, 1)[0]
-        assert abs(float(found) - slope(x)) <= 1e-15 * max(abs(slope(x)), 1.0)
-
-
-def test_along_a_direction() -> None:
-    """The rate along (y, -x), by which x^2 + y^2 does not change."""
+def test_a_step_and_a_direction() -> None:
+    """A sign has no slope; x^2 + y^2 does not change along (y, -x); inputs can be given other values."""
 
     def outputs(tape: Tape):
         x, y = tape.input("x", 0), tape.input("x", 1)
-        return [rate for row in jacobian([x * x + y * y, x * y], [{x: y, y: -x}]) for rate in row]
+        return [rate for row in jacobian([x * x + y * y, x * y, sign(x)], [{x: y, y: -x}]) for rate in row]
 
     program = trace(outputs)
     assert program.operations[program.outputs[0]][:2] == (CONSTANT, 0.0)
+    assert program.operations[program.outputs[2]][:2] == (CONSTANT, 0.0)
     assert Multiprecision(program, digits=30)({"x": [[3.0, 5.0]]}, 1)[0][1] == 25 - 9
+    product = trace(lambda tape: [tape.input("x", 0) * tape.input("y", 0)])
+    assert trace(lambda tape: again(product, tape, {("x", 0): 2.0})).inputs == {("y", 0)}
 
 
 def test_what_is_not_connected_costs_nothing() -> None:
@@ -87,22 +67,8 @@ def test_what_is_not_connected_costs_nothing() -> None:
     assert sum(found.operations[k][0] is not CONSTANT for k in found.outputs) == 20
 
 
-@pytest.mark.parametrize(("inputs", "outputs"), [(1, 30), (30, 1)])
-def test_the_shorter_way(inputs: int, outputs: int) -> None:
-    """One input: forwards; one output: backwards. Either way the derivative costs a few times the function."""
-
-    def chain(tape: Tape):
-        x = sum((sin(tape.input("x", i)) for i in range(inputs)), 0.0)
-        for _ in range(50):
-            x = x * x + sin(x)
-        return [x * float(k + 1) for k in range(outputs)]
-
-    program = trace(chain)
-    assert derivative(program, [("x", i) for i in range(inputs)]).size < 5 * program.size
-
-
 def test_a_row_each_its_own_way() -> None:
-    """One output of many inputs beside many outputs of one input: neither way alone is short."""
+    """One output of many inputs goes backwards, many outputs of one input forwards: neither way alone is short."""
 
     def both(tape: Tape):
         many = sum((tape.input("x", i) for i in range(30)), 0.0)
@@ -124,9 +90,3 @@ def test_second_derivatives() -> None:
     s, c = mpmath.sin(x * y), mpmath.cos(x * y)
     expected = [-y * y * s, c - x * y * s, c - x * y * s, -x * x * s]
     assert max(abs(a - b) for a, b in zip(found, expected, strict=True)) < 1e-14
-
-
-def test_again_with_other_inputs() -> None:
-    program = trace(lambda tape: [tape.input("x", 0) * tape.input("y", 0)])
-    other = trace(lambda tape: again(program, tape, {("x", 0): 2.0}))
-    assert other.inputs == {("y", 0)}

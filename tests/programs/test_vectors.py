@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from robodyn.dynamics.recursions.newton_euler import euler
 from robodyn.programs.vectors import (
     cross,
-    exp,
     rotation_about,
     rotation_from_quaternion,
     rotation_from_rpy,
@@ -21,7 +20,6 @@ from robodyn.programs.vectors import (
     snapped,
 )
 from robodyn.solids.inertia.laws import MASSLESS, combined, inertia_of
-from robodyn.solids.inertia.validity import unphysical
 
 angles = st.one_of(st.floats(-10, 10), st.sampled_from([k * np.pi / 2 for k in range(-8, 9)]), st.floats(-1e-12, 1e-12))
 components = st.floats(-1, 1).filter(lambda x: x == 0 or abs(x) > 1e-6)
@@ -46,16 +44,6 @@ def _about(x, y, z, t):
 def test_rotation_about_an_axis(axis, angle):
     unit = np.array(axis) / np.linalg.norm(axis)
     assert np.abs(rotation_about(unit, angle) - _exact(_about, *unit, angle)).max() <= 4 * EPS
-
-
-@pytest.mark.parametrize("k", range(3))
-def test_rotation_about_a_coordinate_axis_is_exact(k):
-    R = rotation_about(np.eye(3)[k], 0.3)
-    i, j = (k + 1) % 3, (k + 2) % 3
-    expected = np.zeros((3, 3))
-    expected[k, k], expected[i, i], expected[j, j] = 1, np.cos(0.3), np.cos(0.3)
-    expected[i, j], expected[j, i] = -np.sin(0.3), np.sin(0.3)
-    np.testing.assert_array_equal(R, expected)
 
 
 def _of_rpy(roll, pitch, yaw):
@@ -93,16 +81,13 @@ def test_snapped_moves_what_is_one_rounding_away_and_nothing_else():
     assert not np.signbit(out[[3, 4, 7]]).any()
 
 
-def test_cross_and_skew():
+def test_cross_and_skew_and_turns_about_coordinate_axes():
+    expected = [[np.cos(0.3), 0, np.sin(0.3)], [0, 1, 0], [-np.sin(0.3), 0, np.cos(0.3)]]
+    np.testing.assert_array_equal(rotation_about(np.eye(3)[1], 0.3), expected)
+    assert [sign(x) for x in (3, np.float64(-2), 0)] == [1.0, -1.0, 0.0]
     a, b = np.random.default_rng(1).normal(size=(2, 3))
     assert worst(cross(a, b), skew(a) @ b) <= EPS
     assert worst(cross(a, b), np.cross(a, b)) <= EPS
-
-
-@pytest.mark.parametrize("scalar", [float, np.float64, int])
-def test_sign_and_exp_of_every_number(scalar):
-    assert [sign(scalar(x)) for x in (3, -2, 0)] == [1.0, -1.0, 0.0]
-    assert exp(scalar(0)) == 1.0
 
 
 def _random_body(rng):
@@ -110,7 +95,7 @@ def _random_body(rng):
     return rng.uniform(0.1, 3), rng.normal(size=3), spread @ spread.T
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(5))
 def test_inertia_of_a_displaced_body(seed):
     rng = np.random.default_rng(seed)
     m, c, I_c = _random_body(rng)
@@ -131,25 +116,7 @@ def test_inertia_of_a_displaced_body(seed):
     assert worst(found.centre_of_mass, np.array(first) / m) <= 4 * EPS
 
 
-def test_moments_add_up():
-    rng = np.random.default_rng(3)
-    one, two = inertia_of(*_random_body(rng)), inertia_of(*_random_body(rng))
-    both = combined((one, two))
-    assert both.m == one.m + two.m
-    np.testing.assert_array_equal(both.I, one.I + two.I)
-    assert combined(()) is not None
-    assert (combined(()).m, combined(()).I.any(), MASSLESS.centre_of_mass.any()) == (0, False, False)
-
-
-def test_unphysical_inertias():
-    assert unphysical(np.diag([1.0, 2.0, 3.0])) is None
-    assert unphysical(np.diag([1.0, 2.0, 3.0000001])) is None
-    assert "triangle" in unphysical(np.diag([1.0, 2.0, 3.1]))
-    assert "negative" in unphysical(np.diag([1.0, 2.0, -0.1]))
-    assert unphysical(np.zeros((3, 3))) is None
-
-
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(5))
 def test_eulers_equations_entry_by_entry(seed):
     """Against I wd + w x I w with 40 digits, within 8 eps (|I| |wd| + |I| |w|^2)."""
     rng = np.random.default_rng(seed)
@@ -164,3 +131,12 @@ def test_eulers_equations_entry_by_entry(seed):
     size = np.linalg.norm(I, 2)
     bound = 8 * EPS * size * (np.linalg.norm(wd) + np.linalg.norm(w) ** 2)
     assert np.abs(euler(I, w, wd) - expected).max() <= bound
+
+
+def test_moments_add_up():
+    rng = np.random.default_rng(3)
+    one, two = inertia_of(*_random_body(rng)), inertia_of(*_random_body(rng))
+    both = combined((one, two))
+    assert both.m == one.m + two.m
+    np.testing.assert_array_equal(both.I, one.I + two.I)
+    assert (combined(()).m, combined(()).I.any(), MASSLESS.centre_of_mass.any()) == (0, False, False)

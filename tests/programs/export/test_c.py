@@ -19,7 +19,7 @@ from robodyn.programs.vectors import cos, exp, sign, sin
 
 @needs_c
 def test_random_programs(tmp_path):
-    drawn = [random_program(random.Random(seed), 60, tame=True) for seed in range(40)]
+    drawn = [random_program(random.Random(seed), 60) for seed in range(10)]
     text = "".join(
         c_function(f"f{k}", program, widths, {"out": len(program.outputs)}) for k, (program, widths) in enumerate(drawn)
     )

@@ -25,7 +25,7 @@ from robodyn.scene.scene import Scene
 
 pytestmark = needs_compiler
 
-SAMPLES = [1, 7, 8, 9, 15, 16, 17, BLOCK - 1, BLOCK, BLOCK + 1, 1000, 4097]
+SAMPLES = [1, 7, 9, 16, BLOCK - 1, BLOCK, BLOCK + 1, 4097]
 
 
 @pytest.fixture
@@ -80,7 +80,7 @@ def test_arrays_that_cannot_be_used_again():
 def test_any_number_of_samples(samples, busy_threads):
     arrays = state(samples)
     found = expected(arrays)
-    if samples <= 300:
+    if samples <= 16:
         apart = [ready()({name: x[[i]] for name, x in arrays.items()}, 1)[0] for i in range(samples)]
         np.testing.assert_array_equal(bits(found), bits(apart))
     few = {name: x[: samples // 2] for name, x in arrays.items()}
@@ -91,25 +91,17 @@ def test_any_number_of_samples(samples, busy_threads):
 
 @pytest.mark.parametrize("layout", LAYOUTS)
 def test_any_layout_and_thread_count(layout, busy_threads):
-    for samples in SAMPLES:
+    for samples in (1, 9, BLOCK + 1, 4097):
         arrays = {name: LAYOUTS[layout](values) for name, values in state(samples).items()}
         right = bits(expected(arrays))
-        for threads in (1, 2, 3, 5):
+        for threads in (1, 3):
             np.testing.assert_array_equal(bits(ready()(arrays, samples, None, threads)), right)
-
-
-@pytest.mark.parametrize("stuck", [["a"], ["b"], ["a", "b"]])
-def test_one_sample_for_all(stuck):
-    """A column that is broadcast has a stride of 0."""
-    arrays = state(300)
-    broadcast = {name: np.broadcast_to(x[7], x.shape) if name in stuck else x for name, x in arrays.items()}
-    np.testing.assert_array_equal(bits(ready()(broadcast, 300)), bits(expected(broadcast)))
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, 1e300])
 @pytest.mark.parametrize("source", "ab")
 def test_one_sample_leaves_the_others(source, value):
-    for at in (0, 5, 127, 128, 299):
+    for at in (0, 127, 299):
         calm = {name: np.clip(np.nan_to_num(x, nan=1.0), -9, 9) for name, x in state(300).items()}
         right = expected(calm)
         calm[source][at] = value
@@ -120,27 +112,17 @@ def test_one_sample_leaves_the_others(source, value):
 
 def test_single_precision(busy_threads):
     run = ready(np.float32)
-    for samples in (1, 15, 17, BLOCK + 1, 1000):
+    for samples in (1, 17, BLOCK + 1):
         arrays = state(samples, np.float32)
         right = run(arrays, samples)
         assert right.dtype == np.float32
-        for layout in ("rows", "every third row", "backwards", "unaligned", "other bytes first", "whole pages apart"):
+        for layout in ("rows", "backwards", "unaligned", "other bytes first"):
             other = {name: LAYOUTS[layout](values) for name, values in arrays.items()}
             for threads in (1, 3):
                 np.testing.assert_array_equal(bits(run(other, samples, None, threads)), bits(right))
         finite = np.isfinite(right)
         with np.errstate(all="ignore"):
             assert worst(right[finite], expected(arrays)[finite]) <= 8 * np.finfo(np.float32).eps
-
-
-def test_many_threads_at_once():
-    """One object, and many callers that share its threads."""
-    run = CompiledBlocks(PROGRAM, WIDTHS)
-    tasks = [state(samples) for samples in range(60, 1200, 30)]
-    with ThreadPoolExecutor(8) as pool:
-        found = list(pool.map(lambda arrays: run(arrays, len(arrays["a"]), None, 2), tasks))
-    for arrays, result in zip(tasks, found, strict=True):
-        np.testing.assert_array_equal(bits(result), bits(expected(arrays)))
 
 
 def test_work_is_shared_among_threads(monkeypatch):
@@ -153,7 +135,7 @@ def test_work_is_shared_among_threads(monkeypatch):
         assert started.pop() == threads
 
 
-@pytest.mark.parametrize("begin", [(0,), (1,), (2,), (2, 0)])
+@pytest.mark.parametrize("begin", [(0,), (2, 0)])
 def test_a_thread_takes_over_what_others_leave(begin, busy_threads, monkeypatch):
     """The first takes all pieces where the others come late."""
 
@@ -209,7 +191,7 @@ TWO_THREADS = """
 import numpy as np, os, robodyn, warnings
 warnings.simplefilter("ignore", DeprecationWarning)  # of a fork where threads run
 model = robodyn.load({robot!r})
-q = np.random.default_rng(0).uniform(-1, 1, (50_000, model.n))
+q = np.random.default_rng(0).uniform(-1, 1, (20_000, model.n))
 def torques(): return robodyn.inverse_dynamics(model, q, q, q, executor="compiled", threads=2)
 before = torques()
 child = os.fork() if {fork} else 1

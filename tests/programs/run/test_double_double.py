@@ -28,9 +28,9 @@ def exact(pair):
         return [mpmath.mpf(h) + mpmath.mpf(l) for h, l in zip(*map(np.atleast_1d, pair), strict=True)]
 
 
-def worst(found, expected, absolute=False):
+def worst(found, expected):
     with mpmath.workdps(DIGITS):
-        off = [abs(a - b) / (1 if absolute else abs(b)) for a, b in zip(exact(found), expected, strict=True)]
+        off = [abs(a - b) / abs(b) for a, b in zip(exact(found), expected, strict=True)]
     return float(max(off))
 
 
@@ -44,33 +44,21 @@ def test_arithmetic(name):
     assert worst(getattr(dd, name)(a, b), expected) <= bound
 
 
-@pytest.mark.parametrize(("name", "size"), [("sine", 1.0), ("sine", 1e6), ("cosine", 20.0), ("exponential", 30.0)])
+@pytest.mark.parametrize(
+    ("name", "size"), [("sine", 1.0), ("sine", 1e6), ("cosine", 20.0), ("exponential", 30.0), ("root", 1e3)]
+)
 def test_functions(name, size):
     a = pairs(size=size)
-    of = {"sine": mpmath.sin, "cosine": mpmath.cos, "exponential": mpmath.exp}[name]
+    a = Pair(*(np.abs(x) for x in a)) if name == "root" else a
+    of = {"sine": mpmath.sin, "cosine": mpmath.cos, "exponential": mpmath.exp, "root": mpmath.sqrt}[name]
     with mpmath.workdps(DIGITS):
         expected = [of(x) for x in exact(a)]
     # Of large angles the rounding of the angle itself in 106 bits counts.
     assert worst(getattr(dd, name)(a), expected) <= 1e-30 * max(1.0, size)
 
 
-@pytest.mark.parametrize("size", [1e3, 1e8])
-def test_large_angles(size):
-    a = Pair(size * RNG.uniform(-1, 1, 50), np.zeros(50))
-    with mpmath.workdps(DIGITS):
-        expected = [mpmath.sin(x) for x in exact(a)]
-    assert worst(dd.sine(a), expected, absolute=True) <= 1e-31
-
-
-def test_roots():
-    a = Pair(*(np.abs(x) for x in pairs(size=1e3)))
-    with mpmath.workdps(DIGITS):
-        expected = [mpmath.sqrt(x) for x in exact(a)]
-    assert worst(dd.root(a), expected) <= 1e-30
-    assert dd.root(Pair(np.zeros(1), np.zeros(1))).high == 0.0
-
-
 def test_where_there_is_no_number():
+    assert dd.root(Pair(np.zeros(1), np.zeros(1))).high == 0.0
     with np.errstate(all="ignore"):
         nothing = Pair(np.zeros(1), np.zeros(1))
         assert dd.divided(Pair(np.ones(1), np.zeros(1)), nothing).high == np.inf
@@ -78,9 +66,8 @@ def test_where_there_is_no_number():
         assert np.isnan(dd.root(Pair(-np.ones(1), np.zeros(1))).high)
 
 
-@pytest.mark.parametrize("robot", ["puma560", "scara"])
-def test_torques(robot):
-    model = load(FOLDER / f"{robot}.urdf")
+def test_torques():
+    model = load(FOLDER / "puma560.urdf")
     program = plan(model, DEFAULT).torques()
     samples = dd.BLOCK + 3
     sources = {name: RNG.uniform(-2, 2, (samples, model.n)) for name in ("q", "qd", "qdd")}

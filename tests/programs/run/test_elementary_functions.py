@@ -74,7 +74,7 @@ def angles(rng, count):
 
 
 ANGLES = {
-    "of every size": lambda: angles(np.random.default_rng(1), 400_000),
+    "of every size": lambda: angles(np.random.default_rng(1), 100_000),
     "next to multiples of a quarter turn": beside_multiples,
     "powers of two": lambda: np.concatenate((2.0 ** np.arange(-1074.0, 21.0), -(2.0 ** np.arange(-1074.0, 21.0)))),
     "tiny and zero": lambda: np.concatenate((TINY, -TINY, [0.0, -0.0])),
@@ -89,23 +89,14 @@ def test_sine_and_cosine(kind, monkeypatch):
     assert max(worst((sin, cos), ANGLES[kind]())) <= ULPS
 
 
-def test_the_hardest_angles_are_among_them():
-    """The double next to a multiple of pi/2 (29 pi/2) that is nearest to one, by the continued fraction of pi/2."""
-    x = beside_multiples()
-    rest = np.minimum(abs(np.sin(x)), abs(np.cos(x)))
-    assert rest.min() < 6.2e-19
-    assert abs(x[rest.argmin()]) == float(29 * mpmath.pi / 2)
-    assert np.count_nonzero(rest < 1e-14) > 1000
-
-
 @extended
 def test_exponential():
     rng = np.random.default_rng(2)
     around = np.arange(-1074, 1024) * np.log(2.0)
     for x in (
-        rng.uniform(-745.0, 709.7, 300_000),
-        rng.uniform(-1.0, 1.0, 300_000),
-        rng.uniform(-745.1, -708.0, 100_000),
+        rng.uniform(-745.0, 709.7, 100_000),
+        rng.uniform(-1.0, 1.0, 50_000),
+        rng.uniform(-745.1, -708.0, 20_000),
         np.concatenate((around, around + 0.5 * np.log(2.0), np.nextafter(around, np.inf))),
         np.concatenate((TINY, -TINY, [0.0, -0.0, 709.782712893384, -745.1332191019411])),
     ):
@@ -123,7 +114,7 @@ def test_exponential_out_of_range():
 def test_against_many_digits():
     rng = np.random.default_rng(3)
     with mpmath.workdps(60):
-        for functions, x in (((sin, cos), angles(rng, 1600)), ((exp,), rng.uniform(-708.0, 709.7, 400))):
+        for functions, x in (((sin, cos), angles(rng, 800)), ((exp,), rng.uniform(-708.0, 709.7, 200))):
             for f, found in zip(functions, values(functions, x).T, strict=True):
                 exact = [getattr(mpmath, f.__name__)(mpmath.mpf(angle)) for angle in x]
                 errors = [abs(mpmath.mpf(a) - b) / np.spacing(abs(float(b))) for a, b in zip(found, exact, strict=True)]
@@ -132,9 +123,9 @@ def test_against_many_digits():
 
 def test_single_precision():
     rng = np.random.default_rng(4)
-    for x in (angles(rng, 400_000), beside_multiples(np.float32), rng.uniform(-2e-38, 2e-38, 10_000), [0.0, -0.0]):
+    for x in (angles(rng, 100_000), beside_multiples(np.float32), rng.uniform(-2e-38, 2e-38, 10_000), [0.0, -0.0]):
         assert max(worst((sin, cos), x, np.float32)) <= ULPS
-    for x in (rng.uniform(-103.9, 88.72, 300_000), rng.uniform(-103.9, -87.0, 10_000), [0.0, -0.0, 1e-45]):
+    for x in (rng.uniform(-103.9, 88.72, 100_000), rng.uniform(-103.9, -87.0, 10_000), [0.0, -0.0, 1e-45]):
         assert worst((exp,), x, np.float32)[0] <= 0.5 + 1e-6
 
 
@@ -176,7 +167,7 @@ def test_many_angles_at_the_limit_together(monkeypatch):
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])
 def test_alone_or_together(dtype):
     """A sine has the same bits whether or not its cosine is wanted."""
-    x = angles(np.random.default_rng(6), 4000)
+    x = angles(np.random.default_rng(6), 1000)
     both = values((sin, cos), x, dtype)
     np.testing.assert_array_equal(bits(values((sin,), x, dtype)), bits(both[:, :1]))
     np.testing.assert_array_equal(bits(values((cos,), x, dtype)), bits(both[:, 1:]))
@@ -193,7 +184,7 @@ def test_sign(dtype):
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])
 def test_root_and_quotient_are_rounded_once(dtype):
     rng = np.random.default_rng(7)
-    pairs = rng.integers(0, 2 ** (8 * np.dtype(dtype).itemsize), (100_000, 2), dtype=f"u{np.dtype(dtype).itemsize}")
+    pairs = rng.integers(0, 2 ** (8 * np.dtype(dtype).itemsize), (20_000, 2), dtype=f"u{np.dtype(dtype).itemsize}")
     x = pairs.view(dtype)
     found = compiled(lambda x, y: [x.sqrt(), x / y], 2, dtype)({"x": x}, len(x))
     with np.errstate(all="ignore"):
@@ -207,28 +198,16 @@ def largest_errors(errors, work):
 
 @pytest.mark.slow
 @extended
-def test_twenty_five_million_arguments():
-    ready(sin, cos)
-    ready(exp)
-
-    def errors(seed):
-        rng = np.random.default_rng(seed)
-        return [*worst((sin, cos), angles(rng, 250_000)), *worst((exp,), rng.uniform(-745.0, 709.7, 250_000))]
-
-    found = largest_errors(errors, range(100))
-    assert max(found) <= ULPS, found
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize(("functions", "most"), [((sin, cos), LIMIT), ((exp,), 88.72), ((exp,), -103.9)])
-def test_every_number_of_single_precision(functions, most):
-    """From 1e-4; the sine is odd and the cosine even."""
+def test_millions_of_arguments(functions, most):
+    """In double precision; and in single precision one number in fifty from 1e-4, the sine being odd."""
     least, end = np.array([np.copysign(1e-4, most), most], np.float32).view(np.uint32).tolist()
-    ready(*functions, dtype=np.float32)
+    rng = np.random.default_rng(9)
 
     def errors(start):
-        x = np.arange(start, min(start + 2**20, end), dtype=np.uint32).view(np.float32)
-        return worst(functions, x, np.float32)
+        x = np.arange(start, min(start + 2**22, end), 53, dtype=np.uint32).view(np.float32)
+        double = angles(rng, 100_000) if sin in functions else np.sign(most) * rng.uniform(0.0, 709.0, 100_000)
+        return [*worst(functions, x, np.float32), *worst(functions, double)]
 
-    found = largest_errors(errors, range(least, end, 2**20))
-    assert max(found) <= ULPS, found
+    found = [errors(start) for start in range(least, end, 2**22)]
+    assert np.max(found) <= ULPS, np.max(found, axis=0)

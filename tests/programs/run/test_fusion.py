@@ -9,12 +9,13 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from helpers.compiled_programs import bits, compiled, needs_compiler, program_of
+from helpers.compiled_programs import bits, needs_compiler, program_of
 from helpers.oracles import golden_model
 
 from robodyn.dynamics.plan import Plan
 from robodyn.programs.run.compiled_blocks import CompiledBlocks, kernel_of
 from robodyn.programs.run.llvm.kernel import fused_products
+from robodyn.programs.run.numpy_blocks import NumpyBlocks
 from robodyn.programs.scalar import ADD, CONSTANT, INPUT, MUL, SUB
 from robodyn.scene.scene import Scene
 
@@ -68,11 +69,11 @@ def test_which_products_are_fused(name):
     assert counted(program) == (fused, formed)
 
 
-@pytest.mark.parametrize("steps", [5, 20, 80])
+@pytest.mark.parametrize("steps", [5, 40])
 def test_no_product_is_formed_that_sums_take_in(steps):
     """A product that is taken in is used by sums that take it in, and by nothing else."""
     several = 0
-    for seed in range(60):
+    for seed in range(25):
         program = sums_of_products(seed, steps)
         taken = fused_products(program)
         users = defaultdict(list)
@@ -126,44 +127,15 @@ def numbers(count, dtype, seed):
     return x
 
 
-FORMS = {
-    "x y + z": (lambda x, y, z, w: [x * y + z], lambda x, y, z: x * y + z),
-    "z + x y": (lambda x, y, z, w: [z + x * y], lambda x, y, z: x * y + z),
-    "x y - z": (lambda x, y, z, w: [x * y - z], lambda x, y, z: x * y - z),
-    "z - x y": (lambda x, y, z, w: [z - x * y], lambda x, y, z: z - x * y),
-    "-x y - z": (lambda x, y, z, w: [-(x * y) - z], lambda x, y, z: -(x * y) - z),
-}
-
-
-@needs_compiler
-@pytest.mark.parametrize("dtype", [np.float64, np.float32])
-@pytest.mark.parametrize("form", FORMS)
-def test_each_form_is_rounded_once(form, dtype):
-    function, exact = FORMS[form]
-    x = numbers(200, dtype, 1)
-    found = compiled(function, INPUTS, dtype)({"x": x}, len(x))[:, 0]
-    expected = [rounded(exact(*(Fraction(float(number)) for number in row[:3])), dtype) for row in x]
-    np.testing.assert_array_equal(found, expected)
-    assert np.count_nonzero(found != exact(*x[:, :3].T)) > 60
-
-
 @needs_compiler
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])
 def test_random_sums_of_products_to_the_bit(dtype):
-    for seed in range(60):
+    """Products that are taken in are rounded once, with the sum; others as NumPy does."""
+    twice = 0
+    for seed in range(48):
         program = sums_of_products(seed, seed % 12 + 1)
         x = numbers(3, dtype, seed)
         found = CompiledBlocks(program, {"x": INPUTS}, dtype)({"x": x}, 3)
         np.testing.assert_array_equal(found, [once_rounded(program, row, dtype) for row in x])
-
-
-@needs_compiler
-def test_products_that_are_not_taken_in_are_rounded():
-    """Nothing is contracted behind our back."""
-    x = numbers(300, np.float64, 2)
-    run = compiled(lambda x, y, z, w: [x * y, x * y + z, z - x * y, x * y * w + z * w], INPUTS)
-    product, total, difference, last = run({"x": x}, 300).T
-    np.testing.assert_array_equal(product, x[:, 0] * x[:, 1])
-    np.testing.assert_array_equal(total, x[:, 0] * x[:, 1] + x[:, 2])
-    np.testing.assert_array_equal(difference, x[:, 2] - x[:, 0] * x[:, 1])
-    assert (last != x[:, 0] * x[:, 1] * x[:, 3] + x[:, 2] * x[:, 3]).any()
+        twice += np.count_nonzero(found != NumpyBlocks(program, {"x": INPUTS}, dtype)({"x": x}, 3))
+    assert twice > 10

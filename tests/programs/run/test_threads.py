@@ -19,7 +19,7 @@ from robodyn.programs.run.runner import Choice, Runner
 
 PROGRAM = program_of(lambda x, y: [(x * y + x).sin() * y + x * x, x / (y * y + 1.0)], 2)
 WIDTHS = {"x": 2}
-THREADS = 16
+THREADS = 8
 
 
 @pytest.fixture(autouse=True)
@@ -82,7 +82,7 @@ def test_results_are_those_of_the_executor_that_is_told(monkeypatch):
     def job(number):
         def run():
             rng, wrong, told = np.random.default_rng(number), 0, set()
-            for _ in range(40):
+            for _ in range(20):
                 samples = int(rng.integers(1, 700))
                 x = rng.normal(size=(samples, 2))
                 executor = str(rng.choice(["auto", "numpy", "compiled"]))
@@ -120,9 +120,9 @@ def test_no_sample_is_lost_from_the_count(monkeypatch):
     a_runner, x = Runner(PROGRAM, WIDTHS), np.ones((3, 2))
     seen = []
     monkeypatch.setattr(runner, "choice", lambda work: (seen.append(work), Choice("numpy", "little"))[1])
-    _at_once([lambda: [a_runner({"x": x}, 3, threads=1) for _ in range(200)]] * THREADS)
+    _at_once([lambda: [a_runner({"x": x}, 3, threads=1) for _ in range(100)]] * THREADS)
     a_runner({"x": x}, 3, threads=1)
-    assert (seen[-1].samples, seen[-1].runs, seen[-1].blocks) == tuple(k * (200 * THREADS + 1) for k in (3, 1, 1))
+    assert (seen[-1].samples, seen[-1].runs, seen[-1].blocks) == tuple(k * (100 * THREADS + 1) for k in (3, 1, 1))
 
 
 @pytest.mark.parametrize("executor", ["numpy", pytest.param("compiled", marks=needs_compiler)])

@@ -79,14 +79,6 @@ def test_everything_works_and_large_work_says_so_once(lack, tmp_path):
     assert f"RobodynWarning: large work goes without machine code, tens of times slower: {problem}\n" in done.stderr
 
 
-def test_the_command_works(lack, tmp_path):
-    write_arm(tmp_path)
-    call = ["robodyn", "torques", str(tmp_path / "arm.urdf"), str(tmp_path / "arm.csv")]
-    done = python(f"{LACKING[lack]}\nsys.argv = {call!r}\nfrom robodyn.cli.main import main; main()")
-    assert "shoulder" in done.stdout
-    assert done.stderr == ""
-
-
 def test_the_command_shows_robodyns_warnings_wherever_they_come_from(tmp_path):
     """And nobody else's: by their category, not by the module that warns."""
     write_arm(tmp_path)
@@ -126,13 +118,3 @@ told(executor=runner().run(sources, 50, expected=10_000).choice.executor)
     for told in (first, again):
         assert told["executor"] == "numpy"
         assert "llvmlite" not in told["loaded"]
-
-
-@needs_compiler
-def test_large_work_compiles(tmp_path):
-    code = """
-told(executor=runner().run(sources, 50, expected=10**9).choice.executor)
-"""
-    first, second = (_told(python(WORK + code, ROBODYN_CACHE=tmp_path)) for _ in range(2))
-    assert first == second
-    assert first["executor"] == "compiled"
