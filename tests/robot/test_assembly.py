@@ -1,21 +1,30 @@
-"""The Model: planar and floating joints in elementary ones, places in q, names, frames, size."""
+"""The Model: planar and floating joints, names, size; what must not change torques; what Python shows of it."""
 
 from __future__ import annotations
 
+import inspect
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 from helpers.busy_robot import busy_robot
-from helpers.oracles import EPS, worst
+from helpers.command_line import ROBOTS
+from helpers.example_robots import PATHS
+from helpers.oracles import EPS, random_state, run, worst
 from helpers.peers import pin
 from helpers.pinocchio_robots import PinocchioRobot
-from helpers.small_robots import body_numbers, built, chain_parts, joint, link, urdf
+from helpers.small_robots import body_numbers, built, chain_parts, joint, link, random_tree_parts, urdf
 
-from robodyn.dynamics.inverse import inverse_dynamics
+import robodyn
+from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
+from robodyn.dynamics.plan import Plan
 from robodyn.errors import DescriptionError
+from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.robot.kinematics import motions, poses
 from robodyn.robot.load import load
+from robodyn.scene.parts import LimitSpring
+from robodyn.scene.scene import DEFAULT, Scene
 
 
 @pytest.mark.parametrize("axis", [(0, 0, 1), (1, 0, 0), (0, 1, 0), (0.48, 0.6, -0.64), (0, 0, -1)])
@@ -122,3 +131,118 @@ def _calls(n):
     finally:
         sys.setprofile(None)
     return count
+
+
+def _pair(first, second, seed=1):
+    """tau and M of two robots with the same joints in the same state, whatever the order of their coordinates."""
+    q, qd, qdd = random_state(first, np.random.default_rng(seed), 20)
+    order = [first.rates.index(name) for name in second.rates]
+    back = np.argsort(order)
+    other = inverse_dynamics(second, q[:, order], qd[:, order], qdd[:, order])[:, back]
+    M = mass_matrix(second, q[:, order])[:, back][:, :, back]
+    return inverse_dynamics(first, q, qd, qdd), other, mass_matrix(first, q), M
+
+
+def _agree(first, second, eps=4):
+    tau, other, M, M_other = _pair(first, second)
+    assert worst(other, tau) <= eps * EPS
+    assert worst(M_other, M) <= eps * EPS
+
+
+@pytest.mark.parametrize("turn", [(0, 0, 0), (0.4, -1.2, 2.0)], ids=["along", "turned"])
+def test_a_link_split_in_two_by_a_fixed_joint(turn):
+    """The second half stands in a frame of its own; its numbers are the same in space."""
+    rng = np.random.default_rng(2)
+    m, c, six = body_numbers(rng)
+    m2, c2, six2 = body_numbers(rng)
+    R, p = rotation_from_rpy(*turn), np.array([0.2, -0.1, 0.3])
+    halves = [
+        link("l1", m, c, six),
+        link("half", m2, c2, six2),
+        joint("glue", "l1", "half", "fixed", (1, 0, 0), p, turn),
+    ]
+    centre = R @ c2 + p
+    I, I2 = (np.array([[a, b, d], [b, e, f], [d, f, g]]) for a, b, d, e, f, g in (six, six2))
+    total, mean = m + m2, (m * np.array(c) + m2 * centre) / (m + m2)
+
+    def shifted(mass, inertia, place):
+        r = place - mean
+        return inertia + mass * (r @ r * np.eye(3) - np.outer(r, r))
+
+    whole = (shifted(m, I, np.array(c)) + shifted(m2, R @ I2 @ R.T, centre))[np.triu_indices(3)]
+    rest = [link("l0"), link("l2", *body_numbers(rng)), joint("j1", "l0", "l1", axis=(0.6, 0, 0.8))]
+    rest.append(joint("j2", "l1", "l2", "prismatic", (0, 0.8, 0.6), (0.3, 0.2, 0.1), (1, 2, 3)))
+    _agree(load(urdf(link("l1", total, mean, whole), *rest)), load(urdf(*halves, *rest)))
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_the_order_of_the_file(seed):
+    """Links and joints shuffled: the same torques joint by joint, in the order in which the file names the joints."""
+    rng = np.random.default_rng(seed)
+    parts = random_tree_parts(rng, 9)
+    shuffled = [parts[k] for k in rng.permutation(len(parts))]
+    first, second = load(urdf(*parts)), load(urdf(*shuffled))
+    named = [part.split('"')[1] for part in shuffled if part.startswith("<joint") and 'type="fixed"' not in part]
+    assert list(second.joint_names) == named
+    assert sorted(named) == sorted(first.joint_names)
+    assert all(0 <= parent < i for i, parent in enumerate(second.parents) if i)
+    _agree(first, second)
+
+
+@pytest.mark.parametrize("turn", [(0.3, -0.7, 2.9), (np.pi / 2, 0, 0), (0, np.pi / 2, 0.4)])
+def test_the_whole_robot_turned_with_gravity(turn):
+    parts = random_tree_parts(np.random.default_rng(4), 8)
+    upright = load(urdf(link("world"), *parts, joint("mount", "world", "l0", "fixed")))
+    tilted = load(urdf(link("world"), *parts, joint("mount", "world", "l0", "fixed", rpy=turn)))
+    R, gravity = rotation_from_rpy(*turn), np.array([1.0, -2.0, -9.0])
+    state = random_state(upright, np.random.default_rng(5), 20)
+    first, second = Plan(upright, Scene(tuple(gravity))), Plan(tilted, Scene(tuple((R @ gravity).tolist())))
+    one, two = run(first.wrenches(), first, *state), run(second.wrenches(), second, *state)
+    n = upright.n
+    assert worst(two[:, :n], one[:, :n]) <= 8 * EPS
+    assert worst(two[:, n : n + 3], one[:, n : n + 3] @ R.T) <= 8 * EPS
+    assert worst(two[:, n + 3 :], one[:, n + 3 :] @ R.T) <= 8 * EPS
+
+
+FILES = [*sorted(ROBOTS.glob("*.urdf"))[::4], *PATHS[::25]]
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_a_model_is_shown_in_three_lines(path: Path) -> None:
+    model = robodyn.load(path)
+    first, second, third = repr(model).split("\n")
+    assert first.startswith(f"<Model '{model.name}' of ")
+    assert f"{path.name}'" in first
+    assert first.endswith("moving base" if model.floating else "fixed base")
+    assert second.startswith(f" {model.n} degree")
+    assert all(f"'{name}'" in second for name in model.joint_names[:8])
+    assert third.endswith(">")
+    assert len(repr(model)) < 1000
+
+
+def test_hostile_names_are_shown_without_effect() -> None:
+    long, strange = "l" * 9999, "a\u202e\x85b"
+    model = built(link(long), link(strange, 1.0), joint(strange * 500, long, strange))
+    text = repr(model)
+    assert len(text) < 500
+    assert text.count("\n") == 2
+    assert all(character.isprintable() or character == "\n" for character in text)
+
+
+def test_a_scene_is_shown_as_the_call_that_makes_it() -> None:
+    names = {name: getattr(robodyn, name) for name in robodyn.__all__} | {"LimitSpring": LimitSpring}
+    for path in ROBOTS.glob("*.toml"):
+        scene = robodyn.load_scene(path)
+        assert eval(repr(scene), names) == scene
+
+
+def test_signatures_can_be_read() -> None:
+    """No default takes a line of its own: a scene's was 800 characters long."""
+    for name in filter(str.islower, robodyn.__all__):
+        parameters = inspect.signature(getattr(robodyn, name)).parameters.values()
+        assert [each for each in parameters if len(repr(each.default)) > 40] == []
+
+
+def test_the_default_scene_is_short() -> None:
+    assert repr(DEFAULT) == "Scene()"
+    assert repr(Scene(gravity=(0, 0, -1.62))) == "Scene(gravity=(0.0, 0.0, -1.62))"

@@ -1,4 +1,4 @@
-"""Bodies made of the shapes of a link: closed forms and meshes at their poses."""
+"""Bodies made of the shapes of a link, closed forms and meshes at their poses; meshes fixed to each other."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.robot.masses.shapes import link_from_shapes
 from robodyn.robot.urdf.description import load_description
 from robodyn.solids.inertia import solids
+from robodyn.solids.inertia.solids import box
+from robodyn.solids.mass_properties import combined, mass_properties
 
 EPS = np.finfo(float).eps
 SHAPES = {
@@ -130,3 +132,49 @@ def test_a_mesh_that_is_no_solid(tmp_path):
     (tmp_path / "flat.stl").write_bytes(mesh_samples.binary_stl(mesh_samples.sheet()))
     with pytest.raises(MeshError, match=r"flat\.stl"):
         link_from_shapes(described(("", '<mesh filename="flat.stl"/>'), folder=tmp_path), "a")
+
+
+SIZES = ((0.5, 0.25, 0.125), (0.25, 0.25, 1.0))
+POSES = (
+    (rotation_from_rpy(0.1, 0.2, 0.3), np.array([1.0, 0, 0])),
+    (rotation_from_rpy(-0.5, 0, 1), np.array([0, -1.0, 2])),
+)
+
+
+def parts(*densities):
+    return [mass_properties(mesh_samples.box(size), density=rho) for size, rho in zip(SIZES, densities, strict=True)]
+
+
+def placed_boxes(*densities):
+    return [box(*size, density=rho).placed(*pose) for size, rho, pose in zip(SIZES, densities, POSES, strict=True)]
+
+
+def test_boxes_of_two_densities_at_their_places():
+    found = combined(parts(1000, 500), POSES)
+    one, other = placed_boxes(1000, 500)
+    close(found.body, one + other)
+    for body, expected in zip(found.placed, (one, other), strict=True):
+        close(body, expected)
+    assert found.warnings == ()
+
+
+def test_the_mass_of_the_whole_is_shared_as_the_densities_say():
+    found = combined(parts(1000, 500), POSES, mass=2.0)
+    one, other = placed_boxes(1000, 500)
+    close(found.body, (one + other).scaled_to_mass(2.0))
+    assert [part.body.mass for part in found.parts] == pytest.approx([2 / 3, 4 / 3], rel=8 * EPS)
+
+
+def test_without_places_meshes_stay_where_they_are():
+    moved = mass_properties(mesh_samples.moved(mesh_samples.box(), (2, 0, 0)), density=1)
+    still = mass_properties(mesh_samples.box(), density=1)
+    close(combined([still, moved]).body, box(1, 1, 1, density=1) + box(1, 1, 1, density=1).moved(np.array([2.0, 0, 0])))
+    assert len(combined([still, still]).warnings) == 1
+    found = combined([still, moved]).box
+    np.testing.assert_array_equal((found.lo, found.hi), ([-0.5] * 3, [2.5, 0.5, 0.5]))
+
+
+@pytest.mark.parametrize(("poses", "mass"), [(POSES[:1], None), (POSES, 0.0), (POSES, np.nan), (POSES, np.inf)])
+def test_parts_without_places_or_mass_are_refused(poses, mass):
+    with pytest.raises(InputError):
+        combined(parts(1, 1), poses, mass)

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-import yourdfpy
 from helpers.command_line import ROBOTS
 
 from robodyn.report.pictures.robot import shapes_of
@@ -38,24 +37,6 @@ def test_primitives_are_closed_and_as_large_as_they_should_be(shape: str) -> Non
     assert abs(solid.volume) <= volume * (1 + 1e-12)
     assert abs(solid.volume) >= volume * (1 - coarse) * (1 - 1e-12)
     np.testing.assert_allclose(triangles.reshape(-1, 3).mean(axis=0), (1.0, 2.0, 3.0), rtol=0, atol=0.02)
-
-
-@pytest.mark.parametrize("name", ["puma560", "meshed_arm"])
-def test_yourdfpy_fills_the_same_boxes(name: str) -> None:
-    ours, why = shapes_of(load_description(ROBOTS / f"{name}.urdf"))
-    assert why == ""
-    scene = yourdfpy.URDF.load(str(ROBOTS / f"{name}.urdf")).scene
-    theirs: dict[str, list[np.ndarray]] = {}
-    for node in scene.graph.nodes_geometry:
-        matrix, geometry = scene.graph.get(node)
-        link = scene.graph.transforms.parents[node]
-        local = np.linalg.inv(scene.graph.get(link)[0]) @ matrix
-        theirs.setdefault(link, []).append(scene.geometry[geometry].vertices @ local[:3, :3].T + local[:3, 3])
-    assert ours.keys() == theirs.keys()
-    for link, triangles in ours.items():
-        for end in (np.min, np.max):
-            other = end(np.concatenate(theirs[link]), axis=0)
-            np.testing.assert_allclose(end(triangles, axis=(0, 1)), other, rtol=0, atol=4e-3)
 
 
 def test_missing_meshes_are_named(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:

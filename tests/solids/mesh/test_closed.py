@@ -7,8 +7,7 @@ from collections import Counter, defaultdict
 import numpy as np
 import pytest
 from helpers.mesh_oracle import rotation
-from helpers.mesh_samples import box, corners, cylinder, flipped, moved, sheet, tetrahedron, torus, uv_sphere
-from helpers.sampled import sampled
+from helpers.mesh_samples import box, corners, cylinder, flipped, moved, torus, uv_sphere
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -43,59 +42,66 @@ def agrees(array):
     return found
 
 
-CLOSED = {
-    "box": box(),
-    "torus": torus(),
-    "sphere": moved(uv_sphere(), (0.1, 0.2, 0.3), rotation(1)),
-    "flipped": flipped(torus()),
-    "cavity": np.concatenate([box((3, 3, 3)), flipped(box())]),
-    "an edge of four faces": np.concatenate([box(), moved(box(), (1, 1, 0))]),
-    "a corner of two": np.concatenate([box(), moved(box(), (1, 1, 1))]),
-    "the same twice": np.concatenate([box(), box()]),
-    "nothing left": np.concatenate([sheet(), flipped(sheet())]),
-    "float32": uv_sphere().astype(np.float32),
-    "far away": moved(box(), (1e8, 1e8, 1e8)),
-    "several blocks": cylinder(1, 1, ROWS),
+def one_shell(array):
+    return is_one_shell(MemoryTriangles("body", np.asarray(array)))
+
+
+def visited(array):
+    """Two faces on every edge, and all of them reached from the first over edges."""
+    faces_on = defaultdict(list)
+    faces = [[tuple(corner) for corner in face] for face in (np.asarray(array) + 0.0).tolist()]
+    for number, (a, b, c) in enumerate(faces):
+        for edge in ((a, b), (b, c), (c, a)):
+            faces_on[frozenset(edge)].append(number)
+    waiting, seen = [0], {0}
+    while waiting:
+        a, b, c = faces[waiting.pop()]
+        for edge in ((a, b), (b, c), (c, a)):
+            new = set(faces_on[frozenset(edge)]) - seen
+            seen |= new
+            waiting.extend(new)
+    two = all(len(edge) == 2 and len(numbers) == 2 for edge, numbers in faces_on.items())
+    return two and len(seen) == len(faces)
+
+
+A, B, C = box()[0]
+BESIDE = box()
+BESIDE[0, 0, 0] = np.nextafter(BESIDE[0, 0, 0], 1)
+MINUS = np.where(box((2, 2, 2)) + 1.0 == 0, -0.0, box((2, 2, 2)) + 1.0)
+SURFACES = {
+    "box": (box(), "one shell"),
+    "inwards": (flipped(torus()), "one shell"),
+    "float32": (torus().astype(np.float32), "one shell"),
+    "turned": (moved(uv_sphere(), (0.1, 0.2, 0.3), rotation(1)), "one shell"),
+    "far away": (moved(box(), (1e8, 1e8, 1e8)), "one shell"),
+    "several blocks": (cylinder(1, 1, ROWS), "one shell"),
+    "zeros of both signs": (np.where(np.arange(12)[:, None, None] % 2, MINUS, MINUS + 0.0), "one shell"),
+    "any order": (np.random.default_rng(0).permutation(torus(2.0, 0.5, 80, 60)), "one shell"),
+    "any first corner": (np.roll(torus(), 1, axis=1), "one shell"),
+    "a sheet from both sides": (np.array([(A, B, C), (C, B, A)]), "one shell"),
+    "two": (np.concatenate([box(), moved(box(), (3, 0, 0))]), "closed"),
+    "many": (np.concatenate([moved(box(), (2 * k, 0, 0)) for k in range(ROWS // 12 + 5)]), "closed"),
+    "cavity": (np.concatenate([box((3, 3, 3)), flipped(box())]), "closed"),
+    "an edge of four faces": (np.concatenate([box(), moved(box(), (1, 1, 0))]), "closed"),
+    "a corner of two": (np.concatenate([box(), moved(box(), (1, 1, 1))]), "closed"),
+    "the same twice": (np.concatenate([box(), box()]), "closed"),
+    "a wall": (np.concatenate([box(), box()[:1], flipped(box()[:1])]), "closed"),
+    "a face without area": (np.concatenate([torus(), torus()[:1, [0, 0, 1]]]), "closed"),
+    "two blocks of shells": (np.concatenate([cylinder(1, 1, ROWS), moved(cylinder(1, 1, ROWS), (0, 0, 3))]), "closed"),
+    "split": (np.concatenate([box()[1:], [(A, (A + B) / 2, C), ((A + B) / 2, B, C)]]), "open"),
+    "beside": (BESIDE, "open"),
+    "a face twice": (np.concatenate([torus(), torus()[:1]]), "open"),
+    "mixed": (np.where(np.arange(12)[:, None, None] % 5 == 3, flipped(box()), box()), "mixed"),
 }
 
 
-@pytest.mark.parametrize("body", sampled(CLOSED, 3))
-def test_closed(body):
-    assert agrees(CLOSED[body]).closed
-
-
-def split(whole):
-    """With a corner in the middle of an edge."""
-    a, b, c = whole[0]
-    return np.concatenate([whole[1:], [(a, (a + b) / 2, c), ((a + b) / 2, b, c)]])
-
-
-def beside(whole):
-    """With one corner at the next float."""
-    array = whole.copy()
-    array[0, 0, 0] = np.nextafter(array[0, 0, 0], 1)
-    return array
-
-
-OPEN = {name: body[1:] for name, body in CLOSED.items()}
-OPEN |= {"split": split(box()), "beside": beside(box()), "a face twice": np.concatenate([torus(), torus()[:1]])}
-
-
-@pytest.mark.parametrize("body", OPEN)
-def test_open(body):
-    found = agrees(OPEN[body])
-    assert not found.closed
-    assert not found.mixed
-
-
-@pytest.mark.parametrize("body", ["box", "cavity"])
-def test_mixed_winding(body):
-    array = CLOSED[body].copy()
-    array[3::5] = flipped(array[3::5])
-    found = agrees(array)
-    assert found.mixed
-    assert not found.closed
-    assert not agrees(array[1:]).mixed
+@pytest.mark.parametrize("name", SURFACES)
+def test_surfaces_and_what_is_left_without_a_face(name):
+    array, kind = SURFACES[name]
+    found, left = agrees(array), agrees(array[1:])
+    assert (found.closed, found.mixed) == (kind in ("closed", "one shell"), kind == "mixed")
+    assert one_shell(array) == visited(array) == (kind in ("one shell", "mixed"))
+    assert (left.closed, left.mixed) == (name == "a face twice", False)
 
 
 def test_degenerate_faces_do_not_matter():
@@ -103,14 +109,6 @@ def test_degenerate_faces_do_not_matter():
     faces = np.array([(a, a, a), (a, a, b), (a, b, a), (b, a, a)])
     assert printed(np.concatenate([torus(), faces])) == printed(torus())
     assert printed(np.concatenate([torus()[1:], faces])) == printed(torus()[1:])
-
-
-def test_minus_zero_is_zero():
-    array = box((2, 2, 2)) + 1.0
-    array[array == 0] = 0.0
-    array[::2][array[::2] == 0] = -0.0
-    assert np.signbit(array[array == 0]).any()
-    assert agrees(array).closed
 
 
 def test_reversed_winding_negates_the_chain():
@@ -137,65 +135,6 @@ def test_glued_tetrahedra(places, data):
     agrees(left)
     for array in (whole, left):
         assert one_shell(array) == visited(array)
-
-
-def one_shell(array):
-    return is_one_shell(MemoryTriangles("body", np.asarray(array)))
-
-
-def visited(array):
-    """Two faces on every edge, and all of them reached from the first over edges."""
-    faces_on = defaultdict(list)
-    faces = [[tuple(corner) for corner in face] for face in (np.asarray(array) + 0.0).tolist()]
-    for number, (a, b, c) in enumerate(faces):
-        for edge in ((a, b), (b, c), (c, a)):
-            faces_on[frozenset(edge)].append(number)
-    waiting, seen = [0], {0}
-    while waiting:
-        a, b, c = faces[waiting.pop()]
-        for edge in ((a, b), (b, c), (c, a)):
-            new = set(faces_on[frozenset(edge)]) - seen
-            seen |= new
-            waiting.extend(new)
-    two = all(len(edge) == 2 and len(numbers) == 2 for edge, numbers in faces_on.items())
-    return two and len(seen) == len(faces)
-
-
-ONE = {
-    "tetrahedron": tetrahedron(),
-    "inwards": flipped(torus()),
-    "float32": torus().astype(np.float32),
-    "several blocks": cylinder(1, 1, ROWS),
-    "minus zero": np.where(box((2, 2, 2)) + 1.0 == 0, -0.0, box((2, 2, 2)) + 1.0),
-    "any order": np.random.default_rng(0).permutation(torus(2.0, 0.5, 80, 60)),
-    "any first corner": np.roll(torus(), 1, axis=1),
-    "a sheet from both sides": np.concatenate([sheet(), flipped(sheet()[:, [1, 2, 0]])])[[0, 2]],
-}
-OTHER = {
-    "two": np.concatenate([box(), moved(box(), (3, 0, 0))]),
-    "many": np.concatenate([moved(box(), (2 * k, 0, 0)) for k in range(ROWS // 12 + 5)]),
-    "cavity": np.concatenate([box((3, 3, 3)), flipped(box())]),
-    "an edge of four faces": np.concatenate([box(), moved(box(), (1, 1, 0))]),
-    "a corner of two": np.concatenate([box(), moved(box(), (1, 1, 1))]),
-    "the same twice": np.concatenate([box(), box()]),
-    "a wall": np.concatenate([box(), box()[:1], flipped(box()[:1])]),
-    "open": torus()[1:],
-    "a face without area": np.concatenate([torus(), torus()[:1, [0, 0, 1]]]),
-    "a point": np.concatenate([torus(), np.repeat(torus()[:1, :1], 3, axis=1)]),
-    "two blocks of shells": np.concatenate([cylinder(1, 1, ROWS), moved(cylinder(1, 1, ROWS), (0, 0, 3))]),
-}
-
-
-@pytest.mark.parametrize("body", ONE)
-def test_one_shell(body):
-    assert visited(ONE[body])
-    assert one_shell(ONE[body])
-
-
-@pytest.mark.parametrize("body", OTHER)
-def test_not_one_shell(body):
-    assert not visited(OTHER[body])
-    assert not one_shell(OTHER[body])
 
 
 def test_edges_with_a_hash_in_common_are_told_apart(monkeypatch):

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
-from functools import cache
-
 import numpy as np
 import pytest
-from helpers.convex_solids import ball, common_moments, rod
-from helpers.mesh_oracle import deviation, rational_moments, rotation
+from helpers.mesh_oracle import rotation
 from helpers.mesh_samples import box, cylinder, flipped, moved, sheet, tetrahedron, torus, uv_sphere
 from helpers.repaired_meshes import R, enclosed, repaired, taken, volume
-from helpers.sampled import sampled
 
 from robodyn.solids.mesh.columns import Lattice, by_columns, by_winding_numbers, pieces
 from robodyn.solids.mesh.holes import cap_of, followed
@@ -20,51 +15,9 @@ from robodyn.solids.mesh.integrals import integrate
 from robodyn.solids.mesh.repair import repair
 from robodyn.solids.mesh.triangles import MemoryTriangles
 
-EPS = 2.0**-53
-BALL = ball(70, 1.0)
-PAIRS = {
-    "balls": (BALL, ball(60, 0.8, (0.9, 0.3, -0.2))),
-    "crossing rods": (rod(24, 0.5, 0.5, 4.0, axis=0), rod(20, 0.3, 0.3, 3.0, axis=1)),
-    "rods of one size": (rod(24, 0.5, 0.5, 4.0, axis=0), rod(24, 0.5, 0.5, 4.0, axis=1)),
-    "a ball that barely dips in": (BALL, ball(60, 0.8, (1.7, 0.1, 0.05))),
-    "rods that overlap by a hair": (rod(24, 0.5, 0.5, 2.0), moved(rod(24, 0.5, 0.5, 2.0), (0, 0, 2 - 2.0**-14))),
-}
-
 
 def integrals(body):
     return integrate(MemoryTriangles("body", body))
-
-
-@cache
-def united(pair):
-    """The exact moments of the union about the origin."""
-    one, other = PAIRS[pair]
-    whole = (rational_moments(body, (0, 0, 0)) for body in (one, other))
-    parts = zip(*whole, common_moments(one, other), strict=True)
-    return tuple(a + b - c for a, b, c in parts)
-
-
-@pytest.mark.parametrize("away", [0.0, 1024.0])
-@pytest.mark.parametrize("pair", sampled(PAIRS, 3))
-def test_moments_of_the_union_of_curved_bodies(pair, away):
-    """Against exact moments of what they have in common."""
-    shift = away * np.array((1.0, -2.0, 0.5))
-    V, first, S = united(pair)
-    found = repaired(*(body + shift for body in PAIRS[pair]))
-    assert taken(found) == [("union", 2)]
-    assert found.quadrature is None
-    whole = integrate(found.triangles)
-    r = np.array([Fraction(x) for x in (whole.reference - shift).tolist()])
-    slack = 4 * EPS * (1 + away / 8)
-    assert deviation(whole.volume, V) <= slack
-    assert deviation(whole.S, S - np.outer(first, r) - np.outer(r, first) + V * np.outer(r, r)) <= slack
-
-
-def test_the_reference_itself():
-    cube = box((2, 2, 2)) + 1.0
-    others = cube + 1.0, moved(cube, (2, 0, 0)), cube
-    assert [common_moments(cube, other)[0] for other in others] == [1, 0, 8]
-    assert common_moments(BALL, BALL)[0] == rational_moments(BALL, (0, 0, 0))[0]
 
 
 def cross():

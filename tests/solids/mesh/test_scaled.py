@@ -18,16 +18,6 @@ def memory(corners=WEDGE):
     return MemoryTriangles("wedge", corners)
 
 
-def test_a_common_factor_changes_the_scale_and_no_coordinate():
-    found = scaled(
-        MemoryTriangles("wedge", WEDGE, significand=24, scale=0.0254, notes=("note",)), (0.001, 0.001, 0.001)
-    )
-    assert found.scale == 0.0254 * 0.001
-    assert (found.name, found.count, found.significand, found.notes) == ("wedge", 4, 24, ("note",))
-    np.testing.assert_array_equal(found.array(), WEDGE)
-    assert scaled(found, (1, 1, 1)) is found
-
-
 @pytest.mark.parametrize("factors", [(0.5, 2, 4), (1, -1, 1), (-1, -1, 3), (-2, -2, -2)])
 def test_moments_are_those_of_the_stretched_body(factors):
     """V' = |det A| V, c' = A c, S' = |det A| A S A for A = diag(factors), mirror images included."""

@@ -1,16 +1,20 @@
-"""Planes, axes and products of inertia that vanish, of bodies of which they are known; averages over them."""
+"""Planes, axes and products of inertia that vanish, of bodies of which they are known; averages over them; scores."""
 
 from __future__ import annotations
 
-from math import inf, pi
+from math import factorial, inf, pi, prod
 
 import numpy as np
 import pytest
 from helpers import mesh_samples as samples
+from helpers.mesh_samples import box, flipped, tetrahedron, torus, uv_sphere
 from helpers.symmetric_bodies import any_rotation, bracket, cavity, found, pinwheel, verdicts
 
 from robodyn.solids.inertia.properties import from_integrals
-from robodyn.solids.mesh.asymmetry import CentredBody, mirror
+from robodyn.solids.mesh.asymmetry import CentredBody, TriangleSet, central_moments, mirror
+from robodyn.solids.mesh.columns import Lattice, differing_volume
+from robodyn.solids.mesh.indexed import merged
+from robodyn.solids.mesh.inside import winding_numbers
 from robodyn.solids.mesh.integrals import integrate
 from robodyn.solids.mesh.read.load import from_array
 from robodyn.solids.mesh.symmetry import symmetrized
@@ -202,3 +206,56 @@ def test_normals_of_a_float32_file_lie_along_the_axes():
     assert sorted(np.abs(plane.normal)) == [0, 0, 1]
     average = symmetrized(properties(body), found(body))
     assert average.S_c[0, 2] == average.S_c[1, 2] == 0 < abs(average.S_c[0, 1])
+
+
+def test_integral_is_exact_in_depth():
+    """Two boxes that differ by far less than the distance of the columns."""
+    lattice = Lattice.over(samples.box((1, 2, 3.001)), np.array((0.0, 0.0, 1.0)))
+    hits = [lattice.hits(samples.box((1, 2, 3 + d))) for d in (0.0, 1e-9)]
+    assert differing_volume(*hits, lattice.cell) == pytest.approx(2e-9, rel=1e-3)
+    assert differing_volume(hits[0], hits[0], lattice.cell) == 0.0
+
+
+@pytest.mark.parametrize("body", [box(), torus(0.6, 0.3), uv_sphere(0.7, 32, 64), tetrahedron() / 5 - 0.2])
+def test_a_closed_surface_from_within_and_from_outside(body):
+    points = np.random.default_rng(0).normal(size=(300, 3))
+    points = points[(np.linalg.norm(points[:, None] - merged(body).vertices, axis=2) > 1e-2).all(axis=1)]
+    found = winding_numbers(points, merged(body))
+    assert np.abs(found - np.rint(found)).max() < 1e-12
+    assert set(np.rint(found)) == {0, 1}
+    np.testing.assert_allclose(winding_numbers(points, merged(flipped(body))), -found, rtol=0, atol=1e-12)
+
+
+CORNER = samples.tetrahedron(((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)))
+
+
+def monomial(powers):
+    """The integral of x^a y^b z^c over the unit tetrahedron at the origin."""
+    return prod(map(factorial, powers)) / factorial(sum(powers) + 3)
+
+
+def test_moments_of_the_unit_tetrahedron():
+    _, third, fourth = central_moments(CORNER, np.eye(3), 1 / 6).tensors
+    for tensor in (third, fourth):
+        for index in np.ndindex(tensor.shape):
+            assert tensor[index] == pytest.approx(monomial([index.count(i) for i in range(3)]), rel=1e-14)
+
+
+def test_bound_is_zero_for_a_symmetry_and_positive_else():
+    box = samples.box((1, 2, 3))
+    moments = central_moments(box, np.diag([0.5, 2.0, 4.5]), 6.0)
+    assert moments.least_asymmetry(np.diag([-1.0, 1.0, -1.0])) <= 1e-15
+    assert 1e-3 < moments.least_asymmetry(any_rotation(3)) < 1
+
+
+MIRROR = np.diag([1.0, 1.0, -1.0])
+
+
+def test_a_corner_moved_by_a_millionth_or_a_triangle_twice_makes_it_another():
+    body = samples.cylinder(sectors=12)
+    both = np.concatenate([body, body * (1, 1, -1)])
+    assert TriangleSet(both, 2.0).invariant(MIRROR)
+    twice = np.concatenate([both, body[:1]])
+    assert not TriangleSet(twice, 2.0).invariant(MIRROR)
+    both[3, 1, 2] += 1e-6
+    assert not TriangleSet(both, 2.0).invariant(MIRROR)

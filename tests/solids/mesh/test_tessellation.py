@@ -40,10 +40,6 @@ def test_no_coarse_number_is_made_worse(density_cases):
     assert min(one.ratio for one in density_cases) > 1.5
 
 
-def test_bars_hold_in_19_of_20(density_cases):
-    assert (covered(density_cases) >= 0.95).all()
-
-
 def test_bars_hold_at_a_given_mass():
     assert (covered(cases((16, 32), fixed_mass=True)) >= 0.95).all()
 
@@ -86,18 +82,6 @@ def test_prism_lacks_what_its_polygon_does_of_the_circle(sectors):
     found = line_masses(samples.cylinder(1.0, 3.0, sectors))
     assert found.size == pytest.approx(lacking, rel=(2 * pi / sectors) ** 2 / 10)
     assert len(found.missing) == sectors
-
-
-def test_rounding_errors_of_flat_faces_do_not_count_for_the_median():
-    """A grid of flat quads in float32 around few smooth edges."""
-    side = np.linspace(-1, 1, 41)
-    grid = np.stack([np.full((41, 41), 1.0), *np.meshgrid(side, side, indexing="ij")], axis=-1)
-    a, b, c, d = grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]
-    flat = np.concatenate([np.stack(t, axis=2).reshape(-1, 3, 3) for t in ((a, b, c), (a, c, d))])
-    noisy = samples.moved(flat, R=any_rotation(4)).astype(np.float32).astype(float)
-    round_part = samples.cylinder(sectors=48)
-    found = line_masses(np.concatenate([noisy, samples.moved(round_part, (5, 0, 0))]))
-    assert found.missing.sum() == pytest.approx(line_masses(round_part).missing.sum(), rel=1e-4)
 
 
 def test_float32_files_are_told_the_same():
