@@ -7,12 +7,14 @@ from __future__ import annotations
 
 import json
 from collections import Counter
+from collections.abc import Iterable
 from pathlib import Path
 
 from helpers.example_robots import all_paths
 from helpers.other_robots import other_paths
 
 from robodyn.checks.check import check_one
+from robodyn.checks.rule import Finding
 
 FILE = Path(__file__).parent / "data" / "check_findings.json"
 
@@ -27,8 +29,8 @@ def name_of(path: Path) -> str:
     return f"iCub/{path.parent.name}" if path.stem == "model" else f"{path.parent.parent.name}/{path.stem}"
 
 
-def counts(path: Path) -> dict[str, int]:
-    found = Counter(f"{one.code} {one.severity.name}" for one in check_one(str(path)))
+def counts(findings: Iterable[Finding]) -> dict[str, int]:
+    found = Counter(f"{one.code} {one.severity.name}" for one in findings)
     return dict(sorted(found.items()))
 
 
@@ -38,7 +40,7 @@ def pinned() -> dict[str, dict[str, int]]:
 
 
 def write() -> None:
-    table = {name_of(path): counts(path) for path in published()}
+    table = {name_of(path): counts(check_one(str(path))) for path in published()}
     lines = ",\n".join(f"  {json.dumps(name)}: {json.dumps(found)}" for name, found in sorted(table.items()))
     FILE.write_text(f"{{\n{lines}\n}}\n", encoding="utf-8")
 

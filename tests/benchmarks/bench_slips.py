@@ -2,13 +2,15 @@
 
 Those of `helpers/planted_slips.py`, by group and half of the robots; below them the kinds of which not all are named.
 With `--unseen 1` it prints instead which ones are not named or have something reported beside them, for
-`data/unseen_slips.txt`.
+`data/unseen_slips.txt`; with `--rules 1` it writes the rules that name the others into `data/planted_slips.json`.
 """
 
 from __future__ import annotations
 
+import json
+
 from helpers.markdown_tables import main, table
-from helpers.planted_slips import HARMLESS, NAMED, NEAR, UNSEEN, Outcome, Slip, outcome, slips
+from helpers.planted_slips import FILE, HARMLESS, NAMED, NEAR, UNSEEN, Outcome, Slip, outcome, slips
 
 Judged = list[tuple[Slip, Outcome]]
 _HEADS = tuple(f"{half}: {head}" for half in "AB" for head in ("planted", "named", "place only", "unseen", "elsewhere"))
@@ -57,10 +59,18 @@ def unseen_ones(found: Judged) -> str:
     )
 
 
-def report(unseen: int) -> str:
+def with_rules(found: Judged) -> str:
+    """Return the slips as they are written, each with the rule that names it."""
+    rows = (json.dumps({**slip._asdict(), "rule": one.rule}) for slip, one in found)
+    return "[\n" + ",\n".join(rows) + "\n]\n"
+
+
+def report(unseen: int, rules: int) -> str:
     found = [(slip, outcome(slip)) for slip in slips()]
+    if rules:
+        FILE.write_text(with_rules(found), encoding="utf-8")
     return unseen_ones(found) if unseen else f"{slips_table(found)}\n{kinds_table(found)}"
 
 
 if __name__ == "__main__":
-    main(report, __doc__ or "", unseen=0)
+    main(report, __doc__ or "", unseen=0, rules=0)

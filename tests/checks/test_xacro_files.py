@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import sys
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -57,22 +56,27 @@ def findings(path: Path, options: Options = Options()) -> tuple[Finding, ...]:  
     return checked.findings
 
 
-def test_the_function_of_the_package_expands_them(robot: Path) -> None:
-    assert robodyn.check(robot) == findings(robot)
-    given = robodyn.check(robot, xacro_args={"kilo": "-1"})
-    assert given == findings(robot, Options(xacro_args=(("kilo", "-1"),)))
-    assert "RD201" in {finding.code for finding in given}
-
-
-def test_places_are_those_of_the_file_that_made_it(robot: Path) -> None:
-    """The tensor is written in a macro that another file includes; its mass is an expression there."""
-    (finding,) = findings(robot)
-    macro = robot.parent / "parts" / "part.xacro"
+def test_places_are_those_of_the_file_that_made_it(
+    robot: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The tensor is written in a macro that another file includes; its mass is an expression there. Reports of suites
+    and annotations tell the description, too."""
+    monkeypatch.chdir(tmp_path)
+    checked = check_tasks(tasks_for([robot.name]))
+    (finding,) = checked.findings
+    macro = Path("parts") / "part.xacro"
     assert (finding.code, finding.file) == ("RD208", str(macro))
     line = macro.read_text().splitlines()[finding.line - 1]
     assert line[finding.column - 1 :].startswith('1" ixy="0"')
     assert macro.read_bytes()[finding.start : finding.end] == b"1"
     assert finding.excerpt.text[finding.excerpt.start :].startswith('1" ixy="0"')
+    suite = ElementTree.fromstring(check_junit(checked)).findall("testsuite")
+    assert [one.get("name") for one in suite] == [robot.name]
+    assert [case.get("classname") for case in suite[0].findall("testcase")] == [str(macro)]
+    (line,) = check_github(checked.findings).splitlines()
+    assert f"file={macro}," in line
+    assert f"(in {robot.name})" in line
+    assert "RD201" in {finding.code for finding in robodyn.check(robot, xacro_args={"kilo": "-1"})}
 
 
 def test_places_in_a_block_and_in_an_expression(robot: Path) -> None:
@@ -106,9 +110,11 @@ def test_a_file_that_only_defines_parts_is_skipped(robot: Path, needs: str) -> N
 
 
 def test_of_changed_macros_the_descriptions_that_include_them_are_checked(robot: Path) -> None:
-    """Also through another file of macros; each once."""
+    """Also through another file of macros; each once. In a folder without .urdf all that describe a robot are."""
     parts = robot.parent / "parts"
     assert tasks_for([str(parts / "part.xacro")])[0].name == str(robot)
+    with pytest.warns(RobodynWarning, match="skipped"):
+        assert check_tasks(tasks_for([str(robot.parent)])).files == (str(robot),)
     (parts / "screw.xacro").write_text(MACRO.replace('"part"', '"screw"'))
     (parts / "part.xacro").write_text(MACRO.replace(HEAD, f'{HEAD}<xacro:include filename="screw.xacro"/>'))
     (parts / "crew.xacro").write_text(MACRO.replace('"part"', '"crew"'))
@@ -116,42 +122,8 @@ def test_of_changed_macros_the_descriptions_that_include_them_are_checked(robot:
     assert [task.name for task in tasks_for(given)] == [str(robot)]
     with pytest.warns(RobodynWarning, match=r"crew\.xacro: it defines parts and describes no robot .*: skipped"):
         assert tasks_for([str(parts / "crew.xacro")]) == ()
-
-
-def test_of_changed_macros_of_another_package(tmp_path: Path) -> None:
-    for name in ("parts", "arm"):
-        (tmp_path / name).mkdir()
-        (tmp_path / name / "package.xml").write_text(f"<package><name>{name}</name></package>")
-    (tmp_path / "parts" / "part.xacro").write_text(MACRO)
-    robot = written(tmp_path / "arm", "$(find parts)/part.xacro")
-    assert [task.name for task in tasks_for([str(tmp_path / "parts" / "part.xacro")])] == [str(robot)]
-
-
-def test_suites_and_annotations_tell_the_description_of_a_finding_in_macros(robot: Path) -> None:
-    checked = check_tasks(tasks_for([str(robot)]))
-    macro = robot.parent / "parts" / "part.xacro"
-    suite = ElementTree.fromstring(check_junit(checked)).findall("testsuite")
-    assert [one.get("name") for one in suite] == [str(robot)]
-    assert [case.get("classname") for case in suite[0].findall("testcase")] == [str(macro)]
-    (line,) = check_github(checked.findings).splitlines()
-    assert f"file={macro}," in line
-    assert f"(in {robot})" in line
-
-
-def test_of_a_folder_without_urdf_the_xacro_files_are_checked(robot: Path) -> None:
-    with pytest.warns(RobodynWarning, match="skipped"):
-        assert check_tasks(tasks_for([str(robot.parent)])).files == (str(robot),)
     (robot.parent / "arm.urdf").write_text(arm())
-    assert check_tasks(tasks_for([str(robot.parent)])).files == (str(robot.parent / "arm.urdf"),)
-
-
-def test_includes_do_not_depend_on_the_current_folder(
-    robot: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path.parent)
-    assert len(findings(robot)) == 1
-    monkeypatch.chdir(tmp_path)
-    assert len(findings(Path(robot.name))) == 1
+    assert tasks_for([str(robot.parent)])[0].name == str(robot.parent / "arm.urdf")
 
 
 def test_packages_are_found_on_the_package_path_and_above_the_file(robot: Path, tmp_path: Path) -> None:
@@ -164,6 +136,7 @@ def test_packages_are_found_on_the_package_path_and_above_the_file(robot: Path, 
         findings(robot)
     assert len(findings(robot, Options(package_path=(str(tmp_path / "share"),)))) == 1
     assert len(findings(written(package, "$(find arm_parts)/part.xacro"))) == 1
+    assert tasks_for([str(package / "part.xacro")])[0].name == str(package / "arm.urdf.xacro")
 
 
 @pytest.mark.parametrize(
@@ -185,36 +158,20 @@ def test_what_cannot_be_expanded(robot: Path, text: str, line: str, capfd: pytes
     assert capfd.readouterr() == ("", "")
 
 
-def test_without_xacrodoc(robot: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "xacrodoc", None)
-    with pytest.raises(InputError) as error:
-        expanded(str(robot))
-    assert str(error.value).startswith(f'{robot}: xacro files need xacrodoc (pip install "robodyn[xacro]"')
-
-
-def test_others_may_print_log_and_expand_meanwhile(robot: Path) -> None:
-    """While files are expanded, streams are as they were, and others are expanded."""
-    streams = sys.stdout, sys.stderr
-    with ThreadPoolExecutor(5) as pool:
-        waiting = [pool.submit(expanded, str(robot), args={"kilo": str(k)}) for k in range(1, 5)]
-        meanwhile = sys.stdout, sys.stderr
-        found = [one.result() for one in waiting]
-    assert meanwhile == streams
-    for k, expansion in enumerate(found, 1):
-        assert f'<mass value="{2 * k}"/>'.encode() in expansion.text
-
-
-def test_a_process_that_dies_is_one_line(robot: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_file_without_xacrodoc_and_where_the_process_dies(
+    robot: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(InputError, match=r"none\.xacro: there is no such file"):
+        findings(robot.parent / "none.xacro")
     start = children.start_python
     died = "helpers.processed:leave_at_once"
     monkeypatch.setattr(children, "start_python", lambda _, **how: start(died, **how))
     with pytest.raises(InputError, match="xacro cannot expand it: its process ended with status 7"):
         expanded(str(robot))
-
-
-def test_no_such_file(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"none\.xacro: there is no such file"):
-        findings(tmp_path / "none.xacro")
+    monkeypatch.setitem(sys.modules, "xacrodoc", None)
+    with pytest.raises(InputError) as error:
+        expanded(str(robot))
+    assert str(error.value).startswith(f'{robot}: xacro files need xacrodoc (pip install "robodyn[xacro]"')
 
 
 def test_expanded_text_is_not_fixed(tmp_path: Path) -> None:
@@ -227,28 +184,19 @@ def test_expanded_text_is_not_fixed(tmp_path: Path) -> None:
     assert result.before == path.read_bytes()
 
 
-SHELL = f"{HEAD}<link name=\"${{(lambda: 'a')()}}\"/></robot>"
-
-
-def test_trust_is_of_files_that_are_named(tmp_path: Path) -> None:
+def test_trust_is_of_files_that_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Not of those in a folder, of a pattern, or that include macros which are named."""
     path = tmp_path / "a.xacro"
-    path.write_text(SHELL)
+    path.write_text(f"{HEAD}<link name=\"${{(lambda: 'a')()}}\"/></robot>")
     trusting = Options(trust_xacro=True)
     assert tasks_for([str(path)], trusting)[0].options.trust_xacro
-    assert robodyn.check(path, trust_xacro=True) == findings(path, trusting)
     assert list(robodyn.load(path, trust_xacro=True).links) == ["a"]
     for others in (str(tmp_path), str(tmp_path / "*.xacro")):
         assert not tasks_for([others], trusting)[0].options.trust_xacro
-        with pytest.raises(InputError, match=r"a\.xacro:1: a lambda in an expression is refused"):
-            robodyn.check(others, trust_xacro=True)
-
-
-def test_trust_on_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(InputError, match=r"a\.xacro:1: a lambda in an expression is refused"):
+        robodyn.check(str(tmp_path), trust_xacro=True)
     monkeypatch.chdir(tmp_path)
-    Path("a.xacro").write_text(SHELL)
     assert "a.xacro:1: a lambda in an expression is refused (--trust-xacro" in run("info", "a.xacro").err
-    assert run("info", "a.xacro", "--trust-xacro").status == 0
     assert run("check", "a.xacro", "--trust-xacro").status == 0
     assert "--trust-xacro goes with the names of files" in run("check", ".", "--trust-xacro").err
 

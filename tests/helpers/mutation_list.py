@@ -24,7 +24,7 @@ MUTATIONS = {
         ("checks/importers.py", "small + middle < (1.0 - 2.0 * _ROUNDING) * large", "False"),
         ("checks/importers.py", "leader is None", "False"),
     ],
-    "checks/test_selection.py": [
+    "checks/test_config.py": [
         ("checks/catalogue.py", "not select or DEFAULT in select", "not select"),
     ],
     "dynamics/test_golden.py": [

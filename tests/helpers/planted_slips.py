@@ -20,6 +20,7 @@ from typing import NamedTuple
 from pinned_findings import name_of, published
 
 from helpers.planted_ros import write
+from robodyn.checks.catalogue import BY_CODE
 from robodyn.checks.check import Options, check_one, select_findings
 from robodyn.checks.rule import Finding
 
@@ -40,6 +41,7 @@ class Slip(NamedTuple):
         form: "bytes" for the text as it is, otherwise the elements are written anew first, so that lines are known.
         edits: from which line, what stands there, what is put in its place, and how many lines it takes.
         names: of what must be named; where there are none, a finding in `line` or beside it is meant.
+        rule: which names it; `benchmarks.bench_slips --rules 1` writes them.
     """
 
     group: str
@@ -53,6 +55,7 @@ class Slip(NamedTuple):
     names: list[str]
     cause: str
     line: int | None
+    rule: str | None = None
 
     @property
     def urdf(self) -> Path:
@@ -63,29 +66,39 @@ class Slip(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """What is new with a slip: how well it is named, and what is said of something else."""
+    """What is new with a slip: how well it is named, what is said of something else, and the rule that names it."""
 
     verdict: str
     elsewhere: tuple[Finding, ...]
+    rule: str | None
 
 
 def slips() -> list[Slip]:
     return [Slip(**each) for each in json.loads(FILE.read_text(encoding="utf-8"))]
 
 
-def outcome(slip: Slip) -> Outcome:
-    """Check the robot with and without the slip and judge the difference."""
-    before = {said for one in _found(slip, planted=False) for said in _said(one)}
+def outcome(slip: Slip, select: tuple[str, ...] = ()) -> Outcome:
+    """Check the robot with and without the slip, by all rules or some, and judge the difference."""
+    before = {said for one in _found(slip, select, planted=False) for said in _said(one)}
     alike = {(code, subject, _FIGURES.sub("#", words)) for code, subject, words in before}
-    new = [(one, said) for one in _found(slip, planted=True) for said in _said(one) if said not in before]
+    new = [(one, said) for one in _found(slip, select, planted=True) for said in _said(one) if said not in before]
     own = [(one, said) for one, said in new if _is_about(slip, one, said)]
     elsewhere = tuple(
         one
         for one, (code, subject, words) in new
         if not _is_about(slip, one, (code, subject, words)) and (code, subject, _FIGURES.sub("#", words)) not in alike
     )
-    named = any(re.search(slip.cause, _words(one, said), re.IGNORECASE) for one, said in own)
-    return Outcome(NAMED if named else NEAR if own else UNSEEN, elsewhere)
+    named = [one.code for one, said in own if re.search(slip.cause, _words(one, said), re.IGNORECASE)]
+    return Outcome(NAMED if named else NEAR if own else UNSEEN, elsewhere, named[0] if named else None)
+
+
+def by_its_rule(slip: Slip) -> Outcome:
+    """What its rule alone finds, run with those that may explain its findings away, or be explained by them: these are
+    what it finds among all rules, and what is shown of them."""
+    assert slip.rule
+    own = BY_CODE[slip.rule].explains
+    others = (code for code, rule in BY_CODE.items() if code in own or slip.rule in rule.explains)
+    return outcome(slip, (slip.rule, *others))
 
 
 def _is_about(slip: Slip, one: Finding, said: Said) -> bool:
@@ -104,22 +117,24 @@ def _said(one: Finding) -> Iterator[Said]:
         yield one.code, "" if subject is None else subject.name, place.message
 
 
-def _found(slip: Slip, *, planted: bool) -> tuple[Finding, ...]:
+def _found(slip: Slip, select: tuple[str, ...], *, planted: bool) -> tuple[Finding, ...]:
     if not planted and not slip.srdf:
-        return _as_it_is(slip.path)
+        return _as_it_is(slip.path, select)
     urdf = slip.urdf.read_bytes()
     if not slip.srdf:
         data = urdf.decode() if slip.form == "bytes" else _anew(urdf)
-        return _shown(check_one(_edited(slip, data).encode("utf-8", "surrogateescape"), name=str(slip.urdf)))
+        return _shown(
+            check_one(_edited(slip, data).encode("utf-8", "surrogateescape"), Options(select), str(slip.urdf))
+        )
     with TemporaryDirectory() as folder:
         srdf = _anew((slip.urdf.parent.parent / "srdf" / slip.srdf).read_bytes())
         path = write(Path(folder), (urdf.decode(), _edited(slip, srdf) if planted else srdf))
-        return _shown(check_one(str(path), Options(package_path=(str(slip.urdf.parents[4]),))))
+        return _shown(check_one(str(path), Options(select, package_path=(str(slip.urdf.parents[4]),))))
 
 
 @cache
-def _as_it_is(path: str) -> tuple[Finding, ...]:
-    return _shown(check_one(str(_paths()[path])))
+def _as_it_is(path: str, select: tuple[str, ...]) -> tuple[Finding, ...]:
+    return _shown(check_one(str(_paths()[path]), Options(select)))
 
 
 def _shown(found: Sequence[Finding]) -> tuple[Finding, ...]:
@@ -132,6 +147,7 @@ def _paths() -> dict[str, Path]:
     return {name_of(path): path for path in published()}
 
 
+@cache
 def _anew(data: bytes) -> str:
     from lxml import etree
 

@@ -22,7 +22,6 @@ COMMANDS = (
     ("torques", f"{SWEEP} --scene robots/puma560_uncertain.toml"),
     ("torques", "torques robots/gripper.urdf robots/gripper_pick.csv --scene robots/gripper.toml"),
     ("torques", "torques robots/crank_slider.urdf robots/crank_slider_turn.csv --scene robots/crank_slider_turn.toml"),
-    ("torques", "torques robots/quadruped.urdf robots/quadruped_trot.csv --scene robots/quadruped_trot.toml"),
     ("torques_batch", "torques robots/puma.urdf robots/puma_reach.csv robots/puma_polish.csv --out OUT/"),
     ("simulate", "simulate robots/crank_slider.urdf --scene robots/crank_slider_pump.toml --duration 0.1"),
     ("simulate", TUMBLE),
@@ -39,18 +38,16 @@ COMMANDS = (
     ("equations_closed", "equations robots/two_link_planar.urdf --form closed"),
     ("equations_dae", "equations robots/gripper.urdf --form dae"),
     ("linearize", "linearize robots/two_link_planar.urdf --equilibrium"),
+)
+
+SLOW = (
+    ("torques", "torques robots/quadruped.urdf robots/quadruped_trot.csv --scene robots/quadruped_trot.toml"),
     ("linearize", "linearize robots/puma.urdf --scene robots/puma_servo.toml --step 0.01"),
     ("linearize", "linearize robots/puma.urdf --qd 1,2,3"),
     ("linearize", "linearize robots/crank_slider.urdf --scene robots/crank_slider_pump.toml"),
     ("excite", "excite robots/two_link_planar.urdf --joints elbow"),
-    (
-        "torques_measured",
-        "torques tests/data/tx40_log/tx40.urdf tests/data/tx40_log/log.parquet --measured --cutoff 20",
-    ),
-)
-
-SLOW = (
-    ("identify", "identify tests/data/tx40_log/tx40.urdf tests/data/tx40_log/log.parquet --cutoff 40"),
+    ("torques_measured", f"torques {TX40} --measured --cutoff 20"),
+    ("identify", f"identify {TX40} --cutoff 40"),
     ("accuracy", "accuracy robots/meshes/torn_block.stl"),
     ("accuracy", "accuracy robots/puma.urdf robots/puma_encoder.csv"),
     ("accuracy", "accuracy robots/pendulum.urdf robots/pendulum_a01.toml --duration 1 --target 1e-6"),

@@ -1,21 +1,36 @@
-"""The text report: what it says of robots of every kind, and that it agrees with the data."""
+"""The text report: what it says of robots of every kind, of many joints, and of what rounding leaves."""
 
 from __future__ import annotations
 
+import math
 import re
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import cache
-from pathlib import Path
 
+import numpy as np
 import pytest
-from helpers.report_text import torques_text
+from helpers.example_robots import real
+from helpers.html_pages import checked
+from helpers.oracles import ROBOTS, robot
+from helpers.report_text import simulation_text, torques_text
 
 import robodyn
-from robodyn.loads.result import Result
+from robodyn.loads.result import JointLoad, Result
+from robodyn.report.document import text
+from robodyn.report.equations import free_body_sections
+from robodyn.report.limits import LINES
+from robodyn.report.pictures.free_body import drawings
+from robodyn.report.pictures.torques import share_figures
+from robodyn.report.renderers.html import html
+from robodyn.report.renderers.markdown import markdown
+from robodyn.report.sizes import result_sizes
 from robodyn.report.table import Page
+from robodyn.report.torques_json import torques_json
+from robodyn.report.torques_page import torques_page
 from robodyn.scene.read import load_scene
+from robodyn.simulation.simulate import simulate
+from robodyn.support.wording import shortened
 
-ROBOTS = Path(__file__).parent.parent.parent / "robots"
 CASES = [
     ("scara", "scara_pick_and_place", None),
     ("cylindrical", "cylindrical_transfer", None),
@@ -44,6 +59,11 @@ def section(text: str, title: str) -> list[str]:
 def test_every_joint_is_in_the_tables_with_its_peak(robot: str, table: str, scene: str | None) -> None:
     data = result(robot, table, scene)
     text = torques_text(data)
+    assert max(map(len, text.partition("\nwarning")[0].splitlines())) <= 150
+    narrow = torques_text(data, page=Page(100)).partition("Self-checks")[0]
+    assert max(map(len, narrow.splitlines())) <= 100
+    if robot == "satellite":
+        assert "\nBase wrench: ground on robot, about the base's origin: zero throughout\n" in text
     loads = section(text, "joint ")[1:] if data.joints else []
     for joint, line in zip(data.joints, loads, strict=True):
         name, peak, *_ = line.split()
@@ -53,21 +73,6 @@ def test_every_joint_is_in_the_tables_with_its_peak(robot: str, table: str, scen
     assert text.endswith("\n")
     assert not text.endswith("\n\n")
     assert not re.search(r"\n\n\n| $", text)
-
-
-@pytest.mark.parametrize(("robot", "table", "scene"), CASES, ids=[case[1] for case in CASES])
-def test_lines_are_short_enough_to_read(robot: str, table: str, scene: str | None) -> None:
-    tables = torques_text(result(robot, table, scene)).partition("\nwarning")[0]
-    assert max(map(len, tables.splitlines())) <= 150
-    narrow = torques_text(result(robot, table, scene), page=Page(100)).partition("Self-checks")[0]
-    assert max(map(len, narrow.splitlines())) <= 100
-
-
-def test_shares_of_each_peak_add_up_as_shown() -> None:
-    data = result("scara", "scara_pick_and_place", None)
-    for line in section(torques_text(data), "What makes the peaks")[2:]:
-        _, gravity, inertia, coriolis, peak, *_ = line.split()
-        assert float(gravity) + float(inertia) + float(coriolis) == pytest.approx(float(peak), abs=0.06)
 
 
 def test_friction_that_holds_is_shown_where_there_is_some() -> None:
@@ -88,12 +93,6 @@ def test_derived_motion_says_method_noise_and_what_it_does_to_the_peak() -> None
     assert "error (95 %)" in section(text, "What makes the peaks")[1]
 
 
-def test_a_base_that_bears_nothing_takes_one_line() -> None:
-    text = torques_text(result("satellite", "satellite_slew", "satellite"))
-    assert "\nBase wrench: ground on robot, about the base's origin: zero throughout\n" in text
-    assert "e-17" not in text
-
-
 def test_limits_in_one_line_a_joint() -> None:
     data = result("scara", "scara_pick_and_place", None)
     assert "\nNo limit is exceeded.\n" in torques_text(data)
@@ -107,15 +106,16 @@ def test_limits_in_one_line_a_joint() -> None:
     assert cells[2] == f"{abs(shoulder.max_speed):.6g} rad/s, limit 4"
     assert cells[3] == f"{shoulder.q_max:.6g} rad, limit {shoulder.q_max - 0.125:.6g}"
     assert len(lines) == 3
-
-
-def test_use_of_limits() -> None:
-    data = result("scara", "scara_pick_and_place", None)
-    shoulder, elbow, quill = data.joints
-    odd = (replace(shoulder, effort_limit=1.0), replace(elbow, effort_limit=None), replace(quill, effort_limit=1e5))
-    lines = section(torques_text(replace(data, joints=odd)), "joint ")
-    used = f"{100 * abs(shoulder.peak):.0f}% of 1"
-    assert [re.split(r"  +", line)[-2] for line in lines[1:]] == [used, "-", "<1% of 100000"]
+    used = (
+        replace(shoulder, effort_limit=1.0),
+        replace(others[0], effort_limit=None),
+        replace(others[1], effort_limit=1e5),
+    )
+    lines = section(torques_text(replace(data, joints=used, warnings=("first\nline", "second"))), "joint ")
+    expected = [f"{100 * abs(shoulder.peak):.0f}% of 1", "-", "<1% of 100000"]
+    assert [re.split(r"  +", line)[-2] for line in lines[1:]] == expected
+    lines = torques_text(replace(data, warnings=("first\nline", "second"))).splitlines()
+    assert lines[-4:] == ["warning: first\\nline", "warning: second", "", "No limit is exceeded."]
 
 
 def test_explain_names_every_effect_and_why() -> None:
@@ -129,12 +129,140 @@ def test_explain_names_every_effect_and_why() -> None:
     assert "Effects:" not in torques_text(data)
 
 
-def test_what_vanishes_beside_the_energy_that_went_about_is_zero() -> None:
-    energy = section(torques_text(result("puma560", "puma560_sweep", None)), "Self-checks")[1]
-    assert energy == "energy: work 0 J, stored 0 J, residual 0 J (sampling explains 0 J)"
+SIDES = [f"hand_{side}_{finger}_flex_{k}_joint" for side in ("left", "right") for finger in "abcde" for k in range(4)]
 
 
-def test_warnings_come_before_the_verdict_each_on_a_line() -> None:
-    data = result("puma560", "puma560_sweep", None)
-    lines = torques_text(replace(data, warnings=("first\nline", "second"))).splitlines()
-    assert lines[-4:] == ["warning: first\\nline", "warning: second", "", "No limit is exceeded."]
+@cache
+def many() -> Result:
+    """Forty joints, every second of which is beyond its limit of effort."""
+    found = robodyn.torques(robot("puma560"), ROBOTS / "puma560_sweep.csv")
+    joints = []
+    for k, name in enumerate(SIDES):
+        joint = replace(found.joints[k % 6], name=name)
+        joints.append(replace(joint, effort_limit=(0.5 if k % 2 else 2.0) * abs(joint.peak)))
+    return replace(found, joints=tuple(joints))
+
+
+def page():
+    return checked(html(torques_page(many(), robot("puma560"), robodyn.Scene(), pictures=False)))
+
+
+def first_column(text: str) -> list[str]:
+    lines = text.splitlines()
+    start = next(k for k, line in enumerate(lines) if line.startswith("joint "))
+    return [line.split()[0] for line in lines[start + 1 : start + 1 + len(SIDES)]]
+
+
+ORDER = [*SIDES[1::2], *SIDES[::2]]
+"""Offenders, then the others, each in the order of the robot."""
+
+
+def test_offenders_lead_the_tables_and_none_is_dropped() -> None:
+    assert first_column(torques_text(many())) == ORDER
+    rows = [each.text for each in page().all("th") if each.attributes["scope"] == "row" and each.text in SIDES]
+    count = len(SIDES)
+    assert rows[:count] == ORDER, "what each joint carries"
+    assert rows[count : 2 * count] == ORDER, "what makes the peaks"
+    assert rows[2 * count :] == SIDES[1::2], "the limits that are exceeded, more than the verdict names"
+    assert count // 2 > LINES + 1
+
+
+def test_bars_have_every_joint_by_its_whole_name() -> None:
+    texts = [
+        text for each in share_figures(many().joints) for text in re.findall(r"<text[^>]*>([^<]*)</text>", each.svg)
+    ]
+    assert [text for text in texts if text.startswith("hand_")] == SIDES
+
+
+@pytest.mark.parametrize("most", [17, 20, 24])
+def test_shortened_names_differ(most: int) -> None:
+    names = ["gripper_left_joint", "gripper_right_joint", "gripper_left_inner_joint", "arm", "arm", *SIDES]
+    found = shortened(names, most)
+    assert len(set(found)) == len(set(names))
+    assert found[3:5] == ["arm", "arm"]
+    whole = [name for name, short in zip(names, found, strict=True) if short == name]
+    assert all(len(short) <= most for short in set(found) - set(whole))
+
+
+TINY = re.compile(r"\de-(?:1[2-9]|[2-9]\d|\d{3})")
+"""A number that only rounding makes, in cases of newtons and metres."""
+
+
+@cache
+def falling() -> Result:
+    """The arm in a pose that it keeps while its base falls freely: nothing carries anything."""
+    model = robot("puma560", moving_base=True)
+    time = np.linspace(0.0, 1.0, 60)
+    q, qd, qdd = np.zeros((60, model.nq)), np.zeros((60, model.n)), np.zeros((60, model.n))
+    q[:, 3:7] = np.array((0.1, -0.5, 0.3, 0.8)) / math.sqrt(0.99)
+    q[:, 7:] = np.linspace(0.3, 1.9, model.nq - 7)
+    qdd[:, 3:6] = (0.0, 0.0, -9.81 * (1.0 + np.finfo(float).eps))
+    q[:, 2], qd[:, 5] = -9.81 / 2 * time**2, -9.81 * time
+    scene = robodyn.Scene(moving_base=True)
+    return robodyn.torques(model, robodyn.motion(model, time, q, qd, qdd), scene, sizing=True, history=True)
+
+
+def test_free_fall_carries_nothing_in_text_and_page() -> None:
+    found = falling()
+    peaks = [abs(joint.peak) for joint in found.joints]
+    assert 0.0 < max(peaks) < 1e-12, "rounding leaves something, or this tests nothing"
+    for words in (torques_text(found), _page(found)):
+        assert not TINY.search(words.replace("<1e-12", "")), words
+    assert any(f'"peak": {joint.peak!r}' in torques_json(found) for joint in found.joints if joint.peak), "all digits"
+    assert "zero throughout" in torques_text(found)
+
+
+def _page(found: Result) -> str:
+    model, scene = robot("puma560", moving_base=True), robodyn.Scene(moving_base=True)
+    return markdown(torques_page(found, model, scene, pictures=False))
+
+
+def test_noise_is_no_arrow_of_a_drawing() -> None:
+    """A wrist at rest whose moments are the rounding of forces at the end of an arm."""
+    model = real("ur5_robot")
+    found = robodyn.free_bodies(model, [0.0] * model.n)
+    moments = [float(np.linalg.norm(a.moment)) for body in found.bodies for a in body.actions]
+    assert any(0.0 < x < 1e-11 for x in moments), "rounding leaves something, or this tests nothing"
+    for _, svg in drawings(found, "at rest"):
+        assert not TINY.search(svg)
+    assert not TINY.search(text(free_body_sections(found, "at rest")).replace("<1e-12", ""))
+
+
+def test_simulations_show_no_noise() -> None:
+    model = robot("heavy_top")
+    scene = load_scene(ROBOTS / "heavy_top_steady.toml")
+    found = simulate(model, scene, duration=0.2)
+    assert 0.0 < np.abs(found.qdd).max() < 1e-10
+    text = simulation_text(found)
+    assert not TINY.search(text.replace("<1e-12", "")), text
+
+
+@pytest.mark.parametrize("sizing", [False, True])
+def test_no_text_depends_on_the_last_digit(sizing: bool) -> None:
+    """All figures of a motion moved by some units of rounding of the largest of their kind: the same text."""
+    model = robot("puma560")
+    found = robodyn.torques(model, ROBOTS / "puma560_sweep.csv", sizing=sizing)
+    rng, size = np.random.default_rng(1), result_sizes(found)
+    shown = torques_text(found, explain=True)
+    for _ in range(5):
+        joints = tuple(_moved(joint, size, rng) for joint in found.joints)
+        base = tuple(
+            replace(part, peak=_by_noise(part.peak, size["N" if part.name[0] == "f" else "N m"], rng))
+            for part in found.base_wrench
+        )
+        checks = replace(found.checks, first_law=rng.uniform(0, 1e-14), second_law=0.0, power=rng.uniform(0, 1e-14))
+        assert torques_text(replace(found, joints=joints, base_wrench=base, checks=checks), explain=True) == shown
+
+
+def _moved(joint: JointLoad, size, rng) -> JointLoad:
+    kinds = {"peak_power": "W", "work_positive": "J", "work_negative": "J", "max_speed": "rad/s"}
+    kinds |= dict.fromkeys(("peak", "rms", "cubic_mean"), "N m")
+    names = {field.name for field in fields(joint)}
+    assert kinds.keys() <= names
+    moved = {name: _by_noise(getattr(joint, name), size[kind], rng) for name, kind in kinds.items()}
+    shares = {name: _by_noise(share, size["N m"], rng) for name, share in joint.shares.items()}
+    return replace(joint, **moved, shares=shares)
+
+
+def _by_noise(x: float, scale: float, rng) -> float:
+    return x + rng.uniform(-4.0, 4.0) * np.finfo(float).eps * scale

@@ -1,4 +1,4 @@
-"""Logs of ROS: bags of every kind, messages as text, and what is said of those that do not fit."""
+"""Logs of ROS: bags of every kind, messages as text and of several publishers, and what is said of misfits."""
 
 from __future__ import annotations
 
@@ -7,14 +7,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.bags import NANO, ROS1, ROS2, dynamic_joint_state, joint_state, joint_trajectory, write_bag
+from helpers.bags import NANO, ROS1, ROS2, dynamic_joint_state, joint_state, write_bag
 from helpers.command_line import ROBOTS, run
 
 import robodyn
 from robodyn.errors import TrajectoryError
 from robodyn.support.input_limits import VARIABLE
 from robodyn.trajectory.motion import join
-from robodyn.trajectory.read import open_table
+from robodyn.trajectory.read import open_table, signals
+from robodyn.trajectory.reader import TrajectoryReader
+from robodyn.trajectory.readers.messages import LogTable, State
+from robodyn.trajectory.reading import Reading, hold_of
 
 NAMES = ("shoulder", "elbow")
 URDF = str(ROBOTS / "two_link_planar.urdf")
@@ -65,50 +68,42 @@ def test_bags_of_every_kind(kind, tmp_path):
     block = read(path)
     assert block.origin == 1_700_000_000
     check(block)
-    if kind != "ros1":
-        (file,) = path.glob("*.db3" if kind == "sqlite3" else "*.mcap")
+    if kind == "sqlite3":
+        _without_metadata(path, tmp_path)
+    elif kind == "mcap":
+        (file,) = path.glob("*.mcap")
         check(read(file))
 
 
-def test_joints_in_any_order_and_more_than_the_robot_has(tmp_path):
-    """A log of a robot with a gripper, whose driver shuffles its joints."""
-    names = (*NAMES, "finger")
-    found = []
-    for k, (recorded, message) in enumerate(states(ROS2)):
-        turn = [k % 3, (k + 1) % 3, (k + 2) % 3]
-        values = {part: np.append(getattr(message, part), 0.5)[turn] for part in ("position", "velocity", "effort")}
-        stamp = message.header.stamp.sec * NANO + message.header.stamp.nanosec
-        found.append((recorded, joint_state(ROS2, stamp, [names[i] for i in turn], values)))
-    block = read(write_bag(tmp_path / "log", {"/joint_states": found}))
-    check(block)
-    assert any("'q_finger'" in note for note in block.notes)
-
-
-@pytest.mark.parametrize(
-    ("kind", "name", "value"),
-    [("sqlite3", "bag_steps", 100), ("sqlite3", "bag_chunk_bytes", 60), ("sqlite3", "yaml_metadata_bytes", 50)],
-)
-def test_limits_of_bags(kind, name, value, tmp_path, monkeypatch):
-    path = write_bag(tmp_path / "log", {"/joint_states": states(ROS2)}, kind)
+def _without_metadata(path: Path, folder: Path) -> None:
+    """The only bag in a folder is read; what is said of none and of several."""
+    (path / "metadata.yaml").unlink()
     check(read(path))
-    monkeypatch.setenv(VARIABLE, f"{name}={value}")
-    with pytest.raises(TrajectoryError):
-        read(path)
+    (bag,) = path.iterdir()
+    (path / f"more{bag.suffix}").write_bytes(bag.read_bytes())
+    (folder / "none").mkdir()
+    for given, said in (
+        (path, f"with 2 bags: '{bag.name}', 'more{bag.suffix}' (name one of them, or let `ros2 bag reindex` write"),
+        (folder / "none", "and no file in it is .db3, .mcap, .bag (name a table or a bag)"),
+    ):
+        with pytest.raises(TrajectoryError) as caught:
+            read(given)
+        assert str(caught.value).startswith(f"{given}: is a folder without metadata.yaml, ")
+        assert said in str(caught.value)
 
 
-def test_what_rosbags_does_for_others_stays_as_it_is(tmp_path):
-    """Limits hold while a bag is read here, and not beyond."""
-    from rosbags.rosbag1 import reader as first
-    from rosbags.rosbag2 import reader, storage_mcap
-
-    before = dict(storage_mcap.DECOMPRESSORS), dict(first.decompressors), reader.zstd, reader.parse_qos
-    read(write_bag(tmp_path / "log", {"/joint_states": states(ROS2)}, "mcap"))
-    assert before == (storage_mcap.DECOMPRESSORS, first.decompressors, reader.zstd, reader.parse_qos)
+def test_limits_of_bags(tmp_path, monkeypatch):
+    path = write_bag(tmp_path / "log", {"/joint_states": states(ROS2)})
+    check(read(path))
+    for limit in ("bag_steps=100", "bag_chunk_bytes=60", "yaml_metadata_bytes=50"):
+        monkeypatch.setenv(VARIABLE, limit)
+        with pytest.raises(TrajectoryError):
+            read(path)
 
 
 def test_messages_that_say_something_else_are_left_out_and_told(tmp_path):
-    """A gripper's driver on the same topic, and a message that came twice."""
-    found = states(ROS2)
+    """A gripper's driver on the same topic, a message that came twice, and joints in any order."""
+    found = states(ROS2, order=lambda k: (k % 2, 1 - k % 2))
     for k in (5, 20, 30):
         found.append((found[k][0] + 1, joint_state(ROS2, START, ["finger"], {"position": [0.1]})))
     found.append((found[7][0] + 1, found[7][1]))
@@ -128,14 +123,6 @@ def test_interfaces_that_all_joints_have(tmp_path):
     path = write_bag(tmp_path / "log", {"/dynamic_joint_states": found})
     check(read(path))
     assert not any(name.startswith("tau") for name in open_table(path).names)
-
-
-def test_a_planned_trajectory(tmp_path):
-    time, angle, *_ = samples()
-    message = joint_trajectory(NAMES, time.tolist(), angle)
-    block = read(write_bag(tmp_path / "plan", {"/plan": [(START, message)]}))
-    np.testing.assert_array_equal(block.time, time / NANO)
-    assert block.derivation is not None
 
 
 def topics(tmp_path):
@@ -162,8 +149,7 @@ def as_text(folder: Path, name: str, document: object) -> Path:
     return path
 
 
-@pytest.mark.parametrize("suffix", [".json", ".yaml"])
-@pytest.mark.parametrize("nested", [False, True], ids=["", "MoveIt"])
+@pytest.mark.parametrize(("suffix", "nested"), [(".json", False), (".yaml", True)], ids=["", "MoveIt"])
 def test_trajectories_as_text(suffix, nested, tmp_path):
     time, angle, speed, _ = samples()
     points = [
@@ -225,25 +211,6 @@ def test_bags_that_are_none(tmp_path):
     assert outcome.err.endswith("two_link_planar_swing.csv: has no topics (--topic is for bags: .db3, .mcap, .bag)\n")
 
 
-@pytest.mark.parametrize("kind", ["sqlite3", "mcap"])
-def test_a_folder_without_metadata(kind, tmp_path):
-    """The only bag in it is read; what is said of none and of several."""
-    path = write_bag(tmp_path / "log", {"/joint_states": states(ROS2)}, kind)
-    (path / "metadata.yaml").unlink()
-    check(read(path))
-    (bag,) = path.iterdir()
-    (path / f"more{bag.suffix}").write_bytes(bag.read_bytes())
-    (tmp_path / "none").mkdir()
-    for folder, said in (
-        (path, f"with 2 bags: '{bag.name}', 'more{bag.suffix}' (name one of them, or let `ros2 bag reindex` write"),
-        (tmp_path / "none", "and no file in it is .db3, .mcap, .bag (name a table or a bag)"),
-    ):
-        outcome = run("torques", URDF, str(folder))
-        assert (outcome.status, len(outcome.err.splitlines())) == (2, 1)
-        assert outcome.err.startswith(f"error: {folder}: is a folder without metadata.yaml, ")
-        assert said in outcome.err
-
-
 def test_a_real_log_has_the_torques_that_were_measured():
     """The first second of a UR10's: joints in its own order, efforts as large as gravity asks for."""
     table = open_table(LOG)
@@ -253,38 +220,15 @@ def test_a_real_log_has_the_torques_that_were_measured():
     assert -120.0 < tau.min() < -10.0
 
 
-def renamed(tmp_path, scale=1.0):
-    """A log whose driver has names of its own, and angles times a scale."""
-    names, found = ("robot1_shoulder_joint", "Elbow"), []
-    for recorded, message in states(ROS2):
-        values = {"position": scale * message.position, "velocity": message.velocity, "effort": message.effort}
-        stamp = message.header.stamp.sec * NANO + message.header.stamp.nanosec
-        found.append((recorded, joint_state(ROS2, stamp, names, values)))
-    return write_bag(tmp_path / "log", {"/joint_states": found})
-
-
 def test_names_that_do_not_fit_are_proposed(tmp_path):
-    path = renamed(tmp_path)
+    """A position that is mapped brings its speed and effort."""
+    path = write_bag(tmp_path / "log", {"/joint_states": states(ROS2, names=("robot1_shoulder_joint", "Elbow"))})
     outcome = run("torques", URDF, str(path))
     assert "--map q_shoulder=q_robot1_shoulder_joint --map q_elbow=q_Elbow" in outcome.err
-    check(read(path, columns={"q_shoulder": "q_robot1_shoulder_joint", "q_elbow": "q_Elbow"}))
-
-
-def test_a_position_that_is_mapped_brings_its_speed_and_effort(tmp_path):
-    """Without --map for each of them."""
     columns = {"q_shoulder": "q_robot1_shoulder_joint", "q_elbow": "q_Elbow"}
-    block = read(renamed(tmp_path), columns=columns, measured=True)
+    block = read(path, columns=columns, measured=True)
+    check(block)
     np.testing.assert_array_equal(block.extra["tau_elbow"], samples()[3][:, 1])
-
-
-def test_degrees_in_a_bag_are_doubted_and_understood(tmp_path):
-    path = renamed(tmp_path, scale=57.29577951308232)
-    columns = {"q_shoulder": "q_robot1_shoulder_joint", "q_elbow": "q_Elbow"}
-    assert any("--angle-unit deg" in caveat.text for caveat in read(path, columns=columns).caveats)
-    block = read(path, columns=columns, angle_unit="deg")
-    assert not any("--angle-unit" in caveat.text for caveat in block.caveats)
-    order = [robodyn.load(URDF).rates.index(name) for name in NAMES]
-    np.testing.assert_allclose(block.q[:, order], samples()[1], atol=1e-13)
 
 
 def test_what_is_nan_in_every_message_was_not_measured(tmp_path):
@@ -303,3 +247,79 @@ def test_what_is_nan_in_every_message_was_not_measured(tmp_path):
     )
     with pytest.raises(TrajectoryError, match=what):
         read(write_bag(tmp_path / "other", {"/joint_states": found}), measured=True)
+
+
+ROBOT = ROBOTS / "two_link_planar.urdf"
+STEP = 8_000_000
+"""ns."""
+
+
+def angle(stamps):
+    return np.sin(2e-9 * np.asarray(stamps))
+
+
+def publisher(names, stamps, position=angle):
+    """Messages whose joints all have the same position, and that times 3 for a torque."""
+    values = position(stamps)
+    return [
+        State(int(t), tuple(names), {"position": [x] * len(names), "effort": [3 * x] * len(names)})
+        for t, x in zip(stamps, values.tolist(), strict=True)
+    ]
+
+
+def read_states(*publishers, hold=None):
+    states = sorted((state for each in publishers for state in each), key=lambda state: state.stamp)
+    reading = Reading("none", hold=hold_of(hold), measured=True)
+    with TrajectoryReader(LogTable("log", states), signals(robodyn.load(ROBOT)), (), reading) as reader:
+        return join(list(reader.blocks()))
+
+
+def place(name):
+    return robodyn.load(ROBOT).rates.index(name)
+
+
+MAIN = NANO + STEP * np.arange(200)
+
+
+def test_equal_stamps_give_the_numbers_of_the_messages():
+    """To the bit, and no joint that the log has is held."""
+    block = read_states(publisher(["shoulder"], MAIN), publisher(["elbow"], MAIN), hold="rest")
+    assert not block.held
+    for name in ("shoulder", "elbow"):
+        np.testing.assert_array_equal(block.q[:, place(name)], angle(MAIN))
+        np.testing.assert_array_equal(block.extra[f"tau_{name}"], 3 * angle(MAIN))
+    assert "messages of another publisher about 'elbow' are interpolated onto the stamps of the others" in block.notes
+
+
+def test_stamps_between_are_interpolated():
+    """A chord is off a sine by h^2 / 8 max|q''| at most; the stretch is that of both publishers."""
+    other = NANO + 3_000_000 + STEP * np.arange(10, 150)
+    block = read_states(publisher(["shoulder"], MAIN), publisher(["elbow"], other))
+    stamps = MAIN[(other[0] <= MAIN) & (other[-1] >= MAIN)]
+    np.testing.assert_array_equal(block.q[:, place("shoulder")], angle(stamps))
+    bound = (1e-9 * STEP) ** 2 / 8 * 4.0
+    assert np.abs(block.q[:, place("elbow")] - angle(stamps)).max() < bound
+    assert f"{200 - len(stamps)} messages left out, not between two about 'elbow'" in block.notes
+
+
+def test_in_gaps_of_a_publisher_there_are_no_rows():
+    block = read_states(publisher(["shoulder"], MAIN), publisher(["elbow"], np.delete(MAIN, np.s_[50:60])))
+    np.testing.assert_array_equal(block.q[:, place("elbow")], angle(np.delete(MAIN, np.s_[50:60])))
+
+
+def test_between_turns_the_nearer_message_counts():
+    """Of an angle that jumps from pi to -pi nothing stands between."""
+    other = MAIN[:-1] + 3_000_000
+
+    def turning(stamps):
+        return np.where(np.arange(len(stamps)) % 2, 3.1, -3.1)
+
+    block = read_states(publisher(["shoulder"], MAIN), publisher(["elbow"], other, turning))
+    np.testing.assert_array_equal(block.q[:, place("elbow")], turning(other)[1:])
+
+
+def test_publishers_of_different_times_are_refused():
+    with pytest.raises(TrajectoryError) as caught:
+        read_states(publisher(["shoulder"], MAIN), publisher(["elbow"], MAIN[:50] + 10 * NANO), hold="rest")
+    what = "log: messages about 'elbow' and those about the other joints are of different times (record them together)"
+    assert str(caught.value) == what

@@ -8,7 +8,6 @@ import pytest
 from helpers.example_robots import path_of
 
 from robodyn.checks.check import Options, check_one, select_findings
-from robodyn.checks.context import Thresholds
 from robodyn.checks.rule import Finding
 
 ROBOTS = ("go2", "panda", "z1", "solo12")
@@ -55,9 +54,3 @@ def test_it_is_named_once(stem: str, times: float) -> None:
 @pytest.mark.parametrize("times", [0.1, 10.0, 39.37, 100.0])
 def test_another_factor_is_not_named(times: float) -> None:
     assert "RD113" not in {one.code for one in severe("panda", times)}
-
-
-def test_it_does_not_depend_on_a_threshold_of_another_rule() -> None:
-    path = path_of("panda")
-    lenient = Options(thresholds=Thresholds(least_density=1e-30, most_density=1e30))
-    assert "RD113" not in {one.code for one in check_one(path.read_bytes(), lenient, str(path))}

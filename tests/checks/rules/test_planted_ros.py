@@ -45,7 +45,7 @@ def test_found_once_and_nothing_else(planted: Planted, stem: str) -> None:
     assert Counter(one.code for one in new) - codes(stem) == {planted.code: 1}
 
 
-@pytest.mark.parametrize(("edit", "stem"), SOUND)
+@pytest.mark.parametrize(("edit", "stem"), sampled([pytest.param(*each) for each in SOUND], 6))
 def test_what_is_sound_stays_unfound(edit: Edit, stem: str) -> None:
     assert not Counter(one.code for one in found(edit(*texts_of(stem)))) - codes(stem)
 
@@ -57,13 +57,6 @@ def test_neighbours_that_touch(stem: str) -> None:
     assert not found(texts_of(stem), options)
     (one,) = found(NEIGHBOURS.edit(*texts_of(stem)), options)
     assert one.file.endswith(".srdf")
-
-
-def test_pairs_with_a_link_that_is_not_there_are_told_once() -> None:
-    """Solo's SRDF has the shoulders of Solo 12 between base and upper legs (RD701), and none of the feet."""
-    (one,) = check_one(str(path_of("solo")), Options(select=("RD709",)))
-    assert one.measured == 4
-    assert "base_link" not in one.message
 
 
 def test_each_kind_is_planted_in_three_robots() -> None:

@@ -1,4 +1,4 @@
-"""Every rule's documentation is true: its bad example is found, its good one is not."""
+"""Every rule's documentation is true, its bad example found and its good one not; names that others use."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+from helpers.example_robots import path_of
 
 from robodyn.checks.catalogue import RULES
 from robodyn.checks.check import check_one
@@ -67,3 +68,73 @@ def test_documentation_is_complete() -> None:
         assert ". " not in rule.summary, "one sentence"
         assert rule.explanation.endswith(".")
         assert rule.check.__module__.startswith("robodyn.checks.rules.")
+
+
+def unnamed(source: Path | str) -> list[Finding]:
+    given = source.encode() if isinstance(source, str) else str(source)
+    return [one for one in check_one(given) if one.code == "RD701"]
+
+
+@pytest.mark.parametrize(
+    ("more", "names"),
+    [
+        ('<gazebo reference="uper"/>', ["uper"]),
+        ('<gazebo reference="upper"/><gazebo reference="shoulder"/><gazebo/>', []),
+        ('<ros2_control name="c" type="system"><joint name="elbow"/><sensor name="s"/></ros2_control>', ["elbow"]),
+        ('<transmission name="t"><joint name="a"/><joint name="b"/></transmission>', ["a", "b"]),
+        ('<transmission name="t"><joint/></transmission>', []),
+    ],
+)
+def test_extensions(more: str, names: list[str]) -> None:
+    text = arm(more=more)
+    places = [text.encode()[one.start : one.end].decode() for one in unnamed(text)]
+    assert places == names
+    assert names != ["uper"] or unnamed(text)[0].remedy == "did you mean 'upper'?"
+
+
+GROUPS = """<robot name="arm">
+  <group name="all"><chain base_link="base" tip_link="{tip}"/><joint name="shoulder"/></group>
+  <group_state name="home" group="all"><joint name="{joint}" value="0"/></group_state>
+  <virtual_joint name="free" type="floating" parent_frame="odom" child_link="base"/>
+  <passive_joint name="free"/>
+  <end_effector name="e" parent_link="upper" group="all"/>
+  <disable_collisions link1="base" link2="{other}" reason="Never"/>
+</robot>"""
+
+
+def robot(tmp_path: Path, srdf: str, place: str = "arm.srdf") -> Path:
+    file = tmp_path / "urdf" / "arm.urdf"
+    for path, text in ((file, arm()), (tmp_path / "urdf" / place, srdf)):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.resolve().parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    return file
+
+
+@pytest.mark.parametrize("place", ["arm.srdf", "config/arm.srdf", "../srdf/arm.srdf", "../config/arm.srdf"])
+def test_srdf_of_the_same_name(tmp_path: Path, place: str) -> None:
+    good = {"tip": "upper", "joint": "shoulder", "other": "upper"}
+    assert not unnamed(robot(tmp_path, GROUPS.format(**good), place))
+    bad = unnamed(robot(tmp_path, GROUPS.format(tip="uper", joint="root_joint", other="tool"), place))
+    assert [(one.severity, one.line, Path(one.file).name) for one in bad] == [
+        (Severity.ERROR, 2, "arm.srdf"),
+        (Severity.WARNING, 7, "arm.srdf"),
+    ]
+
+
+def test_srdf_of_another_name_is_one_warning_if_it_is_for_this_robot(tmp_path: Path) -> None:
+    text = GROUPS.format(tip="uper", joint="elbow", other="tool")
+    file = robot(tmp_path, text, "other.srdf")
+    (one,) = unnamed(file)
+    assert one.severity is Severity.WARNING
+    assert "2 more names" in one.message
+    assert not unnamed(robot(tmp_path, text.replace('name="arm"', 'name="leg"'), "other.srdf"))
+
+
+def test_a_broken_srdf_is_no_fault_of_the_robot(tmp_path: Path) -> None:
+    assert not unnamed(robot(tmp_path, "<robot name='arm'><group>"))
+
+
+def test_published_robots() -> None:
+    assert not any(unnamed(path_of(stem)) for stem in ("solo12", "go2", "kinova", "panda"))
+    assert {one.line for one in unnamed(path_of("pr2"))} == {1188, 1191}

@@ -1,0 +1,185 @@
+"""Pictures: free bodies, solids and errors against time, complete, legible, and drawn by what is nearer."""
+
+from __future__ import annotations
+
+import itertools
+import re
+import xml.etree.ElementTree as ET
+from itertools import combinations
+
+import numpy as np
+import pytest
+from helpers.html_pages import checked, contrast
+from helpers.oracles import ROBOTS, random_state, robot
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+import robodyn
+from robodyn.dynamics.plan import EFFECTS
+from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Rung, Spread
+from robodyn.programs.vectors import product
+from robodyn.report.accuracy import accuracy_page
+from robodyn.report.pictures.accuracy import draw_ladder
+from robodyn.report.pictures.free_body import (
+    COLOURS,
+    PAGE,
+    PAPERS,
+    SHEET,
+    STYLE,
+    arrows,
+    drawing,
+    drawings,
+    page_drawing,
+)
+from robodyn.report.pictures.robot import PAPER, nearest
+from robodyn.report.renderers.html import html
+from robodyn.report.sizes import free_body_sizes
+from robodyn.solids.mesh.read.load import load_triangles
+
+NAMES = ("puma560", "scara", "satellite")
+
+
+def found(name, seed=0):
+    model = robot(name)
+    (q,), (qd,), (qdd,) = random_state(model, np.random.default_rng(seed), 1)
+    return robodyn.free_bodies(model, q, qd, qdd)
+
+
+def texts(svg):
+    return [
+        (float(node.get("x")), float(node.get("y")), node.get("text-anchor"), float(node.get("font-size")), node.text)
+        for node in ET.fromstring(svg).iter("{http://www.w3.org/2000/svg}text")
+    ]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_labels_stay_on_the_page_and_apart(name):
+    robot = found(name)
+    sheets = [(svg, SHEET) for _, svg in drawings(robot, "somewhere")]
+    pages = [(page_drawing(body, free_body_sizes(robot)), PAGE) for body in robot.bodies]
+    for svg, paper in (*sheets, *pages):
+        labels = [each for each in texts(svg) if paper.top < each[1] < paper.bottom and " = " in each[-1]]
+        boxes = [(x, y, 0.32 * size * len(text)) for x, y, _, size, text in labels]
+        assert all(x - half > 0 and x + half < paper.width for x, _, half in boxes)
+        for (x, y, half), (a, b, wide) in combinations(boxes, 2):
+            assert abs(x - a) >= half + wide or abs(y - b) >= 16, name
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_force_and_moment_is_drawn_and_listed(name):
+    for body, (_, svg) in zip(found(name).bodies, drawings(found(name), "somewhere"), strict=True):
+        words = [text for *_, text in texts(svg)]
+        assert min(size for *_, size, _ in texts(svg)) >= 12
+        for action in body.actions:
+            assert any(line.startswith(action.what[:30]) for line in words)
+        for part, unit in (("force", "N"), ("moment", "N m")):
+            sizes = [np.linalg.norm(getattr(action, part)) for action in body.actions]
+            drawn = sum(bool(re.search(rf" = \S+ {unit}$", text)) for text in words)
+            assert drawn == sum(size > 1e-9 * max(sizes) for size in sizes)
+
+
+def test_a_vector_towards_the_reader_is_a_ring():
+    found = robodyn.free_bodies(robot("scara"), [0.0] * 3, scene=robodyn.Scene(gravity=(9.0, 9.0, 9.0)))
+    body, size = found.bodies[1], free_body_sizes(found)
+    (weight,) = (arrow for arrow in arrows(body, [(0.0, 0.0)] * len(body.actions), size) if arrow.symbol == "W")
+    assert weight.start == weight.end
+    assert weight.towards
+    assert 'r="3.5"' in drawing(body, "", size)
+
+
+def test_colours_can_be_read_on_both_papers():
+    inside = {"gravity", "inertia", "coriolis", "moving base", "payload", "mimic"}
+    assert {effect.name for effect in EFFECTS} <= inside | set(COLOURS)
+    for paper in PAPERS:
+        assert paper in STYLE
+        assert [kind for kind, colour in COLOURS.items() if contrast(colour, paper) < 3.0] == []
+    model = robodyn.load(b'<robot name="a&lt;b"><link name="x"/></robot>')
+    (_, svg), *_ = drawings(robodyn.free_bodies(model, []), "<&>")
+    assert any("a<b, <&>" in text for *_, text in texts(svg))
+
+
+ACROSS, UP = 60, 45
+
+
+def seen_one_by_one(triangles: np.ndarray) -> np.ndarray:
+    """Return the nearest triangle at the middle of each dot by barycentric coordinates."""
+    found = np.full((UP, ACROSS), -1)
+    for y, x in np.ndindex(UP, ACROSS):
+        depths = {}
+        for k, (a, b, c) in enumerate(triangles):
+            sides = np.column_stack((b[:2] - a[:2], c[:2] - a[:2]))
+            u, v = np.linalg.solve(sides, np.array((x + 0.5, y + 0.5)) - a[:2])
+            if u >= 0.0 and v >= 0.0 and u + v <= 1.0:
+                depths[k] = a[2] + u * (b - a)[2] + v * (c - a)[2]
+        found[y, x] = max(depths, key=depths.__getitem__, default=-1)
+    return found
+
+
+@pytest.mark.parametrize("thin", [1.0, 0.02])
+def test_dots_show_the_nearest_triangle(thin: float) -> None:
+    """Triangles that pass through one another, half of them long and thin; edges may be off by a dot."""
+    triangles = np.random.default_rng(7).uniform(0.0, 45.0, (8, 3, 3))
+    triangles[::2, 2] = triangles[::2, 0] + thin * (triangles[::2, 2] - triangles[::2, 0])
+    expected, found = seen_one_by_one(triangles), nearest(triangles, ACROSS, UP)
+    inside = np.all([np.roll(expected, shift, axis) == expected for shift in (-1, 1) for axis in (0, 1)], axis=0)
+    assert (found[inside] == expected[inside]).mean() > 0.97
+
+
+def test_the_long_faces_of_a_bracket_hide_what_is_behind_them() -> None:
+    """The top of its plate, of long triangles, shows nothing of the faces below and behind."""
+    mesh = load_triangles(str(ROBOTS / "meshes" / "bracket.stl")).array()
+    placed = product(mesh, PAPER.T)
+    placed = (placed - placed.min(axis=(0, 1))) * 2.0
+    away = np.cross(placed[:, 1] - placed[:, 0], placed[:, 2] - placed[:, 0])[:, 2] < 0.0
+    seen = nearest(placed, 250, 250)
+    covered = seen[seen >= 0]
+    assert len(covered) > 5_000
+    assert away[covered].mean() < 0.01
+
+
+def ladder(errors: list[float], times: list[float]) -> Accuracy:
+    """Methods with these errors and times [s]."""
+    rungs = tuple(
+        Rung(f"method {k}", (error,), Spread(t, 0.99 * t, 1.01 * t, 5))
+        for k, (error, t) in enumerate(zip(errors, times, strict=True))
+    )
+    return Accuracy("r", (Ladder("torques", ("torque",), "digits", "sample", rungs),), ())
+
+
+def drawn(errors: list[float], times: list[float], target: float | None = None):
+    """The axes of a ladder, drawn."""
+    axes = Figure().subplots()
+    draw_ladder(axes, ladder(errors, times).ladders[0], target)
+    FigureCanvasAgg(axes.figure).draw()
+    return axes
+
+
+def heights(axes) -> list[float]:
+    """Where the points are on paper, in the order of the methods."""
+    return [axes.transData.transform((1.0, container.lines[0].get_ydata()[0]))[1] for container in axes.containers]
+
+
+def labels(axis) -> list[str]:
+    return [label.get_text() for label in axis.get_ticklabels() if label.get_text()]
+
+
+def test_errors_below_rounding_have_heights_of_their_own() -> None:
+    axes = drawn([1e-32, 1e-21, 1e-16, 1e-8], [4e-6, 3e-6, 2e-6, 1e-6])
+    found = heights(axes)
+    assert found == sorted(found)
+    assert min(b - a for a, b in itertools.pairwise(found)) > 0.15 * (found[-1] - found[0])
+
+
+def test_an_error_of_zero_stands_below_all_others_at_0() -> None:
+    axes = drawn([0.0, 1e-25, 1e-3], [3e-6, 2e-6, 1e-6], target=1e-28)
+    zero = axes.containers[0].lines[0].get_ydata()[0]
+    assert zero < 1e-29
+    assert dict(zip(axes.get_yticks(), labels(axes.yaxis), strict=True))[zero] == "0"
+
+
+@pytest.mark.parametrize("times", [(1.1e-5, 1.25e-5, 1.9e-5), (6.8e-6, 7.0e-6, 7.1e-6), (1e-8, 1e-2), (5e-9, 3e-8)])
+def test_no_label_stands_twice(times: tuple[float, ...]) -> None:
+    found = ladder([10.0 ** (-3 * k - 1) for k in range(len(times))], list(times))
+    texts = [each.text.strip() for each in checked(html(accuracy_page(found))).all("text")]
+    numbers = [text for text in texts if re.fullmatch(r"\u2212?\d[\d.]*(e[+\u2212]\d+)?", text)]
+    assert len(numbers) == len(set(numbers)) >= 4, numbers
