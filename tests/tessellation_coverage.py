@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from helpers.markdown_tables import table
 from helpers.round_bars import Errors, errors
-from helpers.round_shapes import HELD_OUT, PLACES, TRIED, TUNED, drawn
+from helpers.round_shapes import KINDS, PLACES, TRIED, TUNED, drawn
 
 ENOUGH = 0.95
 PUBLISHED = range(5000, 5040)
@@ -48,18 +48,20 @@ def coverage(kind: str, seeds: Iterable[int]) -> Coverage:
     )
 
 
-def page() -> tuple[str, float]:
-    """The text of the document, and the least share in it."""
-    rows, least = [], 1.0
-    for half, kinds in (("tuned on", TUNED), ("tried", TRIED), ("held out", HELD_OUT)):
-        for kind in kinds:
-            found = coverage(kind, PUBLISHED)
-            shares = found.mesh, found.rest, found.on_surface
-            least = min(least, *(float(share.min()) for share in shares))
-            cells = (" ".join(f"{100 * x:.0f}" for x in share) for share in shares)
-            rows.append((kind, half, *cells, " ".join(f"{100 * x:.0f}" for x in found.without), f"{found.typical:.2f}"))
+def row_of(kind: str) -> tuple[tuple[str, ...], float]:
+    """The row of a kind in the document, and the least share in it."""
+    half = "tuned on" if kind in TUNED else "tried" if kind in TRIED else "held out"
+    found = coverage(kind, PUBLISHED)
+    shares = found.mesh, found.rest, found.on_surface
+    cells = (" ".join(f"{100 * x:.0f}" for x in share) for share in (*shares, found.without))
+    return (kind, half, *cells, f"{found.typical:.2f}"), min(float(share.min()) for share in shares)
+
+
+def page() -> str:
+    """The text of the document."""
     head = ("solids", "", "mesh", "corrected", "corrected, corners on the surface", "no bar", "error / bar")
-    return _TEXT.format(table=table(head, rows, left=(0, 1)), solids=len(PUBLISHED)), least
+    rows = [row_of(kind)[0] for kind in KINDS]
+    return _TEXT.format(table=table(head, rows, left=(0, 1)), solids=len(PUBLISHED))
 
 
 _TEXT = """# How far facets leave a mesh from the round body it stands for
@@ -82,5 +84,4 @@ nothing comes of the held out ones. `python -m tessellation_coverage` in `tests/
 
 if __name__ == "__main__":
     document = Path(__file__).parents[1] / "docs" / "tessellation.md"
-    document.parent.mkdir(exist_ok=True)
-    document.write_text(page()[0], encoding="utf-8")
+    document.write_text(page(), encoding="utf-8")

@@ -67,12 +67,6 @@ DESCRIPTIONS: list[tuple[str, str | bytes, str]] = [
 ]
 
 
-@pytest.mark.parametrize(("text", "pattern"), [pytest.param(*case[1:], id=case[0]) for case in DESCRIPTIONS])
-def test_description(text: str | bytes, pattern: str) -> None:
-    Path("bad.urdf").write_bytes(text if isinstance(text, bytes) else text.encode())
-    refused(torques("bad.urdf"), pattern)
-
-
 TABLES: list[tuple[str, str | bytes, str]] = [
     ("empty", "", r"bad.csv: is empty"),
     ("blank", "\n\n", r"bad.csv: is empty"),
@@ -104,24 +98,10 @@ TABLES: list[tuple[str, str | bytes, str]] = [
 ]
 
 
-@pytest.mark.parametrize(("text", "pattern"), [pytest.param(*case[1:], id=case[0]) for case in TABLES])
-def test_table(text: str | bytes, pattern: str) -> None:
-    Path("bad.csv").write_bytes(text if isinstance(text, bytes) else text.encode())
-    refused(torques(trajectory="bad.csv"), pattern)
-
-
-def test_motion_that_must_be_given() -> None:
-    Path("bad.csv").write_text("time,q_shoulder,q_elbow\n0,0,0\n1,0,0\n")
-    refused(torques("arm.urdf", "bad.csv", "--derivatives", "given"), "bad.csv:1: .*'shoulder', 'elbow' is not given")
-
-
-def test_robot_without_joints_has_no_columns() -> None:
-    Path("stone.urdf").write_text('<robot name="stone"><link name="stone"/></robot>')
-    refused(torques("stone.urdf"), "arm.csv:1: unknown columns? 'q_shoulder'")
-
-
 SCENES = [
     ("not TOML", "gravity = [", r"is not TOML"),
+    ("line", "a = 1\nb = = 2", r"is not TOML: invalid value"),
+    ("twice", "[drive]\na = {}\n[drive]\n", r"is not TOML: cannot declare \('drive',\) twice \(each key and"),
     ("binary", BINARY, r"is not TOML"),
     ("nested", "a = " + "[" * 5000, r"is not TOML: nested too deeply"),
     ("key", "gravty = [0, 0, 0]", r'.*unknown key "gravty" \(valid keys: .*gravity'),
@@ -134,34 +114,41 @@ SCENES = [
 ]
 
 
-@pytest.mark.parametrize(("text", "pattern"), [pytest.param(*case[1:], id=case[0]) for case in SCENES])
-def test_scene(text: str | bytes, pattern: str) -> None:
-    Path("bad.toml").write_bytes(text if isinstance(text, bytes) else text.encode())
-    refused(torques("arm.urdf", "arm.csv", "--scene", "bad.toml"), r"bad\.toml:(\d+:)? " + pattern)
+CALLS: dict[str, Callable[[str], Outcome]] = {
+    "urdf": torques,
+    "csv": lambda file: torques(trajectory=file),
+    "toml": lambda file: torques("arm.urdf", "arm.csv", "--scene", file),
+}
+FILES = [
+    pytest.param(kind, *case[1:], id=f"{kind}: {case[0]}")
+    for kind, cases in (("urdf", DESCRIPTIONS), ("csv", TABLES), ("toml", SCENES))
+    for case in cases
+]
 
 
-def test_scene_that_needs_a_column_that_is_not_there() -> None:
+@pytest.mark.parametrize(("kind", "text", "pattern"), FILES)
+def test_file(kind: str, text: str | bytes, pattern: str) -> None:
+    Path(f"bad.{kind}").write_bytes(text if isinstance(text, bytes) else text.encode())
+    refused(CALLS[kind](f"bad.{kind}"), rf"bad\.toml:(\d+:)? {pattern}" if kind == "toml" else pattern)
+
+
+def test_what_does_not_fit_the_robot_or_the_table() -> None:
+    Path("few.csv").write_text("time,q_shoulder,q_elbow\n0,0,0\n1,0,0\n")
+    refused(torques("arm.urdf", "few.csv", "--derivatives", "given"), "few.csv:1: .*'shoulder', 'elbow' is not given")
+    Path("stone.urdf").write_text('<robot name="stone"><link name="stone"/></robot>')
+    refused(torques("stone.urdf"), "arm.csv:1: unknown columns? 'q_shoulder'")
     Path("wind.toml").write_text('[[wrench]]\nlink = "fore"\nforce = ["fx", 0, 0]')
-    refused(torques("arm.urdf", "arm.csv", "--scene", "wind.toml"), "arm.csv:1: no column 'fx', which the scene names")
-
-
-def test_scene_that_makes_loads_overflow() -> None:
+    refused(CALLS["toml"]("wind.toml"), "arm.csv:1: no column 'fx', which the scene names")
     Path("heavy.toml").write_text('[[payload]]\nlink = "fore"\nmass = 1e308\ncom = [1e10, 0, 0]')
-    refused(torques("arm.urdf", "arm.csv", "--scene", "heavy.toml"), "arm.csv: row 1: tau_shoulder overflows")
+    refused(CALLS["toml"]("heavy.toml"), "arm.csv: row 1: tau_shoulder overflows")
 
 
-@pytest.mark.parametrize("name", ["missing", "no_folder/missing", "", "nul\0", "folder"])
-@pytest.mark.parametrize("suffix", [".urdf", ".csv", ".toml"])
-def test_name_of_no_file(name: str, suffix: str) -> None:
-    for kind in (".urdf", ".csv", ".toml"):
-        Path(f"folder{kind}").mkdir()
-    file = name and name + suffix
-    calls: dict[str, Callable[[], Outcome]] = {
-        ".urdf": lambda: torques(file),
-        ".csv": lambda: torques(trajectory=file),
-        ".toml": lambda: torques("arm.urdf", "arm.csv", "--scene", file),
-    }
-    refused(calls[suffix](), re.escape(file.replace("\0", "\\x00") or "''") + ": ")
+@pytest.mark.parametrize("name", ["missing", "", "nul\0", "folder"])
+@pytest.mark.parametrize("kind", CALLS)
+def test_name_of_no_file(name: str, kind: str) -> None:
+    Path(f"folder.{kind}").mkdir()
+    file = name and f"{name}.{kind}"
+    refused(CALLS[kind](file), re.escape(file.replace("\0", "\\x00") or "''") + ": ")
 
 
 @pytest.mark.parametrize(("file", "suffix"), [("arm.urdf", ".urdf"), ("arm.csv", ".csv"), ("calm.toml", ".toml")])
@@ -179,17 +166,17 @@ def test_no_permission(file: str, suffix: str) -> None:
     refused(outcome, rf"{re.escape(file)}: .*(?i:permission)")
 
 
-ARRAYS: list[tuple[str, str, dict[str, np.ndarray], str]] = [
-    ("objects", "bad.npz", {"time": np.array([1, 2], dtype=object), "q": np.zeros((2, 2))}, "bad.npz: .*bject arrays"),
-    ("lengths", "bad.npz", {"time": np.arange(3.0), "q": np.zeros((2, 2))}, "bad.npz: .*'time' has 3 rows.* 2"),
-    ("no time", "bad.npz", {"q": np.zeros((2, 2))}, "bad.npz: no column of time"),
-]
-
-
-@pytest.mark.parametrize(("file", "arrays", "pattern"), [pytest.param(*case[1:], id=case[0]) for case in ARRAYS])
-def test_arrays(file: str, arrays: dict[str, np.ndarray], pattern: str) -> None:
-    np.savez(file, **arrays)  # type: ignore[arg-type]
-    refused(torques(trajectory=file), pattern)
+@pytest.mark.parametrize(
+    ("arrays", "pattern"),
+    [
+        ({"time": np.array([1, 2], dtype=object), "q": np.zeros((2, 2))}, "bad.npz: .*bject arrays"),
+        ({"time": np.arange(3.0), "q": np.zeros((2, 2))}, "bad.npz: .*'time' has 3 rows.* 2"),
+        ({"q": np.zeros((2, 2))}, "bad.npz: no column of time"),
+    ],
+)
+def test_arrays(arrays: dict[str, np.ndarray], pattern: str) -> None:
+    np.savez("bad.npz", **arrays)  # type: ignore[arg-type]
+    refused(torques(trajectory="bad.npz"), pattern)
 
 
 @pytest.mark.parametrize("file", ["bad.parquet", "bad.npz"])

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from helpers.bombs import FEWER, MOST, TABLES, TOML, WAIVERS, Bounded, bounded
+from helpers.bombs import FEWER, MOST, TABLES, TOML, WAIVERS, Bounded, Command, bounded_commands, write_bomb
 from helpers.command_line import write_arm
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="needs limits of the system")
@@ -16,6 +16,12 @@ pytestmark = pytest.mark.skipif(os.name != "posix", reason="needs limits of the 
 @pytest.fixture(autouse=True)
 def _folder(tmp_path: Path) -> None:
     write_arm(tmp_path)
+
+
+@pytest.fixture(scope="module")
+def bounded() -> Iterator[Command]:
+    with bounded_commands() as run:
+        yield run
 
 
 def refused(outcome: Bounded, name: str) -> None:
@@ -27,31 +33,25 @@ def refused(outcome: Bounded, name: str) -> None:
 
 
 COUNTED = {"values.yaml", "documents.yaml", "records.mcap", "lines.csv", "publishers.json", "values.json"}
-"""What is refused only after much of it is counted: beyond fewer by default, beyond the usual limits under `slow`."""
+"""What is refused only after much of it is counted: by default beyond fewer, some under `slow` beyond the usual."""
 
 
 @pytest.mark.parametrize("name", TABLES)
-def test_tables(name: str, tmp_path: Path) -> None:
-    TABLES[name](tmp_path / name)
+def test_tables(name: str, tmp_path: Path, bounded: Command) -> None:
+    write_bomb(tmp_path / name)
     refused(bounded("torques", "arm.urdf", name, cwd=tmp_path, limits=FEWER if name in COUNTED else ""), name)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", sorted(COUNTED))
-def test_tables_beyond_the_usual_limits(name: str, tmp_path: Path) -> None:
-    TABLES[name](tmp_path / name)
+@pytest.mark.parametrize("name", ["values.json", "values.yaml", "lines.csv"])
+def test_tables_beyond_the_usual_limits(name: str, tmp_path: Path, bounded: Command) -> None:
+    write_bomb(tmp_path / name)
     refused(bounded("torques", "arm.urdf", name, cwd=tmp_path), name)
 
 
-def _uses() -> Iterator[object]:
-    """Every file as a scene; as settings and as a map two of them, the others under `slow`."""
-    for use in ("scene", "settings", "map"):
-        for name in TOML:
-            yield pytest.param(name, use, marks=() if use == "scene" or name in {"keys", "size"} else pytest.mark.slow)
-
-
-@pytest.mark.parametrize(("name", "use"), list(_uses()))
-def test_scenes_and_settings(name: str, use: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", TOML)
+@pytest.mark.parametrize("use", ["scene", "settings", "map"])
+def test_scenes_and_settings(name: str, use: str, tmp_path: Path, bounded: Command) -> None:
     (tmp_path / ("robodyn.toml" if use == "settings" else "x.toml")).write_bytes(TOML[name])
     if use == "settings":
         refused(bounded("check", "arm.urdf", cwd=tmp_path), "")
@@ -60,17 +60,16 @@ def test_scenes_and_settings(name: str, use: str, tmp_path: Path) -> None:
         refused(bounded("torques", "arm.urdf", "arm.csv", f"--{use}", "x.toml", cwd=tmp_path), said)
 
 
-def test_settings_of_others(tmp_path: Path) -> None:
+def test_settings_of_others(tmp_path: Path, bounded: Command) -> None:
     """A pyproject.toml that does not name us is none of our business."""
     (tmp_path / "pyproject.toml").write_bytes(TOML["keys"])
     assert bounded("check", "arm.urdf", cwd=tmp_path).status == 0
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("command", ["check", "info"])
-def test_waivers_on_one_line(command: str, tmp_path: Path) -> None:
+def test_waivers_on_one_line(tmp_path: Path, bounded: Command) -> None:
     """Time grows with their number, not with its square."""
     (tmp_path / "r.urdf").write_text(WAIVERS)
-    outcome = bounded(command, "r.urdf", cwd=tmp_path)
+    outcome = bounded("check", "r.urdf", cwd=tmp_path)
     assert outcome.status == 0, outcome.err[:500]
     assert outcome.memory < MOST

@@ -6,14 +6,17 @@ import json
 from pathlib import Path
 
 import pytest
-from helpers.command_line import ROBOTS, run
+from helpers.clean_arm import FAMILIES, IDENTITY, arm
+from helpers.command_line import refused, run
 from helpers.planted_defects import HEALTHY
+from helpers.schemas import JUNIT, SARIF, json_schema
+from jsonschema import Draft7Validator
+from lxml import etree
 
 from robodyn.checks.catalogue import RULES
 
 NEGATIVE = HEALTHY.replace('value="3.5"', 'value="-3.5"')
 LONG_AXIS = HEALTHY.replace('xyz="0 0 1"', 'xyz="0 0 2"')
-FINDING = ["file", "line", "column", "code", "name", "severity", "subject", "message", "remedy", "measured", "bound"]
 
 
 @pytest.fixture
@@ -26,7 +29,6 @@ def robot(tmp_path: Path) -> Path:
 @pytest.mark.parametrize(
     ("text", "flags", "status"),
     [
-        (HEALTHY, (), 0),
         (HEALTHY, ("--strict",), 0),
         (LONG_AXIS, (), 0),
         (LONG_AXIS, ("--strict",), 1),
@@ -39,9 +41,8 @@ def robot(tmp_path: Path) -> Path:
 )
 def test_exit_status(robot: Path, text: str, flags: tuple[str, ...], status: int) -> None:
     robot.write_text(text)
-    for form in ("text", "json"):
-        outcome = run("check", str(robot), *flags, "--format", form)
-        assert (outcome.status, outcome.err) == (status, "")
+    outcome = run("check", str(robot), *flags)
+    assert (outcome.status, outcome.err) == (status, "")
 
 
 def test_text_has_the_line_and_a_caret_below_the_value(robot: Path) -> None:
@@ -55,23 +56,11 @@ def test_text_has_the_line_and_a_caret_below_the_value(robot: Path) -> None:
     assert lines[-1] == "1 file checked: 1 error, 0 warnings, 0 notes: not fit for use as it is"
 
 
-def test_text_when_nothing_is_found(robot: Path) -> None:
-    assert run("check", str(robot), "--select", "RD1").out == "1 file checked: nothing found\n"
-
-
-def test_control_characters_never_reach_the_terminal(robot: Path) -> None:
-    robot.write_bytes(NEGATIVE.replace('name="arm"', 'name="a\x7frm\u202e"').encode())
-    out = run("check", str(robot)).out
-    assert "\x7f" not in out
-    assert "\u202e" not in out
-
-
-def test_json_has_the_keys_of_the_contract(robot: Path) -> None:
+def test_json(robot: Path) -> None:
     robot.write_text(NEGATIVE.replace('xyz="0 0 1"', 'xyz="0 0 2"'))
     document = json.loads(run("check", str(robot), "--select", "RD201,RD502", "--format", "json").out)
     assert document["summary"] == {"files": 1, "errors": 1, "warnings": 1, "notes": 0, "fit": False, "hidden": 0}
     mass, axis = document["findings"]
-    assert list(mass) == [*FINDING, "cause", "fix", "places"]
     assert (mass["line"], mass["column"], mass["code"], mass["severity"]) == (15, 20, "RD201", "error")
     assert mass["subject"] == {"kind": "link", "name": "arm"}
     assert (mass["measured"], mass["bound"], mass["fix"]) == (-3.5, 0.0, None)
@@ -81,41 +70,144 @@ def test_json_has_the_keys_of_the_contract(robot: Path) -> None:
     assert edit["text"] == "0.0 0.0 1.0"
 
 
-def test_standard_input() -> None:
-    outcome = run("check", "-", "--format", "json", stdin=NEGATIVE.encode())
-    assert outcome.status == 1
-    assert json.loads(outcome.out)["findings"][0]["file"] == "<stdin>"
-
-
-@pytest.mark.parametrize(
-    ("call", "error"),
-    [
-        (("check",), "missing argument"),
-        (("check", "absent.urdf"), "there is no such file"),
-        (("check", str(ROBOTS), "--select", "RD999"), "there is no rule 'RD999'"),
-        (("check", "-", "-"), "standard input is asked for twice"),
-        (("rule", "RD999"), "no rule has the code or the word 'RD999' (RD9 means RD901 to RD902)"),
-    ],
-)
-def test_wrong_calls_are_one_line_and_status_2(call: tuple[str, ...], error: str) -> None:
-    outcome = run(*call)
-    assert (outcome.status, outcome.out) == (2, "")
-    assert error in outcome.err
-    assert outcome.err.count("\n") == 1
-
-
-def test_rule_by_code_and_by_name() -> None:
-    assert run("rule", "RD207").out == run("rule", "rd207").out == run("rule", "triangle-inequality").out
+def test_rules_are_explained_and_listed() -> None:
+    assert run("rule", "RD207").out == run("rule", "rd207").out == run("rule", "Triangle-Inequality").out
     rule = next(rule for rule in RULES if rule.code == "RD207")
     out = run("rule", "RD207").out
     assert out.startswith("RD207 triangle-inequality (error: the check fails)\n")
-    assert rule.summary in out
-    assert all(line.strip() in out for line in (rule.bad + rule.good).splitlines())
-
-
-def test_every_rule_and_the_list_of_them() -> None:
+    assert all(line.strip() in out for line in (rule.summary, *(rule.bad + rule.good).splitlines()))
     everything, listing = run("rule", "--all").out, run("rule").out.splitlines()
-    assert len(listing) == len(RULES)
     for rule, line in zip(RULES, listing, strict=True):
         assert f"{rule.code} {rule.name} (" in everything
         assert line.startswith(rule.code)
+
+
+AXIS = arm(shoulder="0 2 0")
+BOTH = arm(upper=IDENTITY, shoulder="0 2 0")
+ERROR = arm(shoulder="0 0 0", elbow="0 2 0")
+OLD = ",".join(FAMILIES)
+EDIT = '-    <axis xyz="0 2 0"/>\n+    <axis xyz="0.0 1.0 0.0"/>\n'
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    for name, text in (("clean", arm()), ("axis", AXIS), ("both", BOTH), ("error", ERROR)):
+        (tmp_path / f"{name}.urdf").write_text(text)
+    return tmp_path
+
+
+def test_sarif(folder: Path) -> None:
+    outcome = run("check", ".", "--format", "sarif")
+    assert (outcome.status, outcome.err) == (1, "")
+    document = json.loads(outcome.out)
+    Draft7Validator(json_schema(SARIF)).validate(document)
+    assert [result["ruleId"] for result in document["runs"][0]["results"]].count("RD502") == 3
+    piped = json.loads(run("check", "-", "--format", "sarif", stdin=AXIS.encode()).out)
+    assert piped["runs"][0]["results"][0]["fixes"]
+
+
+def test_junit(folder: Path) -> None:
+    for strict, failures in (((), "1"), (("--strict",), "5")):
+        outcome = run("check", ".", "--select", OLD, "--format", "junit", *strict)
+        document = etree.fromstring(outcome.out.encode())
+        etree.XMLSchema(etree.fromstring(JUNIT)).assertValid(document)
+        assert (outcome.status, document.get("failures"), document.get("tests")) == (1, failures, "6")
+
+
+def test_settings(folder: Path) -> None:
+    (folder / "pyproject.toml").write_text('[tool.robodyn.check.per-file-ignores]\n"both.*" = ["RD208"]\n')
+    assert run("check", "both.urdf", "axis.urdf", "--strict", "--ignore", "RD502").status == 0
+    (folder / "other.toml").write_text('[tool.robodyn.check]\nignore = ["RD5"]\n')
+    assert run("check", "both.urdf", "--strict", "--config", "other.toml", "--select", "RD5").status == 0
+    assert "RD208" in run("check", "both.urdf", "--strict", "--config", "other.toml").out
+
+
+def test_baseline(folder: Path) -> None:
+    written = run("check", "error.urdf", "both.urdf", "--select", OLD, "--baseline", "known.json", "--write-baseline")
+    assert (written.status, written.out, written.err) == (0, "", "written: known.json, 4 places\n")
+    again = run("check", "error.urdf", "both.urdf", "--select", OLD, "--baseline", "known.json", "--strict")
+    assert (again.status, again.err) == (0, "known.json: 4 places passed over\n")
+    assert again.out == "2 files checked: nothing found\n"
+    (folder / "error.urdf").write_text("\n\n" + arm(shoulder="0 1 0", elbow="0 0 0")[22:])
+    new = run("check", "error.urdf", "both.urdf", "--select", OLD, "--baseline", "known.json", "--format", "json")
+    assert new.status == 1
+    assert [finding["subject"]["name"] for finding in json.loads(new.out)["findings"]] == ["elbow"]
+    assert new.err == "known.json: 2 places passed over; 2 of it no longer found, --write-baseline drops them\n"
+
+
+def test_fix(folder: Path) -> None:
+    outcome = run("check", "both.urdf", "clean.urdf", "--fix")
+    assert outcome.status == 0
+    assert outcome.err == (
+        "fixed: both.urdf:21: RD502, joint shoulder: divide the axis by its length "
+        "(safe: the dynamics stay as they are)\n"
+    )
+    assert "RD208" in outcome.out
+    assert "RD502" not in outcome.out
+    assert (folder / "both.urdf").read_text() == BOTH.replace("0 2 0", "0.0 1.0 0.0")
+    assert (folder / "clean.urdf").read_text() == arm()
+    again = run("check", "both.urdf", "--fix")
+    assert (again.status, again.err) == (0, "")
+    assert sorted(path.name for path in folder.iterdir()) == ["axis.urdf", "both.urdf", "clean.urdf", "error.urdf"]
+
+
+def test_what_cannot_be_proven_stays(folder: Path) -> None:
+    outcome = run("check", "error.urdf", "--fix")
+    assert outcome.status == 1
+    assert outcome.err.startswith(
+        "not fixed: error.urdf:28: RD502, joint elbow: divide the axis by its length (the dyn"
+    )
+    assert (folder / "error.urdf").read_text() == ERROR
+
+
+def test_diff(folder: Path) -> None:
+    outcome = run("check", "clean.urdf", "axis.urdf", "both.urdf", "--diff")
+    assert outcome.status == 1
+    assert outcome.out.count(EDIT) == 2
+    assert outcome.out.startswith("--- axis.urdf\n+++ axis.urdf\n@@ ")
+    assert outcome.err.count("would fix: ") == 2
+    assert (folder / "axis.urdf").read_text() == AXIS
+    assert run("check", "clean.urdf", "--diff").status == 0
+    assert run("check", "error.urdf", "--diff", "--select", "RD501").status == 1
+    assert EDIT in run("check", "-", "--diff", stdin=AXIS.encode()).out
+    assert run("check", "axis.urdf", "--diff", "--fix").out.count(EDIT) == 1
+    assert (folder / "axis.urdf").read_text() == AXIS
+
+
+def test_unsafe_fixes(folder: Path) -> None:
+    lower = BOTH.replace(IDENTITY, '<inertia ixx="0.01" iyx="0" ixz="0" iyy="0.02" iyz="0" izz="0.02"/>')
+    (folder / "lower.urdf").write_text(lower)
+    assert "iyx" not in run("check", "lower.urdf", "--diff").out.replace('<inertia ixx="0.01" iyx="0"', "")
+    outcome = run("check", "lower.urdf", "--fix", "--unsafe-fixes")
+    assert outcome.status == 0
+    assert "RD006, link upper: call it ixy (unsafe: " in outcome.err
+    assert (folder / "lower.urdf").read_text() == lower.replace("iyx", "ixy").replace("0 2 0", "0.0 1.0 0.0")
+
+
+def test_a_file_that_cannot_be_written(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.replace", full)
+    outcome = run("check", "axis.urdf", "--fix")
+    assert (outcome.status, outcome.out) == (2, "")
+    assert outcome.err == "error: axis.urdf: cannot be written: no space left on device (nothing was written)\n"
+    assert (folder / "axis.urdf").read_text() == AXIS
+
+
+def test_expanded_files(folder: Path) -> None:
+    (folder / "arm.xacro").write_text(BOTH.replace("<robot", '<robot xmlns:xacro="http://ros.org/wiki/xacro"'))
+    outcome = run("check", "arm.xacro", "--format", "junit")
+    assert outcome.status == 0
+    assert outcome.err == ""
+    assert '<testsuite name="arm.xacro" tests="2"' in outcome.out
+    sarif = json.loads(run("check", "arm.xacro", "--format", "sarif").out)
+    Draft7Validator(json_schema(SARIF)).validate(sarif)
+    assert run("check", ".", "--format", "json").out.count("arm.xacro") == 0
+
+
+def test_a_mistake_in_the_settings_names_the_file(folder: Path) -> None:
+    (folder / "robodyn.toml").write_text("[tool.robodyn.check]\nfix = true\n")
+    line = f'{folder}/robodyn.toml:2: [tool.robodyn.check]: unknown key "fix" (valid keys: '
+    refused(run("check", "clean.urdf"), line)

@@ -61,7 +61,7 @@ def grows_with_links(work: Callable[[bytes], object], shape: str, kind: str) -> 
     assert not steep
 
 
-@pytest.mark.parametrize(("shape", "kind"), [("star", "fixed"), ("chain", "revolute"), ("tree", "revolute")])
+@pytest.mark.parametrize(("shape", "kind"), [("star", "fixed"), ("tree", "revolute")])
 def test_check_is_linear_in_the_links(shape: str, kind: str) -> None:
     grows_with_links(check_one, shape, kind)
 

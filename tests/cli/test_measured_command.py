@@ -41,10 +41,10 @@ def found(*args):
     return document
 
 
-def test_friction_is_told_in_words(bench, tmp_path):
+def test_friction_is_told_in_words_and_pictures(bench, tmp_path):
     tau = bench.injected([("coulomb", 1, 9.0)]) + bench.noise(np.random.default_rng(0), "white", 0.02)
-    path = log(tmp_path / "log.csv", bench, tau)
-    text = measured(path, "--cutoff", "8").out
+    path, page = log(tmp_path / "log.csv", bench, tau), tmp_path / "page.html"
+    text = measured(path, "--cutoff", "8", "--report", str(page)).out
     assert "1. Coulomb friction of 9.0" in text
     assert "N m at shoulder explains 100 % of its residual" in text
     (first, *_) = found(path, "--cutoff", "8")["diagnosis"]
@@ -52,6 +52,9 @@ def test_friction_is_told_in_words(bench, tmp_path):
     assert (first["kind"], first["joint"], first["link"]) == ("coulomb", "shoulder", None)
     assert abs(parameter["value"] - 9.0) < 4.0 * parameter["standard_error"]
     assert first["explains"]["shoulder"] > 0.9
+    drawn = page.read_text(encoding="utf-8")
+    assert drawn.count("<figure") >= 2 * bench.model.n
+    assert re.search(r"Torque over speed of shoulder; friction that was told reaches (9|1\d)\.", drawn)
 
 
 def test_exchanged_and_reversed_torques_are_said_first(bench, tmp_path):
@@ -77,13 +80,6 @@ def test_a_payload_is_weighed(tmp_path):
     assert "its centre at (0.05" in text
 
 
-def test_nothing_stands_out_of_noise(bench, tmp_path):
-    tau = bench.tau + bench.noise(np.random.default_rng(0), "white", 0.02)
-    text = measured(log(tmp_path / "log.csv", bench, tau), "--cutoff", "8").out
-    assert "no effect stands out of the noise" in text
-    assert "nothing that is more than noise" in text
-
-
 def test_what_was_not_measured_is_said_line_by_line(bench, tmp_path):
     tau = bench.tau.copy()
     tau[:, 0] = 3.0
@@ -107,42 +103,6 @@ def test_a_robot_at_rest_has_an_offset_or_a_load(bench, tmp_path):
     assert [(each["kind"], each["certain"]) for each in told["diagnosis"]] == [("offset", False)]  # or a load
 
 
-def test_reports_have_plots_of_each_joint(bench, tmp_path):
-    tau = bench.injected([("coulomb", 1, 9.0)]) + bench.noise(np.random.default_rng(0), "white", 0.02)
-    page = tmp_path / "page.html"
-    measured(log(tmp_path / "log.csv", bench, tau), "--cutoff", "8", "--report", str(page))
-    text = page.read_text(encoding="utf-8")
-    assert text.count("<figure") >= 2 * bench.model.n
-    assert re.search(r"Torque over speed of shoulder; friction that was told reaches (9|1\d)\.", text)
-
-
-@pytest.mark.parametrize(
-    ("more", "what"),
-    [
-        (["--out", "tau.csv"], "--out does not go with --measured"),
-        (["--sizing"], "--sizing does not go with --measured"),
-        ([str(ROBOTS / "puma_reach.csv")], "--measured compares one log"),
-        (["--cutoff", "0"], "no positive finite number"),
-    ],
-)
-def test_calls_that_cannot_be_meant(more, what):
-    outcome = measured(str(ROBOTS / "puma_reach.csv"), *more)
-    assert outcome.status == 2
-    assert what in outcome.err
-
-
-@pytest.mark.parametrize("call", [("torques", ROBOT, "-", "--measured"), ("identify", ROBOT, "-")], ids=lambda c: c[0])
-def test_a_log_is_no_standard_input(call):
-    outcome = run(*call, stdin=b"time,q_waist\n")
-    said = "error: <stdin>: a log is read several times, and standard input only once (name a file)\n"
-    assert (outcome.status, outcome.out, outcome.err) == (2, "", said)
-
-
-def test_a_cutoff_without_measured_torques():
-    outcome = run("torques", ROBOT, str(ROBOTS / "puma_reach.csv"), "--cutoff", "5")
-    assert (outcome.status, "--cutoff goes with --measured" in outcome.err) == (2, True)
-
-
 def test_logs_that_tell_nothing(bench, tmp_path):
     begun = bench.tau.copy()
     begun[:2000] = 1.0
@@ -152,7 +112,6 @@ def test_logs_that_tell_nothing(bench, tmp_path):
         (begun, (), np.r_[:1900, 2000 : len(begun)], "no measured torque varies"),
     ):
         outcome = measured(log(tmp_path / "log.csv", bench, tau, leave_out, rows), "--cutoff", "8")
-        assert outcome.status == 2
-        assert what in outcome.err
+        assert (outcome.status, what in outcome.err) == (2, True)
     short = measured(log(tmp_path / "log.csv", bench, bench.tau), "--cutoff", "0.2")
     assert "too few to compare" in short.err

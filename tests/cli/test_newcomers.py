@@ -10,18 +10,12 @@ import pytest
 from helpers.command_line import ROBOTS, run, write_arm
 from helpers.example_robots import path_of
 
-from robodyn.checks.catalogue import CODES
+from robodyn.cli.torques import command
 from robodyn.errors import SceneError
 from robodyn.scene.read import parse_scene
-from robodyn.scene.toml_table import OF_THE_SCENE
-from robodyn.support.wording import alternatives, nearest
+from robodyn.support.wording import alternatives
 
 TORQUES = ("torques", "arm.urdf", "arm.csv")
-SWAPPED = "arm.csv: this is a table, and a robot description is expected here (is it swapped with arm.urdf? the order: "
-ORDER = "robodyn torques URDF TRAJECTORY...)"
-POINT = "invalid value for '--about': {!r} is neither com nor origin nor X,Y,Z in m, such as 0,0,0.1"
-LAST_RD2 = max(code for code in CODES if code.startswith("RD2"))
-RULES = "(give codes such as RD207, or their beginnings such as RD2; robodyn rule WORD finds them)"
 
 
 @pytest.fixture(autouse=True)
@@ -30,56 +24,6 @@ def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     write_arm(tmp_path)
     shutil.copy(ROBOTS / "meshes" / "bracket.stl", "part.stl")
     Path("scene.toml").write_text("gravity = [0, 0, -1.6]\n")
-
-
-CALLS: dict[str, str] = {
-    # files of another kind
-    "torques arm.csv arm.urdf": SWAPPED + ORDER,
-    "accuracy arm.csv arm.urdf": SWAPPED + "robodyn accuracy MESH|URDF TRAJECTORY|URDF SCENE.toml)",
-    "torques arm.urdf arm.urdf": "arm.urdf: this is a robot description, and a table is expected here (the order: ",
-    "torques arm.urdf scene.toml": "scene.toml: this is a scene, and a table is expected here (the order: ",
-    "torques scene.toml arm.csv": "scene.toml: this is a scene, and a robot description is expected here (the order: ",
-    "torques part.stl arm.csv": "part.stl: this is a mesh, and a robot description is expected here (the order: "
-    + ORDER,
-    "torques arm.urdf arm.csv --scene arm.urdf": "arm.urdf: this is a robot description, and a scene is expected here "
-    "(robodyn scene init URDF writes one)",
-    "info arm.csv": "arm.csv: this is a table, and a robot description is expected here (the order: robodyn info URDF)",
-    "simulate arm.urdf scene.toml": "got unexpected extra argument (scene.toml); did you mean --scene scene.toml? (",
-    "linearize arm.urdf scene.toml": "got unexpected extra argument (scene.toml); did you mean --scene scene.toml? (",
-    "linearize arm.csv": "arm.csv: this is a table, and a robot description is expected here (the order: robodyn line",
-    "fbd arm.urdf arm.csv": "got unexpected extra argument (arm.csv); did you mean --traj arm.csv? (try: ",
-    "info arm.urdf scene.toml": "got unexpected extra argument (scene.toml) (try: robodyn info --help)",
-    "torques arm.urdf arm.csv --scene no.toml": "no.toml: cannot be read: no such file or directory (check the name)",
-    # points, links, joints
-    "inertia part.stl --about tool0": POINT.format("tool0") + "; --link takes the name of a link (",
-    "torques arm.urdf arm.csv --momentum --about fore": POINT.format("fore") + "; --frame takes the name of a link (",
-    "inertia part.stl --rpy 1,2": "invalid value for '--rpy': '1,2' is not three finite numbers between "
-    "commas, such as 0,0,1.57",
-    "fbd arm.urdf --at elbow=1,elbow=2": "invalid value for '--at': 'elbow=1,elbow=2' names 'elbow' twice",
-    "fbd arm.urdf --at ELBOW=1": "arm.urdf: no joint 'ELBOW' to set (did you mean 'elbow'?)",
-    "inertia arm.urdf --link Fore": "arm.urdf: there is no link 'Fore' (did you mean 'fore'?)",
-    # options that do not go together
-    "inertia arm.urdf --density 1": "--density is not for a whole robot, but for meshes or a URDF with --link NAME "
-    "--geometry visual (try: ",
-    "inertia part.stl --at 1": "--at is not for meshes one by one, but for a URDF (try: ",
-    "inertia part.stl --place 0,0,0": "--place is not for meshes one by one, but for meshes with --combine (try: ",
-    # numbers
-    "inertia part.stl --mass heavy": "invalid value for '--mass': 'heavy' is no number (try: ",
-    # rules
-    "check arm.urdf --select RD2xx": f"there is no rule 'RD2XX' (RD2 means RD201 to {LAST_RD2})",
-    "check arm.urdf --select inertia": f"there is no rule 'inertia' {RULES}",
-    "check arm.urdf --ignore mesh-missing": "there is no rule 'mesh-missing' ('mesh-missing' is RD601)",
-    "check arm.urdf --select R207": "there is no rule 'R207' (did you mean 'RD207'?)",
-    "rule RD2xx": f"no rule has the code or the word 'RD2xx' (RD2 means RD201 to {LAST_RD2})",
-    "rule zebra": f"no rule has the code or the word 'zebra' {RULES}",
-}
-
-
-@pytest.mark.parametrize("call", CALLS)
-def test_a_wrong_call(call: str) -> None:
-    outcome = run(*call.split())
-    assert (outcome.status, outcome.out, len(outcome.err.splitlines())) == (2, "", 1)
-    assert outcome.err.startswith(f"error: {CALLS[call]}"), outcome.err
 
 
 SCENES: dict[str, str] = {
@@ -106,49 +50,20 @@ def test_a_wrong_scene(text: str) -> None:
 
 TABLES = {
     "[base]\nmotion = 'fixed'\n": "[base]",
-    "[friction]\nelbow = { viscous = 1 }\n": "[friction]",
     "[friction.elbow]\nviscous = 1\n": "[friction] elbow",
     "[initial]\nq = { elbow = 1 }\n": "[initial]",
     "[[payload]]\nlink = 'fore'\nmass = 1\n": "[[payload]] number 1",
-    "[fluid]\ndensity = 1\n": "[fluid]",
 }
 
 
 @pytest.mark.parametrize("table", TABLES)
-@pytest.mark.parametrize("line", ["gravity = [0, 0, 0]", "slip_speed = 1", "joint_limits = 'stop'"])
-def test_a_key_of_the_scene_below_a_table_says_where_it_belongs(table: str, line: str) -> None:
-    parse_scene(f"{line}\n{table}".encode())
+def test_a_key_of_the_scene_below_a_table_says_where_it_belongs(table: str) -> None:
+    parse_scene(f"slip_speed = 1\n{table}".encode())
     with pytest.raises(SceneError) as error:
-        parse_scene((table + line).encode())
-    key = line.partition(" ")[0]
-    what = f'"{key}" is a key of the whole scene, and below the header of a table it belongs to that table'
+        parse_scene(f"{table}slip_speed = 1".encode())
+    what = '"slip_speed" is a key of the whole scene, and below the header of a table it belongs to that table'
     assert error.value.what == f"{TABLES[table]}: {what}"
-    assert error.value.remedy == f"write {key} = ... above the first [table]"
-
-
-def test_all_keys_of_the_scene_are_known_to_be_such() -> None:
-    with pytest.raises(SceneError) as error:
-        parse_scene(b"none = 1")
-    known = error.value.remedy.removeprefix("valid keys: ").split(", ")
-    assert sorted(known) == sorted(repr(key) for key in OF_THE_SCENE)
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("a = 1\nb = = 2", "my.toml:2: is not TOML: invalid value"),
-        (
-            "[drive]\na = {}\n[drive]\n",
-            "my.toml:3: is not TOML: cannot declare ('drive',) twice (each key and",
-        ),
-        ("a = 1\na = 2\n", "my.toml"),
-        ("a = [", "my.toml: is not TOML: "),
-    ],
-)
-def test_what_is_not_toml_has_its_line(text: str, message: str) -> None:
-    with pytest.raises(SceneError) as error:
-        parse_scene(text.encode(), "my.toml")
-    assert str(error.value).startswith(message)
+    assert error.value.remedy == "write slip_speed = ... above the first [table]"
 
 
 def test_rules_are_found_by_words_of_their_titles_first() -> None:
@@ -158,11 +73,6 @@ def test_rules_are_found_by_words_of_their_titles_first() -> None:
     assert "RD207" in run("rule", "inertia").out
     both = run("rule", "RD207", "mirror")
     assert both.out.startswith("RD207 ")
-
-
-@pytest.mark.parametrize("given", ["RD601", "rd601", "mesh-missing", "Mesh-Missing"])
-def test_one_rule_is_explained(given: str) -> None:
-    assert run("rule", given).out.startswith("RD601 mesh-missing (error: the check fails)\n")
 
 
 NAMES = ("base_link", "arm_1_link", "arm_2_link", "wrist_ft_link", "wrist_ft_tool_link", "Torso")
@@ -185,12 +95,31 @@ def test_names_that_are_near(name: str, expected: str) -> None:
     assert alternatives(name, NAMES, "links").startswith(expected)
 
 
-def test_no_name_is_near_to_none() -> None:
-    assert nearest("a", ()) == []
-    assert alternatives("a", (), "links") == "there are no links"
-
-
 def test_a_part_of_a_name_is_enough_on_a_large_robot() -> None:
     tiago = str(path_of("tiago"))
     assert "(did you mean 'wrist_ft_link' or 'wrist_ft_tool_link'?)" in run("inertia", tiago, "--link", "wrist").err
     assert "(did you mean 'torso_lift_joint'?)" in run("fbd", tiago, "--at", "torso=0.1").err
+
+
+def test_help_of_torques_is_in_groups() -> None:
+    text = run("torques", "--help").out
+    titles = re.findall(r"^(\S.*):$", text, re.MULTILINE)
+    assert titles[:2] == ["The robot and what surrounds it", "The trajectory"]
+    assert len(titles) == 7
+    assert titles[-1] == "Other options"
+    assert text.partition("Other options:\n")[2].strip().startswith("-h, --help")
+    for option in (name for each in command.params for name in each.opts if name.startswith("--")):
+        assert len(re.findall(rf"^  {option}\b", text, re.MULTILINE)) == 1
+    listed = {name for names in command.groups.values() for name in names}
+    assert listed <= {name for each in command.params for name in each.opts}
+
+
+@pytest.mark.parametrize(("table", "key"), [("friction", "coulomb"), ("motor", "peak"), ("drive", "torque")])
+def test_sholder_in_a_scene(table: str, key: str, tmp_path: Path) -> None:
+    (tmp_path / "s.toml").write_text(f"[{table}]\nsholder = {{ {key} = 1 }}\n")
+    call = ("torques", str(ROBOTS / "puma560.urdf"), str(ROBOTS / "puma560_sweep.csv"))
+    assert "(did you mean 'shoulder'?)" in run(*call, "--scene", str(tmp_path / "s.toml")).err
+    text = (ROBOTS / "puma560.urdf").read_text().replace('"shoulder"', '"shoulder_pan_joint"')
+    (tmp_path / "ur.urdf").write_text(text)
+    found = run("torques", str(tmp_path / "ur.urdf"), call[2], "--scene", str(tmp_path / "s.toml")).err
+    assert "(did you mean 'shoulder_pan_joint'?)" in found

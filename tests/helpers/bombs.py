@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import bz2
+import json
 import os
 import sqlite3
 import struct
 import subprocess
 import sys
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -19,19 +21,37 @@ import numpy as np
 from rosbags.rosbag2 import reader
 
 zstd = reader.zstd
-HUGE = 1 << 31
+HUGE = 1 << 30
 """Bytes that a small file expands to."""
-_LIMITED = (
-    "import os, resource as r, sys; r.setrlimit(r.RLIMIT_CPU, (60, 60)); r.setrlimit(r.RLIMIT_AS, (3 << 30, 3 << 30)); "
-    "os.execv(sys.executable, [sys.executable, '-c', 'from robodyn.cli.main import main; main()', *sys.argv[1:]])"
-)
-_APART = (
-    "import os, resource, subprocess, sys; status = subprocess.call([sys.executable, '-c', *sys.argv[1:]]); "
-    "print(status, resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)"
-)
-"""A small process between, for a child counts the memory of the one that starts it as its own until it begins."""
+_SERVER = """
+import json, os, resource, sys
+from robodyn.cli import check, info, torques
+from robodyn.cli.main import main
+from robodyn.loads import torques
+import polars
+for line in sys.stdin:
+    folder, limits, words = json.loads(line)
+    child = os.fork()
+    if not child:
+        resource.setrlimit(resource.RLIMIT_CPU, (60, 60))
+        resource.setrlimit(resource.RLIMIT_AS, (3 << 30, 3 << 30))
+        os.chdir(folder)
+        os.environ["ROBODYN_LIMITS"] = limits
+        os.dup2(os.open(os.devnull, os.O_RDWR), 0)
+        os.dup2(0, 1)
+        os.dup2(os.open(".err", os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 2)
+        sys.argv[1:] = words
+        try:
+            main()
+        except SystemExit as end:
+            os._exit(end.code)
+    _, status, usage = os.wait4(child, 0)
+    print(json.dumps([os.waitstatus_to_exitcode(status), usage.ru_maxrss]), flush=True)
+"""
 MOST = 500 << 20
 """Bytes of memory that refusing a file may take."""
+FEWER = "message_values=100000,bag_records=200000,csv_line_bytes=100000,log_values=3000000"
+"""A twentieth or so of what is counted one by one, so that it is not counted for seconds before it is refused."""
 
 
 class Bounded(NamedTuple):
@@ -42,17 +62,26 @@ class Bounded(NamedTuple):
     memory: int
 
 
-FEWER = "message_values=100000,bag_records=200000,csv_line_bytes=100000,log_values=3000000"
-"""A twentieth or so of what is counted one by one, so that it is not counted for seconds before it is refused."""
+Command = Callable[..., Bounded]
 
 
-def bounded(*args: str, cwd: Path, limits: str = "") -> Bounded:
-    """Run `robodyn args` with a minute of processor and 3 GB of address space."""
-    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "ROBODYN_CACHE": "0", "ROBODYN_LIMITS": limits}
-    call = [sys.executable, "-c", _APART, _LIMITED, *args]
-    done = subprocess.run(call, capture_output=True, text=True, cwd=cwd, env=environment, check=False)
-    status, memory = map(int, done.stdout.splitlines()[-1].split())
-    return Bounded(status, done.stderr, memory << 10)
+@contextmanager
+def bounded_commands() -> Iterator[Command]:
+    """Run `robodyn args` in forks of one process, each with a minute of processor and 3 GB of address space."""
+    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "ROBODYN_CACHE": "0"}
+    with subprocess.Popen(
+        [sys.executable, "-c", _SERVER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment
+    ) as server:
+        assert server.stdin is not None
+        assert server.stdout is not None
+
+        def bounded(*words: str, cwd: Path, limits: str = "") -> Bounded:
+            print(json.dumps([str(cwd), limits, words]), file=server.stdin, flush=True)
+            status, memory = json.loads(server.stdout.readline())
+            return Bounded(status, (cwd / ".err").read_text(), memory << 10)
+
+        yield bounded
+        server.stdin.close()
 
 
 @cache
@@ -85,27 +114,6 @@ def mcap(chunks: list[tuple[str, bytes, int]]) -> bytes:
         head = struct.pack("<QQQI", 0, 1, said, 0) + _text(how.encode()) + struct.pack("<Q", len(data))
         parts.append(_record(6, head + data))
     return b"".join([*parts, _record(2, bytes(20)), magic])
-
-
-def _mcap_zstd(path: Path) -> None:
-    path.write_bytes(mcap([("zstd", _zstd(HUGE), HUGE)]))
-
-
-def _mcap_lying(path: Path) -> None:
-    path.write_bytes(mcap([("zstd", _zstd(HUGE), 1000)]))
-
-
-def _mcap_lz4(path: Path) -> None:
-    path.write_bytes(mcap([("lz4", _lz4(HUGE), HUGE)]))
-
-
-def _mcap_many(path: Path) -> None:
-    data = _record(0x80, bytes(1 << 25))
-    path.write_bytes(mcap([("zstd", zstd.compress(data), len(data))] * 2000))
-
-
-def _mcap_records(path: Path) -> None:
-    path.write_bytes(mcap([("zstd", zstd.compress(_record(0x80, b"") * 6_000_000), 54_000_000)] * 2))
 
 
 def _bag1(how: bytes, data: bytes) -> bytes:
@@ -142,16 +150,6 @@ def _bag1(how: bytes, data: bytes) -> bytes:
     return begin(start + len(chunk) + len(index)) + chunk + index + connection + info
 
 
-def _bag_bz2(path: Path) -> None:
-    stream = bz2.BZ2Compressor(1)
-    parts = [stream.compress(bytes(1 << 24)) for _ in range(8)]
-    path.write_bytes(_bag1(b"bz2", b"".join([*parts, stream.flush()])))
-
-
-def _bag_lz4(path: Path) -> None:
-    path.write_bytes(_bag1(b"lz4", _lz4(HUGE)))
-
-
 METADATA = """rosbag2_bagfile_information:
   version: 5
   storage_identifier: sqlite3
@@ -176,8 +174,9 @@ def _metadata(path: Path) -> None:
     (path / "metadata.yaml").write_bytes(ALIASES)
 
 
-def _database(path: Path, column: str) -> None:
+def _database(path: Path) -> None:
     """Write a bag whose messages are computed."""
+    column = "data BLOB GENERATED ALWAYS AS (zeroblob(900000000)) VIRTUAL"
     with sqlite3.connect(path) as base:
         base.execute("CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT, "
                      "offered_qos_profiles TEXT)")  # fmt: skip
@@ -187,68 +186,74 @@ def _database(path: Path, column: str) -> None:
     base.close()
 
 
-def _database_blob(path: Path) -> None:
-    _database(path, "data BLOB GENERATED ALWAYS AS (zeroblob(900000000)) VIRTUAL")
-
-
 ALIASES = b"a: &a [x, x, x, x, x, x, x, x, x]\n" + b"".join(
     b"%c: &%c [*%c, *%c, *%c, *%c, *%c, *%c, *%c, *%c, *%c]\n" % (k + 1, k + 1, *[k] * 9) for k in range(97, 106)
 )
 KEYS = b"a." * 20_000 + b"a = 1\n"
 
 
-def _write(content: bytes | str) -> Callable[[Path], None]:
-    return lambda path: Path(path).write_bytes(content.encode() if isinstance(content, str) else content) and None
-
-
-def _columns(path: Path) -> None:
-    names = ["time", *(f"c{k}" for k in range(20_000))]
-    path.write_text("\n".join([",".join(names), *[",".join("1" * len(names))] * 3]) + "\n")
-
-
 def _members(path: Path) -> None:
     with zipfile.ZipFile(path, "w") as archive:
-        for k in range(20_000):
+        for k in range(11_000):
             with archive.open(f"q_c{k}.npy", "w") as stream:
                 np.lib.format.write_array(stream, np.zeros(2))
 
 
-def _publishers(path: Path) -> None:
+def _columns() -> str:
+    names = ["time", *(f"c{k}" for k in range(20_000))]
+    return "\n".join([",".join(names), *[",".join("1" * len(names))] * 3]) + "\n"
+
+
+def _publishers() -> str:
     """Every second message is about a joint of its own."""
     one = '{"name": ["%s"], "position": [0], "header": {"stamp": {"sec": %d}}}'
-    path.write_text("[" + ",".join(one % (f"j{k}" if k % 2 else "shoulder", k) for k in range(40_000)) + "]")
+    return "[" + ",".join(one % (f"j{k}" if k % 2 else "shoulder", k) for k in range(40_000)) + "]"
 
 
 HEAD = "time,q_shoulder,q_elbow\n0,1,2\n"
-TABLES: dict[str, Callable[[Path], None]] = {
-    "zstd.mcap": _mcap_zstd,
-    "lying.mcap": _mcap_lying,
-    "lz4.mcap": _mcap_lz4,
-    "many.mcap": _mcap_many,
-    "records.mcap": _mcap_records,
-    "bz2.bag": _bag_bz2,
-    "lz4.bag": _bag_lz4,
-    "folder": _folder,
-    "metadata": _metadata,
-    "blob.db3": _database_blob,
-    "aliases.yaml": _write(ALIASES),
-    "documents.yaml": _write(b"--- {}\n" * 4_000_000),
-    "scalar.yaml": _write(b"name: [a]\nposition: " + b"word " * 6_000_000 + b": x"),
-    "flow.yaml": _write(b"[" * 1_000_000),
-    "values.yaml": _write(b"name: [a]\nposition: [" + b"1, " * 4_000_000 + b"1]\n"),
-    "values.json": _write(b'{"name": ["a"], "position": [' + b"[]," * 8_000_000 + b"1]}"),
-    "deep.json": _write(b'{"a":' * 1_000_000),
+_FILES: dict[str, Callable[[], bytes | str]] = {
+    "zstd.mcap": lambda: mcap([("zstd", _zstd(HUGE), HUGE)]),
+    "lying.mcap": lambda: mcap([("zstd", _zstd(HUGE), 1000)]),
+    "lz4.mcap": lambda: mcap([("lz4", _lz4(HUGE), HUGE)]),
+    "many.mcap": lambda: mcap([("zstd", zstd.compress(_record(0x80, bytes(1 << 25))), (1 << 25) + 9)] * 2000),
+    "records.mcap": lambda: mcap([("zstd", zstd.compress(_record(0x80, b"") * 6_000_000), 54_000_000)] * 2),
+    "bz2.bag": lambda: _bag1(b"bz2", bz2.compress(bytes(1 << 27), 1)),
+    "lz4.bag": lambda: _bag1(b"lz4", _lz4(HUGE)),
+    "aliases.yaml": lambda: ALIASES,
+    "documents.yaml": lambda: b"--- {}\n" * 4_000_000,
+    "scalar.yaml": lambda: b"name: [a]\nposition: " + b"word " * 6_000_000 + b": x",
+    "flow.yaml": lambda: b"[" * 1_000_000,
+    "values.yaml": lambda: b"name: [a]\nposition: [" + b"1, " * 4_000_000 + b"1]\n",
+    "values.json": lambda: b'{"name": ["a"], "position": [' + b"[]," * 8_000_000 + b"1]}",
+    "deep.json": lambda: b'{"a":' * 1_000_000,
     "publishers.json": _publishers,
     "columns.csv": _columns,
-    "line.csv": _write(HEAD + "1," * 4_000_000 + "\n"),
-    "lines.csv": _write("\n" * 20_000_000),
-    "digits.csv": _write(HEAD + "1," + "1" * 8_000_000 + ",2\n2,3,4\n"),
-    "blanks.csv": _write("time q_shoulder q_elbow\n0 1 2\n" + "1 " * 4_000_000 + "\n2 3 4\n"),
-    "header.csv": _write("a," * 4_000_000 + "\n"),
-    "names.csv": _write("time,q_" + "./" * 50_000 + "\n0,1\n"),
+    "line.csv": lambda: HEAD + "1," * 4_000_000 + "\n",
+    "lines.csv": lambda: "\n" * 20_000_000,
+    "digits.csv": lambda: HEAD + "1," + "1" * 8_000_000 + ",2\n2,3,4\n",
+    "blanks.csv": lambda: "time q_shoulder q_elbow\n0 1 2\n" + "1 " * 4_000_000 + "\n2 3 4\n",
+    "header.csv": lambda: "a," * 4_000_000 + "\n",
+    "names.csv": lambda: "time,q_" + "./" * 50_000 + "\n0,1\n",
+}
+_MADE: dict[str, Callable[[Path], None]] = {
+    "folder": _folder,
+    "metadata": _metadata,
+    "blob.db3": _database,
     "members.npz": _members,
 }
-"""Tables, bags and messages, by their names."""
+TABLES = (*_FILES, *_MADE)
+"""Names of tables, bags and messages."""
+
+
+def write_bomb(path: Path) -> None:
+    """Write the one of this name."""
+    if make := _MADE.get(path.name):
+        make(path)
+        return
+    content = _FILES[path.name]()
+    path.write_bytes(content.encode() if isinstance(content, str) else content)
+
+
 TOML: dict[str, bytes] = {
     "keys": KEYS,
     "header": b"[" + b"a." * 20_000 + b"a]\n",
@@ -257,4 +262,4 @@ TOML: dict[str, bytes] = {
     "size": b"# " + b"x" * 2_000_000,
     "arrays": b"x = " + b"[" * 500_000,
 }
-WAIVERS = '<robot name="r"><link name="a"/>' + "<!-- robodyn: allow RD101: because -->" * 100_000 + "</robot>"
+WAIVERS = '<robot name="r"><link name="a"/>' + "<!-- robodyn: allow RD101: because -->" * 50_000 + "</robot>"

@@ -74,6 +74,20 @@ def spawn(*args: str, stdin: bytes = b"", cwd: Path | None = None, **environment
     return Outcome(done.returncode, done.stdout.decode(), done.stderr.decode())
 
 
+def shown(*args: str) -> str:
+    """What `robodyn args` prints; it has to end well."""
+    outcome = run(*args)
+    assert (outcome.status, outcome.err) == (0, "")
+    return outcome.out
+
+
+def refused(outcome: Outcome, line: str) -> None:
+    """The command has ended with one line of error that begins so, status 2, and nothing else."""
+    assert (outcome.status, outcome.out) == (2, ""), outcome
+    assert len(outcome.err.splitlines()) == 1, outcome.err
+    assert outcome.err.startswith(f"error: {line}"), outcome.err
+
+
 def command(*args: str) -> list[str]:
     """What to start for `robodyn args`."""
     return [sys.executable, "-c", "from robodyn.cli.main import main; main()", *args]

@@ -74,33 +74,20 @@ def satellite():
     return Satellite()
 
 
-def test_satellite_momenta_stay_zero(satellite):
+def test_satellite_momenta_stay_zero_and_its_centre_of_mass_rests(satellite):
     for q, v in zip(satellite.q, satellite.v, strict=True):
         momentum = pin.computeCentroidalMomentum(satellite.model, satellite.data, q, v)
         parts = 0.5 * np.abs(v[6:]).sum()
         assert np.abs(momentum.vector).max() <= 100 * EPS * max(parts, EPS)
-
-
-def test_satellite_centre_of_mass_rests(satellite):
-    places = np.array([pin.centerOfMass(satellite.model, satellite.data, q).copy() for q in satellite.q])
-    np.testing.assert_allclose(places, [(0.03, -0.012, 0.06)] * len(places), rtol=0, atol=2 * EPS)
+        place = pin.centerOfMass(satellite.model, satellite.data, q)
+        np.testing.assert_allclose(place, (0.03, -0.012, 0.06), rtol=0, atol=2 * EPS)
 
 
 def test_satellite_needs_no_base_wrench_and_little_torque(satellite):
-    tau = np.array(
-        [
-            pin.rnea(satellite.model, satellite.data, *row)
-            for row in zip(satellite.q, satellite.v, satellite.a, strict=True)
-        ]
-    )
+    rows = zip(satellite.q, satellite.v, satellite.a, strict=True)
+    tau = np.array([pin.rnea(satellite.model, satellite.data, *row) for row in rows])
     assert np.abs(tau[:, :6]).max() <= 100 * EPS * np.abs(tau[:, 6:]).max()
     assert 0.01 < np.abs(tau[:, 6:]).max() <= 1
-
-
-def test_satellite_bus_turns_about_all_its_axes(satellite):
-    turned = satellite.base.rotation[-1].as_rotvec()
-    assert abs(turned[1]) > 0.3
-    assert np.abs(turned[[0, 2]]).min() > 5e-4
 
 
 def test_flip_keeps_energy_and_angular_momentum():
@@ -118,11 +105,8 @@ def test_flip_is_jacobis_and_its_period_the_published():
     with mp.workdps(30):
         w1, w2, w3 = mp.mpf("0.001"), mp.mpf(1), mp.mpf("0.001")
         energy, square = w1**2 + 2 * w2**2 + 3 * w3**2, w1**2 + 4 * w2**2 + 9 * w3**2
-        A1, A2, A3 = (
-            mp.sqrt((3 * energy - square) / 2),
-            mp.sqrt((3 * energy - square) / 2),
-            mp.sqrt((square - energy) / 6),
-        )
+        A1 = A2 = mp.sqrt((3 * energy - square) / 2)
+        A3 = mp.sqrt((square - energy) / 6)
         p, m = mp.sqrt((square - energy) / 6), (3 * energy - square) / (square - energy)
         assert float(4 * mp.ellipk(m) / p) == PERIOD
         u0 = mp.ellipf(mp.atan2(w2 / A2, w1 / A1), m)

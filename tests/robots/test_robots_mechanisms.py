@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.driven_chains import MIDDLE, moving, still, swinging
-from helpers.virtual_work import energy
+from helpers.driven_chains import MIDDLE, moving, still
 
 import robodyn
 from robodyn.dynamics.loops.closed_chain import closed_chain
@@ -88,19 +87,3 @@ def test_formulas_with_one_coordinate(name, formula):
     expected = formula(chain.u[0])
     driven = chain.model.joint_names.index(chain.scene.actuated[0])
     np.testing.assert_allclose(chain.torques[:, driven], expected, rtol=0, atol=40 * EPS * np.abs(expected).max())
-
-
-@pytest.mark.parametrize("name", MIDDLE)
-def test_the_power_of_the_motors_is_the_rate_of_energy(name):
-    """By a Taylor formula of order 8 along a motion with sines."""
-    h, weights = 2e-3, np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])
-    middle = swinging(name, np.linspace(0, 2, 21))
-    rate = (
-        sum(
-            weight * energy(swinging(name, np.linspace(0, 2, 21) + (k - 4) * h).place)
-            for k, weight in enumerate(weights)
-        )
-        / h
-    )
-    power = (middle.torques * middle.state[1]).sum(axis=1)
-    np.testing.assert_allclose(power, rate, rtol=0, atol=1e-10 * np.abs(middle.torques * middle.state[1]).max())

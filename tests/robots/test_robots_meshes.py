@@ -6,7 +6,6 @@ import make_meshes
 import numpy as np
 import pytest
 
-from robodyn.errors import MeshError
 from robodyn.solids.inertia.solids import box
 from robodyn.solids.mass_properties import mass_properties
 
@@ -31,13 +30,6 @@ def test_bracket():
     assert found.volume == pytest.approx(475 * 30e-9, rel=8 * EPS)
     np.testing.assert_allclose(found.com, legs.com, rtol=0, atol=8 * EPS * 0.06)
     np.testing.assert_allclose(found.inertia, legs.inertia, rtol=0, atol=32 * EPS * np.abs(legs.inertia).max())
-
-
-def test_open_tray():
-    with pytest.raises(MeshError, match="not closed"):
-        mass_properties(make_meshes.FOLDER / "open_tray.stl")
-    sheet = mass_properties(make_meshes.FOLDER / "open_tray.stl", shell=1e-3, density=1000)
-    assert sheet.body.mass == pytest.approx(0.2 * 0.1 + 2 * 0.05 * (0.2 + 0.1), rel=32 * FILE_EPS)
 
 
 def close(found, expected):

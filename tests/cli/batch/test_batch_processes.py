@@ -63,12 +63,10 @@ def test_a_process_that_dies_is_replaced(deaths: int, children: list[subprocess.
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs process groups")
-@pytest.mark.parametrize(
-    "whole_group", [pytest.param(True, id="terminal"), pytest.param(False, id="kill", marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("whole_group", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_interrupted(whole_group: bool) -> None:
     """Ctrl-C reaches every process of the terminal, `kill -INT` one; either leaves whole files only."""
-    for k in range(6):
+    for k in range(4):
         write_motion(Path(f"long/{k}.csv"), rows=60_000)
     call = command("torques", "arm.urdf", "long/*.csv", "--out", "results", "--reactions", "--jobs", "2")
     with subprocess.Popen(
@@ -82,7 +80,7 @@ def test_interrupted(whole_group: bool) -> None:
     assert (child.returncode, err.strip()) == (130, "")
     left = sorted(path.name for path in Path("results").iterdir())
     assert not [name for name in left if name.endswith(".part")]
-    assert len(left) < 12
+    assert len(left) < 8
     for path in Path("results").glob("*.csv"):
         assert path.read_text().count("\n") == 60_001
 

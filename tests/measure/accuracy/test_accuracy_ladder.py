@@ -4,11 +4,23 @@ from __future__ import annotations
 
 from itertools import pairwise
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from robodyn.errors import MeshError
 from robodyn.measure.accuracy.ladder import Ladder, Rung, Spread, front, timed
+from robodyn.measure.accuracy.meshes import (
+    by_box,
+    by_columns,
+    by_hull,
+    by_voxels,
+    by_winding_numbers,
+    inertia,
+    mesh_accuracy,
+)
+from robodyn.solids.mesh.read.load import from_array
 
 
 def rung(name: str, error: float, seconds: float) -> Rung:
@@ -49,26 +61,6 @@ def test_the_cheapest_is_the_quickest_within_the_target(rungs: list[Rung], targe
         assert found.time.median == min(within)
 
 
-def test_the_cheapest_by_example() -> None:
-    methods = ladder(
-        rung("slow", 1e-12, 9.0), rung("rough", 1e-2, 1.0), rung("poor", 1e-5, 8.0), rung("good", 1e-8, 3.0)
-    )
-    assert [each.name for each in methods.front] == ["rough", "good", "slow"]
-    found = [methods.cheapest(target) for target in (1e-1, 1e-6, 1e-8, 1e-10, 1e-13)]
-    assert [each and each.name for each in found] == ["rough", "good", "good", "slow", None]
-    poor = methods.dominator(methods.rungs[2])
-    assert poor is not None
-    assert poor.name == "good"
-
-
-def test_the_largest_error_counts() -> None:
-    assert Rung("both", (1e-9, 1e-3), Spread(1.0, 1.0, 1.0, 1)).error == 1e-3
-
-
-def test_spread_is_median_and_quartiles() -> None:
-    assert Spread.of([4.0, 1.0, 2.0, 3.0, 5.0], 0.5) == Spread(1.5, 1.0, 2.0, 5)
-
-
 def test_what_is_slow_runs_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("robodyn.measure.accuracy.ladder.SPREAD_ROUNDS", 2)
     monkeypatch.setattr("robodyn.measure.accuracy.ladder.CACHED", 0.01)
@@ -82,3 +74,66 @@ def test_what_is_slow_runs_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("robodyn.measure.accuracy.ladder.SLOW", 0.0)
     assert timed(act)["act"][1].runs == 1
     assert len(calls) == 9
+
+
+TETRAHEDRON = np.array([(0, 0, 0), (5, 0, 0), (0, 4, 0), (0, 0, 3)], float)[
+    np.array([(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
+]
+I_TETRAHEDRON = np.array([[9.375, 2.5, 1.875], [2.5, 12.75, 1.5], [1.875, 1.5, 15.375]])
+
+
+def error(moments) -> float:
+    off = inertia(moments).astype(float) - I_TETRAHEDRON
+    return max(abs(float(moments.volume) / 10 - 1), float(np.linalg.norm(off) / np.linalg.norm(I_TETRAHEDRON)))
+
+
+def test_box() -> None:
+    found = by_box(TETRAHEDRON)
+    assert found.volume == 60
+    expected = 60 / 12 * np.diag([4**2 + 3**2, 5**2 + 3**2, 5**2 + 4**2])
+    np.testing.assert_allclose(inertia(found).astype(float), expected, rtol=0, atol=2e-13)
+
+
+def test_hull_of_a_convex_body_is_the_body() -> None:
+    assert error(by_hull(TETRAHEDRON)) < 1e-15
+
+
+@pytest.mark.parametrize(("method", "first", "counts"), [(by_columns, 2e-2, (256, 4096)), (by_voxels, 0.1, (64, 1024))])
+def test_sums_over_a_lattice_converge(method, first, counts) -> None:
+    """Their error falls at least in proportion to the distance of its points; a sixth of the box is inside."""
+    errors = [error(method(TETRAHEDRON, count)) for count in counts]
+    assert errors[0] < first
+    assert errors[1] < errors[0] / 4
+    chance = abs(by_winding_numbers(TETRAHEDRON, 10_000).volume / 10 - 1)
+    assert chance < 3 * np.sqrt(5 / 10_000)
+
+
+def test_ladder_of_a_tetrahedron() -> None:
+    found = mesh_accuracy(from_array(TETRAHEDRON + 1 / 3))
+    (ladder,) = found.ladders
+    errors = {rung.name: rung.error for rung in ladder.rungs}
+    assert errors["integral, exact rationals"] <= 2.0**-53
+    assert errors["integral, float64"] < 16 * 2.0**-52
+    assert errors["integral, escalated to float64"] == errors["integral, float64"]
+    kinds = ("bounding box", "convex hull", "decimated", "voxels", "columns", "winding numbers")
+    assert all(any(kind in name for name in errors) for kind in kinds)
+    assert 1e-12 < errors["integral, float32"] < 1e-6
+    assert {rung.name: rung.errors[0] for rung in ladder.rungs}["bounding box"] == pytest.approx(5, rel=1e-14)
+    assert [price.name for price in found.prices] == [
+        *("proof that it is closed", "proof that it is one shell", "repair ladder", "tessellation error"),
+        *("union with a copy of it", "symmetry"),
+    ]
+
+
+@pytest.mark.parametrize("scale", [2.0**-50, 2.0**40])
+def test_sizes_that_single_precision_cannot_hold(scale: float) -> None:
+    found = mesh_accuracy(from_array((TETRAHEDRON + 1 / 3) * scale))
+    errors = {rung.name: rung.error for rung in found.ladders[0].rungs}
+    assert errors["integral, float64"] < 16 * 2.0**-52
+    assert errors.get("integral, float32", 1.0) >= 0.1
+    assert ("integral, float32" not in errors) == ("integral, float32: finds no volume" in found.notes)
+
+
+def test_what_is_open_has_no_exact_reference() -> None:
+    with pytest.raises(MeshError, match="no definite volume"):
+        mesh_accuracy(from_array(TETRAHEDRON[:1]))

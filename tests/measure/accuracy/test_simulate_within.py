@@ -34,32 +34,18 @@ def test_the_error_is_within_the_expected_one(target):
 
 def test_a_lower_target_takes_no_more_steps():
     """Steps are counted where the method is the same, which does not depend on the machine."""
-    found = [simulate_within(pendulum(), SWING, 1.0, target) for target in (1e-2, 1e-5, 1e-8, 1e-11)]
+    found = [simulate_within(pendulum(), SWING, 1.0, target) for target in (1e-2, 1e-6, 1e-10)]
     for a, b in pairwise(found):
         assert b.expected_error < a.expected_error
         if a.method == b.method:
             assert a.steps <= b.steps
 
 
-def test_up_to_a_limit():
-    found = simulate_within(slide(axis=(0, 0, 1)), Scene(), 5.0, 1e-9)
-    assert abs(found.time[-1] - np.sqrt(18 / 9.81)) <= 1e-9
-    assert found.ended
-
-
 @pytest.mark.parametrize(("target", "why"), [(1e-17, "going to steps of"), (1e-15, "cannot be promised")])
 def test_what_rounding_forbids_is_refused(target, why, monkeypatch):
-    monkeypatch.setattr(effort, "ALLOWED", 2.0)
+    monkeypatch.setattr(effort, "ALLOWED", 1.0)
     with pytest.raises(InputError, match=why):
         simulate_within(pendulum(masses=2), SWING, 0.7, target)
-
-
-def test_a_change_without_end_after_a_small_one_is_told(monkeypatch):
-    changes = iter((1e-7, np.inf))
-    monkeypatch.setattr(effort, "apart", lambda *_: next(changes))
-    tried = effort.Effort(pendulum(masses=2), SWING, 0.1, {})
-    with pytest.raises(effort.UnsettledError, match="changes the motion by inf yet"):
-        effort.refined(tried, "rk4", 1e-12)
 
 
 def test_what_grows_too_fast_is_refused(monkeypatch):

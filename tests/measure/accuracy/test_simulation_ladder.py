@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from fractions import Fraction
 from functools import partial
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 from helpers import series_reference as reference_module
 from helpers.closed_chains import four_bars
 from helpers.oracles import reference
-from helpers.series_reference import motion_reference
+from helpers.series_reference import BITS, Taylor, fixed, motion_reference, step_of, summed
 from helpers.simulated_robots import pendulum, slide, tumbling
 
 from robodyn.dynamics.plan import plan
@@ -19,11 +20,11 @@ from robodyn.measure.accuracy import simulation as simulation_ladder
 from robodyn.measure.accuracy.ladder import front
 from robodyn.measure.accuracy.motion_error import MotionError
 from robodyn.measure.accuracy.simulation import simulation_accuracy, state_errors
-from robodyn.scene.parts import Drive, Friction
+from robodyn.programs.program import trace
+from robodyn.scene.parts import Drive
 from robodyn.scene.scene import Scene
+from robodyn.simulation.equations import STATE, Equations
 from robodyn.simulation.simulate import simulate
-
-pytest.importorskip("mpmath")
 
 QUARTER = float(reference("analytic")["pendulum_L1_g9.81"]["T_by_amplitude_deg"]["90"]) / 4
 SWING = Scene(initial_q={"j1": np.pi / 2})
@@ -67,13 +68,6 @@ def test_errors_are_the_true_ones(step):
     assert end <= way
 
 
-def test_the_bound_of_the_reference_is_added():
-    known = replace(motion_reference(plan(pendulum(), SWING), QUARTER), bound=0.125, bound_at_end=0.0625)
-    end, way = state_errors(simulate(pendulum(), SWING, QUARTER, method="gauss6", step=0.01), known)
-    assert 0.0625 <= end <= 0.0625 + 1e-6
-    assert 0.125 <= way <= 0.125 + 1e-6
-
-
 def test_references_agree(monkeypatch):
     """Series and doubles are independent, and each is within its bound."""
     model, scene = tumbling()
@@ -95,13 +89,6 @@ def test_a_motion_that_ends_at_a_limit():
     assert all(rung.error <= 1e-11 for rung in found.ladders[0].rungs if rung.name.startswith("rk4"))
 
 
-def test_friction_is_regularised_and_said():
-    scene = Scene(friction={"j1": Friction(forward=3.0, backward=-3.0)}, initial_qd={"j1": 1.5}, slip_speed=0.05)
-    found = simulation_accuracy(slide(), scene, 0.5)
-    assert any(note.startswith("Coulomb friction is regularised") for note in found.notes)
-    assert any(note.startswith("left out: verlet: ") for note in found.notes)
-
-
 def test_kinds_are_compared_with_their_own():
     model, _ = tumbling()
     states = np.ones((3, model.nq + model.n))
@@ -111,13 +98,6 @@ def test_kinds_are_compared_with_their_own():
     off[1, 1] += 0.5
     off[2, 3] += 0.5
     assert measure(off, states).tolist() == [0.0, 0.01, 0.5]
-
-
-def test_a_robot_that_cannot_move():
-    from helpers.small_robots import built, link
-
-    with pytest.raises(InputError, match="nothing can move"):
-        simulation_accuracy(built(link("l0", 1.0)), Scene(), 1.0)
 
 
 def test_a_table_is_asked_for():
@@ -153,3 +133,62 @@ def test_closed_chains():
     rungs = {rung.name: rung for rung in found.ladders[0].rungs}
     assert 100 <= rungs["rk4, 16 ms"].error / rungs["rk4, 4 ms"].error <= 700
     assert rungs["gauss6, 4 ms"].error <= 1e-11
+
+
+mpmath = pytest.importorskip("mpmath")
+
+ONE = 1 << BITS
+PRINTED = reference("double_pendulum")["data"]
+
+
+def solved(program, state, duration, order=24, tolerance=1e-24):
+    """The state after the duration, all in fixed point."""
+    series_of = Taylor(program, "state", len(state), order)
+    now = 0
+    while now < duration:
+        series = series_of(state)
+        step = min(fixed(step_of(series, tolerance)), duration - now)
+        state, now = summed(series, step), now + step
+    return state
+
+
+def of(model, scene, state, duration):
+    equations = Equations(plan(model, scene))
+    return solved(equations.derivatives(), [*state, 0, 0], duration)[: len(state)]
+
+
+@pytest.mark.parametrize(("case", "eighths"), [("large(pi/2,0)", 4), ("chaotic(3pi/4,0)", 6)])
+def test_double_pendulum(case, eighths):
+    """Within the last digit of the reference; and orders agree far beyond it."""
+    with mpmath.workdps(70):
+        state = [int(mpmath.ldexp(eighths * mpmath.pi / 8, BITS)), 0, 0, 0]
+    equations = Equations(plan(pendulum(masses=2), Scene()))
+    ways = ((24, 1e-24), (16, 1e-20))
+    found, other = (solved(equations.derivatives(), [*state, 0, 0], 2 * ONE, *way)[:4] for way in ways)
+    for value, same, expected in zip(found, other, PRINTED[case]["2"], strict=True):
+        last = Fraction(1, 10 ** len(expected.partition(".")[2]))
+        assert abs(Fraction(value, ONE) - Fraction(expected)) <= last
+        assert abs(Fraction(value - same, ONE)) <= 1e-17
+
+
+def test_every_operation():
+    """y' = exp(y) / (1 + sqrt(y)): its time as a function of y is an integral."""
+
+    def outputs(tape):
+        y = tape.input("state", 0)
+        return [y.exp() / (1.0 + y.sqrt()) - 0.25 * (-y).exp() * y]
+
+    found = solved(trace(outputs), [ONE], fixed(0.75), order=30)
+    with mpmath.workdps(40):
+        end = mpmath.ldexp(found[0], -BITS)
+
+        def slowness(y):
+            return 1 / (mpmath.exp(y) / (1 + mpmath.sqrt(y)) - y * mpmath.exp(-y) / 4)
+
+        assert abs(mpmath.quad(slowness, mpmath.linspace(1, end, 9)) - 0.75) <= 1e-22
+
+
+def test_jumps_and_tables_have_no_series():
+    for outputs in (lambda tape: [tape.input("state", 0).sign()], lambda tape: [tape.input("time", 0)]):
+        with pytest.raises(InputError, match="no power series"):
+            Taylor(trace(outputs), STATE, 1, 8)

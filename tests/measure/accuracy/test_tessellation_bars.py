@@ -9,27 +9,28 @@ import numpy as np
 import pytest
 from helpers import mesh_samples as samples
 from helpers import round_shapes
+from helpers.markdown_tables import cells as rows_of
 from helpers.round_shapes import KINDS
 from helpers.sampled import sampled
 from helpers.tessellation_errors import estimated
 from helpers.tessellations import prism
-from tessellation_coverage import ENOUGH, coverage, page
+from tessellation_coverage import ENOUGH, coverage, row_of
 
 import robodyn
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "tessellation.md"
-SOLIDS = 8
+SOLIDS = 6
 """Of each kind, in three places of the corners each."""
 
 
-@pytest.mark.parametrize("kind", sampled(KINDS, 3))
+@pytest.mark.parametrize("kind", sampled(KINDS, 4))
 def test_bars_hold(kind):
     found = coverage(kind, range(SOLIDS))
     for held in (found.mesh, found.rest, found.on_surface):
         assert (held >= ENOUGH).all()
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", sampled(KINDS, 4))
 def test_the_solids_are_what_their_facets_converge_to(kind, monkeypatch):
     if "scattered" in kind or kind.startswith(("ico", "cube")):
         pytest.skip("their facets are never fine; their volumes are those of the other ellipsoids")
@@ -43,9 +44,11 @@ def test_the_solids_are_what_their_facets_converge_to(kind, monkeypatch):
 
 
 @pytest.mark.slow
-def test_the_published_coverage_is_what_is_found_and_enough():
-    text, least = page()
-    assert DOCUMENT.read_text(encoding="utf-8") == text
+@pytest.mark.parametrize("kind", [*KINDS][1::5])
+def test_the_published_coverage_is_what_is_found_and_enough(kind):
+    row, least = row_of(kind)
+    (published,) = [cells for cells in rows_of(DOCUMENT.read_text(encoding="utf-8")) if cells[0] == kind]
+    assert published == list(row)
     assert least >= ENOUGH
 
 
@@ -67,12 +70,6 @@ def test_very_coarse_round_solids(mesh, exact):
     assert rest <= found.rest.volume
 
 
-def test_a_prism_of_eight_sides_gets_both_readings():
-    part = robodyn.mass_properties(samples.cylinder(1.0, 2.0, 8), tessellation=True)
-    assert part.body.volume == pytest.approx(2 * 8 * np.sin(np.pi / 4) / 2, rel=1e-12)
-    assert part.corrected.volume == pytest.approx(2 * np.pi, rel=0.005)
-
-
 def test_flat_faces_get_no_bars():
     """A box, a gear with straight teeth, a house: angles above 65 degrees, and edges beside which nothing bends."""
     angle = np.pi / 10 * (np.arange(20)[:, None] + (0.0, 0.2, 0.3, 0.7, 0.8))
@@ -83,14 +80,6 @@ def test_flat_faces_get_no_bars():
         whole, found = estimated(body)
         assert found.corrected.volume == whole.volume
         assert (found.mesh.volume, found.mesh.inertia, found.mesh.centre) == (0, 0, 0)
-
-
-def test_a_chamfer_gets_a_bar_of_its_own_size():
-    half, cut = 1.0, 0.1
-    profile = [(half - cut, -half), (half, cut - half), (half, half - cut), (half - cut, half)]
-    points = np.array([*profile, *((-x, -y) for x, y in profile)], float)
-    whole, found = estimated(prism([points], 1.0))
-    assert 0 < found.mesh.volume * whole.volume < 2 * cut**2
 
 
 def test_a_sharp_corner_beside_a_face_with_a_fillet_is_meant():

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.command_line import ROBOTS, run
-from helpers.mesh_samples import binary_stl, box, cylinder, moved, tetrahedron
+from helpers.mesh_samples import binary_stl, cylinder, tetrahedron
 
 import robodyn
 from robodyn.dynamics.plan import plan
@@ -70,12 +70,6 @@ def test_noise_is_more_than_the_target():
     assert run(*call, "1e-2").status == 0
 
 
-def test_a_trajectory_is_read_twice():
-    outcome = run("torques", SCARA[0], "-", "--accuracy", "1e-9")
-    assert (outcome.status, outcome.out) == (2, "")
-    assert outcome.err.startswith("error: <stdin>: --accuracy reads the trajectory twice (name a file)")
-
-
 @pytest.mark.parametrize(("target", "method"), [(1e-3, "float64"), (1e-12, "float64"), (9e-13, "exact rationals")])
 def test_inertia_by_the_cheapest_arithmetic(target, method):
     part = robodyn.mass_properties(tetrahedron() + 1 / 3, exact=needs_rationals(target))
@@ -97,12 +91,3 @@ def test_inertia_that_is_not_known_so_well(tmp_path: Path):
     outcome = run("inertia", str(path), "--accuracy", "1e-12")
     assert (outcome.status, outcome.out) == (2, "")
     assert outcome.err.startswith(f"error: {path}: an accuracy of 1e-12 cannot be promised: ")
-
-
-def test_inertia_command(tmp_path: Path):
-    path = tmp_path / "box.stl"
-    path.write_bytes(binary_stl(moved(box(), (0.1, 0.2, 0.3))))
-    outcome = run("inertia", str(path), "--accuracy", "1e-9")
-    assert (outcome.status, outcome.err) == (0, "")
-    assert "\naccuracy: 1e-09 asked, proven within 1e-12 (volume: " in outcome.out
-    assert "the rounding of the file can make" in outcome.out
