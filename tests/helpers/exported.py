@@ -13,7 +13,6 @@ import robodyn
 from helpers.busy_robot import BUSY_SCENE, busy_robot
 from helpers.command_line import ROBOTS
 from helpers.oracles import random_state
-from helpers.small_robots import random_tree
 from robodyn.scene.scene import DEFAULT
 
 SAMPLES = 6
@@ -31,16 +30,12 @@ CASES = {
     "puma560": lambda: named("puma560", "puma560_motors.toml"),
     "mimic": lambda: named("gripper", "gripper.toml"),
     "free": lambda: named("satellite", "satellite.toml"),
-    "busy": lambda: (busy_robot(), BUSY),
     "busy_free": lambda: (busy_robot(moving_base=True), BUSY),
-    "skew": cache(lambda: (random_tree(7, 5, moving_base=True), DEFAULT)),
+    "columns": lambda: (busy_robot(moving_base=True), BUSY_SCENE),
 }
-COLUMNS = {**CASES, "columns": lambda: (busy_robot(moving_base=True), BUSY_SCENE)}
-"""With a scene whose wrenches name columns."""
 each_case = pytest.mark.parametrize(
-    "case", [pytest.param(case, marks=pytest.mark.slow) if case.startswith("busy") else case for case in COLUMNS]
+    "case", ["mimic", "free", "columns", *(pytest.param(case, marks=pytest.mark.slow) for case in ("scara", "puma560"))]
 )
-"""`busy` and `busy_free` are `columns` with fewer effects."""
 
 
 def module_of(text):

@@ -7,39 +7,8 @@ import numpy as np
 from helpers.oracles import random_state
 from helpers.small_robots import body_numbers, built, chain, joint, link
 from robodyn.equations.dae.dae import dae_at
-from robodyn.equations.dae.system import Body
-from robodyn.programs.derivative import Dual
-from robodyn.programs.vectors import rotation_about, skew
 from robodyn.scene.parts import Loop
 from robodyn.scene.scene import DEFAULT, Scene
-
-
-def turned(rng, most=3.0):
-    """A random rotation."""
-    axis = rng.normal(size=3)
-    return rotation_about(axis / np.linalg.norm(axis), rng.uniform(-most, most))
-
-
-def random_bodies(rng, count):
-    """Places and speeds of bodies that nothing holds together."""
-    places = [(turned(rng), rng.normal(size=3)) for _ in range(count)]
-    bodies = (Body(*place, *rng.normal(size=(2, 3))) for place in places)
-    return (*bodies, Body(np.eye(3), *np.zeros((3, 3))))
-
-
-def _duals(values, rates):
-    pairs = zip(np.ravel(values), np.ravel(rates), strict=True)
-    return np.array([Dual(float(x), float(rate)) for x, rate in pairs], dtype=object).reshape(np.shape(values))
-
-
-def in_motion(at, a):
-    """The state in dual scalars: R' = R [w], c' = v, and speeds that change at `a` (6N numbers)."""
-    each = a.reshape(-1, 2, 3)
-    bodies = (
-        Body(_duals(R, R @ skew(w)), _duals(c, v), _duals(w, wd), _duals(v, vd))
-        for (R, c, w, v), (wd, vd) in zip(at, each, strict=False)
-    )
-    return (*bodies, at[-1])
 
 
 def taken_apart(model, seed=0, scene=DEFAULT):

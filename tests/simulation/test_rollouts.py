@@ -9,7 +9,6 @@ from helpers.simulated_robots import pendulum, tumbling
 
 import robodyn
 from robodyn.errors import InputError
-from robodyn.scene.parts import Friction
 from robodyn.scene.scene import Scene
 from robodyn.simulation.rollouts import TOGETHER, rollouts
 
@@ -78,10 +77,3 @@ def test_a_compiler_that_fails(monkeypatch):
     assert robodyn.simulate(pendulum(), Scene(), 1.0, step=2e-3).executor == "numpy"
     with pytest.raises(InputError, match=r"LLVM fails on this program \(no\)"):
         robodyn.simulate(pendulum(), Scene(), 1.0, executor="compiled")
-
-
-def test_coulomb_friction_is_regularised_as_in_a_simulation():
-    scene = Scene(friction={"j1": Friction(forward=0.2, backward=-0.2)}, initial_q={"j1": 1.0})
-    alone = robodyn.simulate(pendulum(), scene, 0.1, step=1e-4)
-    found = rollouts(pendulum(), [[1.0]], [[0.0]], 1000, 1e-4, scene=scene)
-    assert np.abs(found.q[:, 0] - alone.q).max() <= 1e-13

@@ -39,13 +39,6 @@ def test_no_pulse_is_passed_over(between, table, impulse, how):
     assert abs(found.qd[-1, 0] - part * impulse) <= (1.5 if first else 1e-8)
 
 
-@pytest.mark.parametrize(("between", "table", "impulse"), CASES)
-@pytest.mark.slow
-def test_an_accuracy_that_is_asked_for_holds_for_pulses(between, table, impulse):
-    found = simulate_within(slide(1.0), replace(PUSHED, between_rows=between), None, 1e-3, table=table)
-    assert abs(found.qd[-1, 0] - impulse) <= 1e-3 * impulse
-
-
 def test_an_accuracy_for_more_rows_than_a_method_of_scipy_can_do_with():
     """Noise of 10 000 rows drives a pendulum: rk4 and gauss6 confirm each other."""
     rng = np.random.default_rng(3)
@@ -145,19 +138,6 @@ def test_tables_of_microseconds(between):
         found = robodyn.simulate(slide(1.0), replace(PUSHED, between_rows=between), table=table, **how)
         assert found.time[-1] == 1e-6
         assert abs(found.qd[-1, 0] - expected) <= 1e-12 * 7e-6, how
-
-
-def test_columns_of_several_joints_are_all_heeded():
-    drives = {"j1": Drive(torque="a"), "j2": Drive(torque="b")}
-    time = np.array([0.0, 0.10031, 0.10037, 0.5, 0.70001, 0.70009, 1.0])
-    a, b = np.array([0, 900.0, 0, 0, 0, 0, 0]), np.array([0, 0, 0, 0, -800.0, 0, 0])
-    scene = Scene(gravity=(0, 0, 0), joint_limits="ignore", drive=drives, between_rows="hold")
-    table = {"time": time, "a": a, "b": b}
-    fine = robodyn.simulate(pendulum(masses=2), scene, table=table, step=1e-4, method="gauss6")
-    for how in ({}, {"rtol": 1e-10}, {"method": "gauss2", "step": 2e-4}):
-        found = robodyn.simulate(pendulum(masses=2), scene, table=table, **how)
-        off = np.abs(found.qd[-1] - fine.qd[-1]).max() / np.abs(fine.qd).max()
-        assert off <= (2e-3 if "method" in how else 1e-6), how
 
 
 def test_a_reference_quicker_than_steps_is_followed():

@@ -10,11 +10,9 @@ from helpers.oracles import robot
 from helpers.simulated_robots import pendulum, slide
 
 import robodyn
-from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError, RobodynError
 from robodyn.scene.parts import Drive, ExternalWrench
 from robodyn.scene.scene import Scene
-from robodyn.simulation.equations import Equations, Steps
 from robodyn.simulation.methods import method_named
 
 TIME = np.linspace(0.0, 2.0, 101)
@@ -133,17 +131,6 @@ def test_a_limit_is_found_under_a_changing_push():
     found = robodyn.simulate(slide(2.0), replace(PUSHED, joint_limits="stop"), table=table, step=0.013)
     assert abs(found.time[-1] - (9.0 * 2.0 * 6.0 / 0.6) ** (1 / 3)) <= 1e-12
     assert abs(found.q[-1, 0] - 9.0) <= 1e-12
-
-
-def test_only_columns_are_read_at_each_step():
-    def columns(scene, method="rk4"):
-        return Steps(Equations(plan(slide(), scene)), method_named(method)).columns
-
-    assert columns(replace(WEIGHTLESS, drive={"j1": Drive(2.0, 3.0, 4.0, 5.0)})) == 0
-    assert (columns(PUSHED), columns(PUSHED, "euler"), columns(PUSHED, "gauss6")) == (4, 2, 4)
-    followed = replace(WEIGHTLESS, drive={"j1": Drive(kp=3.0, kd=1.0, reference="q")})
-    assert columns(followed) == 7
-    assert columns(replace(WEIGHTLESS, drive={"j1": Drive(kp=3.0, reference="q")})) == 4
 
 
 WRONG = [

@@ -13,6 +13,7 @@ from robodyn.dynamics.loops.closed_chain import GivensProjection, closed_chain
 from robodyn.dynamics.plan import applied, plan
 from robodyn.dynamics.recursions.articulated_body import aligned
 from robodyn.dynamics.recursions.composite_body import Root, composite_body, rates_inward
+from robodyn.dynamics.recursions.momentum import dual_state
 from robodyn.errors import InputError
 from robodyn.scene.parts import Loop
 from robodyn.scene.scene import Scene
@@ -45,6 +46,35 @@ def test_the_tree_with_the_loops_forces_moves_as_the_closed_chain(kind):
     scale = np.abs(needed).max() + np.abs(J.T @ multipliers).max()
     assert np.abs(needed - tau - J.T @ multipliers).max() <= 1e-13 * scale
     assert np.abs(J @ qdd + bias).max() <= 1e-13 * np.abs(bias).max() * np.linalg.cond(J)
+
+
+@pytest.mark.parametrize(("moving", "to"), [(False, "b2"), (True, "b2"), (True, "ground")])
+@pytest.mark.parametrize("kind", ["point", "hinge", "weld"])
+def test_rates_are_those_of_dual_numbers(kind, moving, to):
+    model, scene = spatial_loop(3, kind, moving, to)
+    chain, rng = closed_chain(plan(model, scene)), np.random.default_rng(1)
+    q, qd = rng.uniform(-1, 1, model.nq), rng.normal(size=model.n)
+    sample = Sample(chain.model, tuple(q.tolist()), tuple(qd.tolist()), (0.0,) * model.n)
+    here = chain.equations(sample)
+    q, qd_dual = dual_state(chain.model, sample.q, sample.qd, sample.qdd)
+    dual = chain.equations(Sample(chain.model, tuple(q), tuple(qd_dual), sample.qdd))
+    for ours, theirs in ((here.rate, dual.error), (here.bias, dual.rate)):
+        expected = np.array([value.rate for value in theirs], dtype=float)
+        assert np.abs(np.array(ours, dtype=float) - expected).max() <= 50 * np.finfo(float).eps * np.abs(expected).max()
+    assert np.abs(chain.jacobian(sample) @ qd - np.array(here.rate, dtype=float)).max() <= 1e-14 * np.abs(qd).max() * 4
+
+
+@pytest.mark.parametrize(("kind", "left"), [("point", 2), ("hinge", 2), ("weld", 3)])
+def test_planar_loops_in_an_oblique_plane(kind, left):
+    axis = (0.36, 0.48, 0.8)
+    parts = [link("l0")]
+    for k in range(3):
+        parts += [link(f"l{k + 1}", 1.0, (0.1, 0.2, 0), (1, 0, 0, 1, 0, 1))]
+        parts.append(joint(f"j{k}", f"l{k}", f"l{k + 1}", "continuous", axis, (0.8, -0.6, 0) if k else (0, 0, 0)))
+    axes = {"axis": axis, "to_axis": axis} if kind == "hinge" else {}
+    loop = Loop("tie", "l3", (0.8, -0.6, 0), "l0", (1.6, -1.2, 0), kind, **axes)
+    found = closed_chain(plan(built(*parts), Scene(loops=(loop,))))
+    assert len(found.closures[0].equations) == left
 
 
 @pytest.mark.parametrize("kind", ["point", "hinge", "weld"])

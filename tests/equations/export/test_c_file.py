@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.c_functions import CC, compiled_c, needs_c
-from helpers.exported import ARGUMENTS, COLUMNS, arguments, each_case, expected, named, states, tolerance
+from helpers.exported import ARGUMENTS, CASES, arguments, each_case, expected, named, states, tolerance
 from helpers.oracles import worst
 from helpers.small_robots import built, joint, link
 
@@ -25,7 +25,7 @@ WHOLE = ",".join(ARGUMENTS)
 @needs_c
 @each_case
 def test_it_computes_what_robodyn_computes(case, tmp_path):
-    model, scene = COLUMNS[case]()
+    model, scene = CASES[case]()
     text = robodyn.export(model, "c", WHOLE, scene=scene)
     library = compiled_c(text, tmp_path)
     prefix = re.search(r"void (\w+)_torques", text)[1]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from helpers.exported import (
     ARGUMENTS,
-    COLUMNS,
+    CASES,
     arguments,
     each_case,
     expected,
@@ -24,11 +24,9 @@ from helpers.peers import peer
 import robodyn
 from robodyn.equations.export.export import TARGETS, WORDS
 
-SMALL = ("scara", "busy_free")
-COMPILED = ("scara", "mimic", "free", pytest.param("busy_free", marks=pytest.mark.slow))
+WAYS = [("scara", "jacfwd"), ("scara", "jacrev"), pytest.param("busy_free", "jacrev", marks=pytest.mark.slow)]
 WHOLE = ",".join(ARGUMENTS)
-compiled = pytest.mark.parametrize("case", COMPILED)
-small = pytest.mark.parametrize("case", SMALL)
+small = pytest.mark.parametrize("case", ["free", pytest.param("busy_free", marks=pytest.mark.slow)])
 
 
 def test_every_function_is_tried():
@@ -38,7 +36,7 @@ def test_every_function_is_tried():
 
 def compared(call, word, case):
     """Compare what `call` makes of the arguments with robodyn."""
-    model, scene = COLUMNS[case]()
+    model, scene = CASES[case]()
     given, columns = states(model, scene)
     found = call(*arguments(word, given, columns))
     found = found if isinstance(found, (tuple, list)) else [found]
@@ -50,7 +48,7 @@ def compared(call, word, case):
 
 def derivative_of_torques(case, jacobians):
     """Compare d tau / d (q, qd, qdd) that a library finds, (samples, n, nq or n) each, with robodyn's."""
-    model, scene = COLUMNS[case]()
+    model, scene = CASES[case]()
     given, _ = states(model, scene)
     q, qd, qdd = (given[name] for name in ("q", "qd", "qdd"))
     by_q, by_qd, by_qdd = map(np.asarray, jacobians(robodyn.export, model, scene, q, qd, qdd))
@@ -62,7 +60,7 @@ def derivative_of_torques(case, jacobians):
 @each_case
 @pytest.mark.parametrize("word", ARGUMENTS)
 def test_numpy(case, word):
-    module = module_of(robodyn.export(COLUMNS[case]()[0], "numpy", word, scene=COLUMNS[case]()[1]))
+    module = module_of(robodyn.export(CASES[case]()[0], "numpy", word, scene=CASES[case]()[1]))
     compared(getattr(module, word), word, case)
 
 
@@ -108,7 +106,7 @@ def test_complex_steps_through_numpy(case):
 @each_case
 def test_casadi(case):
     peer("casadi")
-    model, scene = COLUMNS[case]()
+    model, scene = CASES[case]()
     module = module_of(robodyn.export(model, "casadi", WHOLE, scene=scene))
     for word in ARGUMENTS:
         function = getattr(module, word)
@@ -156,16 +154,15 @@ def jax():
     module.config.update("jax_enable_x64", before)
 
 
-@compiled
+@pytest.mark.parametrize("case", ["mimic", "free"])
 def test_jax(case, jax):
-    model, scene = COLUMNS[case]()
+    model, scene = CASES[case]()
     module = module_of(robodyn.export(model, "jax", WHOLE, scene=scene))
     for word in ARGUMENTS:
         compared(getattr(module, word), word, case)
 
 
-@pytest.mark.parametrize("way", ["jacfwd", "jacrev"])
-@compiled
+@pytest.mark.parametrize(("case", "way"), WAYS)
 def test_derivatives_by_jax(case, way, jax):
     def jacobians(export, model, scene, *given):
         torques = module_of(export(model, "jax", scene=scene)).torques
@@ -178,7 +175,7 @@ def test_derivatives_by_jax(case, way, jax):
 @each_case
 def test_torch(case):
     torch = peer("torch")
-    model, scene = COLUMNS[case]()
+    model, scene = CASES[case]()
     module = module_of(robodyn.export(model, "torch", WHOLE, scene=scene))
     for word in ARGUMENTS:
 
@@ -189,8 +186,7 @@ def test_torch(case):
         compared(call, word, case)
 
 
-@pytest.mark.parametrize("way", ["jacfwd", "jacrev"])
-@small
+@pytest.mark.parametrize(("case", "way"), WAYS)
 def test_derivatives_by_torch(case, way):
     torch = peer("torch")
 
@@ -221,32 +217,31 @@ def test_modules_import_their_library_alone(target):
     assert {name.partition(".")[0] for name in found} <= {target, "math"}
 
 
-@pytest.mark.parametrize("target", ["numpy", "casadi"])
-def test_the_docstring_says_what_is_in_the_module(target):
-    text = ast.get_docstring(ast.parse(robodyn.export(*named("gripper")[:1], target, WHOLE)))
+def docstring(case, target, what):
+    model, scene = CASES[case]()
+    return ast.get_docstring(ast.parse(robodyn.export(model, target, what, scene=scene)))
+
+
+def test_the_docstring_says_what_is_in_the_module():
+    text, plain = docstring("columns", "jax", WHOLE), docstring("scara", "jax", "torques")
+    aside = ("sign(0) = 0", "small turn about the", "'push', 'twist'", "Columns of d / d q are by the coordinates")
     for words in (
-        'Dynamics of "gripper" for ',
-        "torques(q, qd, qdd) -> tau: the torques of a motion; ",
-        "q[0]  lift: prismatic, m",
-        "jaw + ",
-        "Gravity (0.0, 0.0, -9.81) m/s^2",
+        *aside,
+        "quaternion qx qy qz qw",
+        "jax_enable_x64",
+        "torques(q, qd, qdd, columns) -> tau: the torques of a motion; ",
         "tau and b [N m or N]",
-        "Columns of d / d q are by the coordinates, in the order of qd.",
     ):
         assert words in text
-
-
-def test_the_docstring_says_what_floating_bases_and_friction_mean():
-    model, scene = COLUMNS["columns"]()
-    text = ast.get_docstring(ast.parse(robodyn.export(model, "jax", "derivatives", scene=scene)))
-    for words in ("sign(0) = 0", "small turn about the", "'push', 'twist'", "quaternion qx qy qz qw", "jax_enable_x64"):
-        assert words in text
-    text = ast.get_docstring(ast.parse(robodyn.export(named("scara")[0], "jax")))
-    assert not [words for words in ("sign(0)", "turn about", "columns:", "d / d q are") if words in text]
+    assert not [words for words in aside if words in plain]
+    assert "Gravity (0.0, 0.0, -9.81) m/s^2" in plain
+    mimic = docstring("mimic", "numpy", WHOLE)
+    for words in ('Dynamics of "gripper" for ', "q[0]  lift: prismatic, m", "jaw + "):
+        assert words in mimic
 
 
 def test_the_length_of_a_quaternion_does_not_matter():
-    model, scene = COLUMNS["busy_free"]()
+    model, scene = CASES["busy_free"]()
     torques = module_of(robodyn.export(model, "numpy", scene=scene)).torques
     given, _ = states(model, scene)
     q = given["q"].copy()

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.busy_robot import busy_robot
 from helpers.example_robots import path_of
 from helpers.oracles import EPS, robot, worst
 from helpers.peers import mujoco
@@ -16,7 +15,7 @@ from mpmath import mp
 import robodyn
 from robodyn.equations.linearized.linearize import linearize
 from robodyn.robot.load import load
-from robodyn.scene.parts import Drive, Friction, LimitSpring, Rotor, Spring
+from robodyn.scene.parts import Drive, Friction, Spring
 from robodyn.scene.scene import Scene
 
 G = 9.81
@@ -77,24 +76,7 @@ def test_a_joint_that_a_drive_holds():
         assert found.balanced
 
 
-def test_modes_are_what_a_motion_does():
-    """Eigenvalues and shapes of a robot with every effect, drives and mimic joints satisfy z' = A z."""
-    model = busy_robot()
-    scene = Scene(drive={name: Drive(kp=200.0, kd=4.0) for name in model.joint_names})
-    found = linearize(model, scene, equilibrium=True)
-    n, total = model.n, 0
-    for mode in found.modes.modes:
-        value, x = complex(mode.real, mode.imag), np.array(mode.shape)
-        z = np.concatenate((x, value * x))
-        assert np.abs(found.A @ z - value * z).max() <= 1e-12 * np.abs(found.A).max() * np.abs(z).max()
-        total += 2 if mode.oscillates else 1
-    assert total == 2 * n
-    expected = np.linalg.eigvals(found.A)
-    for mode in found.modes.modes:
-        assert np.abs(expected - complex(mode.real, mode.imag)).min() <= mode.error
-
-
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_mujoco(seed):
     """mjd_transitionFD: steps of Euler's semi-implicit method, by differences of 1e-6."""
     text = urdf(*random_tree_parts(np.random.default_rng(seed), 5, kinds=("revolute", "prismatic", "continuous")))
@@ -184,7 +166,7 @@ def test_two_carts_on_a_spring_swing_against_each_other():
     assert np.abs(np.array(found[1].shape) / found[1].shape[1] - [-0.25, 1]).max() <= 4 * EPS
 
 
-@pytest.mark.parametrize("scale", [1e-9, 1e-3, 1e3, 1e9])
+@pytest.mark.parametrize("scale", [1e-9, 1e9])
 def test_scales(scale):
     """Frequencies of a pendulum do not depend on its mass, nor on that of what it hangs on."""
     parts = [link("base"), link("cart", 1.0 / scale), joint("rail", "base", "cart", "prismatic", (0, 0, 1))]
@@ -233,7 +215,7 @@ def test_stiff_and_soft_together():
 @pytest.mark.parametrize("at", [0.0, 0.3], ids=["an equilibrium", "held by a torque"])
 def test_what_is_soft_because_a_drive_nearly_balances_the_weight(at):
     """A rod on a spring of m g l cos q (1 + 1e-8) swings at 0.0003 rad/s, known to 1e-12, not to 1e-16, of them."""
-    for k in range(40):
+    for k in range(0, 40, 5):
         mass, com = 0.7 + 0.1 * k, 0.3 + 0.013 * k
         model = built(
             link("base"), link("arm", mass, (0, 0, com)), joint("pivot", "base", "arm", "continuous", (0, 1, 0))
@@ -273,7 +255,7 @@ def test_what_is_cut_off_moves_the_others_by_no_more_than_their_errors():
     assert 1e-7 < abs(slow.real - exact) <= slow.error <= 1e-5
 
 
-@pytest.mark.parametrize("stiffness", [1e3, 1e9, 1e12])
+@pytest.mark.parametrize("stiffness", [1e3, 1e12])
 def test_equilibria_of_stiff_drives(stiffness):
     """kp (1 - q) = m g l cos(q) within what q is rounded to."""
     found = linearize(rod(), Scene(drive={"pivot": Drive(kp=stiffness, kd=1.0, reference=1.0)}), equilibrium=True)
@@ -282,27 +264,7 @@ def test_equilibria_of_stiff_drives(stiffness):
     assert (found.balanced, found.modes.verdict) == (True, "stable")
 
 
-@pytest.mark.parametrize("stem", ["ur5_robot", "panda", "anymal"])
-def test_real_robots_with_drives(stem):
-    """An equilibrium is found, all modes decay, and LAPACK's eigenvalues lie within the errors."""
-    model = robodyn.load(str(path_of(stem)))
-    scene = Scene(drive={name: Drive(kp=2000.0, kd=60.0) for name in model.joint_names})
-    found = robodyn.linearize(model, scene, equilibrium=True)
-    assert found.balanced
-    assert found.modes.stable
-    values = np.linalg.eigvals(found.A)
-    for mode in found.modes.modes:
-        assert np.abs(values - complex(mode.real, mode.imag)).min() <= mode.error
-
-
-def test_ur5_stretched_out_level():
-    """Half of its modes are held by nothing, none of them seems to grow by 1e-5 /s."""
-    modes = linearize(robodyn.load(str(path_of("ur5_robot")))).modes
-    assert modes.verdict == "marginal"
-    assert sum(mode.free for mode in modes.modes) == 5
-
-
-@pytest.mark.parametrize("seed", [*range(6), *(pytest.param(k, marks=pytest.mark.slow) for k in range(6, 80))])
+@pytest.mark.parametrize("seed", [*range(3), *(pytest.param(k, marks=pytest.mark.slow) for k in range(3, 20))])
 def test_errors_hold_the_truth(seed):
     """Gains over 15 decades: eigenvalues with 60 digits lie within the errors, and no verdict contradicts them."""
     rng = np.random.default_rng(seed)
@@ -345,17 +307,7 @@ def test_dry_friction_is_said_to_be_left_out():
     assert not linearize(model, dry, qd=[1.0]).warnings
 
 
-def test_motors_rotors_and_limits():
-    """A rotor adds inertia, and a limit's spring stiffness where the joint is beyond it."""
-    model = rod(kind="revolute")
-    upper = model.independent[0].upper
-    scene = Scene(gravity=(0.0, 0.0, 0.0), rotor={"pivot": Rotor(0.01, 10.0)}, limit_spring=LimitSpring(500.0, 2.0))
-    assert not linearize(model, scene).A[1].any()
-    found = linearize(model, scene, [upper + 0.01])
-    assert worst(found.A[1], [-500.0 / 1.6, -2.0 / 1.6]) <= 4 * EPS
-
-
-@pytest.mark.parametrize("mass", [1e-13, 1e-9, 1e9, 1e13])
+@pytest.mark.parametrize("mass", [1e-13, 1e13])
 def test_equilibria_of_the_lightest_and_the_heaviest_link(mass):
     """A link that weighs next to nothing, or nearly all, hangs down as well as the others do."""
     parts = [link("base")]
