@@ -29,18 +29,15 @@ class Identity(NamedTuple):
 
 
 def identity(finding: Finding, folder: str = "") -> Identity:
-    """Return the identity of a finding, its file being named relative to a folder, by default as it was given."""
+    """The identity of a finding, its file being named relative to a folder, by default as it was given."""
     path = os.path.relpath(finding.file, folder) if folder and not finding.file.startswith("<") else finding.file
     subject = "" if finding.subject is None else f"{finding.subject.kind} {finding.subject.name}"
     return Identity(path.replace(os.sep, "/"), finding.code, subject, without_numbers(finding.message))
 
 
 def fingerprints(findings: Iterable[Finding]) -> Iterator[str]:
-    """Yield a name for each finding: 64 hexadecimal digits, and which one it is of those that have them.
-
-    The digits are those of file, code and what the places of the finding have in common: they stay when a place joins,
-    or goes.
-    """
+    """Yield a name for each finding: 64 hexadecimal digits of file, code and what its places have in common, which stay
+    when a place joins or goes, and which one it is of those that have them."""
     seen: Counter[tuple[str, ...]] = Counter()
     for finding in findings:
         file = finding.file.replace(os.sep, "/")
@@ -60,13 +57,8 @@ class Compared:
 
 
 def compared(findings: Iterable[Finding], path: str) -> Compared:
-    """Return the findings against a baseline, place by place: of a finding those places are new that it lacks.
-
-    An entry that is there k times allows the first k places of its identity.
-
-    Raises:
-        InputError: the file cannot be read or is no baseline.
-    """
+    """Return the findings against a baseline, place by place: an entry that is there k times allows the first k places
+    of its identity. InputError where the file cannot be read or is no baseline."""
     left, folder, new = _read(path), os.path.dirname(os.path.abspath(path)), list[Finding]()
     total = left.total()
     for finding in places(findings):
@@ -80,11 +72,8 @@ def compared(findings: Iterable[Finding], path: str) -> Compared:
 
 
 def write_baseline(findings: Iterable[Finding], path: str) -> int:
-    """Write the findings as a baseline, a line for each place and in order, and return how many there are.
-
-    Raises:
-        InputError: the file cannot be written.
-    """
+    """Write the findings as a baseline, a line for each place and in order, and return how many there are; InputError
+    where the file cannot be written."""
     folder = os.path.dirname(os.path.abspath(path))
     counts = Counter(identity(finding, folder) for finding in places(findings))
     lines = [json.dumps({**same._asdict(), "count": count}) for same, count in sorted(counts.items())]

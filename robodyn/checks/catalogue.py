@@ -22,10 +22,8 @@ _LEAST = 3
 
 
 def found_by(text: str, rules: Sequence[Rule]) -> tuple[Rule, ...]:
-    """Return the rule of this code or name, or those whose codes begin so, or in whose documentation it stands.
-
-    Rules that have it in their name or summary come before those that have it in their explanation.
-    """
+    """Return the rule of this code or name, or those whose codes begin so, or in whose documentation it stands: in name
+    or summary before those that have it in their explanation."""
     exact = tuple(rule for rule in rules if text.upper() == rule.code or text.lower() == rule.name)
     if exact or not text.strip():
         return exact
@@ -39,7 +37,7 @@ def found_by(text: str, rules: Sequence[Rule]) -> tuple[Rule, ...]:
 
 
 def instead_of(given: str, rules: Sequence[Rule]) -> str:
-    """Return what may stand in place of a code that no rule has and none begins with."""
+    """What may stand in place of a code that no rule has and none begins with."""
     codes = [rule.code for rule in rules]
     for rule in rules:
         if rule.name == given.lower():
@@ -63,11 +61,7 @@ Codes = tuple[str, ...]
 
 
 def rules_for(select: Codes, ignore: Codes) -> tuple[Rule, ...]:
-    """Return the rules that are selected and not ignored; all if nothing is selected.
-
-    Raises:
-        InputError: no rule has such a code.
-    """
+    """Return the rules that are selected and not ignored; all if nothing is selected. InputError for unknown codes."""
     for given in (*(code for code in select if code not in WORDS), *ignore):
         if not given or not any(code.startswith(given) for code in CODES):
             raise InputError(f"there is no rule {shown(given)}", remedy=instead_of(given, RULES))
@@ -76,7 +70,7 @@ def rules_for(select: Codes, ignore: Codes) -> tuple[Rule, ...]:
 
 
 def is_selected(finding: Finding, select: Codes, asked: Asked) -> bool:
-    """Return whether a finding is shown: it is selected by code or ALL, or asked for, or in the default set."""
+    """Whether a finding is shown: it is selected by code or ALL, or asked for, or in the default set."""
     in_default = finding.severity.reaches(BY_CODE[finding.code].default) and (not select or DEFAULT in select)
     codes = tuple(code for code in select if code not in WORDS)
     given = ((asked.trajectory, ("RD802",)), (asked.targets, ("RD607", "RD901")), (asked.against, ("RD902",)))

@@ -136,14 +136,13 @@ def _options(file: str | bytes, given: Options, fixed: Config | None, known: dic
 
 @dataclass(frozen=True)
 class Unread:
-    """A file that could not be checked, and why."""
+    """A file that could not be checked, and why: without its name, unless another one is at fault."""
 
     file: str
     error: InputError
 
     @property
     def why(self) -> str:
-        """Without the name of the file, unless another one is at fault."""
         return self.error.sentence if self.error.file in (None, self.file) else str(self.error)
 
 
@@ -162,11 +161,9 @@ class Checked:
 
     @property
     def fit(self) -> bool:
-        """Whether there are no errors."""
         return not self.count(Severity.ERROR)
 
     def of_link(self, name: str) -> Checked:
-        """Return the findings about a link."""
         subject = Subject("link", name)
         every = (self.findings, self.hidden)
         findings, hidden = (grouped(one for one in places(found) if one.subject == subject) for found in every)
@@ -183,14 +180,13 @@ class Found:
 
 @dataclass(frozen=True)
 class Task:
-    """A file, or the bytes of standard input, and how to check it."""
+    """A file, or the bytes of standard input, and how to check it; its name as findings show it."""
 
     source: str | bytes
     options: Options
 
     @property
     def name(self) -> str:
-        """The file as findings show it."""
         return STDIN if isinstance(self.source, bytes) else self.source
 
 
@@ -221,7 +217,7 @@ def _outcome(task: Task) -> Found | InputError:
 
 
 def found_in(source: Source, options: Options = STANDARD, name: str | None = None) -> Found:
-    """Return what is found in one file or its bytes: one finding for each cause, shown or hidden as is selected."""
+    """Return one finding for each cause in one file or its bytes, shown or hidden as is selected."""
     return select_findings(check_one(source, options, name), options)
 
 
@@ -234,8 +230,7 @@ def select_findings(every: Sequence[Finding], options: Options) -> Found:
 
 
 def check_one(source: Source, options: Options = STANDARD, name: str | None = None) -> tuple[Finding, ...]:
-    """Return what the rules find in one file or its bytes: every place by itself, in the order of the text; of a xacro
-    file, of its expansion."""
+    """Return every place that the rules find in one file, or in its expansion, in the order of the text."""
     expansion = None
     if isinstance(source, bytes) or not is_xacro(source):
         reading = read(source, name)
@@ -264,11 +259,8 @@ class Origins:
         self._read = cache(lambda file: Document(file, read_input(file), "utf-8", (), None))
 
     def located(self, finding: Finding) -> Finding:
-        """Return the finding, without its fix, at the attribute or start tag that it comes from: of a macro, in that.
-
-        What cannot be traced back is at the beginning of the file, and the message says where in the expanded text it
-        is; what is in another file, as an SRDF, stays there.
-        """
+        """Return the finding, without its fix, at the attribute or start tag that it comes from, in a macro perhaps; at
+        the beginning of the file what cannot be traced back; unchanged what is in another file, as an SRDF."""
         described = self._reading.file.removesuffix(EXPANDED)
         if finding.file != self._reading.file:
             return replace(finding, description=described)
@@ -280,18 +272,11 @@ class Origins:
             message += f" (line {finding.line} of what `xacro {source.file}` prints)"
         else:
             at = _in_source(self._elements[k], finding, source, start)
-        return replace(
-            finding,
-            message=message,
-            file=source.file,
-            description=None if source.file == described else described,
-            line=at.line,
-            column=at.column,
-            start=at.start,
-            end=at.end,
-            fix=None,
-            excerpt=excerpt(source, at),
+        where = replace(
+            finding, line=at.line, column=at.column, start=at.start, end=at.end, excerpt=excerpt(source, at)
         )
+        description = None if source.file == described else described
+        return replace(where, message=message, file=source.file, description=description, fix=None)
 
 
 def _in_source(element: Element, finding: Finding, source: Document, start: int) -> Span:

@@ -24,8 +24,8 @@ NAMES = ("robodyn.toml", "pyproject.toml")
 
 @dataclass(frozen=True)
 class Config:
-    """What a project has set: the folder of its file, to which patterns and package paths are relative; select, ignore,
-    thresholds and package path; and by patterns of files the codes that are ignored in those."""
+    """What a project has set: the folder of its file, to which patterns and package paths are relative; options; and by
+    patterns of files the codes that are ignored in those."""
 
     folder: str
     options: Options
@@ -70,11 +70,8 @@ def find_config(folder: str, known: dict[str, Config | None]) -> Config | None:
 
 
 def read_config(path: str) -> Config:
-    """Return the settings in a file.
-
-    Raises:
-        InputError: it cannot be read, is not TOML, has no such table, or a key in it is not understood.
-    """
+    """Return the settings in a file; InputError where it cannot be read, is not TOML, has no such table, or a key in it
+    is not understood."""
     try:
         config = parse_config(read_input(path), path)
     except (OSError, ValueError) as error:

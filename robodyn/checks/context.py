@@ -90,11 +90,8 @@ class Options:
 
     Attributes:
         select: codes (RD207) or beginnings of codes (RD2) of the rules to run, ALL, or DEFAULT, which is meant if it is
-            empty: errors, and what is likely a defect.
-        ignore: codes or beginnings of the rules not to run.
-        thresholds: what the rules measure against.
+            empty: errors, and what is likely a defect; ignore: of the rules not to run.
         package_path: folders in which `package://` names are looked up first.
-        xacro_args: names and values of the arguments of xacro files.
         trust_xacro: whether xacro files may do whatever Python can.
         asked: what is asked beyond the files themselves.
     """
@@ -192,8 +189,7 @@ def build_tree(view: View) -> Tree | None:
 
 @dataclass(frozen=True, eq=False)
 class Context:
-    """One file under check: its XML, what the rules measure against, the folders in which `package://` names are looked
-    up first, what is asked beyond the file itself, and the codes of all rules."""
+    """One file under check, what of `Options` the rules need, and the codes of all rules."""
 
     reading: Document
     thresholds: Thresholds = Thresholds()
@@ -220,23 +216,20 @@ class Context:
         return View(self.reading.root)
 
     def reaches(self, stage: int) -> bool:
-        """Return whether the file can be read as far as a stage of `robodyn.checks.rule` asks for."""
         needed = (lambda: self.reading.robot, lambda: self.tree_or_none, lambda: self.model_or_none)
         return all(there() is not None for there in needed[:stage])
 
-    @cached_property
+    @property
     def tree(self) -> Tree:
         """The tree of links and its rigid groups. From stage TREE on."""
         return _there(self.tree_or_none)
 
     @cached_property
     def tree_or_none(self) -> Tree | None:
-        """For rules of stage DOCUMENT that say more where there is a tree."""
         return build_tree(self.view)
 
     @cached_property
     def description_or_none(self) -> Description | None:
-        """The strict reading."""
         if self.reading.robot is None:
             return None
         try:
@@ -245,9 +238,9 @@ class Context:
         except DescriptionError:
             return None
 
-    @cached_property
+    @property
     def model(self) -> Model:
-        """The assembled robot. From stage MODEL on."""
+        """From stage MODEL on."""
         return _there(self.model_or_none)
 
     @cached_property

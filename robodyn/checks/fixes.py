@@ -23,16 +23,16 @@ SAME = 64 * 2.0**-52
 
 
 def together(findings: Iterable[Finding], safe: bool) -> list[tuple[Finding, Fix]]:
-    """Return fixes of one kind that do not touch each other, the earlier in the text first, then the lower code; each
-    with all its edits or not at all."""
+    """Return fixes that do not touch each other, the earlier in the text first, then the lower code; each with all its
+    edits or not at all."""
     offered = [(finding, finding.fix) for finding in findings if finding.fix is not None and finding.fix.safe is safe]
     offered.sort(key=lambda pair: (min(edit.start for edit in pair[1].edits), pair[0].code, pair[0].start))
     chosen: list[tuple[Finding, Fix]] = []
     taken: list[Edit] = []
     for finding, fix in offered:
         edits = sorted(fix.edits, key=lambda edit: edit.start)
-        alone = not any(_touch(a, b) for a, b in pairwise(edits))
-        if alone and not any(_touch(edit, other) for edit in edits for other in taken):
+        others = [(edit, other) for edit in edits for other in taken]
+        if not any(_touch(*both) for both in (*pairwise(edits), *others)):
             chosen.append((finding, fix))
             taken += edits
     return chosen
@@ -77,10 +77,9 @@ class Fixed:
 def fixed(data: bytes, file: str, check: Check, *, unsafe: bool = False) -> Fixed:
     """Return the text with its fixes made: bytes that no fix names stay as they are.
 
-    Safe fixes come first. Each round's are proven to leave the dynamics alone by computing inverse dynamics before and
-    after; where the proof fails for all together each is tried by itself, and one without proof is not made. Unsafe
-    ones follow, if wanted, and it is computed what they change. Then `check` looks at the text again, until nothing is
-    left: fixing it again changes nothing.
+    Safe fixes come first, proven to leave the dynamics alone by inverse dynamics before and after, all together or else
+    each by itself; one without proof is not made. Unsafe ones follow, if wanted, and it is computed what they change.
+    Then `check` looks at the text again, until nothing is left.
     """
     reading = read(data, file)
     if reading.data != data:
@@ -110,19 +109,17 @@ def _unchanged(file: str, data: bytes, offered: Iterable[tuple[Finding, Fix]], w
 
 
 def _safely(text: bytes, pairs: Pairs, encoding: str) -> tuple[bytes, list[Made], list[Refused]]:
-    """Return the text with those fixes made that are proven to leave the dynamics alone."""
     after = _edited(text, pairs, encoding)
     if not pairs or unproven(text, after) is None:
         return after, [Made(*pair) for pair in pairs], []
     after, proven, refused = text, list[tuple[Finding, Fix]](), list[Refused]()
     for pair in pairs:
         candidate = _edited(text, [*proven, pair], encoding)
-        why = unproven(text, candidate)
-        if why is not None:
+        if (why := unproven(text, candidate)) is not None:
             refused.append(Refused(*pair, why))
-            continue
-        after = candidate
-        proven.append(pair)
+        else:
+            after = candidate
+            proven.append(pair)
     return after, [Made(*pair) for pair in proven], refused
 
 
@@ -133,11 +130,8 @@ def _edited(text: bytes, pairs: Pairs, encoding: str) -> bytes:
 def change_of_dynamics(before: bytes, after: bytes) -> float:
     """Return max |tau' - tau| / max |tau| of inverse dynamics in random states; infinite where the coordinates differ.
 
-    The base is free, so that its inertia counts, and positions, rates and accelerations are normally distributed with
-    a variance of 1, from a fixed seed; both texts are given the same.
-
-    Raises:
-        InputError: one of the texts cannot be loaded, or is beyond what can be computed.
+    The base is free, so that its inertia counts; states are normally distributed with a variance of 1, the same for
+    both. InputError where a text cannot be loaded.
 
     Accuracy: of descriptions that differ in rounding alone, below `SAME`.
     """

@@ -1,7 +1,7 @@
 """Findings of one cause made one: the same slip at many places, and two rules that speak of the same defect.
 
 Rules, waivers, fixes and baselines work on each place by itself. What a user is shown has one finding for each file,
-rule, severity and kind, with its places; so that one more place changes neither the others nor the name of the whole.
+rule, severity and kind, with its places.
 """
 
 from __future__ import annotations
@@ -21,18 +21,17 @@ _MORE = re.compile(r" \(and (?:\d+|#) more[^()]*\)")
 
 
 def without_numbers(text: str) -> str:
-    """Return a message with `#` for the numbers that stand alone, not for those in a name (`link_2`), and without how
-    many more there are of something."""
+    """A message with `#` for the numbers that stand alone (not `link_2`), and without how many more there are."""
     return _NUMBER.sub("#", _MORE.sub("", text))
 
 
 def kind_of(what: str) -> str:
-    """Return a message with `#` for numbers, quoted names and lists of them: what the same slip has in common."""
+    """A message with `#` for numbers, quoted names and lists of them: what the same slip has in common."""
     return _LIST.sub("#", without_numbers(_NAME.sub("#", what)))
 
 
 def cause_of(finding: Finding) -> str:
-    """Return the kind of the cause of a finding; empty where none is known, but at most what it may be."""
+    """The kind of the cause of a finding; empty where none is known, but at most what it may be."""
     return "" if finding.cause is None or surmised(finding.cause) else kind_of(finding.cause)
 
 

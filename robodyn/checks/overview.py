@@ -26,12 +26,8 @@ _PACKAGE = re.compile("(package|model)://[^/]")
 
 @dataclass(frozen=True)
 class Branch:
-    """A link in the tree: how many joints are between it and the root, its mass, and the joint that carries it.
-
-    Attributes:
-        mass: declared [kg]; None without <inertial>.
-        joint: None for the root.
-    """
+    """A link in the tree: how many joints are between it and the root, its mass [kg], None without <inertial>, and the
+    joint that carries it, None for the root."""
 
     name: str
     line: int
@@ -95,15 +91,12 @@ def overview(
     xacro_args: Mapping[str, str] | None = None,
     trust_xacro: bool = False,
 ) -> Overview:
-    """Return what a URDF or xacro file holds.
-
-    The file is read once. The findings are those of `robodyn check` with the settings of the file's project.
+    """Return what a URDF or xacro file holds, with the findings of `robodyn check` by the settings of its project.
 
     Args:
         source: path of the file, or its bytes.
         package_paths: folders in which `package://` names are looked up first.
-        xacro_args: values of the arguments of a xacro file.
-        trust_xacro: let it run any Python, read any file and all of the environment.
+        xacro_args, trust_xacro: values of the arguments of a xacro file; let it run any Python and read any file.
 
     Raises:
         DescriptionError: the file cannot be read, or is no robot; with the line.
@@ -153,7 +146,6 @@ def overview(
 def _centre(
     description: Description, model: Model, at: Mapping[str, float]
 ) -> tuple[float, Array | None, tuple[str, ...]]:
-    """Return the mass and centre of mass, and the joints beyond their limits; or why there is no centre."""
     mass = fsum(link.inertial.mass for link in description.massive if link.inertial is not None)
     if not mass:
         why = "the masses of the parts add up to zero" if description.massive else "the robot has no mass"
@@ -181,7 +173,6 @@ def _branches(description: Description) -> Iterator[Branch]:
 
 
 def _next(source: str, model: Model, checked: Checked, meshes: Meshes, description: Description) -> tuple[str, ...]:
-    """Return the commands that are worth running now, the most urgent first."""
     file = shlex.quote(source)
     commands = [f"robodyn check {file}"] if checked.findings else []
     if any(_PACKAGE.match(geometry.filename or "") for _, geometry in meshes.missing):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,8 +23,7 @@ _STATES = 32
 _SEED = 20_26
 
 
-@dataclass(frozen=True, slots=True)
-class Change:
+class Change(NamedTuple):
     """One difference: of a `joint`, a `link` or the `robot`, its name, what is different, and how much."""
 
     kind: str
@@ -34,7 +33,6 @@ class Change:
 
 
 def _no_version(name: str, ref: str, said: str) -> InputError:
-    """Return what is wrong with a revision in words of ours; `said` by git."""
     if "not a git repository" in said:
         return InputError(f"{name} is in no git repository, which has its versions", remedy="leave --against out")
     if os.path.exists(ref):
@@ -72,29 +70,35 @@ def model_at(file: str, ref: str) -> Model | None:
 
 
 def changes(before: Model, after: Model) -> Iterator[Change]:
-    """Yield what differs in joints, masses, centres and tensors, and as a sum of all, in the torques.
-
-    Bodies are links with everything fixed to them. The torques are those of inverse dynamics in 32 random states, the
-    same in every run, of the coordinates that both have; others are at rest. The last change is their largest
-    difference in a state over the largest torque there.
-    """
+    """Yield what differs in joints, in masses, centres and tensors of links with everything fixed to them, and in the
+    torques: of inverse dynamics in 32 random states, the same in every run, of the coordinates that both have, the
+    others being at rest, the largest difference in a state over the largest torque there."""
     yield from (change for change in (*_joints(before, after), *_bodies(before, after)) if change.size > SAME)
     common = [name for name in after.rates if name in before.rates]
-    floating = any(joint.kind == "floating" for joint in (*before.independent, *after.independent))
-    if not common or floating:
+    if not common or any(joint.kind == "floating" for joint in (*before.independent, *after.independent)):
         return
-    apart, torque = _torques_apart(before, after, common)
-    if apart > SAME:
-        what = f"torques differ by up to {100 * apart:.3g} % in random states ({torque:.3g} N m or N)"
+    rng = np.random.default_rng(_SEED)
+    states = [rng.uniform(-2.0, 2.0, (_STATES, len(common))) for _ in range(3)]
+    tau = []
+    for model in (before, after):
+        places = [model.rates.index(name) for name in common]
+        given = np.zeros((3, _STATES, model.n))
+        given[:, :, places] = states
+        tau.append(inverse_dynamics(model, *given, executor="numpy")[:, places])
+    difference, largest = np.abs(tau[1] - tau[0]).max(axis=1), np.abs(tau).max(axis=(0, 2))
+    relative = difference / np.where(largest > 0.0, largest, 1.0)
+    worst = first_largest(relative)
+    if (apart := float(relative[worst])) > SAME:
+        what = f"torques differ by up to {100 * apart:.3g} % in random states ({difference[worst]:.3g} N m or N)"
         yield Change("robot", after.name, what, apart)
 
 
 def _joints(before: Model, after: Model) -> Iterator[Change]:
-    old = {body.joint.name: body.joint for body in before.bodies if body.joint.kind != "fixed"}
-    new = {body.joint.name: body.joint for body in after.bodies if body.joint.kind != "fixed"}
-    for name in old:
-        if name not in new:
-            yield Change("robot", after.name, f"joint {name!r} is gone", np.inf)
+    old, new = (
+        {body.joint.name: body.joint for body in model.bodies if body.joint.kind != "fixed"}
+        for model in (before, after)
+    )
+    yield from (Change("robot", after.name, f"joint {name!r} is gone", np.inf) for name in old if name not in new)
     for name, joint in new.items():
         if name not in old:
             yield Change("joint", name, "the joint is new", np.inf)
@@ -104,16 +108,13 @@ def _joints(before: Model, after: Model) -> Iterator[Change]:
             if what == "axis":
                 was, now = tuple(was.tolist()), tuple(now.tolist())
             if was != now:
+                words = [f"{value:g}" if isinstance(value, float) else str(value) for value in (was, now)]
                 word = "type" if what == "kind" else what
-                yield Change("joint", name, f"{word} {_shown(was)} has become {_shown(now)}", np.inf)
+                yield Change("joint", name, f"{word} {words[0]} has become {words[1]}", np.inf)
         moved = max(float(np.abs(old[name].R - joint.R).max()), float(np.abs(old[name].p - joint.p).max()))
         yield Change("joint", name, f"its place has moved by {moved:.3g} (m, or in the rotation)", moved)
     if [name for name in before.joint_names if name in new] != [name for name in after.joint_names if name in old]:
         yield Change("robot", after.name, "the joints are in another order", np.inf)
-
-
-def _shown(value: object) -> str:
-    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def _bodies(before: Model, after: Model) -> Iterator[Change]:
@@ -129,21 +130,3 @@ def _bodies(before: Model, after: Model) -> Iterator[Change]:
         size = max(float(np.abs(now.I).max()), float(np.abs(was.I).max()), 1e-300)
         tensor = float(np.abs(now.I - was.I).max()) / size
         yield Change("link", body.name, f"the inertia about its origin has changed by {100 * tensor:.3g} %", tensor)
-
-
-def _torques_apart(before: Model, after: Model, common: list[str]) -> tuple[float, float]:
-    """Return the largest relative difference in a state, and the difference there [N m or N]."""
-    rng = np.random.default_rng(_SEED)
-    states = [rng.uniform(-2.0, 2.0, (_STATES, len(common))) for _ in range(3)]
-    tau = []
-    for model in (before, after):
-        places = [model.rates.index(name) for name in common]
-        given = [np.zeros((_STATES, model.n)) for _ in states]
-        for whole, state in zip(given, states, strict=True):
-            whole[:, places] = state
-        tau.append(inverse_dynamics(model, *given, executor="numpy")[:, places])
-    difference = np.abs(tau[1] - tau[0]).max(axis=1)
-    largest = np.maximum(np.abs(tau[0]).max(axis=1), np.abs(tau[1]).max(axis=1))
-    relative = difference / np.where(largest > 0.0, largest, 1.0)
-    worst = first_largest(relative)
-    return float(relative[worst]), float(difference[worst])

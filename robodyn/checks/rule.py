@@ -1,9 +1,8 @@
 """What a check is made of: rules, what they are given, and what they find.
 
 A rule is one function in a file of `robodyn/checks/rules/`, that of its family, and nothing else is needed to add one.
-Its name is the rule's, its docstring the documentation. The function, which `@rule` makes the rule, is a generator: it
-is given a `Context`, yields one `Fault` for each thing that is wrong, and never raises. What it may rely on is its
-`stage`:
+Its name is the rule's, its docstring the documentation. It is given a `Context`, yields one `Fault` for each thing that
+is wrong, and never raises. What it may rely on is its `stage`:
 
     TEXT      `context.reading`: the bytes, and what is wrong with them as XML
     DOCUMENT  `context.view`: links, joints and numbers as far as they can be read; names may lead nowhere
@@ -37,7 +36,6 @@ class Severity(Enum):
     NOTE = "note"
 
     def reaches(self, least: Severity) -> bool:
-        """Return whether it is at least as severe as another."""
         return _ORDER.index(self) <= _ORDER.index(least)
 
 
@@ -56,7 +54,7 @@ class Fix:
 
 @dataclass(frozen=True, slots=True)
 class Excerpt:
-    """The line of the source around a finding, cut to a readable length, and where in it the finding stands."""
+    """The line around a finding, cut to a readable length, and where in it the finding stands."""
 
     text: str
     start: int
@@ -95,7 +93,6 @@ class Finding:
 
     @property
     def checked(self) -> str:
-        """The file that was checked."""
         return self.description or self.file
 
     @property
@@ -217,7 +214,6 @@ class Rule:
 
     @property
     def in_default(self) -> bool:
-        """Whether its usual finding belongs to the default set."""
         return self.severity.reaches(self.default)
 
 
@@ -234,13 +230,11 @@ def rule(
 ) -> Callable[[Callable[[Context], Faults]], Rule]:
     """Make the decorated function a rule of its name: `mass_not_positive` is mass-not-positive.
 
-    Its docstring is the summary, one sentence, and after a blank line the explanation.
+    Its docstring is the summary, one sentence, and after a blank line the explanation, unless this is given.
 
     Args:
         good, bad: descriptions; a pair is a piece of the good one and what stands in its place in the bad one.
-        explanation: in place of the docstring's, where it has figures in it.
         default: ERROR for a rule whose warnings are a matter of taste or of one program, NOTE where remarks matter.
-        explains: see `Rule`.
     """
     wrong = bad if isinstance(bad, str) else good.replace(*bad)
 

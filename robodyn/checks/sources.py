@@ -30,14 +30,9 @@ _MESH = 5_000
 
 
 def related_descriptions(path: str) -> list[str]:
-    """Return the descriptions of the file's package that name a mesh, or whose SRDF this is, by their names; of a xacro
-    file that only defines parts those that include it, through others or not, in the packages beside as well.
-
-    Without a package.xml above the file they are looked for in its folder, in the one above, and in those in these.
-
-    Raises:
-        NoRobotError: there is none.
-    """
+    """Return the descriptions of the file's package that name a mesh, or whose SRDF this is; of a xacro file that only
+    defines parts those that include it, through others or not, in the packages beside as well. Without a package.xml
+    above the file they are looked for in its folder, in the one above, and in those in these. NoRobotError for none."""
     if is_xacro(path):
         found = sorted(map(str, _including(Path(path).absolute())))
         if not found:
@@ -90,11 +85,8 @@ def files_of(sources: Sequence[str | os.PathLike[str] | bytes]) -> list[str | by
     """Return the files in the order given; a folder's and a pattern's in the order of their names; each once.
 
     Of a folder all .urdf below it; where there is none, all .xacro; of a mesh, an SRDF or a xacro file of macros its
-    `related_descriptions`, with a warning where there are none. Where others are named as well, so is a folder or a
-    pattern without a description.
-
-    Raises:
-        InputError: there is no description in a folder, or nothing matches a pattern.
+    `related_descriptions`, with a warning where there are none. A folder or a pattern without a description is an
+    InputError, or a warning where others are named as well.
     """
     found: dict[str | bytes, None] = {}
     errors: list[InputError] = []
@@ -129,7 +121,7 @@ def _expanded(path: str) -> list[str]:
 
 
 def _below(folder: str, suffix: str) -> list[str]:
-    """Return the names of files below a folder; links to folders, which may lead anywhere, are not followed."""
+    """The names of files below a folder; links to folders, which may lead anywhere, are not followed."""
     found = []
     for path, inner, files in os.walk(folder):
         inner[:] = [name for name in inner if name[0] != "."]
@@ -138,7 +130,7 @@ def _below(folder: str, suffix: str) -> list[str]:
 
 
 def worth_processes(files: Sequence[str | bytes]) -> bool:
-    """Return whether there is more work, in XML and in the meshes that it names, than starting processes is."""
+    """Whether there is more work, in XML and in the meshes that it names, than starting processes is."""
     if len(files) < 2 or cores() < 2:
         return False
     work = 0

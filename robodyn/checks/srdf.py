@@ -42,10 +42,7 @@ class Named(NamedTuple):
 
 
 def srdf_of(file: str, robot: str | None) -> Path | None:
-    """Return the SRDF of the description's name beside it, or the only one there, if it is for the robot of that name.
-
-    Looked for in the description's folder, in config and srdf in it, and in config and srdf beside it.
-    """
+    """Return the SRDF of the description's name in `_BESIDE`, or the only one there, if it is for this robot."""
     folder = Path(file).parent
     if not os.path.isfile(file):
         return None
@@ -83,7 +80,7 @@ class Srdf:
 
 
 def srdf(context: Context) -> Srdf | None:
-    """Return the SRDF of a description; None without one, or where it cannot be read, no fault of the robot's."""
+    """The SRDF of a description; None without one, or where it cannot be read, no fault of the robot's."""
     file, view = context.reading.file, context.view
     path = srdf_of(file, view.root.get("name"))
     document = None if path is None else _document(path)
@@ -99,7 +96,7 @@ def srdf(context: Context) -> Srdf | None:
 
 
 def own_srdf(context: Context) -> Srdf | None:
-    """Return the SRDF, unless it is another robot's, of which RD706 tells."""
+    """The SRDF, unless it is another robot's, of which RD706 tells."""
     found = context.once(srdf)
     return None if found is None or found.is_of_another else found
 

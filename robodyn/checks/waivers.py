@@ -39,8 +39,8 @@ _END_TAG = re.compile(rb"</([^ \t\r\n>]+)[ \t\r\n]*>\s*")
 class Waiver:
     """A comment that is meant as a waiver, with its text after `robodyn:`; without codes where it is not understood.
 
-    The bytes `erased` go when the waiver goes: the comment, with its line where nothing else is on that. From `start`
-    to `end` are the element that it is about and what follows up to the next one outside that; equal without one.
+    The bytes `erased` go when the waiver goes. From `start` to `end` are the element that it is about and what follows
+    up to the next one outside that; equal without one.
     """
 
     at: Span
@@ -55,7 +55,7 @@ class Waiver:
         return bool(self.codes and self.reason) and set(self.codes) <= set(known) - set(OWN)
 
     def problem(self, known: Collection[str]) -> tuple[str, str]:
-        """Return what is wrong with a waiver that is not in force, and what to do."""
+        """What is wrong with a waiver that is not in force, and what to do."""
         if not self.codes:
             return f"the comment {shown('robodyn: ' + self.text)} is not understood", f"write {EXAMPLE}"
         for code in self.codes:
@@ -89,10 +89,8 @@ def waivers(context: Context) -> tuple[Waiver, ...]:
 def waived(
     reading: Document, findings: Iterable[Finding], given: Sequence[Waiver]
 ) -> tuple[list[Finding], list[tuple[Waiver, str]]]:
-    """Return the findings that no waiver allows, and the codes of each waiver for which there is nothing to allow.
-
-    A finding in another file is waived as if it were at the robot's start tag.
-    """
+    """Return the findings that no waiver allows, and the codes of each waiver for which there is nothing to allow. A
+    finding in another file is waived as if it were at the robot's start tag."""
     starts, ends = (np.array([getattr(waiver, end) for waiver in given]) for end in ("start", "end"))
     allowing: dict[str, list[int]] = {}
     for k, waiver in enumerate(given):

@@ -69,7 +69,7 @@ class Body:
 
 
 def bodies(context: Context) -> Mapping[str, Body]:
-    """Return the body of every link whose inertial has a positive mass and can be read, by name. From stage TREE on."""
+    """The body of every link whose inertial has a positive mass and can be read, by name. From stage TREE on."""
     own, poses, boxes = context.once(link_boxes), context.once(link_poses), context.once(group_boxes)
     found = {}
     for link in context.view.links:
@@ -85,7 +85,7 @@ def bodies(context: Context) -> Mapping[str, Body]:
 
 
 def share(context: Context, body: Body) -> float | None:
-    """Return its share of its rigid group's mass; None where that is below 1 %, so that it does not matter."""
+    """Its share of its rigid group's mass; None where that is below 1 %, so that it does not matter."""
     whole = context.tree.group[body.link.name].mass
     part = body.mass / whole if whole else 1.0
     return part if part >= _LEAST_SHARE else None
@@ -126,8 +126,7 @@ def _stand_in(body: Body) -> bool:
 
 
 def given(link: LinkView) -> Given | None:
-    """Return what a link says; None where a number cannot be read, there is no mass or no inertia, or the rpy of the
-    inertial is in degrees."""
+    """What a link says; None where a number cannot be read, mass or inertia is missing, or the rpy is in degrees."""
     mass, tensor = link.mass, link.tensor
     if link.inertial is None or tensor is None or mass is None or not 0 < mass < inf or not any(tensor):
         return None
@@ -138,8 +137,8 @@ def given(link: LinkView) -> Given | None:
 
 
 def weighed(context: Context) -> Mapping[str, Posterior]:
-    """Return by link the verdict of its shapes; none without a tree. Of a link that is less than 1 % of its rigid group
-    only where its numbers were made from the very shapes."""
+    """By link the verdict of its shapes; none without a tree. Of a link that is less than 1 % of its rigid group only
+    where its numbers were made from the very shapes."""
     if context.tree_or_none is None:
         return {}
     shapes, known = context.once(shaped), context.once(bodies)

@@ -73,7 +73,7 @@ class _Link(NamedTuple):
 
 
 def misfits(context: Context) -> tuple[Misfit, ...]:
-    """Return at most one collision shape of each link that is not that of what is seen."""
+    """Return at most one collision shape of each link that is not what is seen."""
     known, found = context.once(solids), list[Misfit]()
     visual = cache(lambda link: box_of(_of_kind(link, "visual"), known, STILL))
     for link in context.view.links:
@@ -162,10 +162,8 @@ def _exchanged(one: _Link) -> Iterator[Misfit]:
         x, _, z = one.known[shape].box.hi
         half = np.array((2 * z, 2 * z, x / 2))
         exchanged = Solid(Box(-half, half), one.known[shape].pose)
-        fit = shared(
-            one.seen_box,
-            around([(exchanged if each is shape else one.known[each]).placed(STILL) for each in one.felt]),
-        )
+        boxes = [(exchanged if each is shape else one.known[each]).placed(STILL) for each in one.felt]
+        fit = shared(one.seen_box, around(boxes))
         if fit >= max(_FITTING, (_BETTER if fit >= 2 * _FITTING else _MUCH_BETTER) * as_is):
             what = (
                 "its collision cylinder fits what is seen with radius and length exchanged: their boxes then share "
@@ -202,7 +200,7 @@ def _unlike(one: _Link) -> Iterator[Misfit]:
 
 
 def shared(first: Box, second: Box) -> float:
-    """Return the volume that two boxes share over that of both together."""
+    """The volume that two boxes share over that of both together."""
     sides = np.minimum(first.hi, second.hi) - np.maximum(first.lo, second.lo)
     if (sides <= 0).any():
         return 0.0
@@ -215,7 +213,7 @@ def _of_kind(link: LinkView, kind: str) -> list[GeometryView]:
 
 
 def _sides(shape: GeometryView, known: Solids) -> Floats:
-    """Return (3,) the sides of its box in its own axes, ascending [m]."""
+    """(3,) the sides of its box in its own axes, ascending [m]."""
     return np.sort(known[shape].box.hi - known[shape].box.lo)
 
 

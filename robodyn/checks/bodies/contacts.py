@@ -45,8 +45,7 @@ _MOST_PAIRS = 2000
 
 
 def rest_poses(context: Context) -> Mapping[str, Pose]:
-    """Return the pose of each link in the root's frame; without those that hang on what cannot be read. From stage
-    TREE on."""
+    """Poses of links in the root's frame; without those that hang on what cannot be read. From stage TREE on."""
     poses = {context.tree.root.name: STILL}
     for link in context.tree.links[1:]:
         joint = context.tree.above[link.name]
@@ -57,12 +56,12 @@ def rest_poses(context: Context) -> Mapping[str, Pose]:
 
 
 def relative(outer: Pose, inner: Pose) -> Pose:
-    """Return the pose of the inner frame in the outer one, both being given in a third."""
+    """The pose of the inner frame in the outer one, both being given in a third."""
     return Pose(product(outer.R.T, inner.R), product(outer.R.T, inner.p - outer.p))
 
 
 def joint_pose(joint: JointView) -> Pose | None:
-    """Return the pose of the child in the parent's frame at rest; None where it cannot be read."""
+    """The pose of the child in the parent's frame at rest; None where it cannot be read."""
     fixed, q = pose(joint.origin), rest(joint)
     axis = joint.axis.or_default(1.0, 0.0, 0.0)
     if fixed is None or axis is None or not q or not any(axis):
@@ -81,8 +80,8 @@ def rest(joint: JointView) -> float:
 
 
 class Contact(NamedTuple):
-    """The links on both sides of a joint that are next to each other: the least gap between their shapes, 0 where the
-    boxes around them meet, the size of the larger of the two [m], and that on the parent's side."""
+    """The links next to each other on both sides of a joint: the least gap between the boxes around their shapes, the
+    size of the larger of the two [m], and that on the parent's side."""
 
     gap: float
     size: float
@@ -94,15 +93,15 @@ class Contact(NamedTuple):
 
 
 def contacts(context: Context) -> Mapping[str, Contact]:
-    """Return by joint the gap between what is fixed to its child and what is fixed to its parent, or to the next body
-    that has shapes. Joints with a shape of unknown size on a side are left out. From stage TREE on."""
+    """By joint the gap between what is fixed to its child and what is fixed to its parent, or to the next body that has
+    shapes; without joints with a shape of unknown size on a side. From stage TREE on."""
     sides = context.once(Sides)
     found = {joint.name: sides.contact(joint, sides.poses.get(joint.child)) for joint in context.view.joints}
     return {name: contact for name, contact in found.items() if contact is not None}
 
 
 def detached(context: Context) -> Mapping[str, tuple[Contact, float]]:
-    """Return by joint the contacts with a gap, and the most that it may be, where nearly all others have none [m]."""
+    """By joint the contacts with a gap, and the most that it may be, where nearly all others have none [m]."""
     known = context.once(contacts)
     apart = [name for name, contact in known.items() if not contact.touches]
     others, found = len(known) - 1, {}
@@ -115,8 +114,7 @@ def detached(context: Context) -> Mapping[str, tuple[Contact, float]]:
 
 
 def too_large(context: Context, joint: JointView) -> str | None:
-    """Return which entry of a joint's origin, or all of it, makes the parts meet when it is divided by 10, 100 or 1000,
-    and in which unit that says it is; None if none does."""
+    """Which entry of a joint's origin, or all of it, makes the parts meet when it is divided by 10, 100 or 1000."""
     xyz, sides, placed = joint.origin.xyz.values, context.once(Sides), joint_pose(joint)
     if xyz is None or placed is None or joint.parent not in sides.poses:
         return None
@@ -152,8 +150,7 @@ class Sides:
             self._next_shaped[group] = group if shaped or group.parent is None else self._next_shaped[group.parent]
 
     def contact(self, joint: JointView, child: Pose | None) -> Contact | None:
-        """Return the contact of a joint, the child standing at this pose in the root's frame; None where a pose or a
-        shape is not known."""
+        """The contact of a joint, the child standing at this pose in the root's frame, if it is known."""
         below, above = self._sides(joint)
         if child is None or not all(name in self.boxes and name in self.poses for name in (*below, *above)):
             return None
@@ -173,7 +170,7 @@ class Sides:
 
     def _sides(self, joint: JointView) -> tuple[list[str], list[str]]:
         """Links with shapes that are fixed to the child, and to the parent or to the next group above that has such; of
-        large groups those that the joint joins, so that time grows with the links and not with their square."""
+        large groups those that the joint joins alone, for the sake of time."""
         branch, above = [joint.child], [joint.parent]
         group: Group | None = self._tree.group[joint.parent]
         if group is not None and max(len(group.links), len(self._tree.group[joint.child].links)) <= _LARGE:
@@ -203,11 +200,8 @@ class Hull:
     pose: Pose
 
     def reach(self, directions: Floats) -> Floats:
-        """Return (n,) how far it reaches in unit directions (n, 3) of the root's frame [m].
-
-        max over its points of d . x: a box |d| . half; a cylinder r sqrt(dx^2 + dy^2) + |dz| l / 2; a ball r; a capsule
-        r + |dz| l / 2, l being the length of its cylinder.
-        """
+        """(n,) how far it reaches in unit directions (n, 3) of the root's frame, max d . x over its points [m]: a box
+        |d| . half; a cylinder r sqrt(dx^2 + dy^2) + |dz| l / 2; a ball r; a capsule r + |dz| l / 2."""
         own: Floats = product(directions, self.pose.R)
         radius, up = float(self.half[0]), np.abs(own[:, 2])
         if self.points is not None:
@@ -223,10 +217,9 @@ class Hull:
 
 
 def depth(first: Hull, second: Hull, bound: float) -> float:
-    """Return the least distance by which the one has to move for the two to be apart [m]; 0 where it is within a bound.
-
-    Method: min over directions d of h1(d) + h2(-d), h being the reach; over the axes of both and the line between them,
-    over 120 directions all round, and then ever nearer to the best.
+    """Return the least distance by which the one has to move for the two to be apart [m]; 0 where it is within a bound:
+    min over directions d of h1(d) + h2(-d), h being the reach; over the axes of both and the line between them, over
+    120 directions all round, and then ever nearer to the best.
 
     Accuracy: above the true depth of the hulls, by less than a percent of the bodies' size.
     """
@@ -260,11 +253,8 @@ class Overlap(NamedTuple):
 
 
 def overlaps(context: Context) -> list[Overlap]:
-    """Return the pairs of links that overlap at rest, the deepest first.
-
-    Left out are links that one joint or fixed joints connect, those for which the SRDF disables collisions, and shapes
-    that are not where they should be. From stage TREE on.
-    """
+    """Return the pairs of links that overlap at rest, the deepest first, but for links that one joint or fixed joints
+    connect, those for which the SRDF disables collisions, and shapes that are misfits. From stage TREE on."""
     misplaced, srdf = {misfit.geometry for misfit in context.once(misfits)}, own_srdf(context)
     known, poses = context.once(solids), context.once(rest_poses)
     shapes = [
@@ -281,26 +271,22 @@ def overlaps(context: Context) -> list[Overlap]:
     tried = Counter[tuple[str, str]]()
     for k, n, shared in _meeting([box for *_, box in shapes], [link.name for link, *_ in shapes]):
         (link, shape, box), (other, its, its_box) = shapes[k], shapes[n]
-        bound = max(_LEAST_DEPTH, _SHARE * min(size_of(box), size_of(its_box)))
-        if (
-            shared <= bound
-            or neighbours(group[link.name], group[other.name])
-            or frozenset((link.name, other.name)) in disabled
-        ):
+        bound, names = max(_LEAST_DEPTH, _SHARE * min(size_of(box), size_of(its_box))), (link.name, other.name)
+        if shared <= bound or neighbours(group[link.name], group[other.name]) or frozenset(names) in disabled:
             continue
-        tried[link.name, other.name] += 1
-        if tried[link.name, other.name] > _MOST_PAIRS:
+        tried[names] += 1
+        if tried[names] > _MOST_PAIRS:
             continue
-        one, two, before = hull(link, shape), hull(other, its), found.get((link.name, other.name))
+        one, two, before = hull(link, shape), hull(other, its), found.get(names)
         bound = bound if before is None else max(bound, before.depth)
         deep = 0.0 if one is None or two is None else depth(one, two, bound)
         if deep:
-            found[link.name, other.name] = Overlap(link, other, its, deep)
+            found[names] = Overlap(link, other, its, deep)
     return sorted(found.values(), key=lambda overlap: -overlap.depth)
 
 
 def _hangs_on(group: Group, other: Group) -> bool:
-    """Return whether the next body with shapes above a group is the other one."""
+    """Whether the next body with shapes above a group is the other one."""
     above = group.parent
     while above is not None and above is not other and not any(map(real_shapes, above.links)):
         above = above.parent
@@ -323,8 +309,6 @@ def _hull(context: Context, link: LinkView, shape: GeometryView) -> Hull | None:
 
 def _meeting(boxes: Sequence[Box], links: Sequence[str]) -> Iterator[tuple[int, int, float]]:
     """Yield the pairs of boxes of different links that share more than a layer, and the least side of that [m]."""
-    if not boxes:
-        return
     lo, hi, names = np.array([box.lo for box in boxes]), np.array([box.hi for box in boxes]), np.array(links)
     for k in range(len(boxes)):
         shared = (np.minimum(hi[k], hi[k + 1 :]) - np.maximum(lo[k], lo[k + 1 :])).min(axis=1)

@@ -29,11 +29,9 @@ _LEAST = 1e-6
 
 
 def pose(origin: OriginView) -> Pose | None:
-    """Return the pose of an origin; None where a number in it cannot be read."""
+    """The pose of an origin; None where a number in it cannot be read."""
     xyz, rpy = origin.xyz.or_default(0.0, 0.0, 0.0), origin.rpy.or_default(0.0, 0.0, 0.0)
-    if xyz is None or rpy is None:
-        return None
-    return Pose(rotation_from_rpy(*rpy), np.array(xyz))
+    return None if xyz is None or rpy is None else Pose(rotation_from_rpy(*rpy), np.array(xyz))
 
 
 def link_poses(context: Context) -> Mapping[str, Pose]:
@@ -51,12 +49,12 @@ def link_poses(context: Context) -> Mapping[str, Pose]:
 
 
 def behind(outer: Pose, inner: Pose) -> Pose:
-    """Return the pose in the outer frame of what has a pose in the inner one."""
+    """The pose in the outer frame of what has a pose in the inner one."""
     return Pose(product(outer.R, inner.R), outer.p + product(outer.R, inner.p))
 
 
 def carried_masses(context: Context) -> Mapping[Group, float]:
-    """Return for each rigid group the mass of all that moves with it, itself included; unreadable masses count as 0."""
+    """The mass of all that moves with each rigid group, itself included; unreadable masses count as 0."""
     carried: dict[Group, float] = {}
     for group in reversed(context.tree.groups):
         own = fsum(link.mass or 0.0 for link in group.links)
@@ -66,10 +64,7 @@ def carried_masses(context: Context) -> Mapping[Group, float]:
 
 @lru_cache(maxsize=4096)
 def principal_moments(tensor: Tensor) -> tuple[float, float, float]:
-    """Return the principal moments of inertia, ascending [kg m^2]; what is rounding is 0.
-
-    Accuracy: 2e-15 of the largest.
-    """
+    """The principal moments of inertia, ascending [kg m^2], within 2e-15 of the largest; what is rounding is 0."""
     size = max(map(abs, tensor)) or 1.0
     moments = np.linalg.eigvalsh(symmetric(tensor) / size)
     small, middle, large = (np.where(np.abs(moments) > _ROUNDING, moments, 0.0) * size).tolist()
@@ -83,7 +78,7 @@ def is_physical(tensor: Tensor, limits: Thresholds) -> bool:
 
 
 def severity_of_zero(context: Context, link: LinkView) -> Severity | None:
-    """Return how bad a link's zero mass is: None in a body that has mass by its other links, or that does not move."""
+    """How bad a link's zero mass is: None in a body that has mass by its other links, or that does not move."""
     tree = context.tree_or_none
     group = None if tree is None else tree.group[link.name]
     if group is None or group.joint is None or group.mass != 0:
@@ -92,7 +87,7 @@ def severity_of_zero(context: Context, link: LinkView) -> Severity | None:
 
 
 def is_a_point(link: LinkView) -> bool:
-    """Return whether what inertia it has is that of a point: a radius of gyration below a micrometre."""
+    """Whether what inertia it has is that of a point: a radius of gyration below a micrometre."""
     if link.tensor is None or link.mass is None:
         return False
     return max(map(abs, link.tensor)) <= POINT * POINT * max(link.mass, 0.0)
@@ -109,8 +104,7 @@ def trace(tensor: Tensor) -> float:
 
 
 def inertia_together(context: Context, links: Iterable[LinkView]) -> Inertia | None:
-    """Return the inertia of links of a rigid group, in the frame of its first link; None where a number of it cannot be
-    read."""
+    """The inertia of links of a rigid group, in the frame of its first link; None where a number cannot be read."""
     poses, found = context.once(link_poses), list[Inertia]()
     for link in (link for link in links if link.inertial is not None):
         outer, inner = poses.get(link.name), None if link.inertial is None else pose(link.inertial.origin)
@@ -122,7 +116,7 @@ def inertia_together(context: Context, links: Iterable[LinkView]) -> Inertia | N
 
 
 def gyration(context: Context, group: Group) -> float | None:
-    """Return sqrt(tr(I_c) / 2 m) [m] of a group; None where a number of it cannot be read, or no mass is there."""
+    """sqrt(tr(I_c) / 2 m) [m] of a group; None where a number of it cannot be read, or no mass is there."""
     whole = inertia_together(context, group.links)
     if whole is None or not whole.m > 0:
         return None

@@ -27,13 +27,13 @@ _WORTH = 1e-2
 
 
 class Sweep:
-    """Poses in rows: for each target those that start at `starts`, once to raise its torque and once to lower it.
+    """Poses in rows: for each target those that start at `starts` (s, n), once to raise its torque and once to lower
+    it, between `low` and `high` (n,), by the coordinates that are `free` (n,).
 
     The torque of gravity about the joint of body t, divided by g, is y . Rot(a_j, q_j) x in the angle of each joint j
     that matters, plus a constant, with x in the axes of body j and y in those of the joint. At t and above, x is
     v = a_t x sum m (c - p_t) and y points up (u). Below t, x is the first moment h = sum m (c - p_j) of what joint j
     carries and y is w = u x a_t. A row's v is zero beside and below its target, its w beside and above.
-    Poses begin at `starts` (s, n), stay between `low` and `high` (n,), and change the coordinates that are `free` (n,).
     """
 
     def __init__(
@@ -44,15 +44,15 @@ class Sweep:
         for i in reversed(range(1, len(model.bodies))):
             self._carried[model.parents[i]] += self._carried[i]
         self._relevant = around(model.parents, frozenset(targets))
-        self._each = 2 * len(starts)
-        self._rows = {t: slice(k * self._each, (k + 1) * self._each) for k, t in enumerate(targets)}
+        each = 2 * len(starts)
+        self._rows = {t: slice(k * each, (k + 1) * each) for k, t in enumerate(targets)}
         self.q = np.tile(starts.T, (1, 2 * len(targets)))
         self._sign = np.tile(np.repeat((1.0, -1.0), len(starts)), len(targets))
         self._up: dict[int, Floats] = {}
         self._scale = float(self._carried[0]) or 1.0
 
     def torques(self, x: Mapping[int, Floats] | None = None) -> Floats:
-        """Return (targets * rows,) torque / g, of given h and v, otherwise of those at q."""
+        """(targets * rows,) torque / g, of given h and v, otherwise of those at q."""
         x, torques = x or self._inward(), np.zeros(self.q.shape[1])
         for t, rows in self._rows.items():
             if t in self._up:
@@ -60,8 +60,8 @@ class Sweep:
         return torques
 
     def improve(self) -> Floats:
-        """Give each joint in turn, from the base to the tips, its best position, the others being as they are; return
-        (targets * rows,) torque / g before the sweep, times the sign that the row is to have; 0 before the first."""
+        """Give each joint in turn, from the base to the tips, its best position; return (targets * rows,) torque / g
+        before, times the sign that the row is to have; 0 before the first."""
         x = self._inward()
         before: Floats = self._sign * self.torques(x)
         self._outward(x)
@@ -71,7 +71,7 @@ class Sweep:
         return np.asarray(joint.multiplier * self.q[joint.coordinate] + joint.offset)
 
     def _turned(self, joint: Joint, x: Floats, back: float = 1.0) -> Floats:
-        """Return Rot(a, q) x, or turned back, of (3, 2, rows)."""
+        """Rot(a, q) x, or turned back, of (3, 2, rows)."""
         if joint.kind != "revolute":
             return x
         q, axis = self._positions(joint), joint.axis
@@ -81,7 +81,7 @@ class Sweep:
         return turned
 
     def _inward(self) -> dict[int, Floats]:
-        """Return (3, 2, rows) h and v of the bodies that matter."""
+        """(3, 2, rows) h and v of the bodies that matter."""
         x = {i: np.zeros((3, 2, self.q.shape[1])) for i in self._relevant}
         for i in reversed(self._relevant):
             body, own = self._bodies[i], x[i]
@@ -142,21 +142,19 @@ class Sweep:
 
 def around(parents: Sequence[int], targets: frozenset[int]) -> list[int]:
     """Return the bodies above and below the targets, the targets and the base, parents first."""
-    below, above = set(targets), {0}
+    below, above = set(targets), {0, *targets}
     for i, parent in enumerate(parents):
         if parent in below:
             below.add(i)
     for i in reversed(range(len(parents))):
-        if i in targets or i in above:
-            above.add(i)
+        if i in above:
             above.add(max(parents[i], 0))
     return sorted(above | below)
 
 
 class StaticTorque(NamedTuple):
-    """What a joint with a coordinate of its own must carry at rest: the torque of largest magnitude that was found,
-    with its sign, gravity being (0, 0, -9.81) along the root's axes [N m or N], and the pose (n,), with joints that do
-    not matter at or nearest to 0 [rad or m]."""
+    """The torque of largest magnitude that was found of a joint at rest, with its sign, gravity being (0, 0, -9.81)
+    along the root's axes [N m or N], and the pose (n,), with joints that do not matter nearest to 0 [rad or m]."""
 
     joint: Joint
     torque: float
@@ -175,12 +173,11 @@ def static_torques(context: Context) -> tuple[StaticTorque, ...]:
     """Return the most that gravity asks of joints whose effort limits it might exceed, by a bound. From stage MODEL on.
 
     Method: the torque of gravity about a joint is M g u . (a x r), u pointing up, r from the joint to the centre of the
-    mass M that it carries. As a function of the angle of one joint it is a + b cos q + c sin q: of one above, which
-    turns u, of one below, which turns a part of r, and of the joint itself. So the best angle of one joint within its
-    limits is known in closed form, and going through the joints again and again only ever raises the torque. From
-    STARTS poses up and as many down, until a sweep gains less than 0.1 %, SWEEPS at most. What is found is reached, and
-    may be short of the most where there are several local ones. Joints that others mimic are left out, and stay where
-    they start. Robots on a floating base, and of more than MOST_BODIES bodies, give nothing.
+    mass M that it carries. In the angle of one joint it is a + b cos q + c sin q. So the best angle of one joint within
+    its limits is known in closed form, and going through the joints again and again only ever raises the torque: from
+    STARTS poses up and as many down, until a sweep gains less than 0.1 %, SWEEPS at most. There may be a larger one
+    elsewhere. Joints that others mimic are left out, and stay where they start. Robots on a floating base, and of more
+    than MOST_BODIES bodies, give nothing.
 
     Accuracy: `torque` is that of `bias_forces` at `q` within 1e-12 of the weight at the farthest reach; of 4000 random
         poses none asks for more than 1.02 times as much.
@@ -220,14 +217,13 @@ def static_torques(context: Context) -> tuple[StaticTorque, ...]:
 
 
 def position_ranges(model: Model) -> tuple[Floats, Floats]:
-    """Return (n,) the least and the largest position of each coordinate [rad or m]: a turn where an angle has no
-    limits, or a wider range; 0 where a slide has none."""
+    """(n,) the least and the largest position of each coordinate [rad or m]: a turn where an angle has no limits, or a
+    wider range; 0 where a slide has none."""
     low, high = np.zeros(model.n), np.zeros(model.n)
     for joint in model.independent:
         lower, upper = joint.lower, joint.upper
-        if joint.kind == "revolute" and (
-            joint.continuous or lower is None or upper is None or upper - lower > 2 * np.pi
-        ):
+        endless = joint.continuous or lower is None or upper is None or upper - lower > 2 * np.pi
+        if joint.kind == "revolute" and endless:
             lower, upper = -np.pi, np.pi
         if lower is not None and upper is not None and lower <= upper and abs(lower) < 1e3 and abs(upper) < 1e3:
             low[joint.coordinate], high[joint.coordinate] = lower, upper
@@ -235,7 +231,7 @@ def position_ranges(model: Model) -> tuple[Floats, Floats]:
 
 
 def starts(low: Floats, high: Floats) -> Floats:
-    """Return (STARTS, n) the middle, and points spread evenly by multiples of irrational numbers."""
+    """(STARTS, n) the middle, and points spread evenly by multiples of irrational numbers."""
     n = len(low)
     spread = np.outer(np.arange(STARTS), np.sqrt(np.arange(2, n + 2))) % 1.0
     spread[0] = 0.5
@@ -243,8 +239,7 @@ def starts(low: Floats, high: Floats) -> Floats:
 
 
 def gravity_bounds(context: Context) -> Mapping[str, GravityBound]:
-    """Return by joint what no pose exceeds, from the sum of the lengths on the way and what turns it. From stage MODEL
-    on."""
+    """What no pose exceeds, by joint, from the sum of the lengths on the way and what turns it. From stage MODEL on."""
     model = context.model
     count = len(model.bodies)
     carried, reach, tilt = np.zeros(count), np.zeros(count), _tilts(model)
@@ -297,30 +292,12 @@ def reflected_inertias(context: Context) -> tuple[tuple[Joint, float], ...]:
     if not joints or model.nq != model.n or len(model.bodies) > MOST_BODIES:
         return ()
     low, high = position_ranges(model)
-    inverse = inverse_of_definite(joint_space_inertia(model, (low + high) / 2.0))
-    if inverse is None:
+    try:
+        root = np.linalg.cholesky(joint_space_inertia(model, (low + high) / 2.0))
+    except np.linalg.LinAlgError:
         return ()
-    return tuple((joint, 1.0 / float(inverse[joint.rate, joint.rate])) for joint in joints)
-
-
-def inverse_of_definite(M: Floats) -> Floats | None:
-    """Return the inverse of a symmetric positive definite matrix; None where it is not.
-
-    Method: the sweep operator, Gauss-Jordan in place: links of next to no inertia leave only rounding of some entries,
-    which is printed, and is the same everywhere so.
-
-    Accuracy: 1e-12 of the largest entry times the condition number.
-    """
-    A = M.copy()
-    for k in range(len(A)):
-        pivot = A[k, k]
-        if not pivot > 0.0:
-            return None
-        row = A[k] / pivot
-        A -= A[:, k, None] * row
-        A[k] = A[:, k] = row
-        A[k, k] = -1.0 / pivot
-    return np.asarray(-A)
+    inverse = (np.linalg.inv(root) ** 2).sum(axis=0)  # the diagonal of (L L^T)^-1
+    return tuple((joint, 1.0 / float(inverse[joint.rate])) for joint in joints)
 
 
 def joint_space_inertia(model: Model, q: Floats) -> Floats:

@@ -12,7 +12,7 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -21,10 +21,6 @@ from robodyn.support.cache import Key, ObjectCache, cache_folder, code_digest
 from robodyn.support.floats import Floats
 from robodyn.support.input_file import read_input
 from robodyn.support.threads import in_threads
-
-if TYPE_CHECKING:
-    from robodyn.solids.mesh.integrals import Integrals
-
 
 _NOT_FINITE = "coordinates must be finite"
 _LARGEST = 400_000
@@ -47,8 +43,7 @@ class MeshFacts:
         centre: of that volume [m]; second: xx, xy, xz, yy, yz, zz of its second moments about the centre, by the volume
             [m^2]; zeros where there is no volume.
         closed: whether the surface has no boundary; mixed: whether it has one by the winding of its faces alone.
-        inverted: shells wound inwards without being a cavity in another.
-        overlapping: whether two shells share volume.
+        inverted: shells wound inwards without being a cavity in another; overlapping: whether two shells share volume.
         one_sided: faces that no turning makes agree with their neighbours, as on a Moebius strip.
         mended: gaps of an open surface that `robodyn inertia` fills; None where there are too many triangles to tell.
         left: gaps that are too large for that; missing: the share of the surface of the open parts that they are.
@@ -90,10 +85,7 @@ class MeshFacts:
 
 
 def mesh_facts(path: Path) -> MeshFacts:
-    """Return the facts of a file: of a closed surface those of its shells, of an open one those of its gaps.
-
-    Accuracy: box exact; volume of a closed surface within 1e-12 (see `robodyn.solids.mesh.integrals`).
-    """
+    """Return the facts of a file: of a closed surface those of its shells, of an open one those of its gaps."""
     from robodyn.solids.mesh.closed import is_one_shell
     from robodyn.solids.mesh.holes import gaps
     from robodyn.solids.mesh.indexed import merged
@@ -117,8 +109,13 @@ def mesh_facts(path: Path) -> MeshFacts:
     except MeshError as error:
         remedy = "export it again" if error.remedy is None or "--" in error.remedy else error.remedy
         return MeshFacts(error.what, remedy, error.remedy != _NOT_FINITE)
-    scale = triangles.scale
-    centre, second = _spread(integrals)
+    scale, centre, second = triangles.scale, np.zeros(3), np.zeros(6)
+    if integrals.volume:
+        with np.errstate(all="ignore"):
+            offset = integrals.first / integrals.volume
+            spread = integrals.S / integrals.volume - np.outer(offset, offset)
+        if np.isfinite(integrals.reference + offset).all() and np.isfinite(spread).all():
+            centre, second = integrals.reference + offset, spread[np.triu_indices(3)]
     return MeshFacts(
         triangles=integrals.count,
         lo=tuple((integrals.lo * scale).tolist()),
@@ -138,21 +135,9 @@ def mesh_facts(path: Path) -> MeshFacts:
     )
 
 
-def _spread(integrals: Integrals) -> tuple[Floats, Floats]:
-    if not integrals.volume:
-        return np.zeros(3), np.zeros(6)
-    with np.errstate(all="ignore"):
-        offset = integrals.first / integrals.volume
-        second = integrals.S / integrals.volume - np.outer(offset, offset)
-        centre = integrals.reference + offset
-    if not (np.isfinite(centre).all() and np.isfinite(second).all()):
-        return np.zeros(3), np.zeros(6)
-    return centre, second[np.triu_indices(3)]
-
-
 @cache
 def maker() -> str:
-    """Return a digest of the modules that facts come from: with any change of them, facts are found anew."""
+    """A digest of the modules that facts come from: with any change of them, facts are found anew."""
     checks = Path(__file__).parent
     own, solids = code_digest(checks), code_digest(checks.parents[1] / "solids")
     return f"{own} {solids}" if own and solids else ""
@@ -175,7 +160,7 @@ class Shelf:
 
 
 def facts_of(paths: Iterable[Path]) -> dict[Path, MeshFacts]:
-    """Return the facts of each file; those of known content are not computed again, the others in threads."""
+    """The facts of each file; those of known content are not computed again, the others in threads."""
     wanted = list(dict.fromkeys(paths))
     return dict(zip(wanted, in_threads(_of_content, wanted), strict=True))
 
@@ -195,14 +180,15 @@ def _of_content(path: Path) -> MeshFacts:
 
 
 def spread_out(count: int) -> Floats:
-    """Return (count, 3) directions that are spread evenly: points of a spiral around the sphere (Fibonacci)."""
+    """(count, 3) directions that are spread evenly: points of a spiral around the sphere (Fibonacci)."""
     k = np.arange(count) + 0.5
     z, turn = 1.0 - 2.0 * k / count, np.pi * (1.0 + 5.0**0.5) * k
     across = np.sqrt(1.0 - z * z)
     return np.stack((across * np.cos(turn), across * np.sin(turn), z), axis=1)
 
 
-_DIRECTIONS = spread_out(240)
+_DIRECTIONS, _PART = spread_out(240), 8192
+"""And the points that are looked at together."""
 
 
 def extremes(path: Path, digest: str) -> Floats | None:
@@ -221,23 +207,15 @@ def extremes(path: Path, digest: str) -> Floats | None:
     try:
         triangles = load_triangles(path)
         for block in triangles.blocks():
-            _farther(np.asarray(block, float).reshape(-1, 3), best, farthest)
+            points = np.asarray(block, float).reshape(-1, 3)
+            for part in np.split(points, range(_PART, len(points), _PART)):
+                reach = part @ _DIRECTIONS.T
+                most = reach.argmax(axis=0)
+                reach = reach[most, np.arange(len(_DIRECTIONS))]
+                best[reach > farthest] = part[most[reach > farthest]]
+                farthest = np.maximum(reach, farthest)
     except MeshError:
         return None
     points = np.unique(best * triangles.scale, axis=0)
     shelf.put(points.tobytes())
     return points
-
-
-def _farther(points: Floats, best: Floats, farthest: Floats) -> None:
-    """Put the points that lie farther than the best so far in their place: d . x, one direction after the other over
-    coordinates that stay in the processor's cache."""
-    x, y, z = points.T.copy()
-    reach, term = np.empty_like(x), np.empty_like(x)
-    for k, (along_x, along_y, along_z) in enumerate(_DIRECTIONS.tolist()):
-        np.multiply(x, along_x, out=reach)
-        reach += np.multiply(y, along_y, out=term)
-        reach += np.multiply(z, along_z, out=term)
-        most = int(reach.argmax())
-        if reach[most] > farthest[k]:
-            best[k], farthest[k] = points[most], reach[most]

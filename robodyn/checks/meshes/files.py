@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from enum import Enum
-from functools import cache, partial
+from functools import cache
 from math import dist
 from pathlib import Path
 from typing import NamedTuple
@@ -50,8 +50,8 @@ class MeshUse(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MeshName:
-    """A file name as it is written, every <mesh> that has it in the order of the file, the path of the file if it is
-    found, and the name as it should be written where its case is wrong."""
+    """A file name as it is written, every <mesh> that has it, the path of the file if it is there, and the name as it
+    should be written where its case is wrong."""
 
     uri: str
     uses: tuple[MeshUse, ...]
@@ -60,7 +60,6 @@ class MeshName:
     found: str | None = None
 
     def fault(self, what: str, remedy: str, severity: Severity | None = None, fix: Fix | None = None) -> Fault:
-        """Return `the mesh NAME what`, at its first use, with the count of the others."""
         others = f" (and {count(len(self.uses) - 1, 'more place')})" if self.uses[1:] else ""
         sentence = f"the mesh {shown_path(self.uri)} {what}{others}"
         return Fault(self.uses[0].at, sentence, remedy, severity=severity, fix=fix)
@@ -78,7 +77,7 @@ def mesh_uses(context: Context) -> Iterator[MeshUse]:
 
 
 def mesh_names(context: Context) -> Mapping[str, MeshName]:
-    """Return the names of meshes; those that are empty or not expanded are none."""
+    """The names of meshes; those that are empty or not expanded are none."""
     uses: dict[str, list[MeshUse]] = {}
     for use in mesh_uses(context):
         if use.geometry.uri and not unexpanded(use.geometry.uri):
@@ -88,7 +87,7 @@ def mesh_names(context: Context) -> Mapping[str, MeshName]:
 
 
 def all_facts(context: Context) -> Mapping[str, MeshFacts]:
-    """Return by name the facts of every mesh whose file is found."""
+    """By name the facts of every mesh whose file is found."""
     names = context.once(mesh_names).values()
     known = facts_of(name.path for name in names if name.path is not None)
     return {name.uri: known[name.path] for name in names if name.path is not None}
@@ -129,14 +128,14 @@ class MeshSearch:
             yield from ((folder, "", uri) for folder in self._search.folders)
 
     def _known(self, uri: str) -> bool:
-        """Return whether it is known where the file ought to be."""
+        """Whether it is known where the file ought to be."""
         package = package_of(uri)
         if package is None:
             return not (self._bytes and not os.path.isabs(uri) and "://" not in uri)
         return not package[0] or any(True for _ in self._roots(uri)) or self._search.knows_packages
 
     def _true_name(self, root: Path, rest: str) -> str | None:
-        """Return the path in a folder as its folders spell it, if it is there in any case."""
+        """The path in a folder as its folders spell it, if it is there in any case."""
         parts = []
         for part in rest.split("/"):
             names, alike = self._names(root), [part]
@@ -157,8 +156,8 @@ class MeshSearch:
 
 
 class UnitSlip(NamedTuple):
-    """A mesh as it is used: its longest side [m], or that of its scale where the file is not known, the factor of its
-    size, and how that shows."""
+    """A mesh as it is used: its longest side [m], or its scale where the file is not known, the factor of its size, and
+    how that shows."""
 
     name: MeshName
     longest: float
@@ -167,10 +166,16 @@ class UnitSlip(NamedTuple):
 
 
 def mesh_slips(context: Context) -> Mapping[GeometryView, UnitSlip]:
-    """Return the uses of meshes that are 1000 times too large or too small."""
+    """The uses of meshes that are 1000 times too large or too small."""
     around = reach(context)
     found: dict[GeometryView, UnitSlip] = {}
-    twin = cache(partial(_twin, context))
+
+    @cache
+    def twin(link: LinkView, kind: str) -> float | None:
+        """The longest side of the largest mesh of a link that is of another kind, collision or visual."""
+        sides = (longest(other, context) for other in link.geometries if other.kind != kind)
+        return max((side for side in sides if side is not None), default=None)
+
     for name in context.once(mesh_names).values():
         for use in name.uses:
             side = longest(use.geometry, context)
@@ -189,7 +194,7 @@ def mesh_slips(context: Context) -> Mapping[GeometryView, UnitSlip]:
 
 
 def longest(geometry: GeometryView, context: Context) -> float | None:
-    """Return the longest side of the box of a mesh, scaled [m]; None where it is not known."""
+    """The longest side of the box of a mesh, scaled [m]; None where it is not known."""
     known = context.once(all_facts).get(geometry.uri)
     scale = geometry.scale.or_default(1.0, 1.0, 1.0)
     if known is None or known.problem is not None or scale is None or not all(scale):
@@ -213,13 +218,7 @@ def _mistaken(side: float, twin: float | None, reach: float) -> tuple[float, str
     return None
 
 
-def _twin(context: Context, link: LinkView, kind: str) -> float | None:
-    """Return the longest side of the largest mesh of a link that is of another kind, collision or visual."""
-    sides = (longest(other, context) for other in link.geometries if other.kind != kind)
-    return max((side for side in sides if side is not None), default=None)
-
-
 def reach(context: Context) -> float:
-    """Return the largest distance between the origins of neighbouring links [m]; 0 where there is none."""
+    """The largest distance between the origins of neighbouring links [m]; 0 where there is none."""
     offsets = (joint.origin.xyz.or_default(0.0, 0.0, 0.0) for joint in context.view.joints)
     return max((dist(xyz, (0.0, 0.0, 0.0)) for xyz in offsets if xyz is not None), default=0.0)

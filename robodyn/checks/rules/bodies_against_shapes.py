@@ -32,13 +32,12 @@ _ADVICE = "check the unit (kg m^2) and the point (the centre of mass) of the ine
 def inertia_beyond_shapes(context: Context) -> Faults:
     """The second moments are no larger than the link's shapes allow for its mass.
 
-    Whatever the density, mass within a distance r of its centre has second moments with a trace of at most m r^2;
-    and along an axis on which the shapes reach from lo to hi at most m (hi - c)(c - lo) (Bhatia and Davis). The
-    shapes are those of all links that fixed joints join, visual and collision, each in its box. A trace above its
-    bound is a warning, above four times its bound an error, unless it is the root's, whose inertia does not matter
-    where the base is fixed; above four times what the link's own shapes allow a warning. The second bound is a
-    remark, and a warning where it is exceeded four times wherever the centre is. Links of less than 1 % of the mass
-    that they are fixed to are passed over. The wrists of the UR5 exceed it 8 to 18 times.
+    Whatever the density, mass within a distance r of its centre has second moments with a trace of at most m r^2; and
+    along an axis on which the shapes reach from lo to hi at most m (hi - c)(c - lo) (Bhatia and Davis). The shapes are
+    those of all links that fixed joints join, each in its box. A trace above its bound is a warning, above four times
+    its bound an error, unless it is the root's; above four times what the link's own shapes allow a warning. The second
+    bound is a remark, and a warning where it is exceeded four times wherever the centre is. Links of less than 1 % of
+    the mass that they are fixed to are passed over.
     """
     for body in judged(context):
         fault = None if body.S is None else _beyond_reach(body, body.S) or _beyond_box(body)
@@ -106,13 +105,11 @@ _NEAR = 0.3
 def centre_outside_shapes(context: Context) -> Faults:
     """The centre of mass lies within the shapes of the link and what is fixed to it.
 
-    The centre of mass of a body is inside its convex hull. Instead of hulls, the box along the axes of the rigid
-    group's first link is taken around all its shapes, visual and collision, which contains the hull: what is
-    reported is outside the hull, too. Up to a tenth of the box's diagonal outside is passed over, for parts that
-    are not drawn (of published robots TALOS's ankles are 6 % outside); beyond one diagonal it is an error, unless
-    the group is the root's, whose mass does not matter where the base is fixed. Where the mesh of a shape is not
-    known the group is not judged. Where one coordinate with the other sign is in the middle of the link's own
-    shapes, as in Allegro's palm, that is said.
+    The centre of mass of a body is inside its convex hull, and so in the box around all shapes of its rigid group along
+    the axes of the group's first link. Up to a tenth of the box's diagonal outside is passed over, for parts that are
+    not drawn; beyond one diagonal it is an error, unless the group is the root's. Where the mesh of a shape is not
+    known the group is not judged. Where one coordinate with the other sign is in the middle of the link's own shapes,
+    that is said.
     """
     for body in judged(context, tensors=False):
         if body.group is None:
@@ -154,13 +151,12 @@ _REMEDY = "check the unit (kg m^2) and the mass; write the inertia of the part"
 def inertia_below_shell(context: Context) -> Faults:
     """The inertia is not far below that of the link's shapes.
 
-    About each principal axis of the uniform solid that the link's shapes are (visual ones, or else collision
-    shapes), the moment of inertia is at least a twentieth of that of the solid with the link's mass. Less means
-    that nearly all mass is in one spot or, where it is one axis only, on a line: a femur of two tubes whose mass is
-    on a thread. Where a shape encloses no definite volume, the largest principal moment is at least a tenth of that
-    of the largest shell that fits into the box around the link's shapes, 2/3 m r^2; of a link without shapes at
-    least that of a ball of tungsten: TIAGo's camera of 0.22 kg has a quarter of it. That of a point is RD204's, and
-    a mass beyond any solid RD304's.
+    About each principal axis of the uniform solid that the link's shapes are (visual ones, or else collision shapes),
+    the moment of inertia is at least a twentieth of that of the solid with the link's mass. Less means that nearly all
+    mass is in one spot or, where it is one axis only, on a line. Where a shape encloses no definite volume, the largest
+    principal moment is at least a tenth of that of the largest shell that fits into the box around the shapes, 2/3 m
+    r^2; of a link without shapes at least that of a ball of tungsten. That of a point is RD204's, and a mass beyond any
+    solid RD304's.
     """
     known = context.once(shaped)
     for body in judged(context):
@@ -223,10 +219,9 @@ def _below_shell(body: Body) -> tuple[float, float, str] | None:
 def density_out_of_band(context: Context) -> Faults:
     """The mass fits the size of the shapes.
 
-    The mass of a rigid group over the volume of the box around its visual shapes (its collision shapes if it has no
-    visual ones, for these are often stand-ins) is between 10 and 9000 kg/m^3: most of a box is air, and solid steel
-    that fills it has 7850. Links of published robots have 390 to 1200. The band is set by the thresholds
-    `least-density` and `most-density`. Where mass and shapes do not fit each other, it is no second defect that the
+    The mass of a rigid group over the volume of the box around its visual shapes (or else its collision shapes) is
+    between 10 and 9000 kg/m^3, which the thresholds `least-density` and `most-density` set: most of a box is air, and
+    solid steel that fills it has 7850. Where mass and shapes do not fit each other, it is no second defect that the
     inertia or the centre of mass does not fit the shapes (RD301, RD302).
     """
     known, poses, limits = context.once(solids), context.once(link_poses), context.thresholds

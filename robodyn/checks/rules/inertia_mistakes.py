@@ -17,12 +17,12 @@ from robodyn.support.wording import figure, one_of
 def unit_slip(context: Context) -> Faults:
     """Mass, inertia and centre of mass are in kg, kg m^2 and m.
 
-    One unit, or one system of units, explains what does not fit the shapes: g, mg, lb or t for kg, mm, cm or in for
-    m, and all their products for kg m^2, in one of the three quantities or in several. The link is weighed by the
-    uniform solid that its own shapes are (visual ones, or else collision shapes): by density, centre, size and
-    form. A unit is named where it is nine times as probable as everything else together, among which is any factor
-    that belongs to no unit; otherwise the candidates are listed in a warning. Tensors near a multiple of the
-    identity and round numbers are made up, not in other units. RD301 to RD304 are silent about such a link.
+    One unit, or one system of units, explains what does not fit the shapes: g, mg, lb or t for kg, mm, cm or in for m,
+    and all their products for kg m^2, in one of the three quantities or in several. The link is weighed by the uniform
+    solid that its own shapes are: by density, centre, size and form. A unit is named where it is nine times as probable
+    as everything else together, any factor that belongs to no unit included; otherwise the candidates are listed in a
+    warning. Tensors near a multiple of the identity and round numbers are made up, not in other units. RD301 to RD304
+    are silent about such a link.
     """
     for name, verdict in context.once(weighed).items():
         if not verdict.units:
@@ -53,9 +53,8 @@ def product_signs(context: Context) -> Faults:
     """Products of inertia have the sign of a matrix entry.
 
     URDF's ixy is an entry of the inertia matrix, minus the integral of x y dm. Many CAD programs print plus that
-    integral, and then all three signs are wrong. The diagonal is right, so that few tools notice; the principal
-    moments are not. RD206 and RD207 name the cause of tensors that no body has; this rule reports those that a body
-    could have, but not this link, by its mirror twin or its shapes.
+    integral, and then all three signs are wrong, but not the diagonal. RD206 and RD207 name the cause of tensors that
+    no body has; this rule reports those that a body could have, but not this link, by its mirror twin or its shapes.
     """
     return faults(context, "RD306")
 
@@ -65,9 +64,9 @@ def about_origin(context: Context) -> Faults:
     """The tensor is about the centre of mass.
 
     URDF requires the tensor about the centre of mass, where the origin of <inertial> is. About the link's origin it is
-    larger by m (|c|^2 1 - c c^T), the term of the parallel axis theorem. Such a tensor is physical, and so it takes
-    the link's shapes or its mirror twin to see it: corrected, it is within 20 % of the inertia of the uniform solid
-    that the shapes are, and twice as near as it stands.
+    larger by m (|c|^2 1 - c c^T). Such a tensor is physical, and so it takes the link's shapes or its mirror twin to
+    see it: corrected, it is within 20 % of the inertia of the uniform solid that the shapes are, and twice as near as
+    it stands.
     """
     return faults(context, "RD307")
 
@@ -76,11 +75,10 @@ def about_origin(context: Context) -> Faults:
 def parallel_axis_again(context: Context) -> Faults:
     """The parallel axis theorem is applied once.
 
-    A tensor that is about the centre of mass already becomes too small, and often impossible, where m (|c|^2 1 - c
-    c^T) is subtracted from it, and too large where the term is added twice. RD206 and RD207 name the cause of
-    tensors that no body has; this rule reports those that a body could have, but not this link, by its mirror twin
-    or its shapes. That adding the term makes a tensor possible is no evidence: the shapes or the twin have to
-    agree.
+    A tensor that is about the centre of mass already becomes too small, and often impossible, where m (|c|^2 1 - c c^T)
+    is subtracted from it, and too large where the term is added twice. That adding the term makes a tensor possible is
+    no evidence: the shapes or the twin have to agree. RD206 and RD207 name the cause of tensors that no body has; this
+    rule reports the others.
     """
     return faults(context, "RD308")
 
@@ -104,10 +102,10 @@ def rpy_not_applied(context: Context) -> Faults:
 def entry_order(context: Context) -> Faults:
     """The entries are in URDF's order: ixx ixy ixz iyy iyz izz.
 
-    MuJoCo's fullinertia is ixx iyy izz ixy ixz iyz, Voigt's order ixx iyy izz iyz ixz ixy, and a triangle by
-    columns ixx ixy iyy ixz iyz izz; a matrix of nine entries, row by row, has iyx in fourth place. Pasting one for
-    another gives a tensor that no body has, or wrong products. RD206 and RD207 name the cause of tensors that no
-    body has; this rule reports those that a body could have, but not this link, by its mirror twin or its shapes.
+    MuJoCo's fullinertia is ixx iyy izz ixy ixz iyz, Voigt's order ixx iyy izz iyz ixz ixy, and a triangle by columns
+    ixx ixy iyy ixz iyz izz; a matrix of nine entries, row by row, has iyx in fourth place. Pasting one for another
+    gives a tensor that no body has, whose cause RD206 and RD207 name, or wrong products, which this rule reports by the
+    link's mirror twin or its shapes.
     """
     return faults(context, "RD310")
 
@@ -116,9 +114,8 @@ def entry_order(context: Context) -> Faults:
 def entry_decade(context: Context) -> Faults:
     """No entry is off by a power of ten.
 
-    A slip of the exponent in one entry. Without a twin to compare with, only a moment can be told from others, by
-    the link's shapes. RD206 and RD207 name the cause of tensors that no body has; this rule reports those that a
-    body could have, but not this link, by its mirror twin or its shapes.
+    A slip of the exponent in one entry. Without a twin to compare with, only a moment can be told from others, by the
+    link's shapes. RD206 and RD207 name the cause of tensors that no body has; this rule reports the others.
     """
     return faults(context, "RD311")
 
@@ -134,8 +131,8 @@ def permuted_axes(context: Context) -> Faults:
     """The tensor is in the axes of the link, not in another program's.
 
     Programs differ in which axis points up or forward. A tensor with x, y and z exchanged has the right principal
-    moments about the wrong axes, and a centre of mass outside the shapes is one in those axes, too (RD302): iCub's
-    forearms have both along y, and are drawn along x. RD206 and RD207 name the cause of tensors that no body has;
-    this rule reports those that a body could have, but not this link, by its mirror twin or its shapes.
+    moments about the wrong axes, and a centre of mass outside the shapes is one in those axes, too (RD302). RD206 and
+    RD207 name the cause of tensors that no body has; this rule reports those that a body could have, but not this link,
+    by its mirror twin or its shapes.
     """
     return faults(context, "RD312")

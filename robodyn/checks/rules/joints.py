@@ -66,9 +66,9 @@ def no_limit(context: Context) -> Faults:
 def effort_velocity(context: Context) -> Faults:
     """Effort and velocity limits are positive and those of a machine.
 
-    URDF asks for both wherever there is a <limit>: urdfdom refuses a file in which one of them is missing, also
-    that of a joint that is fixed. A limit of 0 makes a joint that some simulators can never move, and that others
-    do not limit. 1e9 is a stand-in that nothing can be sized against: a remark; an effort in N mm is RD515's.
+    URDF asks for both wherever there is a <limit>: urdfdom refuses a file in which one is missing, also that of a fixed
+    joint. With a limit of 0 some simulators never move the joint, and others do not limit it. 1e9 is a stand-in that
+    nothing can be sized against: a remark; an effort in N mm is RD515's.
     """
     limits, of_another_unit = context.thresholds, context.once(of_numbers)
     for joint in context.view.joints:
@@ -159,8 +159,8 @@ def mimic_cycle(context: Context) -> Faults:
 def follower_range(context: Context) -> Faults:
     """A mimic joint stays within its limits wherever the joint that it follows goes.
 
-    Otherwise the robot described cannot move through the range that its limits promise: simulators violate the
-    limits or the coupling, and planners reach positions that the hand does not have.
+    Otherwise the robot cannot move through the range that its limits promise: simulators violate the limits or the
+    coupling, and planners reach positions that the hand does not have.
     """
     for joint in context.view.joints:
         mimic, own = joint.mimic, _range(joint)
@@ -219,10 +219,9 @@ _JOINT = '<axis xyz="0 0 1"/><limit lower="0" upper="0.3" effort="200" velocity=
 def turning_slide(context: Context) -> Faults:
     """A slide is prismatic.
 
-    A lift whose type is revolute turns by as many radians as it was to rise metres, and no reader complains.
-    Reported are revolute joints that begin at 0, end within 0.4 rad (23 degrees) of it, and do not exceed 0.2
-    rad/s: what a finger or a lift does in metres. Of 86 published robots none does it in radians: their joints of
-    so small a range are at least 1.6 times as fast, and most of them turn to both sides.
+    A lift whose type is revolute turns by as many radians as it was to rise metres, and no reader complains. Reported
+    are revolute joints that begin at 0, end within 0.4 rad (23 degrees) of it, and do not exceed 0.2 rad/s: what a
+    finger or a lift does in metres, and of 86 published robots none in radians.
     """
     for joint in context.view.joints:
         if joint.type != "revolute" or joint.limit is None:

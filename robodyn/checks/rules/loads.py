@@ -34,12 +34,10 @@ def static_torque(context: Context) -> Faults:
     """Every joint can hold the robot's weight in every pose within the limits.
 
     The torque of gravity about each joint at rest, the root standing still with z up, in the worst pose within the
-    position limits; a joint without limits turns all the way round. The pose is found by going through the joints
-    again and again, the torque being a sine of each angle alone, from several starts. What is reported is reached
-    in the pose that is named; a worse one may exist. Less than twice the limit is a remark: springs that hold a
-    part of the weight are no part of URDF (PR2's shoulders need 1.7 times their limit, and have them), and no
-    robot has to hold still in every pose. Loads, motion and friction come on top: robodyn torques computes them.
-    Silent where a part is detached (RD111), for levers are not known then.
+    position limits; a joint without limits turns all the way round. What is reported is reached in the pose that is
+    named; a worse one may exist. Less than twice the limit is a remark: springs that hold a part of the weight are no
+    part of URDF, and no robot has to hold still in every pose. Loads, motion and friction come on top: robodyn torques
+    computes them. Silent where a part is detached (RD111).
     """
     if context.once(detached):
         return

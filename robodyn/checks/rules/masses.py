@@ -31,10 +31,9 @@ from robodyn.support.wording import listed
 def mass_not_positive(context: Context) -> Faults:
     """Masses are positive.
 
-    No body has a negative mass, and one of zero mass that moves takes on any acceleration: its equation of motion
-    is 0 = force. A zero counts only where the whole rigid group (links joined by fixed joints) has no mass; it is a
-    warning where the group carries on to one that has mass, as in a universal joint: MuJoCo refuses such a group,
-    and Gazebo drops it and all that it carries.
+    No body has a negative mass, and one of zero mass that moves takes on any acceleration. A zero counts only where the
+    whole rigid group (links joined by fixed joints) has no mass; it is a warning where the group carries on to one that
+    has mass, as in a universal joint: MuJoCo refuses such a group, and Gazebo drops it and all that it carries.
     """
     for link in context.view.links:
         if link.inertial is None or link.mass is None or link.mass > 0:
@@ -59,9 +58,9 @@ def massless_group(context: Context) -> Faults:
     """Whatever a joint moves has mass.
 
     Links joined by fixed joints are one body, a rigid group. A moving group without any mass makes the mass matrix
-    singular: the joint's acceleration is undefined. Where the group carries other bodies with mass, it is a
-    warning: the mass matrix is regular then, but MuJoCo makes up a mass from collision shapes or refuses the robot,
-    and Gazebo drops the group and all that it carries.
+    singular. Where the group carries other bodies with mass, it is a warning: the mass matrix is regular then, but
+    MuJoCo makes up a mass from collision shapes or refuses the robot, and Gazebo drops the group and all that it
+    carries.
     """
     carried = context.once(carried_masses)
     for group in context.tree.groups:
@@ -198,9 +197,8 @@ def root_mass_invented(context: Context) -> Faults:
     """A root with a collision shape has an <inertial>, unless it stands still.
 
     MuJoCo takes the mass of a body without an inertial from its shapes, at the density of water, and other programs
-    take none: the same floating robot weighs differently in each. A base that stands still, as an arm's, is not
-    affected, since MuJoCo makes it a part of the ground: asked are robots that stand on two or more legs or wheels,
-    or fly, by their links.
+    take none. A base that stands still, as an arm's, is not affected, since MuJoCo makes it a part of the ground: asked
+    are robots that stand on two or more legs or wheels, or fly, by their links.
     """
     root = context.tree.root
     shapes = [shape for shape in root.geometries if shape.kind == "collision"]
@@ -225,11 +223,10 @@ _BODY = f'{ORIGIN}<mass value="1.25"/>{TENSOR}'
 def mass_repeated(context: Context) -> Faults:
     """The mass of a body is not written twice, on links that are fixed to each other.
 
-    A frame that is fixed to a part, for a tool or a camera, and has the part's inertial again doubles the mass; so
-    does a link whose inertial is that of the link it is fixed to, in other axes. Reported are links fixed to each
-    other with the same mass, of 1 % of what moves with them or more, and either one centre of mass, within 1 mm, or
-    the same numbers throughout, where the child has no shape of its own or the inertia has three products and the
-    shapes differ. Stand-ins, which have the same moment three times, do not count.
+    A frame that is fixed to a part, for a tool or a camera, and has the part's inertial again doubles the mass.
+    Reported are links fixed to each other with the same mass, of 1 % of what moves with them or more, and either one
+    centre of mass, within 1 mm, or the same numbers throughout, where the child has no shape of its own or the inertia
+    has three products and the shapes differ. Stand-ins, which have the same moment three times, do not count.
     """
     known = context.once(bodies)
     for name, joint in context.once(repeated).items():
@@ -257,11 +254,10 @@ _LONG = 0.5
 def unweighed_part(context: Context) -> Faults:
     """A part that is seen has mass, as the other parts have.
 
-    Where nine of ten of the other links with shapes have an `<inertial>`, a moving link with shapes and without one
-    lost it: what is fixed to it has mass, so that the robot still loads, but too light by that link. It is at least
-    half as long as the longest link that is fixed to it, for a small one, such as a camera, may be weighed with
-    what carries it; and three other links with shapes must be there to tell. A group that has no mass at all is
-    RD202's.
+    Where nine of ten of the other links with shapes have an `<inertial>`, three at least, a moving link with shapes and
+    without one lost it: what is fixed to it has mass, so that the robot still loads, but too light. It is at least half
+    as long as the longest link that is fixed to it, for a small one, such as a camera, may be weighed with what carries
+    it. A group that has no mass at all is RD202's.
     """
     shaped = [link for link in context.view.links if real_shapes(link)]
     weighed = sum(link.inertial is not None for link in shaped)

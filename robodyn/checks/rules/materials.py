@@ -32,11 +32,10 @@ _GREY = '\n  <material name="grey"><color rgba="0.5 0.5 0.5 1"/></material>'
 def undefined_material(context: Context) -> Faults:
     """A material that is named is defined, once, in one colour.
 
-    Where a <material> has a name and neither color nor texture, and no other of that name has them, viewers draw
-    the link in a colour of their own. Two <material> of one name in <robot> make urdfdom refuse the whole file
-    ("material is not unique"); a <material> without a name makes it drop the shape, and what follows in that link.
-    Of two colours of one name urdfdom takes the first for all shapes, others each shape's own, and Drake refuses
-    them.
+    Where a <material> has a name and neither color nor texture, and no other of that name has them, viewers draw the
+    link in a colour of their own. Two <material> of one name in <robot> make urdfdom refuse the file; a <material>
+    without a name makes it drop the shape, and what follows in that link. Of two colours of one name urdfdom takes the
+    first for all shapes, others each shape's own, and Drake refuses them.
     """
     root = context.view.root
     shared = root.findall("material")

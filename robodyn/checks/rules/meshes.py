@@ -29,11 +29,11 @@ from robodyn.support.wording import count, figure, listed, shown, shown_path
 def mesh_missing(context: Context) -> Faults:
     """Every mesh is there and can be read.
 
-    A mesh that is missing, empty or damaged stops some programs, and leaves others without the shape, and without a
-    word. `package://` is looked for in --package-path, in ROS_PACKAGE_PATH, in AMENT_PREFIX_PATH, in
-    COLCON_PREFIX_PATH, in CMAKE_PREFIX_PATH, in the folders above the file, also above the one where a symbolic
-    link leads, and among the other packages of its workspace or repository. Where none of them is known, as for a
-    file out of its package, one remark says so for all meshes. Nothing is fetched.
+    A mesh that is missing, empty or damaged stops some programs, and leaves others without the shape. `package://` is
+    looked for in --package-path, in ROS_PACKAGE_PATH, in AMENT_PREFIX_PATH, in COLCON_PREFIX_PATH, in
+    CMAKE_PREFIX_PATH, in the folders above the file, also above the one where a symbolic link leads, and among the
+    other packages of its workspace or repository. Where none of them is known, one remark says so for all meshes.
+    Nothing is fetched.
     """
     for use in mesh_uses(context):
         if not use.geometry.uri:
@@ -107,9 +107,8 @@ _DRIVE = re.compile(r"[A-Za-z]:[\\/]")
 def mesh_path(context: Context) -> Faults:
     r"""Meshes are named within their package.
 
-    An absolute path, a `file://` and a name that leads out of the package mean a file of one machine. The
-    description cannot be installed or shared. A name with \ between folders is found on Windows alone. Also the
-    folder with the package.xml above a file is a package.
+    An absolute path, a `file://` and a name that leads out of the package, which is also the folder with the
+    package.xml above a file, mean a file of one machine. A name with \ between folders is found on Windows alone.
     """
     for name in context.once(mesh_names).values():
         why = _why(context, name)
@@ -142,15 +141,14 @@ _REMEDY = "repair it where mass, collision or simulation is computed from it; `r
 def mesh_surface(context: Context) -> Faults:
     """Meshes are closed, wound outwards, free of overlaps, and their coordinates are numbers.
 
-    Mass and signed distance need a surface that encloses a volume. Reported are coordinates that are no numbers;
-    shells wound inwards that are no cavities; STL files that hold more triangles than their header counts; surfaces
-    with one side only; faces wound against their neighbours; open edges, by the boundary chain; and shells that
-    reach into another, as far as a few points of each show. The last is a remark; the three before it are a warning
-    where a link takes its mass from the mesh, being a <collision> of one without <inertial>, and remarks otherwise:
-    MuJoCo and Drake collide with the convex hull, and others with the triangles. Of an open surface it is said,
-    with the numbers that `robodyn inertia` goes by, whether its gaps are small enough to be filled, a remark then,
-    or what is missing. The bad example stands beside a file `open.stl`, a box without lid; the good one beside
-    `closed.stl`.
+    Mass and signed distance need a surface that encloses a volume. Reported are coordinates that are no numbers; shells
+    wound inwards that are no cavities; STL files that hold more triangles than their header counts; surfaces with one
+    side only; faces wound against their neighbours; open edges, by the boundary chain; and shells that reach into
+    another, as far as a few points of each show. The last is a remark; the three before it are a warning where a link
+    takes its mass from the mesh, being a <collision> of one without <inertial>, and remarks otherwise. Of an open
+    surface it is said, with the numbers that `robodyn inertia` goes by, whether its gaps are small enough to be filled,
+    a remark then, or what is missing. The bad example stands beside a file `open.stl`, a box without lid; the good one
+    beside `closed.stl`.
     """
     for uri, facts in context.once(all_facts).items():
         name = context.once(mesh_names)[uri]
@@ -207,10 +205,10 @@ def mesh_unit(context: Context) -> Faults:
     """Meshes have the size of their robot.
 
     STL and OBJ have no unit, URDF reads them as metres, and CAD writes millimetres. A mesh longer than 20 m and 20
-    times the longest distance between joints; or shorter than 1 mm in a robot 100 times as large; or about 1000
-    times larger or smaller than the link's other mesh; or with factors that differ by 1000 between axes has the
-    wrong unit, and so has one with a scale of 1000 that is not there to be measured. The other rules leave it out.
-    The examples stand beside a file `millimetres.stl` of a part 200 mm long.
+    times the longest distance between joints; or shorter than 1 mm in a robot 100 times as large; or about 1000 times
+    larger or smaller than the link's other mesh; or with factors that differ by 1000 between axes, or of 1000 for a
+    file that is not there, has the wrong unit. The other rules leave it out. The examples stand beside a file
+    `millimetres.stl` of a part 200 mm long.
     """
     reported = set()
     for geometry, slip in context.once(mesh_slips).items():
@@ -261,10 +259,9 @@ _HEAD = 1 << 14
 def axis_up(context: Context) -> Faults:
     """DAE files have the axes that their shapes are drawn with.
 
-    A COLLADA file says which of its axes points up. Pinocchio 4.1, trimesh 4, yourdfpy (all run on one box) and
-    robodyn keep the axes as they are in the file, as RViz and Gazebo do; Blender and other editors turn what is
-    Y_UP by 90 degrees. So a link that stands upright in the editor lies down in the simulator. The examples stand
-    beside the meshes that they name.
+    A COLLADA file says which of its axes points up. Pinocchio, trimesh, yourdfpy and robodyn keep the axes as they are
+    in the file, as RViz and Gazebo do; Blender and other editors turn what is Y_UP by 90 degrees. So a link that stands
+    upright in the editor lies down in the simulator. The examples stand beside the meshes that they name.
     """
     turned = [(name, up) for name in context.once(mesh_names).values() if (up := _up(name)) is not None]
     if turned:

@@ -111,13 +111,12 @@ _REFLECT = "reflect the one of the two that is wrong, or allow it where one part
 def mirror_image(context: Context) -> Faults:
     """Centre of mass and tensor of a right link are the mirror image of the left one's.
 
-    A reflection turns the sign of one coordinate of the centre of mass and of two products of inertia. Copying a
-    limb's numbers to the other side without it shifts the robot's centre of mass to one side, by twice the offset
-    of the link's. The centre may be a tenth of the radius of gyration and 1 mm from the mirror image. Where the
-    very same part, an actuator say, is mounted on both sides, it is no mirror image of itself: where both links
-    have the same <visual> shapes (or, without any, the same <collision> shapes), what goes with these is as good.
-    Twins are found as RD401 says; where one cause explains the tensor, RD306 to RD313 name it instead, and where no
-    body can have one of the two, RD204, RD206 or RD207 do.
+    A reflection turns the sign of one coordinate of the centre of mass and of two products of inertia. Copying a limb's
+    numbers to the other side without it shifts the robot's centre of mass to one side. The centre may be a tenth of the
+    radius of gyration and 1 mm from the mirror image. Where the very same part is mounted on both sides, it is no
+    mirror image of itself: where both links have the same <visual> shapes (or, without any, the same <collision>
+    shapes), what goes with these is as good. Twins are found as RD401 says; where one cause explains the tensor, RD306
+    to RD313 name it instead, and where no body can have one of the two, RD204, RD206 or RD207 do.
     """
     for one in context.once(twins):
         cause = context.once(causes).get(one.link.name)
@@ -144,10 +143,10 @@ def mirror_image(context: Context) -> Faults:
 def copied_from_twin(context: Context) -> Faults:
     """A right link's tensor is the mirror image of the left one's, not a copy.
 
-    A reflection turns the sign of two products of inertia. A tensor that equals its twin's entry by entry, in
-    mirrored axes, was copied. It is right only where the same part is mounted on both sides, turned and not
-    mirrored: where both links have the same meshes at the same place nothing is reported, and otherwise a waiver
-    says so. Where the centre of mass is a copy, too, RD403 does not report it again.
+    A reflection turns the sign of two products of inertia. A tensor that equals its twin's entry by entry, in mirrored
+    axes, was copied. It is right only where the same part is mounted on both sides, turned and not mirrored: where both
+    links have the same meshes at the same place nothing is reported, and otherwise a waiver says so. Where the centre
+    of mass is a copy, too, RD403 does not report it again.
     """
     for one in context.once(twins):
         cause = context.once(causes).get(one.link.name)
@@ -179,13 +178,11 @@ _CORRECT_JOINT = _ONE_OF_TWO.format("joints")
 def mirror_joint(context: Context) -> Faults:
     """Kind, axis, limits, effort and velocity of a right joint are the mirror image of the left one's.
 
-    A reflection carries a rotation about an axis into one about the axis's image, the other way round. Where the
-    axis of a joint is that image, equal positions of twins are mirror images and so are equal limits; where it is
-    the image reversed, lower and upper change places and signs; on a part that is mounted on both sides either is
-    right. Copying limits from left to right where the axes ask for a change of sign is a common slip: a knee then
-    bends the wrong way. So is a joint that was fixed for a test, while its twin still moves; and an axis that is
-    reversed, where the range does not tell the same both ways. Twins are found as RD401 says. Ranges that RD503,
-    RD504 or RD507 report are not compared.
+    Where the axis of a joint is the image of its twin's, equal positions of twins are mirror images and so are equal
+    limits; where it is the image reversed, lower and upper change places and signs; on a part that is mounted on both
+    sides either is right. Copying limits from left to right where the axes ask for a change of sign is a common slip: a
+    knee then bends the wrong way. So is a joint that was fixed for a test, while its twin still moves. Twins are found
+    as RD401 says. Ranges that RD503, RD504 or RD507 report are not compared.
     """
     found = context.once(symmetry)
     for pair in () if found is None else found.pairs.values():
@@ -261,12 +258,12 @@ _CORRECT_SIDE = _ONE_OF_TWO.format("sides")
 def mirror_origin(context: Context) -> Faults:
     """Twin joints stand at each other's mirror image, where what carries them does.
 
-    A sign that was not turned, or turned twice, in the origin of one leg's joint moves the rest of the leg to the
-    wrong side of it, and nothing else tells: the leg is still a leg. Joints are twins if the names of the links
-    that they carry are each other's but for left and right; the mirror plane is the robot's own, as RD401 finds it.
-    Reported are joints whose parent is one link in that plane or on two links that are twins. Passed over are fixed
-    ones that carry no mass, such as sensors; what is mounted alike on a part that is itself mounted on both sides,
-    as fingers on a gripper; and frames that lie askew where no sign in rpy explains it: they are chosen freely.
+    A wrong sign in the origin of one leg's joint moves the rest of the leg to the wrong side of it, and nothing else
+    tells. Joints are twins if the names of the links that they carry are each other's but for left and right; the
+    mirror plane is the robot's own, as RD401 finds it. Reported are joints whose parent is one link in that plane or on
+    two links that are twins. Passed over are fixed ones that carry no mass, such as sensors; what is mounted alike on a
+    part that is itself mounted on both sides, as fingers on a gripper; and frames that lie askew where no sign in rpy
+    explains it.
     """
     found, heavy = context.once(symmetry), set[str]()
     if found is None:

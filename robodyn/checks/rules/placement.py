@@ -27,11 +27,10 @@ from robodyn.support.wording import shown
 def detached_part(context: Context) -> Faults:
     """The parts on both sides of a joint are next to each other.
 
-    Where the shapes of nearly all joints' children touch those of their parents, a child far from its parent has
-    the wrong one, or its origin is wrong: it has millimetres in an entry, or a sign or digit too many. The gap
-    is that between the boxes around the shapes, each joint at 0 or at its limit next to 0; it is reported where it
-    is more than a tenth of the larger part and 1 cm, of parts that are fixed half the larger part and 5 cm, and
-    nine of ten of the other joints have none.
+    Where the shapes of nine of ten other joints' children touch those of their parents, a child far from its parent has
+    the wrong one, or its origin has millimetres in an entry, or a sign or digit too many. The gap is that between the
+    boxes around the shapes, each joint at 0 or at its limit next to 0; it is reported where it is more than a tenth of
+    the larger part and 1 cm, of parts that are fixed half the larger part and 5 cm.
     """
     for name, (contact, bound) in context.once(detached).items():
         joint = context.view.joint[name]
@@ -121,10 +120,9 @@ def drawn_in_millimetres(context: Context) -> Faults:
     """A robot is drawn in metres.
 
     Where the links' masses over the boxes around their shapes are 1e9 times too small in the median, and 1000 times
-    shorter lengths bring them to what published robots have, all lengths are in millimetres; or they were divided
-    by 1000 that were in metres. At least three links with mass and shapes show it. What follows from it, for
-    densities, inertias, centres of mass and torques, is not reported beside it. A mesh in millimetres alone is
-    RD605's, an origin RD111's.
+    shorter lengths bring them to what published robots have, all lengths are in millimetres; or they were divided by
+    1000 that were in metres. At least three links with mass and shapes show it. What follows from it is not reported
+    beside it. A mesh in millimetres alone is RD605's, an origin RD111's.
     """
     unit = context.once(other_unit)
     if unit is None:

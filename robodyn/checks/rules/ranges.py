@@ -38,9 +38,9 @@ def inverted_limits(context: Context) -> Faults:
 def no_range(context: Context) -> Faults:
     """The limits of a joint leave it a range, and end somewhere.
 
-    A revolute or prismatic joint needs lower and upper; an absent one is 0, and with both absent the joint is
-    frozen. A stand-in such as 1e16 passes for a range, from which planners then draw samples. A joint that turns
-    freely, as a wheel or a propeller does, is `continuous` and has neither.
+    A revolute or prismatic joint needs lower and upper; an absent one is 0, and with both absent the joint is frozen. A
+    stand-in such as 1e16 passes for a range. A joint that turns freely, as a wheel or a propeller does, is `continuous`
+    and has neither.
     """
     for joint in context.view.joints:
         limit = joint.limit
@@ -82,10 +82,9 @@ _STEP = 5.0
 def degrees(context: Context) -> Faults:
     """Angles are in radians: no limit and no rpy is beyond one turn.
 
-    An rpy of 90 is a turn by 90 rad, that is 14 turns and 117 degrees: the part stands askew and nothing else
-    tells. A limit of 180 is none. A joint that does turn more than once between its limits is the exception. A
-    range is one thing: its ends, with the soft limits, are turned into radians together, where all of them are
-    round in degrees, or not at all.
+    An rpy of 90 is a turn by 90 rad, that is 14 turns and 117 degrees. A limit of 180 is none. A joint that does turn
+    more than once between its limits is the exception. The ends of a range, with the soft limits, are turned into
+    radians together, where all of them are round in degrees, or not at all.
     """
     view = context.view
     inertials = [link.inertial for link in view.links if link.inertial is not None]
@@ -181,9 +180,8 @@ _ALMOST_A_TURN = 2 * pi * (1 - 1e-2)
 def continuous_with_range(context: Context) -> Faults:
     """A joint that turns freely has no range that leaves angles out.
 
-    Readers ignore lower and upper of a continuous joint. A range that is less than a whole turn says that the part
-    has stops: a revolute joint was meant, and simulation and planning drive it through them. Ranges of a turn and
-    more leave nothing out, and lower = upper is taken for none.
+    Readers ignore lower and upper of a continuous joint. A range that is less than a whole turn says that the part has
+    stops: a revolute joint was meant. Ranges of a turn and more leave nothing out, and lower = upper is taken for none.
     """
     for joint in context.view.joints:
         limit = joint.limit
@@ -320,12 +318,12 @@ def _stand_in(value: float) -> bool:
 def limit_unit(context: Context) -> Faults:
     """Limits are in rad/s, N m, m and m/s.
 
-    A speed of 120 is 120 rad/s, 1146 turns a minute: at a joint, deg/s were meant. Reported are turning joints of
-    which the speed is at least 8 times that of all others and among theirs when it is divided by 57.3, or all of
-    which have round speeds from 45 on, and one of which turns within a range (a top, a wheel and a propeller may
-    turn fast); efforts at least 100 times those of all others and among theirs when they are divided by 1000, which
-    are N mm; and slides of more than 5 m that are 20 times the robot's longest offset between joints, or as fast
-    per second, which are in mm. Powers of ten and all nines are stand-ins, and left to RD803.
+    A speed of 120 is 120 rad/s, 1146 turns a minute: at a joint, deg/s were meant. Reported are turning joints of which
+    the speed is at least 8 times that of all others and among theirs when it is divided by 57.3, or all of which have
+    round speeds from 45 on, and one of which turns within a range; efforts at least 100 times those of all others and
+    among theirs when they are divided by 1000, which are N mm; and slides of more than 5 m that are 20 times the
+    robot's longest offset between joints, or as fast per second, which are in mm. Powers of ten and all nines are
+    stand-ins, and left to RD803.
     """
     for slip in context.once(limit_slips):
         name, value = slip.numbers.attribute, slip.numbers.value

@@ -74,10 +74,10 @@ _LISTED_AGAIN = '</joint>\n    <joint name="shoulder"><state_interface name="pos
 def controlled_joint(context: Context) -> Faults:
     """What ros2_control lists is named, is listed once, and moves; its hardware has a plugin.
 
-    controller_manager ends at start where one interface of a joint, sensor or gpio is offered twice, and where one
-    of them or an interface has no name. A fixed joint has nothing to command: simulators drop it, and the
-    controller that waits for it never starts; so it does where the name of an interface has a letter too many. A
-    sensor or gpio that offers nothing is not there for anybody.
+    controller_manager ends at start where one interface of a joint, sensor or gpio is offered twice, and where one of
+    them or an interface has no name. A fixed joint has nothing to command, and the controller that waits for it never
+    starts; nor does one where the name of an interface has a letter too many. A sensor or gpio that offers nothing is
+    not there for anybody.
     """
     listed: dict[tuple[int, str, str], Element] = {}
     offered: dict[tuple[str, str, str], Element] = {}

@@ -19,13 +19,11 @@ from robodyn.robot.urdf.parts import SHAPES
 def shape_size(context: Context) -> Faults:
     """Sizes and scales of shapes are positive.
 
-    A box, cylinder, sphere or capsule without size, or a mesh with a scale of zero, is refused by some programs
-    (MuJoCo 4.0 and Drake 1.51, run) and dropped by others. One or three negative scales make a mirror image, whose
-    faces look inwards unless the program turns them: MuJoCo, Drake and trimesh 4 do, and have its volume right;
-    Pinocchio 4.1 does not, and has a negative volume and a negative inertia of the shape (all run on one
-    tetrahedron). Shapes are where they should be in all four. So this is a warning in a <collision>, and a remark
-    where the mesh is only a <visual>, or stands unmirrored in the robot, too: both sides of a robot are often made
-    of one mesh. Two negative scales are half a turn, right in all four, and a remark.
+    A box, cylinder, sphere or capsule without size, or a mesh with a scale of zero, is refused by MuJoCo and Drake and
+    dropped by others. One or three negative scales make a mirror image, whose faces look inwards unless the program
+    turns them: MuJoCo, Drake and trimesh do, and have its volume right; Pinocchio 4.1 has a negative volume and inertia
+    of the shape. So this is a warning in a <collision>, and a remark where the mesh is only a <visual>, or stands
+    unmirrored in the robot, too. Two negative scales are half a turn, right in all four, and a remark.
     """
     for geometry in (geometry for link in context.view.links for geometry in link.geometries):
         for size in geometry.sizes:
@@ -75,9 +73,9 @@ def _shown(values: tuple[float, ...]) -> str:
 def no_shape(context: Context) -> Faults:
     """A <visual> and a <collision> have a shape, and one only.
 
-    urdfdom drops a <visual> or <collision> without <geometry>, or whose <geometry> holds none of box, cylinder,
-    sphere, capsule and mesh, and with it what follows in that link: also shapes that are in order are not there. Of
-    two shapes in one <geometry> every reader takes one, and not the same one.
+    urdfdom drops a <visual> or <collision> without <geometry>, or whose <geometry> holds none of box, cylinder, sphere,
+    capsule and mesh, and with it what follows in that link. Of two shapes in one <geometry> every reader takes one, and
+    not the same one.
     """
     for link in context.view.links:
         for geometry in link.geometries:
@@ -108,13 +106,12 @@ _BOX = '<geometry><box size="0.1 0.1 0.25"/></geometry>'
 def collision_misfit(context: Context) -> Faults:
     """What collides is where and what is seen.
 
-    A collision mesh or primitive that is also a visual of the link stands where that stands; a collision mesh has
-    the size of the visual one, and is not that of another link; and there is no gap as wide as half the link
-    between the two. A simulator stops the robot at walls that nobody sees. Shapes that are simpler on purpose are
-    not judged by their size, unless a box, cylinder or sphere is 20 times as large as what is seen, or a cylinder
-    fits that by exchanging its radius and length; meshes of one part differ by up to 10 % in the sides of their
-    boxes. A shape less than 15 % of its size or 1 cm away is passed over. One mesh each for both, whose boxes share
-    at most a fifth of their volume, are two parts, or one that is turned.
+    A collision mesh or primitive that is also a visual of the link stands where that stands; a collision mesh has the
+    size of the visual one, and is not that of another link; and there is no gap as wide as half the link between the
+    two. Shapes that are simpler on purpose are not judged by their size, unless a box, cylinder or sphere is 20 times
+    as large as what is seen, or a cylinder fits that by exchanging its radius and length; meshes of one part differ by
+    up to 10 % in the sides of their boxes. A shape less than 15 % of its size or 1 cm away is passed over. One mesh
+    each for both, whose boxes share at most a fifth of their volume, are two parts, or one that is turned.
     """
     for geometry, what, remedy, measured, bound, cause in context.once(misfits):
         at = geometry.element if geometry.origin.element is None else geometry.origin.element
@@ -135,12 +132,11 @@ _SHOWN = 3
 def self_overlap(context: Context) -> Faults:
     """Parts that no joint connects do not overlap at rest.
 
-    A simulator that lets a robot collide with itself pushes such parts apart at the first step: the robot jumps.
-    The convex hulls of collision shapes are compared, which MuJoCo and Drake collide, each joint at 0 or at its
-    limit next to 0. Reported, once for a file, are pairs of links that overlap by more than 1 cm and a tenth of the
-    smaller shape; depths are those of MuJoCo 4.0 within 2.5 mm on four published robots. Left out are neighbours,
-    pairs that the SRDF disables, and shapes that RD609 reports. It is a remark, for many robots fold into
-    themselves where all joints are at 0.
+    A simulator that lets a robot collide with itself pushes such parts apart at the first step: the robot jumps. The
+    convex hulls of collision shapes are compared, which MuJoCo and Drake collide, each joint at 0 or at its limit next
+    to 0. Reported, once for a file, are pairs of links that overlap by more than 1 cm and a tenth of the smaller shape.
+    Left out are neighbours, pairs that the SRDF disables, and shapes that RD609 reports. It is a remark, for many
+    robots fold into themselves where all joints are at 0.
     """
     found = [] if context.once(detached) else overlaps(context)
     if not found:
@@ -172,9 +168,9 @@ _COLLISION = '<collision><geometry><box size="0.1 0.1 0.25"/></geometry></collis
 def flat_shape(context: Context) -> Faults:
     """Collision shapes have a thickness.
 
-    A mesh all of whose points lie in a plane, and a box 1 um thick, have no volume: MuJoCo refuses such a mesh,
-    because it has no convex hull, and contacts with it pass through in others. Reported are collision shapes
-    thinner than 10 um and than a thousandth of their longest side. What is only seen may be a label, and be flat.
+    A mesh in a plane, and a box 1 um thick, have no volume: MuJoCo refuses such a mesh, and contacts with it pass
+    through in others. Reported are collision shapes thinner than 10 um and than a thousandth of their longest side.
+    What is only seen may be a label, and be flat.
     """
     known = context.once(solids)
     for shape in (shape for link in context.view.links for shape in real_shapes(link)):

@@ -19,10 +19,10 @@ from robodyn.support.wording import alternatives, count, figure, shown
 def srdf_of_another_robot(context: Context) -> Faults:
     """The SRDF beside a description is for this robot.
 
-    MoveIt says "Semantic description is not specified for the same robot as the URDF" where the names in the two
-    <robot> differ. Most often the SRDF was copied from another robot. With names that are merely spelled otherwise
-    this is a remark; where most of the links and joints that it names are not in the robot, an error. Looked at is
-    the SRDF of the description's name beside it or in a folder config or srdf; the examples are SRDFs of an arm.
+    MoveIt complains where the names in the two <robot> differ. Most often the SRDF was copied from another robot. With
+    names that are merely spelled otherwise this is a remark; where most of the links and joints that it names are not
+    in the robot, an error. Looked at is the SRDF of the description's name beside it or in a folder config or srdf; the
+    examples are SRDFs of an arm.
     """
     found = context.once(srdf)
     if found is None:
@@ -45,10 +45,9 @@ def srdf_of_another_robot(context: Context) -> Faults:
 def unknown_group(context: Context) -> Faults:
     """Groups of the SRDF that are named are there, once, and their chains run from the base to the tip.
 
-    MoveIt passes over a state, an end effector or a group of groups whose group it does not know: the pose cannot
-    be called up, the gripper cannot be planned for. A state that names no group at all is one that only Pinocchio
-    reads, and a remark. Of two groups of one name one is passed over, and a chain whose base is below its tip is
-    planned for the wrong end. The examples are SRDFs of an arm.
+    MoveIt passes over a state, an end effector or a group of groups whose group it does not know. A state that names no
+    group at all is one that only Pinocchio reads, and a remark. Of two groups of one name one is passed over, and a
+    chain whose base is below its tip is planned for the wrong end. The examples are SRDFs of an arm.
     """
     found = own_srdf(context)
     if found is None:
@@ -110,8 +109,7 @@ def group_state(context: Context) -> Faults:
 
     A planner refuses to start from, or to go to, a state beyond the limits of a joint. Each joint has one number; a
     continuous one may have two, cosine and sine, as Pinocchio writes it. Held against the limits of revolute and
-    prismatic joints, within a thousandth, since states are often rounded to three digits. The examples are SRDFs of
-    an arm.
+    prismatic joints, within a thousandth, since states are often rounded. The examples are SRDFs of an arm.
     """
     found = own_srdf(context)
     if found is None:
@@ -158,10 +156,10 @@ _MOST = 4
 def neighbours_collide(context: Context) -> Faults:
     """The SRDF lets neighbours touch.
 
-    A joint's two links touch where they are joined. A planner that has not been told so by <disable_collisions>
-    finds a collision in every pose, and no path. Reported, in one finding, are the neighbours with collision shapes
-    whose boxes overlap at rest, where the SRDF lists pairs at all. Two links that it lists with a link that is not
-    there, between them perhaps, are RD701's alone. The examples are SRDFs of an arm.
+    A joint's two links touch where they are joined. A planner that has not been told so by <disable_collisions> finds a
+    collision in every pose. Reported, in one finding, are the neighbours with collision shapes whose boxes overlap at
+    rest, where the SRDF lists pairs at all. Two links that it lists with a link that is not there are RD701's alone.
+    The examples are SRDFs of an arm.
     """
     found = own_srdf(context)
     pairs = [] if found is None else found.root.findall("disable_collisions")

@@ -188,8 +188,8 @@ _PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 def name_portability(context: Context) -> Faults:
     """Names of letters, digits and _ survive a conversion to other formats.
 
-    USD (Isaac Sim) takes no other character and renames what has one, after which programs look for the old name in
-    vain; SDF keeps some names for itself and requires each to be there once among links and joints.
+    USD (Isaac Sim) takes no other character and renames what has one; SDF keeps some names for itself and requires each
+    to be there once among links and joints.
     """
     view = context.view
     parts: tuple[LinkView | JointView, ...] = (*view.links, *view.joints)

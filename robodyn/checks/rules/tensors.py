@@ -80,11 +80,11 @@ def tensor_without_mass(context: Context) -> Faults:
 def not_positive_definite(context: Context) -> Faults:
     """The inertia matrix is positive definite.
 
-    A principal moment of inertia is a sum of mass times distance squared. With one that is zero or negative the
-    kinetic energy of a spin about its axis is not positive, and simulations gain energy from nothing. The principal
-    moments are the eigenvalues of the matrix: large products make one negative although the diagonal is positive.
-    Where no cause explains the tensor, the unsafe fix is the nearest that a body can have. Traversaro, Brossette,
-    Escande, Nori, Identification of fully physical consistent inertial parameters (IROS 2016).
+    A principal moment of inertia is a sum of mass times distance squared. With one that is zero or negative simulations
+    gain energy from nothing. The principal moments are the eigenvalues of the matrix: large products make one negative
+    although the diagonal is positive. Where no cause explains the tensor, the unsafe fix is the nearest that a body can
+    have. Traversaro, Brossette, Escande, Nori, Identification of fully physical consistent inertial parameters (IROS
+    2016).
     """
     bound = context.thresholds.positive_definite
     for link, inertial, tensor in tensors(context):
@@ -110,11 +110,10 @@ def not_positive_definite(context: Context) -> Faults:
 def triangle_inequality(context: Context) -> Faults:
     """The largest principal moment is no greater than the sum of the other two.
 
-    I_1 + I_2 - I_3 is twice the second moment of the mass along the third axis, a sum of mass times distance
-    squared, and so never negative. The entries of the diagonal say too little: the law holds for the principal
-    moments, in every axes. Where no cause explains the tensor, the unsafe fix is the nearest that a body can have.
-    Wensing, Kim, Slotine, Linear matrix inequalities for physically consistent inertial parameter identification
-    (RA-L 2018).
+    I_1 + I_2 - I_3 is twice the second moment of the mass along the third axis, a sum of mass times distance squared,
+    and so never negative. The law holds for the principal moments, in every axes; the diagonal says too little. Where
+    no cause explains the tensor, the unsafe fix is the nearest that a body can have. Wensing, Kim, Slotine, Linear
+    matrix inequalities for physically consistent inertial parameter identification (RA-L 2018).
     """
     limits = context.thresholds
     for link, inertial, tensor in tensors(context):
@@ -149,10 +148,9 @@ _NEAR = 0.05
 def placeholder_tensor(context: Context) -> Faults:
     """The inertia is that of the part, not a stand-in.
 
-    The identity matrix, a power of ten times it, six equal entries, and numbers copied from a link of another mass
-    are stand-ins; of left and right RD401 judges the masses. An inertia of 1 kg m^2 is that of a solid ball of 2 kg
-    with a radius of 1.1 m. Numbers within 5 % of the inertia of the link's own shapes, as those of a solid ball may
-    be, are no stand-in.
+    The identity matrix, a power of ten times it, six equal entries, and numbers copied from a link of another mass are
+    stand-ins; of left and right RD401 judges the masses. An inertia of 1 kg m^2 is that of a solid ball of 2 kg with a
+    radius of 1.1 m. Numbers within 5 % of the inertia of the link's own shapes are no stand-in.
     """
     first_with: dict[tuple[float, ...], LinkView] = {}
     mirrored = {frozenset((pair.left.name, pair.right.name)) for pair in context.once(pairs)}

@@ -176,11 +176,11 @@ _NUMBERS = frozenset(name for kind in KINDS.values() for name, count in kind.att
 def unknown_element(context: Context) -> Faults:
     """Elements and attributes are those of URDF, and each stands where URDF has it and as often.
 
-    urdfdom and most other readers ignore what they do not know: a misspelt <inertal> makes a link without mass, a
-    misspelt attribute takes its default. What is like a name that is missing, what URDF has elsewhere (an <origin>
-    in a <link>, an rpy of an <axis>), and an element none of whose attributes is read are warnings. Other names are
-    most often the additions of one tool, and remarks. Elements with a namespace prefix, and those at the top that
-    belong to other tools (gazebo, ros2_control, ...), are left alone.
+    urdfdom and most other readers ignore what they do not know: a misspelt <inertal> makes a link without mass. What is
+    like a name that is missing, what URDF has elsewhere (an <origin> in a <link>, an rpy of an <axis>), and an element
+    none of whose attributes is read are warnings. Other names are most often the additions of one tool, and remarks.
+    Elements with a namespace prefix, and those at the top that belong to other tools (gazebo, ros2_control, ...), are
+    left alone.
     """
     for element, kind, subject in context.once(own_elements):
         yield from _children(element, kind, subject)
@@ -261,9 +261,9 @@ _LONGEST = 2000
 def bad_number(context: Context) -> Faults:
     """Numbers are finite, decimal, no larger than 1e30, and as many as the attribute holds.
 
-    NaN and infinity, decimal commas, units, and too few or too many numbers. urdfdom then drops the whole element,
-    an <inertial> for example, and reports success; other readers take a part of the text. A <safety_controller>
-    without k_velocity and a <dynamics> without damping and friction make it refuse the file.
+    NaN and infinity, decimal commas, units, and too few or too many numbers. urdfdom then drops the whole element and
+    reports success; other readers take a part of the text. A <safety_controller> without k_velocity and a <dynamics>
+    without damping and friction make it refuse the file.
     """
     for element, kind, subject in context.once(own_elements):
         if kind.some and not any(name in element.values for name in kind.some):
@@ -296,10 +296,9 @@ _IDENTITY = '<mass value="2"/>' + inertia("1 0 0 1 0 1")
 def waiver_not_in_force(context: Context) -> Faults:
     """A waiver names rules that exist, and says why.
 
-    A comment `<!-- robodyn: allow RD208 no tensor is published, see issue 52 -->` above an element, or behind it on
-    its line, allows the finding there. Without a reason nobody can tell later whether it still holds, so a waiver
-    without one is not in force; nor is one with a code that no rule has, or a comment that begins with `robodyn:`
-    and goes on in another way.
+    A comment `<!-- robodyn: allow RD208 no tensor is published, see issue 52 -->` above an element, or behind it on its
+    line, allows the finding there. A waiver without a reason is not in force; nor is one with a code that no rule has,
+    or a comment that begins with `robodyn:` and goes on in another way.
     """
     for waiver in context.once(waivers):
         if not waiver.in_force(context.codes):

@@ -32,13 +32,12 @@ _TRANSMISSION = """
 def names_nothing(context: Context) -> Faults:
     """Transmissions, ros2_control, Gazebo and SRDF entries name links and joints that exist.
 
-    Controllers fail at start, or the entry is dropped without a word, where a joint was renamed in one place and
-    not in the others. Asked are <joint> in <transmission> and <ros2_control>, the reference of <gazebo>, the joints
-    and bodies that its plugins name (jointName, mimicJoint, bodyName and so on; no frames, which others may
-    publish), and the SRDF of the same name (or the only one for this robot) beside the file or in a folder config
-    or srdf: its groups, chains, states, end effectors, passive and virtual joints. Collisions of links that do not
-    exist, and an SRDF of another name, which may belong to a variant of the robot, are warnings. root_joint, as
-    Pinocchio calls a free base, is understood.
+    Controllers fail at start, or the entry is dropped without a word, where a joint was renamed in one place and not in
+    the others. Asked are <joint> in <transmission> and <ros2_control>, the reference of <gazebo>, the joints and bodies
+    that its plugins name (jointName, mimicJoint, bodyName and so on; no frames, which others may publish), and the SRDF
+    of the same name (or the only one for this robot) beside the file or in a folder config or srdf. Collisions of links
+    that do not exist, and an SRDF of another name, which may belong to a variant of the robot, are warnings.
+    root_joint, as Pinocchio calls a free base, is understood.
     """
     view = context.view
     both = {**view.link, **view.joint}
@@ -132,11 +131,10 @@ _REDUCTIONS = ("mechanicalReduction", "mechanical_reduction")
 def transmission(context: Context) -> Faults:
     """A transmission has a name of its own and a type, and drives moving joints, each once, by a ratio that is not 0.
 
-    A joint in two transmissions gets two drives, or the later one replaces the earlier. A reduction of 0 divides by
-    zero: ros_control and ros2_control refuse it ("reduction ratio cannot be zero"). One without a type is passed
-    over, and so is a joint whose hardware interface has a name that nobody offers; a drive of a fixed joint moves
-    nothing. Types and interfaces of other packages are not judged, but for those that are the usual ones' but for a
-    slip.
+    A joint in two transmissions gets two drives, or the later one replaces the earlier. A reduction of 0 is refused.
+    One without a type is passed over, and so is a joint whose hardware interface has a name that nobody offers; a drive
+    of a fixed joint moves nothing. Types and interfaces of other packages are not judged, but for those that are the
+    usual ones' but for a slip.
     """
     root = context.view.root
     inside = [each for control in root.findall("ros2_control") for each in control.findall("transmission")]
