@@ -1,7 +1,7 @@
 """What other programs do to descriptions: MuJoCo and Drake run, and a table of facts about links, joints and shapes.
 
 Each row was learnt by running the program or from what it documents. The table is not complete: what is refused for how
-it is written, for materials, textures or transmissions, the program itself tells where it is installed; see `opinion`.
+it is written, for meshes, materials or transmissions, the program itself tells where it is installed; see `opinion`.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ import json
 import re
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from contextlib import suppress
 from enum import IntEnum
 from math import hypot
 from os.path import splitext
@@ -18,11 +19,11 @@ from typing import NamedTuple
 
 from robodyn.checks.bodies.masses import inertia_together, principal_moments
 from robodyn.checks.context import Context
-from robodyn.checks.meshes.files import MeshUse, State, mesh_names
+from robodyn.checks.meshes.files import MeshUse, mesh_names
 from robodyn.robot.masses.mistakes import UPPER
 from robodyn.robot.urdf.elements import Span
 from robodyn.robot.urdf.parts import WITH_AXIS, WITH_RANGE
-from robodyn.robot.urdf.view import JointView, LimitView, LinkView
+from robodyn.robot.urdf.view import GeometryView, JointView, LimitView, LinkView
 
 _LEAST_MASS, _LEAST_MOMENT = 1e-15, 1e-14
 """MuJoCo: kg, and principal moments [kg m^2]."""
@@ -42,29 +43,19 @@ class Verdict(IntEnum):
     REJECTS = 2
 
 
-class Found(NamedTuple):
-    """A place, and what is there."""
-
-    at: Span
-    what: str
-
-
+Found = tuple[Span, str]
+"""A place, and what is there."""
 Find = Callable[[Context], Iterable[Found]]
 
 
 class Fact(NamedTuple):
-    """One thing that a program does: to what (`find`), what (`does`), and how that is known (`source`).
-
-    Of nearly every robot the meshes cannot be read by some program: facts about `files` count only where the program is
-    asked for.
-    """
+    """One thing that a program does: to what (`find`), what (`does`), and how that is known (`source`)."""
 
     target: str
     verdict: Verdict
     does: str
     source: str
     find: Find
-    files: bool = False
 
 
 class Reads(NamedTuple):
@@ -100,16 +91,12 @@ def named(of: LinkView | JointView) -> str:
 
 
 def _part(of: LinkView | JointView) -> Found:
-    return Found(of.element.span, named(of))
-
-
-def _used(use: MeshUse, what: str) -> Found:
-    return Found(use.at, f"{what} in the {use.geometry.kind} of {named(use.link)}")
+    return of.element.span, named(of)
 
 
 def _inertials(holds: Callable[[Context, LinkView], object]) -> Find:
     return lambda context: [
-        Found(link.inertial.element.span, named(link))
+        (link.inertial.element.span, named(link))
         for link in context.tree.links
         if link.inertial is not None and holds(context, link)
     ]
@@ -131,44 +118,21 @@ def _axis_shorter_than(least: float) -> Find:
     return _joints(lambda joint: joint.type in WITH_AXIS and hypot(*(joint.axis.values or (1.0,))) < least)
 
 
-def _unread_meshes(target: str) -> Find:
+def _shapes(kind: str, words: str, holds: Callable[[Context, GeometryView], bool]) -> Find:
     return lambda context: [
-        _used(use, suffix or "no suffix") for suffix, uses in unread(context, target).items() for use in uses
+        (shape.element.span, f"{words}{named(link)}")
+        for link in context.view.links
+        for shape in link.geometries
+        if shape.kind == kind and holds(context, shape)
     ]
 
 
-def _missing_meshes(*kinds: str) -> Find:
-    return lambda context: [
-        _used(use, name.uri)
-        for name in context.once(mesh_names).values()
-        if name.state in (State.MISSING, State.OTHER_CASE)
-        for use in name.uses
-        if use.geometry.kind in kinds
-    ]
-
-
-def _uris(context: Context) -> Iterator[Found]:
-    for name in context.once(mesh_names).values() if _compiler(context).get("strippath") != "true" else ():
-        if "://" in name.uri:
-            yield from (_used(use, name.uri) for use in name.uses if use.geometry.kind == "collision")
-
-
-def _sizeless(context: Context) -> Iterator[Found]:
-    for link in context.view.links:
-        for shape in link.geometries:
-            sizes = [value for size in shape.sizes for value in size.values or ()]
-            if shape.kind == "collision" and min(sizes, default=1.0) <= 0:
-                yield Found(shape.element.span, f"the collision of {named(link)}")
-
-
-def _visuals(context: Context) -> Iterator[Found]:
-    if _compiler(context).get("discardvisual", "true") == "true":
-        for link in context.view.links:
-            yield from (Found(one.element.span, named(link)) for one in link.geometries if one.kind == "visual")
+def _sizeless(_: Context, shape: GeometryView) -> bool:
+    return min((value for size in shape.sizes for value in size.values or ()), default=1.0) <= 0
 
 
 def _nameless(context: Context) -> list[Found]:
-    return [] if context.view.root.get("name") else [Found(context.view.root.span, "the robot")]
+    return [] if context.view.root.get("name") else [(context.view.root.span, "the robot")]
 
 
 def _compiler(context: Context) -> Mapping[str, str]:
@@ -225,7 +189,7 @@ def _mimic_leader(context: Context) -> Iterator[Found]:
         if joint.mimic is not None:
             leader = context.view.joint.get(joint.mimic.joint)
             if leader is None or leader is joint or _FREEDOM.get(leader.type, 1) != _FREEDOM.get(joint.type, 1):
-                yield Found(joint.mimic.element.span, named(joint))
+                yield joint.mimic.element.span, named(joint)
 
 
 def _weightless(context: Context) -> frozenset[str]:
@@ -284,29 +248,26 @@ _INCOMPLETE = _inertials(
 _MUJOCO, _DRAKE = "MuJoCo 4.0, run; its XML reference, compiler", "Drake 1.51, run"
 _GAZEBO, _KDL = "sdformat 12.3 with urdfdom 3.0, run", "kdl_parser.cpp"
 _ISAAC = "Isaac Sim 5, URDF importer and its ImportConfig"
-_TABLE: Mapping[tuple[str, Verdict, str, bool], Mapping[str, Find]] = {
-    ("mujoco", Verdict.REJECTS, _MUJOCO, False): {
+_TABLE: Mapping[tuple[str, Verdict, str], Mapping[str, Find]] = {
+    ("mujoco", Verdict.REJECTS, _MUJOCO): {
         "requires mass and inertia in what moves": _massless,
         "requires principal moments of 1e-14 kg m^2 or more, no two of them below the third": _REFUSED_TENSOR,
         "requires <mass> and <inertia> in <inertial>": _INCOMPLETE,
         "requires an axis of 1e-7 or more": _axis_shorter_than(1e-7),
-        "requires positive sizes of what collides": _sizeless,
+        "requires positive sizes of what collides": _shapes("collision", "the collision of ", _sizeless),
     },
-    ("mujoco", Verdict.ALTERS, _MUJOCO, False): {
+    ("mujoco", Verdict.ALTERS, _MUJOCO): {
         "infers masses: links without <inertial> weigh what water in their collision shapes does": lambda context: [
             _part(link) for group in context.tree.groups[1:] for link in group.links if _inferred(link)
         ],
-        "leaves out what is only <visual>": _visuals,
+        "leaves out what is only <visual>": _shapes(
+            "visual", "", lambda context, _: _compiler(context).get("discardvisual", "true") == "true"
+        ),
         "makes the root a part of the world, without its mass": _HEAVY_ROOT,
         "ignores limits unless lower < upper, both given": _limits(WITH_RANGE, _unlimited),
         "makes mimic a soft equality constraint": _MIMIC,
     },
-    ("mujoco", Verdict.REJECTS, _MUJOCO, True): {
-        "reads meshes in .stl, .obj and .msh only": _unread_meshes("mujoco"),
-        "requires meshes to be there": _missing_meshes("collision"),
-        'opens no URI without <mujoco><compiler strippath="true" meshdir="..."/>': _uris,
-    },
-    ("drake", Verdict.REJECTS, _DRAKE, False): {
+    ("drake", Verdict.REJECTS, _DRAKE): {
         "requires lower <= upper": _limits(_LIMITED, _turned),
         "requires a velocity that is not negative, and ends the process otherwise": _limits(
             _LIMITED, lambda limit: (limit.velocity.value or 0.0) < 0
@@ -318,16 +279,12 @@ _TABLE: Mapping[tuple[str, Verdict, str, bool], Mapping[str, Find]] = {
         "requires mimic and another joint as leader, with equal degrees of freedom": _mimic_leader,
         "requires a name of the robot": _nameless,
     },
-    ("drake", Verdict.ALTERS, _DRAKE, False): {
+    ("drake", Verdict.ALTERS, _DRAKE): {
         "ignores joint friction": _joints(lambda joint: joint.friction.value),
         "lets the root float unless it is called world": _root(lambda link: link.name != "world"),
         "leaves the child of a floating joint free of its parent": _joints(lambda joint: joint.type == "floating"),
     },
-    ("drake", Verdict.REJECTS, _DRAKE, True): {
-        "collides with meshes in .obj, .vtk and .gltf only": _unread_meshes("drake"),
-        "requires meshes to be there": _missing_meshes("visual", "collision"),
-    },
-    ("gz", Verdict.REJECTS, _GAZEBO, False): {
+    ("gz", Verdict.REJECTS, _GAZEBO): {
         "keeps nothing, since it drops links without mass and all behind them": lambda context: [
             _part(link) for link in context.tree.links[:1] if link.name in _weightless(context)
         ],
@@ -338,20 +295,17 @@ _TABLE: Mapping[tuple[str, Verdict, str, bool], Mapping[str, Find]] = {
         "requires names of joints that are no links', and none like __this__": _taken_names,
         "requires a name of the robot": _nameless,
     },
-    ("gz", Verdict.ALTERS, _GAZEBO, False): {
+    ("gz", Verdict.ALTERS, _GAZEBO): {
         "drops links without mass, and all joints and links behind them": _dropped,
         "exchanges limits where lower > upper": _limits(WITH_RANGE, _turned),
         "merges links on fixed joints": _FIXED,
     },
-    ("gz", Verdict.ALTERS, READS["gz"].source, False): {
-        "leaves out meshes in formats that it does not read": _unread_meshes("gz")
-    },
-    ("kdl", Verdict.ALTERS, _KDL, False): {
+    ("kdl", Verdict.ALTERS, _KDL): {
         "ignores the mass of the root": _HEAVY_ROOT,
         "makes the joint fixed": _UNACTUATED,
         "moves mimic joints on their own": _MIMIC,
     },
-    ("isaac", Verdict.ALTERS, _ISAAC, False): {
+    ("isaac", Verdict.ALTERS, _ISAAC): {
         "replaces characters in names by _": lambda context: [
             *(_part(link) for link in context.view.links if not link.name.isidentifier()),
             *(_part(joint) for joint in context.view.joints if not joint.name.isidentifier()),
@@ -363,8 +317,8 @@ _TABLE: Mapping[tuple[str, Verdict, str, bool], Mapping[str, Find]] = {
     },
 }
 FACTS = tuple(
-    Fact(target, verdict, does, source, find, files)
-    for (target, verdict, source, files), column in _TABLE.items()
+    Fact(target, verdict, does, source, find)
+    for (target, verdict, source), column in _TABLE.items()
     for does, find in column.items()
 )
 """The table, row by row: what a program does, and where to find that."""
@@ -419,10 +373,9 @@ def answer(context: Context, target: str) -> Answer:
 def _version(package: str) -> str | None:
     from importlib.metadata import PackageNotFoundError, version
 
-    try:
+    with suppress(PackageNotFoundError):
         return version(package)
-    except PackageNotFoundError:
-        return None
+    return None
 
 
 def serve(target: str, file: str, packages: str) -> None:
@@ -452,8 +405,7 @@ def serve(target: str, file: str, packages: str) -> None:
 
 
 class Opinion(NamedTuple):
-    """What one program makes of a file: the verdict, for each fact that counts where it was found, and what the program
-    itself said, if it was run."""
+    """What a program makes of a file: the verdict, for each fact that counts where it was found, and its own answer."""
 
     target: str
     verdict: Verdict
@@ -462,17 +414,14 @@ class Opinion(NamedTuple):
 
 
 def refusals(context: Context, target: str) -> tuple[tuple[Fact, tuple[Found, ...]], ...]:
-    """What the table knows that makes a program reject a file, but for its meshes. From stage TREE on."""
-    facts = (fact for fact in FACTS if (fact.target, fact.verdict) == (target, Verdict.REJECTS) and not fact.files)
+    """What the table knows that makes a program reject a file. From stage TREE on."""
+    facts = (fact for fact in FACTS if (fact.target, fact.verdict) == (target, Verdict.REJECTS))
     return tuple((fact, found) for fact in facts if (found := tuple(fact.find(context))))
 
 
 def opinion(context: Context, target: str) -> Opinion:
-    """The opinion of a program, its facts with the worst verdict first. From stage TREE on.
-
-    MuJoCo and Drake are run where they are installed, and reject what they do reject; what else they do, and what
-    others do, the table tells.
-    """
+    """The opinion of a program, its facts with the worst verdict first. From stage TREE on. Installed programs reject
+    what they do reject; what else they do, and what others do, the table tells."""
     said = answer(context, target) if target in INSTALLABLE else None
     refused = said is not None and said.refusal is not None
     taken = said is not None and said.version is not None and not refused

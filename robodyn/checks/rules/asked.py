@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from math import isfinite
 
 from robodyn.checks.context import TARGETS
@@ -66,8 +65,8 @@ _KNOWN = "\n".join(f"{fact.target} {fact.verdict.name.lower()}: it {fact.does} [
     explanation=f"""For each program asked for ({", ".join(TARGETS)}) its verdict: loads, alters, or rejects and why. A
 rejection by a program that is asked for is an error, all else a remark. {" and ".join(INSTALLABLE)} are run where they
 are installed, in a process of their own, and what they say is given; what they alter, and what others do, is looked up
-in a table. Without being asked nothing is run, and only what the table knows {" and ".join(INSTALLABLE)} to reject, but
-for meshes, is reported where no other rule tells of the same link or joint why. The table:
+in a table. Without being asked nothing is run, and only what the table knows {" and ".join(INSTALLABLE)} to reject is
+reported where no other rule tells of the same link or joint why. Of meshes RD601 and RD607 tell. The table:
 {_KNOWN}""",
     good=arm(more=a_link("cross") + a_joint("pitch", "upper", "cross") + _TOOL),
     bad=arm(more=a_link("cross", "") + a_joint("pitch", "upper", "cross") + _TOOL),
@@ -80,9 +79,8 @@ def consumer_verdict(context: Context) -> Faults:
     for target in () if context.asked.targets else INSTALLABLE:
         for fact, found in refusals(context, target):
             does = f"{target} rejects it: it {fact.does}"
-            for one in found:
-                what = does if one.what in alone else f"{does} ({one.what})"
-                yield Fault(one.at, what, f"known from {fact.source}", kind=does)
+            for at, one in found:
+                yield Fault(at, does if one in alone else f"{does} ({one})", f"known from {fact.source}", kind=does)
 
 
 def _verdict(context: Context, one: Opinion) -> Fault:
@@ -90,7 +88,7 @@ def _verdict(context: Context, one: Opinion) -> Fault:
     reasons = []
     for fact, found in shown:
         more = f" and {len(found) - _MOST} more" if len(found) > _MOST else ""
-        reasons.append(f"it {fact.does} ({', '.join(each.what for each in found[:_MOST])}{more})")
+        reasons.append(f"it {fact.does} ({', '.join(each for _, each in found[:_MOST])}{more})")
     sources, answer = dict.fromkeys(fact.source for fact, _ in shown), one.answer
     if answer is not None and answer.refusal is not None:
         reasons.insert(0, f'it says "{answer.refusal[:_LONGEST]}"')
@@ -98,10 +96,9 @@ def _verdict(context: Context, one: Opinion) -> Fault:
     known = [f"known from {'; '.join(sources)}"] if sources else []
     if answer is not None:
         known.insert(0, f"run in version {answer.version}" if answer.version else "not run, since it is not installed")
-    at = shown[0][1][0].at if shown else context.view.root.span
-    refused = one.verdict is Verdict.REJECTS
-    remedy = "; ".join(known) or "nothing to do"
-    return Fault(at, what, remedy, subject=None, severity=Severity.ERROR if refused else None)
+    at, severity = shown[0][1][0][0] if shown else context.view.root.span, Severity.ERROR
+    severity = severity if one.verdict is Verdict.REJECTS else Severity.NOTE
+    return Fault(at, what, "; ".join(known) or "nothing to do", subject=None, severity=severity)
 
 
 @rule("RD902", Severity.WARNING, Stage.MODEL, good=arm(), bad=('value="2"', 'value="2.2"'))
@@ -122,10 +119,10 @@ def regression(context: Context) -> Faults:
     before = model_at(context.reading.file, against)
     if before is None:
         return
+    parts: dict[Subject, LinkView | JointView] = {part.subject: part for part in context.view.links}
+    parts |= {part.subject: part for part in context.view.joints}
     for change in changes(before, context.model):
         subject, measured = Subject(change.kind, change.name), change.size if isfinite(change.size) else None
-        parts: Mapping[str, LinkView | JointView] = context.view.joint if change.kind == "joint" else context.view.link
-        part = parts.get(change.name) if change.kind in ("joint", "link") else None
-        at = context.view.root.span if part is None else part.name_span
+        at = parts[subject].name_span if subject in parts else context.view.root.span
         what = f"{change.what}, against {against}"
         yield Fault(at, what, "see that the change is meant", measured, subject=subject)

@@ -48,7 +48,7 @@ def inertia_beyond_shapes(context: Context) -> Faults:
 
 
 def _beyond_reach(body: Body, S: Floats) -> Fault | None:
-    """Check tr(S) > m r^2, r being the distance from the centre of mass to the farthest corner."""
+    """tr(S) > m r^2, r being the distance from the centre of mass to the farthest corner."""
     if body.box is None:
         return None
     spread = float(np.trace(S)) / body.mass
@@ -65,7 +65,7 @@ def _beyond_reach(body: Body, S: Floats) -> Fault | None:
 
 
 def _beyond_box(body: Body) -> Fault | None:
-    """Check S_ii / m > (hi_i - c_i)(c_i - lo_i), with the box of the rigid group."""
+    """S_ii / m > (hi_i - c_i)(c_i - lo_i), with the box of the rigid group."""
     c, S = body.in_group
     if S is None or body.group is None:
         return None
@@ -90,9 +90,9 @@ def _reach(box: Box, c: Floats) -> float:
     return float((np.maximum(box.hi - c, c - box.lo) ** 2).sum())
 
 
-def _fault(body: Body, severity: Severity, what: str, spread: float, bound: float) -> Fault:
-    measured, most = spread * body.mass, bound * body.mass
-    return Fault(body.tensor_span, what, _ADVICE, measured, most, severity=severity, kind="beyond the shapes")
+def _fault(body: Body, severity: Severity, what: str, *spread: float) -> Fault:
+    measured, bound = (each * body.mass for each in spread)
+    return Fault(body.tensor_span, what, _ADVICE, measured, bound, severity=severity, kind="beyond the shapes")
 
 
 _OFF = 0.1
@@ -128,7 +128,7 @@ def centre_outside_shapes(context: Context) -> Faults:
 
 
 def _sign(context: Context, body: Body) -> str | None:
-    """Return which coordinate may have the wrong sign: with the other one the centre is where the shapes have it."""
+    """Which coordinate may have the wrong sign: with the other one the centre is where the shapes have it."""
     shape = context.once(shaped).get(body.link.name)
     if shape is None or body.box is None:
         return None
@@ -172,7 +172,7 @@ def inertia_below_shell(context: Context) -> Faults:
 
 
 def _below_solid(body: Body, solid: Uniform) -> tuple[float, float, str] | None:
-    """Return the moment about the solid's principal axis about which it is least, beside the solid's."""
+    """The moment about the solid's principal axis about which it is least, beside the solid's, and what to say."""
     moments, axes = eigen(solid.inertia(body.mass))
     assert body.S is not None, "there is a tensor"
     own = np.diagonal(product(axes, inertia_matrix(body.S), axes.T))
@@ -191,8 +191,8 @@ def _below_solid(body: Body, solid: Uniform) -> tuple[float, float, str] | None:
 
 
 def _below_shell(body: Body) -> tuple[float, float, str] | None:
-    """Return the largest principal moment beside that of a shell that fits into the shapes or, without shapes, beside
-    the least that a mass can have about any axis through its centre."""
+    """The largest principal moment beside that of a shell that fits into the shapes or, without shapes, of a ball of
+    tungsten."""
     largest, box = principal_moments(body.link.tensor or (0.0,) * 6)[2], body.own
     if box is not None:
         radius = float((box.hi - box.lo).min()) / 2

@@ -183,7 +183,6 @@ def follower_range(context: Context) -> Faults:
 
 
 def _range(joint: JointView) -> tuple[float, float] | None:
-    """Return lower and upper of a joint that has both, in order."""
     if joint.limit is None or joint.type not in WITH_RANGE:
         return None
     lower, upper = joint.limit.lower.value, joint.limit.upper.value

@@ -39,11 +39,8 @@ def static_torque(context: Context) -> Faults:
     part of URDF, and no robot has to hold still in every pose. Loads, motion and friction come on top: robodyn torques
     computes them. Silent where a part is detached (RD111).
     """
-    if context.once(detached):
-        return
-    if context.once(other_unit):
-        return
-    for one in context.once(static_torques):
+    silent = bool(context.once(detached)) or context.once(other_unit) is not None
+    for one in () if silent else context.once(static_torques):
         limit, joint = context.view.joint[one.joint.name].limit, one.joint
         if limit is None or joint.effort is None or abs(one.torque) <= (1.0 + _SLACK) * joint.effort:
             continue
@@ -58,7 +55,6 @@ def static_torque(context: Context) -> Faults:
 
 
 def _pose(model: Model, one: StaticTorque) -> str:
-    """Return the positions of the joints, those that are not zero, in degrees or metres."""
     values = []
     for joint in model.independent:
         value = one.q[joint.coordinate]

@@ -72,7 +72,7 @@ def _looks(material: Element) -> bool:
 
 
 def _two_colours(shared: Iterable[Element], local: Iterable[Element]) -> Iterator[Fault]:
-    """Yield the names of which a shape has another colour than the first, each once."""
+    """Names of which a shape has another colour than the first, each once."""
     first: dict[str, tuple[Element, tuple[float, ...]]] = {}
     told = set()
     for material, is_used in (*((each, False) for each in shared), *((each, True) for each in local)):

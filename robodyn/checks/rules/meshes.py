@@ -77,7 +77,6 @@ def _missing(context: Context, name: MeshName) -> Fault:
 
 
 def _written(context: Context, name: MeshName, better: str) -> Fix | None:
-    """Return the edit that writes another name, if the mesh is there by that."""
     return None if context.search.find(better) is None else name.renamed(better)
 
 
@@ -111,8 +110,7 @@ def mesh_path(context: Context) -> Faults:
     package.xml above a file, mean a file of one machine. A name with \ between folders is found on Windows alone.
     """
     for name in context.once(mesh_names).values():
-        why = _why(context, name)
-        if why is not None:
+        if (why := _why(context, name)) is not None:
             yield name.fault(why, "write package://NAME/... or a name relative to this file")
 
 
@@ -158,7 +156,6 @@ def mesh_surface(context: Context) -> Faults:
 
 
 def _wrong(facts: MeshFacts, name: MeshName) -> tuple[str, Severity] | None:
-    """Return what is wrong, worst first; what only the mass of it shows is a remark where nothing takes that."""
     if not facts.finite:
         return f"has a coordinate that is no number: {facts.problem}", Severity.WARNING
     if facts.inverted:
@@ -273,7 +270,6 @@ def axis_up(context: Context) -> Faults:
 
 
 def _up(name: MeshName) -> str | None:
-    """Return the axis that points up by a DAE file, if it is not Z."""
     if name.path is None or name.path.suffix.lower() != ".dae":
         return None
     try:

@@ -102,7 +102,7 @@ def degrees(context: Context) -> Faults:
 
 
 def _range(joint: JointView, limit: LimitView, endless: float) -> Faults:
-    """Yield one fault for both ends of a range, at that which is farther from zero."""
+    """Yield one fault for both ends of a range, at the one farther from zero."""
     hard = [end for end in (limit.lower, limit.upper) if end.value is not None]
     farther = max(hard, key=lambda end: abs(end.value or 0.0), default=None)
     largest = 0.0 if farther is None or farther.value is None else farther.value
@@ -128,7 +128,6 @@ def _what(angles: Numbers, largest: float) -> str:
 
 
 def _in_degrees(written: list[Numbers]) -> tuple[str, Fix] | tuple[None, None]:
-    """Return the cause and the fix of angles that can be read, and are all round in degrees."""
     if not all(one.values is not None and all(value % _STEP == 0 for value in one.values) for one in written):
         return None, None
     radian = [(one.span, " ".join(repr(radians(value)) for value in one.values or ())) for one in written]
@@ -213,8 +212,8 @@ _LONG, _REACHES = 5.0, 20.0
 
 
 class LimitSlip(NamedTuple):
-    """A number of <limit> that is too large by a factor between units: the unit in which it seems to be, the one that
-    URDF takes it in, and what speaks for it."""
+    """A number of <limit> that is too large by a factor between units: the unit that it seems to be in, that in which
+    URDF takes it, and what speaks for it."""
 
     numbers: Numbers
     factor: float
@@ -224,12 +223,11 @@ class LimitSlip(NamedTuple):
 
 
 def limit_slips(context: Context) -> tuple[LimitSlip, ...]:
-    """Return the limits that one factor between units brings among those of the robot's other joints."""
     return (*_speeds(context), *_efforts(context), *_slides(context))
 
 
 def of_numbers(context: Context) -> frozenset[int]:
-    """Return the identities of the numbers that a slip explains, for the rules that are silent about them."""
+    """The identities of the numbers that a slip explains, for the rules that are silent about them."""
     return frozenset(id(slip.numbers) for slip in context.once(limit_slips))
 
 
@@ -280,19 +278,15 @@ def _slides(context: Context) -> Iterator[LimitSlip]:
 
 
 def _given(context: Context, attribute: str) -> _Given:
-    """Return the joints that move, with their positive limits of this attribute."""
-    found = []
-    for joint in context.view.joints:
-        limit = joint.limit if joint.moves else None
-        value = None if limit is None else getattr(limit, attribute).value
-        if limit is not None and value is not None and value > 0:
-            found.append((joint, limit, value))
-    return found
+    """The joints that move, with their positive limits of this attribute."""
+    limits = ((joint, joint.limit) for joint in context.view.joints if joint.moves and joint.limit is not None)
+    found = ((joint, limit, getattr(limit, attribute).value) for joint, limit in limits)
+    return [each for each in found if each[2] is not None and each[2] > 0]
 
 
 def _apart(large: _Given, found: _Given, factor: float, gap: float, band: float) -> str:
-    """Return why the large limits are in another unit: they are no more than the others, all above `gap` times these,
-    and among them when they are divided by the factor; empty if they are not."""
+    """Why the large limits are in another unit: they are no more than the others, all above `gap` times these, and
+    among them when they are divided by the factor; empty if they are not."""
     marked = {id(each[0]) for each in large}
     others = [value for joint, _, value in found if id(joint) not in marked]
     values = [value for *_, value in large]
@@ -305,7 +299,7 @@ def _apart(large: _Given, found: _Given, factor: float, gap: float, band: float)
 
 
 def _stand_in(value: float) -> bool:
-    """Return whether a value is a power of ten, or all nines."""
+    """Whether a value is a power of ten, or all nines."""
     return any(isclose(power, round(power), abs_tol=1e-12) for power in (log10(value), log10(value + 1.0)))
 
 

@@ -16,6 +16,9 @@ from robodyn.robot.urdf.parts import WITH_RANGE
 from robodyn.robot.urdf.view import JointView, Subject, View
 from robodyn.support.wording import alternatives, figure, shown, slip_of
 
+Numeric = tuple[float | None, float | None]
+"""What is measured, and its bound."""
+
 
 class Controlled(NamedTuple):
     """A joint, sensor or gpio (`element`) of a <ros2_control>; if it is a joint, that of the URDF."""
@@ -33,19 +36,12 @@ class Controlled(NamedTuple):
         return [child for child in self.element.children if child.tag in ("command_interface", "state_interface")]
 
     def fault(
-        self,
-        at: Span,
-        what: str,
-        remedy: str,
-        value: float | None = None,
-        bound: float | None = None,
-        severity: Severity | None = None,
+        self, at: Span, what: str, remedy: str, numbers: Numeric = (None, None), severity: Severity | None = None
     ) -> Fault:
-        return Fault(at, what, remedy, value, bound, Subject(self.element.tag, self.name), severity)
+        return Fault(at, what, remedy, *numbers, Subject(self.element.tag, self.name), severity)
 
 
 def controlled(view: View) -> Iterator[Controlled]:
-    """Yield the parts of every <ros2_control>, in the order of the file."""
     for control in view.root.findall("ros2_control"):
         for element in control.children:
             if element.tag in ("joint", "sensor", "gpio"):
@@ -54,7 +50,6 @@ def controlled(view: View) -> Iterator[Controlled]:
 
 
 def _parameter(owner: Element, name: str) -> Element | None:
-    """Return <param name="..."> in an element, the first of that name."""
     return next((child for child in owner.findall("param") if child.get("name") == name), None)
 
 
@@ -91,7 +86,14 @@ def controlled_joint(context: Context) -> Faults:
             if not element.get("name"):
                 one = part.fault(element.span, f"<{element.tag}> in <ros2_control> has no name", 'write name="..."')
                 yield one if part.name else replace(one, subject=None)
-        yield from _misspelt(part)
+        if part.element.tag != "joint" and part.name and not part.interfaces:
+            what, remedy = f"<{part.element.tag}> offers no interface", "give it a <state_interface>, or delete it"
+            yield part.fault(part.element.span, what, remedy, severity=Severity.WARNING)
+        for interface in part.interfaces if part.element.tag == "joint" else ():
+            name = interface.get("name") or ""
+            if meant := slip_of(name, _STANDARD):
+                what, remedy = f"no controller asks for the interface {shown(name)}", f"did you mean {shown(meant)}?"
+                yield part.fault(value_span(interface, "name"), what, remedy, severity=Severity.WARNING)
         if part.joint is not None and part.joint.type == "fixed":
             what = f"ros2_control lists this joint, which is fixed in line {part.joint.element.line}"
             remedy = "let it move (type=...), or delete it from <ros2_control>"
@@ -99,31 +101,17 @@ def controlled_joint(context: Context) -> Faults:
         yield from _again(part, listed, offered)
 
 
-def _misspelt(part: Controlled) -> Iterator[Fault]:
-    """Yield the interfaces of a joint that controllers ask for by almost the same name, and parts that have none."""
-    if part.element.tag != "joint" and part.name and not part.interfaces:
-        what, remedy = f"<{part.element.tag}> offers no interface", "give it a <state_interface>, or delete it"
-        yield part.fault(part.element.span, what, remedy, severity=Severity.WARNING)
-    for interface in part.interfaces if part.element.tag == "joint" else ():
-        name = interface.get("name") or ""
-        if meant := slip_of(name, _STANDARD):
-            what, remedy = f"no controller asks for the interface {shown(name)}", f"did you mean {shown(meant)}?"
-            yield part.fault(value_span(interface, "name"), what, remedy, severity=Severity.WARNING)
-
-
 def _again(
     part: Controlled, listed: dict[tuple[int, str, str], Element], offered: dict[tuple[str, str, str], Element]
 ) -> Iterator[Fault]:
     """Yield what is listed a second time in its <ros2_control>, or offers an interface that another one offers."""
     name = part.name
-    if not name:
-        return
     first = listed.setdefault((id(part.control), part.element.tag, name), part.element)
-    if first is not part.element:
+    if name and first is not part.element:
         what = f"<ros2_control> lists this {part.element.tag} a second time; the first is in line {first.line}"
         yield part.fault(value_span(part.element, "name"), what, "keep one of them")
         return
-    for interface in part.interfaces:
+    for interface in part.interfaces if name else ():
         offer = interface.get("name") or ""
         other = offered.setdefault((interface.tag, name, offer), interface)
         if offer and other is not interface:
@@ -156,21 +144,18 @@ def control_range(context: Context) -> Faults:
         for interface in part.interfaces:
             for at, what, remedy, measured, bound in _wrong(interface):
                 whole = f"{what} for <{interface.tag}> '{interface.get('name') or ''}'"
-                yield part.fault(at, whole, remedy, measured, bound)
+                yield part.fault(at, whole, remedy, (measured, bound))
             if part.joint is not None and interface.get("name") == "position":
                 yield from _beyond(part.joint, part, interface)
 
 
 def _beyond(joint: JointView, part: Controlled, interface: Element) -> Iterator[Fault]:
-    """Yield the end of a range of positions that is farthest beyond that of the joint itself."""
     own = joint.limit.range if joint.limit is not None and joint.type in WITH_RANGE else None
     ends = [numbers(_parameter(interface, name), TEXT, 1) for name in ("min", "max")]
     if own is None or own[0] >= own[1]:
         return
-    over = [
-        sign * (number.value - end) if number.value is not None else 0.0
-        for number, end, sign in zip(ends, own, (-1, 1), strict=True)
-    ]
+    signed = zip(ends, own, (-1, 1), strict=True)
+    over = [sign * (number.value - end) if number.value is not None else 0.0 for number, end, sign in signed]
     k = over.index(max(over))
     value, slack = ends[k].value, _BEYOND * (own[1] - own[0])
     if value is None or over[k] <= slack or (ends[0].value or 0.0) > (ends[1].value or 0.0):
@@ -180,7 +165,7 @@ def _beyond(joint: JointView, part: Controlled, interface: Element) -> Iterator[
     what = f"{('min', 'max')[k]} {figure(value)} is beyond the joint's own range, {figure(own[0])} to {figure(own[1])}"
     cause = "the range is in degrees" if in_degrees else None
     remedy = "write radians" if in_degrees else "keep to the range in <limit>, or correct that"
-    yield replace(part.fault(ends[k].span, what, remedy, value, own[k], severity=Severity.WARNING), cause=cause)
+    yield replace(part.fault(ends[k].span, what, remedy, (value, own[k]), Severity.WARNING), cause=cause)
 
 
 def _wrong(interface: Element) -> Iterator[tuple[Span, str, str, float | None, float | None]]:
@@ -265,4 +250,4 @@ def _by_parameter(part: Controlled, joint: JointView | None, beside: Collection[
         yield part.fault(multiplier.span, what, given.problem.remedy)
     elif given.value is not None and factor is not None and not isclose(given.value, factor[0], rel_tol=1e-6):
         what = f"the parameter multiplier is {figure(given.value)}, that of <mimic> in the URDF {figure(factor[0])}"
-        yield part.fault(multiplier.span, what, "write one number in both", given.value, factor[0])
+        yield part.fault(multiplier.span, what, "write one number in both", (given.value, factor[0]))

@@ -43,18 +43,18 @@ def shape_size(context: Context) -> Faults:
 
 
 def _scale(uses: list[MeshUse], scale: tuple[float, ...], both: bool) -> Fault:
-    """Return one finding for all uses of a mesh with one scale; `both` if it stands unmirrored somewhere, too."""
+    """One finding for all uses of a mesh with one scale; `both` if it stands unmirrored somewhere, too."""
+    severity = Severity.NOTE
     if 0 in scale:
-        severity, remedy = Severity.ERROR, 'write scale="1 1 1", or leave it out'
-        what = "leaves no volume"
+        severity, what, remedy = Severity.ERROR, "leaves no volume", 'write scale="1 1 1", or leave it out'
     elif sum(value < 0 for value in scale) % 2:
-        harmless = both or all(use.geometry.kind == "visual" for use in uses)
-        severity = Severity.NOTE if harmless else Severity.WARNING
-        remedy = "export the mesh of this part, mirrored"
+        if not both and any(use.geometry.kind != "visual" for use in uses):
+            severity = Severity.WARNING
         what = "mirrors the mesh: to programs that do not turn its faces, its volume is negative"
+        remedy = "export the mesh of this part, mirrored"
     else:
-        severity, remedy = Severity.NOTE, "export the mesh of this part, or turn it by rpy"
         what = "turns the mesh by half a turn, which every known program does"
+        remedy = "export the mesh of this part, or turn it by rpy"
     more = f" (and {len(uses) - 1} more of this mesh)" if len(uses) > 1 else ""
     what = f"the scale {_shown(scale)} {what}{more}"
     return Fault(uses[0].geometry.scale.span, what, remedy, min(scale), 0.0, severity=severity)

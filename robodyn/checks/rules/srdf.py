@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from robodyn.checks.bodies.masses import STILL, pose
 from robodyn.checks.bodies.shapes import box_of, real_shapes, solids
@@ -120,13 +121,11 @@ def group_state(context: Context) -> Faults:
             joint = context.view.joint.get(element.get("name") or "")
             for what, remedy, measured, bound in () if joint is None else _wrong(element, joint):
                 at, severity = value_span(element, "value"), Severity.ERROR if bound is None else None
-                yield Fault(
-                    at, what, remedy, measured, bound, subject, severity=severity, kind=_KIND, document=found.document
-                )
+                fault = Fault(at, what, remedy, measured, bound, subject, severity, kind=_KIND)
+                yield replace(fault, document=found.document)
 
 
 def _wrong(element: Element, joint: JointView) -> Iterator[tuple[str, str, float | None, float | None]]:
-    """Yield what is wrong with the value of a joint, what to do, the value, and the limit that it breaks."""
     text = element.get("value")
     if text is None:
         yield f"joint '{joint.name}' has no value", 'write value="..."', None, None
@@ -168,14 +167,9 @@ def neighbours_collide(context: Context) -> Faults:
     allowed = {frozenset((pair.get("link1"), pair.get("link2"))) for pair in pairs}
     told = {name for pair in allowed if any(name not in context.view.link for name in pair) for name in pair}
     free = {element.get("link") for element in found.root.findall("disable_default_collisions")}
-    open_pairs = [
-        joint
-        for joint in context.view.joints
-        if frozenset((joint.parent, joint.child)) not in allowed
-        and not free & {joint.parent, joint.child}
-        and not told >= {joint.parent, joint.child}
-        and _touch(context, joint)
-    ]
+    both = ((joint, frozenset((joint.parent, joint.child))) for joint in context.view.joints)
+    unlisted = (joint for joint, pair in both if not (pair in allowed or free & pair or told >= pair))
+    open_pairs = [joint for joint in unlisted if _touch(context, joint)]
     if open_pairs:
         named = ", ".join(f"{shown(joint.parent)} and {shown(joint.child)}" for joint in open_pairs[:_MOST])
         more = f" and {len(open_pairs) - _MOST} more" if open_pairs[_MOST:] else ""
@@ -185,7 +179,6 @@ def neighbours_collide(context: Context) -> Faults:
 
 
 def _touch(context: Context, joint: JointView) -> bool:
-    """Return whether the boxes around the collision shapes of a joint's links overlap at rest."""
     parent, child, placed = context.view.link.get(joint.parent), context.view.link.get(joint.child), pose(joint.origin)
     if parent is None or child is None or placed is None or joint.parent == joint.child:
         return False

@@ -102,7 +102,6 @@ def several_roots(context: Context) -> Faults:
 
 
 def _first_above(view: View) -> dict[str, JointView]:
-    """Return for each link that is a joint's child the first such joint."""
     above: dict[str, JointView] = {}
     for joint in view.joints:
         if joint.child:
@@ -203,7 +202,6 @@ def name_portability(context: Context) -> Faults:
 
 
 def _refusal(name: str) -> str | None:
-    """Return which format does not take the name."""
     if not name or (_PLAIN.fullmatch(name) and not name.startswith("__")):
         return None
     if "::" in name or (name.startswith("__") and name.endswith("__")):

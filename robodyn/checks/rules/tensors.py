@@ -46,8 +46,7 @@ def zero_tensor(context: Context) -> Faults:
 
 
 def _of_zero(context: Context, link: LinkView) -> Severity:
-    """Return a remark where heavier links are fixed to it and the body has an inertia by them, or there is no tree that
-    tells; a warning for a base."""
+    """A remark where heavier links are fixed to it and give the body an inertia, or there is no tree that tells."""
     if context.tree_or_none is None:
         return Severity.NOTE
     group = context.tree_or_none.group[link.name]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from robodyn.checks.examples import INERTIA, arm, inertia, one_link
 from robodyn.checks.rule import Context, Edit, Fault, Faults, Fix, Severity, Stage, rule, text_faults
@@ -18,17 +18,15 @@ from robodyn.robot.urdf.view import Subject
 from robodyn.support.wording import alternatives, shown
 
 
-@dataclass(frozen=True, slots=True)
-class Kind:
-    """One element: how many numbers each attribute holds (0: text), which of them it must have, and its children."""
+class Kind(NamedTuple):
+    """One element: how many numbers each attribute holds (0: text), which of them it must have, its children, those of
+    which there may be several, and attributes of which it must have at least one."""
 
     attributes: Mapping[str, int]
     needed: tuple[str, ...] = ()
     children: tuple[str, ...] = ()
     repeated: tuple[str, ...] = ()
-    """Children of which there may be several."""
     some: tuple[str, ...] = ()
-    """Attributes of which it must have at least one."""
 
 
 _MATERIAL = {"material": Kind({"name": 0}, (), ("color", "texture"))}
@@ -58,14 +56,11 @@ _JOINT_KINDS = {
     "parent": Kind({"link": 0}),
     "child": Kind({"link": 0}),
     "axis": Kind({"xyz": 3}, ("xyz",)),
-    "limit": Kind(
-        dict.fromkeys(("lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk"), 1),
-    ),
+    "limit": Kind(dict.fromkeys(("lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk"), 1)),
     "dynamics": Kind({"damping": 1, "friction": 1}, some=("damping", "friction")),
     "mimic": Kind({"joint": 0, "multiplier": 1, "offset": 1}),
     "safety_controller": Kind(
-        dict.fromkeys(("soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"), 1),
-        ("k_velocity",),
+        dict.fromkeys(("soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"), 1), ("k_velocity",)
     ),
     "calibration": Kind({"rising": 1, "falling": 1, "reference_position": 1}),
 }
@@ -82,10 +77,7 @@ KINDS: Mapping[str, Kind] = {
 
 
 def own_elements(context: Context) -> Sequence[tuple[Element, Kind, Subject | None]]:
-    """Return the elements that URDF knows, in the order of the file, each with what it is a part of.
-
-    What other tools read is left out.
-    """
+    """The elements that URDF knows, in the order of the file, each with what it is a part of; not what others read."""
     root, found = context.view.root, list[tuple[Element, Kind, Subject | None]]()
     waiting: list[tuple[Element, Subject | None]] = [(root, None)]
     while waiting:
@@ -216,7 +208,7 @@ def _children(element: Element, kind: Kind, subject: Subject | None) -> Iterator
 
 
 def _is_near(tag: str, known: Collection[str]) -> bool:
-    """Return whether it is a slip of the pen: at the top other tools may keep elements of any name."""
+    """Whether it is a slip of the pen: at the top other tools may keep elements of any name."""
     from difflib import get_close_matches
 
     shuffled = any(sorted(tag) == sorted(name) for name in known)

@@ -59,7 +59,6 @@ def names_nothing(context: Context) -> Faults:
 
 
 def _uses(owner: Element) -> Iterator[Named]:
-    """Yield the names that an element of the robot uses."""
     if owner.tag in ("transmission", "ros2_control"):
         for inner in (owner, *owner.findall("transmission")):
             for joint in inner.findall("joint"):
@@ -73,8 +72,7 @@ def _uses(owner: Element) -> Iterator[Named]:
 
 
 def _in_srdf(context: Context) -> Iterator[Fault]:
-    """Yield one fault for each name; of an SRDF of another name, which may be of a variant of the robot, one warning;
-    none where all of it is another robot's, which RD706 says."""
+    """Yield one fault for each name; one warning of an SRDF of another name, which may be of a variant of the robot."""
     found, view = own_srdf(context), context.view
     if found is None:
         return
@@ -99,21 +97,17 @@ _NAMES = {
     **dict.fromkeys(_JOINTS, "joint"),
     **dict.fromkeys(("bodyname", "linkname", "canonicalbody"), "link"),
 }
-"""Tags of plugins, in lower case and without _, whose text names a joint or a link.
-
-Frames are left out: other programs make some of them.
-"""
-_WORLD = "world"
+"""Tags of plugins, in lower case and without _, whose text names a joint or a link; no frames: others may make them."""
 
 
 def named_by_plugins(gazebo: Element) -> Iterator[Named]:
-    """Yield the joints and links that the plugins in an element <gazebo> name, without those that it makes itself."""
+    """Yield what the plugins in an element <gazebo> name, without what it makes itself."""
     made = {element.get("name") for element in gazebo.walk() if element.tag.partition(":")[0] in ("joint", "link")}
     for plugin in (element for element in gazebo.walk() if element.tag == "plugin"):
         for element in plugin.walk():
             kind = _NAMES.get(element.tag.lower().replace("_", ""), "")
             for name in element.text.replace(",", " ").split() if kind and not element.children else ():
-                if name.rpartition("::")[2] not in {_WORLD, *made}:
+                if name.rpartition("::")[2] not in {"world", *made}:
                     yield Named(kind, name.rpartition("::")[2], element, "")
             if element.tag == "virtualJoint" and (inner := element.find("name")) is not None and inner.text.strip():
                 yield Named("joint", inner.text.strip(), inner, "")
@@ -155,7 +149,6 @@ def transmission(context: Context) -> Faults:
 
 
 def _drives_nothing(transmission: Element, view: View) -> Iterator[Fault]:
-    """Yield what keeps a transmission from being loaded: no type, an interface that is misspelt, a fixed joint."""
     subject, kind = _subject(transmission), transmission.find("type")
     said = transmission.get("type") if kind is None else kind.text.strip()
     if not said:

@@ -130,7 +130,7 @@ def asked(file: Path | str, target: str) -> Finding:
 
 
 @pytest.mark.usefixtures("absent")
-@pytest.mark.parametrize(("target", "least"), [("mujoco", 15), ("drake", 10)])
+@pytest.mark.parametrize(("target", "least"), [("mujoco", 12), ("drake", 6)])
 def test_the_table_makes_no_refusal_up(target: str, least: int, files: dict[str, Path]) -> None:
     said = {name: asked(file, target) for name, file in files.items()}
     foretold = {name for name, finding in said.items() if f"{target} rejects it" in finding.message}
