@@ -1,14 +1,241 @@
-"""Mistakes that explain an inertia: units, signs, reference point, axes, order of entries."""
+"""Mistakes that explain an inertia: units, signs, reference point, axes, order of entries, and the one cause."""
 
 from __future__ import annotations
 
-from robodyn.checks.bodies.bodies import bodies, weighed
-from robodyn.checks.bodies.causes import faults
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from math import floor, log10
+
+import numpy as np
+
+from robodyn.checks.bodies.bodies import bodies, given, weighed
+from robodyn.checks.bodies.masses import Tensor, is_physical, nearest
 from robodyn.checks.bodies.shapes import shaped
 from robodyn.checks.examples import IMAGE, SHAPED_INERTIA, a_shaped_link, inertia, two_arms
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.robot.masses.mistakes import QUANTITIES
+from robodyn.checks.mirror import Pair, link_inertia, pairs
+from robodyn.checks.rule import Context, Edit, Fault, Faults, Fix, Severity, Stage, rule
+from robodyn.programs.vectors import product
+from robodyn.robot.masses.mistakes import (
+    COPIED,
+    NINE,
+    QUANTITIES,
+    UPPER,
+    Given,
+    Mistake,
+    Posterior,
+    corrections,
+    relative,
+)
+from robodyn.robot.urdf.parts import INERTIA
+from robodyn.robot.urdf.view import LinkView
+from robodyn.solids.inertia.laws import symmetric
+from robodyn.support.floats import Floats
 from robodyn.support.wording import figure, one_of
+
+DIFFERENT = 0.10
+"""How far a tensor may be from its twin's mirror image before something is wrong, relative to its largest entry."""
+SAME = 0.02
+"""How near a correction must come to the twin's mirror image."""
+_BEYOND = 1.0
+"""A tensor that is as far from that of the link's shapes as this is large, is beyond them."""
+_DIGITS = 12
+_HIDDEN = frozenset({"RD307", "RD309", "RD313"})
+"""The causes that leave a tensor possible."""
+_MOST_LISTED, _MOST_NAMED = 4, 2
+_ALONE = 0.8
+"""Of the probability of a cause: the share of one correction that is the only one."""
+_ONE_SIDED = frozenset({"RD307", "RD308", "RD309"})
+"""The causes of which it is plain which one of two twins is wrong."""
+
+
+@dataclass(frozen=True, eq=False)
+class Cause:
+    """What explains a wrong tensor, with the code of the rule that documents it, the corrected entries (None where they
+    cannot be told) and the edit that writes them (nor where it may as well be the twin that is wrong).
+
+    A body could have a `physical` one, so that no other rule reports it; `by_image` is one that the twin alone shows.
+    """
+
+    code: str
+    what: str
+    tensor: Tensor | None
+    fix: Fix | None
+    physical: bool
+    by_image: bool = False
+
+
+def causes(context: Context) -> Mapping[str, Cause]:
+    """Return by link the cause of its wrong tensor where there is exactly one. From stage DOCUMENT on.
+
+    The link's own shapes name it (see `mistakes`), or else its mirror twin: the tensor is more than 10 % from the
+    mirror image of the twin's, and one correction alone is possible, not beyond the link's shapes, and within 2 % of
+    that image. The twin counts only where it is possible itself, and its shapes blame nothing on it; it is the one that
+    is wrong where the correction would carry the tensor away from the link's shapes. Two corrections that explain it
+    explain nothing, but that a copy of the twin also has wrong signs, and that several orders of the entries are one
+    cause without a correction.
+    """
+    twins, found = {pair.right.name: pair for pair in context.once(pairs)}, dict[str, Cause]()
+    for link in context.view.links:
+        twin, wrong = twins.get(link.name), link
+        cause = _cause(context, link, twin)
+        if twin and cause is not None and cause.by_image and cause.tensor is not None:
+            now, then = (_from_shapes(context, link, I) for I in (link.tensor or (), cause.tensor))
+            if now is not None and then is not None and now < then:
+                wrong = context.view.link[twin.left.name]
+                cause = _cause(context, wrong, twin.turned)
+        if cause is not None:
+            found[wrong.name] = cause
+    return found
+
+
+def _from_shapes(context: Context, link: LinkView, tensor: Tensor | Floats) -> float | None:
+    """How far a tensor is from that of the link's shapes, relative to this; None where that is not known."""
+    shape, said = context.once(shaped).get(link.name) if context.tree_or_none else None, given(link)
+    if shape is None or said is None:
+        return None
+    I = tensor if isinstance(tensor, np.ndarray) else symmetric(tensor)
+    return shape.solid.along(said.R).apart(I, said.mass)
+
+
+def _allowed(context: Context, link: LinkView, I: Floats) -> bool:
+    """Whether a body can have a tensor, by the thresholds of RD206 and RD207, and the link's shapes, if known."""
+    away = _from_shapes(context, link, I)
+    return is_physical(tuple(I[UPPER].tolist()), context.thresholds) and (away is None or away <= _BEYOND)
+
+
+def _apart(I: Floats, other: Floats) -> float:
+    return float(np.abs(I - other).max() / max(np.abs(I).max(), np.abs(other).max()))
+
+
+def _explained(
+    context: Context, link: LinkView, said: Given, image: Floats | None = None
+) -> list[tuple[Mistake, Floats]]:
+    """Return the mistakes whose corrections leave nothing to explain, beside the mirror image of a twin's tensor if
+    there is one; of one kind and correction the first."""
+    kept: list[tuple[Mistake, Floats]] = []
+    for mistake, I in zip(*corrections(said), strict=True):
+        fits = mistake.common if image is None else _apart(I, image) <= SAME
+        again = any(mistake.code == other.code and _apart(I, J) <= SAME for other, J in kept)
+        if fits and not again and _allowed(context, link, I):
+            kept.append((mistake, I))
+    return kept
+
+
+def explained(context: Context, fault: Fault, link: LinkView) -> Fault:
+    """Return the fault of a link's tensor that no body has, with its cause and the fix for it; where nothing explains
+    it alone, with what may, and the nearest that a body can have, unless that goes beyond the link's shapes."""
+    cause, said = context.once(causes).get(link.name), given(link)
+    if cause is not None:
+        return replace(fault, cause=f"{cause.what} ({cause.code})", fix=cause.fix)
+    if said is None:
+        return fault
+    verdict = context.once(weighed).get(link.name)
+    if verdict is None:
+        may_be = [one.what for one, _ in _explained(context, link, said) if one.code not in _HIDDEN]
+    else:
+        may_be = [one.what for one in verdict.causes]
+    if verdict is not None or len(may_be) <= _MOST_LISTED:
+        fault = replace(fault, cause=one_of(may_be))
+    near = nearest(said.tensor)
+    if near is None or not _allowed(context, link, near):
+        return fault
+    what = f"the nearest one that a body can have, {figure(100 * relative(near, said.tensor), 2)} % away"
+    known = _DIGITS - 1 - floor(log10(np.abs(near).max()))  # decimals below the largest entry's digits are rounding
+    near = np.array([[round(entry, known) for entry in row] for row in near.tolist()])
+    return replace(fault, fix=_fix(link, _entries(near, said), what))
+
+
+def faults(context: Context, code: str) -> Iterator[Fault]:
+    """Yield the findings of the rule of one cause: of tensors that a body could have. RD206 and RD207 report the
+    others."""
+    for link in context.view.links:
+        cause = context.once(causes).get(link.name)
+        if cause is None or cause.code != code or not cause.physical:
+            continue
+        assert link.inertial is not None, "it has a tensor"
+        changed = [k for k in range(6) if cause.tensor and link.tensor and cause.tensor[k] != link.tensor[k]]
+        if code == "RD313":
+            remedy = "write its mirror image, or allow it where the same part is mounted on both sides"
+        elif cause.tensor is not None:
+            entries = " ".join(f'{name}="{value:.6g}"' for name, value in zip(INERTIA, cause.tensor, strict=True))
+            remedy = f"{'write' if cause.fix else 'correct its twin or write'} {entries}"
+        elif code == "RD312":
+            remedy = "write it in the axes of the link"
+        else:
+            remedy = "write the entries in URDF's order, ixx ixy ixz iyy iyz izz, about the centre of mass"
+        at = link.inertial.entries[changed[0] if changed else 0].span
+        yield Fault(at, cause.what, remedy, fix=cause.fix, kind=code)
+
+
+def _cause(context: Context, link: LinkView, twin: Pair | None) -> Cause | None:
+    said, verdicts = given(link), context.once(weighed)
+    verdict = verdicts.get(link.name)
+    if said is None or (verdict is not None and verdict.units):
+        return None
+    physical = is_physical(said.entries, context.thresholds)
+    if verdict is not None and verdict.named:
+        return _by_shapes(context, link, said, verdict, physical)
+    if not physical and said.nine_as_six:
+        return Cause("RD310", NINE, None, None, physical=False)
+    blamed = twin is None or (twin.left.name in verdicts and verdicts[twin.left.name].named)
+    return None if twin is None or blamed else _by_twin(context, link, said, twin, physical)
+
+
+def _by_shapes(context: Context, link: LinkView, said: Given, verdict: Posterior, physical: bool) -> Cause:
+    first, code = verdict.named[0], verdict.named[0].mistake.code
+    alike = [one for one in verdict.named if _apart(one.I, first.I) <= SAME]
+    share = sum(one.probability for one in alike) / sum(one.probability for one in verdict.named)
+    now, then = (f"{figure(round(100 * part, 2), 2)} %" for part in (verdict.apart, first.apart))
+    shown = f"corrected, it is {then} from the inertia of the link's shapes, as it stands {now}"
+    if share < _ALONE:
+        what = " or ".join(one.what for one in verdict.named[:_MOST_NAMED])
+        return Cause(code, f"{what}: {shown}", None, None, physical)
+    tensor, what = _entries(first.I, said), f"{first.what}: {shown}"
+    fix = _fix(link, tensor, first.what) if _allowed(context, link, first.I) else None
+    return Cause(code, what, tensor, fix, physical)
+
+
+def _by_twin(context: Context, link: LinkView, said: Given, twin: Pair, physical: bool) -> Cause | None:
+    left = twin.left.inertial
+    if left is None or not left.mass > 0:
+        return None
+    reflected, copy = (product(said.R.T, I, said.R) for I in (twin.reflected(left)[1], link_inertia(left)[1]))
+    image = said.mass / left.mass * reflected
+    possible = is_physical(tuple(image[UPPER].tolist()), context.thresholds)
+    if not possible or (physical and _apart(said.tensor, image) <= DIFFERENT):
+        return None
+    if physical and bool(np.abs(said.tensor - copy).max() <= 1e-6 * np.abs(copy).max()):
+        return Cause("RD313", COPIED, None, None, physical)
+    found = _explained(context, link, said, image)
+    if len(found) > 1 and {mistake.code for mistake, _ in found} == {"RD310"}:
+        return Cause("RD310", " or ".join(mistake.what for mistake, _ in found), None, None, physical)
+    if len(found) != 1:
+        return None
+    mistake, I = found[0]
+    tensor = _entries(I, said)
+    fix = None if physical and mistake.code not in _ONE_SIDED else _fix(link, tensor, mistake.what)
+    why = "no body can have this tensor, but one can have the corrected one"
+    if physical:
+        why = "corrected, it is the mirror image of its twin's"
+    return Cause(mistake.code, f"{mistake.what}: {why}", tensor, fix, physical, physical)
+
+
+def _entries(I: Floats, said: Given) -> Tensor:
+    """Return the six entries to the digits that are known, and as they stand where they do not change."""
+    size = float(np.abs(I).max())
+    values = []
+    for value, old in zip(I[UPPER].tolist(), said.entries, strict=True):
+        rounded = 0.0 if abs(value) < 1e-15 * size else float(f"{value:.{_DIGITS}g}")
+        values.append(old if abs(value - old) <= 1e-15 * size else rounded)
+    return tuple(values)
+
+
+def _fix(link: LinkView, tensor: Tensor, what: str) -> Fix | None:
+    if link.tensor is None or link.inertial is None:
+        return None
+    entries = zip(link.inertial.entries, tensor, link.tensor, strict=True)
+    edits = tuple(Edit(entry.span.start, entry.span.end, repr(new)) for entry, new, old in entries if new != old)
+    return Fix(f"correct the inertia: {what}", edits, safe=False)
 
 
 @rule(

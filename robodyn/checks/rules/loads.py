@@ -2,16 +2,333 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from math import degrees
+from typing import NamedTuple
+
+import numpy as np
 
 from robodyn.checks.bodies.contacts import detached
 from robodyn.checks.bodies.shapes import other_unit
-from robodyn.checks.bodies.statics import StaticTorque, gravity_bounds, reflected_inertias, static_torques
 from robodyn.checks.examples import INERTIA, arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.checks.rules.ranges import of_numbers
-from robodyn.robot.model import Model
+from robodyn.programs.vectors import arctan2, length, narrowed, product, skew
+from robodyn.robot.configuration import body_poses
+from robodyn.robot.model import Joint, Model
+from robodyn.support.floats import Floats, first_largest
 from robodyn.support.wording import figure
+
+_NOTHING = 1e-12
+"""First moments that are no more than this, by the robot's mass, are rounding [m]."""
+STARTS = 4
+MOST_BODIES = 150
+"""Of larger robots the poses are not looked at: the work grows with the square of the number, or faster."""
+SWEEPS = 10
+GRAVITY = 9.81
+_CONVERGED = 1e-3
+_LEAST_LEVER = 0.05
+_WORTH = 1e-2
+"""s; damping that is slower than this on the body's own inertia is of no interest."""
+
+
+class Sweep:
+    """Poses in rows: for each target those that start at `starts` (s, n), once to raise its torque and once to lower
+    it, between `low` and `high` (n,), by the coordinates that are `free` (n,).
+
+    The torque of gravity about the joint of body t, divided by g, is y . Rot(a_j, q_j) x in the angle of each joint j
+    that matters, plus a constant, with x in the axes of body j and y in those of the joint. At t and above, x is
+    v = a_t x sum m (c - p_t) and y points up (u). Below t, x is the first moment h = sum m (c - p_j) of what joint j
+    carries and y is w = u x a_t. A row's v is zero beside and below its target, its w beside and above.
+    """
+
+    def __init__(
+        self, model: Model, targets: Sequence[int], starts: Floats, low: Floats, high: Floats, free: Floats
+    ) -> None:
+        self._bodies, self._low, self._high, self._free = model.bodies, low, high, free
+        self._carried = np.array([body.inertia.m for body in model.bodies])
+        for i in reversed(range(1, len(model.bodies))):
+            self._carried[model.parents[i]] += self._carried[i]
+        self._relevant = around(model.parents, frozenset(targets))
+        each = 2 * len(starts)
+        self._rows = {t: slice(k * each, (k + 1) * each) for k, t in enumerate(targets)}
+        self.q = np.tile(starts.T, (1, 2 * len(targets)))
+        self._sign = np.tile(np.repeat((1.0, -1.0), len(starts)), len(targets))
+        self._up: dict[int, Floats] = {}
+        self._scale = float(self._carried[0]) or 1.0
+
+    def torques(self, x: Mapping[int, Floats] | None = None) -> Floats:
+        """(targets * rows,) torque / g, of given h and v, otherwise of those at q."""
+        x, torques = x or self._inward(), np.zeros(self.q.shape[1])
+        for t, rows in self._rows.items():
+            if t in self._up:
+                torques[rows] = (self._up[t] * x[t][:, 1, rows]).sum(axis=0)
+        return torques
+
+    def improve(self) -> Floats:
+        """Give each joint in turn, from the base to the tips, its best position; return (targets * rows,) torque / g
+        before, times the sign that the row is to have; 0 before the first."""
+        x = self._inward()
+        before: Floats = self._sign * self.torques(x)
+        self._outward(x)
+        return before
+
+    def _positions(self, joint: Joint) -> Floats:
+        return np.asarray(joint.multiplier * self.q[joint.coordinate] + joint.offset)
+
+    def _turned(self, joint: Joint, x: Floats, back: float = 1.0) -> Floats:
+        """Rot(a, q) x, or turned back, of (3, 2, rows)."""
+        if joint.kind != "revolute":
+            return x
+        q, axis = self._positions(joint), joint.axis
+        along = product(np.outer(axis, axis), x.reshape(3, -1)).reshape(x.shape)
+        across = product(skew(axis), x.reshape(3, -1)).reshape(x.shape)
+        turned: Floats = along + np.cos(q) * (x - along) + back * np.sin(q) * across
+        return turned
+
+    def _inward(self) -> dict[int, Floats]:
+        """(3, 2, rows) h and v of the bodies that matter."""
+        x = {i: np.zeros((3, 2, self.q.shape[1])) for i in self._relevant}
+        for i in reversed(self._relevant):
+            body, own = self._bodies[i], x[i]
+            own[:, 0] += body.inertia.mc[:, None]
+            if i in self._rows:
+                rows, axis = self._rows[i], body.joint.axis
+                sliding = body.joint.kind == "prismatic"
+                own[:, 1, rows] = self._carried[i] * axis[:, None] if sliding else product(skew(axis), own[:, 0, rows])
+            if body.parent < 0:
+                continue
+            joint, above = body.joint, x[body.parent]
+            above += product(joint.R, self._turned(joint, own).reshape(3, -1)).reshape(own.shape)
+            above[:, 0] += self._carried[i] * joint.p[:, None]
+            if joint.kind == "prismatic":
+                above[:, 0] += self._carried[i] * np.outer(product(joint.R, joint.axis), self._positions(joint))
+        return x
+
+    def _outward(self, x: Mapping[int, Floats]) -> None:
+        """Change q, from the base to the tips, and keep where up is for each target."""
+        ground = np.zeros((3, 2, self.q.shape[1]))
+        ground[2, 0] = 1.0
+        y = {0: ground}
+        for i in self._relevant[1:]:
+            body = self._bodies[i]
+            here = product(body.joint.R.T, y[body.parent].reshape(3, -1)).reshape(ground.shape)
+            if self._free[body.joint.coordinate] and body.joint.mimics is None:
+                self._best(i, x[i], here)
+            own = self._turned(body.joint, here, back=-1.0)
+            if i in self._rows:
+                rows = self._rows[i]
+                self._up[i] = own[:, 0, rows]
+                if body.joint.kind == "revolute":
+                    own[:, 1, rows] = product(-skew(body.joint.axis), own[:, 0, rows])
+            y[i] = own
+
+    def _best(self, i: int, x: Floats, y: Floats) -> None:
+        """Give the joint of body i its best position in every row in which it matters."""
+        joint = self._bodies[i].joint
+        low, high, q = self._low[joint.coordinate], self._high[joint.coordinate], self.q[joint.coordinate]
+        if joint.kind == "prismatic":
+            gain = self._sign * product(joint.axis, y[:, 1])
+            q[:] = np.where(gain > 0.0, high, np.where(gain < 0.0, low, q))
+            return
+        turned, along = (
+            product(part, x.reshape(3, -1)).reshape(x.shape)
+            for part in (skew(joint.axis), np.outer(joint.axis, joint.axis))
+        )
+        # y has up with h and w with v the other way about: v goes with up, h with w
+        cosine = self._sign * (y * (x - along)[:, ::-1]).sum(axis=(0, 1))
+        sine = self._sign * (y * turned[:, ::-1]).sum(axis=(0, 1))
+        best = low + (arctan2(sine, cosine) - low) % (2.0 * np.pi)
+        at_low = cosine * np.cos(low) + sine * np.sin(low)
+        at_high = cosine * np.cos(high) + sine * np.sin(high)
+        best = np.where(best <= high, best, np.where(at_low > at_high, low, high))
+        matters = np.hypot(cosine, sine) > _NOTHING * self._scale
+        q[:] = np.where(matters, best, q)
+
+
+def around(parents: Sequence[int], targets: frozenset[int]) -> list[int]:
+    """Return the bodies above and below the targets, the targets and the base, parents first."""
+    below, above = set(targets), {0, *targets}
+    for i, parent in enumerate(parents):
+        if parent in below:
+            below.add(i)
+    for i in reversed(range(len(parents))):
+        if i in above:
+            above.add(max(parents[i], 0))
+    return sorted(above | below)
+
+
+class StaticTorque(NamedTuple):
+    """The torque of largest magnitude that was found of a joint at rest, with its sign, gravity being (0, 0, -9.81)
+    along the root's axes [N m or N], and the pose (n,), with joints that do not matter nearest to 0 [rad or m]."""
+
+    joint: Joint
+    torque: float
+    q: Floats
+
+
+class GravityBound(NamedTuple):
+    """What the weight of `own`, all that a joint carries, or of the `whole` robot, as of a leg that stands, can be
+    about the joint at the farthest reach of what the joint carries, of the whole at 5 cm at least [N m or N]."""
+
+    own: float
+    whole: float
+
+
+def static_torques(context: Context) -> tuple[StaticTorque, ...]:
+    """Return the most that gravity asks of joints whose effort limits it might exceed, by a bound. From stage MODEL on.
+
+    Method: the torque of gravity about a joint is M g u . (a x r), u pointing up, r from the joint to the centre of the
+    mass M that it carries. In the angle of one joint it is a + b cos q + c sin q. So the best angle of one joint within
+    its limits is known in closed form, and going through the joints again and again only ever raises the torque: from
+    STARTS poses up and as many down, until a sweep gains less than 0.1 %, SWEEPS at most. There may be a larger one
+    elsewhere. Joints that others mimic are left out, and stay where they start. Robots on a floating base, and of more
+    than MOST_BODIES bodies, give nothing.
+
+    Accuracy: `torque` is that of `bias_forces` at `q` within 1e-12 of the weight at the farthest reach; of 4000 random
+        poses none asks for more than 1.02 times as much.
+    """
+    model = context.model
+    if len(model.bodies) > MOST_BODIES or any(body.joint.kind == "floating" for body in model.bodies):
+        return ()
+    followed = {body.joint.coordinate for body in model.bodies if body.joint.mimics is not None}
+    bounds = context.once(gravity_bounds)
+    joints = {
+        i: body.joint
+        for i, body in enumerate(model.bodies)
+        if body.joint.mimics is None and body.joint.coordinate not in followed
+        if body.joint.effort and 0.0 < body.joint.effort < bounds[body.joint.name].own
+    }
+    if not joints:
+        return ()
+    low, high = position_ranges(model)
+    free = np.array([k not in followed for k in range(model.n)])
+    sweep = Sweep(model, [*joints], starts(low, high), low, high, free)
+    last = sweep.improve()
+    for _ in range(SWEEPS):
+        now = sweep.improve()
+        if (now - last <= _CONVERGED * np.abs(now)).all():
+            break
+        last = now
+    torques = GRAVITY * sweep.torques().reshape(len(joints), -1)
+    poses = sweep.q.T.reshape(*torques.shape, -1)
+    found = []
+    for k, (i, joint) in enumerate(joints.items()):
+        worst = first_largest(np.abs(torques[k]))
+        matter = [model.bodies[j].joint.coordinate for j in around(model.parents, frozenset({i}))[1:]]
+        q = np.clip(np.zeros(model.n), low, high)
+        q[matter] = poses[k, worst, matter]
+        found.append(StaticTorque(joint, float(torques[k, worst]), q))
+    return tuple(found)
+
+
+def position_ranges(model: Model) -> tuple[Floats, Floats]:
+    """(n,) the least and the largest position of each coordinate [rad or m]: a turn where an angle has no limits, or a
+    wider range; 0 where a slide has none."""
+    low, high = np.zeros(model.n), np.zeros(model.n)
+    for joint in model.independent:
+        lower, upper = joint.lower, joint.upper
+        endless = joint.continuous or lower is None or upper is None or upper - lower > 2 * np.pi
+        if joint.kind == "revolute" and endless:
+            lower, upper = -np.pi, np.pi
+        if lower is not None and upper is not None and lower <= upper and abs(lower) < 1e3 and abs(upper) < 1e3:
+            low[joint.coordinate], high[joint.coordinate] = lower, upper
+    return low, high
+
+
+def starts(low: Floats, high: Floats) -> Floats:
+    """(STARTS, n) the middle, and points spread evenly by multiples of irrational numbers."""
+    n = len(low)
+    spread = np.outer(np.arange(STARTS), np.sqrt(np.arange(2, n + 2))) % 1.0
+    spread[0] = 0.5
+    return np.asarray(low + spread * (high - low))
+
+
+def gravity_bounds(context: Context) -> Mapping[str, GravityBound]:
+    """What no pose exceeds, by joint, from the sum of the lengths on the way and what turns it. From stage MODEL on."""
+    model = context.model
+    count = len(model.bodies)
+    carried, reach, tilt = np.zeros(count), np.zeros(count), _tilts(model)
+    bounds = {}
+    for i in reversed(range(count)):
+        body = model.bodies[i]
+        joint, mass = body.joint, body.inertia.m
+        carried[i] += mass
+        if mass > 0.0:
+            reach[i] = max(reach[i], length(body.inertia.mc) / mass)
+        lever = 1.0 if joint.kind == "prismatic" else float(reach[i])
+        whole = model.total_mass * GRAVITY * max(lever, _LEAST_LEVER)
+        bounds[joint.name] = GravityBound(float(carried[i]) * GRAVITY * lever * tilt[i], whole)
+        if body.parent >= 0:
+            carried[body.parent] += carried[i]
+            slide = max(abs(joint.lower or 0.0), abs(joint.upper or 0.0)) if joint.kind == "prismatic" else 0.0
+            reach[body.parent] = max(reach[body.parent], length(joint.p) + slide + reach[i])
+    return bounds
+
+
+def _tilts(model: Model) -> list[float]:
+    """The most that gravity has of its strength across each hinge's axis or along each slide: 1 above a hinge."""
+    tilts, standing = [], {-1: np.eye(3)}
+    for i, body in enumerate(model.bodies):
+        joint = body.joint
+        if body.parent not in standing:
+            tilts.append(1.0)
+            continue
+        up = product(standing[body.parent], joint.R)[2]
+        along = abs(float(product(up, joint.axis)))
+        tilts.append(along if joint.kind == "prismatic" else length(np.cross(up, joint.axis)))
+        if joint.kind != "revolute":
+            standing[i] = product(standing[body.parent], joint.R)
+    return tilts
+
+
+def reflected_inertias(context: Context) -> tuple[tuple[Joint, float], ...]:
+    """Return (joint, J) of the joints whose damping may be fast; J = 1 / (M^-1)_ii at the middle of the ranges. From
+    stage MODEL on; empty for a singular mass matrix, a floating joint or more than MOST_BODIES bodies.
+
+    Accuracy: M within 1e-12 of its largest entry.
+    """
+    model, joints = context.model, list[Joint]()
+    for body in model.bodies:
+        joint, m = body.joint, body.inertia.m
+        if joint.kind in ("revolute", "prismatic") and joint.mimics is None and joint.damping > 0.0:
+            own = m if joint.kind == "prismatic" else float(product(joint.axis, body.inertia.I, joint.axis))
+            if own < _WORTH * joint.damping:
+                joints.append(joint)
+    if not joints or model.nq != model.n or len(model.bodies) > MOST_BODIES:
+        return ()
+    low, high = position_ranges(model)
+    try:
+        root = np.linalg.cholesky(joint_space_inertia(model, (low + high) / 2.0))
+    except np.linalg.LinAlgError:
+        return ()
+    inverse = (np.linalg.inv(root) ** 2).sum(axis=0)  # the diagonal of (L L^T)^-1
+    return tuple((joint, 1.0 / float(inverse[joint.rate])) for joint in joints)
+
+
+def joint_space_inertia(model: Model, q: Floats) -> Floats:
+    """M(q) = sum of m J_v^T J_v + J_w^T I_c J_w over the bodies, with rotor inertias on the diagonal.
+
+    For one pose (n,) of a robot without floating joints this is ready long before `robodyn.mass_matrix` is traced.
+
+    Accuracy: 1e-12 of the largest entry.
+    """
+    M, columns = np.zeros((model.n, model.n)), list[Floats]()
+    for body, pose in zip(model.bodies, body_poses(model, q), strict=True):
+        R, p, joint = narrowed(pose.R), narrowed(pose.p), body.joint
+        axis = product(R, joint.axis)
+        J = columns[body.parent].copy() if body.parent >= 0 else np.zeros((6, model.n))  # of a point at the origin
+        if joint.kind == "revolute":
+            J[:, joint.rate] += joint.multiplier * np.concatenate((axis, np.cross(p, axis)))
+        elif joint.kind == "prismatic":
+            J[3:, joint.rate] += joint.multiplier * axis
+        if joint.kind != "fixed":
+            M[joint.rate, joint.rate] += joint.multiplier**2 * joint.reduction**2 * joint.rotor_inertia
+        columns.append(J)
+        J_c = J[3:] - product(skew(product(R, body.inertia.centre_of_mass) + p), J[:3])
+        M += body.inertia.m * product(J_c.T, J_c) + product(J[:3].T, R, body.inertia.about_centre, R.T, J[:3])
+    return M
+
 
 _HEAVY = f'<origin xyz="0.5 0 0"/><mass value="2"/>{INERTIA}'
 _MOST_JOINTS = 8

@@ -8,11 +8,11 @@ from math import isclose, pi
 
 import numpy as np
 
-from robodyn.checks.bodies.causes import causes
 from robodyn.checks.bodies.masses import POINT, is_physical, principal_moments
 from robodyn.checks.examples import ARM_LIMIT, IMAGE, TENSOR, two_arms, two_elbows
 from robodyn.checks.mirror import MASS, MOMENTS, Pair, Symmetry, Twins, is_square, symmetry, twins
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rules.inertia_mistakes import causes
 from robodyn.programs.vectors import length, product, rotation_from_rpy
 from robodyn.robot.urdf.numbers import value_span
 from robodyn.robot.urdf.parts import WITH_RANGE, Joint, Limit

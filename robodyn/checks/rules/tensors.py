@@ -5,7 +5,6 @@ from __future__ import annotations
 from math import isclose, log10
 
 from robodyn.checks.bodies.bodies import given
-from robodyn.checks.bodies.causes import explained
 from robodyn.checks.bodies.masses import (
     POINT,
     gyration,
@@ -20,6 +19,7 @@ from robodyn.checks.bodies.shapes import shaped
 from robodyn.checks.examples import INERTIA, inertia, longer_arm, one_link
 from robodyn.checks.mirror import pairs
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
+from robodyn.checks.rules.inertia_mistakes import explained
 from robodyn.robot.urdf.view import LinkView
 from robodyn.support.wording import figure
 

@@ -14,7 +14,7 @@ from helpers.planted_defects import HEALTHY
 from helpers.sampled import sampled
 
 from robodyn.checks.bodies import contacts
-from robodyn.checks.bodies.causes import Cause, causes
+from robodyn.checks.rules.inertia_mistakes import Cause, causes
 from robodyn.checks.bodies.contacts import Hull, depth, overlaps, rest
 from robodyn.checks.bodies.masses import nearest
 from robodyn.checks.catalogue import BY_CODE

@@ -10,7 +10,7 @@ from helpers.sampled import sampled
 
 import robodyn
 from robodyn.checks.bodies.bodies import bodies
-from robodyn.checks.bodies.statics import (
+from robodyn.checks.rules.loads import (
     gravity_bounds,
     joint_space_inertia,
     position_ranges,
