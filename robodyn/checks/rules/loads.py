@@ -298,12 +298,23 @@ def reflected_inertias(context: Context) -> tuple[tuple[Joint, float], ...]:
     if not joints or model.nq != model.n or len(model.bodies) > MOST_BODIES:
         return ()
     low, high = position_ranges(model)
-    try:
-        root = np.linalg.cholesky(joint_space_inertia(model, (low + high) / 2.0))
-    except np.linalg.LinAlgError:
-        return ()
-    inverse = (np.linalg.inv(root) ** 2).sum(axis=0)  # the diagonal of (L L^T)^-1
-    return tuple((joint, 1.0 / float(inverse[joint.rate])) for joint in joints)
+    inverse = inverse_of_definite(joint_space_inertia(model, (low + high) / 2.0))
+    return () if inverse is None else tuple((joint, 1.0 / float(inverse[joint.rate, joint.rate])) for joint in joints)
+
+
+def inverse_of_definite(M: Floats) -> Floats | None:
+    """The inverse of a positive definite matrix, None of others, by Gauss-Jordan in place: of links of next to
+    no inertia only rounding is left, which is printed, and is the same everywhere so, unlike that of LAPACK."""
+    A = M.copy()
+    for k in range(len(A)):
+        pivot = A[k, k]
+        if not pivot > 0.0:
+            return None
+        row = A[k] / pivot
+        A -= A[:, k, None] * row
+        A[k] = A[:, k] = row
+        A[k, k] = -1.0 / pivot
+    return np.asarray(-A)
 
 
 def joint_space_inertia(model: Model, q: Floats) -> Floats:

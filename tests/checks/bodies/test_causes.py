@@ -14,7 +14,6 @@ from helpers.planted_defects import HEALTHY
 from helpers.sampled import sampled
 
 from robodyn.checks.bodies import contacts
-from robodyn.checks.rules.inertia_mistakes import Cause, causes
 from robodyn.checks.bodies.contacts import Hull, depth, overlaps, rest
 from robodyn.checks.bodies.masses import nearest
 from robodyn.checks.catalogue import BY_CODE
@@ -22,6 +21,7 @@ from robodyn.checks.check import Options, check_one, found_in
 from robodyn.checks.context import Context
 from robodyn.checks.examples import ORIGIN, two_arms
 from robodyn.checks.fixes import fixed
+from robodyn.checks.rules.inertia_mistakes import Cause, causes
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.robot.kinematics import Pose
 from robodyn.robot.masses.mistakes import UPPER

@@ -10,6 +10,10 @@ from helpers.sampled import sampled
 
 import robodyn
 from robodyn.checks.bodies.bodies import bodies
+from robodyn.checks.check import Options, check_one
+from robodyn.checks.context import Context
+from robodyn.checks.examples import a_shaped_link
+from robodyn.checks.rule import Finding, Severity
 from robodyn.checks.rules.loads import (
     gravity_bounds,
     joint_space_inertia,
@@ -17,10 +21,6 @@ from robodyn.checks.rules.loads import (
     starts,
     static_torques,
 )
-from robodyn.checks.check import Options, check_one
-from robodyn.checks.context import Context
-from robodyn.checks.examples import a_shaped_link
-from robodyn.checks.rule import Finding, Severity
 from robodyn.robot.urdf.document import read
 from robodyn.solids.inertia import solids
 
