@@ -32,10 +32,6 @@ class Commands(click.Group):
                 return None
             ctx.fail(f"there is no command {name!r}; {alternatives(name, COMMANDS, 'commands')}")
         command: click.Command = import_module(f"robodyn.cli.{name}").command
-        if ctx.resilient_parsing:
-            from robodyn.cli.completion import add_completions
-
-            add_completions(command)
         return command
 
 
