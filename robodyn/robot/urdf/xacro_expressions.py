@@ -1,18 +1,16 @@
 """Expressions of xacro, computed from their syntax: what is not listed here is refused, and all is bounded.
 
-Python's own `eval` is not used. Values are numbers, text, and lists, tuples, sets and dictionaries of these; functions
-can be called and handed on, and have no attributes. Each step is counted, and whatever could make something large is
-asked for its size first.
+Python's own `eval` is not used. Values are numbers, text, and lists, tuples and dictionaries of these; functions can be
+called, are not called by others, and have no attributes. Each step is counted, and whatever could make something large
+is asked for its size first.
 """
 
 from __future__ import annotations
 
 import ast
 import operator
-import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from string import Formatter
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
 
 from robodyn.robot.urdf.xacro_values import (
     BINARY,
@@ -35,11 +33,11 @@ MOST_SOURCE = 20_000
 """Characters of an expression."""
 
 
-class _Method:
-    """A method of a value; with no value, one of a type, of which the first argument is the value."""
+class _Method(NamedTuple):
+    """A method of a value."""
 
-    def __init__(self, owner: Any, name: str) -> None:
-        self.owner, self.name = owner, name
+    owner: Any
+    name: str
 
 
 _UNARY: dict[type[ast.unaryop], Callable[[Any], Any]] = {
@@ -60,20 +58,15 @@ _COMPARED: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
     ast.In: lambda left, right: left in right,
     ast.NotIn: lambda left, right: left not in right,
 }
-_MADE: dict[type[ast.expr], Callable[[list[Any]], Any]] = {ast.List: list, ast.Tuple: tuple, ast.Set: set}
-_SET = "copy difference intersection isdisjoint issubset issuperset symmetric_difference union"
 _NAMED: dict[type, str] = {
-    str: "capitalize casefold center count endswith find format format_map index isalnum isalpha isascii isdecimal "
+    str: "capitalize casefold center count endswith find format index isalnum isalpha isascii isdecimal "
     "isdigit isidentifier islower isnumeric isspace istitle isupper join ljust lower lstrip partition removeprefix "
     "removesuffix replace rfind rindex rjust rpartition rsplit rstrip split splitlines startswith strip swapcase title "
     "upper zfill",
     list: "append copy count extend index insert pop remove reverse sort",
     tuple: "count index",
     dict: "copy get items keys pop setdefault update values",
-    set: f"{_SET} add discard remove update",
-    frozenset: _SET,
-    float: "conjugate is_integer",
-    int: "bit_length conjugate",
+    float: "is_integer",
 }
 _METHODS = {kind: frozenset(names.split()) for kind, names in _NAMED.items()}
 
@@ -87,14 +80,7 @@ class Evaluator:
     """
 
     def __init__(self, functions: Sequence[tuple[Any, Callable[..., Any]]], namespace: type) -> None:
-        own: list[tuple[Any, Callable[..., Any]]] = [
-            (map, self._map),
-            (filter, self._filter),
-            (sorted, lambda items, **how: sorted(items, **self._keyed(how))),
-            (min, lambda *items, **how: min(*items, **self._keyed(how))),
-            (max, lambda *items, **how: max(*items, **self._keyed(how))),
-        ]
-        self._functions = {id(name): (name, call) for name, call in [*PLAIN, *own, *functions]}
+        self._functions = {id(name): (name, call) for name, call in [*PLAIN, (map, self._map), *functions]}
         self._namespace = namespace
         self._steps = 0
 
@@ -173,36 +159,22 @@ class Evaluator:
     def _IfExp(self, node: ast.IfExp, scopes: list[Any]) -> Any:
         return self._of(node.body if self._of(node.test, scopes) else node.orelse, scopes)
 
-    def _List(self, node: ast.List | ast.Tuple | ast.Set, scopes: list[Any]) -> Any:
-        return checked(_MADE[type(node)](self._each(node.elts, scopes)))
+    def _List(self, node: ast.List, scopes: list[Any]) -> Any:
+        return checked([self._of(each, scopes) for each in node.elts])
 
-    _Tuple = _Set = _List
+    def _Tuple(self, node: ast.Tuple, scopes: list[Any]) -> Any:
+        return checked(tuple(self._of(each, scopes) for each in node.elts))
 
     def _Dict(self, node: ast.Dict, scopes: list[Any]) -> Any:
         found: dict[Any, Any] = {}
         for key, value in zip(node.keys, node.values, strict=True):
             if key is None:
-                found.update(self._of(value, scopes))
-            else:
-                found[self._of(key, scopes)] = self._of(value, scopes)
+                raise RefusedError("two stars in an expression")
+            found[self._of(key, scopes)] = self._of(value, scopes)
         return checked(found)
 
-    def _each(self, nodes: Iterable[ast.expr], scopes: list[Any]) -> list[Any]:
-        found: list[Any] = []
-        for node in nodes:
-            if isinstance(node, ast.Starred):
-                found += self._items(self._of(node.value, scopes))
-            else:
-                found.append(self._of(node, scopes))
-        return found
-
-    def _items(self, value: Any) -> list[Any]:
-        return list(checked(value))
-
     def _Subscript(self, node: ast.Subscript, scopes: list[Any]) -> Any:
-        return self._item(self._of(node.value, scopes), self._of(node.slice, scopes))
-
-    def _item(self, value: Any, key: Any) -> Any:
+        value, key = self._of(node.value, scopes), self._of(node.slice, scopes)
         if isinstance(value, type):
             raise RefusedError(f"the type {value.__name__} with brackets")
         return value[key]
@@ -212,10 +184,8 @@ class Evaluator:
         return slice(*(None if part is None else self._of(part, scopes) for part in ends))
 
     def _Attribute(self, node: ast.Attribute, scopes: list[Any]) -> Any:
-        return self._attribute(self._of(node.value, scopes), node.attr)
-
-    def _attribute(self, value: Any, name: str) -> Any:
         """Return a member of a name space or of a table of YAML, a method that is listed, or a part of a number."""
+        value, name = self._of(node.value, scopes), node.attr
         if name.startswith("_"):
             raise RefusedError(f"the attribute {shown(name)}, which begins with an underscore,")
         if isinstance(value, self._namespace):
@@ -223,10 +193,12 @@ class Evaluator:
                 return value[name]  # type: ignore[index]
             except KeyError:
                 raise NameError(f"name {name!r} is not defined") from None
-        kind = value if isinstance(value, type) else type(value)
+        if isinstance(value, type):
+            raise RefusedError(f"the attribute {shown(name)} of the type {value.__name__}")
+        kind = type(value)
         known = next((methods for base, methods in _METHODS.items() if issubclass(kind, base)), frozenset[str]())
         if name in known:
-            return _Method(None if isinstance(value, type) else value, name)
+            return _Method(value, name)
         if type(value).__name__ == DOTTED:
             return value[name]
         if name in ("real", "imag") and isinstance(value, (int, float, complex)):
@@ -237,24 +209,16 @@ class Evaluator:
 
     def _Call(self, node: ast.Call, scopes: list[Any]) -> Any:
         function = self._of(node.func, scopes)
-        given, named = self._each(node.args, scopes), dict[str, Any]()
-        for keyword in node.keywords:
-            value = self._of(keyword.value, scopes)
-            more = dict(value) if keyword.arg is None else {keyword.arg: value}
-            if more.keys() & named.keys():
-                raise TypeError("an argument is given twice")
-            named.update(more)
+        given = tuple(self._of(each, scopes) for each in node.args)
+        named = {keyword.arg or "": self._of(keyword.value, scopes) for keyword in node.keywords}
+        if "" in named or callable(named.get("key")):
+            raise RefusedError("two stars, or a function for a key, in a call")
         return self._called(function, *given, **named)
 
     def _called(self, function: Any, /, *given: Any, **named: Any) -> Any:
-        self._steps += 1
-        checked(given)
-        checked(named)
+        checked([*given, *named.values()])
         if isinstance(function, _Method):
-            if function.owner is None and not given:
-                raise TypeError(f"{function.name}() needs a value")
-            owner, rest = (given[0], given[1:]) if function.owner is None else (function.owner, given)
-            return checked(self._method(owner, function.name, rest, named))
+            return checked(self._method(function.owner, function.name, given, named))
         known = self._functions.get(id(function))
         if known is None:
             name = getattr(function, "__name__", None)
@@ -263,6 +227,9 @@ class Evaluator:
             raise TypeError(f"{type(function).__name__!r} object is not callable")
         return checked(known[1](*given, **named))
 
+    def _map(self, function: Any, *items: Any) -> list[Any]:
+        return [self._called(function, *each) for each in zip(*items, strict=False)]
+
     def _method(self, owner: Any, name: str, given: tuple[Any, ...], named: dict[str, Any]) -> Any:
         checked(owner)
         kind = next((base for base, methods in _METHODS.items() if isinstance(owner, base) and name in methods), None)
@@ -270,56 +237,24 @@ class Evaluator:
             raise TypeError(f"{name}() of {type(owner).__name__}")
         if kind is str:
             check_growth(owner, name, given, named)
-            if name == "format":
-                return _Fields(self).vformat(owner, given, named)
-            if name == "format_map":
-                return _Fields(self).vformat(owner, (), *given)
             if name == "join":
-                given = tuple(map(self._items, given))
+                given = tuple(list(checked(each)) for each in given)
                 sized(sum(map(len, map(str, *given))) + len(owner) * len(*given), MOST_TEXT, "a text of {} characters")
-        if name == "sort":
-            named = self._keyed(named)
         found = getattr(owner, name)(*given, **named)
         checked(owner)
         return list(found) if kind is dict and name in ("items", "keys", "values") else found
 
-    def _map(self, function: Any, *items: Any) -> list[Any]:
-        return [self._called(function, *each) for each in zip(*map(self._items, items), strict=False)]
-
-    def _filter(self, function: Any, items: Any) -> list[Any]:
-        return [each for each in self._items(items) if (each if function is None else self._called(function, each))]
-
-    def _keyed(self, how: dict[str, Any]) -> dict[str, Any]:
-        key = how.get("key")
-        return how if key is None else {**how, "key": lambda each: self._called(key, each)}
-
     def _ListComp(self, node: ast.ListComp | ast.GeneratorExp, scopes: list[Any]) -> list[Any]:
-        return self._comprehended(node.generators, scopes, lambda inner: self._of(node.elt, inner))
-
-    _GeneratorExp = _ListComp
-
-    def _SetComp(self, node: ast.SetComp, scopes: list[Any]) -> Any:
-        return set(self._comprehended(node.generators, scopes, lambda inner: self._of(node.elt, inner)))
-
-    def _DictComp(self, node: ast.DictComp, scopes: list[Any]) -> Any:
-        def pair(inner: list[Any]) -> tuple[Any, Any]:
-            return self._of(node.key, inner), self._of(node.value, inner)
-
-        return dict(self._comprehended(node.generators, scopes, pair))
-
-    def _comprehended(
-        self, loops: Sequence[ast.comprehension], scopes: list[Any], value: Callable[[list[Any]], Any]
-    ) -> list[Any]:
         local: dict[str, Any] = {}
         inner, found = [*scopes, local], list[Any]()
 
         def run(depth: int) -> None:
-            if depth == len(loops):
-                found.append(value(inner))
+            if depth == len(node.generators):
+                found.append(self._of(node.elt, inner))
                 sized(len(found), MOST_ITEMS, "a comprehension of {} items")
                 return
-            loop = loops[depth]
-            for item in self._items(self._of(loop.iter, inner if depth else scopes)):
+            loop = node.generators[depth]
+            for item in list(checked(self._of(loop.iter, inner if depth else scopes))):
                 self._steps += 1
                 _bind(loop.target, item, local)
                 if all(self._of(test, inner) for test in loop.ifs):
@@ -328,15 +263,18 @@ class Evaluator:
         run(0)
         return found
 
+    _GeneratorExp = _ListComp
+
     def _JoinedStr(self, node: ast.JoinedStr, scopes: list[Any]) -> str:
         return str(checked("".join(str(self._of(part, scopes)) for part in node.values)))
 
     def _FormattedValue(self, node: ast.FormattedValue, scopes: list[Any]) -> str:
-        fields = _Fields(self)
-        value = fields.convert_field(
-            self._of(node.value, scopes), chr(node.conversion) if node.conversion > 0 else None
-        )
-        return fields.format_field(value, "" if node.format_spec is None else self._of(node.format_spec, scopes))
+        value = self._of(node.value, scopes)
+        if node.conversion > 0:
+            value = {"s": str, "r": repr, "a": ascii}[chr(node.conversion)](value)
+        specification = "" if node.format_spec is None else self._of(node.format_spec, scopes)
+        check_width(specification)
+        return format(checked(value), specification)
 
 
 _SPOKEN = {"Lambda": "a lambda", "NamedExpr": "an assignment", "Await": "an await", "Yield": "a yield"}
@@ -354,30 +292,3 @@ def _bind(target: ast.expr, value: Any, names: dict[str, Any]) -> None:
             _bind(part, one, names)
     else:
         raise RefusedError("a comprehension that sets more than names")
-
-
-class _Fields(Formatter):
-    """Formats as str.format does, with the attributes of an evaluator and bounded widths."""
-
-    def __init__(self, evaluator: Evaluator) -> None:
-        self._evaluator = evaluator
-        self._written = 0
-
-    def get_field(self, field_name: str, args: Sequence[Any], kwargs: Mapping[str, Any]) -> tuple[Any, Any]:
-        first, *rest = re.split(r"(\.[^.\[\]]+|\[[^\]]*\])", field_name)
-        key: Any = int(first) if first.isdecimal() else first
-        value = self.get_value(key, args, kwargs)
-        for step in filter(None, rest):
-            inner = step[1:-1] if step[0] == "[" else step[1:]
-            if step[0] == ".":
-                value = self._evaluator._attribute(value, inner)
-            else:
-                value = self._evaluator._item(value, int(inner) if inner.isdecimal() else inner)
-        return value, key
-
-    def format_field(self, value: Any, format_spec: str) -> str:
-        check_width(format_spec)
-        text = format(checked(value), format_spec)
-        self._written += len(text)
-        sized(self._written, MOST_TEXT, "a text of {} characters")
-        return text

@@ -8,6 +8,7 @@ import operator
 import re
 from collections.abc import Callable
 from functools import partial, reduce
+from string import Formatter
 from typing import Any
 
 MOST_ITEMS = 100_000
@@ -116,6 +117,15 @@ def check_percent(text: str, values: Any) -> None:
     sized(text.count("%") * measured(values), 100 * MOST_TEXT, "a text of {} characters")
 
 
+def check_fields(text: str, values: list[Any]) -> None:
+    """Raise where str.format takes values apart, or writes without bound."""
+    for _, field, specification, _ in Formatter().parse(text):
+        if set(field or "") & set(".[") or "{" in (specification or ""):
+            raise RefusedError("a format with a dot, a bracket or a format in a field")
+        check_width(specification or "")
+    sized(text.count("{") * measured(values), 100 * MOST_TEXT, "a text of {} characters")
+
+
 def check_width(specification: str) -> None:
     """Raise where a format pads, or writes digits, without bound; digits are those of all scripts to Python."""
     widths = re.findall(r"\d+", specification)
@@ -129,6 +139,8 @@ def check_growth(text: str, name: str, given: tuple[Any, ...], named: dict[str, 
     if name in ("center", "ljust", "rjust", "zfill"):
         widths = [value for value in values if isinstance(value, int)]
         sized(max([0, *widths]), _WIDEST, "a text that is padded to {} characters")
+    elif name == "format":
+        check_fields(text, values)
     elif name == "replace" and len(given) > 1 and all(isinstance(each, str) for each in given[:2]):
         sized(len(text) + text.count(given[0]) * len(given[1]), MOST_TEXT, "a text of {} characters")
 
@@ -153,35 +165,21 @@ def _total(items: Any, start: Any = 0) -> Any:
     return reduce(partial(binary, ast.Add), items, start)
 
 
-def _small(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a function of whole numbers that grows fast, of small ones."""
-
-    def bounded(*values: Any) -> Any:
-        for value in values:
-            sized(int(value), 500, "a function of whole numbers of {}")
-        return function(*values)
-
-    return bounded
-
-
 _ITERATORS = (enumerate, zip, reversed)
+_GROWING = ("factorial", "comb", "perm", "prod", "lcm")
+"""Functions of whole numbers whose values are soon large."""
 PLAIN: list[tuple[Any, Callable[..., Any]]] = [
-    *((each, each) for each in (list, dict, tuple, set, frozenset, len, str, float, int, bool, complex, slice, repr)),
-    *((each, each) for each in (abs, all, any, divmod, isinstance, issubclass, ord)),
+    *((each, each) for each in (list, dict, tuple, len, str, float, int, bool, repr, abs, all, any, isinstance, ord)),
+    *((each, each) for each in (min, max, sorted)),
     *((each, lambda *given, _each=each, **named: list(_each(*given, **named))) for each in _ITERATORS),
-    (hash, lambda value: hash(value) if checked(repr(value)) else 0),
     (range, _counted),
     (round, _rounded),
     (sum, _total),
     (type, operator.attrgetter("__class__")),
+    *(
+        (function, function)
+        for name, function in vars(math).items()
+        if callable(function) and not name.startswith("_") and name not in _GROWING
+    ),
 ]
-_GROWING: dict[str, Callable[..., Any]] = {name: _small(getattr(math, name)) for name in ("factorial", "comb", "perm")}
-_GROWING |= {
-    "prod": lambda items, *, start=1: reduce(partial(binary, ast.Mult), items, start),
-    "lcm": lambda *values: reduce(lambda one, other: checked(math.lcm(one, other)), values, 1),
-}
-PLAIN += [
-    (function, _GROWING.get(name, function))
-    for name, function in vars(math).items()
-    if callable(function) and not name.startswith("_")
-]
+"""What stands for each function or type that may be called: itself, or one that is bounded."""

@@ -22,7 +22,7 @@ HOSTILE = Path(__file__).parents[2] / "data" / "hostile" / "xacro"
 HEAD = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
 REFUSED = {
     "shell": (3, "a lambda"),
-    "format": (4, "'__class__'"),
+    "format": (4, "a format with a dot"),
     "eval": (3, "'__class__'"),
     "vars": (3, "the function vars()"),
     "environment": (3, "the variable 'TOKEN' of the environment"),
