@@ -105,7 +105,6 @@ def jobs_of(patterns: Sequence[str], out: str, beside: Sequence[str] = ()) -> li
 
 
 def _identity(path: str) -> tuple[int, int] | str:
-    """Return what is the same for all names of a file."""
     with suppress(OSError, ValueError):
         status = os.stat(path)
         return status.st_dev, status.st_ino

@@ -37,7 +37,6 @@ from robodyn.support.wording import count
 
 
 def _codes(text: str) -> tuple[str, ...]:
-    """Return codes of rules, or their beginnings, or ALL or DEFAULT, that stand between commas."""
     codes = [code.strip() for code in text.split(",")]
     return tuple(code.upper() if code[:2].upper() == "RD" or code.upper() in WORDS else code for code in codes)
 

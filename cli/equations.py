@@ -28,8 +28,6 @@ _WRITERS: dict[str, Any] = {
 
 
 class _Format(click.Choice):  # type: ignore[type-arg,unused-ignore]
-    """The formats; of C it says who writes it."""
-
     def get_invalid_choice_message(self, value: Any, ctx: click.Context | None) -> str:
         other = "; robodyn export --to c writes C" if value == "c" else ""
         return super().get_invalid_choice_message(value, ctx).rstrip(".") + other

@@ -95,7 +95,6 @@ def command(call: Call, urdf: str, qdd: Any, traj: str | None, time: float | Non
 
 
 def _write_drawings(folder: str, files: Sequence[tuple[str, str]]) -> None:
-    """Write files of text to a folder, which is made if there is none."""
     remedy = "name another folder"
     try:
         os.makedirs(folder, exist_ok=True)

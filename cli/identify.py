@@ -106,7 +106,6 @@ def command(
 
 
 def _progress(stage: str) -> None:
-    """Show a stage on a terminal, in the place of the one before."""
     if sys.stderr.isatty():
         click.echo(f"\r\033[K{stage}", nl=False, err=True)
 

@@ -31,8 +31,8 @@ class Commands(click.Group):
             if ctx.resilient_parsing:  # a shell completes what is being typed
                 return None
             ctx.fail(f"there is no command {name!r}; {alternatives(name, COMMANDS, 'commands')}")
-        command: click.Command = import_module(f"robodyn.cli.{name}").command
-        return command
+        found: click.Command = import_module(f"robodyn.cli.{name}").command
+        return found
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]}, invoke_without_command=True)

@@ -224,7 +224,6 @@ def _folder(text: str) -> str:
 
 
 def _argument(text: str) -> tuple[str, str]:
-    """Return name and value of NAME:=VALUE, as the command xacro takes it."""
     name, sign, value = text.partition(":=")
     if not sign or not name.strip():
         raise ValueError(f"{text!r} is not NAME:=VALUE, such as prefix:=left_")
@@ -252,7 +251,6 @@ def _positive(text: str) -> float:
 
 
 def _point(text: str) -> str | tuple[float, ...]:
-    """Return com, origin, or three numbers between commas."""
     numbers = finite_numbers(text)
     if text in ("com", "origin") or len(numbers) == 3:
         return text if text in ("com", "origin") else tuple(numbers)
@@ -281,7 +279,6 @@ def _at(text: str) -> list[float] | dict[str, float]:
 
 
 def _payload(text: str) -> Payload:
-    """Return the payload of LINK=KG or LINK=KG@X,Y,Z."""
     from robodyn.scene.parts import Payload
 
     link, _, load = text.rpartition("=")
@@ -294,7 +291,6 @@ def _payload(text: str) -> Payload:
 
 
 def _columns(text: str) -> Pairs:
-    """Return the pairs of OURS=THEIRS, or of a TOML file of such pairs."""
     ours, equals, theirs = (part.strip() for part in text.partition("="))
     if equals and not os.path.isfile(text):
         if not ours or not theirs:

@@ -84,7 +84,6 @@ def files_done(paths: Sequence[str]) -> Iterator[Callable[[int], None]]:
 
 
 def _size(path: str) -> int:
-    """Return the bytes of a file; 0 if they cannot be told."""
     try:
         return os.path.getsize(path)
     except (OSError, ValueError):

@@ -137,7 +137,6 @@ def _is_batch(trajectories: Sequence[str], out: str | None) -> bool:
 
 
 def _measured(call: Call, urdf: str, log: str, cutoff: float | None) -> None:
-    """Show what explains the difference of measured and computed torques."""
     from robodyn.identification.faults.compare import compare
     from robodyn.report.measured import measured_json, measured_page, measured_sections
 
@@ -151,7 +150,6 @@ def _measured(call: Call, urdf: str, log: str, cutoff: float | None) -> None:
 
 
 def _single(call: Call, urdf: str, trajectory: str, loads: dict[str, Any], example: bool) -> int:
-    """Show and write what one trajectory asks for; the exit status."""
     from robodyn.cli.progress import watched
     from robodyn.loads.accumulate import output_names
     from robodyn.loads.torques import torques

@@ -73,7 +73,6 @@ def run_batch(
 
 
 def _setup(call: Call, urdf: str, loads: Mapping[str, Any]) -> tuple[Setup, str]:
-    """Return what all trajectories have in common, which is checked here once; and the robot's name."""
     model, scene = robot_in_scene(call, urdf, loops=True, contacts=True)
     assert model.description is not None, "it is read from a file"
     check_uncertain(scene)

@@ -49,7 +49,6 @@ def untouched(model: Model) -> str:
 
 
 def _words(name: str) -> frozenset[str]:
-    """Return the words of a name such as LF_FOOT, left_foot_2 or leftLowerLeg, in small letters."""
     return frozenset(word.lower() for word in _WORDS.findall(name))
 
 
@@ -83,7 +82,6 @@ def _legs(model: Model) -> list[str]:
 
 
 def _branches(model: Model) -> Iterator[_Branch]:
-    """Yield the branches of two or more joints in a row that the base carries."""
     first, depth, reach = [0], [0], [0.0]
     for i, body in enumerate(model.bodies[1:], 1):
         first.append(first[body.parent] or i)

@@ -54,7 +54,6 @@ def scene_of(model: Model, scene: Scene = DEFAULT) -> Scene:
 
 
 def _loop(element: Element, name: str, links: Collection[str], strict: Strict) -> Loop:
-    """Return the loop that holds the child's frame at the parent's."""
     owner = f"{TAG} {shown(name)}"
     ends = []
     for role in ("parent", "child"):

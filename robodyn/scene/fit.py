@@ -130,7 +130,6 @@ def _check_loop(loop: Loop, model: Model, file: str | None) -> None:
 
 
 def _check_contact(contact: Contact, file: str | None) -> None:
-    """Raise if numbers of a contact, which may have been made in Python, are out of range."""
     numbers = [*(x for point in contact.points for x in point), *(contact.normal or ())]
     wrong = ""
     if not contact.points:

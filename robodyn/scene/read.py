@@ -174,7 +174,6 @@ def _coupled(table: TomlTable) -> parts.CoupledMotor:
 
 
 def _numbers(table: TomlTable, key: str, kind: Any, what: str, default: Any = ...) -> dict[str, Any]:
-    """Return a table of any keys, with values of one type."""
     values = table.table(key, default, what)
     return {name: values.value(name, kind) for name in list(values.values)}
 
@@ -196,7 +195,6 @@ def _loop(table: TomlTable) -> parts.Loop:
 
 
 def _directions(table: TomlTable) -> tuple[parts.Vector, ...]:
-    """Return directions, as many as they span."""
     found: tuple[parts.Vector, ...] = table.field(parts.Loop, "directions")
     lengths = np.linalg.norm(np.array(found).reshape(-1, 3), axis=1)
     wrong = ""

@@ -123,7 +123,6 @@ def read_covariance(path: str | os.PathLike[str]) -> Covariance:
 
 
 def _covariance(content: Any) -> Covariance:
-    """Return what JSON holds; ValueError if that is no covariance."""
     if not isinstance(content, Mapping) or set(content) != set(_KEYS):
         raise ValueError(f"has not just the keys {', '.join(_KEYS)}")
     names = content["parameters"]

@@ -201,7 +201,6 @@ def _check(density: float | None, mass: float | None, shell: float | None) -> No
 
 
 def _averaged(found: Shape, symmetrize: bool) -> tuple[str, ...]:
-    """Return what `symmetrize` did."""
     if not symmetrize or found.symmetry is None:
         return ()
     planes, axes = found.symmetry.accepted

@@ -82,8 +82,6 @@ class _Direct:
 
 
 class _Part(_Direct):
-    """A file under a temporary name, which it gives up in the end."""
-
     def __init__(self, target: str, old: os.stat_result | None) -> None:
         self._target, self._old = target, old
         self._name = f"{target}.{os.urandom(4).hex()}.part"

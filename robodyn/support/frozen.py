@@ -86,7 +86,6 @@ class Frozen:
 
 @cache
 def _names(kind: type[Any]) -> tuple[str, ...]:
-    """Return the names of the fields of a dataclass."""
     return tuple(field.name for field in fields(kind))
 
 

@@ -86,8 +86,6 @@ _FILTERS = threading.Lock()
 
 
 class _OwnThread(logging.Filter):
-    """Keeps warnings and errors of the thread that made it from going on, and notes them."""
-
     def __init__(self) -> None:
         super().__init__()
         self.messages: list[str] = []

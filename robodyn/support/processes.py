@@ -37,8 +37,6 @@ class Death(NamedTuple):
 
 
 class _Raised(NamedTuple):
-    """What a call raised, and where."""
-
     error: Exception
     trace: str
 

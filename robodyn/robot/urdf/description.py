@@ -234,7 +234,6 @@ class Strict:
 
 
 def _where(element: Element, owner: str) -> str:
-    """Return `owner` where the element is the owner itself, otherwise `<tag> of owner`."""
     return owner if owner.partition(" ")[0].strip("<>") == element.tag else f"<{element.tag}> of {owner}"
 
 
@@ -260,7 +259,6 @@ def _transmission(element: Element, joints: Collection[str], strict: Strict) -> 
 
 
 def _value(places: Collection[Element], tags: Collection[str], owner: str, strict: Strict) -> float | None:
-    """Return the one value that the actuator, the joint or the transmission gives."""
     found = [child for place in places for child in place.children if child.tag in tags]
     texts = [TEXT if element.get("value") is None else "value" for element in found]  # as Drake writes it
     values = [strict.number(numbers(*each, 1), owner) for each in zip(found, texts, strict=True)]

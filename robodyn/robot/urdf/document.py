@@ -176,7 +176,6 @@ class _Reader:
         return None
 
     def _parse(self) -> bool:
-        """Return whether the file could be read to its end."""
         try:
             self._parser.Parse(self.positions.data, True)
         except _UnreadableError:

@@ -59,7 +59,6 @@ class SourcePositions:
         return list(accumulate((_count_continuations(self.data[i : i + _BLOCK]) for i in blocks), initial=0))
 
     def _continuations(self, offset: int) -> int:
-        """Return the number of UTF-8 continuation bytes before `offset`."""
         if not self._block_continuations:
             return 0
         block = offset // _BLOCK

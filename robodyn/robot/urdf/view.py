@@ -65,7 +65,6 @@ def _text(name: str, child: str = "") -> Kept[str]:
 
 
 def _child(tag: str, kind: Callable[[Element], P]) -> Kept[P | None]:
-    """Return the first child of the part's element with that tag, as a part."""
     return Kept(lambda part: None if (found := part.element.find(tag)) is None else kind(found))
 
 

@@ -89,7 +89,6 @@ def _as_named(path: str, file: str) -> str:
 
 
 def _asked(path: str, package_paths: Sequence[str], args: Mapping[str, str], trusted: bool) -> dict[str, Any]:
-    """Return what a process of its own answers; see `xacro_child.answer`."""
     import subprocess
 
     from robodyn.support.children import start_python

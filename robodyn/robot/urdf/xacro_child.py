@@ -245,7 +245,6 @@ def _line_of(text: str, data: bytes) -> int | None:
 
 
 def _causes(error: BaseException | None) -> Iterator[BaseException]:
-    """Yield an error and those that it comes of."""
     while error is not None:
         yield error
         error = getattr(error, "exc", None) or error.__cause__ or error.__context__

@@ -34,8 +34,6 @@ MOST_SOURCE = 20_000
 
 
 class _Method(NamedTuple):
-    """A method of a value."""
-
     owner: Any
     name: str
 
@@ -271,7 +269,7 @@ class Evaluator:
     def _FormattedValue(self, node: ast.FormattedValue, scopes: list[Any]) -> str:
         value = self._of(node.value, scopes)
         if node.conversion > 0:
-            value = {"s": str, "r": repr, "a": ascii}[chr(node.conversion)](value)
+            value = {"s": str, "r": repr}.get(chr(node.conversion), ascii)(value)
         specification = "" if node.format_spec is None else self._of(node.format_spec, scopes)
         check_width(specification)
         return format(checked(value), specification)
@@ -281,7 +279,6 @@ _SPOKEN = {"Lambda": "a lambda", "NamedExpr": "an assignment", "Await": "an awai
 
 
 def _bind(target: ast.expr, value: Any, names: dict[str, Any]) -> None:
-    """Give the names of a loop the values of an item."""
     if isinstance(target, ast.Name):
         names[target.id] = value
     elif isinstance(target, (ast.Tuple, ast.List)):

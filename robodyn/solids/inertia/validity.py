@@ -163,7 +163,6 @@ def unphysical(I_c: Array, relative: float = PRINTED) -> str | None:
 
 
 def _fault(second: Floats, moments: Floats, relative: float, unit: float = 1.0) -> str | None:
-    """Return what is wrong with second moments and moments of inertia in units of `unit` kg m^2."""
     small, middle, large = (f"{moment * unit * HALF_UP:.6g}" for moment in moments.tolist())
     if moments[0] < -relative * moments[2]:
         return f"a principal moment of inertia is negative ({small} kg m^2)"

@@ -174,7 +174,6 @@ class TriangleSet:
         return self._total(Q) == self._sum
 
     def _total(self, Q: Array) -> int:
-        """The sum over all triangles, turned by Q, modulo 2^64."""
         total = 0
         for start in range(0, len(self._corners), _HASH_BLOCK):
             X = np.ascontiguousarray(self._corners[start : start + _HASH_BLOCK].T)

@@ -297,7 +297,6 @@ def _beyond_caps(closed: Floats, caps: Indexed, direction: Floats) -> list[Float
 
 
 def _with_margins(hits: Hits) -> Hits:
-    """Return hits of columns with ends before and after them."""
     columns = np.unique(hits.column)
     lo, hi = hits.depth.min(initial=0.0), hits.depth.max(initial=0.0)
     ends = np.repeat([lo - (hi - lo) / 8, hi + (hi - lo) / 8], len(columns))
@@ -387,7 +386,6 @@ def centred(totals: Floats, region: Floats) -> Floats:
 
 
 def _spread(totals: Floats) -> Floats:
-    """(4, 4) by how much directions differ, about the centre."""
     spread: Floats = np.ptp(centred(totals, totals.mean(axis=0)), axis=0)
     return spread
 

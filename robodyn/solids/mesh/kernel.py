@@ -110,7 +110,6 @@ def _row_sum(rows: Array, out: Array) -> list[Step]:
 
 
 def _lengths(normal: Array) -> list[Step]:
-    """The length of each vector in its first component; the vectors are lost."""
     first = normal[0]
     return [(np.multiply, (normal, normal, normal)), *_row_sum(normal, first), (np.sqrt, (first, first))]
 

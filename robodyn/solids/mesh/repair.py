@@ -154,7 +154,6 @@ def _region(union: United, filling: Filling, steps: _Steps) -> tuple[Indexed, Qu
 
 
 def _by_all_faces(given: Indexed, mesh: Indexed, region: Quadrature | None, steps: _Steps) -> Quadrature | None:
-    """Return what all faces as given enclose, where bodies share so many that shells cannot be told apart."""
     found, volume = as_given(given), mesh.volume(mesh.middle) if region is None else region.volume
     apart = abs(found.volume - volume) / abs(found.volume)
     if apart <= _SAME:

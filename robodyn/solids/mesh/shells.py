@@ -111,7 +111,6 @@ def _ranks(names: Numbers, count: Numbers) -> Numbers:
 
 
 def _first_of(names: Numbers) -> Mask:
-    """(m,) whether a name was not there before."""
     first: Mask = np.zeros(len(names), np.bool_)
     first[distinct(names).first] = True
     return first
@@ -293,7 +292,6 @@ def _closed(edges: Edges, patch: Numbers, turn: Mask, twisted: Mask) -> Mask:
 
 
 def _rim(edges: Edges, turn: Mask, label: Numbers) -> Numbers:
-    """Return what is missing to close shells that share no edge, see `Shells`."""
     edge, ends = replace(edges, way=np.where(turn[:, None], -edges.way, edges.way)).boundary()
     of_edge = np.empty(len(edges.count), np.int64)
     of_edge[edges.of] = label[:, None]

@@ -25,8 +25,6 @@ NEAR = 1e-2
 
 
 class _Judged:
-    """What has an asymmetry and a verdict."""
-
     asymmetry: float
     verdict: Verdict
 
@@ -213,7 +211,6 @@ def _newton(M: Array, n: Array) -> tuple[Array, Array]:
 
 
 def _spread(count: int) -> Floats:
-    """Directions spread over half a sphere (Fibonacci), and the coordinate axes."""
     index = np.arange(count) + 0.5
     z, turn = index / count, np.pi * (1 + 5**0.5) * index
     r = np.sqrt(1 - z * z)
@@ -311,7 +308,6 @@ class Search:
 
     @cached_property
     def _always(self) -> dict[int, Plane]:
-        """The planes normal to distinct principal axes."""
         return {i: self._plane(row) for i, row in enumerate(self.principal) if self._distinct(i)}
 
     def _half_turn_possible(self, i: int) -> bool:
@@ -409,7 +405,6 @@ class Search:
 
     @cached_property
     def _about(self) -> dict[int, tuple[Floats, Array]]:
-        """Of each lone axis, a frame along it and the moments about it."""
         frames = {i: frame_along(self.principal[i]) for i in self.lone}
         return {i: (frame, axial_moments(self.body.corners, frame, self.body.volume)) for i, frame in frames.items()}
 
@@ -447,7 +442,6 @@ def _once(found: Sequence[Found], line: Callable[[Found], tuple[float, Array]]) 
 
 
 def _in_order(found: Iterable[Found], direction: Callable[[Found], Array]) -> list[Found]:
-    """By coordinates, however they were found."""
     ordered = list(found)
     for k in (2, 1, 0):
         ordered = ranked(ordered, lambda each, k=k: float(direction(each)[k]), noise=_SAME_COORDINATE)  # type: ignore[misc]

@@ -244,8 +244,6 @@ def tessellation(masses: LineMasses, integrals: Integrals, centre: Array, *, fix
 
 @dataclass(frozen=True, eq=False)
 class _Smooth:
-    """Volume, second moments and centre of a smooth body, about the centre of the mesh."""
-
     volume: float
     S: Floats
     centre: Floats

@@ -152,7 +152,6 @@ def _glb(source: Source, stream: BinaryIO) -> Asset:
 
 
 def _gltf_of(source: Source, header: Any) -> Asset:
-    """Refuses geometry that trimesh would read as zeros, and numbers of elements that no bytes stand behind."""
     harmful = [name for name in header.get("extensionsRequired", []) if not str(name).startswith(_HARMLESS)]
     if harmful:
         what = f"needs the glTF extension {str(harmful[0])[:60]!r}, which is not read"

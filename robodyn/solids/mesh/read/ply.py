@@ -136,7 +136,6 @@ def read_ply(source: Source, scale: float, notes: tuple[str, ...]) -> IndexedTri
 
 
 def _list_of_faces(source: Source, vertex: Element, face: Element) -> str:
-    """Return the name of the property that lists the corners of a face."""
     for axis in _AXES:
         if not any(known.name == axis and not known.length for known in vertex.properties):
             raise source.error(f"vertices have no property {axis!r}", remedy="they need numbers x, y and z")
@@ -163,7 +162,6 @@ _Columns = dict[str, tuple[Any, Any]]
 
 
 def _read_text(source: Source, header: Header) -> dict[str, _Columns]:
-    """Return the properties of each element, one line for each row."""
     rows = ((line, words) for line, text in lines(source, header.size, header.lines + 1) if (words := text.split()))
     found = {}
     for element in header.elements:

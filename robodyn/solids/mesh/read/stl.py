@@ -60,7 +60,6 @@ class StlTriangles(Triangles):
 
 
 def _columns(corners: Corners) -> Corners:
-    """Return a copy of (n, 3, 3) with each of its nine columns contiguous."""
     found = np.empty((3, 3, len(corners)), np.float32)
     found[...] = corners.transpose(1, 2, 0)
     return found.transpose(2, 0, 1)

@@ -52,7 +52,6 @@ def numbers(source: Source, line: int, words: list[str]) -> list[float]:
 
 
 def _point(source: Source, line: int, words: list[str]) -> list[float]:
-    """Return the first three words as coordinates."""
     if len(words) < 3:
         raise source.error(f"a vertex with {len(words)} coordinates", "write x y z", line)
     return numbers(source, line, words[:3])
