@@ -10,6 +10,7 @@ from __future__ import annotations
 import ast
 import operator
 from collections.abc import Callable, Mapping, Sequence
+from string import Formatter
 from typing import Any, NamedTuple
 
 from robodyn.robot.urdf.xacro_values import (
@@ -269,7 +270,7 @@ class Evaluator:
     def _FormattedValue(self, node: ast.FormattedValue, scopes: list[Any]) -> str:
         value = self._of(node.value, scopes)
         if node.conversion > 0:
-            value = {"s": str, "r": repr}.get(chr(node.conversion), ascii)(value)
+            value = Formatter().convert_field(value, chr(node.conversion))
         specification = "" if node.format_spec is None else self._of(node.format_spec, scopes)
         check_width(specification)
         return format(checked(value), specification)
