@@ -102,18 +102,6 @@ def test_solids_of_revolution(solid, sizes):
     assert _near(body.density, DENSITY)
 
 
-@pytest.mark.parametrize("edges", [(0.1, 0.2, 0.3), (1.0, 1e-6, 1e-6), (1e6, 1.0, 1e-6)])
-def test_box(edges):
-    body = box(*edges, density=DENSITY)
-    with mpmath.workdps(DIGITS):
-        x, y, z = map(mpmath.mpf, edges)
-        assert _near(body.mass, DENSITY * x * y * z)
-        assert _near(body.area, 2 * (x * y + y * z + z * x))
-        for k, (edge, face) in enumerate(((x, y * z), (y, z * x), (z, x * y))):
-            moment = DENSITY * face * mpmath.quad(lambda t: t * t, [-edge / 2, edge / 2])
-            assert _near(body.S_c[k, k], moment)
-
-
 @pytest.mark.parametrize("axes", [(0.1, 0.2, 0.3), (1.0, 1e-6, 1e-6), (2.0, 2.0, 1e-6)])
 def test_ellipsoid(axes):
     """Slices normal to each axis are ellipses of the area pi b c (1 - x^2 / a^2)."""

@@ -137,18 +137,6 @@ def at(x, y=0.0, z=0.0):
     return UNIT.placed(IDENTITY, np.array([x, y, z]))
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_the_placed_box_is_the_smallest_around_the_corners(seed):
-    rng = np.random.default_rng(seed)
-    box = Box(-rng.random(3), rng.random(3))
-    R, p = rotation_from_rpy(*rng.uniform(-3, 3, 3)), rng.normal(size=3)
-    corners = np.array([[(box.lo, box.hi)[bits[i]][i] for i in range(3)] for bits in np.ndindex(2, 2, 2)])
-    expected = corners @ R.T + p
-    found = box.placed(R, p)
-    np.testing.assert_allclose(found.lo, expected.min(axis=0), rtol=0, atol=1e-15)
-    np.testing.assert_allclose(found.hi, expected.max(axis=0), rtol=0, atol=1e-15)
-
-
 @pytest.mark.parametrize(
     ("boxes", "pairs"),
     [

@@ -117,18 +117,6 @@ def cut_ball(ball):
     return ball[(ball[:, :, 2] < 0.72).all(axis=1)]
 
 
-def test_large_hole():
-    """A seventh of a sphere, too much to be filled: the error is within the bar that is given."""
-    ball = uv_sphere(1.0, 16, 32)
-    found = part(cut_ball(ball))
-    V, _, I = expected(ball)
-    assert said(found) == [("winding numbers", 1)]
-    assert deviation(found.body.volume, V) < found.union < 0.5
-    assert deviation(found.body.inertia, I) < found.union
-    assert not found.closed
-    assert found.warnings == ()
-
-
 def test_duplicate_and_degenerate_faces(body):
     line = corners([(0, 0, 0), (1, 1, 1), (2, 2, 2)], [(0, 1, 2)])
     point = np.ones((2, 3, 3))
@@ -139,17 +127,6 @@ def test_duplicate_and_degenerate_faces(body):
         "3 faces without area dropped",
         "4 faces given more than once dropped",
     ]
-
-
-def test_overlapping_shells():
-    """The union exactly, and the signed sum, in which what they share counts twice."""
-    found = part(box((2, 2, 2)), moved(box((2, 2, 2)), (1, 0.5, 0.25)))
-    shared = 1 * 1.5 * 1.75
-    assert found.body.volume == pytest.approx(16 - shared, rel=1e-12)
-    assert said(found) == [("union", 2)]
-    assert (found.repairs[0].volume_before, found.repairs[0].volume_after) == pytest.approx((16, 16 - shared))
-    centre = (8 * np.array((1, 0.5, 0.25)) - shared * np.array((0.5, 0.25, 0.125))) / (16 - shared)
-    assert found.body.com == pytest.approx(centre, abs=1e-12)
 
 
 @pytest.mark.parametrize("asked", [False, True])
