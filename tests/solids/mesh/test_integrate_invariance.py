@@ -1,4 +1,4 @@
-"""What must not matter to an integral, what must; how often a mesh is read, and what a pass finds besides."""
+"""What must not matter to an integral, what must; how often a mesh is read, what a pass finds; stretched meshes."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from helpers import mesh_samples
 from helpers.mesh_oracle import deviation, exact, rational_moments, rotation
 from helpers.mesh_samples import binary_stl, box, cylinder, flipped, moved, sheet, torus
 
@@ -17,7 +18,7 @@ from robodyn.solids.mesh.asymmetry import TriangleSet, mirror
 from robodyn.solids.mesh.integrals import integrate, measure, surface, swept
 from robodyn.solids.mesh.kernel import volume_kernel
 from robodyn.solids.mesh.read.load import load_triangles
-from robodyn.solids.mesh.triangles import BLOCK, ROWS, MemoryTriangles
+from robodyn.solids.mesh.triangles import BLOCK, ROWS, MemoryTriangles, scaled
 
 EPS = np.finfo(float).eps
 BODY = moved(torus(2.0, 0.5, 60, 40), (0.3, 0.2, 0.1), rotation(1))
@@ -185,3 +186,36 @@ def test_triangles_are_compared_in_blocks():
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert peak < corners.nbytes
+
+
+WEDGE = mesh_samples.tetrahedron()
+
+
+def memory(corners=WEDGE):
+    return MemoryTriangles("wedge", corners)
+
+
+@pytest.mark.parametrize("factors", [(0.5, 2, 4), (1, -1, 1), (-1, -1, 3), (-2, -2, -2)])
+def test_moments_are_those_of_the_stretched_body(factors):
+    """V' = |det A| V, c' = A c, S' = |det A| A S A for A = diag(factors), mirror images included."""
+    A, det = np.diag(factors), abs(np.prod(factors))
+    before = mass_properties(WEDGE, density=1).body
+    part = mass_properties(WEDGE, density=1, scale=factors)
+    assert (part.closed, part.repairs) == (True, ())
+    assert part.body.volume == pytest.approx(det * before.volume, rel=8 * EPS)
+    np.testing.assert_allclose(part.body.com, A @ before.com, rtol=8 * EPS)
+    expected = det * A @ before.S_c @ A
+    np.testing.assert_allclose(part.body.S_c, expected, rtol=0, atol=32 * EPS * np.abs(expected).max())
+    corners = WEDGE * factors
+    np.testing.assert_array_equal((part.lo, part.hi), (corners.min(axis=(0, 1)), corners.max(axis=(0, 1))))
+
+
+@pytest.mark.parametrize("factors", [(0, 1, 1), (1, np.nan, 1), (1, 1, np.inf)])
+def test_refused(factors):
+    with pytest.raises(MeshError, match="leaves no volume"):
+        scaled(memory(), factors)
+
+
+def test_a_part_in_millimetres_is_not_doubted():
+    assert mass_properties(100 * WEDGE, scale=(0.001,) * 3).warnings == ()
+    assert len(mass_properties(100 * WEDGE).warnings) == 1

@@ -10,6 +10,7 @@ from helpers import mesh_samples as samples
 from helpers.mesh_samples import box, flipped, tetrahedron, torus, uv_sphere
 from helpers.symmetric_bodies import any_rotation, bracket, cavity, found, pinwheel, verdicts
 
+from robodyn.errors import MeshError
 from robodyn.solids.inertia.properties import from_integrals
 from robodyn.solids.mesh.asymmetry import CentredBody, TriangleSet, central_moments, mirror
 from robodyn.solids.mesh.columns import Lattice, differing_volume
@@ -41,6 +42,8 @@ def test_angle_bracket_has_one_plane_in_any_pose_and_a_tetrahedron_none():
     assert verdicts(planes) == ["none"] * 3
     assert min(plane.asymmetry for plane in planes) > 0.3
     assert given.axes == found(samples.tetrahedron()).axes == ()
+    with pytest.raises(MeshError, match=r"has no volume .symmetry is that of a closed mesh"):
+        found(samples.sheet())
 
 
 def test_hole_off_the_plane_is_seen():
