@@ -22,7 +22,7 @@ from robodyn.loads.result import (
     Nearest,
     Sizing,
 )
-from robodyn.loads.statistics import Extremes, Greatest, Integrals, ShaftFigures, resultant
+from robodyn.loads.statistics import Extremes, Greatest, Integrals, ShaftFigures
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.vectors import length, product
 from robodyn.robot.model import Joint, Model
@@ -210,7 +210,7 @@ class BearingPass:
         for (k, joint), turn in zip(self.joints, self.frames, strict=True):
             f, m = (product(turn, wrenches[:, at : at + 3].T) for at in (6 * k, 6 * k + 3))
             kept = (f, m[:2]) if joint.kind == "revolute" else (f[:2], m)
-            rows += [*kept, resultant(f[0], f[1])[None], resultant(m[0], m[1])[None]]
+            rows += [*kept, np.hypot(f[0], f[1])[None], np.hypot(m[0], m[1])[None]]
         values = np.concatenate(rows)
         self.peaks.update(time, first_row, np.abs(values), value=values)
         self.integrals.update(time, {"square": values * values})
@@ -284,7 +284,7 @@ class SizingPass:
             of_joints = (each[:, :n][:, rates], block.qd[k, rates], block.qdd[k, rates], static[k, rates])
             tau, qd, qdd, still = (np.ascontiguousarray(x.T) for x in of_joints)
             f, m = each[:, n : n + 3], each[:, n + 3 : n + 6]
-            base = np.column_stack((resultant(f[:, 0], f[:, 1]), f[:, 2], resultant(m[:, 0], m[:, 1]), m[:, 2]))
+            base = np.column_stack((np.hypot(f[:, 0], f[:, 1]), f[:, 2], np.hypot(m[:, 0], m[:, 1]), m[:, 2]))
             pace = np.abs(qd)
             self.static.update(time, row, np.abs(still), value=still)
             self.base.update(time, base)

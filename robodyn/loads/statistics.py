@@ -23,11 +23,6 @@ FOUNDATION = (*COMPONENTS, "fxy", "mxy")
 """Of the base wrench in reports: its components, and the resultants in the ground's plane that foundations bear."""
 
 
-def resultant(x: Floats, y: Floats) -> Floats:
-    """sqrt(x^2 + y^2), every step of which is rounded alike on all processors."""
-    return np.asarray(np.sqrt(x * x + y * y))
-
-
 class Greatest:
     """For each of several columns the sample at which a score is greatest; of ties the first counts.
 
@@ -183,7 +178,7 @@ class Statistics(ShaftFigures):
 
         Args: state: (N, k) arrays of which a peak's sample is kept; off: (joints, N) by how much torques may be off.
         """
-        base = np.vstack((base, resultant(base[0], base[1]), resultant(base[3], base[4])))
+        base = np.vstack((base, np.hypot(base[0], base[1]), np.hypot(base[3], base[4])))
         row, size, power = self.integrals.samples + 1, np.abs(tau), tau * qd
         np.maximum(self.least, (size - off).max(axis=1), out=self.least)
         np.maximum(self.most, (size + off).max(axis=1), out=self.most)

@@ -140,7 +140,7 @@ class Figures:
         """
         kept = self.of.kept.columns[figure.columns, self.some]
         flat, used = _used(kept.reshape(-1, kept.shape[-1]))
-        root = cube_roots if power == 3 else np.sqrt
+        root = np.cbrt if power == 3 else np.sqrt
         size = float(root(np.array(whole)))
         at = kept[..., 0]
         own = power * einsum("cn,cnm->m", figure.half(at) * figure.size(at) ** (power - 2) * share, kept[..., 1:])
@@ -279,8 +279,3 @@ def _together(limits: Sequence[_Limit]) -> float | None:
     if len(unsure) < 2:
         return unsure[0].shown.probability if unsure else 1.0
     return float(np.logical_and.reduce([limit.kept for limit in unsure]).mean())
-
-
-def cube_roots(x: Floats) -> Floats:
-    """Return cube roots by the C library: NumPy's own function ends in other digits with AVX-512."""
-    return np.array([each ** (1 / 3) for each in x.ravel().tolist()]).reshape(x.shape)

@@ -100,7 +100,7 @@ def test_estimates_are_exact_and_have_the_errors_of_the_normal_equations():
     factor = np.linalg.qr(np.column_stack((rows, rows @ found.theta)), mode="r")
     for estimate in (base.estimate(factor[:, :-1], factor[:, -1]), base.estimate(rows, rows @ found.theta)):
         assert worst(estimate.values, base.values(found.theta)) <= 1e-12
-    estimate = base.estimate(rows, np.zeros(len(rows)), 0.3)
+    estimate = base.estimate(rows / 0.3, np.zeros(len(rows)))
     chosen = rows[:, base.independent]
     expected = 0.09 * np.linalg.inv(chosen.T @ chosen)
     assert worst(estimate.covariance, expected) <= 1e-12

@@ -231,12 +231,15 @@ class Branch:
 
     def _between(self, a: Floats, b: Floats) -> Floats:
         """Return (N, n) the moves of given coordinates from one sample to the next; continuous joints' are short."""
+        from scipy.spatial.transform import Rotation
+
         moves = np.zeros((len(a), self.equations.model.n))
         for joint in self.equations.model.independent:
             k, i = joint.coordinate, joint.rate
             if joint.kind == "floating":
                 moves[:, i + 3 : i + 6] = b[:, k : k + 3] - a[:, k : k + 3]
-                moves[:, i : i + 3] = _turn(a[:, k + 3 : k + 7], b[:, k + 3 : k + 7])
+                turns = [Rotation.from_quat(each[:, k + 3 : k + 7]) for each in (a, b)]
+                moves[:, i : i + 3] = (turns[0].inv() * turns[1]).as_rotvec()
             else:
                 moves[:, i] = b[:, k] - a[:, k]
                 if joint.continuous:
@@ -247,15 +250,6 @@ class Branch:
     def _length(self, moves: Floats) -> Floats:
         """(N,) the sum over the given rates."""
         return np.asarray(np.abs(moves[:, self.given] * self.equations.weights[self.given]).sum(axis=1))
-
-
-def _turn(a: Floats, b: Floats) -> Floats:
-    """(N, 3) rotation vectors from unit quaternions a to b, in the axes of a's body."""
-    v = a[:, 3:] * b[:, :3] - b[:, 3:] * a[:, :3] - np.cross(a[:, :3], b[:, :3])
-    w = (a * b).sum(axis=1, keepdims=True)
-    sine = np.sqrt((v * v).sum(axis=1, keepdims=True))
-    angle = 2.0 * np.arctan2(sine, np.abs(w))
-    return np.where(w < 0.0, -1.0, 1.0) * v * np.where(sine > 0.0, angle / np.where(sine > 0.0, sine, 1.0), 2.0)
 
 
 STARTS = 32

@@ -92,18 +92,18 @@ class Base:
         size = einsum("rp,...p->...r", np.abs(self.matrix), np.abs(theta))
         return np.asarray(np.where(np.abs(found) > _ROUNDING * size, found, 0.0))
 
-    def estimate(self, R: Floats, z: Floats, sigma: float = 1.0) -> Estimate:
-        """Return the beta that minimises |R[:, independent] beta - z|, with cov(beta) = sigma^2 (R_b^T R_b)^-1.
+    def estimate(self, R: Floats, z: Floats) -> Estimate:
+        """Return the beta that minimises |R[:, independent] beta - z|, with cov(beta) = (R_b^T R_b)^-1.
 
         Args:
-            R: (k, p) rows of the regressor, or their triangular factor, each weighted; z: (k,) torques, alike, each of
-                the standard deviation sigma.
+            R: (k, p) rows of the regressor over the torques' standard deviations, or their triangular factor; z: (k,)
+                torques, alike.
 
         Accuracy: within 10 eps r times `condition` of noise-free parameters.
         """
         unit, lengths = unit_columns(np.asarray(R, dtype=float)[:, self.independent])
         inverse = np.linalg.pinv(unit) / lengths[:, None]
-        covariance = sigma * sigma * inverse @ inverse.T
+        covariance = inverse @ inverse.T
         return Estimate(inverse @ z, np.sqrt(np.diagonal(covariance)), covariance)
 
     def within(self, R: Floats, tolerance: float = TOLERANCE) -> Base:
