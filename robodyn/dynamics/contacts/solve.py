@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -69,21 +70,15 @@ class Problem:
         return samples, rows, columns // 3
 
     def chosen(self, rows: Any) -> Problem:
-        torques, free = self.torques, self.free
-        if torques is not None:
-            torques = replace(torques, tau0=torques.tau0[rows], T=torques.T[rows])
-        if free is not None:
-            free = replace(free, H=free.H[rows], S=None if free.S is None else free.S[rows])
-        return replace(
-            self,
-            G=self.G[rows],
-            b=self.b[rows],
-            normals=self.normals if self.normals.ndim == 2 else self.normals[rows],
-            friction=self.friction if self.friction.ndim == 1 else self.friction[rows],
-            active=None if self.active is None else self.active[rows],
-            torques=torques,
-            free=free,
-        )
+        names = ("G", "b", "active", *["normals"] * (self.normals.ndim == 3), *["friction"] * (self.friction.ndim == 2))
+        torques, free = _rows(self.torques, rows, ("tau0", "T")), _rows(self.free, rows, ("H", "S"))
+        own: Problem = _rows(self, rows, names)
+        return replace(own, torques=torques, free=free)
+
+
+def _rows(of: Any, rows: Any, names: Iterable[str]) -> Any:
+    """Return the same with some rows of these arrays, so far as they are there."""
+    return of and replace(of, **{name: array[rows] for name in names if (array := getattr(of, name)) is not None})
 
 
 @dataclass(frozen=True)
@@ -105,7 +100,8 @@ class Forces:
     within_limits: Flags
 
     def chosen(self, rows: Any) -> Forces:
-        return Forces(*(getattr(self, each.name)[rows] for each in fields(self)))
+        own: Forces = _rows(self, rows, [each.name for each in fields(self)])
+        return own
 
 
 def axes_of(normals: Floats) -> Floats:

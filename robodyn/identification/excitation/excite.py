@@ -272,32 +272,21 @@ def _information(model: Model, scene: Scene, base: Base, motion: Motion, deviati
 
 
 def _swings(model: Model, bounds: Bounds, found: Motion, deviations: Floats) -> tuple[JointSwing, ...]:
-    peaks, n = found.peaks(), model.n
-    centre, sine, cosine = (
-        bounds.home.copy(),
-        np.zeros((n, found.series.harmonics)),
-        np.zeros((n, found.series.harmonics)),
-    )
-    own = list(bounds.moving)
+    peaks, own = found.peaks(), list(bounds.moving)
+    centre, (sine, cosine) = bounds.home.copy(), np.zeros((2, model.n, found.series.harmonics))
     centre[own], sine[own], cosine[own] = found.series.coefficients(found.x)
+    figures = {**peaks._asdict(), "centre": centre, "noise": deviations}
+    figures |= {"speed_limit": bounds.speed, "acceleration_limit": bounds.acceleration}
     return tuple(
         JointSwing(
             name=joint.name,
             unit="N" if joint.kind == "prismatic" else "N m",
             moves=k in bounds.moving,
-            centre=float(centre[k]),
             sine=tuple(sine[k].tolist()),
             cosine=tuple(cosine[k].tolist()),
-            least=float(peaks.least[k]),
-            largest=float(peaks.largest[k]),
             bounds=(float(middle - half), float(middle + half)) if half > 0.0 else None,
-            speed=float(peaks.speed[k]),
-            speed_limit=float(bounds.speed[k]),
-            acceleration=float(peaks.acceleration[k]),
-            acceleration_limit=float(bounds.acceleration[k]),
-            effort=float(peaks.effort[k]),
             effort_limit=float(bounds.effort[k]) if np.isfinite(bounds.effort[k]) else None,
-            noise=float(deviations[k]),
+            **{name: float(values[k]) for name, values in figures.items()},
         )
         for k, (joint, middle, half) in enumerate(zip(model.independent, bounds.middle, bounds.half, strict=True))
     )
