@@ -37,10 +37,8 @@ def zero_columns(sources: Mapping[str, Floats]) -> ZeroColumns:
 
 
 def zero_sources(sources: Mapping[str, Floats]) -> ZeroColumns:
-    """Return the pairs of those sources that are zero altogether: of a robot at rest, or left to itself.
-
-    There are few such patterns, so that calls with zeros in ever other columns share their programs.
-    """
+    """Return the pairs of those sources that are zero altogether: of a robot at rest, or left to itself. There are few
+    such patterns, so that calls with zeros in ever other columns share their programs."""
     zero = [source for source, rows in sources.items() if rows.size and rows.item(0) == 0.0 and source != "columns"]
     return _whole(tuple((s, sources[s].shape[1]) for s in zero if not np.count_nonzero(_different(sources[s]))))
 

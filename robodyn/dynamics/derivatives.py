@@ -115,10 +115,8 @@ def forward_dynamics_derivatives(
 
 @lru_cache(maxsize=16)
 def inverse_derivatives(plan: Plan) -> Program:
-    """Return the program of d tau / dq, d tau / d qd and M, row by row.
-
-    What stands at the same place of the three is computed together, for it shares most.
-    """
+    """Return the program of d tau / dq, d tau / d qd and M, row by row. What stands at the same place of the three is
+    computed together, for it shares most."""
     n = plan.model.n
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
@@ -135,10 +133,8 @@ def inverse_derivatives(plan: Plan) -> Program:
 
 @lru_cache(maxsize=16)
 def forward_derivatives(plan: Plan) -> Program:
-    """Return the program of d qdd / dq, d qdd / d qd and M^-1, row by row.
-
-    Column after column is finished, from the tips of the tree, so that few values wait at a time.
-    """
+    """Return the program of d qdd / dq, d qdd / d qd and M^-1, row by row. Column after column is finished, from the
+    tips of the tree, so that few values wait at a time."""
     refuse_load(plan.scene)
     n = plan.model.n
 

@@ -161,11 +161,8 @@ SHORT = 16 * 2.0**-52
 
 
 class Forms:
-    """Programs in the arithmetic of `robodyn.equations.closed`.
-
-    What is no such polynomial (the sign of a speed, a root) becomes a generator of its own, with its argument in
-    closed form.
-    """
+    """Programs in the arithmetic of `robodyn.equations.closed`. What is no such polynomial (the sign of a speed, a
+    root) becomes a generator of its own, with its argument in closed form."""
 
     def __init__(self, symbols: Mapping[tuple[str, int], Any], products: int) -> None:
         """Args: symbols: of the inputs; those but q stand apart in results. products: of terms that may be formed."""

@@ -178,10 +178,8 @@ def link_inertias(model: Model, described: Floats, theta: Floats) -> tuple[dict[
 
 
 def _shared(model: Model, k: int, P: Floats) -> tuple[dict[str, MassProperties], list[str]]:
-    """Return the links of a body that change, in their frames.
-
-    The change goes to the body's own link, or if that has no mass to the heaviest.
-    """
+    """Return the links of a body that change, in their frames. The change goes to the body's own link, or if that has
+    no mass to the heaviest."""
     assert model.description is not None, "models are made of descriptions"
     links = [link for link in model.description.links if link.name in model.links and model.links[link.name].body == k]
     masses = [0.0 if link.inertial is None else link.inertial.mass for link in links]

@@ -83,11 +83,8 @@ class Structure:
 
 
 def system(gathered: Gathered, folds: Sequence[int], structure: Structure, sigma: Floats) -> tuple[Floats, Floats]:
-    """Return R (k, p) and z (k,) with |R theta - z|^2 = sum over joints of (|Y_j theta - tau_j| / sigma_j)^2.
-
-    Columns of R that are rounding alone are zero: at unit length they would explain torques at random.
-
-    """
+    """Return R (k, p) and z (k,) with |R theta - z|^2 = sum over joints of (|Y_j theta - tau_j| / sigma_j)^2. Columns
+    of R that are rounding alone are zero: at unit length they would explain torques at random."""
     return whole_system([_of_fold(gathered, fold, structure, sigma) for fold in folds], structure.names)
 
 
@@ -129,11 +126,8 @@ def counts(gathered: Gathered, folds: Sequence[int]) -> Floats:
 
 
 def least_squares(R: Floats, z: Floats, signed: NDArray[np.bool_] | None = None) -> Floats:
-    """Return the theta (p,) that minimises |R theta - z|^2, short where next to nothing is shown.
-
-    Args:
-        signed: (p,) which parameters are not negative.
-    """
+    """Return the theta (p,) that minimises |R theta - z|^2, short where next to nothing is shown; signed: (p,) which
+    parameters are not negative."""
     unit, lengths = unit_columns(R)
     rows = np.concatenate([unit, _RIDGE * np.eye(len(lengths))])
     signed = np.zeros(len(lengths), dtype=bool) if signed is None else signed
@@ -255,10 +249,8 @@ def coupled_motors(model: Model, measured: Sequence[int], known: Sequence[Motor]
 
 
 def coupled(gathered: Gathered, folds: Sequence[int], plain: Structure) -> list[tuple[Motor, float]]:
-    """Return the motors of two joints that explain much of what is left, and what part of its squares stays.
-
-    Of motors that share a joint the one that explains most.
-    """
+    """Return the motors of two joints that explain much of what is left, and what part of its squares stays. Of motors
+    that share a joint the one that explains most."""
     _, sigma = fitted(gathered, folds, plain)
     before = np.maximum(left_out(gathered, folds, plain, sigma), 1e-300)
     ranked = []
@@ -299,11 +291,8 @@ def with_load(gathered: Gathered, folds: Sequence[int], plain: Structure) -> Str
 
 
 def with_possible_loads(structure: Structure, theta: Floats) -> Structure:
-    """Return the structure without friction that would grow against the load, or almost as fast as it.
-
-    Args:
-        theta: (p,) of least squares.
-    """
+    """Return the structure without friction that would grow against the load, or almost as fast as it; theta: (p,) of
+    least squares."""
     wrong = [k for k, load in structure.loads(theta).items() if not 0.0 < load < _MOST]
     return structure.reshaped({k: replace(structure.shapes[k], load=False) for k in wrong})
 

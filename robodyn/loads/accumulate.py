@@ -49,10 +49,8 @@ class MomentumPass:
         self.extremes = Extremes(NAMES)
 
     def take(self, block: Trajectory, tau: Floats, pattern: ZeroColumns, run: Callable[[Runner], Floats]) -> Floats:
-        """Return the columns (N, 12) of one block, in which `pattern` is zero.
-
-        Accelerations are not looked at, so that the energy of a rotor counts also in a block without any.
-        """
+        """Return the columns (N, 12) of one block, in which `pattern` is zero. Accelerations are not looked at, so that
+        the energy of a rotor counts also in a block without any."""
         moving = frozenset(pair for pair in pattern if pair[0] != "qdd")
         found = run(momentum_runner(plan(self.model, self.scene, moving), self.view))
         columns = np.column_stack((found, einsum("ij,ij->i", tau, block.qd)))
@@ -94,11 +92,8 @@ class SelfChecks:
         execute: Execute,
         whole: int,
     ) -> tuple[NDArray[np.int64], Floats]:
-        """Take in a block; return the samples at which energy is computed, and there what `EnergyLedger.update` does.
-
-        Args:
-            zero: sources that are zero throughout. tau, base: (N, n), (N, 6). whole: samples of the motion.
-        """
+        """Take in a block; return the samples at which energy is computed, and there what `EnergyLedger.update` does;
+        zero: sources that are zero throughout. tau, base: (N, n), (N, 6). whole: samples of the motion."""
         rows = np.linspace(0, len(block) - 1, min(len(block), CHECKED_PER_BLOCK)).astype(int)
         self._checked = self._checked or -(-whole * len(rows) // len(block))
         lost, lawful, stored = _check_runners(plan(self.model, self.scene, zero))
@@ -125,12 +120,8 @@ class EnergyLedger:
         self._before: tuple[float, float] | None = None
 
     def update(self, time: Floats, power: Floats, rows: NDArray[np.int64], energy: Floats) -> Floats:
-        """Take in a block; return (2, k) work done and energy stored since the start [J].
-
-        Args:
-            power: (N,) into stored energy [W].
-            rows: (k,) samples, the first and the last among them, at which `energy` (k,) is given [J].
-        """
+        """Take in a block; return (2, k) work done and energy stored since the start [J]; power: (N,) into stored
+        energy [W]. rows: (k,) samples, the first and the last among them, at which `energy` (k,) is given [J]."""
         carried = 0 if self._before is None else 1
         if self._before is not None:
             time, power = np.append(self._before[0], time), np.append(self._before[1], power)
@@ -291,10 +282,8 @@ class TorqueAccumulator:
 
 
 def output_names(model: Model, reactions: bool, momentum: bool = False, scene: Scene = DEFAULT) -> list[str]:
-    """Names of the columns of loads: tau, then the base wrench, then joint wrenches, then momentum and energy.
-
-    In a scene with constraints tau of the drives alone, and after it the wrenches of loops and contacts.
-    """
+    """Names of the columns of loads: tau, then the base wrench, then joint wrenches, then momentum and energy. In a
+    scene with constraints tau of the drives alone, and after it the wrenches of loops and contacts."""
     names = [f"tau_{name}" for name in model.rates]
     if reactions:
         names += [f"base_{part}" for part in COMPONENTS]

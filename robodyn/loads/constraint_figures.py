@@ -179,10 +179,8 @@ class ConstraintFigures:
             self.contacts.update(time, row, found)
 
     def _note_singular(self, time: Floats, found: Found) -> None:
-        """Keep the first time of each span in which loops hold less, and times between samples at which they do.
-
-        Where samples hold more than all before, the motion began with a span in which they held less.
-        """
+        """Keep the first time of each span in which loops hold less, and times between samples at which they do. Where
+        samples hold more than all before, the motion began with a span in which they held less."""
         if self.solver.raised and self._first_time is not None and not self._was_singular:
             self.singular.insert(0, self._first_time)
             self._was_singular = True

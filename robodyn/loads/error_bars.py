@@ -73,10 +73,8 @@ def _coarse(balance: EnergyBalance, samples: int) -> bool:
 
 
 def bar_caveats(joints: Sequence[JointLoad], sizing: Sizing | None) -> Iterator[Caveat]:
-    """Yield the caveats about limits that are within the error bars of peaks.
-
-    What a motor's torque is in doubt by is taken for the same share of it as of its joint's.
-    """
+    """Yield the caveats about limits that are within the error bars of peaks. What a motor's torque is in doubt by is
+    taken for the same share of it as of its joint's."""
     bars = [(joint, joint.error_bar or 0.0) for joint in joints]
     of_joints = [(joint, bar, abs(joint.peak), joint.effort_limit, "") for joint, bar in bars]
     of_motors = [

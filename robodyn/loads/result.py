@@ -95,9 +95,7 @@ class EnergyBalance:
     @property
     def consistent(self) -> bool:
         """Return whether sampling or rounding explains the worst residual, or it is below a thousandth of the turnover.
-
-        A residual above a twentieth of the turnover is never explained: samples that coarse show nothing.
-        """
+        A residual above a twentieth of the turnover is never explained: samples that coarse show nothing."""
         explained = min(1.5 * self.explained, 0.05 * self.turnover)
         return abs(self.worst) <= max(explained, 1e-3 * self.turnover, 1e-12 * self.stored_most)
 
@@ -371,9 +369,7 @@ class BearingLoad:
 @dataclass(frozen=True)
 class FoundationLoad(Range):
     """A load by which foundations are dimensioned: fxy, fz, mxy or mz, of the ground on the robot, in the base's axes.
-
-    fxy and mxy are resultants in the plane, whatever their direction. The loads do not peak together.
-    """
+    fxy and mxy are resultants in the plane, whatever their direction. The loads do not peak together."""
 
     mean: float
     unit: str
@@ -440,8 +436,6 @@ class Result:
 
     @property
     def within_limits(self) -> bool | None:
-        """Return False if the motion exceeds a limit of the description, or with sizing one of motors and gears.
-
-        True if all joints have limits and none is exceeded; None if joints have no limits or something is in doubt.
-        """
+        """Return False if the motion exceeds a limit of the description, or with sizing one of motors and gears. True
+        if all joints have limits and none is exceeded; None if joints have no limits or something is in doubt."""
         return within(bool(self.exceeded or (self.sizing and self.sizing.exceeded)), self.limits, self.caveats)

@@ -174,10 +174,8 @@ class Statistics(ShaftFigures):
         state: dict[str, Floats],
         off: Floats | float = 0.0,
     ) -> None:
-        """Take in a block of q, qd, tau (joints, N) and the base wrench f, n (6, N).
-
-        Args: state: (N, k) arrays of which a peak's sample is kept; off: (joints, N) by how much torques may be off.
-        """
+        """Take in a block of q, qd, tau (joints, N) and the base wrench f, n (6, N). Args: state: (N, k) arrays of
+        which a peak's sample is kept; off: (joints, N) by how much torques may be off."""
         base = np.vstack((base, np.hypot(base[0], base[1]), np.hypot(base[3], base[4])))
         row, size, power = self.integrals.samples + 1, np.abs(tau), tau * qd
         np.maximum(self.least, (size - off).max(axis=1), out=self.least)

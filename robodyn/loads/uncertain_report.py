@@ -132,12 +132,8 @@ class Figures:
         return self._mean(figure, 3, cube, slope, share / (share.sum() + TINY))
 
     def _mean(self, figure: Figure, power: int, whole: float, slope: Floats, share: Floats) -> Drawn:
-        """Return the power mean of a figure's magnitude.
-
-        Args:
-            whole: the mean of the power at all samples; slope: (m,) its derivative.
-            share: of each of some samples, of which the higher orders are.
-        """
+        """Return the power mean of a figure's magnitude; whole: the mean of the power at all samples; slope: (m,) its
+        derivative. share: of each of some samples, of which the higher orders are."""
         kept = self.of.kept.columns[figure.columns, self.some]
         flat, used = _used(kept.reshape(-1, kept.shape[-1]))
         root = np.cbrt if power == 3 else np.sqrt

@@ -146,9 +146,7 @@ class Quantities:
 
 def _shares(train: Train, qd: Floats) -> tuple[Floats, Floats]:
     """Return what a motor gives for a joint's load: a times the load and |b load| more, in the direction that it turns.
-
-    Of `motor_torque`, |b| is half the difference between a load that is driven and one that drives.
-    """
+    Of `motor_torque`, |b| is half the difference between a load that is driven and one that drives."""
     ahead, still = np.where(qd < 0.0, -1.0, 1.0), np.zeros_like(qd)
     driven, driving = (np.abs(motor_torque(train, load, qd, still)) for load in (ahead, -ahead))
     return 0.5 * (driven + driving) * ahead, 0.5 * (driven - driving)

@@ -196,9 +196,7 @@ def _contact_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
 
 def loop_wrenches(plan: Plan, loops: LoopJacobian, multipliers: Floats) -> tuple[Floats, Floats]:
     """Return (N, 6 L) the wrench of each loop on its link, by multipliers (N, m) [N, N m]; and that on the other link.
-
-    Each is at the link's own point; the first in the axes of the other link, as is the second.
-    """
+    Each is at the link's own point; the first in the axes of the other link, as is the second."""
     own, others, at = [np.zeros((len(multipliers), 0))], [np.zeros((len(multipliers), 0))], 0
     for closure, gap in zip(closures(plan), loops.gaps.transpose(1, 0, 2), strict=True):
         k = slice(at, at + len(closure.equations))

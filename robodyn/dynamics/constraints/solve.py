@@ -213,10 +213,8 @@ class ConstraintSolver:
         return [slice(start, start + PIECE) for start in range(0, samples, PIECE)]
 
     def solve(self, q: Floats, qd: Floats, tau: Floats, touching: Mask) -> Found:
-        """Return x and tau_a of `S_a tau_a + J^T x = tau`, the torques (N, n) of the open tree; N is at most PIECE.
-
-        See `torque_distribution` for loops and `contact_forces` for contacts; touching: (N, K) points that touch.
-        """
+        """Return x and tau_a of `S_a tau_a + J^T x = tau`, the torques (N, n) of the open tree; N is at most PIECE. See
+        `torque_distribution` for loops and `contact_forces` for contacts; touching: (N, K) points that touch."""
         plan, samples = self.plan, len(q)
         loops, contacts = loop_jacobian(plan, q, self.executor), contact_jacobian(plan, q, qd, self.executor)
         self._decide(loops, contacts.J, touching)

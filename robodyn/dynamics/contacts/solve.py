@@ -32,10 +32,8 @@ class TorqueTerms:
 
 @dataclass(frozen=True)
 class FreeTerms:
-    """Unknowns x without a sign, such as the forces of loops: G f + H x = b, H being (N, R, L).
-
-    They take S x from the torques, S being (N, m, L), or None: nothing.
-    """
+    """Unknowns x without a sign, such as the forces of loops: G f + H x = b, H being (N, R, L). They take S x from the
+    torques, S being (N, m, L), or None: nothing."""
 
     H: Floats
     S: Floats | None = None
@@ -153,10 +151,8 @@ MISSING = 1.0 / SOFTNESS[-1]
 
 @dataclass(frozen=True)
 class _Sample:
-    """One sample in units of |b|: min 1/2 x' P x + q' x, A x = b, x in cones, |tau0 - M x| <= limits.
-
-    x are three components of the force at each active point, in axes of the contact, and the free unknowns.
-    """
+    """One sample in units of |b|: min 1/2 x' P x + q' x, A x = b, x in cones, |tau0 - M x| <= limits. x are three
+    components of the force at each active point, in axes of the contact, and the free unknowns."""
 
     P: Floats
     q: Floats
@@ -169,11 +165,8 @@ class _Sample:
 
 
 def conic_forces(problem: Problem) -> Forces:
-    """Return what `contact_forces` returns, of any problem.
-
-    Limits of torques give way before the equations do; where these have no solution in the cones, the squares of what
-    is missing weigh 1e6 times as much as forces.
-    """
+    """Return what `contact_forces` returns, of any problem. Limits of torques give way before the equations do; where
+    these have no solution in the cones, the squares of what is missing weigh 1e6 times as much as forces."""
     need("contact forces that cost torques or are bounded by them", "clarabel")
     N, R, K = problem.shape
     L = 0 if problem.free is None else problem.free.H.shape[2]
@@ -427,9 +420,7 @@ def centre_of_pressure(points: Floats, normal: Floats, forces: Floats) -> tuple[
 
 def _margin(corners: Floats, place: Floats) -> Floats:
     """Return the least distance (N,) of a place (N, 2) from the lines through edges of the hull of corners (N, K, 2).
-
-    An edge is a pair of corners that has all others to its left.
-    """
+    An edge is a pair of corners that has all others to its left."""
     along = corners[:, None, :, :] - corners[:, :, None, :]
     lengths = np.sqrt((along * along).sum(axis=-1))
     size = lengths.max(axis=(1, 2), keepdims=True)
@@ -443,10 +434,8 @@ def _margin(corners: Floats, place: Floats) -> Floats:
 
 
 def friction_used(forces: Floats, normal: Floats, friction: float) -> Floats:
-    """Return sum |f_t| / (mu sum f_n) over the points of a contact: 1 is all that there is, at all of its points.
-
-    Where nothing presses it is not a number; where mu is 0 it is 0 or infinite. forces: (..., K, 3), normal: (3,).
-    """
+    """Return sum |f_t| / (mu sum f_n) over the points of a contact: 1 is all that there is, at all of its points. Where
+    nothing presses it is not a number; where mu is 0 it is 0 or infinite. forces: (..., K, 3), normal: (3,)."""
     press = einsum("...i,i->...", forces, normal)
     across = forces - press[..., None] * normal
     along = np.sqrt(einsum("...i,...i->...", across, across)).sum(axis=-1)

@@ -200,11 +200,8 @@ def mass_entries(sample: Sample, scene: Scene) -> Mapping[tuple[int, int], Scala
 
 
 def with_spins(terms: Terms, sample: Sample, each: Iterable[tuple[Spin, Scalar]]) -> Terms:
-    """Return the terms with rotors that spin.
-
-    A rotor takes the moment `dh/dt = J G (qdd a + w x qd a)` of its carrier, and `J G (a . wd)` of its motor; `each` is
-    a rotor and its J G [kg m^2].
-    """
+    """Return the terms with rotors that spin. A rotor takes the moment `dh/dt = J G (qdd a + w x qd a)` of its carrier,
+    and `J G (a . wd)` of its motor; `each` is a rotor and its J G [kg m^2]."""
     if not (pairs := list(each)):
         return terms
     joints = sample.motions()

@@ -63,10 +63,8 @@ class Fluid(Effect):
         return Verdict.of(scene.fluid_density and links, "the scene has no fluid", some)
 
     def add(self, terms: Terms, sample: Sample, scene: Scene) -> Terms:
-        """Buoyancy and drag -rho/2 C_d A_k |u_k| u_k along each axis k of a link, both at its centre of volume.
-
-        u is the centre's velocity relative to the fluid, in the link's axes.
-        """
+        """Buoyancy and drag -rho/2 C_d A_k |u_k| u_k along each axis k of a link, both at its centre of volume. u is
+        the centre's velocity relative to the fluid, in the link's axes."""
         joints = sample.motions()
         where, moving = poses(sample.model.parents, joints), velocities(sample.model.parents, joints)
         acting = []

@@ -218,10 +218,8 @@ class ClosedChain:
         return root, [root.inward(turned(row, turns, back=True)) for row in rows]
 
     def accelerations(self, sample: Sample, terms: Terms, tau: Sequence[Scalar]) -> tuple[list[Scalar], list[Scalar]]:
-        """qdd, and lambda by equation. Errors decay at the Baumgarte rate b: `J qdd = -J' qd - 2 b phi' - b^2 phi`.
-
-        The sample is of this model, and has no accelerations, nor have the terms.
-        """
+        """qdd, and lambda by equation. Errors decay at the Baumgarte rate b: `J qdd = -J' qd - 2 b phi' - b^2 phi`. The
+        sample is of this model, and has no accelerations, nor have the terms."""
         b, here = self.scene.baumgarte, self.equations(sample)
         free = [torque - other for torque, other in zip(tau, loads(sample, terms).tau, strict=True)]
         rows = zip(here.bias, here.rate, here.error, strict=True)

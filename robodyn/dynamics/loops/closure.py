@@ -93,9 +93,7 @@ def _series(coefficients: Sequence[float], x: Scalar) -> Scalar:
 
 class Equation(NamedTuple):
     """`D . d + sum_ij E_ij B_ij = 0` for the point at d and the axes B of the link, both in the axes of the other.
-
-    Being linear it gives its rates: `D . v + E : [w] B`, and so on. `unit` is "m" or "rad", `about` what it holds.
-    """
+    Being linear it gives its rates: `D . v + E : [w] B`, and so on. `unit` is "m" or "rad", `about` what it holds."""
 
     D: Floats
     E: Floats
@@ -107,10 +105,8 @@ class Equation(NamedTuple):
         return value + (self.E * B).sum() if self.E.any() else value
 
     def moment(self, B: Array) -> Array:
-        """Return (3,) on the link about its point, in the axes of the other, for lambda = 1: `n_j = E : [e_j] B`.
-
-        The force is D.
-        """
+        """Return (3,) on the link about its point, in the axes of the other, for lambda = 1: `n_j = E : [e_j] B`. The
+        force is D."""
         return np.array([(self.E * product(skew(axis), B)).sum() for axis in IDENTITY])
 
 

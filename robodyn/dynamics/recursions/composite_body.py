@@ -29,10 +29,8 @@ class Pivot(NamedTuple):
 
 
 class Root:
-    """A = C C^T with `C = L sqrt(D)`, in a given order of unknowns.
-
-    InputError if a pivot is exactly zero, or a float that is not positive; `names` are of the unknowns.
-    """
+    """A = C C^T with `C = L sqrt(D)`, in a given order of unknowns. InputError if a pivot is exactly zero, or a float
+    that is not positive; `names` are of the unknowns."""
 
     def __init__(self, entries: Entries, order: Sequence[int], names: Sequence[str]) -> None:
         rows: dict[int, dict[int, Scalar]] = {unknown: {} for unknown in order}

@@ -283,11 +283,8 @@ def dae_at(model: Model, scene: Scene, q: Floats, qd: Floats, tau: Floats) -> Da
 
 
 def independent_rows(rows: Floats, first: int = 0) -> NDArray[np.bool_]:
-    """Return which unit rows (m, n) do not follow from those before them: they stop a motion that those allow.
-
-    Args:
-        first: so many rows are independent, as those of joints and mimic rules of a tree are.
-    """
+    """Return which unit rows (m, n) do not follow from those before them: they stop a motion that those allow; first:
+    so many rows are independent, as those of joints and mimic rules of a tree are."""
     motions = null_space(rows[:first], DEPENDENT) if first else np.eye(rows.shape[1])
     independent = np.ones(len(rows), dtype=bool)
     for k in range(first, len(rows)):
@@ -380,9 +377,7 @@ def accelerations_at_rest(system: System) -> Floats:
 
 def steps(system: System, left: Reduced, solution: Solution | None) -> Iterator[Step]:
     """Yield every step with its identity, held against numbers from elsewhere; without a solution those that need none.
-
-    Errors are parts of the magnitudes that add up to what is compared.
-    """
+    Errors are parts of the magnitudes that add up to what is compared."""
     M, f, G, gamma, *_ = system.matrices
     J, drift = left.J, left.drift
     held, asked = G[: system.tree], gamma[: system.tree]

@@ -52,11 +52,8 @@ def velocities_of(at: State) -> Floats:
 
 
 def state_of(model: Model, centres: Sequence[Array], q: Sequence[Scalar], qd: Sequence[Scalar]) -> State:
-    """Return the bodies in a motion of the joints: `c = p - p_base + R r`, `v = R (v_o + w x r)`, r the mass centre.
-
-    Args:
-        centres: (3,) of each body, in its frame [m].
-    """
+    """Return the bodies in a motion of the joints: `c = p - p_base + R r`, `v = R (v_o + w x r)`, r the mass centre;
+    centres: (3,) of each body, in its frame [m]."""
     base, *others = joints = motions(model, q, qd, (0.0,) * model.n)
     there = poses(model.parents, [base._replace(p=ZERO), *others])
     found = [
@@ -214,9 +211,7 @@ class Connection:
 
 class Anchors(NamedTuple):
     """Two bodies, a point of each from its mass centre in its axes [m], and the turn R from the body's to the other's.
-
-    Axes that are R apart coincide where the bodies are connected.
-    """
+    Axes that are R apart coincide where the bodies are connected."""
 
     body: int
     other: int
@@ -467,11 +462,8 @@ def system_at(model: Model, scene: Scene, q: Sequence[Scalar], qd: Sequence[Scal
 
 
 def joint_connections(model: Model, centres: Sequence[Array], q: Sequence[Scalar]) -> tuple[Connection, ...]:
-    """Return one for each body's joint, in the order of the bodies; where a joint is floating, one without equations.
-
-    Args:
-        centres: (3,) mass centre of each body, in its frame [m]; q: near which the angles of hinges are.
-    """
+    """Return one for each body's joint, in the order of the bodies; where a joint is floating, one without equations;
+    centres: (3,) mass centre of each body, in its frame [m]; q: near which the angles of hinges are."""
     found = []
     for i, body in enumerate(model.bodies):
         joint, j, R = body.joint, body.parent, body.joint.R
@@ -525,10 +517,8 @@ def _frame(model: Model, centres: Sequence[Array], link: str, at: Sequence[float
 
 
 def _turn_between(a: Array, b: Array) -> Array:
-    """Return a rotation that takes the unit vector a to b: half a turn about a + b, after half a turn about a.
-
-    Where they are opposite, half a turn about a vector across them.
-    """
+    """Return a rotation that takes the unit vector a to b: half a turn about a + b, after half a turn about a. Where
+    they are opposite, half a turn about a vector across them."""
     middle, opposite = a + b, False
     if np.abs(middle).max() < 1e-6:
         middle, opposite = np.cross(a, np.eye(3)[int(np.argmin(np.abs(a)))]), True

@@ -231,7 +231,7 @@ def _near(robot: RobotAtRest, q: Floats, qd: Floats) -> Linearized:
         drive=drive,
         held=np.zeros(model.n) if balanced else held,
         balanced=balanced,
-        motion=SmallMotion(N, M, damping, stiffness, doubt, A, B, inertia, weight, condition, not moves),
+        motion=SmallMotion(N, M, damping, stiffness, doubt, A, inertia, weight, condition, not moves),
         warnings=(*beyond_limits(model, q), *model.notes),
     )
 

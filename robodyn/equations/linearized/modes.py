@@ -16,13 +16,13 @@ from robodyn.support.floats import Floats
 
 
 class SmallMotion(NamedTuple):
-    """M dx'' + damping dx' + stiffness dx = directions^T u, drives closed; z' = A z + B u with z = (dx, dx').
+    """M dx'' + damping dx' + stiffness dx = directions^T u, drives closed; z' = A z + ... with z = (dx, dx').
 
     Attributes:
         directions: (n, k) how all joints move with x; without loops the unit matrix.
         M, damping, stiffness: (k, k).
         doubt: (k, k) by how much the stiffness may be another where an equilibrium is off.
-        A, B: (2 k, 2 k), (2 k, n).
+        A: (2 k, 2 k).
         inertia: (n,) of each joint, the others at rest [kg m^2 or kg].
         weight: (k,) the stiffness that the weight can make at each coordinate at most [N m or N/m].
         condition: number of M, scaled to a unit diagonal.
@@ -35,7 +35,6 @@ class SmallMotion(NamedTuple):
     stiffness: Floats
     doubt: Floats
     A: Floats
-    B: Floats
     inertia: Floats
     weight: Floats
     condition: float

@@ -204,10 +204,8 @@ class Motion:
         return motion
 
     def peaks(self) -> Peaks:
-        """Return what it reaches at even samples, times what Ehlich and Zeller's bound adds.
-
-        Of torques, an eighth of the largest second difference is added: what a parabola reaches between samples.
-        """
+        """Return what it reaches at even samples, times what Ehlich and Zeller's bound adds. Of torques, an eighth of
+        the largest second difference is added: what a parabola reaches between samples."""
         samples = PERIOD_SAMPLES * self.series.harmonics
         q, qd, qdd = self.at(self.series.even(samples))
         tau = inverse_dynamics(self.model, q, qd, qdd, scene=self.scene, executor="numpy")
@@ -247,10 +245,8 @@ def within_limits(motion: Motion) -> Motion:
 
 
 def plain_waves(found: Motion) -> Motion:
-    """Return a plain motion to compare with: c - h cos(k w t) with the harmonics 1, 2, ... joint by joint in turn.
-
-    Each is as large as its limits of position, speed and acceleration allow, all as much smaller as efforts need.
-    """
+    """Return a plain motion to compare with: c - h cos(k w t) with the harmonics 1, 2, ... joint by joint in turn. Each
+    is as large as its limits of position, speed and acceleration allow, all as much smaller as efforts need."""
     series, bounds, centre = found.series, found.bounds, found.x[:, 0]
     x = np.zeros((len(centre), series.harmonics + 1))
     x[:, 0] = centre

@@ -392,10 +392,8 @@ def _columns(evidence: Evidence, theta: Floats) -> tuple[list[Floats], Floats]:
 
 
 def _secants(evidence: Evidence, theta: Floats) -> list[Floats]:
-    """Return columns of which `theta` makes exactly what is explained of measured less computed.
-
-    As `_columns`, with the secant of the delay for its derivative, and the gain's column with all that it scales.
-    """
+    """Return columns of which `theta` makes exactly what is explained of measured less computed. As `_columns`, with
+    the secant of the delay for its derivative, and the gain's column with all that it scales."""
     found, _ = _columns(evidence, theta)
     for j, each in enumerate(found):
         delay = theta[evidence.places(j)[DELAY]]
@@ -406,11 +404,8 @@ def _secants(evidence: Evidence, theta: Floats) -> list[Floats]:
 
 
 def _of_robot(fit: Fit, gains: Sequence[int]) -> tuple[Floats, Floats]:
-    """Return parameters and their covariance with friction and rotors of the robot, before the gain of its sensor.
-
-    Args:
-        gains: the joints whose gain was told; that of the others is taken for 1, as is a gain of next to nothing.
-    """
+    """Return parameters and their covariance with friction and rotors of the robot, before the gain of its sensor;
+    gains: the joints whose gain was told; that of the others is taken for 1, as is a gain of next to nothing."""
     rate, found = np.eye(len(fit.theta)), fit.theta.copy()
     for j in gains:
         gain = len(OWN) * j + GAIN

@@ -68,10 +68,8 @@ class Raw:
         return self.late
 
     def leaning(self, structure: Structure, theta: Floats, sigma: Floats, scene: Scene) -> list[str]:
-        """Return in words how gravity leans beside that of the scene, if both halves of the instants tell it alike.
-
-        Two angles about axes across gravity are fitted with all parameters, to first order, and anew near the fit.
-        """
+        """Return in words how gravity leans beside that of the scene, if both halves of the instants tell it alike. Two
+        angles about axes across gravity are fitted with all parameters, to first order, and anew near the fit."""
         g = np.array(scene.gravity, dtype=float)
         if not g.any():
             return []
@@ -166,10 +164,8 @@ def _presliding(whole: Samples, step: float) -> Floats:
 
 
 def _best(shifts: Floats, columns: Floats, targets: Floats) -> float:
-    """Return where columns (k, w) leave least of targets (k, shifts), if that is inside and much less than at 0.
-
-    The least is that of a parabola between the shifts.
-    """
+    """Return where columns (k, w) leave least of targets (k, shifts), if that is inside and much less than at 0. The
+    least is that of a parabola between the shifts."""
     Q = range_basis(columns)
     rest = targets - Q @ (Q.T @ targets)
     left = einsum("ks,ks->s", rest, rest)

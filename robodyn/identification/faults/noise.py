@@ -92,9 +92,7 @@ def _quadratic(transforms: NDArray[np.complex128], matrix: Floats) -> Floats:
 
 def variance_of_sums(series: Floats, length: int) -> Floats:
     """Return the variance of the sum of each column (N, p), of products less than `length` apart, by Bartlett's taper.
-
-    Newey and West, Econometrica 55, 1987. Unlike `score_covariance` it sees noise that is loud where columns are.
-    """
+    Newey and West, Econometrica 55, 1987. Unlike `score_covariance` it sees noise that is loud where columns are."""
     total = np.cumsum(np.pad(series, ((length, length), (0, 0))), axis=0)
     parts = total[length:] - total[:-length]
     return np.asarray(einsum("kp,kp->p", parts, parts) / length)

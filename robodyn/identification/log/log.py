@@ -261,10 +261,8 @@ _HALO = 8
 
 
 class Samples(NamedTuple):
-    """Consecutive samples (k,) on an even grid, with which a stretch begins or goes on.
-
-    Torques [N m] are zero of joints that are not measured, NaN where they are left out.
-    """
+    """Consecutive samples (k,) on an even grid, with which a stretch begins or goes on. Torques [N m] are zero of
+    joints that are not measured, NaN where they are left out."""
 
     time: Floats
     q: Floats
@@ -285,9 +283,7 @@ def joined(first: Samples, second: Samples) -> Samples:
 
 class Grid:
     """Puts rows with uneven stamps onto an even grid, and torques that are `delays` (n,) late [s] where they belong.
-
-    Motion goes by cubic splines, torques by straight lines.
-    """
+    Motion goes by cubic splines, torques by straight lines."""
 
     def __init__(self, step: float, delays: Floats) -> None:
         self._step, self._delays, self._next, self._begins = step, delays, 0.0, True
@@ -355,11 +351,8 @@ def mended(tau: Floats, limit: Floats) -> Floats:
 
 
 def clipping(tau: Floats, moves: NDArray[np.bool_]) -> Floats:
-    """Return (2, n) the least and the largest torque, where it stands there as nothing that moves does; else infinite.
-
-    Args:
-        tau: (N, n) N m. moves: (N,) whether any joint does; a robot at rest needs the same torque for long.
-    """
+    """Return (2, n) the least and the largest torque, where it stands there as nothing that moves does; else infinite;
+    tau: (N, n) N m. moves: (N,) whether any joint does; a robot at rest needs the same torque for long."""
     found = np.stack((np.full(tau.shape[1], -np.inf), np.full(tau.shape[1], np.inf)))
     for j, column in enumerate(tau[moves].T):
         values, counts = np.unique(column, return_counts=True)

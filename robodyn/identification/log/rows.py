@@ -51,11 +51,8 @@ def states(log: Log, cutoff: float) -> Iterator[Samples]:
 
 
 def filtered(log: Log, cutoff: float, compute: Callable[[Samples], Floats]) -> Iterator[Rows]:
-    """Yield what `compute` makes of the samples, and the measured torques, both through the same zero-phase filter.
-
-    Args:
-        compute: samples -> (k, ...), zero where the torque that it stands beside is left out, as that is here.
-    """
+    """Yield what `compute` makes of the samples, and the measured torques, both through the same zero-phase filter;
+    compute: samples -> (k, ...), zero where the torque that it stands beside is left out, as that is here."""
     taps, every = kernel(cutoff, log.step), decimation(cutoff, log.step)
     reach = len(taps) // 2
     computed = ((each.begins, (each.time, compute(each), np.nan_to_num(each.tau))) for each in states(log, cutoff))
@@ -95,11 +92,8 @@ _TOGETHER = 32
 
 
 def kernel(cutoff: float, step: float) -> Floats:
-    """Return the taps (odd number) of a low-pass filter of even symmetry, hence without phase; they add up to 1.
-
-    Args:
-        cutoff: where half of the amplitude passes [Hz], below the Nyquist frequency; step: between samples [s].
-    """
+    """Return the taps (odd number) of a low-pass filter of even symmetry, hence without phase; they add up to 1;
+    cutoff: where half of the amplitude passes [Hz], below the Nyquist frequency; step: between samples [s]."""
     half = max(1, round(PERIODS / (cutoff * step)))
     place = np.arange(-half, half + 1)
     window = np.i0(SHAPE * np.sqrt(1.0 - (place / (half + 1)) ** 2))
@@ -108,10 +102,8 @@ def kernel(cutoff: float, step: float) -> Floats:
 
 
 def rates(taps: Floats, step: float) -> tuple[Floats, Floats, Floats]:
-    """Return kernels of one length, for `convolved`, that smooth, and that smooth and differentiate once and twice.
-
-    The differences are central, of fourth order: they are off by (2 pi f step)^4 / 30 and / 90 of the derivative.
-    """
+    """Return kernels of one length, for `convolved`, that smooth, and that smooth and differentiate once and twice. The
+    differences are central, of fourth order: they are off by (2 pi f step)^4 / 30 and / 90 of the derivative."""
     first = np.array([1.0, -8.0, 0.0, 8.0, -1.0]) / (12.0 * step)
     second = np.array([-1.0, 16.0, -30.0, 16.0, -1.0]) / (12.0 * step * step)
     return np.pad(taps, 2), np.convolve(taps, first), np.convolve(taps, second)

@@ -194,10 +194,8 @@ def structural_base(model: Model, scene: Scene = DEFAULT) -> Base:
 
 
 def random_rows(model: Model, scene: Scene = DEFAULT) -> tuple[Floats, tuple[str, ...]]:
-    """Return rows of the regressor at random states, three for each parameter, and the parameters' names.
-
-    Half of the states are slow, so that Stribeck's friction is there.
-    """
+    """Return rows of the regressor at random states, three for each parameter, and the parameters' names. Half of the
+    states are slow, so that Stribeck's friction is there."""
     rng = np.random.default_rng(19)
     inner = replace(scene, wrenches=(), immersed=())
     still = np.zeros((1, model.n))

@@ -141,9 +141,7 @@ def ellipsoid(box: Box) -> Floats:
 
 def _sizes(model: Model, boxes: Mapping[str, Box]) -> dict[str, float]:
     """Return how large each body is [m]: the farthest of its joints, its centre of mass and its shapes from its frame.
-
-    A body without any of them is as large as the joint before it is far, or else 1 m.
-    """
+    A body without any of them is as large as the joint before it is far, or else 1 m."""
     sizes = [length(body.inertia.centre_of_mass) for body in model.bodies]
     for body in model.bodies[1:]:
         sizes[body.parent] = max(sizes[body.parent], length(body.joint.p))

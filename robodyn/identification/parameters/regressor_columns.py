@@ -54,10 +54,8 @@ class Motor:
         return np.asarray(speed / np.hypot(speed, slip_speed) if slip_speed else np.sign(speed))
 
     def columns(self, qd: Floats, qdd: Floats, slip_speed: float, transmitted: Floats) -> Iterator[Floats]:
-        """Yield (k,) the column of each: s, sign(s), sign(s)^2, its acceleration, signs times exp(-(s / v)^2).
-
-        The last, if it is loaded, is sign(s) |torque that passes the gear|, of which the joints transmit (k, n).
-        """
+        """Yield (k,) the column of each: s, sign(s), sign(s)^2, its acceleration, signs times exp(-(s / v)^2). The
+        last, if it is loaded, is sign(s) |torque that passes the gear|, of which the joints transmit (k, n)."""
         speed, sign = product(qd, self.direction), self.sign(qd, slip_speed)
         yield from (speed, sign, sign * sign, product(qdd, self.direction))
         for each in self.stribeck:
@@ -288,11 +286,8 @@ class Guess:
 def gather(
     log: Log, cutoff: float, edges: Sequence[float], plain: Gathered, weighted: Gathered, guess: Guess | None = None
 ) -> None:
-    """Add the rows of a log to the factors of their folds; with a first guess to those of Huber's weights, too.
-
-    Args:
-        edges: times [s] at which a fold ends and the next begins, ascending.
-    """
+    """Add the rows of a log to the factors of their folds; with a first guess to those of Huber's weights, too; edges:
+    times [s] at which a fold ends and the next begins, ascending."""
     regressor = plain.regressor
     if guess is not None:
         guess.moments.restart()
