@@ -33,11 +33,8 @@ from robodyn.trajectory.read import sources_of
 
 
 class Follower:
-    """Completes the blocks of a motion whose scene has loops, one after another.
-
-    Attributes:
-        follow: tells which of several branches was chosen, and what makes the motion so far doubtful.
-    """
+    """Completes the blocks of a motion whose scene has loops, one after another; follow: tells which of several
+    branches was chosen, and what makes the motion so far doubtful."""
 
     def __init__(self, plan: Plan, followed: Sequence[str] = (), file: str | None = None) -> None:
         """Args: followed: joints without columns, each in a loop or refused; file: as messages name it."""

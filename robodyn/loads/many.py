@@ -15,11 +15,8 @@ Status = Literal["computed", "finished before", "failed"]
 
 @dataclass(frozen=True)
 class JointPeak:
-    """What one joint carries along one motion, as `robodyn.loads.result.JointLoad` has it.
-
-    Attributes:
-        level: the verdict of `robodyn.loads.result.JointSizing`; None where nothing was sized.
-    """
+    """What one joint carries along one motion, as `robodyn.loads.result.JointLoad` has it; level: the verdict of
+    `robodyn.loads.result.JointSizing`; None where nothing was sized."""
 
     name: str
     unit: str

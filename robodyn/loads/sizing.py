@@ -114,11 +114,8 @@ LEAST = 1e-9
 
 
 class MotorPass(ShaftFigures):
-    """Peaks and integrals at the shafts of motors.
-
-    Attributes:
-        gear: the torque that each gear bears where it is largest, in magnitude.
-    """
+    """Peaks and integrals at the shafts of motors; gear: the torque that each gear bears where it is largest, in
+    magnitude."""
 
     def __init__(self, trains: Sequence[Train]) -> None:
         super().__init__(len(trains))
@@ -253,11 +250,8 @@ FOUNDATION = ("fxy", "fz", "mxy", "mz")
 
 
 class SizingPass:
-    """Gathers what `Sizing` tells, block by block.
-
-    Attributes:
-        trains: joints with motors, by their place among the joints whose loads are reported.
-    """
+    """Gathers what `Sizing` tells, block by block; trains: joints with motors, by their place among the joints whose
+    loads are reported."""
 
     def __init__(self, model: Model, scene: Scene, joints: Sequence[Joint], rates: slice) -> None:
         """Args: joints: those whose loads are reported; rates: their entries of tau."""

@@ -67,11 +67,8 @@ class Extremes:
 
 
 class Integrals:
-    """Trapezoidal integrals over time of several quantities, across blocks.
-
-    Attributes:
-        samples, start, end: how many so far, and when the first and the last of them are [s].
-    """
+    """Trapezoidal integrals over time of several quantities, across blocks; samples, start, end: how many so far, and
+    when the first and the last of them are [s]."""
 
     def __init__(self) -> None:
         self.samples, self.start, self.end = 0, 0.0, 0.0

@@ -94,7 +94,7 @@ class Verdict(NamedTuple):
 
 
 class Effect:
-    """One physical effect: a subclass, whose one instance is named in the catalogue.
+    """One physical effect: a subclass, whose one instance is named among `plan.EFFECTS`.
 
     Attributes:
         name: as reports print it; adds: what it adds to tau, in a few words.

@@ -48,11 +48,8 @@ class Misfit(NamedTuple):
 
 
 class Misfits:
-    """What is left of phi, phi' = J qd and phi'' = J qdd + J' qd along a motion, block after block.
-
-    Attributes:
-        largest: of each derivative; empty before the first block.
-    """
+    """What is left of phi, phi' = J qd and phi'' = J qdd + J' qd along a motion, block after block; largest: of each
+    derivative; empty before the first block."""
 
     def __init__(self, equations: BlockEquations) -> None:
         self._equations = equations

@@ -245,11 +245,8 @@ def coordinates(V: Floats) -> Floats:
 
 
 class ConsistentFit(NamedTuple):
-    """Physically consistent parameters theta (p,), with `error` = ||R theta - z||^2 / 2.
-
-    Attributes:
-        gap: by how much the objective exceeds its minimum at most; infinite if that could not be found.
-    """
+    """Physically consistent parameters theta (p,), with `error` = ||R theta - z||^2 / 2; gap: by how much the objective
+    exceeds its minimum at most; infinite if that could not be found."""
 
     theta: Floats
     error: float

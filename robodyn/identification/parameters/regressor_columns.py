@@ -266,11 +266,8 @@ class Gathered:
 
 @dataclass(eq=False)
 class Guess:
-    """A first fit: values by column (a,), and the standard deviation of each joint's residual [N m].
-
-    Attributes:
-        moments: of the rows that are fitted, and of their residuals as far as they are no outliers.
-    """
+    """A first fit: values by column (a,), and the standard deviation of each joint's residual [N m]; moments: of the
+    rows that are fitted, and of their residuals as far as they are no outliers."""
 
     values: Floats
     sigma: Floats
