@@ -82,7 +82,7 @@ PULLED = (ROOT / "robots" / "five_bar_reach.toml").read_text(encoding="utf-8").r
 @pytest.mark.parametrize(
     ("scene", "motion", "key"),
     [
-        (SOLE, "quadruped.urdf robots/quadruped_crouch.csv", "missing"),
+        pytest.param(SOLE, "quadruped.urdf robots/quadruped_crouch.csv", "missing", marks=pytest.mark.slow),
         (PULLED, "five_bar.urdf robots/five_bar_reach.csv", "unbalanced"),
     ],
 )

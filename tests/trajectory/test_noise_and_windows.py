@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from helpers.sampled import sampled
 from numpy.typing import NDArray
 
 from robodyn.trajectory.columns.signals import Signal, Signals
@@ -111,7 +112,7 @@ NOISY = {
 
 
 @pytest.mark.parametrize("rate", [1000, pytest.param(5000, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("name", NOISY)
+@pytest.mark.parametrize("name", sampled(NOISY, 3))
 def test_noisy_signals_are_smoothed_nearly_as_well_as_can_be(name: str, rate: int) -> None:
     """The window is found without the truth; with the truth one could do better by 60 % at most."""
     time = np.arange(4 * rate) / rate
@@ -221,7 +222,7 @@ def derived(time, q) -> Trajectory:
     return from_arrays(LIMITED, time, q[:, None])
 
 
-@pytest.mark.parametrize("grid", [*GRIDS.values(), 0.0], ids=[*GRIDS, "doubles"])
+@pytest.mark.parametrize("grid", sampled([*GRIDS.values(), 0.0], 3))
 @pytest.mark.parametrize(("step", "move"), [(1e-3, hard), (1e-2, smooth)])
 def test_speeds_in_a_dwell_are_zero(grid: float, step: float, move) -> None:
     """Of dwells of 0.1 s and of 1 s; before and after it a joint moves but for where it is within its resolution."""
@@ -245,7 +246,10 @@ def test_noise_in_a_dwell_is_no_motion(sigma: float) -> None:
         assert not derived(time, noisy).qd[there, 0].any()
 
 
-@pytest.mark.parametrize(("grid", "step"), zip(GRIDS.values(), 2 * (1e-3, 1e-2), strict=True), ids=GRIDS)
+@pytest.mark.parametrize(
+    ("grid", "step"),
+    sampled([pytest.param(grid, step) for grid, step in zip(GRIDS.values(), 2 * (1e-3, 1e-2), strict=True)], 3),
+)
 def test_a_slow_motion_goes_on(grid: float, step: float) -> None:
     """A motion of more than a step of the grid in 100 rows, in one direction or about a turning point."""
     time = np.arange(2000) * step

@@ -286,8 +286,8 @@ def test_line_of_a_late_row_in_a_large_file(tmp_path: Path, monkeypatch: pytest.
 
 def test_progress(tmp_path: Path) -> None:
     path = tmp_path / "t.csv"
-    path.write_text(Q + "".join(f"{i},{i},{i}\n" for i in range(10_000)))
-    with open_trajectory(path, ARM, reading=Reading("central"), block_rows=1000) as reader:
+    path.write_text(Q + "".join(f"{i},{i},{i}\n" for i in range(4_000)))
+    with open_trajectory(path, ARM, reading=Reading("central"), block_rows=400) as reader:
         assert reader.columns == ("time", "q_a", "q_b")
         places = [reader.position_bytes for _ in reader.blocks()]
     assert reader.size_bytes == path.stat().st_size == places[-1]

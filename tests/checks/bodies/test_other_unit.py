@@ -6,6 +6,7 @@ import re
 
 import pytest
 from helpers.example_robots import path_of
+from helpers.sampled import sampled
 
 from robodyn.checks.check import Options, check_one, select_findings
 from robodyn.checks.rule import Finding
@@ -41,7 +42,7 @@ def severe(stem: str, times: float) -> list[Finding]:
     ]
 
 
-@pytest.mark.parametrize("stem", ROBOTS)
+@pytest.mark.parametrize("stem", sampled(ROBOTS, 4))
 @pytest.mark.parametrize("times", UNITS)
 def test_it_is_named_once(stem: str, times: float) -> None:
     known = {one.code for one in severe(stem, 1.0)}

@@ -16,6 +16,7 @@ from robodyn.checks.examples import a_shaped_link
 from robodyn.checks.rule import Finding, Severity
 from robodyn.checks.rules.loads import (
     gravity_bounds,
+    inverse_of_definite,
     joint_space_inertia,
     position_ranges,
     starts,
@@ -257,6 +258,11 @@ def test_joint_space_inertia_is_the_mass_matrix(stem: str) -> None:
     for q in starts(*position_ranges(model))[:2]:
         expected = robodyn.mass_matrix(model, q)
         assert np.abs(joint_space_inertia(model, q) - expected).max() <= 1e-12 * np.abs(expected).max()
+    A = np.random.default_rng(0).normal(size=(30, 40))
+    inverse = inverse_of_definite(A @ A.T)
+    assert inverse is not None
+    assert np.abs(inverse @ A @ A.T - np.eye(30)).max() <= 1e-12 * np.linalg.cond(A @ A.T)
+    assert inverse_of_definite(A @ A.T - 200 * np.eye(30)) is None
 
 
 @pytest.mark.parametrize(("damping", "warned"), [(9.9, False), (10.1, True)])

@@ -196,7 +196,7 @@ FIXABLE = (
         "bolt_description/bolt",
         "double_pendulum_description/double_pendulum_simple",
     ),
-    *("finger_edu_description/finger_edu", "laikago_description/laikago", "pr2_description/pr2"),
+    *("finger_edu_description/finger_edu", "laikago_description/laikago", "talos_data/talos_reduced_box"),
     *("romeo_description/romeo_laas_small", "so_arm_description/so100", "talos_data/talos_full_v2"),
     *("talos_data/talos_left_arm", "talos_data/talos_reduced", "tiago_description/tiago"),
 )

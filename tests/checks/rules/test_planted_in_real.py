@@ -197,7 +197,7 @@ def called(plant: Plant) -> str:
 PLANTS = (*LIMITS, *FITS, *TREE, *MASSES, *OVERLAPS)
 
 
-@pytest.mark.parametrize("plant", sampled(PLANTS, 6), ids=called)
+@pytest.mark.parametrize("plant", sampled(PLANTS, 13), ids=called)
 def test_named_and_nothing_else(plant: Plant) -> None:
     found = [one for one in fresh(plant) if one.code != "RD901"]  # MuJoCo refuses flat meshes, too
     assert [(one.code, one.subject and one.subject.name) for one in found] == [(plant.code, plant.name)]
