@@ -83,13 +83,12 @@ def test_a_robot_at_rest_weighs_what_it_weighs(name):
     assert np.abs(total - (0.0, 0.0, weight)).max() <= 1e-12 * weight
 
 
-@pytest.mark.parametrize("name", TWO)
-def test_the_least_friction_is_just_enough(name):
-    walker, least = WALKERS[name], report(name).least_friction
+def test_the_least_friction_is_just_enough():
+    walker, least = WALKERS["Go2"], report("Go2").least_friction
     assert 0.005 < least < 0.7
     for factor, enough in ((1.001, True), (0.999, False)):
         scene = walker.scene(friction=factor * least)
-        found = robodyn.torques(walker.model, walked(name).trajectory(scene), scene).constraints
+        found = robodyn.torques(walker.model, walked("Go2").trajectory(scene), scene).constraints
         assert found.balanced == enough
         assert {span.kind for span in found.missing} == (set() if enough else {"slip"})
 
@@ -167,10 +166,10 @@ def test_history_has_what_feet_press_with_and_when_they_are_on():
 
 
 @pytest.mark.slow
-def test_two_thousand_samples_are_all_balanced():
+def test_a_thousand_samples_are_all_balanced():
     walker = WALKERS["TALOS"]
     scene = walker.scene()
-    found = robodyn.torques(walker.model, walk(walker, 2000, 4, 0.1).trajectory(scene), scene)
+    found = robodyn.torques(walker.model, walk(walker, 1000, 4, 0.1).trajectory(scene), scene)
     assert found.constraints.balanced
     assert max(abs(part.peak) for part in found.base_wrench) <= 1e-10 * 9.81 * walker.model.total_mass
     assert max(found.checks.first_law, found.checks.second_law, found.checks.power) <= 1e-12
