@@ -194,8 +194,8 @@ SHAKEN = TIME + 0.01 * np.random.default_rng(2).uniform(-0.3, 0.3, len(TIME))
     [
         ({"change": constant}, (), f"the torque of {JOINTS[0]} is 1.25 throughout: it is left out", 0.05),
         ({"change": spiked}, (), f"the torque of {JOINTS[1]} has spikes", 0.02),
-        ({"rows": GAP}, (), "", 0.02),
-        ({}, ("--split", "1"), "", 0.02),
+        pytest.param({"rows": GAP}, (), "", 0.02, marks=pytest.mark.slow),
+        pytest.param({}, ("--split", "1"), "", 0.02, marks=pytest.mark.slow),
     ],
 )
 def test_told_and_gone_on_with(log, options, words, error, tmp_path, monkeypatch):
@@ -220,6 +220,7 @@ def test_a_joint_whose_position_is_not_logged(tmp_path, monkeypatch):
     assert f"joint {JOINTS[1]} rests: nothing is shown of its friction" in found.warnings
 
 
+@pytest.mark.slow
 def test_a_weight_that_may_be_an_offset(tmp_path, monkeypatch):
     """What a vertical slide weighs is a constant torque, as an offset of its sensor is."""
     monkeypatch.chdir(tmp_path)

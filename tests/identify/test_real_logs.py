@@ -54,12 +54,6 @@ def test_tx40_second_half(half):
 
 
 @pytest.mark.slow
-def test_tx40_whole():
-    found = identified(*TX40, "--split", "1", "--cutoff", "40")
-    assert found["train"]["relative_error"] < 0.083
-    assert found["held_out"] is None
-
-
 def test_a_joint_that_is_held_out_much_worse_is_told():
     """What the first 70 % of the log tell of joint 5 is not what the last 30 % need."""
     said = [line for line in identified(*TX40)["warnings"] if line.startswith("joint_5: held-out torques are off by")]
@@ -75,6 +69,7 @@ def test_ur10_last_forty_percent():
     assert found["consistent"]
 
 
+@pytest.mark.slow
 def test_tx40_files_reproduce_the_fit(half):
     """The description and the scene that are written make the torques of the fit, and a fit can begin with them."""
     found, urdf, scene = half

@@ -87,7 +87,10 @@ def test_a_short_log_is_compared_by_default(log):
 
 @pytest.mark.parametrize(
     ("factors", "said"),
-    [({"time": 1e3}, "are the stamps milliseconds?"), ({"q_": np.degrees(1.0)}, "are these degrees?")],
+    [
+        ({"time": 1e3}, "are the stamps milliseconds?"),
+        pytest.param({"q_": np.degrees(1.0)}, "are these degrees?", marks=pytest.mark.slow),
+    ],
 )
 def test_units_that_are_doubtful_are_not_written(factors, said, tmp_path):
     log, out = tx40(tmp_path, factors), tmp_path / "out.urdf"
@@ -97,11 +100,7 @@ def test_units_that_are_doubtful_are_not_written(factors, said, tmp_path):
     assert not out.exists()
 
 
-def test_torques_in_other_units_weigh_too_much(tmp_path):
-    outcome = run("identify", TX40, tx40(tmp_path, {"tau_": 1e3}), "--cutoff", "40")
-    assert "times what the description makes beside friction: is their unit another, or a gear?" in outcome.out
-
-
+@pytest.mark.slow
 def test_joints_that_are_held_are_told_once(tmp_path):
     outcome = run("identify", TX40, tx40(tmp_path, {}, leave_out="joint_6"), "--cutoff", "40")
     assert [line.rpartition(": ")[2] for line in outcome.out.splitlines() if "joint_6" in line] == [
