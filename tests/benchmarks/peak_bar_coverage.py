@@ -4,12 +4,11 @@ Random motions that are known exactly, on robots of `robots/` and a UR5, are rea
 The truth is inverse dynamics along the exact motion: the largest |torque| of each joint at the instants of the samples,
 on both sides of a jump that lies on one, which is what a peak claims; and the largest between first and last sample, on
 a grid 20 times finer and on both sides of every jump. Two halves of the seeds share nothing: one to tune on, one to
-publish, `python -m benchmarks.peak_bar_coverage --half publish --write` in `tests/`; tests draw a third.
+publish, `cd tests && python -m benchmarks.peak_bar_coverage`; tests draw a third.
 """
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Sequence
 from copy import deepcopy
 from dataclasses import dataclass
@@ -21,13 +20,13 @@ from xml.etree import ElementTree
 import numpy as np
 from helpers.exact_motions import MOTIONS, Array, Course, course
 from helpers.example_robots import PATHS
+from helpers.markdown_tables import main
 from helpers.markdown_tables import table as markdown
 from helpers.oracles import ROBOTS
 from helpers.read_motions import GIVEN, READINGS, Table, read
 
 import robodyn
 
-PAGE = Path(__file__).parents[2] / "docs" / "benchmarks" / "torque_bars.md"
 HALVES = {"tune": 0, "publish": 1, "test": 2}
 HERTZ = (100, 250, 500, 1000)
 FINER = 20
@@ -219,47 +218,10 @@ def tables(cases: Sequence[Case]) -> str:
     return "\n".join(parts)
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--half", choices=("tune", "publish"), default="tune", help="of the seeds; default tune")
-    parser.add_argument("--per-class", type=int, default=30, metavar="N", help="motions of each class; default 30")
-    parser.add_argument("--write", action="store_true", help=f"write {PAGE.name}, of the half to publish")
-    arguments = parser.parse_args()
-    if arguments.write and arguments.half != "publish":
-        parser.error("--write is of --half publish")
-    cases = [case(kind, draw, arguments.half) for kind in MOTIONS for draw in range(arguments.per_class)]
-    print(tables(cases), end="")
-    if arguments.write:
-        PAGE.write_text(
-            TEXT.format(tables=tables(cases).rstrip() + "\n", motions=arguments.per_class), encoding="utf-8"
-        )
+def report(draws: int, tune: int) -> str:
+    """Args: draws: motions of each class; tune: 1 for the half of the seeds that is not published."""
+    return tables([case(kind, draw, "tune" if tune else "publish") for kind in MOTIONS for draw in range(draws)])
 
-
-TEXT = """# Whether the largest torque is within its bar
-
-Where velocities and accelerations are derived from positions, or are given with noise, `robodyn torques` prints the
-largest torque of each joint with a bar that is to hold in 95 % of all cases. Here {motions} random motions of each
-class are known exactly: of five robots (two links, SCARA, cylindrical, PUMA 560, UR5), with rests before, between and
-after in part of them, at accelerations up to 30 rad/s^2, of 1.2 to 2.4 s, with corners on the controller's ticks in a
-third. They are read in every way of the second table, and have the rates of the third: none, velocities, or both, exact
-or by `numpy.gradient` of what was read, "filtered" with a first-order lag of 10 to 50 Hz behind. Stamps that are
-jittered say when the sample was taken; late ones are up to a third of a sample after it; cyclic errors are those of an
-encoder with 64 to 2048 lines, of 0.1 to 1 % of a line, declared by `--encoder-error`.
-
-- refused: the share of tables that are refused with a remedy, of which nothing is printed.
-- holds: the share of joints of which the largest torque at the samples, or just beside them where it jumps there, is
-  within the printed peak and its bar, or within the four digits of the peak.
-- between: the same of the largest torque between the samples, too, of which a table of samples need not tell.
-- bar / error and bar / peak: medians. The first says how much wider bars are than what happened, about 3 for a bar of
-  normal errors; the second how much they leave open.
-- green: how often no limit is said to be exceeded where the limit of effort is 1.5 % below the largest torque at the
-  samples, and where it is 1 to 10 % below.
-- red, unsure: how often a limit 5 % above it is said to be exceeded, or left open, where the bar is below 2 %.
-
-`python -m benchmarks.peak_bar_coverage --half publish --write` in `tests/` writes this page. Nothing was tuned on these
-seeds; `--half tune` has others for that, and `tests/loads/test_peak_coverage.py` draws a third set.
-
-{tables}"""
 
 if __name__ == "__main__":
-    main()
+    main(report, __doc__, draws=30, tune=0)

@@ -36,6 +36,7 @@ TIMED = {
     "slips": "bench_slips",
     "simcheck": "bench_simcheck",
     "iftomm": "bench_iftomm",
+    "torque-bars": "peak_bar_coverage",
 }
 
 

@@ -18,7 +18,6 @@ from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.identification.faults.channels import channels, rerouted
 from robodyn.identification.faults.compare import evidence_of
 from robodyn.identification.faults.faults import OWN, ROTOR, explain
-from robodyn.identification.faults.noise import score_covariance
 from robodyn.identification.log.log import read_log
 from robodyn.robot.load import load
 from robodyn.scene.parts import Friction
@@ -129,21 +128,6 @@ def test_nothing_gross_is_found_where_nothing_is(arm, kinds):
     assert right.reversed == []
 
 
-def test_noise_that_a_fit_took_is_given_back():
-    """All noise of ten frequencies goes into the fit; the covariance of each score is N / 2 var(w) all the same."""
-    rng, N = np.random.default_rng(0), 200
-    angle = 2.0 * np.pi * np.outer(np.arange(N) / N, np.arange(1, 11))
-    X = np.concatenate([np.cos(angle), np.sin(angle)], axis=1)
-    bread, found = np.eye(20) * 2.0 / N, []
-    for _ in range(40):
-        noise = rng.normal(size=(N, 1))
-        residual = noise - bread[0, 0] * X @ (X.T @ noise)
-        found.append([np.trace(score_covariance([X], residual, [range(20)], 20, B)) for B in (None, bread)])
-    without, given = np.mean(found, axis=0) / (10.0 * N)
-    assert without < 0.65
-    assert 0.9 < given < 1.05
-
-
 def test_what_a_payload_may_explain_is_no_certain_rotor():
     """The last joint of a SCARA cannot tell its rotor from a mass on it; what would do is said so."""
     bench = Bench(ROBOTS / "scara.urdf")
@@ -153,18 +137,6 @@ def test_what_a_payload_may_explain_is_no_certain_rotor():
     assert len(OWN) * 2 + ROTOR not in found.told
     assert found.faults
     assert not any(fault.certain for fault in found.faults)
-
-
-def test_covariance_between_joints_has_its_direction():
-    """Noise of the second joint is that of the first a sample later."""
-    rng = np.random.default_rng(0)
-    N = 20_000
-    white = rng.normal(size=N + 1)
-    noise = np.column_stack((white[1:], white[:-1]))
-    wave = np.cos(0.5 * np.pi * np.arange(N))
-    later = np.roll(wave, 1)
-    found = score_covariance([wave[:, None], later[:, None]], noise, [(0,), (1,)], 2) / N
-    np.testing.assert_allclose(found, [[0.5, 0.5], [0.5, 0.5]], atol=0.03)
 
 
 FAR = 4.5
