@@ -138,4 +138,4 @@ def test_random_sums_of_products_to_the_bit(dtype):
         found = CompiledBlocks(program, {"x": INPUTS}, dtype)({"x": x}, 3)
         np.testing.assert_array_equal(found, [once_rounded(program, row, dtype) for row in x])
         twice += np.count_nonzero(found != NumpyBlocks(program, {"x": INPUTS}, dtype)({"x": x}, 3))
-    assert twice > 10
+    assert twice > 4
