@@ -106,15 +106,6 @@ def test_an_interrupt_while_modules_load(count: int) -> None:
     assert done.returncode == 2 or not done.stderr.strip()
 
 
-@pytest.mark.skipif(os.name != "posix", reason="needs signals")
-def test_an_interrupt_that_a_callback_swallows() -> None:
-    swallowed = "import os, signal\nclass Thing:\n    def __del__(self): os.kill(os.getpid(), signal.SIGINT)\n"
-    after = "import time\nfrom robodyn.cli import main\n"
-    after += "main.Commands.list_commands = lambda *_: [Thing()] and time.sleep(5) or list(main.COMMANDS)"
-    done = started("start", "--help", before=swallowed, after=after)
-    assert (done.returncode, done.stderr.strip()) == (130, "")
-
-
 HEAVY = (
     *("polars", "pyarrow", "scipy", "rich", "llvmlite", "yourdfpy", "trimesh"),
     *("sympy", "matplotlib", "pandas", "numpy.ma"),

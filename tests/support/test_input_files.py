@@ -43,7 +43,7 @@ MAY = {
                                                     "scan_parquet": "a file that was vetted"},
     "robodyn/trajectory/readers/csv_table.py": {"read_csv": "bytes in memory"},
     "robodyn/trajectory/readers/bags.py": {"AnyReader": "a bag whose files were vetted", "open": "a stream of rosbags"},
-    "robodyn/solids/mesh/read/assets.py": {"ElementTree.parse": "a stream that is open", "ZipFile": "the same",
+    "robodyn/solids/mesh/read/scenes.py": {"ElementTree.parse": "a stream that is open", "ZipFile": "the same",
                                            "open": "a member of that"},
     "cli/screen.py": {"open": "the null device", "os.open": "the same"},
 }  # fmt: skip
