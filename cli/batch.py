@@ -42,12 +42,7 @@ _SUFFIXES = {"csv": ".csv", "parquet": ".parquet", "npz": ".npz"}
 
 
 class Job(NamedTuple):
-    """One trajectory.
-
-    Attributes:
-        name: as it was given; path: absolute, as are
-        table, document: where its torques and its report go; shown: the table's name as it is printed.
-    """
+    """One trajectory: its name as given, absolute paths of it and of its results, and the table's name as printed."""
 
     name: str
     path: str

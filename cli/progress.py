@@ -60,10 +60,7 @@ def counted(files: Sequence[Path]) -> Iterator[Callable[[], None]]:
 
 @contextmanager
 def robots_done(count: int, what: str = "checking") -> Iterator[Callable[[], None]]:
-    """Yield a function to call after each of some descriptions.
-
-    The bar has no thread of its own, so that processes can be started while it is shown.
-    """
+    """Yield a function to call after each of some descriptions; without a thread, so that processes can be started."""
     with _bar(count >= MANY_ROBOTS, what, count, "MofNCompleteColumn", auto_refresh=False) as move:
         yield lambda: move(advance=1, refresh=True)
 

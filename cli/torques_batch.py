@@ -122,9 +122,8 @@ PATIENCE = 10
 def worked_there(setup: Setup, jobs: Sequence[Job], address: str) -> Iterator[tuple[int, Outcome]]:
     """Yield (number, outcome) of every job as they are done, by the workers of the cluster at this address.
 
-    The workers need robodyn of this version, and the files of this machine under the same names. The scheduler gives
-    the jobs of a worker that dies to others; since files appear whole, a job that was done twice leaves what it leaves
-    when it is done once. When the iterator is closed early, jobs that have not begun are cancelled.
+    The workers need robodyn of this version, and the files of this machine under the same names. Jobs of a worker that
+    dies go to others. When the iterator is closed early, jobs that have not begun are cancelled.
 
     Args:
         address: of the scheduler, such as tcp://10.0.0.1:8786.

@@ -54,13 +54,11 @@ class Key(NamedTuple):
 class ObjectCache:
     """Bytes by key, in one file each: written whole or not at all, ignored unless intact.
 
-    A file holds a mark, the digest of key and content, and the content. Files or folders that belong to somebody else,
-    or that others may write to, are ignored, for their content is run; so are, under Windows, those outside the user's
-    own folder. No failure to read or write is an error: what is not kept is made again.
+    A file holds a mark, the digest of key and content, and the content, which is run: so files and folders that others
+    own or may write to, or under Windows outside the user's own folder, are ignored. No failure is an error.
 
     Args:
-        folder: made when it is needed; None keeps nothing.
-        largest: bytes kept.
+        folder: made when it is needed; None keeps nothing. largest: bytes kept.
     """
 
     def __init__(self, folder: Path | None, largest: int = LARGEST_FOLDER) -> None:

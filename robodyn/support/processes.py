@@ -88,10 +88,9 @@ class _Worker(Generic[R]):
 
 @contextmanager
 def delayed_interruption() -> Iterator[None]:
-    """Let an interruption wait; processes that are started meanwhile never get one.
+    """Let an interruption wait; processes that are started meanwhile never get one, though polars handles signals.
 
-    A terminal interrupts all processes, of which only the first is to end the others. That signals are ignored is not
-    enough: polars, once imported, handles them itself, and raises KeyboardInterrupt.
+    A terminal interrupts all processes, of which only the first is to end the others.
     """
     if not hasattr(signal, "pthread_sigmask"):
         yield

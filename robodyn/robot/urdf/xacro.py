@@ -42,14 +42,12 @@ def expanded(
 ) -> Expansion:
     """Return the URDF that a xacro file stands for, and where each element of it was written.
 
-    Packages that it includes from are looked for as those of meshes are. A file is not trusted: its expressions are
-    computed without Python's `eval`, from a list of what they may be (see `xacro_expressions`), it reads files of its
-    package and of those that are found alone (see `xacro_reach`), and is given no variables of the environment but
-    those of packages.
+    Packages are looked for as those of meshes are. Unless it is trusted, a file may compute what `xacro_expressions`
+    lists, read what `xacro_reach` allows, and know the environment's variables about packages.
 
     Args:
         args: values of its arguments by name; defaults hold for the others.
-        trusted: whether the file may do whatever Python can; time and memory are bounded all the same.
+        trusted: whether it may do whatever Python can, within time and memory.
 
     Raises:
         InputError: xacro is not installed, the file cannot be read or expanded, asks for what it may not, with the

@@ -30,10 +30,9 @@ _NAMED = "--package-path DIR names a folder to read from"
 class Reach:
     """Reads for an expansion: what is trusted any regular file and any variable.
 
-    Links followed, a file must lie in the package of the description (its folder, where no package.xml is above), in a
-    package path, in a package that was found by its package.xml, or in another copy of one of these packages, as links
-    of an installation lead to; or an argument names it from the root on. Nothing is read below names that begin with a
-    dot, such as .git. Arguments stand for variables of their names as well.
+    Links followed, a file must lie in the package of the description (its folder, without a package.xml), a package
+    path, a package found by its package.xml or another copy of one of these; or an argument names it from the root on.
+    Nothing is read below names that begin with a dot. Arguments stand for variables of their names as well.
     """
 
     def __init__(

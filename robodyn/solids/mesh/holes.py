@@ -35,16 +35,11 @@ class Filling:
     """What became of the gaps.
 
     Attributes:
-        shells: with the filled ones closed.
-        holes, seams: gaps that were filled; a seam has no area to speak of.
-        triangles: that fill them. area: of these.
-        doubt: volume by which the surface that was missing may differ from what fills it.
-        left: gaps of shells that stay open, too large to be filled.
-        missing: the share of the surface, of those shells with their gaps filled, that is missing.
-        capped: the shells with caps as their last faces, which close the rest. Those of a body with a hole lie across
-            it. Those of patches, which close nothing each for itself, are a cone from one vertex over all their rims:
-            where the rims of two patches nearly coincide, so do the two sides of a thin part of it.
-        caps: their number.
+        shells: with the filled ones closed; holes, seams: that were filled; a seam has no area to speak of.
+        triangles: that fill them; area: of these; doubt: volume by which what was missing may differ from them.
+        left: gaps too large to be filled; missing: their share of the surface of these shells with gaps filled.
+        capped: the shells with `caps` faces as their last, which close the rest: across a hole of a body, and of
+            patches a cone from one vertex over all their rims, whose two sides nearly coincide where the rims do.
     """
 
     shells: Shells

@@ -50,12 +50,10 @@ class Repaired:
     """A surface after its repair.
 
     Attributes:
-        triangles: the surface, the same object if nothing was done.
-        shells: connected parts, before any union.
-        closed: whether no boundary is left, so that the volume is well defined.
+        triangles: the same object if nothing was done; shells: connected parts, before any union.
+        closed: whether no boundary is left; missing: estimated share of the surface of open parts that is missing.
         doubt: volume that may be missing or too much where holes were filled.
-        missing: estimated share of the surface of the open parts that is missing, 0 if closed.
-        quadrature: integrals over the region that the surface encloses, where they are not those of its triangles.
+        quadrature: integrals over what the surface encloses, where they are not those of its triangles.
         remarks: what was found and left as it is.
     """
 
