@@ -119,7 +119,7 @@ class Figures:
             return found._replace(value=abs(found.value))
         if k not in self._rms:
             figure = self.of.of.figures[k]
-            square, slope = (totals[name][figure.columns].sum(0) / duration for name in ("square", "product"))
+            square, slope = (totals[name][k] / duration for name in ("square", "product"))
             self._rms[k] = self._mean(figure, 2, float(square), 2.0 * slope, _shares(self.of.kept.time[self.some]))
         return self._rms[k]
 

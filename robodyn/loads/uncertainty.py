@@ -128,14 +128,6 @@ class Quantities:
             rows += [mean, half, mean / most, half / most, sums[k]]
         return np.concatenate((sums, rows)) if rows else sums
 
-    def halves(self, values: Floats) -> Floats:
-        """Return half the derivatives of the figures' squares by their columns, as `Figure.half` has them."""
-        found = values.copy()
-        for figure in self.figures:
-            if figure.lossy:
-                found[figure.columns] = figure.half(values[figure.columns])
-        return found
-
     @staticmethod
     def _most(train: Train, qd: Floats) -> Floats:
         """Return what the motor's peak curve allows, infinite without one."""
@@ -181,8 +173,8 @@ class UncertaintyPass:
     Attributes:
         notes: warnings.
         at: (figures, 2, 1 + m) the columns of the peak of each figure, with their derivatives.
-        integrals: of "square" (columns,), "product" (columns, m), half the derivative of the squares by all, and of
-            gears the "wear" (gears,), "wear change" (gears, m) and "travel".
+        integrals: of "square" (figures,), "product" (figures, m), half the derivative of the squares, and of gears the
+            "wear" (gears,), "wear change" (gears, m) and "travel".
         kept: evenly spread samples.
     """
 
@@ -227,17 +219,18 @@ class UncertaintyPass:
             values = self.of.with_motors(sums, qd, qdd)
             by_x = np.moveaxis(found.reshape(len(time), len(sums), self._m), 1, 0)
             changes = self.of.changes(np.ascontiguousarray(by_x), qd)
-            self._integrate(time, values, changes, qd)
-            self._keep(time, values, changes, qd)
             sizes = np.stack([figure.size(values[figure.columns]) for figure in self.of.figures])
+            self._integrate(time, values, changes, sizes, qd)
+            self._keep(time, values, changes, qd)
             for k, sample in self._peaks.update(time, block.first_row + start, sizes):
                 for i, column in enumerate(self.of.figures[k].columns):
                     self.at[k, i, 0], self.at[k, i, 1:] = values[column, sample], changes[column, sample]
             self._seen += len(time)
 
-    def _integrate(self, time: Floats, values: Floats, changes: Floats, qd: Floats) -> None:
-        halves = self.of.halves(values)
-        quantities = {"square": halves * values, "product": np.moveaxis(halves[..., None] * changes, -1, 1)}
+    def _integrate(self, time: Floats, values: Floats, changes: Floats, sizes: Floats, qd: Floats) -> None:
+        columns = ((figure, figure.columns) for figure in self.of.figures)
+        halves = [einsum("cn,cnm->mn", figure.half(values[c]), changes[c]) for figure, c in columns]
+        quantities = {"square": sizes * sizes, "product": np.stack(halves)}
         if self.of.trains:
             gears = [figure.a for figure in self.of.figures if figure.name == "gear"]
             pace = np.abs(qd[[k for k, _ in self.of.trains]])
