@@ -95,18 +95,15 @@ class Figures:
     def peak(self, k: int) -> Drawn:
         if k not in self._peaks:
             of, figure = self.of, self.of.of.figures[k]
-            columns = len(figure.columns)
-            at = of.at[k][:columns]
-            value = at[0, 0] if columns == 1 else figure.size(at[:, 0])
+            at = of.at[k][: len(figure.columns)]
+            value = at[0, 0] if len(at) == 1 else figure.size(at[:, 0])
             kept = np.concatenate((at[:, None], of.kept.columns[figure.columns]), 1)
             spread = np.sqrt(of.found.variance(kept[..., 1:]).sum(0))
             sizes = figure.size(kept[..., 0])
-            kept = kept[:, sizes + FAR * spread >= (sizes - FAR * spread).max()]
-            flat, used = _used(kept.reshape(-1, kept.shape[-1]))
+            magnitudes = _magnitudes(figure, kept[:, sizes + FAR * spread >= (sizes - FAR * spread).max()])
 
             def drawn(x: Floats) -> Floats:
-                loads = flat[:, 0] + product(x[:, used], flat[:, 1:].T)
-                return np.asarray(figure.size(np.moveaxis(loads.reshape(len(x), columns, -1), 1, 0)).max(axis=1))
+                return np.asarray(magnitudes(x).max(axis=1))
 
             self._peaks[k] = self._figure(float(value), figure.gradient(at[:, 0], at[:, 1:]), at[:, 1:], drawn)
         return self._peaks[k]
@@ -135,18 +132,13 @@ class Figures:
         """Return the power mean of a figure's magnitude; whole: the mean of the power at all samples; slope: (m,) its
         derivative. share: of each of some samples, of which the higher orders are."""
         kept = self.of.kept.columns[figure.columns, self.some]
-        flat, used = _used(kept.reshape(-1, kept.shape[-1]))
-        root = np.cbrt if power == 3 else np.sqrt
-        size = float(root(np.array(whole)))
-        at = kept[..., 0]
+        root, magnitudes = np.cbrt if power == 3 else np.sqrt, _magnitudes(figure, kept)
+        size, at = float(root(np.array(whole))), kept[..., 0]
         own = power * einsum("cn,cnm->m", figure.half(at) * figure.size(at) ** (power - 2) * share, kept[..., 1:])
-        first, before = (slope - own)[used], _powers(figure.size(at), power, share)
+        before = product(figure.size(at) ** power, share)
 
         def drawn(x: Floats) -> Floats:
-            some = x[:, used]
-            loads = flat[:, 0] + product(some, flat[:, 1:].T)
-            sizes = figure.size(np.moveaxis(loads.reshape(len(some), len(kept), -1), 1, 0))
-            change = _powers(sizes, power, share) - before + product(some, first)
+            change = product(magnitudes(x) ** power, share) - before + product(x, slope - own)
             return np.asarray(root(np.maximum(whole + change, 0.0)))
 
         gradient = slope / (power * size ** (power - 1)) if size else np.zeros(len(slope))
@@ -241,15 +233,16 @@ class Figures:
         return _Limit(shown, sizes <= BEYOND * limit)
 
 
-def _used(rows: Floats) -> tuple[Floats, NDArray[np.int64]]:
-    """Return rows of values and derivatives (n, 1 + m) without those that are all zero, and which of x are left."""
-    used = np.flatnonzero(rows[:, 1:].any(axis=0))
-    return np.concatenate((rows[:, :1], rows[:, 1:][:, used]), 1), used
+def _magnitudes(figure: Figure, kept: Floats) -> Callable[[Floats], Floats]:
+    """Return what finds magnitudes (draws, n) for draws of x, of columns with derivatives (1 or 2, n, 1 + m)."""
+    flat = kept.reshape(-1, kept.shape[-1])
+    used = np.flatnonzero(flat[:, 1:].any(axis=0))
 
+    def sizes(x: Floats) -> Floats:
+        loads = flat[:, 0] + product(x[:, used], flat[:, 1:][:, used].T)
+        return figure.size(np.moveaxis(loads.reshape(len(x), len(kept), -1), 1, 0))
 
-def _powers(sizes: Floats, power: int, share: Floats) -> Floats:
-    """Return the mean of a power of magnitudes (..., n)."""
-    return np.asarray(einsum("...n,n->...", sizes * sizes if power == 2 else sizes * sizes * sizes, share))
+    return sizes
 
 
 def _shares(time: Floats) -> Floats:
