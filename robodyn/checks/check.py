@@ -31,7 +31,7 @@ from robodyn.checks.sources import each_in_a_process, files_of, worth_processes
 from robodyn.checks.waivers import waived, waivers
 from robodyn.errors import InputError, NoRobotError, RobodynWarning
 from robodyn.robot.urdf.document import Document, read
-from robodyn.robot.urdf.elements import Element, SourcePositions, Span
+from robodyn.robot.urdf.elements import Element, SourcePositions
 from robodyn.robot.urdf.packages import EXPANDED
 from robodyn.robot.urdf.parts import Description
 from robodyn.robot.urdf.sources import is_xacro, read_source
@@ -271,21 +271,17 @@ class Origins:
             at = SourcePositions(source.data, source.encoding).span(0, 0)
             message += f" (line {finding.line} of what `xacro {source.file}` prints)"
         else:
-            at = _in_source(self._elements[k], finding, source, start)
+            written = Element("", defaultdict(str), 0, start, SourcePositions(source.data, source.encoding))
+            at = written.span
+            for name, attribute in self._elements[k].attributes.items():
+                if attribute.span.start <= finding.start <= attribute.span.end and name in written.attributes:
+                    whole = finding.start < attribute.value_span.start
+                    at = written.attributes[name].span if whole else written.attributes[name].value_span
         where = replace(
             finding, line=at.line, column=at.column, start=at.start, end=at.end, excerpt=excerpt(source, at)
         )
         description = None if source.file == described else described
         return replace(where, message=message, file=source.file, description=description, fix=None)
-
-
-def _in_source(element: Element, finding: Finding, source: Document, start: int) -> Span:
-    written = Element("", defaultdict(str), 0, start, SourcePositions(source.data, source.encoding))
-    for name, attribute in element.attributes.items():
-        if attribute.span.start <= finding.start <= attribute.span.end and name in written.attributes:
-            whole = finding.start < attribute.value_span.start
-            return written.attributes[name].span if whole else written.attributes[name].value_span
-    return written.span
 
 
 def run_rules(context: Context, rules: Sequence[Rule]) -> tuple[Finding, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -64,8 +65,12 @@ def find_config(folder: str, known: dict[str, Config | None]) -> Config | None:
     folder = os.path.abspath(folder)
     if folder not in known:
         above = os.path.dirname(folder)
-        found = (_in_file(os.path.join(folder, name)) for name in NAMES)
-        known[folder] = next(filter(None, found), None) or (find_config(above, known) if above != folder else None)
+        found = None
+        for name in NAMES:
+            with suppress(OSError):
+                data = read_input(path := os.path.join(folder, name))
+                found = found or (parse_config(data, path) if name == NAMES[0] or b"robodyn" in data else None)
+        known[folder] = found or (find_config(above, known) if above != folder else None)
     return known[folder]
 
 
@@ -79,14 +84,6 @@ def read_config(path: str) -> Config:
     if config is None:
         raise InputError("there is no table [tool.robodyn.check]", remedy="write one, or name another file", file=path)
     return config
-
-
-def _in_file(path: str) -> Config | None:
-    try:
-        data = read_input(path)
-    except OSError:
-        return None
-    return parse_config(data, path) if os.path.basename(path) == NAMES[0] or b"robodyn" in data else None
 
 
 def parse_config(data: bytes, file: str) -> Config | None:

@@ -49,8 +49,8 @@ _SWAPS = tuple(
 
 
 def named_pairs(names: Collection[str]) -> Iterator[tuple[str, str]]:
-    """Yield (left, right) of the names that are each other's but for left and right, l and r, two letters such as FL,
-    LF, RL or LH, all in lower and upper case, and L as the first letter of LHipYaw and the last of ElbowL."""
+    """Yield (left, right) of the names that are each other's but for left and right, l and r, two letters such as FL or
+    LH, all in lower and upper case, and L as the first letter of LHipYaw and the last of ElbowL."""
     known = frozenset(names)
     for name in names:
         swapped = (pattern.sub(to, name, count=count) for pattern, to in _SWAPS for count in (0, 1))
@@ -116,13 +116,10 @@ class Pair:
 
     @cached_property
     def part(self) -> Part | None:
-        """The part that both links are; None unless their first meshes are one, of one size.
-
-        The <visual> ones count, since collision meshes are simplified, to something symmetric even; or the <collision>
-        ones where there are no others. Links without meshes are one part if their primitives stand at the same places,
-        and these are not each other's images, or both links are fixed: then it is most often a sensor that was bought
-        twice.
-        """
+        """The part that both links are; None unless their first meshes are one, of one size: <visual> ones, since
+        others are simplified, or <collision> ones where there are no others. Links without meshes are one part if their
+        primitives stand at the same places, and these are not each other's images, or both links are fixed, as a sensor
+        that was bought twice."""
         for kind in ("visual", "collision"):
             one, other = ([each for each in link.geometries if each.kind == kind] for link in (self.left, self.right))
             meshes = [[shape for shape in shapes if shape.shape == "mesh"] for shapes in (one, other)]
@@ -149,7 +146,7 @@ class Pair:
         return Pair(self.right, self.left, self.right_joint, self.left_joint, self.D.T)
 
     def mounts_alike(self, left: Joint, right: Joint, near: float) -> bool:
-        """Return whether two joints on the links stand where the part on both sides, turned with it, has one."""
+        """Whether two joints on the links stand where the part on both sides, turned with it, has one."""
         if self.part is None:
             return False
         (R, p), (R_right, p_right) = placement(left.origin), placement(right.origin)
@@ -157,12 +154,8 @@ class Pair:
         return length(self.part.point(p) - p_right) <= near and turned <= _AXIS
 
     def reflected(self, inertial: Inertial) -> tuple[Floats, Floats]:
-        """Return the centre of mass [m] and inertia about it [kg m^2] of the left link's mirror image, in the right
-        link's axes.
-
-        A part that is mounted on both sides is no mirror image of itself: where the same meshes are on both links, what
-        goes with them is returned if the right link is nearer to that.
-        """
+        """The centre of mass [m] and inertia about it [kg m^2] of the left link's mirror image, in the right link's
+        axes; or of the part that is mounted on both sides, if the right link is nearer to that."""
         c, I = link_inertia(inertial)
         image, right = (product(self.D, c), product(self.D, I, self.D.T)), self.right.inertial
         if right is None or not (right.mass > 0 and inertial.mass > 0):
@@ -199,11 +192,9 @@ class Symmetry:
     pairs: Mapping[str, Pair]
 
     def directions(self, pair: Pair) -> Iterator[int]:
-        """Yield 1 where equal positions of both joints are mirror images, -1 where opposite ones are; else nothing.
-
-        A reflection D carries a translation a to D a, and a rotation about a to one about -D a. On a part that is
-        mounted on both sides equal positions are alike.
-        """
+        """Yield 1 where equal positions of both joints are mirror images, -1 where opposite ones are; else nothing. A
+        reflection D carries a translation a to D a, and a rotation about a to one about -D a. On a part that is mounted
+        on both sides equal positions are alike."""
         left, right = (np.array(joint.axis) for joint in (pair.left_joint, pair.right_joint))
         left, right = left / length(left), right / length(right)
         images = [product(pair.D, left) * (1.0 if pair.left_joint.type == "prismatic" else -1.0)]
@@ -217,19 +208,17 @@ class Symmetry:
 
 
 def pairs(context: Context) -> tuple[Pair, ...]:
-    """Return the confirmed pairs, in the order of the right links in the file; none where the description cannot be
-    read."""
+    """The confirmed pairs, in the order of the right links in the file."""
     found = context.once(symmetry)
     return () if found is None else tuple(found.pairs.values())
 
 
 def symmetry(context: Context) -> Symmetry | None:
-    """Return what is symmetric about a robot; None where the description cannot be read, or nothing is.
+    """What is symmetric about a robot; None where the description cannot be read, or nothing is.
 
-    Names propose pairs (`named_pairs`). A pair is confirmed if at q = 0 each frame's origin is at the mirror image of
-    the other's, within 2e-3 of the robot's size, and the axes of one are the images of the other's but for their names
-    and signs. Whatever hangs on a pair that is not confirmed is not confirmed either, since from there on the poses
-    differ.
+    Names propose pairs. A pair is confirmed if at q = 0 each frame's origin is at the mirror image of the other's,
+    within 2e-3 of the robot's size, and the axes of one are the images of the other's but for their names and signs,
+    and if what it hangs on is.
     """
     description = None if context.tree_or_none is None else context.description_or_none
     if description is None:
@@ -261,12 +250,10 @@ def symmetry(context: Context) -> Symmetry | None:
 
 
 def _mirror(named: Sequence[Names], p: Mapping[str, Floats], above: Mapping[str, Joint], near: float) -> Plane | None:
-    """Return the plane that has most of the pairs on branches from links in it, and of these the one that has most.
-
-    It is across x, y or z of the root, or the longest line between the two of a pair; amid the pairs, through the root,
-    or through the first link that carries both sides. A pair on another one is mirrored if its steps from there are, so
-    that a limb which begins at the wrong place tells as much as the others.
-    """
+    """The plane that has most of the pairs on branches from links in it, and of these the one that has most: across x,
+    y or z of the root, or the longest line between the two of a pair; amid the pairs, through the root, or through the
+    first link that carries both sides. A pair on another one is mirrored if its steps from there are, so that a limb
+    which begins at the wrong place tells as much as the others."""
     over, known = [(above[left].parent, above[right].parent) for left, right in named], frozenset(named)
     on_pair = np.array([each in known for each in over])[:, None]
     left, right = (np.array([p[names[k]] for names in named]) for k in (0, 1))
@@ -294,8 +281,7 @@ def _mirror(named: Sequence[Names], p: Mapping[str, Floats], above: Mapping[str,
 
 
 def _rooted(found: Collection[Names], above: Mapping[str, Joint], within: Collection[str] | None = None) -> list[Names]:
-    """Return the pairs, given outward, whose joints hang on one link, if given one of those within; or on the two of
-    another such pair."""
+    """The pairs, given outward, whose joints hang on one link, of those within; or on the two of another such pair."""
     kept: dict[Names, None] = {}
     for names in found:
         over = above[names[0]].parent, above[names[1]].parent
@@ -305,12 +291,12 @@ def _rooted(found: Collection[Names], above: Mapping[str, Joint], within: Collec
 
 
 def is_square(D: Floats) -> bool:
-    """Return whether a reflection carries axes to axes, but for their names and signs."""
+    """Whether a reflection carries axes to axes, but for their names and signs."""
     return bool(np.abs(D - np.round(D)).max() <= _AXIS)
 
 
 def link_inertia(inertial: Inertial) -> tuple[Floats, Floats]:
-    """Return the centre of mass [m] and inertia about it [kg m^2], in the axes of the link."""
+    """The centre of mass [m] and inertia about it [kg m^2], in the axes of the link."""
     R, c = placement(inertial.origin)
     return c, product(R, symmetric(inertial.inertia), R.T)
 
@@ -342,8 +328,7 @@ class Twins:
         return left, right
 
     def apart(self, left: Floats, right: Floats) -> float:
-        """Relative distance of moments by mass, or of the moments as they stand, so that a wrong mass alone sets none
-        apart."""
+        """Relative distance of moments by mass, or as they stand, so that a wrong mass alone sets none apart."""
         mass, mass_right = self.masses
         return min(_apart(left, right), _apart(mass * left, mass_right * right))
 
@@ -363,7 +348,7 @@ class Twins:
 
     @property
     def centre_is_copied(self) -> bool:
-        """Whether the centre of mass is not where it ought to be, but where the left link's is in its own axes."""
+        """Whether the centre of mass is where the left link's is in its own axes, and ought not to be."""
         left = self.pair.left.inertial
         copy = np.zeros(3) if left is None else link_inertia(left)[0]
         return self.shift > self.most_shift and length(self.c_right - copy) <= self.most_shift

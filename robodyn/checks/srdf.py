@@ -33,7 +33,7 @@ _FEWEST = 3
 
 
 class Named(NamedTuple):
-    """A name that an element of a file uses for a link or a joint (`kind`)."""
+    """A name that an element uses for a link or a joint (`kind`)."""
 
     kind: str
     name: str
@@ -46,8 +46,7 @@ def srdf_of(file: str, robot: str | None) -> Path | None:
     folder = Path(file).parent
     if not os.path.isfile(file):
         return None
-    for sub in _BESIDE:
-        same = folder / sub / f"{Path(file).stem}.srdf"
+    for same in (folder / sub / f"{Path(file).stem}.srdf" for sub in _BESIDE):
         if _readable(same):
             return same
     for sub in _BESIDE:

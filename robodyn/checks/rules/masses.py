@@ -10,7 +10,6 @@ from robodyn.checks.bodies.shapes import link_boxes, real_shapes, size_of
 from robodyn.checks.context import Group
 from robodyn.checks.examples import (
     INERTIA,
-    LIMIT,
     ORIGIN,
     TENSOR,
     a_joint,
@@ -20,6 +19,7 @@ from robodyn.checks.examples import (
     inertia,
     longer_arm,
     one_link,
+    two_arms,
 )
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.robot.base_guess import untouched
@@ -171,19 +171,8 @@ def root_with_inertia(context: Context) -> Faults:
 
 
 _SPHERE = '<collision><geometry><sphere radius="0.1"/></geometry></collision>'
-_WHEELS = "".join(
-    a_link(f"{side}_wheel", f'<mass value="1"/>{INERTIA}')
-    + a_joint(f"{side}_axle", "cart", f"{side}_wheel", f'<axis xyz="0 1 0"/>{LIMIT}', "continuous")
-    for side in ("left", "right")
-)
-_CART = f"""<robot name="cart">
-  <link name="cart">
-    <inertial><mass value="4"/>{INERTIA}</inertial>
-    {_SPHERE}
-  </link>
-  {_WHEELS}
-</robot>
-"""
+_CART = two_arms().replace("arm", "wheel").replace("shoulder", "axle")
+_CART = _CART.replace('<link name="base"/>', a_link("base", more=_SPHERE).strip())
 
 
 @rule(
@@ -191,7 +180,7 @@ _CART = f"""<robot name="cart">
     Severity.WARNING,
     Stage.MODEL,
     good=_CART,
-    bad=(f'    <inertial><mass value="4"/>{INERTIA}</inertial>\n', ""),
+    bad=(f'<inertial><mass value="1"/>{INERTIA}</inertial>', ""),
 )
 def root_mass_invented(context: Context) -> Faults:
     """A root with a collision shape has an <inertial>, unless it stands still.

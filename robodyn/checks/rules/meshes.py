@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 
 from robodyn.checks.context import STDIN
-from robodyn.checks.examples import a_mesh, a_shaped_link
+from robodyn.checks.examples import a_joint, a_link, a_mesh, a_shaped_link, arm
 from robodyn.checks.importers import READS, unread
 from robodyn.checks.meshes.facts import MeshFacts
 from robodyn.checks.meshes.files import MeshName, State, all_facts, mesh_names, mesh_slips, mesh_uses
@@ -183,18 +183,11 @@ def _wrong(facts: MeshFacts, name: MeshName) -> tuple[str, Severity] | None:
     return None if what is None else (what, severity)
 
 
-_SCALED = """<robot name="arm">
-  <link name="base"/>
-  <link name="part">
-    <visual><geometry><mesh filename="millimetres.stl" scale="0.001 0.001 0.001"/></geometry></visual>
-  </link>
-  <joint name="mount" type="fixed">
-    <parent link="base"/>
-    <child link="part"/>
-    <origin xyz="0 0 0.3"/>
-  </joint>
-</robot>
-"""
+_MESH = '<mesh filename="millimetres.stl" scale="0.001 0.001 0.001"/>'
+_SCALED = arm('<origin xyz="0 0 0.3"/>', "fixed", a_link("part", "", f"<visual><geometry>{_MESH}</geometry></visual>"))
+_SCALED = _SCALED.replace(
+    "\n</robot>", a_joint("mount", "upper", "part", '<origin xyz="0 0 0.3"/>', "fixed") + "\n</robot>"
+)
 
 
 @rule("RD605", Severity.ERROR, good=_SCALED, bad=("0.001 0.001 0.001", "1 1 1"))

@@ -96,7 +96,7 @@ def mirror_moments(context: Context) -> Faults:
 
 
 def _unexplained(context: Context, one: Twins) -> bool:
-    """Return whether bodies can have both of the tensors, and none has a cause that is known."""
+    """Whether bodies can have both of the tensors, and none has a cause that is known."""
     if {one.link.name, one.pair.left.name} & context.once(causes).keys():
         return False
     both = [link.inertial for link in (one.pair.left, one.pair.right) if link.inertial is not None]
@@ -230,7 +230,7 @@ def _ends(limit: Limit | None) -> tuple[float, float]:
 
 
 def _is_plain(limit: Limit | None, kind: str) -> bool:
-    """Return whether there is a range that no other rule reports."""
+    """Whether there is a range that no other rule reports."""
     low, high = _ends(limit)
     return low < high and (kind == "prismatic" or max(-low, high) <= _TURNS)
 
@@ -239,11 +239,9 @@ def _magnitudes(pair: Pair, view: JointView, twin: str) -> Faults:
     left, right = pair.left_joint.limit, pair.right_joint.limit
     if left is None or right is None or view.limit is None:
         return
-    found = [
-        (name, one, other)
-        for name, one, other in (("effort", left.effort, right.effort), ("velocity", left.velocity, right.velocity))
-        if one is not None and other is not None and abs(one - other) > _MAGNITUDE * max(abs(one), abs(other))
-    ]
+    both = ("effort", left.effort, right.effort), ("velocity", left.velocity, right.velocity)
+    known = ((name, one, other) for name, one, other in both if one is not None and other is not None)
+    found = [each for each in known if abs(each[1] - each[2]) > _MAGNITUDE * max(map(abs, each[1:]))]
     if found:
         name, one, other = found[0]
         here, there = (" and ".join(f"{each[0]} {each[k]:g}" for each in found) for k in (2, 1))
@@ -286,8 +284,7 @@ def mirror_origin(context: Context) -> Faults:
 
 
 def _misplaced(found: Symmetry, left: Joint, right: Joint, view: JointView) -> Faults:
-    """Yield where the right joint's origin is not the mirror image of the left one's, or where its axes are not but for
-    signs in rpy."""
+    """The right joint's origin is not the mirror image of the left one's, or its axes are not but for signs in rpy."""
     twin, R, p = f"{shown(left.name)} (line {left.line})", found.R[right.parent], found.p[right.parent]
     expected = product(R.T, found.plane.image(found.p[left.child]) - p)
     off = length(expected - np.array(right.origin.xyz))
