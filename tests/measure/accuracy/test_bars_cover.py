@@ -1,6 +1,6 @@
 """Every error bar that a command prints covers the true error in 19 of 20 random cases.
 
-Those of tessellation are in test_tessellation_bars.py, of overlaps and holes in solids/mesh/test_quadrature.py, of
+Those of tessellation are in test_tessellation_bars.py, of overlaps and holes in solids/mesh/test_repair_regions.py, of
 simulated motions in test_simulation_ladder.py. What is measured - asymmetry, drift, quartiles - has no bar.
 """
 
