@@ -11,10 +11,9 @@ from helpers.command_line import ROBOTS
 
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.errors import InputError
-from robodyn.measure.accuracy.torques import file_accuracy, like, noisy
+from robodyn.measure.accuracy.torques import file_accuracy, like
 from robodyn.robot.load import load
 from robodyn.scene.scene import DEFAULT
-from robodyn.trajectory.motion import Derivation, JointDerivation
 from robodyn.trajectory.read import read_motion
 
 SCARA, MOTION = ROBOTS / "scara.urdf", str(ROBOTS / "scara_pick_and_place.csv")
@@ -68,17 +67,6 @@ def test_derived_accelerations_are_measured_on_a_motion_like_the_given_one() -> 
     assert off.mean() <= 1e-4 * np.abs(block.qdd).max()
     step = (twin.q[2:] - 2 * twin.q[1:-1] + twin.q[:-2]) / 1e-6
     assert np.abs(step - twin.qdd[1:-1]).max() < 5e-3 * np.abs(twin.qdd).max()
-
-
-def test_noise_is_added_as_it_was_found() -> None:
-    model = load(SCARA)
-    joint = JointDerivation("elbow", "", "", "q", 0.0, 1e-3, 0.0)
-    off, said = noisy(model, np.zeros((4000, 3)), Derivation((joint,)))
-    assert np.std(off, axis=0) == pytest.approx([0, 1e-3, 0], rel=0.1)
-    assert said == "a smooth motion like the given one, with noise of 1.0e-03 as in it"
-    grid, _ = noisy(model, np.full((9, 3), 0.123), Derivation((replace(joint, quantum=0.05),)))
-    assert np.abs(grid[:, 1] - [0.1]).max() < 1e-12
-    assert (grid[:, [0, 2]] == 0.123).all()
 
 
 @pytest.fixture
