@@ -129,12 +129,3 @@ def test_output_arrays():
     over = state[0].copy()
     torques([over, *state[1:]], out=over)
     np.testing.assert_array_equal(bits(over), bits(right))
-
-
-def test_inputs_that_broadcast():
-    q, qd, qdd = (x[:40] for x in STATE)
-    crossed = torques([q[0], qd[:, None], qdd])
-    assert crossed.shape == (40, 40, 3)
-    np.testing.assert_array_equal(bits(crossed[5, 7]), bits(torques([q[0], qd[5], qdd[7]])))
-    resting = torques([q, 0.0, 0.0])
-    assert worst(resting, inverse_dynamics(MODEL, q, 0.0, 0.0, executor="numpy")) <= 4 * EPS

@@ -7,7 +7,6 @@ from itertools import product
 import numpy as np
 import pytest
 from helpers.busy_robot import BUSY_SCENE, EVERY_EFFECT, busy_robot
-from helpers.compiled_programs import bits, needs_compiler
 from helpers.example_robots import real
 from helpers.oracles import EPS, frictionless, golden_model, random_state, robot, worst
 from helpers.small_robots import built, chain, chain_parts, link, random_tree
@@ -17,7 +16,6 @@ from robodyn.dynamics.forward import acceleration_program, forward_dynamics
 from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
-from robodyn.programs.run.multiprecision import Multiprecision
 from robodyn.scene.scene import Scene
 
 MODEL = golden_model("puma560_corke")
@@ -57,28 +55,6 @@ def test_numbers_that_are_not_finite_pass_through():
     found = forward_dynamics(MODEL, q, qd, tau)
     assert np.isnan(found[4]).any()
     np.testing.assert_array_equal(np.delete(found, 4, axis=0), np.delete(right, 4, axis=0))
-
-
-@needs_compiler
-def test_neither_threads_nor_layout_nor_company_change_a_bit():
-    right = forward_dynamics(MODEL, *STATE, executor="compiled", threads=1)
-    cond = np.linalg.cond(mass_matrix(MODEL, STATE[0])).max()
-    assert worst(right, forward_dynamics(MODEL, *STATE, executor="numpy")) <= EPS * cond
-    out = np.empty_like(right, order="C")
-    assert forward_dynamics(MODEL, *STATE, executor="compiled", threads=3, out=out) is out
-    np.testing.assert_array_equal(bits(out), bits(right))
-    part = forward_dynamics(MODEL, *(np.asfortranarray(x[1000:1009]) for x in STATE), executor="compiled")
-    np.testing.assert_array_equal(bits(part), bits(right[1000:1009]))
-
-
-def test_the_multiprecision_executor():
-    plan = Plan(MODEL, Scene())
-    sources = dict(zip(("q", "qd", "tau"), (x[:3] for x in STATE), strict=True))
-    found = Multiprecision(acceleration_program(plan), digits=40)(sources, 3).astype(float)
-    assert (
-        worst(found, forward_dynamics(MODEL, *sources.values()))
-        <= 4 * EPS * np.linalg.cond(mass_matrix(MODEL, STATE[0][:3])).max()
-    )
 
 
 BOUNDS = {"ur5_robot": (691, 1174), "panda": (1607, 2417), "anymal": (1674, 3896), "talos_reduced": (7506, 9804)}

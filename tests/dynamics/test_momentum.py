@@ -13,7 +13,7 @@ from helpers.small_robots import chain, urdf
 import robodyn
 from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan
-from robodyn.dynamics.recursions.momentum import dual_state, momenta, momentum_of_bodies
+from robodyn.dynamics.recursions.momentum import dual_state, momenta
 from robodyn.errors import InputError
 from robodyn.programs.derivative import rate_of, value_of
 from robodyn.programs.vectors import cross
@@ -85,32 +85,6 @@ def test_eulers_laws_by_dual_numbers():
     R, p = poses(model.parents[:1], motions(model, q, qd, qdd)[:1])[0]
     assert worst(R @ base[:3], P_rate) <= 1e-14
     assert worst(R @ base[3:] + cross(p, R @ base[:3]), H_rate) <= 1e-14
-
-
-def test_newtons_third_law_between_bodies():
-    """What a body needs is what its parent gives less what it hands on: cutting every joint balances every body."""
-    model = busy_robot()
-    state = random_state(model, np.random.default_rng(4), 1)
-    plan = Plan(model, WEIGHTLESS)
-    wrenches = run(plan.wrenches(joints=True), plan, *state)[0, model.n :].reshape(-1, 2, 3)
-    joints = motions(model, *(x[0] for x in state))
-    where = poses(model.parents, joints)
-    position, speed = dual_state(model, *(x[0].tolist() for x in state))
-    dual = motions(model, position, speed, state[2][0].tolist())
-    places = poses(model.parents, dual)
-    each = momentum_of_bodies(model.parents, dual, [body.inertia for body in model.bodies])
-    for i, (R, p) in enumerate(places):
-        P = R @ each[i][0]
-        H = R @ each[i][1] + cross(p, P)
-        f = where[i].R @ wrenches[i, 0]
-        n = where[i].R @ wrenches[i, 1] + cross(where[i].p, f)
-        for child in [k for k, parent in enumerate(model.parents) if parent == i]:
-            handed = where[child].R @ wrenches[child, 0]
-            n = n - where[child].R @ wrenches[child, 1] - cross(where[child].p, handed)
-            f = f - handed
-        scale = np.abs(wrenches).max()
-        assert worst(f, _each(rate_of, P), scale) <= 1e-14
-        assert worst(n, _each(rate_of, H), scale) <= 1e-14
 
 
 def test_against_pinocchio():

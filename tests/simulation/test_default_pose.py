@@ -8,20 +8,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.command_line import ROBOTS, run
-from helpers.example_robots import PATHS, path_of
-from helpers.other_robots import other_paths
+from helpers.example_robots import path_of
 from helpers.small_robots import built, joint, link
 
 import robodyn
 from robodyn.dynamics.initial_state import begun_at, default_pose, initial_state
 from robodyn.errors import InputError
-from robodyn.robot.limits import coordinate_ranges
 from robodyn.robot.load import load
 from robodyn.scene.scene import Scene
 from robodyn.simulation.events import Limits
 
-NO_ACCELERATION = ("heavy_top", "romeo", "romeo_laas_small")
-"""Upright, two axes of the heavy top are one; joints of the others carry no inertia."""
 HEAVY = (1.0, (0.1, 0, 0), (0.01, 0, 0, 0.01, 0, 0.01))
 
 
@@ -66,15 +62,6 @@ def begun_within(model) -> bool:
 @pytest.mark.parametrize("name", ["panda", "go1", "icub_reduced", "tiago_pro"])
 def test_real_robots_begin_within_their_limits(name: str) -> None:
     assert begun_within(load(path_of(name)))
-
-
-@pytest.mark.slow
-def test_every_robot_moves_from_its_default_pose() -> None:
-    for path in [*PATHS, *other_paths(), *sorted(ROBOTS.glob("*.urdf"))]:
-        model = load(path)
-        least, largest = coordinate_ranges(model)
-        if model.n and begun_within(model) and (least < largest).all() and path.stem not in NO_ACCELERATION:
-            assert robodyn.simulate(model, duration=1e-9, executor="numpy").time[-1] > 0.0, path
 
 
 def test_a_joint_without_room_is_said() -> None:

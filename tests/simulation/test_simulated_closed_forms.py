@@ -11,7 +11,7 @@ from helpers.oracles import ROBOTS, reference, robot
 from helpers.simulated_robots import pendulum, slide
 
 import robodyn
-from robodyn.scene.parts import Drive, Friction, Spring
+from robodyn.scene.parts import Friction, Spring
 from robodyn.scene.scene import Scene
 
 G = 9.81
@@ -46,14 +46,6 @@ def test_double_pendulum(case, start, bound, time):
     assert np.abs([*found.q[-1], *found.qd[-1]] - expected).max() <= bound
 
 
-def test_a_body_in_free_fall():
-    scene = Scene(initial_qd={"base_vx": 1.0, "base_vz": 2.0, "base_wz": 3.0})
-    found = robodyn.simulate(robot("rigid_body"), scene, 1.0, step=0.01)
-    assert np.abs(found.q[-1] - [1, 0, 2 - G / 2, 0, 0, np.sin(1.5), np.cos(1.5)]).max() <= 1e-13
-    assert found.free
-    assert max(found.momentum_drift) <= 1e-12 * 12 * G
-
-
 def test_a_damped_spring():
     m, k, d, t = 2.0, 50.0, 3.0, 1.7
     scene = Scene(friction={"j1": Friction(viscous=d)}, spring={"j1": Spring(k, 0.1)}, initial_q={"j1": 0.3})
@@ -62,16 +54,6 @@ def test_a_damped_spring():
     expected = 0.1 + 0.2 * np.exp(-decay * t) * (np.cos(w * t) + decay / w * np.sin(w * t))
     assert abs(found.q[-1, 0] - expected) <= 1e-12
     assert found.energy_drift <= 1e-12 * found.figures.energy[0]
-
-
-def test_a_drive_settles_where_it_balances_gravity():
-    kp, kd = 200.0, 40.0
-    scene = Scene(drive={"j1": Drive(torque=1.0, kp=kp, kd=kd, reference=0.5)})
-    found = robodyn.simulate(pendulum(), scene, 20.0)
-    q = found.q[-1, 0]
-    assert abs(found.qd[-1, 0]) <= 1e-12
-    assert abs(1.0 + kp * (0.5 - q) - G * np.sin(q)) <= 1e-10
-    assert np.abs(found.tau[:, 0] - (1.0 + kp * (0.5 - found.q[:, 0]) - kd * found.qd[:, 0])).max() <= 1e-12
 
 
 def test_friction_stops_a_slide_without_chatter():

@@ -108,13 +108,6 @@ def test_forces_that_pull_put_it_beyond_an_edge():
     assert margin == pytest.approx([-0.2])
 
 
-def test_points_have_no_margin_and_feet_in_the_air_no_centre():
-    where, margin = centre_of_pressure(FOOT[None, :1], UP, UP[None, None])
-    assert where[0] == pytest.approx(FOOT[0])
-    assert np.isnan(margin).all()
-    assert np.isnan(centre_of_pressure(FOOT[None], UP, np.zeros((1, 5, 3)))[1]).all()
-
-
 def test_friction_used():
     forces = np.array([(3.0, 4.0, 10.0), (0.0, 0.0, 10.0), (0.0, 0.0, 0.0)])[:, None]
     assert friction_used(forces, UP, 0.5) == pytest.approx([1.0, 0.0, np.nan], nan_ok=True)

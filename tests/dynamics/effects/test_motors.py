@@ -200,18 +200,6 @@ def test_of_one_joint_it_is_its_rotor_and_friction():
     assert worst(robodyn.inverse_dynamics(model, *state, scene=alone), expected) <= 1e-15
 
 
-def test_simulation_balances_energy():
-    model = chain(3, skew=True)
-    one, two, three = model.joint_names
-    motors = (
-        CoupledMotor("a", {two: 1.0, three: 1.0}, 0.02, 5.0, Friction(0.1, 0.2, -0.2)),
-        CoupledMotor("b", {one: 1.0, three: 0.5}, 0.1),
-    )
-    scene = frictionless(model, coupled=motors, joint_limits="ignore", initial_qd={two: 1.0})
-    result = robodyn.simulate(model, scene, duration=0.3, step=1e-3)
-    assert result.energy_drift <= 1e-9 * result.figures.energy.max()
-
-
 def test_names_must_fit():
     model = robot("puma560")
     for coupled, says in (
@@ -247,18 +235,6 @@ def test_mujoco():
         assert worst(robodyn.forward_dynamics(model, q, qd, tau, scene=scene), data.qacc) <= 1e-12
 
 
-def test_dae_form():
-    """All bodies on their own: the same accelerations."""
-    model = chain(3, skew=True)
-    one, two, three = model.joint_names
-    motors = (CoupledMotor("a", {two: 1.0, three: -0.5}, 0.02, 5.0, Friction(0.3)), CoupledMotor("b", {one: 1.0}, 0.1))
-    scene = frictionless(model, coupled=motors)
-    q, qd, tau = np.random.default_rng(3).normal(size=(3, 3))
-    found = dae_at(model, scene, q, qd, tau)
-    assert max(found.comparison.accelerations, found.comparison.forces, found.comparison.moments) <= 1e-12
-    assert worst(found.qdd, robodyn.forward_dynamics(model, q, qd, tau, scene=scene)) <= 1e-11
-
-
 def test_scene_file_of_coupled_motors():
     text = b"""
     [[coupled]]
@@ -292,18 +268,3 @@ def test_what_is_wrong_in_a_scene_is_said(entry, says):
     with pytest.raises(SceneError) as caught:
         parse_scene(f"[[coupled]]\n{entry}\n".encode())
     assert says in str(caught.value)
-
-
-@pytest.mark.parametrize(
-    ("idle", "without"),
-    [
-        (Scene(coupled=(CoupledMotor("m", {"elbow": 1.0, "waist": 0.5}),)), Scene()),
-        (
-            Scene(rotor={"elbow": Rotor(0.0, 50.0, (1.0, 0.0, 0.0))}),
-            Scene(rotor={"elbow": Rotor(0.0, 50.0)}),
-        ),
-    ],
-)
-def test_idle_motors_cost_nothing(idle, without):
-    model = robot("puma560")
-    assert Plan(model, idle).torques() == Plan(model, without).torques()

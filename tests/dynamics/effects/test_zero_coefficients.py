@@ -12,7 +12,7 @@ from helpers.oracles import random_state, robot
 from robodyn.dynamics.forward import acceleration_program
 from robodyn.dynamics.inverse import inverse_dynamics, mass_runner
 from robodyn.dynamics.plan import Plan
-from robodyn.scene.parts import ExternalWrench, Friction, Immersed, Payload, Rotor, Spring
+from robodyn.scene.parts import CoupledMotor, ExternalWrench, Friction, Immersed, Payload, Rotor, Spring
 from robodyn.scene.scene import Scene
 
 NOTHING = {
@@ -20,6 +20,8 @@ NOTHING = {
     "coulomb friction": Scene(friction={"shoulder": Friction(stribeck=0.0)}),
     "load friction": Scene(friction={"shoulder": Friction(load=0.0)}),
     "rotor inertia": Scene(rotor={"elbow": Rotor(0.0, -50.0), "waist": Rotor(1e-3, 0.0)}),
+    "rotor across its joint": Scene(rotor={"elbow": Rotor(0.0, 50.0, (1.0, 0.0, 0.0))}),
+    "idle motor": Scene(coupled=(CoupledMotor("m", {"elbow": 1.0, "waist": 0.5}),)),
     "joint spring": Scene(spring={"elbow": Spring(0.0, 0.7)}),
     "payload": Scene(payloads=(Payload("flange", 0.0, (0.3, 0.2, 0.1)),)),
     "external wrench": Scene(wrenches=(ExternalWrench("flange", point=(1, 2, 3), frame="base"),)),

@@ -4,26 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers.closed_chains import four_bars, spatial_loop
-from helpers.small_robots import built, joint, link, random_tree
+from helpers.closed_chains import spatial_loop
+from helpers.small_robots import built, joint, link
 
 import robodyn
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.loops.closed_chain import GivensProjection, closed_chain
 from robodyn.dynamics.plan import applied, plan
-from robodyn.dynamics.recursions.articulated_body import aligned
-from robodyn.dynamics.recursions.composite_body import Root, composite_body, rates_inward
+from robodyn.dynamics.recursions.composite_body import Root
 from robodyn.dynamics.recursions.momentum import dual_state
 from robodyn.errors import InputError
 from robodyn.scene.parts import Loop
 from robodyn.scene.scene import Scene
-
-
-def dense(entries, n):
-    M = np.zeros((n, n))
-    for (i, j), value in entries.items():
-        M[i, j] = M[j, i] = value
-    return M
 
 
 def solved(model, scene, q, qd, tau):
@@ -98,17 +90,6 @@ def test_a_free_robot_that_is_tied_to_the_ground(kind):
     assert needed @ qd == pytest.approx(power, abs=1e-11 * scale)
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_mass_matrix_by_composite_bodies(seed):
-    model = aligned(random_tree(seed, 9))
-    q = np.random.default_rng(seed).uniform(-1, 1, model.n)
-    sample = Sample(model, tuple(q.tolist()), (0.0,) * model.n, (0.0,) * model.n)
-    rotors = {(i, i): 0.1 for i in range(model.n)}
-    M = dense(composite_body(model, sample.motions(), [body.inertia for body in model.bodies], rotors), model.n)
-    expected = robodyn.mass_matrix(model, q) + 0.1 * np.eye(model.n)
-    assert np.abs(M - expected).max() <= 1e-14 * np.abs(expected).max()
-
-
 def test_a_loop_with_a_follower_in_it():
     """Two hinges that turn as one, closed to the base by a slide: J and M act on the shared coordinate."""
     more = {"j2": '<mimic joint="j1" multiplier="-1.5" offset="0.4"/>'}
@@ -132,14 +113,6 @@ def test_a_loop_with_a_follower_in_it():
         for sign in (-1, 1)
     ]
     assert (errors[1] - errors[0]) / (2 * step) == pytest.approx(J[0] @ qd, rel=1e-8)
-
-
-def test_order_of_rates_makes_no_further_entries():
-    model, _ = four_bars(3)
-    sample = Sample(aligned(model), (0.3,) * model.n, (0.0,) * model.n, (0.0,) * model.n)
-    entries = composite_body(sample.model, sample.motions(), [body.inertia for body in model.bodies], {})
-    root = Root(entries, rates_inward(sample.model), sample.model.rates)
-    assert sum(len(pivot.shares) for pivot in root.pivots) == sum(i != j for i, j in entries)
 
 
 @pytest.mark.parametrize("seed", range(2))

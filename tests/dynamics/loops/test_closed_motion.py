@@ -107,30 +107,6 @@ def test_orders_of_methods(method):
     assert 0.7 * 2**order <= (coarse - exact) / (fine - exact) <= 1.35 * 2**order
 
 
-def test_reactions_do_not_depend_on_where_the_chain_is_cut():
-    """The loop's force at the rod's big end, from Newton's law of the rod and the force at its small end."""
-    closed = robodyn.simulate(*crank_slider(cut="big_end"), 1.0)
-    tree = robodyn.simulate(*crank_slider(cut="small_end"), 1.0)
-    names = tree.model.rates
-    (th, w, alpha), (bend, bend_w, bend_alpha) = (
-        [values[:, names.index(name)] for values in (tree.q, tree.qd, tree.qdd)] for name in ("main", "big_end")
-    )
-    pin, arm = 0.3 * turned(th, (1.0, 0.0)), turned(th + bend, (0.25, 0.05))
-    a = across(pin) * alpha - pin * w**2 + across(arm) * (alpha + bend_alpha) - arm * (w + bend_w) ** 2
-    at_small_end = tree.loops.wrenches[:, 0, [0, 2]].T
-    expected = 1.5 * (a + np.array((0.0, 9.81))[:, None]) - at_small_end
-    found = closed.loops.wrenches[:, 0, [0, 2]].T
-    assert np.abs(turned(th, found) - expected).max() <= 1e-8 * np.abs(expected).max()
-
-
-def turned(angle, v):
-    return np.array((np.cos(angle) * v[0] - np.sin(angle) * v[1], np.sin(angle) * v[0] + np.cos(angle) * v[1]))
-
-
-def across(v):
-    return np.array((-v[1], v[0]))
-
-
 def test_a_free_closed_chain_keeps_its_momenta_and_energy():
     rod, turn = (1.0, (0.5, 0, 0.1), (0.01, 0, 0, 1 / 12, 0, 1 / 12)), (0, -1, 0)
     parts = [link("frame", 2.0, (0.4, 0.1, 0.2), (0.3, 0.02, 0.01, 0.5, 0.03, 0.4))]

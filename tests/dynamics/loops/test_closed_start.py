@@ -59,13 +59,6 @@ def test_what_had_to_change_is_said():
     assert not [note for note in robodyn.simulate(model, scene, 0.01).notes if "loops close" in note]
 
 
-def test_the_base_of_a_free_robot_stays():
-    model, scene = spatial_loop(3, moving_base=True)
-    q, qd, _ = started(model, scene)
-    assert q[:7].tolist() == [0, 0, 0, 0, 0, 0, 1]
-    assert not qd.any()
-
-
 def test_a_loop_that_is_out_of_reach():
     model, scene = crank_slider()
     loop = replace(scene.loops[0], to_point=(0.0, 0.0, 5.0))

@@ -120,10 +120,10 @@ def simulated(model, scene, duration=0.1):
 SIMULATED = [
     pytest.param(four_bars(2), ("c0", "k1", "c1", "k2"), id="four-bars"),
     pytest.param(bennett(), ("j2", "j3"), id="Bennett"),
+    pytest.param(spatial_loop(1, "point", moving_base=True), ("ja0", "ja2", "jb1"), id="free base"),
     *(
         pytest.param(*each, id=name, marks=pytest.mark.slow)
         for name, each in {
-            "free base": (spatial_loop(1, "point", moving_base=True), ("ja0", "ja2", "jb1")),
             "point": (spatial_loop(0, "point"), ("ja0", "ja1", "ja2")),
             "hinge": (spatial_loop(2, "hinge"), ("ja0", "ja1", "ja2", "ja3", "jb0")),
             "weld": (spatial_loop(1, "weld"), ("ja0", "ja1", "ja2", "ja3", "jb0", "jb1")),
@@ -141,24 +141,6 @@ def test_simulated_motions_come_back(robot, followed):
     _, *found = follow(model, scene, followed, *named(model, *arrays), time=time)
     for values, exact in zip(found, arrays, strict=True):
         assert np.abs(values - exact).max() <= 1e-12 * np.abs(exact).max()
-
-
-def test_the_motion_of_a_base_does_not_count():
-    """Loops within the robot close as on a base that stands."""
-    fixed, scene = spatial_loop(1, "point")
-    free, moving = spatial_loop(1, "point", moving_base=True)
-    rng = np.random.default_rng(0)
-    given = {name: np.linspace(0.0, 0.2, 20) * rng.uniform(0.5, 1.0) for name in ("ja1", "ja3", "jb0", "jb2")}
-    rates = {name: np.full(20, rng.normal()) for name in given}
-    _, *still = follow(fixed, scene, ("ja0", "ja2", "jb1"), given, rates)
-    base = {f"base_{part}": rng.normal(size=20) for part in ("x", "y", "z", "qx", "qy", "qz", "qw")}
-    length = np.sqrt(sum(base[f"base_{part}"] ** 2 for part in ("qx", "qy", "qz", "qw")))
-    base |= {f"base_{part}": base[f"base_{part}"] / length for part in ("qx", "qy", "qz", "qw")}
-    turning = {f"base_{part}": rng.normal(size=20) for part in ("wx", "wy", "wz", "vx", "vy", "vz")}
-    _, *found = follow(free, moving, ("ja0", "ja2", "jb1"), given | base, rates | turning)
-    for k, (values, exact) in enumerate(zip(found, still, strict=True)):
-        own = slice(7 if k == 0 else 6, None)
-        assert np.abs(values[:, own] - exact).max() <= 1e-12 * np.abs(exact).max()
 
 
 @pytest.mark.parametrize("more", [(), ("k1",)], ids=["as many as needed", "one too many"])
@@ -230,59 +212,46 @@ def test_noise_of_encoders_is_followed():
     assert "is open by up to 0.002" in follower.notes[0]
 
 
-FLAT = "the loops are singular, so that q_b"
+SLIDER, BARS = ("main", "big_end"), ("c0", "k1", "c1", "k2", "k0")
+NONE, FREE = {"none": np.zeros(3)}, "1 freedom of the loops follows from no column"
 REFUSED = {
-    "beyond the dead centre": (
-        (crank_slider(), ("main", "big_end"), {"rail": np.linspace(0.9, 1.2, 50)}),
-        'row 34, 0.673469 s: loop "pin" misses by 0.00204 m at least with q_rail = 1.10204, out of',
+    'row 34, 0.673469 s: loop "pin" misses by 0.00204 m at least with q_rail = 1.10204, out of': (
+        (crank_slider(), SLIDER, {"rail": np.linspace(0.9, 1.2, 50)}),
         "(correct these columns, the loop's points or the links' lengths)",
     ),
-    "out of reach at first": (
-        (crank_slider(), ("main", "big_end"), {"rail": np.full(3, 1.25)}),
-        'row 1, 0 s: loop "pin" misses by 0.15 m at least with q_rail = 1.25',
+    'row 1, 0 s: loop "pin" misses by 0.15 m at least with q_rail = 1.25': (
+        (crank_slider(), SLIDER, {"rail": np.full(3, 1.25)}),
         "",
     ),
-    "at the dead centre": (
-        (crank_slider(), ("main", "big_end"), {"rail": np.linspace(0.9, 1.1, 50)}),
-        "row 50, 1 s: the loops are singular, so that q_main, q_big_end do not follow",
+    "row 50, 1 s: the loops are singular, so that q_main, q_big_end do not follow": (
+        (crank_slider(), SLIDER, {"rail": np.linspace(0.9, 1.1, 50)}),
         "",
     ),
-    "flat at first": (
+    "row 1, 0 s: the loops are singular, so that q_b": (
         (parallelogram(), ("b", "c"), {"a": np.linspace(0.0, -0.6, 31)}),
-        f"row 1, 0 s: {FLAT}",
         "give q_b or q_c as well",
     ),
-    "flat on the way": (
+    "row 16, 0.5 s: the loops are singular, so that q_b": (
         (begun(parallelogram(), a=0.3, b=0.3, c=-0.3), ("b", "c"), {"a": np.linspace(0.3, -0.3, 31)}),
-        f"row 16, 0.5 s: {FLAT}",
         "give q_b or q_c as well",
     ),
-    "too few of Bennett's": (
-        (bennett(), ("j1", "j2", "j3"), {"none": np.zeros(3)}),
-        "",
-        "1 freedom of the loops follows from no column",
-    ),
-    "too few of four-bars": (
-        (four_bars(2), ("c0", "k1", "c1", "k2", "k0"), {"none": np.zeros(3)}),
-        "",
-        "give q_k0, or one of q_k1, q_k2",
-    ),
-    "too few, of drives": (
-        (crank_slider(actuated=("rail",)), ("main", "rail", "big_end"), {"none": np.zeros(3)}),
-        "",
+    FREE: ((bennett(), ("j1", "j2", "j3"), NONE), ""),
+    f"{FREE} ": ((four_bars(2), BARS, NONE), "give q_k0, or one of q_k1, q_k2"),
+    f"{FREE}  ": (
+        (crank_slider(actuated=("rail",)), ("rail", *SLIDER), NONE),
         "(give q_rail, or one of q_main, q_big_end)",
     ),
 }
 
 
-@pytest.mark.parametrize("case", REFUSED)
-def test_what_is_refused(case):
-    (robot, followed, q), start, more = REFUSED[case]
+@pytest.mark.parametrize("start", REFUSED)
+def test_what_is_refused(start):
+    (robot, followed, q), more = REFUSED[start]
     with pytest.raises(InputError) as caught:
         follow(*robot, followed, q)
     text = str(caught.value)
     assert "\n" not in text
-    assert text.startswith(start)
+    assert start.strip() in text
     assert more in text
 
 

@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 from helpers.oracles import robot
 from helpers.single_bodies import HINGE, NEAR, four_bar, taken_apart
-from helpers.small_robots import chain, random_tree
+from helpers.small_robots import random_tree
 
-from robodyn.equations.dae.dae import dae, dae_at, independent_rows
-from robodyn.scene.parts import Loop
-from robodyn.scene.scene import Scene
+from robodyn.equations.dae.dae import dae
 
 
 def index_of_pencil(E, A):
@@ -88,38 +86,3 @@ def test_redundancy_depends_on_the_closure(more, redundant):
     counts = dae(*four_bar("point", **more), *NEAR).counts
     assert [reaction for _, reaction in counts.redundant] == redundant
     assert counts.freedom == 1
-
-
-def test_a_locked_chain_has_no_freedom():
-    """A weld of the last link of a chain of three hinges about z: no motion is left."""
-    loop = Loop("weld", "l3", (1.0, 0.0, 0.0), "ground", (2.0, 1.0, 0.0), "weld", rpy=(0.0, 0.0, 0.3))
-    q = _three_bar()
-    found = dae_at(chain(3), Scene(loops=(loop,)), q, np.zeros(3), np.zeros(3))
-    assert np.abs(found.residuals.places).max() <= 1e-14
-    assert found.counts.freedom == 0
-    assert np.abs(found.qdd).max() <= 1e-12
-
-
-def _three_bar():
-    """q for which the third link starts at (2 - cos .3, 1 - sin .3) and stands at 0.3 rad."""
-    x, y = 2.0 - np.cos(0.3), 1.0 - np.sin(0.3)
-    elbow = np.arccos((x * x + y * y - 2.0) / 2.0)
-    first = np.arctan2(y, x) - np.arctan2(np.sin(elbow), 1.0 + np.cos(elbow))
-    return np.array([first, elbow, 0.3 - first - elbow])
-
-
-def dependent(rows):
-    unit = rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-300)
-    return np.flatnonzero(~independent_rows(unit)).tolist()
-
-
-def test_redundant_rows_follow_from_those_before_them():
-    """1e-8 outside the span of those before counts; 1e-13 does not."""
-    rows = np.array([[1.0, 0, 0], [2.0, 0, 0], [0, 0, 1e-6], [1.0, 0, 1.0], [0, 1.0, 0], [1, 1, 1], [0, 0, 0]])
-    assert dependent(rows) == [1, 3, 5, 6]
-    rng = np.random.default_rng(0)
-    rows = rng.normal(size=(40, 60))
-    rows[30:] = rng.normal(size=(10, 30)) @ rows[:30] + 1e-8 * rows[30:]
-    assert dependent(rows) == []
-    rows[35] = rows[:35].sum(axis=0) + 1e-13 * rng.normal(size=60)
-    assert dependent(rows) == [35]

@@ -152,20 +152,6 @@ def test_a_free_robot_drifts():
     assert slowed.stable is None
 
 
-def test_two_carts_on_a_spring_swing_against_each_other():
-    """Free along x as a whole: the first moves by -m2 / (m1 + m2) of the stretch, at sqrt(k (1 / m1 + 1 / m2))."""
-    rail = joint("rail", "base", "first", "prismatic", (1, 0, 0))
-    stretch = joint("stretch", "first", "second", "prismatic", (1, 0, 0))
-    first, second = (
-        link(name, mass, (0, 0, 0), (0.1, 0, 0, 0.1, 0, 0.1)) for name, mass in (("first", 3), ("second", 1))
-    )
-    scene = Scene(spring={"stretch": Spring(12.0)}, friction={"stretch": Friction(0.5)})
-    found = linearize(built(link("base"), first, second, rail, stretch), scene).modes.modes
-    assert [mode.free for mode in found] == [True, False]
-    assert found[1].frequency == pytest.approx(np.sqrt(12.0 * 4 / 3) / (2 * np.pi), rel=1e-14)
-    assert np.abs(np.array(found[1].shape) / found[1].shape[1] - [-0.25, 1]).max() <= 4 * EPS
-
-
 @pytest.mark.parametrize("scale", [1e-9, 1e9])
 def test_scales(scale):
     """Frequencies of a pendulum do not depend on its mass, nor on that of what it hangs on."""
