@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import mpmath
 import numpy as np
 import pytest
@@ -14,7 +12,6 @@ from helpers.small_robots import body_numbers, built, chain, joint, link, random
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan, applied, loads
-from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.robot.load import load
 from robodyn.scene.scene import Scene
 
@@ -148,22 +145,3 @@ def test_unphysical_inertia_is_computed_and_noted(inertia, why):
     assert noted == [f'link "arm" (line 4): {why}; computed as given']
     tau = inverse_dynamics(model, [0.0], [0.0], [1.0])
     assert worst(tau, [2 * 0.25 + inertia[5]]) <= EPS
-
-
-@pytest.mark.parametrize("pitch", [-math.pi / 2, math.nextafter(math.pi / 2, 0)])
-def test_a_joint_frame_at_the_gimbal(pitch):
-    """Where roll and yaw turn about the same axis; no angle is ever recovered from the matrix."""
-    R = rotation_from_rpy(0.3, pitch, 0.7)
-    with mpmath.workdps(40):
-        expected = [[float(x) for x in row] for row in _rpy(0.3, pitch, 0.7)]
-    assert worst(R, expected) <= 4 * EPS
-    assert worst(R @ R.T, np.eye(3)) <= 4 * EPS
-
-
-def _rpy(roll, pitch, yaw):
-    cr, sr, cp, sp, cy, sy = (f(mpmath.mpf(x)) for x in (roll, pitch, yaw) for f in (mpmath.cos, mpmath.sin))
-    return [
-        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-        [-sp, cp * sr, cp * cr],
-    ]

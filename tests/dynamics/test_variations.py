@@ -141,18 +141,3 @@ def test_friction_by_a_factor_and_by_a_torque():
     state = random_state(model, rng, SAMPLES)
     expected = robodyn.inverse_dynamics(model, *state, scene=Scene(friction=edited, slip_speed=0.1))
     assert worst(varied(model, scene, sources(model, state), x)[:, : model.n], expected) <= 1e-14
-
-
-def test_draws_have_the_covariance():
-    model, rng = robot("scara"), np.random.default_rng(6)
-    names = ("spindle.m", "spindle.mx", "elbow.viscous", "shoulder.rotor")
-    half = rng.normal(size=(4, 3))
-    C = half @ half.T
-    scene = Scene(uncertainty=Uncertainty(covariance=Covariance(names, np.zeros(4), C)))
-    found = variations(model, scene)
-    sizes = [each.deviation for each in found.each]
-    assert worst(found.factor @ found.factor.T * np.outer(sizes, sizes), C) <= 1e-12
-    x = found.even_draws(20_000, 1) * sizes
-    spread = np.sqrt((np.outer(np.diag(C), np.diag(C)) + C**2) / 20_000)
-    assert np.all(np.abs(x.T @ x / len(x) - C) <= 5 * spread)
-    assert np.array_equal(found.even_draws(5, 1), found.even_draws(5, 1))

@@ -71,12 +71,6 @@ def test_joints_without_limits_are_not_checked(limits: dict[str, str], tmp_path:
     assert found["verdict"]["level"] != "good"
 
 
-def test_a_joint_without_a_drive_has_no_effort_to_check(tmp_path: Path) -> None:
-    outcome = simulate(tmp_path, scene="[initial]\nqd = { elbow = 1 }\n", effort="")
-    assert "not checked" not in outcome.out
-    assert "No limit is exceeded.\n" in outcome.out
-
-
 def test_a_limit_of_position_that_ends_the_motion_fails(tmp_path: Path) -> None:
     scene = "[initial]\nq = { elbow = 2.999 }\nqd = { elbow = 1 }\n"
     outcome = simulate(tmp_path, "--fail-on-limits", scene=scene)
@@ -134,10 +128,3 @@ def test_motors_are_not_looked_at() -> None:
     result = robodyn.simulate(robodyn.load(ROBOTS / "puma560.urdf"), scene, 1e-3, executor="numpy")
     assert "but for motors, which are not looked at" in limits_verdict(result).headline
     assert result.within_limits is None
-
-
-def test_tables_say_their_units(tmp_path: Path) -> None:
-    outcome = run("simulate", str(ROBOTS / "scara.urdf"), "--duration", "0.01", "--executor", "numpy")
-    lines = [line.split() for line in outcome.out.splitlines()]
-    assert [line[1] for line in lines if line[:1] in (["quill"], ["elbow"])][:4] == ["rad", "m", "rad/s", "m/s"]
-    assert any(line[:1] == ["quill"] and line[-1] == "m/s^2" for line in lines)

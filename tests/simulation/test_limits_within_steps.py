@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from helpers.random_scenes import braked_slide, hanging, passing_of, swung
+from helpers.random_scenes import braked_slide, hanging, swung
 from helpers.simulated_robots import slide
 from helpers.small_robots import built, joint, link
 from scipy.integrate import solve_ivp
@@ -73,18 +73,6 @@ def test_a_short_passing_between_records(monkeypatch):
     found = robodyn.simulate(model, scene, 2.0)
     assert abs(found.time[-1] - (turn - over)) <= 1e-9
     assert found.steps == int(np.ceil(found.time[-1] / 1e-3))
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_random_limits_are_reached_when_a_closed_form_says(seed):
-    """Slides under forces of a table, held between rows: parabolas, whose first passing is known."""
-    rng = np.random.default_rng(seed)
-    passing = passing_of(rng)
-    for how in ({"step": passing.step}, {"step": passing.step, "method": "gauss2"}, {"rtol": 1e-10}):
-        found = robodyn.simulate(passing.model, passing.scene, table=passing.table, **how)
-        assert bool(found.ended) == (passing.moment is not None), how
-        if passing.moment is not None:
-            assert abs(found.time[-1] - passing.moment) <= 1e-7 * passing.table["time"][-1], how
 
 
 @pytest.mark.parametrize("how", [{"step": 1.0}, {"rtol": 1e-3}, {"method": "radau"}])

@@ -112,8 +112,3 @@ def test_friction_used():
     forces = np.array([(3.0, 4.0, 10.0), (0.0, 0.0, 10.0), (0.0, 0.0, 0.0)])[:, None]
     assert friction_used(forces, UP, 0.5) == pytest.approx([1.0, 0.0, np.nan], nan_ok=True)
     assert friction_used(forces, UP, 0.0) == pytest.approx([np.inf, 0.0, np.nan], nan_ok=True)
-
-
-def test_points_use_friction_together():
-    turning = np.array([[(2.0, 0.0, 30.0), (-2.0, 0.0, 10.0)]])
-    assert friction_used(turning, UP, 0.5) == pytest.approx([0.2])

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from helpers.busy_robot import busy_parts, busy_robot
@@ -73,17 +71,6 @@ def test_a_base_at_rest_is_a_fixed_one():
     np.testing.assert_array_equal(tau[:, 6:], inverse_dynamics(fixed, *own))
     np.testing.assert_array_equal(tau[:, 3:6], out[:, fixed.n : fixed.n + 3])
     np.testing.assert_array_equal(tau[:, :3], out[:, fixed.n + 3 :])
-
-
-def test_a_base_that_accelerates_is_gravity():
-    """Einstein's lift: a base accelerated by -g without gravity is a base at rest with it."""
-    model = random_tree(32, moving_base=True)
-    state = random_state(model, np.random.default_rng(20), 10)
-    weightless = Scene(gravity=(0.0, 0.0, 0.0))
-    lifted = state[2].copy()
-    lifted[:, 3:6] += [0.4, -1.0, 9.0]
-    with_gravity = inverse_dynamics(model, *state, scene=replace(weightless, gravity=(-0.4, 1.0, -9.0)))
-    assert worst(inverse_dynamics(model, state[0], state[1], lifted, scene=weightless), with_gravity) <= 16 * EPS
 
 
 def test_a_steady_ride_changes_nothing():

@@ -7,11 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.command_line import ROBOTS as FOLDER
-from helpers.oracles import EPS, random_state, robot, run, worst
+from helpers.oracles import EPS, random_state, robot, worst
 from helpers.small_robots import chain
 
 import robodyn
-from robodyn.dynamics.plan import Plan
 from robodyn.scene.parts import ExternalWrench, Friction, Immersed, Payload, Rotor, Spring
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.wording import figure
@@ -93,16 +92,6 @@ def test_drives_are_the_torques_of_inverse_dynamics(name, scene):
     assert worst(list(found.tau.values()), tau) <= 16 * EPS
 
 
-def test_reactions_are_those_of_the_torques_job():
-    model = robot("puma560", True)
-    (q, qd, qdd), found = taken_apart(model)
-    plan = Plan(model, DEFAULT)
-    wrenches = run(plan.wrenches(joints=True), plan, q, qd, qdd)[0, model.n :].reshape(-1, 2, 3)
-    for row, wrench in list(zip(found.joints, wrenches, strict=True))[1:]:
-        assert worst(row.force, wrench[0]) <= 1e-14
-        assert worst(row.moment + row.axis * (row.axis @ wrench[1]), wrench[1]) <= 1e-14
-
-
 def test_a_pendulum_in_closed_form():
     """Turning at qd, accelerating at qdd: -m a_c, -I_c qdd, and the hinge carries weight and centripetal force."""
     model = chain(1)
@@ -127,13 +116,6 @@ def test_what_acts_from_outside_stands_where_it_acts():
     assert np.array_equal(floats.point, [0.1, 0, 0])
     assert not floats.moment.any()
     assert found.bodies[3].mass == robot("scara").bodies[3].inertia.m + 2
-
-
-def test_links_fixed_to_each_other_are_one_body():
-    model = robot("puma")
-    found = taken_apart(model)[1]
-    assert sorted(name for body in found.bodies for name in body.links) == sorted(model.links)
-    assert "tool" in found.bodies[3].links
 
 
 def four_bar(angle: float, actuated: tuple[str, ...] = ("left",)):
