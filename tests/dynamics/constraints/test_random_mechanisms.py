@@ -1,4 +1,4 @@
-"""Random closed chains: their dense equations against robodyn's tree, Pinocchio and MuJoCo; torques against these."""
+"""Random closed chains against dense equations and Pinocchio; chains of robots/ in memory that is not clean."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from functools import cache
 import numpy as np
 import pytest
 from helpers.busy_robot import busy_robot
+from helpers.dirty_memory import soil
+from helpers.driven_chains import MIDDLE, moving
 from helpers.oracles import random_state, worst
 from helpers.peers import pin
 from helpers.random_mechanisms import COUNT, mechanism
@@ -138,3 +140,13 @@ def test_jacobians_of_contacts_are_those_of_their_points():
     found = contact_jacobian(a_plan, q, qd).J.reshape(3, 3, 3, model.n)
     for k, point in enumerate(points):
         assert worst(found[:, k], robodyn.jacobian(model, q, "tool", point)[:, 3:]) <= 1e-13
+
+
+@pytest.mark.parametrize("samples", [2, 3])
+@pytest.mark.parametrize("name", MIDDLE)
+def test_what_stood_in_memory_is_in_no_torque(name, samples, monkeypatch):
+    soil(monkeypatch)
+    for seed in range(2):
+        chain = moving(name, samples, seed)
+        tau = robodyn.inverse_dynamics(chain.model, *chain.state, scene=chain.scene)
+        np.testing.assert_allclose(tau, chain.torques, rtol=0, atol=1e-13 * np.abs(chain.torques).max())
