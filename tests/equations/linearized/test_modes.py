@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from helpers.busy_robot import busy_robot
 from helpers.example_robots import path_of
 from helpers.oracles import EPS, robot, worst
 from helpers.peers import mujoco
@@ -74,6 +75,23 @@ def test_a_joint_that_a_drive_holds():
         )
         assert found.modes.verdict == verdict
         assert found.balanced
+
+
+def test_modes_are_what_a_motion_does():
+    """Eigenvalues and shapes of a robot with every effect, drives and mimic joints satisfy z' = A z."""
+    model = busy_robot()
+    scene = Scene(drive={name: Drive(kp=200.0, kd=4.0) for name in model.joint_names})
+    found = linearize(model, scene, equilibrium=True)
+    n, total = model.n, 0
+    for mode in found.modes.modes:
+        value, x = complex(mode.real, mode.imag), np.array(mode.shape)
+        z = np.concatenate((x, value * x))
+        assert np.abs(found.A @ z - value * z).max() <= 1e-12 * np.abs(found.A).max() * np.abs(z).max()
+        total += 2 if mode.oscillates else 1
+    assert total == 2 * n
+    expected = np.linalg.eigvals(found.A)
+    for mode in found.modes.modes:
+        assert np.abs(expected - complex(mode.real, mode.imag)).min() <= mode.error
 
 
 @pytest.mark.parametrize("seed", range(2))
