@@ -94,6 +94,33 @@ def test_modes_are_what_a_motion_does():
         assert np.abs(expected - complex(mode.real, mode.imag)).min() <= mode.error
 
 
+@pytest.mark.parametrize("stem", ["ur5_robot", "anymal"])
+def test_real_robots_with_drives(stem):
+    """An equilibrium is found, all modes decay, and LAPACK's eigenvalues lie within the errors."""
+    model = robodyn.load(str(path_of(stem)))
+    scene = Scene(drive={name: Drive(kp=2000.0, kd=60.0) for name in model.joint_names})
+    found = robodyn.linearize(model, scene, equilibrium=True)
+    assert found.balanced
+    assert found.modes.stable
+    values = np.linalg.eigvals(found.A)
+    for mode in found.modes.modes:
+        assert np.abs(values - complex(mode.real, mode.imag)).min() <= mode.error
+
+
+def test_two_carts_on_a_spring_swing_against_each_other():
+    """Free along x as a whole: the first moves by -m2 / (m1 + m2) of the stretch, at sqrt(k (1 / m1 + 1 / m2))."""
+    rail = joint("rail", "base", "first", "prismatic", (1, 0, 0))
+    stretch = joint("stretch", "first", "second", "prismatic", (1, 0, 0))
+    first, second = (
+        link(name, mass, (0, 0, 0), (0.1, 0, 0, 0.1, 0, 0.1)) for name, mass in (("first", 3), ("second", 1))
+    )
+    scene = Scene(spring={"stretch": Spring(12.0)}, friction={"stretch": Friction(0.5)})
+    found = linearize(built(link("base"), first, second, rail, stretch), scene).modes.modes
+    assert [mode.free for mode in found] == [True, False]
+    assert found[1].frequency == pytest.approx(np.sqrt(12.0 * 4 / 3) / (2 * np.pi), rel=1e-14)
+    assert np.abs(np.array(found[1].shape) / found[1].shape[1] - [-0.25, 1]).max() <= 4 * EPS
+
+
 @pytest.mark.parametrize("seed", range(2))
 def test_mujoco(seed):
     """mjd_transitionFD: steps of Euler's semi-implicit method, by differences of 1e-6."""
