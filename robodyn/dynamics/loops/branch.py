@@ -238,8 +238,9 @@ class Branch:
             k, i = joint.coordinate, joint.rate
             if joint.kind == "floating":
                 moves[:, i + 3 : i + 6] = b[:, k : k + 3] - a[:, k : k + 3]
-                turns = [Rotation.from_quat(each[:, k + 3 : k + 7]) for each in (a, b)]
-                moves[:, i : i + 3] = (turns[0].inv() * turns[1]).as_rotvec()
+                if i in self.given:  # what follows has no quaternion yet
+                    turns = [Rotation.from_quat(each[:, k + 3 : k + 7]) for each in (a, b)]
+                    moves[:, i : i + 3] = (turns[0].inv() * turns[1]).as_rotvec()
             else:
                 moves[:, i] = b[:, k] - a[:, k]
                 if joint.continuous:
