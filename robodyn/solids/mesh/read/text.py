@@ -23,6 +23,7 @@ from robodyn.solids.mesh.triangles import IndexedTriangles, MemoryTriangles, pol
 
 _LONGEST_LINE = 1 << 24
 _INDEX = re.compile(r"[-+]?[0-9]{1,18}")
+_INDICES = re.compile(rf"(?:{_INDEX.pattern} )*")
 TRUNCATED = "the file is cut short: get it again"
 
 
@@ -40,15 +41,16 @@ def lines(source: Source, start: int = 0, first: int = 1) -> Iterator[tuple[int,
 
 def numbers(source: Source, line: int, words: list[str]) -> list[float]:
     """Return the decimal numbers that words are, correctly rounded; `nan` and `inf` are numbers."""
+    found = []
     for word in words:
         try:
-            float(word.replace("_", "?"))
+            found.append(float(word if "_" not in word else ""))
         except ValueError:
             shown = word[:40] + ("..." if len(word) > 40 else "")
             remedy = "a coordinate is a decimal number such as -1.5e-3"
             remedy = "write decimals with a point" if "," in word else remedy
             raise source.error(f"{shown!r} is not a number", remedy, line) from None
-    return [*map(float, words)]
+    return found
 
 
 def _point(source: Source, line: int, words: list[str]) -> list[float]:
@@ -59,9 +61,9 @@ def _point(source: Source, line: int, words: list[str]) -> list[float]:
 
 def indices(source: Source, line: int, words: list[str]) -> list[int]:
     """Return the integers, of at most 18 digits, that words are."""
-    for word in words:
-        if not _INDEX.fullmatch(word):
-            raise source.error(f"{word[:40]!r} is not an index", "indices are integers", line)
+    if not _INDICES.fullmatch(" ".join([*words, ""])):
+        word = next(word for word in words if not _INDEX.fullmatch(word))
+        raise source.error(f"{word[:40]!r} is not an index", "indices are integers", line)
     return [*map(int, words)]
 
 
@@ -107,19 +109,23 @@ def read_obj(source: Source, scale: float, notes: tuple[str, ...]) -> IndexedTri
     indices, weights and colours are left out.
     """
     found = _Polygons()
+    coordinates, sizes, corners = found.coordinates, found.sizes, found.corners
     for line, words in _obj_lines(source):
         if words[0] == "v":
-            found.coordinates.extend(_point(source, line, words[1:]))
+            coordinates.extend(_point(source, line, words[1:]))
         elif words[0] == "f":
             if len(words) < 4:
                 raise source.error(f"a face with {len(words) - 1} corners", "a face needs three; leave it out", line)
-            corners, before = [word.partition("/")[0] or word for word in words[1:]], len(found.coordinates) // 3
-            found.sizes.append(len(corners))
-            for corner in indices(source, line, corners):
-                if corner == 0 or corner < -before:
+            given = indices(source, line, [word.partition("/")[0] or word for word in words[1:]])
+            if min(given) < 1:
+                before = len(coordinates) // 3
+                if 0 in given or min(given) < -before:
+                    corner = next(corner for corner in given if corner == 0 or corner < -before)
                     remedy = "indices count from 1, or back from -1"
                     raise source.error(f"vertex {corner} of the {before} before this face", remedy, line)
-                found.corners.append(corner - 1 if corner > 0 else before + corner)
+                given = [corner if corner > 0 else before + corner + 1 for corner in given]
+            sizes.append(len(given))
+            corners.extend([corner - 1 for corner in given])
     if not found.coordinates and not found.sizes:
         raise source.error("no line begins with 'v' or 'f'", remedy="this is no OBJ; is its type another?")
     return found.triangles(source, scale, notes)
