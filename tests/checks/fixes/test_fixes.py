@@ -20,6 +20,7 @@ from helpers.peers import peer
 from helpers.planted_defects import DEFECTS, SOUND
 from pinned_findings import name_of, published
 
+import robodyn
 from robodyn.checks.check import check_one
 from robodyn.checks.fixes import ROUNDS, SAME, Fixed, change_of_dynamics, fixed, together, unproven
 from robodyn.checks.rule import Edit, Finding, Fix, Severity
@@ -68,6 +69,20 @@ def test_other_encodings() -> None:
     wide = repaired(PLANTED.encode("utf-16"))
     assert wide.after == wide.before == PLANTED.encode("utf-16")
     assert [refused.why for refused in wide.refused] == ["the file is UTF-16; save it as UTF-8 first"] * 3
+
+
+def test_safe_fixes_leave_torques_as_they_were() -> None:
+    q, qd, qdd = np.random.default_rng(5).normal(size=(3, 20, 2))
+    before, after = (
+        robodyn.inverse_dynamics(robodyn.load(text), q, qd, qdd) for text in (PLANTED.encode(), repaired(PLANTED).after)
+    )
+    assert np.abs(after - before).max() <= SAME * np.abs(before).max()
+
+
+def test_a_waived_finding_is_not_fixed() -> None:
+    axis = '<axis xyz="0 2 0"/>'
+    text = PLANTED.replace(axis, f"{axis} <!-- robodyn: allow RD502 as the maker has it -->")
+    assert b'"0 2 0"' in repaired(text).after
 
 
 def test_what_is_not_proven_is_not_made_and_said() -> None:
