@@ -291,9 +291,9 @@ def about_origin(context: Context) -> Faults:
     """The tensor is about the centre of mass.
 
     URDF requires the tensor about the centre of mass, where the origin of <inertial> is. About the link's origin it is
-    larger by m (|c|^2 1 - c c^T). Such a tensor is physical, and so it takes the link's shapes or its mirror twin to
-    see it: corrected, it is within 20 % of the inertia of the uniform solid that the shapes are, and twice as near as
-    it stands.
+    larger by m (|c|^2 1 - c c^T), the term of the parallel axis theorem. Such a tensor is physical, and so it takes
+    the link's shapes or its mirror twin to see it: corrected, it is within 20 % of the inertia of the uniform solid
+    that the shapes are, and twice as near as it stands.
     """
     return faults(context, "RD307")
 
