@@ -102,7 +102,7 @@ def worked_here(setup: Setup, jobs: Sequence[Job], count: int) -> Iterator[tuple
     def clear(number: int) -> None:
         """Remove what the process has not: killed, or under Windows, it cannot."""
         for path in (jobs[number].table, jobs[number].document):
-            remove_abandoned(path, seconds=0.0)
+            remove_abandoned(path)
 
     with closing(in_processes(partial(_run_quietly, setup), [(job,) for job in jobs], count, clear)) as work:
         for number, found in work:

@@ -11,12 +11,13 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
-from robodyn.support.files import FORGOTTEN
 from robodyn.support.input_file import open_input
 
 MARK = b"robodyn object 1\n"
 LARGEST_FOLDER = 256 << 20
 """Bytes kept; the files used longest ago go first."""
+FORGOTTEN = 3600.0
+"""Seconds after which a file that was never finished is removed."""
 NAME = re.compile(r"[0-9a-f]{32}-[0-9a-f]{32}(\.\w+\.part)?")
 
 

@@ -6,7 +6,6 @@ import os
 import re
 import shutil
 import stat
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import partial
@@ -15,8 +14,7 @@ from typing import BinaryIO
 
 from robodyn.errors import InputError
 
-FORGOTTEN = 3600.0
-"""Seconds after which a file that was never finished is removed."""
+_WINDOWS = os.name == "nt"
 _PART = re.compile(r"\.[0-9a-f]{8}\.part")
 
 
@@ -58,13 +56,22 @@ def cannot_be_written(path: str, remedy: str = "nothing was written") -> Iterato
         raise InputError(f"cannot be written: {why}", remedy=remedy, file=path) from None
 
 
-def remove_abandoned(path: str, seconds: float = FORGOTTEN) -> None:
-    """Remove what processes that were killed have left of this file half-written: nothing was added for so long."""
+def remove_abandoned(path: str) -> None:
+    """Remove what processes that were killed have left of this file half-written.
+
+    What a living process is writing stays: it holds a lock, or, under Windows, the file cannot be removed.
+    """
     target = os.path.realpath(path)
     for part in glob(f"{escape(target)}.*.part"):
+        if not _PART.fullmatch(part, len(target)):
+            continue
         with suppress(OSError):
-            if _PART.fullmatch(part, len(target)) and time.time() - os.stat(part).st_mtime >= seconds:
+            if _WINDOWS:
                 os.unlink(part)
+                continue
+            with open(part, "r+b") as stream:
+                if _locked(stream.fileno()):
+                    os.unlink(part)
 
 
 class _Direct:
@@ -82,11 +89,22 @@ class _Direct:
 
 
 class _Part(_Direct):
+    """A file under a temporary name, locked for as long as it has that name, which it gives up in the end."""
+
     def __init__(self, target: str, old: os.stat_result | None) -> None:
         self._target, self._old = target, old
-        self._name = f"{target}.{os.urandom(4).hex()}.part"
-        opener = None if old is None else partial(os.open, mode=0o600)
-        super().__init__(open(self._name, "xb", opener=opener))  # noqa: SIM115
+        self._lock = -1
+        while True:  # until no other process removed it as abandoned before it was locked
+            self._name = f"{target}.{os.urandom(4).hex()}.part"
+            opener = None if old is None else partial(os.open, mode=0o600)
+            super().__init__(open(self._name, "xb", opener=opener))  # noqa: SIM115
+            if _WINDOWS:
+                return
+            self._lock = os.dup(self.stream.fileno())
+            _locked(self._lock)
+            if os.path.exists(self._name):
+                return
+            self.discard()
 
     def finish(self) -> None:
         super().finish()
@@ -103,6 +121,8 @@ class _Part(_Direct):
         super().discard()
         with suppress(OSError):
             os.unlink(self._name)
+        with suppress(OSError):
+            os.close(self._lock)
 
 
 def _opened(path: str) -> _Direct:
@@ -125,3 +145,14 @@ def _opened(path: str) -> _Direct:
             raise PermissionError(0, "permission denied")
     remove_abandoned(path)
     return _Part(os.path.realpath(path), old)
+
+
+def _locked(number: int) -> bool:
+    """Lock an open file, unless another process has or files cannot be locked."""
+    try:
+        import fcntl
+
+        fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except (ImportError, OSError):
+        return False
+    return True

@@ -139,16 +139,12 @@ with whole_file(sys.argv[1]) as stream:
 
 @pytest.mark.skipif(os.name != "posix", reason="needs signals")
 def test_what_a_killed_process_left_goes_with_the_next_write(tmp_path: Path) -> None:
-    """After an hour; and nothing else: not what another file's writer left, nor what a user named alike."""
+    """And nothing else: not what another file's writer left, nor what a user named alike."""
     path = tmp_path / "a.csv"
     for name in (path, tmp_path / "b.csv"):
         subprocess.run([sys.executable, "-c", KILLED, str(name), str(int(signal.SIGKILL))], check=False)
     (tmp_path / "a.csv.notes.part").touch()
     assert [Path(name).suffix for name in sorted(os.listdir(tmp_path))] == [".part"] * 3
-    write_whole(str(path), b"new")
-    assert len(os.listdir(tmp_path)) == 4
-    for name in os.listdir(tmp_path):
-        os.utime(tmp_path / name, (0, 0))
     write_whole(str(path), b"new")
     left = sorted(os.listdir(tmp_path))
     assert left[:2] == ["a.csv", "a.csv.notes.part"]
@@ -194,6 +190,27 @@ def test_the_part_of_another_process_stays_while_that_writes(tmp_path: Path) -> 
     assert other.returncode == 0
     assert path.read_bytes() == b"half"
     assert os.listdir(tmp_path) == ["a.csv"]
+
+
+def test_where_files_cannot_be_locked_nothing_of_others_goes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As on some file systems of a network; under Windows the system keeps others from removing what is open."""
+    fcntl = pytest.importorskip("fcntl")
+    part = tmp_path / "a.csv.0a1b2c3d.part"
+
+    def refuse(path: object, *_: object) -> None:
+        if path == str(part) or not isinstance(path, str):
+            raise PermissionError(13, "The process cannot access the file because it is being used by another process")
+        unlink(path)
+
+    unlink = os.unlink
+    part.touch()
+    with monkeypatch.context() as without_locks:
+        without_locks.setattr(fcntl, "flock", refuse)
+        write_whole(str(tmp_path / "a.csv"), b"new")
+    monkeypatch.setattr("robodyn.support.files._WINDOWS", True)
+    monkeypatch.setattr(os, "unlink", refuse)
+    write_whole(str(tmp_path / "a.csv"), b"new")
+    assert sorted(os.listdir(tmp_path)) == ["a.csv", part.name]
 
 
 def test_an_owner_that_cannot_be_kept_is_no_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
