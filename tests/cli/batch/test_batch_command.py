@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import subprocess
 from functools import partial
 from pathlib import Path
 
 import pytest
 from helpers.batch_runs import NAMES, batch, document, in_turn, listing, write_motion, write_runs
-from helpers.command_line import run
+from helpers.command_line import command, run
 
 import robodyn
 from robodyn.cli import batch as work
@@ -58,6 +59,27 @@ def test_what_is_finished_is_not_computed_again() -> None:
     both = [json.loads(first.out), json.loads(batch("--format", "json").out)]
     assert [(x["computed"], x["finished_before"], x["failed"]) for x in both] == [(3, 0, 0), (0, 3, 0)]
     assert both[0]["worst"] == both[1]["worst"]
+
+
+def test_what_a_killed_process_left_is_removed() -> None:
+    os.mkdir("results")
+    for name in ("one.csv.0a1b2c3d.part", "one.json.0a1b2c3d.part"):
+        Path("results", name).write_text("half")
+    batch()
+    assert sorted(os.listdir("results")) == sorted(f"{name}.{kind}" for name in NAMES for kind in ("csv", "json"))
+
+
+@pytest.mark.slow
+def test_two_batches_at_once_into_one_folder_are_both_whole() -> None:
+    trajectories = [f"runs/{k}.csv" for k in range(20)]
+    for name in trajectories:
+        shutil.copy("runs/one.csv", name)
+    calls = [command("torques", "arm.urdf", *trajectories, "--out", "results/", "--executor", "numpy")] * 2
+    both = [subprocess.Popen(call, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) for call in calls]
+    ended = [(*process.communicate(), process.returncode) for process in both]
+    assert [(err, status) for _, err, status in ended] == [("", 0)] * 2
+    assert sorted(os.listdir("results")) == sorted(f"{k}.{kind}" for k in range(20) for kind in ("csv", "json"))
+    assert len({Path(f"results/{k}.csv").read_bytes() for k in range(20)}) == 1
 
 
 def statuses(*more: str) -> list[str]:
