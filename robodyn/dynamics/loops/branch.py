@@ -123,7 +123,7 @@ class Lost(NamedTuple):
 
 
 class Corrected(NamedTuple):
-    """Samples q (N, nq) after Newton's corrections, J there, the largest change (N,), and whether they are closed."""
+    """Samples q (N, nq) after Newton's corrections, J at them, the largest change (N,), and which are closed."""
 
     q: Floats
     J: Floats
@@ -203,31 +203,25 @@ class Branch:
         return None
 
     def _step(self, place: Floats, J: Floats, moves: Floats, targets: Floats) -> Corrected | None:
-        """Return samples on the loops; closed where that is near what was predicted; None if that is not possible."""
-        u = self._predicted(place, J, moves)
-        if u is None:
-            return None
-        guess = targets.copy()
-        ahead = self.equations.moved(np.repeat(place[None], len(u), axis=0), u)
-        guess[:, self.coordinates] = ahead[:, self.coordinates]
-        found = self.corrected(guess)
-        weights = self.equations.weights
-        bound = NEAR * (self._length(moves) + np.abs(u * weights).max(axis=1, initial=0.0)) + 10.0 * DONE
-        return found._replace(closed=found.closed & (found.change <= bound))
+        """Return samples on the loops, closed where that is near what was predicted of moves (N, given rates).
 
-    def _predicted(self, place: Floats, J: Floats, moves: Floats) -> Floats | None:
-        """Return (N, n) what follows of moves (N, given rates): u = D v + u'' / 2, with J_d u'' = -J' (v, D v)."""
-        u = np.zeros((len(moves), self.equations.model.n))
-        v = np.zeros_like(u)
-        v[:, self.given] = moves[:, self.given]
-        right = -einsum("mg,ng->mn", J[:, self.others], v[:, self.given])
+        The prediction is u = D v + u'' / 2 with J_d u'' = -J' (v, D v); None where J_d does not determine it.
+        """
+        equations = self.equations
         inverse, ratio = pseudo_inverse(J[None][:, :, self.own])
         if ratio[0] <= FEW:
             return None
+        u, v = np.zeros((2, len(moves), equations.model.n))
+        v[:, self.given] = moves[:, self.given]
+        right = -einsum("mg,ng->mn", J[:, self.others], v[:, self.given])
         v[:, self.followed] = product(right.T, inverse[0].T)
-        bias = self.equations.bias(np.repeat(place[None], len(u), axis=0), v)
-        u[:, self.followed] = v[:, self.followed] - 0.5 * product(bias, inverse[0].T)
-        return u
+        places = np.repeat(place[None], len(u), axis=0)
+        u[:, self.followed] = v[:, self.followed] - 0.5 * product(equations.bias(places, v), inverse[0].T)
+        guess = targets.copy()
+        guess[:, self.coordinates] = equations.moved(places, u)[:, self.coordinates]
+        found = self.corrected(guess)
+        bound = NEAR * (self._length(moves) + np.abs(u * equations.weights).max(axis=1, initial=0.0)) + 10.0 * DONE
+        return found._replace(closed=found.closed & (found.change <= bound))
 
     def _between(self, a: Floats, b: Floats) -> Floats:
         """Return (N, n) the moves of given coordinates from one sample to the next; continuous joints' are short."""
@@ -289,32 +283,23 @@ def search(branch: Branch, q: Floats, near: Floats, tolerance: float) -> tuple[F
         k = joint.coordinate
         if joint.kind == "revolute" and k in own:
             places[:, k] -= 2.0 * np.pi * np.rint((places[:, k] - near[k]) / (2.0 * np.pi))
-    if any(closure.loop.kind == "weld" for closure in equations.chain.closures):
-        places = places[[_unturned(equations.chain, place) for place in places]]
-    return _distinct(branch, places, near), f'loop "{equations.names[worst]}" misses by {missed}'
-
-
-def _unturned(chain: ClosedChain, q: Floats) -> bool:
-    """Whether no weld is half a turn from where it should be, where its equations hold too."""
-    turns = [
-        float(np.trace(product(place.B, rotation_from_rpy(*closure.loop.rpy).T)))
-        for closure, place in zip(chain.closures, chain.equations(chain.sample(q.tolist())).places, strict=True)
-        if closure.loop.kind == "weld"
-    ]
-    return all(turn > 1.0 for turn in turns)
-
-
-def _distinct(branch: Branch, places: Floats, near: Floats) -> Floats:
-    """Places that are apart, those within the limits and nearest first; equally near ones as they were found."""
-    own = branch.coordinates
-    least, largest = coordinate_ranges(branch.equations.model)
+    places = places[[_welds_hold(equations.chain, place) for place in places]]
+    least, largest = coordinate_ranges(equations.model)
     beyond = np.maximum(least[own] - places[:, own], places[:, own] - largest[own]).max(axis=1, initial=0.0) > SLACK
     away = np.abs(places[:, own] - near[own]).max(axis=1, initial=0.0)
-    kept: list[int] = []
+    kept: list[int] = []  # places that are apart; equally near ones as they were found
     for k in np.lexsort((np.arange(len(places)), np.round(away, 6), beyond)).tolist():
         if all(np.abs(places[k, own] - places[other, own]).max(initial=0.0) > APART for other in kept):
             kept.append(k)
-    return np.asarray(places[kept])
+    return np.asarray(places[kept]), f'loop "{equations.names[worst]}" misses by {missed}'
+
+
+def _welds_hold(chain: ClosedChain, q: Floats) -> bool:
+    """Whether no weld is half a turn from where it should be, where its equations hold too."""
+    welds = [k for k, closure in enumerate(chain.closures) if closure.loop.kind == "weld"]
+    places = chain.equations(chain.sample(q.tolist())).places if welds else []
+    turns = [product(places[k].B, rotation_from_rpy(*chain.closures[k].loop.rpy).T) for k in welds]
+    return all(float(np.trace(turn)) > 1.0 for turn in turns)
 
 
 TRIALS = 6
@@ -365,7 +350,15 @@ def begin(branch: Branch, q: Floats, where: str) -> tuple[Floats, list[str]]:
         rows = [equations.places(each[None])[1][0] for each in nearby(equations.chain, places[0])]
         _refuse_few(branch, [J, *(row[:, branch.own] for row in rows)])
         raise singular(branch, where)
-    return places[0], _choice(branch, places)
+    names = [model.coordinates[k] for k in branch.coordinates]
+    if len(places) < 2 or any(name in scene.initial_q for name in names):
+        return places[0], []
+    taken, other = (
+        ", ".join(f"{name} = {place[k]:.4g}" for name, k in zip(names[:SHOWN], branch.coordinates, strict=False))
+        for place in places[:2]
+    )
+    ways = f"the loops close in {len(places)} ways or more at the first row"
+    return places[0], [f"{ways}: taken is {taken}, not {other} ([initial] q in the scene chooses)"]
 
 
 UNREACHED = "correct these columns, the loop's points or the links' lengths"
@@ -403,19 +396,3 @@ def _refuse_few(branch: Branch, matrices: Sequence[Floats]) -> None:
     instead = f", or one of {', '.join(f'q_{names[i]}' for i in others[:SHOWN])}" if others else ""
     followed = ", ".join(f"q_{name}" for name in names)
     raise TrajectoryError(f"{what}: {followed} have none", remedy=f"give {columns}{instead}")
-
-
-def _choice(branch: Branch, places: Floats) -> list[str]:
-    """Return a note on the branch that was taken, where there are others and the scene does not choose."""
-    model = branch.equations.model
-    names = [model.coordinates[k] for k in branch.coordinates]
-    if len(places) < 2 or any(name in branch.equations.plan.scene.initial_q for name in names):
-        return []
-    shown = [
-        ", ".join(f"{name} = {place[k]:.4g}" for name, k in zip(names[:SHOWN], branch.coordinates, strict=False))
-        for place in places[:2]
-    ]
-    return [
-        f"the loops close in {len(places)} ways or more at the first row: taken is {shown[0]}, not {shown[1]} "
-        "([initial] q in the scene chooses)"
-    ]

@@ -30,24 +30,18 @@ NUDGE = 1e-150
 """Keeps a rotation of nothing against nothing the one by no angle; its square is still a number."""
 
 
-class Rotation(NamedTuple):
-    """Of row `row` of A with row `column` of R, by ((c, s), (-s, c))."""
-
-    row: int
-    column: int
-    c: Scalar
-    s: Scalar
-
-
 class GivensProjection:
-    """A = Q R, so far as its entries are not zero; `softness` is by column."""
+    """A = Q R, so far as its entries are not zero; `softness` is by column.
+
+    rotations: (i, k, c, s) of row i of A with row k of R, by ((c, s), (-s, c)).
+    """
 
     def __init__(self, A: Rows, softness: Sequence[float]) -> None:
         self.A = [{k: value for k, value in row.items() if not known_zero(value)} for row in A]
         self.order = self._order(len(softness))
         place = {k: at for at, k in enumerate(self.order)}
         self.R: dict[int, dict[int, Scalar]] = {}
-        self.rotations: list[Rotation] = []
+        self.rotations: list[tuple[int, int, Scalar, Scalar]] = []
         filled = [i for i, row in enumerate(self.A) if row]
         for i in sorted(filled, key=lambda i: min(place[k] for k in self.A[i])):
             self._take_in(i, dict(self.A[i]), place)
@@ -74,7 +68,7 @@ class GivensProjection:
             k = min(row, key=lambda k: place[k])
             if k not in self.R:
                 self.R[k] = row
-                self.rotations.append(Rotation(i, k, 0.0, 1.0))
+                self.rotations.append((i, k, 0.0, 1.0))
                 return
             R, a = self.R[k], row.pop(k)
             top = R[k] + NUDGE
@@ -85,7 +79,7 @@ class GivensProjection:
             for j in sorted((R.keys() | row.keys()) - {k}):
                 upper, lower = R.get(j, 0.0), row.get(j, 0.0)
                 R[j], row[j] = c * upper + s * lower, c * lower - s * upper
-            self.rotations.append(Rotation(i, k, c, s))
+            self.rotations.append((i, k, c, s))
 
     def solve(self, x: Sequence[Scalar], b: Sequence[Scalar]) -> tuple[list[Scalar], list[Scalar]]:
         """y, and lambda of `y = x + A lambda`."""
@@ -160,7 +154,6 @@ class ClosedChain:
         return self
 
     def sample(self, q: Sequence[Scalar], qd: Sequence[Scalar] | None = None) -> Sample:
-        """A sample without accelerations, and without speeds if there are none."""
         nothing = (0.0,) * self.model.n
         return Sample(self.model, tuple(q), nothing if qd is None else tuple(qd), nothing)
 

@@ -7,7 +7,6 @@ from functools import lru_cache
 
 import numpy as np
 
-from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.initial_state import initial_state
 from robodyn.dynamics.loops.closed_chain import NOTHING, ClosedChain, closed_chain, independent
 from robodyn.dynamics.loops.closure import loops_size, moved, unit
@@ -101,7 +100,22 @@ def start_notes(model: Model, scene: Scene, begun: Floats, asked: Floats) -> lis
 def closed_by(chain: ClosedChain, q: Floats, free: Sequence[int]) -> Floats | None:
     """q with the loops closed by moving the free coordinates alone; None if that fails."""
     for _ in range(TRIES):
-        error, J = _left(chain, chain.sample(q.tolist()))
+        sample = chain.sample(q.tolist())
+        here, J = chain.equations(sample), chain.jacobian(sample)
+        error, at = np.array(here.error, dtype=float), 0
+        for closure, place in zip(chain.closures, here.places, strict=True):
+            if closure.loop.kind == "weld":  # by the turn that is left, as its equations hold at half a turn too
+                from scipy.spatial.transform import Rotation
+
+                turn = rotation_from_rpy(*closure.loop.rpy)
+                left = Rotation.from_matrix(product(place.B, turn.T).astype(float)).as_rotvec()
+                for k, equation in enumerate(closure.equations, at):
+                    if equation.unit == "rad":
+                        axis = equation.moment(turn)
+                        error[k] = product(axis, left)
+                        for rate, twist in place.columns.items():
+                            J[k, rate] = product(axis, twist.w)
+            at += len(closure.equations)
         if np.abs(error).max(initial=0.0) <= CLOSED * _reach(chain):
             return q
         step = _least_change(J, error, free)
@@ -123,27 +137,6 @@ def _displaced(chain: ClosedChain, q: Floats, moves: Floats) -> Floats:
 
 def closed_near(chain: ClosedChain, q: Floats, moves: Floats) -> Floats | None:
     return closed_by(chain, _displaced(chain, q, moves), range(chain.model.n))
-
-
-def _left(chain: ClosedChain, sample: Sample) -> tuple[Floats, Floats]:
-    """phi and J; of a weld the rotation vector of the turn that is left, as its equations hold at half a turn too."""
-    here, J = chain.equations(sample), chain.jacobian(sample)
-    error = np.array(here.error, dtype=float)
-    at = 0
-    for closure, place in zip(chain.closures, here.places, strict=True):
-        if closure.loop.kind == "weld":
-            from scipy.spatial.transform import Rotation
-
-            turn = rotation_from_rpy(*closure.loop.rpy)
-            left = Rotation.from_matrix(product(place.B, turn.T).astype(float)).as_rotvec()
-            for k, equation in enumerate(closure.equations, at):
-                if equation.unit == "rad":
-                    axis = equation.moment(turn)
-                    error[k] = product(axis, left)
-                    for rate, twist in place.columns.items():
-                        J[k, rate] = product(axis, twist.w)
-        at += len(closure.equations)
-    return error, J
 
 
 def _reach(chain: ClosedChain) -> float:

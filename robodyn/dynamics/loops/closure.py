@@ -23,7 +23,7 @@ from robodyn.programs.vectors import (
     vector,
 )
 from robodyn.robot.kinematics import Motion, acceleration_of_point
-from robodyn.robot.model import Frame, Joint, Model
+from robodyn.robot.model import Frame, Model
 from robodyn.scene.parts import Loop
 from robodyn.support.floats import Floats
 
@@ -44,7 +44,10 @@ def moved(model: Model, q: Sequence[Scalar], u: Sequence[Scalar]) -> list[Scalar
         k, i = joint.coordinate, joint.rate
         if joint.kind == "floating":
             out[k : k + 3] = [x + dx for x, dx in zip(q[k : k + 3], u[i + 3 : i + 6], strict=True)]
-            out[k + 3 : k + 7] = _turned(q[k + 3 : k + 7], vector(*u[i : i + 3]))
+            t, a, r = vector(*u[i : i + 3]), vector(*q[k + 3 : k + 6]), q[k + 6]
+            quarter = 0.25 * product(t, t)
+            w, v = _series(_COSINE, quarter), t * (0.5 * _series(_SINE, quarter))
+            out[k + 3 : k + 7] = [*(v * r + a * w + cross(a, v)), r * w - product(a, v)]
         else:
             out[k] = q[k] + u[i]
     return out
@@ -62,10 +65,8 @@ def unit(model: Model, q: Sequence[Scalar]) -> list[Scalar]:
 
 
 def local_rates(model: Model, u: Sequence[Scalar], qd: Sequence[Scalar]) -> list[Scalar]:
-    """The rates of u: qd, and for a rotation vector t `w + t x w / 2 + c t x (t x w)`, the inverse of exp's derivative.
-
-    `c = (1 - (|t| / 2) cot(|t| / 2)) / |t|^2`, w the angular velocity in the body's axes.
-    """
+    """The rates of u: qd, and for a rotation vector t `w + t x w / 2 + c t x (t x w)`, the inverse of exp's derivative,
+    with `c = (1 - (|t| / 2) cot(|t| / 2)) / |t|^2` and the angular velocity w in the body's axes."""
     out = list(qd)
     for joint in model.independent:
         if joint.kind == "floating":
@@ -74,14 +75,6 @@ def local_rates(model: Model, u: Sequence[Scalar], qd: Sequence[Scalar]) -> list
             once = cross(t, w)
             out[part] = w + once * 0.5 + cross(t, once) * _series(_INVERSE, product(t, t))
     return out
-
-
-def _turned(h: Sequence[Scalar], t: Array) -> list[Scalar]:
-    quarter = 0.25 * product(t, t)
-    w = _series(_COSINE, quarter)
-    v = t * (0.5 * _series(_SINE, quarter))
-    a, r = vector(*h[:3]), h[3]
-    return [*(v * r + a * w + cross(a, v)), r * w - product(a, v)]
 
 
 def _series(coefficients: Sequence[float], x: Scalar) -> Scalar:
@@ -105,13 +98,13 @@ class Equation(NamedTuple):
         return value + (self.E * B).sum() if self.E.any() else value
 
     def moment(self, B: Array) -> Array:
-        """Return (3,) on the link about its point, in the axes of the other, for lambda = 1: `n_j = E : [e_j] B`. The
-        force is D."""
+        """(3,) on the link about its point, in the axes of the other, for lambda = 1: `n_j = E : [e_j] B`; the force is
+        D."""
         return np.array([(self.E * product(skew(axis), B)).sum() for axis in IDENTITY])
 
 
 def equations_of(loop: Loop) -> tuple[Equation, ...]:
-    """Return all equations of a closure: those of the point, then those of the axes.
+    """All equations of a closure: those of the point, then those of the axes.
 
     A point is held along three axes, or along the loop's directions. A hinge moreover keeps its axis s across two
     vectors t that stand across the hinge's axis in the other link: `t . B s = 0`. A weld keeps the turn `X = B R^T`
@@ -147,41 +140,6 @@ def _shown(axis: Floats) -> str:
 
 
 GROUND_FRAME = Frame(-1, np.eye(3), np.zeros(3))
-
-
-class Placed(NamedTuple):
-    """A body against one that carries it, in whose axes all is: place, velocities, and their rates without qdd."""
-
-    R: Array
-    p: Array
-    w: Array
-    v: Array
-    wd: Array
-    a: Array
-
-    def velocity(self, point: Array) -> Array:
-        velocity: Array = self.v + cross(self.w, point - self.p)
-        return velocity
-
-    def acceleration(self, point: Array) -> Array:
-        return acceleration_of_point(self.a, point - self.p, self.w, self.wd)
-
-
-HOME = Placed(IDENTITY, ZERO, ZERO, ZERO, ZERO, ZERO)
-
-
-def carried(before: Placed, joint: Motion) -> Placed:
-    """Return the body that a joint carries, from the body before it: the outward recursion in fixed axes."""
-    R, s = before.R @ joint.R, before.R @ joint.p
-    w, v = R @ joint.w, R @ joint.v
-    return Placed(
-        R,
-        before.p + s,
-        before.w + w,
-        before.v + cross(before.w, s) + v,
-        before.wd + cross(before.w, w) + R @ joint.wd,
-        acceleration_of_point(before.a, s, before.w, before.wd) + 2.0 * cross(before.w, v) + R @ joint.a,
-    )
 
 
 class Twist(NamedTuple):
@@ -226,7 +184,7 @@ class Closure:
         velocity and the acceleration that the other would have there; a joint adds `axis x r` to the one or takes it
         from the other.
         """
-        a, b = (self._outward(chain, motions) for chain in self.chains)
+        a, b = (_placed(chain, motions) for chain in self.chains)
         link, to = a[-1], b[-1]
         point = link.p + link.R @ (self.ends[0].p + product(self.ends[0].R, np.array(self.loop.point)))
         other = to.p + to.R @ (self.ends[1].p + product(self.ends[1].R, np.array(self.loop.to_point)))
@@ -238,7 +196,15 @@ class Closure:
         for side, chain, places in zip((1.0, -1.0), self.chains, (a, b), strict=True):
             for i, before, here in zip(chain, places, places[1:], strict=False):
                 joint = model.bodies[i].joint
-                for k, twist in enumerate(_twists(joint, before, here, point), joint.rate):
+                twists: list[Twist] = []
+                if joint.kind == "floating":
+                    twists = [Twist(axis, cross(axis, point - here.p)) for axis in here.R.T]
+                    twists += [Twist(ZERO, axis) for axis in (before.R @ joint.R).T]
+                elif joint.kind != "fixed":
+                    axis = here.R @ joint.axis * joint.multiplier
+                    turns = joint.kind == "revolute"
+                    twists = [Twist(axis, cross(axis, point - here.p)) if turns else Twist(ZERO, axis)]
+                for k, twist in enumerate(twists, joint.rate):
                     old = columns.get(k, Twist(ZERO, ZERO))
                     columns[k] = Twist(old.w + turn @ twist.w * side, old.v + turn @ twist.v * side)
         bias = Twist(turn @ wd, turn @ rate)
@@ -246,23 +212,36 @@ class Closure:
             turn @ (point - other), turn @ link.R @ self.ends[0].R, Twist(turn @ w, turn @ v), bias, columns
         )
 
-    @staticmethod
-    def _outward(chain: Sequence[int], motions: Sequence[Motion]) -> list[Placed]:
-        places = [HOME]
-        for i in chain:
-            places.append(carried(places[-1], motions[i]))
-        return places
+
+class Placed(NamedTuple):
+    """A body against one that carries it, in whose axes all is: place, velocities, and their rates without qdd."""
+
+    R: Array
+    p: Array
+    w: Array
+    v: Array
+    wd: Array
+    a: Array
+
+    def velocity(self, point: Array) -> Array:
+        velocity: Array = self.v + cross(self.w, point - self.p)
+        return velocity
+
+    def acceleration(self, point: Array) -> Array:
+        return acceleration_of_point(self.a, point - self.p, self.w, self.wd)
 
 
-def _twists(joint: Joint, before: Placed, here: Placed, point: Array) -> list[Twist]:
-    """What each rate of a joint does to a point of the body that it carries."""
-    if joint.kind == "floating":
-        turning = [Twist(axis, cross(axis, point - here.p)) for axis in here.R.T]
-        return turning + [Twist(ZERO, axis) for axis in (before.R @ joint.R).T]
-    if joint.kind == "fixed":
-        return []
-    axis = here.R @ joint.axis * joint.multiplier
-    return [Twist(axis, cross(axis, point - here.p)) if joint.kind == "revolute" else Twist(ZERO, axis)]
+def _placed(chain: Sequence[int], motions: Sequence[Motion]) -> list[Placed]:
+    """The body that carries a chain, and each body of it: the outward recursion in the axes of the first."""
+    places = [Placed(IDENTITY, ZERO, ZERO, ZERO, ZERO, ZERO)]
+    for joint in (motions[i] for i in chain):
+        before = places[-1]
+        R, s = before.R @ joint.R, before.R @ joint.p
+        w, v = R @ joint.w, R @ joint.v
+        wd = before.wd + cross(before.w, w) + R @ joint.wd
+        a = acceleration_of_point(before.a, s, before.w, before.wd) + 2.0 * cross(before.w, v) + R @ joint.a
+        places.append(Placed(R, before.p + s, before.w + w, before.v + cross(before.w, s) + v, wd, a))
+    return places
 
 
 def loops_size(model: Model, closures: Sequence[Closure]) -> float:

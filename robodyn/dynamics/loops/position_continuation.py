@@ -11,9 +11,7 @@ from robodyn.dynamics.loops.branch import (
     FEW,
     OFF,
     UNREACHED,
-    BlockEquations,
     Branch,
-    Lost,
     begin,
     block_equations,
     given,
@@ -45,71 +43,6 @@ class Misfit(NamedTuple):
     unit: str
     loop: str
     time: float
-
-
-class Misfits:
-    """What is left of phi, phi' = J qd and phi'' = J qdd + J' qd along a motion, block after block; largest: of each
-    derivative; empty before the first block."""
-
-    def __init__(self, equations: BlockEquations) -> None:
-        self._equations = equations
-        self.largest: list[Misfit] = []
-        self._left, self._sums = np.zeros((2, 3, equations.count))
-
-    def refuse(self, phi: Floats, time: Floats, first_row: int, follows: bool) -> None:
-        """Raise if loops are open by more than OFF; phi: (N, equations), follows: whether some coordinates follow."""
-        shares = np.abs(phi) / self._equations.scale
-        beyond = ~(shares <= OFF).all(axis=1)
-        if beyond.any():
-            k = int(np.argmax(beyond))
-            worst = int(np.argmax(shares[k]))
-            unit, least = self._equations.units[worst], OFF * self._equations.scale[worst]
-            raise TrajectoryError(
-                f'{_where(first_row + k, time[k])}: loop "{self._equations.names[worst]}" is open by '
-                f"{abs(phi[k, worst]):.3g} {unit} with these columns, more than {least:.3g} {unit}",
-                remedy="correct the columns, or leave some out: what is left out follows from the loops"
-                + ("; columns of more joints than needed are given" if follows else ""),
-            )
-
-    def update(self, time: Floats, phi: Floats, J: Floats, qd: Floats, qdd: Floats, bias: Floats) -> None:
-        """Take in samples: time (N,), phi and bias (N, equations), J (N, equations, rates), qd and qdd (N, n)."""
-        if not phi.size:
-            return
-        of = self._equations
-        qd, qdd = (each[:, list(of.rates)] for each in (qd, qdd))
-        fast = einsum("nmk,nk->nm", np.abs(J), np.abs(qd))
-        turning = fast * np.abs(qd).max(axis=1, keepdims=True, initial=0.0)
-        sums = (phi, fast, einsum("nmk,nk->nm", np.abs(J), np.abs(qdd)) + turning)
-        left = (phi, einsum("nmk,nk->nm", J, qd), einsum("nmk,nk->nm", J, qdd) + bias)
-        found = []
-        for values, per in zip(left, RATES, strict=True):
-            shares = np.abs(values) / of.scale
-            k, m = (int(i) for i in np.unravel_index(int(np.argmax(shares)), shares.shape))
-            size, unit = float(abs(values[k, m])), f"{of.units[m]}{per}"
-            found.append(Misfit(float(shares[k, m]), size, unit, of.names[m], float(time[k])))
-        before = self.largest or found
-        self.largest = [new if new.share > old.share else old for old, new in zip(before, found, strict=True)]
-        self._left = np.maximum(self._left, [np.abs(values).max(axis=0) for values in left])
-        self._sums = np.maximum(self._sums, [values.max(axis=0) for values in sums])
-
-    def notes(self) -> list[str]:
-        open_by = [each for each in self.largest[:1] if each.share > NOTED]
-        return [
-            f'loop "{each.loop}" is open by up to {each.size:.2g} {each.unit} ({each.time:.4g} s)' for each in open_by
-        ]
-
-    def caveats(self) -> list[Caveat]:
-        """The caveats about given rates that the loops do not allow."""
-        found = []
-        for order, what in ((1, "velocities"), (2, "accelerations")):
-            if self.largest and (self._left[order] > SHARE * self._sums[order].max(initial=0.0)).any():
-                misfit = self.largest[order]
-                said = (
-                    f'the {what} given open loop "{misfit.loop}" at {misfit.size:.3g} {misfit.unit} '
-                    f"({misfit.time:.4g} s); leave columns out that follow from the loops"
-                )
-                found.append(Caveat(f"by {what} that the loops do not allow", said))
-        return found
 
 
 ENTRIES = 2_000_000
@@ -144,20 +77,34 @@ class Follow:
             what = f"no column says where {strange[0]!r} is, and it is in no loop that could tell"
             raise TrajectoryError(what, remedy=f"give q_{strange[0]}, or --hold {strange[0]}=rest", file=file)
         self.branch = Branch(self.equations, rates)
-        self._chosen: tuple[str, ...] = ()
-        self.misfits = Misfits(self.equations)
+        self._chosen: list[str] = []
+        self.misfits: list[Misfit] = []
+        self._left, self._sums = np.zeros((2, 3, self.equations.count))
         self._place: Floats | None = None
         self._sign, self._time = 0.0, 0.0
         self._crossed: list[float] = []
 
     @property
     def notes(self) -> tuple[str, ...]:
-        return (*self._chosen, *self.misfits.notes())
+        """Which of several branches was taken, and a loop that is open."""
+        notes = [*self._chosen]
+        for each in self.misfits[:1]:
+            if each.share > NOTED:
+                notes.append(f'loop "{each.loop}" is open by up to {each.size:.2g} {each.unit} ({each.time:.4g} s)')
+        return tuple(notes)
 
     @property
     def caveats(self) -> tuple[Caveat, ...]:
         """What makes the motion so far doubtful: ways that part, rates that do not go with the loops."""
-        found = [*self.misfits.caveats()]
+        found = []
+        for order, what in ((1, "velocities"), (2, "accelerations")):
+            if self.misfits and (self._left[order] > SHARE * self._sums[order].max(initial=0.0)).any():
+                misfit = self.misfits[order]
+                said = (
+                    f'the {what} given open loop "{misfit.loop}" at {misfit.size:.3g} {misfit.unit} '
+                    f"({misfit.time:.4g} s); leave columns out that follow from the loops"
+                )
+                found.append(Caveat(f"by {what} that the loops do not allow", said))
         if self._crossed:
             times = ", ".join(f"{time:.4g}" for time in self._crossed[:4]) + (", ..." if self._crossed[4:] else "")
             said = (
@@ -201,36 +148,41 @@ class Follow:
         return whole
 
     def _close(self, time: Floats, q: Floats, first_row: int) -> None:
+        branch, chain = self.branch, self.equations.chain
         if self._place is None:
             self._place = q[0].copy()
-            if len(self.branch.followed):
-                self._place, notes = begin(self.branch, q[0], _where(first_row, time[0]))
-                self._chosen = tuple(notes)
-            chain = self.equations.chain
+            if len(branch.followed):
+                self._place, self._chosen = begin(branch, q[0], _where(first_row, time[0]))
             for place in nearby(chain, self._place)[:1] if chain.dropped else []:
                 check_dropped(chain, place)
-        if len(self.branch.followed):
-            lost = self.branch.along(self._place, q)
-            if lost is not None:
-                raise self._lost(lost, q, _where(first_row + lost.row, time[lost.row]))
+        lost = branch.along(self._place, q) if len(branch.followed) else None
+        if lost is not None:
+            where = _where(first_row + lost.row, time[lost.row])
+            places, missed = (np.zeros((0, 0)), "") if lost.singular else search(branch, q[lost.row], lost.place, OFF)
+            values = given(branch, q[lost.row])
+            if not lost.singular and not len(places):
+                raise TrajectoryError(f"{where}: {missed} at least with {values}, out of reach", remedy=UNREACHED)
+            if lost.singular or pseudo_inverse(self.equations.places(places[:1])[1][:, :, branch.own])[1][0] <= BACK:
+                raise singular(branch, where)
+            what = f"{where}: the loops close with {values}, but no way leads there from the row before"
+            raise TrajectoryError(what, remedy="give more rows, or columns of more joints")
         self._place = q[-1].copy()
-
-    def _lost(self, lost: Lost, q: Floats, where: str) -> TrajectoryError:
-        if lost.singular:
-            return singular(self.branch, where)
-        places, missed = search(self.branch, q[lost.row], lost.place, OFF)
-        values = given(self.branch, q[lost.row])
-        if not len(places):
-            return TrajectoryError(f"{where}: {missed} at least with {values}, out of reach", remedy=UNREACHED)
-        if pseudo_inverse(self.equations.places(places[:1])[1][:, :, self.branch.own])[1][0] <= BACK:
-            return singular(self.branch, where)
-        what = f"{where}: the loops close with {values}, but no way leads there from the row before"
-        return TrajectoryError(what, remedy="give more rows, or columns of more joints")
 
     def _rates(self, time: Floats, part: Whole, first_row: int) -> None:
         branch, equations = self.branch, self.equations
         phi, J = equations.places(part.q)
-        self.misfits.refuse(phi, time, first_row, bool(len(branch.followed)))
+        shares = np.abs(phi) / equations.scale
+        beyond = ~(shares <= OFF).all(axis=1)
+        if beyond.any():
+            k = int(np.argmax(beyond))
+            worst = int(np.argmax(shares[k]))
+            unit, least = equations.units[worst], OFF * equations.scale[worst]
+            raise TrajectoryError(
+                f'{_where(first_row + k, time[k])}: loop "{equations.names[worst]}" is open by '
+                f"{abs(phi[k, worst]):.3g} {unit} with these columns, more than {least:.3g} {unit}",
+                remedy="correct the columns, or leave some out: what is left out follows from the loops"
+                + ("; columns of more joints than needed are given" if len(branch.followed) else ""),
+            )
         if len(branch.followed):
             own, others = J[:, :, branch.own], J[:, :, branch.others]
             inverse, ratio = pseudo_inverse(own)
@@ -242,7 +194,28 @@ class Follow:
             for bar in part.bars:
                 squares = einsum("ndg,ng->nd", change**2, bar[:, branch.given] ** 2)
                 bar[:, branch.followed] = np.sqrt(squares)
-        self.misfits.update(time, phi, J, part.qd, part.qdd, equations.bias(part.q, part.qd))
+        if phi.size:
+            self._measure(time, phi, J, part)
+
+    def _measure(self, time: Floats, phi: Floats, J: Floats, part: Whole) -> None:
+        """Keep the largest that is left of phi (N, equations), phi' = J qd and phi'' = J qdd + J' qd, and of the sums
+        of the magnitudes of their terms."""
+        of, bias = self.equations, self.equations.bias(part.q, part.qd)
+        qd, qdd = (each[:, list(of.rates)] for each in (part.qd, part.qdd))
+        fast = einsum("nmk,nk->nm", np.abs(J), np.abs(qd))
+        turning = fast * np.abs(qd).max(axis=1, keepdims=True, initial=0.0)
+        sums = (phi, fast, einsum("nmk,nk->nm", np.abs(J), np.abs(qdd)) + turning)
+        left = (phi, einsum("nmk,nk->nm", J, qd), einsum("nmk,nk->nm", J, qdd) + bias)
+        found = []
+        for values, per in zip(left, RATES, strict=True):
+            shares = np.abs(values) / of.scale
+            k, m = (int(i) for i in np.unravel_index(int(np.argmax(shares)), shares.shape))
+            size, unit = float(abs(values[k, m])), f"{of.units[m]}{per}"
+            found.append(Misfit(float(shares[k, m]), size, unit, of.names[m], float(time[k])))
+        before = self.misfits or found
+        self.misfits = [new if new.share > old.share else old for old, new in zip(before, found, strict=True)]
+        self._left = np.maximum(self._left, [np.abs(values).max(axis=0) for values in left])
+        self._sums = np.maximum(self._sums, [values.max(axis=0) for values in sums])
 
     def _watch(self, time: Floats, ratio: Floats, own: Floats, first_row: int) -> None:
         """Raise where the loops are singular; remember where they have been between rows: det J_d changes its sign."""
