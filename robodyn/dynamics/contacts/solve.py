@@ -116,19 +116,6 @@ def axes_of(normals: Floats) -> Floats:
     return np.stack((first, second, normals), -1)
 
 
-def plain_forces(problem: Problem, executor: str = "auto", expected: int = 0) -> Forces:
-    """Return what `contact_forces` returns, of a problem whose torques and free unknowns do not count."""
-    cones, sizes = scaled(problem)
-    N, _, K = problem.shape
-    f, _ = least_forces(cones, executor, expected)
-    found = (f.reshape(K, 3, N) * sizes).transpose(2, 0, 1)
-    if problem.active is not None:
-        found = np.where(problem.active[:, :, None], found, 0.0)
-    residual = problem.b - einsum("nij,nj->ni", problem.G, found.reshape(N, 3 * K))
-    missing = np.sqrt(einsum("ni,ni->n", residual, residual))
-    return Forces(found, np.zeros((N, 0)), residual, missing <= FEASIBLE * sizes, np.ones(N, dtype=bool))
-
-
 def scaled(problem: Problem) -> tuple[Cones, Floats]:
     """Return the problem with |b| = 1, in which forces of inactive points do nothing; and |b| (N,)."""
     N, sizes = len(problem.b), np.sqrt(einsum("ni,ni->n", problem.b, problem.b))
@@ -169,48 +156,38 @@ def conic_forces(problem: Problem) -> Forces:
     these have no solution in the cones, the squares of what is missing weigh 1e6 times as much as forces."""
     need("contact forces that cost torques or are bounded by them", "clarabel")
     N, R, K = problem.shape
-    L = 0 if problem.free is None else problem.free.H.shape[2]
+    terms, unknown = problem.torques, problem.free
+    L = 0 if unknown is None else unknown.H.shape[2]
     f, free, residual = np.zeros((N, K, 3)), np.zeros((N, L)), np.zeros((N, R))
     within, feasible = np.ones(N, dtype=bool), np.ones(N, dtype=bool)
     axes = np.broadcast_to(axes_of(problem.normals), (N, K, 3, 3))
+    frictions = np.broadcast_to(problem.friction, (N, K))
     for n in range(N):
         active = np.ones(K, dtype=bool) if problem.active is None else problem.active[n]
         size = length(problem.b[n]) or 1.0
-        sample = _sample(problem, n, active, axes[n], size)
-        x, within[n] = _solved(sample)
+        turn = np.zeros((K, 3, K, 3))
+        turn[np.arange(K), :, np.arange(K)] = axes[n]
+        turn = turn.reshape(3 * K, 3 * K)[:, np.repeat(active, 3)]
+        A, diagonal = product(problem.G[n], turn), np.ones(turn.shape[1])
+        M, tau0, limits, w = np.zeros((0, A.shape[1])), np.zeros(0), np.zeros(0), np.zeros(0)
+        if terms is not None:
+            M, tau0, w = product(terms.T[n], turn), terms.tau0[n] / size, terms.weights
+            limits = np.full(len(tau0), np.inf) if terms.limits is None else terms.limits / size
+        if unknown is not None:
+            A, diagonal = np.hstack((A, unknown.H[n])), np.append(diagonal, np.full(L, FREE))
+            M = np.hstack((M, np.zeros((len(M), L)) if terms is None or unknown.S is None else unknown.S[n]))
+        P, q = np.diag(diagonal) + product(M.T * w, M), -product(M.T * w, tau0)
+        x, within[n] = _solved(_Sample(P, q, A, problem.b[n] / size, frictions[n][active], tau0, M, limits))
         if x is None:
             raise InputError("no contact forces are found, not even such as leave the least unbalanced", remedy=SCALES)
         points = int(active.sum())
         f[n, active] = size * einsum("kij,kj->ki", axes[n][active], x[: 3 * points].reshape(points, 3))
         free[n] = size * x[3 * points :]
         residual[n] = problem.b[n] - product(problem.G[n], f[n].ravel())
-        if problem.free is not None:
-            residual[n] -= product(problem.free.H[n], free[n])
+        if unknown is not None:
+            residual[n] -= product(unknown.H[n], free[n])
         feasible[n] = length(residual[n]) <= FEASIBLE * size
     return Forces(f, free, residual, feasible, within)
-
-
-def _sample(problem: Problem, n: int, active: Any, axes: Floats, size: float) -> _Sample:
-    K = len(active)
-    turn = np.zeros((K, 3, K, 3))
-    turn[np.arange(K), :, np.arange(K)] = axes
-    turn = turn.reshape(3 * K, 3 * K)[:, np.repeat(active, 3)]
-    A, b = product(problem.G[n], turn), problem.b[n] / size
-    diagonal = np.ones(A.shape[1])
-    M, tau0, limits = np.zeros((0, A.shape[1])), np.zeros(0), np.zeros(0)
-    terms, free = problem.torques, problem.free
-    if terms is not None:
-        M, tau0 = product(terms.T[n], turn), terms.tau0[n] / size
-        limits = np.full(len(tau0), np.inf) if terms.limits is None else terms.limits / size
-    if free is not None:
-        L = free.H.shape[2]
-        A = np.hstack((A, free.H[n]))
-        M = np.hstack((M, free.S[n] if terms is not None and free.S is not None else np.zeros((len(M), L))))
-        diagonal = np.append(diagonal, np.full(L, FREE))
-    w = np.zeros(0) if terms is None else terms.weights
-    P = np.diag(diagonal) + product(M.T * w, M)
-    friction = np.broadcast_to(problem.friction, (problem.shape[0], len(active)))[n][active]
-    return _Sample(P, -product(M.T * w, tau0), A, b, friction, tau0, M, limits)
 
 
 def _solved(sample: _Sample) -> tuple[Floats | None, bool]:
@@ -220,21 +197,16 @@ def _solved(sample: _Sample) -> tuple[Floats | None, bool]:
         x = _by_clarabel(sample, limited)
         if x is not None:
             return x + min_norm_solution(sample.A, sample.b - product(sample.A, x), 1e-10), limited or not bounded
-    n = len(sample.q)
-    x = _by_clarabel(_softened(sample), limited=False)
-    if x is None:
-        return None, False
-    within = np.abs(sample.tau0 - product(sample.M, x[:n])) <= sample.limits * BEYOND
-    return x[:n], bool(within.all())
-
-
-def _softened(sample: _Sample) -> _Sample:
-    """Return the sample with r added to its equations, A x + r / sqrt(MISSING) = b, that costs as forces do."""
+    # r is added to the equations, A x + r / sqrt(MISSING) = b, and costs as forces do
     R, n = sample.A.shape
     P = np.zeros((n + R, n + R))
     P[:n, :n], P[n:, n:] = sample.P, np.eye(R) * (float(np.abs(sample.P).max(initial=0.0)) or 1.0)
     A, M = np.hstack((sample.A, np.eye(R) / np.sqrt(MISSING))), np.hstack((sample.M, np.zeros((len(sample.M), R))))
-    return replace(sample, P=P, q=np.append(sample.q, np.zeros(R)), A=A, M=M)
+    x = _by_clarabel(replace(sample, P=P, q=np.append(sample.q, np.zeros(R)), A=A, M=M), limited=False)
+    if x is None:
+        return None, False
+    within = np.abs(sample.tau0 - product(sample.M, x[:n])) <= sample.limits * BEYOND
+    return x[:n], bool(within.all())
 
 
 def _by_clarabel(sample: _Sample, limited: bool) -> Floats | None:
@@ -289,9 +261,17 @@ def contact_forces(problem: Problem, executor: str = "auto", expected: int = 0) 
     Accuracy: without costs of torques and free unknowns, the residual is at most 1e-12 of |b| or |f| where forces
         exist, and their cost is the least to 1e-8 |b|^2; else what Clarabel reaches, 1e-9 |b|.
     """
-    if problem.torques is None and problem.free is None:
-        return plain_forces(problem, executor, expected)
-    return conic_forces(problem)
+    if problem.torques is not None or problem.free is not None:
+        return conic_forces(problem)
+    cones, sizes = scaled(problem)
+    N, _, K = problem.shape
+    f, _ = least_forces(cones, executor, expected)
+    found = (f.reshape(K, 3, N) * sizes).transpose(2, 0, 1)
+    if problem.active is not None:
+        found = np.where(problem.active[:, :, None], found, 0.0)
+    residual = problem.b - einsum("nij,nj->ni", problem.G, found.reshape(N, 3 * K))
+    missing = np.sqrt(einsum("ni,ni->n", residual, residual))
+    return Forces(found, np.zeros((N, 0)), residual, missing <= FEASIBLE * sizes, np.ones(N, dtype=bool))
 
 
 FORCES = slice(3, 6)
@@ -343,27 +323,17 @@ def least_friction(problem: Problem, known: float = 0.0, executor: str = "auto")
         if not len(left):
             return mu
         lacking = found.residual[lost]
-        worst = np.argsort(-einsum("ni,ni->n", lacking, lacking), kind="stable")[:WORST]
-        least = _least_of(problem.chosen(left[worst]), mu, executor)
-        if least is None:
+        worst = problem.chosen(left[np.argsort(-einsum("ni,ni->n", lacking, lacking), kind="stable")[:WORST]])
+        ladder: Floats = max(0.25, 2.0 * mu) * 4.0 ** np.arange(SECTIONS, dtype=float)
+        held = _suffices(worst, ladder, executor)
+        if not held.any():
             return None
-        mu = least
-
-
-def _least_of(problem: Problem, low: float, executor: str) -> float | None:
-    """The least mu, 1e-6 relative, with which all of a few samples have forces; `low` is not enough."""
-    ladder: Floats = max(0.25, 2.0 * low) * 4.0 ** np.arange(SECTIONS, dtype=float)
-    held = _suffices(problem, ladder, executor)
-    if not held.any():
-        return None
-    first = int(held.argmax())
-    low, high = max(low, float(ladder[first - 1]) if first else low), float(ladder[first])
-    while high - low > 1e-6 * high:
-        between = np.linspace(low, high, SECTIONS + 2)
-        held = np.append(_suffices(problem, between[1:-1], executor), True)
         first = int(held.argmax())
-        low, high = float(between[first]), float(between[first + 1])
-    return high
+        low, mu = max(mu, float(ladder[first - 1]) if first else mu), float(ladder[first])
+        while mu - low > 1e-6 * mu:
+            between = np.linspace(low, mu, SECTIONS + 2)
+            first = int(np.append(_suffices(worst, between[1:-1], executor), True).argmax())
+            low, mu = float(between[first]), float(between[first + 1])
 
 
 def _suffices(problem: Problem, friction: Floats, executor: str) -> Flags:
@@ -414,23 +384,17 @@ def centre_of_pressure(points: Floats, normal: Floats, forces: Floats) -> tuple[
     if K < 3:
         return middle + place, np.full(N, np.nan)
     tangents = axes_of(normal)[:, :, :2]
-    corners = einsum("nki,nij->nkj", arms, tangents)
-    return middle + place, _margin(corners, einsum("ni,nij->nj", place, tangents))
-
-
-def _margin(corners: Floats, place: Floats) -> Floats:
-    """Return the least distance (N,) of a place (N, 2) from the lines through edges of the hull of corners (N, K, 2).
-    An edge is a pair of corners that has all others to its left."""
+    corners, at = einsum("nki,nij->nkj", arms, tangents), einsum("ni,nij->nj", place, tangents)
     along = corners[:, None, :, :] - corners[:, :, None, :]
     lengths = np.sqrt((along * along).sum(axis=-1))
     size = lengths.max(axis=(1, 2), keepdims=True)
-    with np.errstate(all="ignore"):
+    with np.errstate(all="ignore"):  # an edge of the hull is a pair of corners that has all others to its left
         inward = np.stack((-along[..., 1], along[..., 0]), -1) / lengths[..., None]
         left = einsum("nabi,nabki->nabk", inward, corners[:, None, None] - corners[:, :, None, None])
         edge = (left >= -FLAT * size[..., None]).all(axis=-1) & (lengths > FLAT * size)
-        distance = einsum("nabi,nabi->nab", inward, place[:, None, None] - corners[:, :, None])
-    found: Floats = np.where(edge, distance, np.inf).min(axis=(1, 2))
-    return np.where(np.isnan(place[:, 0]), np.nan, found)
+        distance = einsum("nabi,nabi->nab", inward, at[:, None, None] - corners[:, :, None])
+    margin = np.where(edge, distance, np.inf).min(axis=(1, 2))
+    return middle + place, np.where(np.isnan(at[:, 0]), np.nan, margin)
 
 
 def friction_used(forces: Floats, normal: Floats, friction: float) -> Floats:
