@@ -26,9 +26,9 @@ from robodyn.dynamics.constraints.constraint_jacobian import (
 from robodyn.dynamics.constraints.torque_distribution import (
     GOOD,
     Mask,
-    RankChanges,
     Structure,
     TorqueDistribution,
+    rank_changes,
     structure,
     torque_distribution,
 )
@@ -39,7 +39,7 @@ from robodyn.errors import InputError, SceneError
 from robodyn.programs.vectors import length, product
 from robodyn.robot.limits import binding
 from robodyn.robot.model import Joint, Model
-from robodyn.scene.parts import ALWAYS, AUTO, EFFORT, GROUND, Contact
+from robodyn.scene.parts import ALWAYS, AUTO, EFFORT, GROUND
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
 from robodyn.support.sums import einsum
@@ -126,28 +126,24 @@ def touching(
     here = contact_jacobian(plan, q, qd, executor) if any(contact.on == AUTO for contact in contacts) else None
     for contact in contacts:
         k = slice(at, at + len(contact.points))
-        if here is not None and contact.on == AUTO:
+        at = k.stop
+        if contact.on == ALWAYS:
+            found[:, k] = True
+        elif here is not None and contact.on == AUTO:
             high = product(normal_of(contact, plan.scene), here.places[:, k].transpose(0, 2, 1)) - contact.level
             fast = np.sqrt((here.speeds[:, k] ** 2).sum(axis=2))
             found[:, k] = (high <= contact.height) & (fast <= contact.speed)
+        elif isinstance(contact.on, str):
+            if contact.on not in columns:
+                what = f"[[contact]] {shown(contact.name)} is on by the column {shown(contact.on)}"
+                raise InputError(what, remedy="pass it as columns={name: values}")
+            found[:, k] = columns[contact.on][:, None] != 0.0
+        elif time is None:
+            what = f"[[contact]] {shown(contact.name)} is on in intervals of time, and states have none"
+            raise InputError(what, remedy="use robodyn.torques of a motion, or a column")
         else:
-            found[:, k] = _switched(contact, time, columns, len(q))[:, None]
-        at = k.stop
+            found[:, k] = np.any([(time >= start) & (time <= end) for start, end in contact.on], axis=0)[:, None]
     return found
-
-
-def _switched(contact: Contact, time: Floats | None, columns: Mapping[str, Floats], count: int) -> Mask:
-    if contact.on == ALWAYS:
-        return np.ones(count, dtype=bool)
-    if isinstance(contact.on, str):
-        if contact.on not in columns:
-            what = f"[[contact]] {shown(contact.name)} is on by the column {shown(contact.on)}"
-            raise InputError(what, remedy="pass it as columns={name: values}")
-        return np.asarray(columns[contact.on] != 0.0)
-    if time is None:
-        what = f"[[contact]] {shown(contact.name)} is on in intervals of time, and states have none"
-        raise InputError(what, remedy="use robodyn.torques of a motion, or a column")
-    return np.asarray(np.any([(time >= start) & (time <= end) for start, end in contact.on], axis=0))
 
 
 PIECE = 2048
@@ -200,7 +196,7 @@ class ConstraintSolver:
         self.raised = False
         self.open_drives: Mask = np.zeros(int(self.actuation.driven.sum()), dtype=bool)
         self._patterns: set[bytes] = set()
-        self._crossings: RankChanges | None = None
+        self._last: tuple[int, tuple[Floats, ...]] | None = None  # rank, and A and its decomposition at a last sample
         model, gravity = plan.model, length(np.asarray(plan.scene.gravity))
         self._weight = max(model.total_mass * gravity, 1e-300)
         self._units = np.ones(model.n)
@@ -228,18 +224,21 @@ class ConstraintSolver:
             shared = self._shared(loops, tau)
             multipliers, singular = shared.multipliers, shared.singular | shared.higher
             assert self.structure is not None
-            if self._crossings is None or self._crossings.rank != self.structure.rank:
-                self._crossings = RankChanges(self.structure.rank)
-            crossed = self._crossings.update(shared.A, shared.decomposition)
+            rank = self.structure.rank
+            parts: tuple[Floats, ...] = (shared.A, *shared.decomposition)
+            if self._last is not None and self._last[0] == rank:
+                parts = tuple(np.concatenate(pair) for pair in zip(self._last[1], parts, strict=True))
+            self._last = rank, tuple(part[-1:].copy() for part in parts)
+            crossed = rank_changes(parts[0], parts[1:], rank)[-samples:]
         left = tau - einsum("nki,nk->ni", loops.J, multipliers)
         left = left - einsum("nki,nk->ni", contacts.J, forces.reshape(samples, -1))
         own, others = loop_wrenches(plan, loops, multipliers)
-        parts, at = [own], 0
+        whole, at = [own], 0
         for contact in plan.scene.contacts:  # about the middle of its points
             k = slice(at, at + len(contact.points))
-            parts += [forces[:, k].sum(axis=1), np.cross(contacts.arms[:, k], forces[:, k]).sum(axis=1)]
+            whole += [forces[:, k].sum(axis=1), np.cross(contacts.arms[:, k], forces[:, k]).sum(axis=1)]
             at = k.stop
-        wrenches = np.hstack((*parts, others))
+        wrenches = np.hstack((*whole, others))
         largest = np.abs(tau).max(axis=1, initial=0.0)[:, None]
         small = np.maximum(BALANCED * largest, ROUNDING * self._weight / self._units)
         left = np.where((np.abs(left) <= small) & self.actuation.passive, 0.0, left)
@@ -278,20 +277,14 @@ class ConstraintSolver:
     def _set_structure(self, loops: LoopJacobian, rows: NDArray[np.int64]) -> None:
         part = self.actuation
         rows = rows[np.unique(np.linspace(0, len(rows) - 1, REFERENCES).astype(int))]
-        J, noise = loops.J[rows][:, :, part.counted], self._openness(loops, rows)
-        self.structure = structure(J, part.passive[part.counted], noise)
-        if not self.plan.scene.contacts:
-            self.open_drives = ~self.structure.torque_determined
-
-    def _openness(self, loops: LoopJacobian, rows: NDArray[np.int64]) -> float:
-        """By how much loops are open, in rad, or in m of the lengths by which rates move their points."""
-        if not loops.error.size:
-            return 0.0
         units = np.array([equation.unit for each in closures(self.plan) for equation in each.equations])
         gap, size = (np.abs(x[rows]) for x in (loops.error, loops.J))
-        parts = [(gap[:, units == unit], size[:, units == unit]) for unit in ("m", "rad")]
-        lengths = parts[0][1].max(initial=0.0) or 1.0
-        return max(float(parts[0][0].max(initial=0.0)) / lengths, float(parts[1][0].max(initial=0.0)))
+        # how far loops are open, in rad, and in m of the lengths by which rates move their points
+        turns, shifts = (gap[:, units == unit].max(initial=0.0) for unit in ("rad", "m"))
+        noise = max(turns, shifts / (size[:, units == "m"].max(initial=0.0) or 1.0))
+        self.structure = structure(loops.J[rows][:, :, part.counted], part.passive[part.counted], float(noise))
+        if not self.plan.scene.contacts:
+            self.open_drives = ~self.structure.torque_determined
 
     def _problem(self, loops: LoopJacobian, contacts: ContactJacobian, tau: Floats, touching: Mask) -> Problem:
         """Return what contact forces have to do: balance what is passive, its moments in units of the robot's reach."""
@@ -395,7 +388,17 @@ def _solved(
         finite = np.isfinite(sources[name]).all(axis=1)
         if not finite.all():
             raise InputError(f"{name} of sample {np.argmin(finite)} is not finite", remedy="leave such samples out")
-    on = {name: _of_samples(name, columns[name], shape) for name in scene.motion_columns if name in columns}
+    on = {}
+    for name in (name for name in scene.motion_columns if name in columns):
+        values = numbers(name, columns[name], np.dtype(float))
+        if np.isnan(values).any():
+            what = f"column {shown(name)} of contacts is not a number at {np.isnan(values).sum()} of {values.size}"
+            raise InputError(f"{what} samples", remedy="0 where a contact is off, 1 where it is on")
+        try:
+            on[name] = np.broadcast_to(values, shape).reshape(samples)
+        except ValueError:
+            what = f"column {shown(name)} of contacts has the shape {values.shape}, the samples {shape}"
+            raise InputError(what, remedy="give one value for each sample") from None
     runner = torque_runner(model, open_scene(scene), zero_sources(sources))
     open_tau = runner.run(sources, samples, executor=executor, threads=threads).values
     q, qd = np.ascontiguousarray(sources["q"]), np.ascontiguousarray(sources["qd"])
@@ -407,18 +410,6 @@ def _solved(
         _check_closed(solver.plan, found.gap)
         tau[k], wrenches[k] = found.tau, found.wrenches
     return tau.reshape(*shape, model.n), wrenches.reshape(*shape, wrenches.shape[1])
-
-
-def _of_samples(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Floats:
-    given = numbers(name, values, np.dtype(float))
-    if np.isnan(given).any():
-        what = f"column {shown(name)} of contacts is not a number at {np.isnan(given).sum()} of {given.size} samples"
-        raise InputError(what, remedy="0 where a contact is off, 1 where it is on")
-    try:
-        return np.broadcast_to(given, shape).reshape(prod(shape))
-    except ValueError:
-        what = f"column {shown(name)} of contacts has the shape {given.shape}, the samples {shape}"
-        raise InputError(what, remedy="give one value for each sample") from None
 
 
 def _check_closed(a_plan: Plan, gap: Floats) -> None:

@@ -129,38 +129,25 @@ def _rows(matrices: Floats) -> Floats:
     return np.asarray(np.sqrt((matrices**2).sum(axis=2)).max(axis=0, initial=0.0))
 
 
-class RankChanges:
-    """Where matrices of a usual rank lose it between two samples of a motion; watched across pieces of the motion."""
+def rank_changes(A: Floats, decomposition: tuple[Floats, ...], rank: int) -> Floats:
+    """Return (N,) for each sample at what part of the way from the one before it A loses its usual rank; else NaN.
 
-    def __init__(self, rank: int) -> None:
-        self.rank = rank
-        self._last: tuple[Floats, ...] | None = None
-
-    def update(self, A: Floats, decomposition: tuple[Floats, Floats, Floats]) -> Floats:
-        """Return (N,) for each sample what part of the way from the one before it the rank is lost at; else NaN.
-
-        Along a smooth motion A = U S V^T has smooth singular values that may change their sign: from a sample to the
-        next one, A_2, the eigenvalues of S^-1 U^T A_2 V are near 1 but for those, which become negative. That takes a
-        change of A of at least the smallest of them, so that few pairs are looked at.
-        """
-        found, r = np.full(len(A), np.nan), self.rank
-        all_of: tuple[Floats, ...] = (A, *decomposition)
-        if self._last is not None:
-            all_of = tuple(np.concatenate(pair) for pair in zip(self._last, all_of, strict=True))
-        self._last = tuple(part[-1:].copy() for part in all_of)
-        if not r or len(all_of[0]) < 2:
-            return found
-        before, left, sizes, right = (part[:-1] for part in all_of)
-        after = all_of[0][1:]
-        smallest, largest = sizes[:, r - 1], sizes[:, 0]
-        step = np.sqrt(((after - before) ** 2).sum(axis=(1, 2)))
-        pairs = np.flatnonzero((smallest <= step) & (smallest > np.finfo(float).eps * largest))
-        if len(pairs):
-            turned = left[pairs][:, :, :r].transpose(0, 2, 1) @ after[pairs] @ right[pairs][:, :r].transpose(0, 2, 1)
-            least = np.linalg.eigvals(turned / sizes[pairs][:, :r, None]).real.min(axis=1)
-            lost = least < 0.0
-            found[pairs[lost] + len(A) - len(before)] = 1.0 / (1.0 - least[lost])
+    Along a smooth motion A = U S V^T has smooth singular values that may change their sign: from a sample to the next
+    one, A_2, the eigenvalues of S^-1 U^T A_2 V are near 1 but for those, which become negative. That takes a change of
+    A of at least the smallest of them, so that few pairs are looked at.
+    """
+    found = np.full(len(A), np.nan)
+    if not rank or len(A) < 2:
         return found
+    left, sizes, right = (part[:-1] for part in decomposition)
+    smallest, step = sizes[:, rank - 1], np.sqrt(((A[1:] - A[:-1]) ** 2).sum(axis=(1, 2)))
+    pairs = np.flatnonzero((smallest <= step) & (smallest > np.finfo(float).eps * sizes[:, 0]))
+    if len(pairs):
+        turned = left[pairs][:, :, :rank].transpose(0, 2, 1) @ A[pairs + 1] @ right[pairs][:, :rank].transpose(0, 2, 1)
+        least = np.linalg.eigvals(turned / sizes[pairs][:, :rank, None]).real.min(axis=1)
+        lost = least < 0.0
+        found[pairs[lost] + 1] = 1.0 / (1.0 - least[lost])
+    return found
 
 
 LOST = 1e-6
@@ -176,7 +163,7 @@ class TorqueDistribution(NamedTuple):
         singular: (N,) where the rank of A or of B drops. What is lost there carries nothing, and nothing is chosen:
             the multipliers are the least in equilibrated units, and not the limit of those beside.
         higher: (N,) where A has a higher rank than at all reference samples: the structure is another.
-        A: (N, p, m) equilibrated, and its singular value decomposition, for `RankChanges`.
+        A: (N, p, m) equilibrated, and its singular value decomposition, for `rank_changes`.
     """
 
     multipliers: Floats
