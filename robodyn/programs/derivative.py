@@ -1,15 +1,12 @@
 """Derivatives of traced scalars: further operations on the same tape, folded and shared as all others are.
 
-Two ways lead to the same numbers. *Forwards*, the rate of every operation along one direction follows from those of its
-operands. *Backwards*, the weight with which an operation enters one output follows from those of the operations that
-use it. Which one needs fewer operations depends on the output; see `jacobian`. Along a motion any recursion yields the
-rates of its results on *dual* scalars, whatever these are made of.
+Along a motion any recursion yields the rates of its results on *dual* scalars, whatever these are made of.
 """
 
 from __future__ import annotations
 
 import operator
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
@@ -28,18 +25,43 @@ def jacobian(outputs: Sequence[Scalar], directions: Sequence[Direction]) -> list
 
     The derivative of `sign` is 0: at its step there is none, and none is made up.
 
-    Method: each row is found forwards and backwards, and that one is kept with which all rows together need fewer
-    operations (all one way or all the other, then row by row the other way where that saves some). Griewank, Walther
-    2008, chapters 3 and 15.
+    Method: forwards, the rate of every operation along each direction from those of its operands; and backwards, the
+    weight with which each enters an output from those of what uses it. Kept is what needs fewer operations. Griewank,
+    Walther 2008, chapter 3.
 
     Accuracy: as that of the outputs; each operation contributes a few roundings of its own partial derivatives.
     """
-    edges = _edges(outputs, directions)
-    forwards = _forwards(outputs, directions, edges)
-    backwards = _backwards(outputs, directions, edges)
-    return [
-        pair[way] for pair, way in zip(zip(forwards, backwards, strict=True), _fewest(forwards, backwards), strict=True)
-    ]
+    changing = {node for direction in directions for node in direction}
+    # of each operation, operands first: the operands that change along some direction, and its derivative by each
+    edges: dict[Traced, list[tuple[Traced, Scalar]]] = {}
+    for node in _reached(outputs):
+        operands = () if node.op in (INPUT, CONSTANT, SIGN) else (node.a, node.b)
+        found = [(operand, k) for k, operand in enumerate(operands) if operand in changing]
+        if found:
+            partials = _partials(node)
+            edges[node] = [(operand, partials[k]) for operand, k in found]
+            changing.add(node)
+
+    rates: dict[Traced, dict[int, Scalar]] = defaultdict(dict)
+    for k, direction in enumerate(directions):
+        for node, rate in direction.items():
+            rates[node][k] = rate
+    for node, partials in edges.items():
+        rates[node] = _combined((rates[operand], partial) for operand, partial in partials)
+    along = [rates.get(output, {}) if isinstance(output, Traced) else {} for output in outputs]
+    forwards = [[row.get(k, 0.0) for k in range(len(directions))] for row in along]
+
+    weights: dict[Traced, dict[int, Scalar]] = defaultdict(dict)
+    for i, output in enumerate(outputs):
+        if isinstance(output, Traced):
+            weights[output][i] = 1.0
+    for node in reversed(edges):
+        if node in weights:
+            for operand, partial in edges[node]:
+                weights[operand] = _combined(((weights[operand], 1.0), (weights[node], partial)))
+    columns = [_combined((weights[node], rate) for node, rate in direction.items()) for direction in directions]
+    backwards = [[column.get(i, 0.0) for column in columns] for i in range(len(outputs))]
+    return min(forwards, backwards, key=lambda rows: len(_reached(x for row in rows for x in row)))
 
 
 def derivative(program: Program, inputs: Sequence[tuple[str, int]]) -> Program:
@@ -77,23 +99,6 @@ FUNCTIONS: dict[str, Callable[..., Scalar]] = {
 """Each operation on scalars of any kind."""
 
 
-_Edges = dict[Traced, list[tuple[Traced, Scalar]]]
-"""Of each operation, operands first: the operands that change along some direction, and its derivative by each."""
-
-
-def _edges(outputs: Iterable[Scalar], directions: Iterable[Direction]) -> _Edges:
-    changing = {node for direction in directions for node in direction}
-    edges: _Edges = {}
-    for node in _reached(outputs):
-        operands = () if node.op is INPUT or node.op is CONSTANT else (node.a, node.b)
-        found = [(operand, k) for k, operand in enumerate(operands) if operand in changing]
-        if found and node.op is not SIGN:
-            partials = _partials(node)
-            edges[node] = [(operand, partials[k]) for operand, k in found]
-            changing.add(node)
-    return edges
-
-
 def _reached(outputs: Iterable[Scalar]) -> list[Traced]:
     """Return what the outputs depend on, operands before what uses them."""
     found: set[Traced] = set()
@@ -128,30 +133,6 @@ def _partials(node: Traced) -> tuple[Scalar, ...]:
     return (one[op](),)
 
 
-def _forwards(outputs: Sequence[Scalar], directions: Sequence[Direction], edges: _Edges) -> list[Row]:
-    rates: dict[Traced, dict[int, Scalar]] = defaultdict(dict)
-    for k, direction in enumerate(directions):
-        for node, rate in direction.items():
-            rates[node][k] = rate
-    for node, operands in edges.items():
-        rates[node] = _combined((rates[operand], partial) for operand, partial in operands)
-    found = [rates.get(output, {}) if isinstance(output, Traced) else {} for output in outputs]
-    return [[row.get(k, 0.0) for k in range(len(directions))] for row in found]
-
-
-def _backwards(outputs: Sequence[Scalar], directions: Sequence[Direction], edges: _Edges) -> list[Row]:
-    weights: dict[Traced, dict[int, Scalar]] = defaultdict(dict)
-    for i, output in enumerate(outputs):
-        if isinstance(output, Traced):
-            weights[output][i] = 1.0
-    for node in reversed(edges):
-        if node in weights:
-            for operand, partial in edges[node]:
-                weights[operand] = _combined(((weights[operand], 1.0), (weights[node], partial)))
-    columns = [_combined((weights[node], rate) for node, rate in direction.items()) for direction in directions]
-    return [[column.get(i, 0.0) for column in columns] for i in range(len(outputs))]
-
-
 def _combined(parts: Iterable[tuple[Mapping[int, Scalar], Scalar]]) -> dict[int, Scalar]:
     """Return the sum of rows of a sparse matrix, each times a factor."""
     out: dict[int, Scalar] = {}
@@ -159,39 +140,6 @@ def _combined(parts: Iterable[tuple[Mapping[int, Scalar], Scalar]]) -> dict[int,
         for k, x in row.items():
             out[k] = out.get(k, 0.0) + x * factor
     return {k: x for k, x in out.items() if isinstance(x, Traced) or x != 0.0}
-
-
-def _fewest(forwards: Sequence[Row], backwards: Sequence[Row]) -> list[bool]:
-    """Return for each row whether it is taken backwards, so that few operations are needed in all."""
-    count, shares = len(forwards), _shares([*forwards, *backwards])
-
-    def size(taken: int) -> int:
-        return sum(operations for needed, operations in shares.items() if needed & taken)
-
-    one_way = (1 << count) - 1
-    taken, before = min(one_way, one_way << count, key=size), -1
-    while taken != before:
-        before = taken
-        for i in range(count):
-            taken = min(taken, taken ^ (1 << i | 1 << i + count), key=size)
-    return [bool(taken >> i + count & 1) for i in range(count)]
-
-
-def _shares(rows: Sequence[Row]) -> Counter[int]:
-    """Return how many operations are needed by the same rows; bit k of a key stands for row k."""
-    needed: dict[Traced, int] = {}
-    for k, row in enumerate(rows):
-        for x in row:
-            if isinstance(x, Traced):
-                needed[x] = needed.get(x, 0) | 1 << k
-    shares: Counter[int] = Counter()
-    for node in reversed(_reached(needed)):
-        if node.op is not INPUT and node.op is not CONSTANT:
-            shares[needed[node]] += 1
-            for operand in (node.a, node.b):
-                if isinstance(operand, Traced):
-                    needed[operand] = needed.get(operand, 0) | needed[node]
-    return shares
 
 
 class Dual:

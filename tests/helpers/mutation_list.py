@@ -155,7 +155,6 @@ MUTATIONS = {
         ("programs/run/llvm/driver.py", "%byte = udiv i64 %start, 8", "%byte = udiv i64 %start, 16"),
         ("programs/run/compiled_blocks.py", '"little"', '"big"'),
         ("programs/run/compiled_blocks.py", "-(-samples // (pieces * block)) * block", "-(-samples // pieces)"),
-        ("programs/run/compiled_blocks.py", "self._flagged = False", "None"),
         ("programs/run/compiled_blocks.py", "waiting", "[next(waiting)]"),
         ("programs/run/llvm/driver.py", "or i64 %any, %some", "or i64 %any, 0"),
     ],

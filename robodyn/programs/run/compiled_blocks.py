@@ -5,9 +5,9 @@ from __future__ import annotations
 import ctypes
 import os
 from array import array
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from ctypes import c_int64, c_void_p
-from functools import cache, cached_property, partial
+from functools import cache, cached_property
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
@@ -57,14 +57,11 @@ class CompiledBlocks:
     with one that is not finite, is left to `NumpyBlocks`.
     """
 
-    def __init__(
-        self, program: Program, widths: Mapping[str, int], dtype: Any = np.float64, fused: bool = True
-    ) -> None:
+    def __init__(self, program: Program, widths: Mapping[str, int], dtype: Any = np.float64) -> None:
         """
         Args:
             widths: how many columns the array of each source will have.
             dtype: float64 or float32, of inputs, results and all operations.
-            fused: round products together with the sums that take them in; False rounds each operation, as NumPy does.
 
         Raises:
             ImportError, OSError, RuntimeError: llvmlite is not there, or does not compile it.
@@ -75,10 +72,11 @@ class CompiledBlocks:
         self.rows = first_row[""] + len(program.distinct.outputs)
         self.homes = np.array(program.homes, np.int64)
         self._in_order = np.arange(max(self.widths.values(), default=0), dtype=np.int64)
-        content = content_of(program, widths, dtype, fused)
-        self.kernel = built("kernel", content, lambda: kernel_of(program, widths, dtype, fused))
-        self.share = _driver(SCALARS[self.dtype.name])
-        self._rooms: list[SmallBatches] = []
+        self.kernel = built("kernel", content_of(program, widths, dtype), lambda: kernel_of(program, widths, dtype))
+        scalar = SCALARS[self.dtype.name]
+        self.share, self._lanes = _driver(scalar), LANES[scalar]
+        self._few_kernel = _KERNEL(self.kernel.address)
+        self._rooms: list[tuple[Any, ...]] = []
 
     def __call__(
         self, sources: Mapping[str, Numbers], samples: int, out: Numbers | None = None, threads: int | None = 1
@@ -87,12 +85,14 @@ class CompiledBlocks:
 
         Args:
             sources: for each source an array (samples, columns), in any layout; contiguous columns are fastest.
-            samples: how many.
             out: (samples, outputs) of the executor's dtype, in any layout, written to if given.
             threads: at most so many work at a time, None is all cores; fewer where the work is small.
 
         Returns:
             (samples, outputs); where `out` is not given each column is contiguous.
+
+        Raises:
+            ValueError: a source has another shape than (samples, width).
 
         Accuracy: each operation is rounded once, or once with the sum that takes it in; sine, cosine and exponential
         within 1 ulp.
@@ -101,94 +101,103 @@ class CompiledBlocks:
         result = np.empty((outputs, samples), self.dtype).T if out is None else out
         if samples == 0 or outputs == 0:
             return result
-        if samples <= FEW and self._few(sources, samples, result):
+        arrays = []
+        for name in self.sources:
+            given = sources[name]
+            if given.shape != (samples, self.widths[name]):
+                raise ValueError(f"{name} has shape {given.shape}, not {(samples, self.widths[name])}")
+            if given.dtype != self.dtype or not given.flags.aligned:
+                with np.errstate(all="ignore"):
+                    given = given.astype(self.dtype)
+            arrays.append(given)
+        if samples <= FEW and self._few(arrays, samples, result):
             return result
-        arrays = [self._plain(name, sources[name], samples) for name in self.sources]
-        target = (
-            result if out is None or self._fits(out, arrays, samples) else np.empty((outputs, samples), self.dtype).T
-        )
-        self._bound(arrays, samples, target, cores(threads))()
+        target = result
+        if out is not None:
+            fits = out.dtype == self.dtype and out.flags.behaved and out.shape == (samples, outputs)
+            if not fits or any(np.may_share_memory(out, given) for given in arrays):
+                target = np.empty((outputs, samples), self.dtype).T
+        flagged = self._many(arrays, samples, target, cores(threads))
+        if len(flagged):
+            chosen = {name: given[flagged] for name, given in zip(self.sources, arrays, strict=True)}
+            target[flagged] = self._fallback(chosen, len(flagged))
         if target is not result:
             result[...] = target
         return result
 
-    def _few(self, sources: Mapping[str, Numbers], samples: int, out: Numbers) -> bool:
-        """Write the results of few samples; return whether that is done."""
-        try:
-            # Taken out while it is in use, so that two threads never share it.
-            room = self._rooms.pop()
-        except IndexError:
-            room = SmallBatches(self)
-        done = room(sources, samples, out)
-        if done:
-            self._rooms.append(room)
-        return done
+    def _few(self, arrays: list[Numbers], samples: int, out: Numbers) -> bool:
+        """Write the results of few samples, unless one is flagged; return whether that is done.
 
-    def bound(self, sources: Mapping[str, Numbers], samples: int, out: Numbers) -> Callable[[], None]:
-        """`__call__` of one thread with these arguments: to be called often, as what they hold changes.
-
-        Args:
-            sources, out: as for `__call__`, of the executor's dtype.
+        One call of the kernel, which keeps Python's lock: to hand it over and get it back may take longer than the
+        work. It sees groups of samples as in any other run, so the results are the same to the bit.
         """
-        arrays = [sources[name] for name in self.sources]
-        named = zip(self.sources, arrays, strict=True)
-        plain = all(self._plain(name, given, samples) is given for name, given in named)
-        if not plain or not self._fits(out, arrays, samples):
-            raise ValueError("arrays to be used again and again must be of the executor's own numbers, and apart")
-        return self._bound(arrays, samples, out, 1)
+        try:
+            room = self._rooms.pop()  # taken out while it is in use, so that two threads never share it
+        except IndexError:
+            memory, flags = np.zeros((self.rows, FEW), self.dtype), np.zeros(FEW // 8, np.uint8)
+            table = memory.ctypes.data + memory.strides[0] * np.repeat(np.arange(self.rows), 2)  # no memory ahead
+            room = memory, table, flags, c_void_p(table.ctypes.data), c_void_p(flags.ctypes.data)
+        memory, _, _, *places = room
+        start = 0
+        for given in arrays:
+            end = start + given.shape[1]
+            memory[start:end, :samples] = given.T
+            start = end
+        if self._few_kernel(*places, -(-samples // self._lanes)):
+            return False
+        out[...] = memory[start:, :samples].T.take(self.homes, 1)
+        self._rooms.append(room)
+        return True
 
-    def _plain(self, name: str, given: Numbers, samples: int) -> Numbers:
-        """Return the array of a source in this machine's own numbers."""
-        if given.shape != (samples, self.widths[name]):
-            raise ValueError(f"{name} has shape {given.shape}, not {(samples, self.widths[name])}")
-        if given.dtype == self.dtype and given.flags.aligned:
-            return given
-        with np.errstate(all="ignore"):
-            return given.astype(self.dtype)
-
-    def _fits(self, out: Numbers, arrays: list[Numbers], samples: int) -> bool:
-        """Return whether machine code may write to it."""
-        plain = out.dtype == self.dtype and out.flags.behaved and out.shape == (samples, len(self.program.outputs))
-        return plain and not any(np.may_share_memory(out, given) for given in arrays)
-
-    def _bound(self, given: list[Numbers], samples: int, out: Numbers, threads: int) -> Callable[[], None]:
-        """Return what runs over the samples."""
+    def _many(self, given: list[Numbers], samples: int, out: Numbers, threads: int) -> NDArray[np.int64]:
+        """Write the results of all samples, piece by piece in some threads; return the samples that are flagged."""
         few = len(self.program.distinct.outputs) <= MOST_STREAMS
         fields = [*(_fields(each, self._in_order) for each in given), _fields(out, self.homes, few)]
         contiguous = all(each.strides[0] == each.itemsize for each in (*given, out))
         block = LONG_BLOCK if contiguous and samples >= 8 * LONG_BLOCK else BLOCK
         threads = max(1, min(threads, samples * self.program.size // THREAD_WORK, samples // block))
-        job = Job(self, fields, block, samples, threads)
+        pieces = 1 if threads == 1 else PIECES * threads
+        each = -(-samples // (pieces * block)) * block
+        table = -(-2 * self.rows // LINE) * 8 * LINE
+        pitch = block * self.dtype.itemsize + 8 * LINE  # no power of two, or columns would share sets of the cache
+        room = table + self.rows * pitch
+        rooms = np.empty(threads * room + 8 * LINE, np.uint8)
+        aligned = _address(rooms) + -_address(rooms) % (8 * LINE)
+        flags, told = array("B", bytes(-(-samples // block) * block // 8)), array("q", chain.from_iterable(fields))
+        places = self.kernel.address, _place(told), aligned, _place(flags)
+        job = array("q", (*places, len(fields), room, table, pitch, block))
+        flagged, waiting = [], iter(range(0, samples, each))
 
-        def run() -> None:
-            if job():
-                self._repair(given, samples, out, job.flagged())
+        def work(me: int) -> None:
+            """Take pieces that no other thread has taken, until none is left."""
+            for start in waiting:
+                if self.share(_place(job), me, start, min(start + each, samples)):
+                    flagged.append(start)
 
-        return run
-
-    def _repair(self, arrays: list[Numbers], samples: int, result: Numbers, flagged: NDArray[np.int64]) -> None:
-        """Computes the flagged samples by NumPy."""
-        chosen = {name: given[flagged] for name, given in zip(self.sources, arrays, strict=True)}
-        result[flagged] = self._fallback(chosen, len(flagged))
+        in_pool(work, threads)
+        if not flagged:
+            return np.empty(0, np.int64)
+        bits = np.unpackbits(np.frombuffer(flags, np.uint8), bitorder="little")
+        return np.asarray(np.flatnonzero(bits[:samples]))
 
     @cached_property
     def _fallback(self) -> NumpyBlocks:
         return NumpyBlocks(self.program, self.widths, self.dtype)
 
 
-def content_of(program: Program, widths: Mapping[str, int], dtype: Any, fused: bool = True) -> object:
+def content_of(program: Program, widths: Mapping[str, int], dtype: Any) -> object:
     """Return what the machine code of a program depends on."""
-    return program.operations, program.distinct.outputs, program.rows(widths), np.dtype(dtype).name, fused
+    return program.operations, program.distinct.outputs, program.rows(widths), np.dtype(dtype).name
 
 
-def kernel_of(program: Program, widths: Mapping[str, int], dtype: Any = np.float64, fused: bool = True) -> str:
+def kernel_of(program: Program, widths: Mapping[str, int], dtype: Any = np.float64) -> str:
     """Return the LLVM IR of a program's kernel."""
     scalar = SCALARS[np.dtype(dtype).name]
-    return kernel(program.distinct, program.rows(widths), scalar, LANES[scalar], fused)
+    return kernel(program.distinct, program.rows(widths), scalar, LANES[scalar])
 
 
-def _fields(given: Numbers, homes: NDArray[np.int64], few: bool = True) -> Fields:
-    """Return what the driver is told of an array."""
+def _fields(given: Numbers, homes: NDArray[np.int64], few: bool = True) -> tuple[int, ...]:
+    """Return what the driver is told of an array, as `robodyn.programs.run.llvm.driver.FIELDS` names it."""
     sample_stride, column_stride = given.strides
     direct = few and sample_stride == given.itemsize
     stream = given.nbytes > MOST_KEPT
@@ -199,6 +208,10 @@ def _address(given: NDArray[Any]) -> int:
     return int(given.__array_interface__["data"][0])
 
 
+def _place(numbers: array[int]) -> int:
+    return numbers.buffer_info()[0]
+
+
 @cache
 def _driver(scalar: str) -> Function:
     lanes = LANES[scalar]
@@ -206,100 +219,6 @@ def _driver(scalar: str) -> Function:
 
 
 _KERNEL = ctypes.PYFUNCTYPE(ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64)
-
-
-class SmallBatches:
-    """Room in which a kernel works on few samples, kept ready from call to call: rows for all sources and outputs.
-
-    For one call at a time. The kernel sees groups of samples as in any other run, so the results are the same to the
-    bit; Python's lock is kept, for to hand it over and get it back may take longer than the work.
-    """
-
-    def __init__(self, of: CompiledBlocks) -> None:
-        first_row, homes = of.program.rows(of.widths), of.homes
-        memory, first = np.zeros((of.rows, FEW), of.dtype), first_row[""]
-        self._table = memory.ctypes.data + memory.strides[0] * np.repeat(np.arange(of.rows), 2)  # no memory ahead
-        self._flags = np.zeros(FEW // 8, np.uint8)
-        self._places = c_void_p(self._table.ctypes.data), c_void_p(self._flags.ctypes.data)
-        self._kernel, self._dtype = _KERNEL(of.kernel.address), memory.dtype
-        self._lanes = LANES[SCALARS[of.dtype.name]]
-        starts = ((source, start, of.widths[source]) for source, start in first_row.items() if source)
-        self._inputs = [(source, memory[start : start + width].T) for source, start, width in starts]
-        self._outputs = memory[first:].T
-        self._homes = homes if len(homes) > of.rows - first else None  # None: each row is one output, in their order
-        self._parts: dict[int, tuple[list[Any], Numbers]] = {}
-
-    def __call__(self, sources: Mapping[str, Numbers], samples: int, out: Numbers) -> bool:
-        """Write the outputs of up to FEW samples to `out`, which may overlap the sources.
-
-        Returns:
-            Whether that is done; if not, an array is of other numbers, or a sample is flagged, and this is to be used
-            no more.
-
-        Raises:
-            ValueError: a source has another shape than (samples, width).
-        """
-        if samples not in self._parts:
-            parts = [(source, rows[:samples], (samples, rows.shape[1])) for source, rows in self._inputs]
-            self._parts[samples] = parts, self._outputs[:samples]
-        inputs, outputs = self._parts[samples]
-        for source, rows, shape in inputs:
-            given = sources[source]
-            if given.shape != shape:
-                raise ValueError(f"{source} has shape {given.shape}, not {shape}")
-            if given.dtype != self._dtype:
-                return False
-            rows[...] = given
-        if self._kernel(*self._places, -(-samples // self._lanes)):
-            return False
-        out[...] = outputs if self._homes is None else outputs.take(self._homes, 1)
-        return True
-
-
-Fields = tuple[int, int, int, int, int, bool, bool]
-"""Of an array, as `robodyn.programs.run.llvm.driver.FIELDS` names them."""
-
-
-class Job:
-    """A run of machine code over all samples of some arrays, which may be repeated as what they hold changes."""
-
-    def __init__(self, of: CompiledBlocks, fields: Sequence[Fields], block: int, samples: int, threads: int) -> None:
-        """Args: fields: of the arrays, which the caller keeps; the last is written to. block: samples of a block."""
-        self._samples, self._share, self._threads, self._flagged = samples, of.share, threads, False
-        self._flags = array("B", bytes(-(-samples // block) * block // 8))
-        pieces = 1 if threads == 1 else PIECES * threads
-        self._each = -(-samples // (pieces * block)) * block
-        self._fields = array("q", chain.from_iterable(fields))
-        table = -(-2 * of.rows // LINE) * 8 * LINE
-        pitch = block * of.dtype.itemsize + 8 * LINE  # no power of two, or columns would share sets of the cache
-        room = table + of.rows * pitch
-        self._rooms = np.empty(threads * room + 8 * LINE, np.uint8)
-        rooms = int(self._rooms.__array_interface__["data"][0])
-        rooms += -rooms % (8 * LINE)
-        places = (of.kernel.address, _place(self._fields), rooms, _place(self._flags))
-        self._job = array("q", (*places, len(fields), room, table, pitch, block))
-
-    def __call__(self) -> bool:
-        """Run; whether a sample is flagged."""
-        self._flagged = False
-        in_pool(partial(self._work, iter(range(0, self._samples, self._each))), self._threads)
-        return self._flagged
-
-    def _work(self, waiting: Iterator[int], me: int) -> None:
-        """Take pieces that no other thread has taken, until none is left."""
-        for start in waiting:
-            if self._share(_place(self._job), me, start, min(start + self._each, self._samples)):
-                self._flagged = True
-
-    def flagged(self) -> NDArray[np.int64]:
-        """Return the samples that are flagged; every run writes all flags anew."""
-        flags = np.unpackbits(np.frombuffer(self._flags, np.uint8), bitorder="little")
-        found: NDArray[np.int64] = np.flatnonzero(flags[: self._samples])
-        return found
-
-
-def _place(numbers: array[int]) -> int:
-    return numbers.buffer_info()[0]
 
 
 def in_pool(part: Callable[[int], object], threads: int) -> None:

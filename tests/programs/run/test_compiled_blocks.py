@@ -44,38 +44,6 @@ def test_agrees_with_numpy():
     np.testing.assert_array_equal(found[3::101], NumpyBlocks(PROGRAM, WIDTHS)(flagged, len(flagged["a"])))
 
 
-def test_arrays_that_change(monkeypatch):
-    """Run again and again on the same arrays, of which each time other samples, or none, are left to NumPy."""
-    left, repair = [], CompiledBlocks._repair
-
-    def spy(self, arrays, samples, result, flagged):
-        left.append(flagged.tolist())
-        repair(self, arrays, samples, result, flagged)
-
-    monkeypatch.setattr(CompiledBlocks, "_repair", spy)
-    arrays, out = state(1000), np.empty((len(PROGRAM.outputs), 1000)).T
-    run = ready().bound(arrays, 1000, out)
-    for shift in (0, 1, 2):
-        for values in arrays.values():
-            values[...] = np.roll(values, shift, axis=0)
-        right = bits(expected(arrays))
-        left.clear()
-        run()
-        np.testing.assert_array_equal(bits(out), right)
-        assert left == [[k for k in range(1000) if not abs(arrays["a"][k, 0]) < 1e6]]
-    arrays["a"][:, 0] = 0.5
-    left.clear()
-    run()
-    assert left == []
-
-
-def test_arrays_that_cannot_be_used_again():
-    arrays, out = state(10), np.empty((len(PROGRAM.outputs), 10)).T
-    for wrong, target in ((np.float32, out), (np.float64, arrays["a"])):
-        with pytest.raises(ValueError, match="again and again"):
-            ready().bound({name: x.astype(wrong, copy=False) for name, x in arrays.items()}, 10, target)
-
-
 @pytest.mark.parametrize("samples", SAMPLES)
 def test_any_number_of_samples(samples, busy_threads):
     arrays = state(samples)

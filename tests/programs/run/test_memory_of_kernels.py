@@ -24,7 +24,7 @@ COLUMNS, SAMPLES = 3, 5 * BLOCK
 
 
 @pytest.fixture
-def tables(monkeypatch):
+def tables():
     """What kernels are told, block by block: of each column, where its numbers are and what to call for."""
     told, kept = [], []
 
@@ -33,19 +33,19 @@ def tables(monkeypatch):
         told.append(np.array(rows[: 4 * COLUMNS]).reshape(-1, 2))
         return 0
 
-    class Job(compiled_blocks.Job):
-        def __init__(self, of, *arguments):
+    class Told(CompiledBlocks):
+        def __call__(self, *given):
             kept.append(kernel)
-            of.kernel = SimpleNamespace(address=c_int64.from_buffer(kernel).value)
-            super().__init__(of, *arguments)
+            self.kernel = SimpleNamespace(address=c_int64.from_buffer(kernel).value)
+            return super().__call__(*given)
 
-    monkeypatch.setattr(compiled_blocks, "Job", Job)
-    return told
-
-
-def run(x, out):
     program = program_of(lambda *x: [-each for each in x], COLUMNS)
-    CompiledBlocks(program, {"x": COLUMNS})({"x": x}, SAMPLES, out)
+
+    def run(x, out):
+        Told(program, {"x": COLUMNS})({"x": x}, SAMPLES, out)
+        return told
+
+    return run
 
 
 @pytest.mark.parametrize("past", [False, True], ids=["kept in caches", "past the caches"])
@@ -55,18 +55,17 @@ def test_columns_are_called_for_as_they_lie(tables, monkeypatch, past):
         monkeypatch.setattr(compiled_blocks, "MOST_STREAMS", 0)
         monkeypatch.setattr(compiled_blocks, "MOST_KEPT", -1)
     x, out = np.zeros((COLUMNS, SAMPLES)).T, np.zeros((COLUMNS, SAMPLES)).T
-    run(x, out)
-    for told in tables:
+    blocks = tables(x, out)
+    for told in blocks:
         np.testing.assert_array_equal(told[:COLUMNS, 1], told[:COLUMNS, 0] + AHEAD)
         np.testing.assert_array_equal(told[COLUMNS:, 1], told[COLUMNS:, 0] + (0 if past else AHEAD))
-    assert len(tables) == SAMPLES // BLOCK
+    assert len(blocks) == SAMPLES // BLOCK
 
 
 def test_rows_are_called_for_a_block_ahead(tables):
     """Together the columns that a kernel calls for are the rows of the next block, each number once."""
     x, out = np.zeros((SAMPLES, COLUMNS)), np.zeros((SAMPLES, COLUMNS))
-    run(x, out)
-    for block, told in enumerate(tables):
+    for block, told in enumerate(tables(x, out)):
         for array, part in ((x, told[:COLUMNS]), (out, told[COLUMNS:])):
             called = (part[:, 1:] + 8 * np.arange(BLOCK)).ravel()
             following = array.ctypes.data + 8 * (block + 1) * BLOCK * COLUMNS

@@ -34,8 +34,8 @@ def test_the_bits_of_many_samples(dtype, program):
             np.testing.assert_array_equal(code({"x": part}, samples), many[start : start + samples])
 
 
-def test_no_job_is_made_for_them(monkeypatch):
-    monkeypatch.setattr(compiled_blocks, "Job", None)
+def test_they_are_done_at_once(monkeypatch):
+    monkeypatch.setattr(compiled_blocks, "in_pool", None)
     code = blocks()
     rooms = [code({"x": X[:samples]}, samples) is not None and code._rooms[0] for samples in (1, FEW)]
     assert rooms[0] is rooms[1]

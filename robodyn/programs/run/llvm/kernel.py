@@ -81,9 +81,7 @@ attributes #0 = {{ nounwind "stackrealign" "prefer-vector-width"="512" "min-lega
 """
 
 
-def kernel(
-    program: Program, first_row: Mapping[str, int], scalar: str, lanes: int, fused: bool = True, calls: bool = True
-) -> str:
+def kernel(program: Program, first_row: Mapping[str, int], scalar: str, lanes: int, calls: bool = True) -> str:
     """Return the LLVM IR of `i64 kernel(rows, flags, groups)`.
 
     `rows` points to an array of pointers: to the columns of the inputs, then to those of the outputs, each a column of
@@ -96,10 +94,9 @@ def kernel(
         first_row: where in `rows` the columns of each source begin, and under "" those of the outputs.
         scalar: "double" or "float".
         lanes: samples in a group: 8 or 16.
-        fused: form products inside the sums that use them; see `robodyn.programs.run.llvm.kernel`.
         calls: call for the memory that will be wanted next, a line of the cache for every vector that is moved.
     """
-    writer = Writer(program, first_row, Code(scalar, lanes), fused_products(program) if fused else {}, calls)
+    writer = Writer(program, first_row, Code(scalar, lanes), fused_products(program), calls)
     writer.write()
     writer.flag()
     return FRAME.format(
