@@ -46,8 +46,8 @@ def jacobian(outputs: Sequence[Scalar], directions: Sequence[Direction]) -> list
     for k, direction in enumerate(directions):
         for node, rate in direction.items():
             rates[node][k] = rate
-    for node, partials in edges.items():
-        rates[node] = _combined((rates[operand], partial) for operand, partial in partials)
+    for node, changes in edges.items():
+        rates[node] = _combined((rates[operand], partial) for operand, partial in changes)
     along = [rates.get(output, {}) if isinstance(output, Traced) else {} for output in outputs]
     forwards = [[row.get(k, 0.0) for k in range(len(directions))] for row in along]
 

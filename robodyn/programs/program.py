@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import gc
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, wraps
 from typing import Any, TypeVar
@@ -92,24 +91,30 @@ def trace(function: Callable[[Tape], Iterable[Any]], first: Sequence[int] = ()) 
         first: outputs to finish first, in this order; for torques from the tips of a tree to its base, one branch after
             another, this leaves a third of the values alive at a time that any order across branches does.
     """
-    with _no_collections():
+    collecting = gc.isenabled()
+    gc.disable()  # a trace makes no garbage, and looking for it takes a quarter of its time
+    try:
         tape = Tape()
         outputs = [x if isinstance(x, Traced) else tape.constant(x) for x in function(tape)]
-        early = [outputs[i] for i in first]
-        program = _linearised(outputs, [*early, *outputs])
+        position: dict[Traced, int] = {}
+        operations: list[tuple[str, Any, Any]] = []
+        stack = [*reversed(outputs), *(outputs[i] for i in reversed(first))]
+        while stack:
+            node = stack[-1]
+            if node in position:
+                stack.pop()
+                continue
+            waiting = [child for child in (node.b, node.a) if isinstance(child, Traced) and child not in position]
+            if waiting:
+                stack.extend(waiting)
+                continue
+            stack.pop()
+            position[node] = len(operations)
+            operations.append((node.op, position.get(node.a, node.a), position.get(node.b, node.b)))
         tape.forget()
-        return program
-
-
-@contextmanager
-def _no_collections() -> Iterator[None]:
-    """Have Python collect no garbage meanwhile: a trace makes none, and looking for it takes a quarter of its time."""
-    before = gc.isenabled()
-    gc.disable()
-    try:
-        yield
+        return Program(tuple(operations), tuple(position[node] for node in outputs))
     finally:
-        if before:
+        if collecting:
             gc.enable()
 
 
@@ -121,22 +126,3 @@ def traced(outputs: Callable[[T, Tape], Iterable[Any]]) -> Callable[[T], Program
         return trace(lambda tape: outputs(given, tape))
 
     return program
-
-
-def _linearised(outputs: Sequence[Traced], visits: Sequence[Traced]) -> Program:
-    position: dict[Traced, int] = {}
-    operations: list[tuple[str, Any, Any]] = []
-    stack = list(reversed(visits))
-    while stack:
-        node = stack[-1]
-        if node in position:
-            stack.pop()
-            continue
-        waiting = [child for child in (node.b, node.a) if isinstance(child, Traced) and child not in position]
-        if waiting:
-            stack.extend(waiting)
-            continue
-        stack.pop()
-        position[node] = len(operations)
-        operations.append((node.op, position.get(node.a, node.a), position.get(node.b, node.b)))
-    return Program(tuple(operations), tuple(position[node] for node in outputs))

@@ -27,7 +27,7 @@ from robodyn.measure.accuracy.ladder import (
 )
 from robodyn.programs.program import Program
 from robodyn.programs.run.compiled_blocks import CompiledBlocks, kernel_of
-from robodyn.programs.run.double_double import BLOCK, DoubleDouble
+from robodyn.programs.run.double_double import BLOCK, double_double
 from robodyn.programs.run.llvm.machine import Function, compiler_problem, machine_code
 from robodyn.programs.run.multiprecision import Multiprecision, context_of
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
@@ -126,7 +126,7 @@ def _executor_ladder(
     few = {name: values[rows] for name, values in sources.items()}
     expected = reference(few, len(rows))
     found = {name: (tau[rows], time) for name, (tau, time) in results.items()}
-    pairs, block = DoubleDouble(program), min(count, BLOCK)
+    pairs, block = partial(double_double, program), min(count, BLOCK)
     given = {name: values[:block] for name, values in sources.items()}
     ((_, time),) = timed({"": partial(pairs, given, block)}, 1 / block).values()
     high, low = map(np.frompyfunc(context_of(DIGITS).mpf, 1, 1), pairs(few, len(rows)))

@@ -33,33 +33,27 @@ class Pair(NamedTuple):
     low: Any
 
 
-class DoubleDouble:
-    """A program made ready to run on arrays of samples, on pairs of floats."""
+@np.errstate(all="ignore")
+def double_double(program: Program, sources: Mapping[str, Floats], samples: int) -> Pair:
+    """Return the outputs of a program for every sample: two arrays (samples, outputs) whose sum they are.
 
-    def __init__(self, program: Program) -> None:
-        self.program = program
+    Args:
+        sources: for each source an array (samples, columns) of floats.
 
-    @np.errstate(all="ignore")
-    def __call__(self, sources: Mapping[str, Floats], samples: int) -> Pair:
-        """Return the outputs of the program for every sample: two arrays (samples, outputs) whose sum they are.
+    Accuracy: each operation is right to 1e-31 of its result, sine and cosine to 1e-31, for arguments up to 1e6;
+        products of more than 1e300 are nan.
+    """
+    found = Pair(*(np.empty((samples, len(program.outputs))) for _ in range(2)))
+    for start in range(0, samples, BLOCK):
+        block = slice(start, start + BLOCK)
 
-        Args:
-            sources: for each source an array (samples, columns) of floats.
+        def column(source: str, index: int, block: slice = block) -> Pair:
+            values = np.ascontiguousarray(sources[source][block, index])
+            return Pair(values, np.zeros(len(values)))
 
-        Accuracy: each operation is right to 1e-31 of its result, sine and cosine to 1e-31, for arguments up to 1e6;
-            products of more than 1e300 are nan.
-        """
-        found = Pair(*(np.empty((samples, len(self.program.outputs))) for _ in range(2)))
-        for start in range(0, samples, BLOCK):
-            block = slice(start, start + BLOCK)
-
-            def column(source: str, index: int, block: slice = block) -> Pair:
-                values = np.ascontiguousarray(sources[source][block, index])
-                return Pair(values, np.zeros(len(values)))
-
-            for k, x in enumerate(self.program.evaluated(column, lambda value: Pair(value, 0.0), _FUNCTIONS)):
-                found.high[block, k], found.low[block, k] = x
-        return found
+        for k, x in enumerate(program.evaluated(column, lambda value: Pair(value, 0.0), _FUNCTIONS)):
+            found.high[block, k], found.low[block, k] = x
+    return found
 
 
 def added(a: Pair, b: Pair) -> Pair:
@@ -101,12 +95,20 @@ def root(a: Pair) -> Pair:
     return _fast_two_sum(near, rest.high / (2.0 * safe))
 
 
-def sine(a: Pair) -> Pair:
-    return _of_quadrant(a, 0)
+def sine(a: Pair, ahead: int = 0) -> Pair:
+    """Return the sine `ahead` quarter turns further."""
+    turns = np.rint(a.high / _HALF_PI[0])
+    r = _reduced(a, turns, _HALF_PI)
+    square = multiplied(r, r)
+    s = multiplied(r, _polynomial(square, _inverse_factorials(1, 2)))
+    c = _polynomial(square, _inverse_factorials(0, 2))
+    quadrant = np.mod(turns + ahead, 4.0)
+    even, flip = np.mod(quadrant, 2.0) == 0.0, np.where(quadrant >= 2.0, -1.0, 1.0)
+    return Pair(*(flip * np.where(even, x, y) for x, y in zip(s, c, strict=True)))
 
 
 def cosine(a: Pair) -> Pair:
-    return _of_quadrant(a, 1)
+    return sine(a, 1)
 
 
 def exponential(a: Pair) -> Pair:
@@ -148,14 +150,10 @@ def _fast_two_sum(a: Any, b: Any) -> Pair:
 
 def _two_product(a: Any, b: Any) -> Pair:
     p = a * b
-    (u, v), (x, y) = _halves(a), _halves(b)
+    s, t = _SPLIT * a, _SPLIT * b
+    u, x = s - (s - a), t - (t - b)
+    v, y = a - u, b - x
     return Pair(p, ((u * x - p) + u * y + v * x) + v * y)
-
-
-def _halves(a: Any) -> tuple[Any, Any]:
-    t = _SPLIT * a
-    high = t - (t - a)
-    return high, a - high
 
 
 def _reduced(a: Pair, turns: Any, period: Sequence[float]) -> Pair:
@@ -163,18 +161,6 @@ def _reduced(a: Pair, turns: Any, period: Sequence[float]) -> Pair:
     for part in period:
         a = subtracted(a, _two_product(turns, part))
     return a
-
-
-def _of_quadrant(a: Pair, ahead: int) -> Pair:
-    """Return the sine `ahead` quarter turns further."""
-    turns = np.rint(a.high / _HALF_PI[0])
-    r = _reduced(a, turns, _HALF_PI)
-    square = multiplied(r, r)
-    s = multiplied(r, _polynomial(square, _inverse_factorials(1, 2)))
-    c = _polynomial(square, _inverse_factorials(0, 2))
-    quadrant = np.mod(turns + ahead, 4.0)
-    even, flip = np.mod(quadrant, 2.0) == 0.0, np.where(quadrant >= 2.0, -1.0, 1.0)
-    return Pair(*(flip * np.where(even, x, y) for x, y in zip(s, c, strict=True)))
 
 
 def _polynomial(x: Pair, coefficients: Sequence[Pair]) -> Pair:
@@ -186,7 +172,7 @@ def _polynomial(x: Pair, coefficients: Sequence[Pair]) -> Pair:
 
 @lru_cache(maxsize=8)
 def _inverse_factorials(first: int, step: int) -> tuple[Pair, ...]:
-    """Of first, first + step and so on; by turns positive and negative if the step is 2."""
+    """Of first, first + step and so on; of step 2 with alternating signs."""
     from fractions import Fraction
 
     found = []

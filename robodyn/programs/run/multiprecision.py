@@ -36,32 +36,42 @@ class Multiprecision:
         Raises:
             InputError: mpmath is not installed, or `digits` is less than 1.
         """
-        self.program = program
-        self.context = context_of(digits)
-        self._functions = _functions(self.context)
+        self.program, self.context = program, context_of(digits)
+        context = self.context
+
+        def within_doubles(function: Callable[[Any], Any]) -> Callable[[Any], Any]:
+            return lambda x: function(x if context.mag(x) <= DOUBLE_BITS else x * context.inf)
+
+        self._functions: dict[str, Callable[..., Any]] = {
+            ADD: operator.add,
+            SUB: operator.sub,
+            MUL: operator.mul,
+            DIV: lambda a, b: a / b if b else a * context.inf,
+            NEG: operator.neg,
+            SQRT: lambda x: context.nan if x < 0 else context.sqrt(x),
+            SIN: within_doubles(context.sin),
+            COS: within_doubles(context.cos),
+            SIGN: context.sign,
+            EXP: within_doubles(context.exp),
+        }
 
     def __call__(self, sources: Mapping[str, Any], samples: int) -> NDArray[np.object_]:
-        """Return the outputs of the program for every sample.
+        """Return the outputs of the program for every sample: (samples, outputs) of `mpmath.mpf`.
 
         Args:
             sources: for each source an array (samples, columns) of floats or mpmath numbers, each taken as the exact
                 number that it is, however many digits that has.
-            samples: how many.
-
-        Returns:
-            (samples, outputs) of `mpmath.mpf`; `.astype(float)` rounds them to doubles.
 
         Accuracy: each operation is right to 10^(1 - digits) of its result. These are working digits: a program that
         cancels loses some of them. The digits that two runs with different `digits` share are those to be trusted.
         """
-        convert = self.context.convert
-
-        def of_sample(row: int) -> list[Any]:
-            return self.program.evaluated(lambda a, b: convert(sources[a][row][b]), convert, self._functions)
-
-        result = np.empty((samples, len(self.program.outputs)), dtype=object)
+        convert, result = self.context.convert, np.empty((samples, len(self.program.outputs)), dtype=object)
         for row in range(samples):
-            result[row] = of_sample(row)
+
+            def column(source: str, index: int, row: int = row) -> Any:
+                return convert(sources[source][row][index])
+
+            result[row] = self.program.evaluated(column, convert, self._functions)
         return result
 
 
@@ -74,29 +84,3 @@ def context_of(digits: int) -> Any:
     context = mpmath.MPContext()
     context.dps = digits
     return context
-
-
-def _functions(context: Any) -> dict[str, Callable[..., Any]]:
-    """Each operation on numbers of `context`."""
-
-    def divided(a: Any, b: Any) -> Any:
-        return a / b if b else a * context.inf
-
-    def root(x: Any) -> Any:
-        return context.nan if x < 0 else context.sqrt(x)
-
-    def within_doubles(function: Callable[[Any], Any]) -> Callable[[Any], Any]:
-        return lambda x: function(x if context.mag(x) <= DOUBLE_BITS else x * context.inf)
-
-    return {
-        ADD: operator.add,
-        SUB: operator.sub,
-        MUL: operator.mul,
-        DIV: divided,
-        NEG: operator.neg,
-        SQRT: root,
-        SIN: within_doubles(context.sin),
-        COS: within_doubles(context.cos),
-        SIGN: context.sign,
-        EXP: within_doubles(context.exp),
-    }

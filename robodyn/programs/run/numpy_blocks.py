@@ -13,7 +13,6 @@ from robodyn.programs.scalar import ADD, CONSTANT, COS, DIV, EXP, INPUT, MUL, NE
 
 Numbers = NDArray[np.floating[Any]]
 
-
 COPY = "copy"
 
 UFUNCS: dict[str, Any] = {
@@ -35,10 +34,6 @@ CACHE_BYTES = 8 << 20
 
 SMALLEST, LARGEST = 256, 4096
 """Samples per block: enough to hide NumPy's cost per call, few enough to stay near the core."""
-
-
-Step = tuple[str, tuple[Any, ...]]
-"""An operation and its operands: rows of the workspace, or constants as arrays of no dimension."""
 
 
 class NumpyBlocks:
@@ -68,7 +63,6 @@ class NumpyBlocks:
 
         Args:
             sources: for each source an array (samples, columns), in any layout.
-            samples: how many.
             out: (samples, outputs), written to if given.
 
         Returns:
@@ -83,7 +77,10 @@ class NumpyBlocks:
         result = np.empty((self.outputs, samples), self.dtype).T if out is None else out
         if samples == 0:
             return result
-        size = self._block_size(samples)
+        # all that fit, or blocks of nearly equal size, one of few sizes so that they are ready
+        size = -(-samples // -(-samples // self.block))
+        if size > SMALLEST:
+            size = min(-(-size // SMALLEST) * SMALLEST, max(self.block, size))
         with np.errstate(all="ignore"):
             # Taken out while it is in use, so that two threads never share a workspace.
             ready = self._ready.pop(size, None) or self._prepared(size)
@@ -101,14 +98,16 @@ class NumpyBlocks:
         self._ready[size] = ready
         return result
 
-    def _block_size(self, samples: int) -> int:
-        """Samples per block: all that fit, or blocks of nearly equal size, one of few sizes so that they are ready."""
-        size = -(-samples // -(-samples // self.block))
-        return size if size <= SMALLEST else min(-(-size // SMALLEST) * SMALLEST, max(self.block, size))
-
     def _prepared(self, size: int) -> tuple[Numbers, list[tuple[Any, tuple[Any, ...]]]]:
-        """Return a workspace for blocks of `size` samples, and the calls that fill it."""
-        rows = _workspace(self.rows, size, self.dtype)
+        """Return a workspace for blocks of `size` samples, and the calls that fill it.
+
+        Its rows start on cache lines, and their stride is no power of two (they would share sets of the cache).
+        """
+        line = 64 // self.dtype.itemsize
+        stride = -(-size // line) * line + line
+        raw = np.ones(self.rows * stride + line, self.dtype)
+        first = -(raw.ctypes.data // self.dtype.itemsize) % line
+        rows = raw[first : first + self.rows * stride].reshape(self.rows, stride)[:, :size]
         row = list(rows)  # one view of each, whoever uses it
         return rows, [
             (UFUNCS[op], tuple([row[arg] if arg.__class__ is int else arg.astype(self.dtype) for arg in args]))
@@ -116,24 +115,18 @@ class NumpyBlocks:
         ]
 
 
-def _workspace(rows: int, size: int, dtype: np.dtype[Any]) -> Numbers:
-    """Rows of `size` numbers that start on cache lines and whose stride is no power of two (they would share sets)."""
-    line = 64 // dtype.itemsize
-    stride = -(-size // line) * line + line
-    raw = np.ones(rows * stride + line, dtype)
-    first = -(raw.ctypes.data // dtype.itemsize) % line
-    return raw[first : first + rows * stride].reshape(rows, stride)[:, :size]
-
-
-def _allocated(program: Program, first_row: Mapping[str, int], row: int) -> tuple[list[Step], int]:
-    """The steps of a program with a row for every operand, and how many rows they need; rows below `row` are taken."""
+def _allocated(
+    program: Program, first_row: Mapping[str, int], row: int
+) -> tuple[list[tuple[str, tuple[Any, ...]]], int]:
+    """Return each operation with its operands, and how many rows of the workspace they need; those below `row` are
+    taken. An operand is a row, or a constant as an array of no dimension."""
     last_use = {
         arg: k for k, (op, a, b) in enumerate(program.operations) if op not in (INPUT, CONSTANT) for arg in (a, b)
     }
     home: dict[int, int] = {}
     for place, position in enumerate(program.outputs):
         home.setdefault(position, place)
-    steps: list[Step] = []
+    steps: list[tuple[str, tuple[Any, ...]]] = []
     where: list[Any] = []
     free: list[int] = []
     for k, (op, a, b) in enumerate(program.operations):

@@ -81,9 +81,6 @@ def choice(work: Work) -> Choice:
 PAIRS = "double-double"
 """The name of an executor that is never chosen by itself."""
 
-AS_ASKED = {executor: Choice(executor, "as asked") for executor in (*EXECUTORS, PAIRS)}
-READY = Choice("compiled", "its machine code is ready")
-
 
 class Run(NamedTuple):
     """What a call of a runner yields: values (samples, outputs), the executor that computed them, and why it."""
@@ -128,7 +125,6 @@ class Runner:
 
         Args:
             sources: for each source an array (samples, columns), in any layout.
-            samples: how many.
             out: (samples, outputs) of `dtype`, written to if given.
             executor: "auto", "numpy", "compiled", or "double-double" (1e-30, some 100 times slower than "numpy").
             threads: of the compiled executor; None is all cores.
@@ -147,13 +143,22 @@ class Runner:
         if threads is not None:
             cores(threads)  # refuses those that cannot work
         if executor == PAIRS:
-            from robodyn.programs.run.double_double import DoubleDouble
+            from robodyn.programs.run.double_double import double_double
 
-            values: NDArray[Any] = DoubleDouble(self.program)(sources, samples).high  # the results rounded once
+            values: NDArray[Any] = double_double(self.program, sources, samples).high  # the results rounded once
             if out is not None:
                 out[...] = values
-            return Run(values if out is None else out, AS_ASKED[PAIRS])
-        chosen = self._chosen(executor, kind, samples, expected)
+            return Run(values if out is None else out, Choice(PAIRS, "as asked"))
+        if executor not in EXECUTORS:
+            remedy = alternatives(str(executor), EXECUTORS, "executors")
+            raise InputError(f"there is no executor {executor!r}", remedy=remedy)
+        chosen = self._choice(kind, samples, expected) if executor == "auto" else Choice(executor, "as asked")
+        if chosen.executor == "compiled" and kind not in self._compiled and (problem := self._made(kind)):
+            if executor == "compiled":
+                raise InputError(f"the compiled executor cannot run: {problem}", remedy="choose auto or numpy")
+            self._problem = problem
+            _say(f"large work goes without machine code, tens of times slower: {problem}")
+            chosen = Choice("numpy", problem)
         if chosen.executor == "compiled":
             return Run(self._compiled[kind](sources, samples, out, threads), chosen)
         by_numpy = self._by_numpy(kind)
@@ -163,42 +168,26 @@ class Runner:
             self._blocks += -(-samples // by_numpy.block)
         return Run(by_numpy(sources, samples, out), chosen)
 
-    def _chosen(self, executor: str, kind: type, samples: int, expected: int) -> Choice:
-        """Return the executor to use, which is ready."""
-        if executor not in EXECUTORS:
-            remedy = alternatives(str(executor), EXECUTORS, "executors")
-            raise InputError(f"there is no executor {executor!r}", remedy=remedy)
-        found = self._choice(kind, samples, expected) if executor == "auto" else AS_ASKED[executor]
-        if found.executor == "compiled" and kind not in self._compiled and (problem := self._made(kind)):
-            if executor == "compiled":
-                raise InputError(f"the compiled executor cannot run: {problem}", remedy="choose auto or numpy")
-            self._problem = problem
-            _say(f"large work goes without machine code, tens of times slower: {problem}")
-            return Choice("numpy", problem)
-        return found
+    def _by_numpy(self, kind: type) -> NumpyBlocks:
+        if kind not in self._numpy:
+            self._numpy[kind] = NumpyBlocks(self.program, self.widths, kind)
+        return self._numpy[kind]
 
     def _choice(self, kind: type, samples: int, expected: int) -> Choice:
         """Return the executor that suits the work: all that is expected, or all so far."""
         if self._problem:
             return Choice("numpy", self._problem)
         if kind in self._compiled and not expected:
-            return READY
-        size, block = self.program.size, self._by_numpy(kind).block
+            return Choice("compiled", "its machine code is ready")
+        block = self._by_numpy(kind).block
         if expected:
-            return choice(Work(size, expected, 1, -(-expected // block)))
+            return choice(Work(self.program.size, expected, 1, -(-expected // block)))
         with self._counting:
-            work = Work(size, self._samples + samples, self._runs + 1, self._blocks + -(-samples // block))
-        return choice(work)
-
-    def _by_numpy(self, kind: type) -> NumpyBlocks:
-        if kind not in self._numpy:
-            self._numpy[kind] = NumpyBlocks(self.program, self.widths, kind)
-        return self._numpy[kind]
+            blocks = self._blocks + -(-samples // block)
+            return choice(Work(self.program.size, self._samples + samples, self._runs + 1, blocks))
 
     def _made(self, kind: type) -> str | None:
-        """Makes the compiled executor unless it is there already; what stands against it."""
-        if kind in self._compiled:
-            return None
+        """Make the compiled executor; return what stands against it."""
         if problem := compiler_problem():
             return problem
         from robodyn.programs.run.compiled_blocks import CompiledBlocks
@@ -214,5 +203,4 @@ class Runner:
 
 @cache
 def _say(what: str) -> None:
-    """A warning, once."""
     warnings.warn(what, RobodynWarning, stacklevel=2)

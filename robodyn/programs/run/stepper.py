@@ -158,24 +158,6 @@ fail:
 
 DONE, NEAR = 2.0**-106, 2.0**-86
 """Of a sweep's squared relative change: small enough; and small enough to stop when it no longer falls."""
-
-
-def rollout(lanes: int) -> str:
-    """Return the LLVM IR of `i64 rollout(...)`, a loop of kernels; its arguments are those of ROLLOUT, in that order.
-
-    `slots` holds `records + 1` states of `rows` columns of doubles, `pitch` bytes from one column to the next; the
-    first is given, and each of the others is written `every` steps after the one before it. A step calls `sweep` (if
-    not null), at most `sweeps` times, until the last of its outputs is small, then `step`. `columns` holds `extra`
-    columns for each step, which both read besides. `spare` has room for four states and a column each, `table` for
-    2 rows + 1 + extra pointers; `swept` is told how many sweeps there were, if all steps are done.
-
-    Returns:
-        The number of steps done, all of them unless a sample is flagged; or -1 - steps where sweeps do not settle.
-    """
-    done, near = (f"0x{struct.unpack('<Q', struct.pack('<d', value))[0]:016X}" for value in (DONE, NEAR))
-    return ROLLOUT.format(lanes=lanes, done=done, near=near)
-
-
 LANES = 8
 """Rollouts worked on at a time."""
 COLUMNS = "columns"
@@ -184,6 +166,22 @@ SINGLE = 1
 """Lanes for one rollout: a step waits for its divisions and roots, which are quicker one by one."""
 SWEEPS = 60
 """At most so many sweeps of an implicit step."""
+
+
+@cache
+def _rollout(lanes: int) -> Function:
+    """Return `i64 rollout(...)`, a loop of kernels; its arguments are those of ROLLOUT, in that order.
+
+    `slots` holds `records + 1` states of `rows` columns of doubles, `pitch` bytes from one column to the next; the
+    first is given, and each of the others is written `every` steps after the one before it. A step calls `sweep` (if
+    not null), at most `sweeps` times, until the last of its outputs is small, then `step`. `columns` holds `extra`
+    columns for each step, which both read besides. `spare` has room for four states and a column each, `table` for
+    2 rows + 1 + extra pointers; `swept` is told how many sweeps there were, if all steps are done. It returns the
+    number of steps done, all of them unless a sample is flagged; or -1 - steps where sweeps do not settle.
+    """
+    done, near = (f"0x{struct.unpack('<Q', struct.pack('<d', value))[0]:016X}" for value in (DONE, NEAR))
+    arguments = (*[c_void_p] * 6, *[c_int64] * 6, c_void_p, c_int64, c_void_p)
+    return built("rollout", ("rollout", lanes), lambda: ROLLOUT.format(lanes=lanes, done=done, near=near), *arguments)
 
 
 class Done(NamedTuple):
@@ -210,13 +208,17 @@ class CompiledSteps:
         Raises:
             ImportError, OSError, RuntimeError: llvmlite is not there, or does not compile them.
         """
+
+        def made(program: Program) -> Function:
+            rows = {**program.rows({source: width, COLUMNS: columns}), source: 0, "": width, COLUMNS: 2 * width + 1}
+            content = "repeated", program.operations, program.outputs, width, lanes
+            return built("kernel", content, lambda: kernel(program, rows, "double", lanes, calls=False))
+
         self.width, self.lanes, self.columns = width, lanes, columns
-        self._step = _kernel(step, source, width, lanes, columns)
-        self._sweep = None if sweep is None else _kernel(sweep, source, width, lanes, columns)
-        self._run = _rollout(lanes)
+        self._step, self._sweep, self._run = made(step), None if sweep is None else made(sweep), _rollout(lanes)
 
     def __call__(self, slots: Floats, every: int, columns: Floats | None = None) -> Done:
-        """Fills the slots from the first on.
+        """Fill the slots from the first on.
 
         Args:
             slots: (records + 1, width, rollouts), contiguous; a multiple of `lanes` rollouts.
@@ -239,48 +241,30 @@ class NumpySteps:
     """The same by NumPy, one call per operation and step."""
 
     def __init__(self, source: str, width: int, step: Program, sweep: Program | None, columns: int = 0) -> None:
-        """Args: as for `CompiledSteps`."""
         self.source, self.width, self.lanes, self.columns = source, width, 1, columns
         widths = {source: width, COLUMNS: columns}
         self._step = NumpyBlocks(step, widths)
         self._sweep = None if sweep is None else NumpyBlocks(sweep, widths)
 
     def __call__(self, slots: Floats, every: int, columns: Floats | None = None) -> Done:
-        """As `CompiledSteps`."""
         state, sweeps = slots[0].T, 0
         for k in range(every * (len(slots) - 1)):
             now = np.empty((len(state), 0)) if columns is None else np.repeat(columns[k : k + 1], len(state), axis=0)
-            if self._sweep is not None:
-                found, count = self._settled(self._sweep, state, now)
-                if found is None:
+            before = np.inf
+            for count in range(1, SWEEPS + 1):
+                if self._sweep is None:
+                    break
+                swept = self._sweep({self.source: state, COLUMNS: now}, len(state))
+                state, change = np.asarray(swept[:, :-1], dtype=float), float(swept[:, -1].max())
+                if change <= DONE or (change <= NEAR and change >= before):
+                    sweeps += count
+                    break
+                if count == SWEEPS:
                     return Done(k, False)
-                state, sweeps = found, sweeps + count
+                before = change
             state = np.asarray(self._step({self.source: state, COLUMNS: now}, len(state)), dtype=float)
             if not np.isfinite(state).all():
                 return Done(k, True)
             if (k + 1) % every == 0:
                 slots[(k + 1) // every] = state.T
         return Done(every * (len(slots) - 1), True, sweeps)
-
-    def _settled(self, sweep: NumpyBlocks, state: Floats, now: Floats) -> tuple[Floats | None, int]:
-        """Return what sweeps end with, None if they do not, and how many it took."""
-        before = np.inf
-        for count in range(1, SWEEPS + 1):
-            swept = sweep({self.source: state, COLUMNS: now}, len(state))
-            state, change = np.asarray(swept[:, :-1], dtype=float), float(swept[:, -1].max())
-            if change <= DONE or (change <= NEAR and change >= before):
-                return state, count
-            before = change
-        return None, SWEEPS
-
-
-def _kernel(program: Program, source: str, width: int, lanes: int, columns: int) -> Function:
-    rows = {**program.rows({source: width, COLUMNS: columns}), source: 0, "": width, COLUMNS: 2 * width + 1}
-    content = "repeated", program.operations, program.outputs, width, lanes
-    return built("kernel", content, lambda: kernel(program, rows, "double", lanes, calls=False))
-
-
-@cache
-def _rollout(lanes: int) -> Function:
-    arguments = (*[c_void_p] * 6, *[c_int64] * 6, c_void_p, c_int64, c_void_p)
-    return built("rollout", ("rollout", lanes), lambda: rollout(lanes), *arguments)

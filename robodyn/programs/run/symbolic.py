@@ -29,7 +29,6 @@ def number(value: float) -> Any:
 
 
 def operations() -> dict[str, Callable[..., Any]]:
-    """Each operation on SymPy expressions."""
     sympy = module()
     return {
         ADD: sympy.Add,

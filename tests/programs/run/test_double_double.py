@@ -9,7 +9,7 @@ from helpers.robot_files import FOLDER
 
 from robodyn.dynamics.plan import plan
 from robodyn.programs.run import double_double as dd
-from robodyn.programs.run.double_double import DoubleDouble, Pair
+from robodyn.programs.run.double_double import Pair, double_double
 from robodyn.programs.run.multiprecision import Multiprecision
 from robodyn.robot.load import load
 from robodyn.scene.scene import DEFAULT
@@ -71,7 +71,7 @@ def test_torques():
     program = plan(model, DEFAULT).torques()
     samples = dd.BLOCK + 3
     sources = {name: RNG.uniform(-2, 2, (samples, model.n)) for name in ("q", "qd", "qdd")}
-    found = DoubleDouble(program)(sources, samples)
+    found = double_double(program, sources, samples)
     rows = [0, 7, dd.BLOCK - 1, dd.BLOCK, samples - 1]
     expected = Multiprecision(program, digits=DIGITS)({name: x[rows] for name, x in sources.items()}, len(rows))
     off = abs((expected - found.high[rows].astype(object)) - found.low[rows].astype(object))

@@ -55,7 +55,11 @@ def host() -> Host:
     features = llvm.get_host_cpu_features()
     versions = llvmlite.__version__, tuple(llvm.llvm_version_info)
     here = Host(llvm.get_process_triple(), llvm.get_host_cpu_name(), features.flatten(), *versions)
-    level = _level(here.triple)
+    level = os.environ.get("ROBODYN_CPU") or NATIVE
+    known = [NATIVE, *(LEVELS if here.triple.startswith("x86_64") else ())]
+    if level not in known:
+        remedy = alternatives(level, known, "processors")
+        raise InputError(f"ROBODYN_CPU: there is no processor {level!r}", remedy=remedy)
     if level == NATIVE:
         return here
     missing = [name for name in LEVELS[level] if not features.get(name)]
@@ -63,16 +67,6 @@ def host() -> Host:
         what = f"ROBODYN_CPU: {level} has {', '.join(missing)}, which this processor ({here.cpu}) has not"
         raise InputError(what, remedy="choose a lower level, or leave it unset")
     return here._replace(cpu=level, features=",".join(f"+{name}" for name in LEVELS[level]))
-
-
-def _level(triple: str) -> str:
-    """Return what ROBODYN_CPU names."""
-    level = os.environ.get("ROBODYN_CPU") or NATIVE
-    known = [NATIVE, *(LEVELS if triple.startswith("x86_64") else ())]
-    if level not in known:
-        remedy = alternatives(level, known, "processors")
-        raise InputError(f"ROBODYN_CPU: there is no processor {level!r}", remedy=remedy)
-    return level
 
 
 @cache

@@ -247,20 +247,8 @@ _TYPE, _DATA, _DIMENSIONS, _SHAPE, _DTYPE, _FLAGS = 8, 16, 24, 32, 56, 64
 _EMPTY = 184
 """The place of PyArray_Empty in NumPy's table of functions, which keeps its order from release to release."""
 
-_FIELDS = (
-    "kernel",
-    "count",
-    "array_type",
-    "dtype",
-    "out",
-    "empty",
-    "keep",
-    "drop",
-    "vectorcall",
-    "otherwise",
-    "dimensions",
-)
-_PLACE = {name: k for k, name in enumerate((*_FIELDS, "shape"))}
+_FIELDS = "kernel count array_type dtype out empty keep drop vectorcall otherwise dimensions shape"
+_PLACE = {name: k for k, name in enumerate(_FIELDS.split())}
 _WIDTHS = _PLACE["shape"] + MOST_DIMENSIONS
 
 
@@ -282,10 +270,14 @@ def callable_of(
     if len(widths) > MOST_ARGUMENTS or not 0 < len(shape) <= MOST_DIMENSIONS:
         raise ValueError("too many arguments or dimensions")
     api = ctypes.pythonapi
+    pointer = api.PyCapsule_GetPointer
+    pointer.restype, pointer.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
+    numpys = pointer(import_module("numpy._core._multiarray_umath")._ARRAY_API, None)
+    empty = ctypes.cast(numpys, ctypes.POINTER(ctypes.c_void_p))[_EMPTY] or 0
     functions = (api.Py_IncRef, api.Py_DecRef, api.PyObject_Vectorcall)
     keep_one, drop, vectorcall = (ctypes.cast(each, ctypes.c_void_p).value for each in functions)
     dtype, out = np.dtype(np.float64), sys.intern("out")
-    head = (kernel, len(widths), id(np.ndarray), id(dtype), id(out), _numpys_empty(), keep_one, drop, vectorcall)
+    head = (kernel, len(widths), id(np.ndarray), id(dtype), id(out), empty, keep_one, drop, vectorcall)
     sizes = (*shape, *(0,) * (MOST_DIMENSIONS - len(shape)))
     table = np.array((*head, id(otherwise), len(shape), *sizes, *widths), np.uint64).view(_Table)
     method = _Method(b"function", _call().address, _FAST | _KEYWORDS, None)
@@ -303,12 +295,12 @@ class _Table(np.ndarray[Any, np.dtype[np.uint64]]):
 
 
 class _Method(ctypes.Structure):
-    _fields_ = (
+    _fields_ = [
         ("name", ctypes.c_char_p),
         ("address", ctypes.c_void_p),
         ("flags", ctypes.c_int),
         ("doc", ctypes.c_char_p),
-    )
+    ]
 
 
 _KEYWORDS, _FAST = 0x0002, 0x0080
@@ -334,15 +326,6 @@ def _call() -> Function:
     for name in sorted(numbers, key=len, reverse=True):
         text = text.replace(f"${name}", str(numbers[name]))
     return built("call", ("call", text), lambda: text)
-
-
-def _numpys_empty() -> int:
-    """Return the address of PyArray_Empty."""
-    api = import_module("numpy._core._multiarray_umath")._ARRAY_API
-    pointer = ctypes.pythonapi.PyCapsule_GetPointer
-    pointer.restype, pointer.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
-    table = ctypes.cast(pointer(api, None), ctypes.POINTER(ctypes.c_void_p))
-    return int(table[_EMPTY] or 0)
 
 
 @cache
