@@ -17,7 +17,7 @@ from robodyn.equations.free_body.bodies import free_bodies
 from robodyn.errors import InputError
 from robodyn.loads.constraints import Follower
 from robodyn.report.equations import free_bodies_json, free_body_sections
-from robodyn.robot.configuration import configuration, rates
+from robodyn.robot.kinematics import configuration, rates
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.files import write_whole

@@ -45,8 +45,7 @@ def robot_in_scene(
         loops, contacts: whether the scene may have some.
     """
     from robodyn.robot.load import load
-    from robodyn.scene.described_loops import scene_of
-    from robodyn.scene.fit import check_scene, known, refuse_constraints
+    from robodyn.scene.fit import check_scene, known, refuse_constraints, scene_of
     from robodyn.scene.scene import DEFAULT
 
     files = call.scene_files if scene_file in (None, call.scene_name) else (scene_file,)

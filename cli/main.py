@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 import sys
 import warnings
+from collections.abc import Callable
 from importlib import import_module
 from io import TextIOWrapper
 
@@ -49,12 +50,12 @@ def robodyn(ctx: click.Context) -> None:
         click.echo(ctx.get_help())
 
 
-def main() -> None:
-    """Run the command line.
+def main(interrupted: Callable[[], bool] = lambda: False) -> None:
+    """Run the command line; `interrupted` tells whether there was an interrupt.
 
     Exit status: 0 fine, 1 findings or limits exceeded, 2 the input or the call is wrong, 130 interrupted.
     """
-    with reported(), warnings.catch_warnings():
+    with reported(interrupted), warnings.catch_warnings():
         for name, status in (("SIGTERM", 143), ("SIGHUP", 129)):  # so that half-written files are removed
             if (number := getattr(signal, name, None)) and signal.getsignal(number) is not signal.SIG_IGN:
                 signal.signal(number, lambda *_, status=status: sys.exit(status))

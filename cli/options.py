@@ -18,7 +18,7 @@ from robodyn.support.input_file import read_input
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
-    from robodyn.scene.parts import Payload
+    from robodyn.scene.scene import Payload
     from robodyn.trajectory.columns.signals import AngleUnit, TimeUnit
 
 Callback = Callable[..., Any]
@@ -279,7 +279,7 @@ def _at(text: str) -> list[float] | dict[str, float]:
 
 
 def _payload(text: str) -> Payload:
-    from robodyn.scene.parts import Payload
+    from robodyn.scene.scene import Payload
 
     link, _, load = text.rpartition("=")
     mass, at, com = load.partition("@")

@@ -6,13 +6,12 @@ import io
 import os
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import NoReturn
 
 import click
 
-from robodyn.cli.interrupts import STATUS, interrupted
 from robodyn.cli.options import TABLE_SUFFIXES
 from robodyn.errors import RobodynError
 from robodyn.report.table import PLAIN, Page, printable
@@ -54,8 +53,8 @@ def discard_output() -> None:
 
 
 @contextmanager
-def reported() -> Iterator[None]:
-    """Turn what is raised inside into one line and an exit status."""
+def reported(interrupted: Callable[[], bool]) -> Iterator[None]:
+    """Turn what is raised inside into one line and an exit status; after an interrupt nothing else is told."""
     try:
         yield
     except click.UsageError as error:
@@ -72,10 +71,10 @@ def reported() -> Iterator[None]:
         discard_output()
         fail(f"{error.filename or 'standard output'}: {(error.strerror or str(error)).lower()}")
     except (KeyboardInterrupt, click.Abort):
-        sys.exit(STATUS)
+        sys.exit(130)
     except Exception as error:
         if interrupted():
-            sys.exit(STATUS)
+            sys.exit(130)
         from traceback import extract_tb
 
         place = extract_tb(error.__traceback__)[-1]

@@ -5,11 +5,15 @@ from __future__ import annotations
 import atexit
 import gc
 import os
+import signal
 import sys
+from types import FrameType
 from typing import NoReturn
 
 ALLOCATIONS = 100_000
 """Objects between two searches for cycles: imports make about as many, none of them garbage."""
+_seen: list[int] = []
+"""Interrupts: an import that one broke off may end with another error."""
 
 
 def start() -> NoReturn:
@@ -22,25 +26,27 @@ def start() -> NoReturn:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     os.environ["PYTHONSAFEPATH"] = "1"  # for processes that libraries start
     _import_nothing_from_here()
-    try:
-        from robodyn.cli.interrupts import STATUS, interrupted, listen
-    except KeyboardInterrupt:  # before anything listens
-        _leave(130)
     status = 0
     try:
-        listen()
+        if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # else the process shall ignore it
+            signal.signal(signal.SIGINT, _interrupt)
         from robodyn.cli.main import main
 
-        main()
+        main(lambda: bool(_seen))
     except SystemExit as end:
         if not isinstance(end.code, int):
             raise
         status = end.code
     except BaseException:
-        if not interrupted():
+        if not _seen:
             raise
-        status = STATUS
+        status = 130
     _leave(status)
+
+
+def _interrupt(number: int, _: FrameType | None) -> NoReturn:
+    _seen.append(number)
+    raise KeyboardInterrupt
 
 
 def _import_nothing_from_here() -> None:

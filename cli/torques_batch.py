@@ -2,35 +2,273 @@
 
 from __future__ import annotations
 
+import json
 import logging
 import os
+import threading
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import closing
+from contextlib import ExitStack, closing, suppress
+from dataclasses import dataclass, replace
 from functools import partial
+from glob import glob, has_magic
+from hashlib import blake2b
 from importlib import import_module
-from typing import Any
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import click
 
-from robodyn.cli.batch import Job, Setup, failed, jobs_of, run_job
-from robodyn.cli.files import STANDARD_INPUT, inputs_of, robot_in_scene
+import robodyn
+from robodyn.cli.files import STANDARD_INPUT, inputs_of, refuse_foreign, robot_in_scene
 from robodyn.cli.options import Call, refuse
 from robodyn.cli.progress import files_done
 from robodyn.cli.reports import answer
 from robodyn.cli.screen import complain, show
-from robodyn.errors import InputError
-from robodyn.loads.many import Batch, Outcome
-from robodyn.loads.torques import check_uncertain
+from robodyn.errors import InputError, RobodynError
+from robodyn.loads.accumulate import output_names
+from robodyn.loads.many import Batch, JointPeak, Outcome, Status
+from robodyn.loads.torques import check_uncertain, torques
 from robodyn.programs.run.llvm.machine import compiler_problem
 from robodyn.report.table import printable
 from robodyn.report.torques import batch_sections, outcome_line
-from robodyn.report.torques_json import batch_json
+from robodyn.report.torques_json import batch_json, torques_json
+from robodyn.robot.limits import Coverage, Unchecked
+from robodyn.robot.load import load
+from robodyn.robot.model import Model
+from robodyn.scene.read import parse_scenes
+from robodyn.scene.scene import DEFAULT, Payload, Scene
+from robodyn.support.cache import code_digest
+from robodyn.support.caveats import Caveat
 from robodyn.support.extras import need
-from robodyn.support.files import remove_abandoned
-from robodyn.support.input_file import read_input
+from robodyn.support.files import remove_abandoned, write_whole
+from robodyn.support.input_file import open_input, read_input
+from robodyn.support.libraries import version_of
 from robodyn.support.processes import Death, in_processes
-from robodyn.support.threads import processes
+from robodyn.support.threads import processes, write_behind
+from robodyn.trajectory.read import read_motion
+from robodyn.trajectory.readers.table import FILE_TYPES, READABLE, log_kind
+from robodyn.trajectory.write import open_writer
+
+REMEDY = "give --out another folder"
+_SUFFIXES = {"csv": ".csv", "parquet": ".parquet", "npz": ".npz"}
+
+
+class Job(NamedTuple):
+    """One trajectory: its name as given, absolute paths of it and of its results, and the table's name as printed."""
+
+    name: str
+    path: str
+    table: str
+    document: str
+    shown: str
+
+
+def jobs_of(patterns: Sequence[str], out: str, beside: Sequence[str] = ()) -> list[Job]:
+    """Return the jobs of names and patterns (`runs/*.csv`, `runs/**/*.csv`) in their order, each file once.
+
+    Args:
+        beside: other files that are read.
+
+    Results keep the name and the type of their trajectory; those of several folders keep the folders that differ.
+
+    Raises:
+        InputError: a pattern fits no file, a type of file is not known, two results would have one name, or a result
+            would overwrite its trajectory.
+    """
+    found = []
+    for pattern in patterns:
+        files = [pattern]
+        if has_magic(pattern) and not os.path.lexists(pattern):
+            files = sorted(name for name in glob(pattern, recursive=True) if not os.path.isdir(name))
+        if not files:
+            remedy = "it is sought from the current folder"
+            raise InputError("no file fits this pattern", remedy=remedy, file=pattern)
+        found += files
+    names = list(dict.fromkeys(found))
+    paths = [os.path.abspath(name) for name in names]
+    common = os.path.commonpath([os.path.dirname(path) for path in paths])
+    jobs: dict[str, Job] = {}
+    for name, path in zip(names, paths, strict=True):
+        stem, suffix = os.path.splitext(os.path.relpath(path, common))
+        kind = FILE_TYPES.get(suffix.lower(), "csv" if log_kind(path) else None)
+        if kind is None:
+            remedy = f"suffixes: {' '.join(READABLE)}"
+            raise InputError("unknown type of table by this suffix", remedy=remedy, file=name)
+        if kind == "parquet":
+            need("tables written as Parquet", "pyarrow", file=name)
+        shown = os.path.join(out, stem + _SUFFIXES[kind])
+        table = os.path.abspath(shown)
+        job = Job(name, path, table, os.path.splitext(table)[0] + ".json", shown)
+        if job.document in jobs and jobs[job.document].path != path:
+            what = f"the results of '{jobs[job.document].name}' would have the same name"
+            raise InputError(what, remedy="rename one of them, or give each a --out of its own", file=name)
+        jobs[job.document] = job
+    read = {_identity(name): name for name in [*names, *beside]}
+    for job in jobs.values():
+        over = read.get(_identity(job.table)) or read.get(_identity(job.document))
+        if over is not None:
+            raise InputError("the output would overwrite an input", remedy=REMEDY, file=over)
+    return list(jobs.values())
+
+
+def _identity(path: str) -> tuple[int, int] | str:
+    with suppress(OSError, ValueError):
+        status = os.stat(path)
+        return status.st_dev, status.st_ino
+    return os.path.realpath(path)
+
+
+VERSION = f"{version_of('robodyn')}, code {code_digest(Path(robodyn.__file__).parent, without='cli')[:12]}"
+"""Of robodyn as this process has loaded it; the command line, which computes nothing, does not count."""
+
+
+@dataclass(frozen=True)
+class Setup:
+    """Robot, scene and options.
+
+    Attributes:
+        robot, scenes: the files' bytes.
+        gravity: m/s^2, in place of the scene's; payloads: beside the scene's; base_held: something carries the base.
+        reading: as for `read_motion`; options: as for `torques`, with the threads of each process.
+        version: of robodyn and its code, which all machines must have.
+    """
+
+    robot: bytes
+    scenes: tuple[bytes, ...]
+    gravity: tuple[float, float, float] | None
+    payloads: tuple[Payload, ...]
+    base_held: bool
+    reading: Mapping[str, Any]
+    options: Mapping[str, Any]
+    version: str = VERSION
+
+    def loaded(self) -> tuple[Model, Scene]:
+        """Return the robot and its scene, read once by each thread, which then has programs of its own."""
+        if getattr(_KEPT, "setup", None) != self:
+            scene = parse_scenes([(data, "<scene>") for data in self.scenes]) if self.scenes else DEFAULT
+            scene = scene.changed(self.gravity, self.payloads, held=self.base_held)
+            _KEPT.robot = load(self.robot, moving_base=scene.moving_base), scene
+            _KEPT.setup = self
+        robot: tuple[Model, Scene] = _KEPT.robot
+        return robot
+
+    def digest(self, path: str) -> str:
+        """Return a hash of all that a trajectory's results depend on: its bytes, robot, scene, options, version.
+
+        Raises:
+            OSError: the file cannot be read.
+        """
+        options = dict(sorted({**self.options, "threads": 1}.items()))  # they come in the order of the call
+        hashed = blake2b(repr(replace(self, options=options)).encode(), digest_size=20)
+        with open_input(path) as stream:
+            while piece := stream.read(1 << 20):
+                hashed.update(piece)
+        return hashed.hexdigest()
+
+
+_KEPT = threading.local()
+
+
+KEY = "inputs"
+"""Of the document, for what it was made from: `trajectory`, `digest`, and the `table` with its size in `bytes`."""
+
+
+def run_job(setup: Setup, job: Job) -> Outcome:
+    """Compute one trajectory and write its table, then its document, each whole or not at all.
+
+    A document whose digest is that of robot, scene, options, version and trajectory, beside a table of the size that it
+    tells, is finished: nothing is computed then. Every fault is part of the outcome.
+    """
+    try:
+        if setup.version != VERSION:
+            what = f"robodyn {VERSION} works on it, the batch is of robodyn {setup.version}"
+            raise InputError(what, remedy="install the same version everywhere")
+        digest = setup.digest(job.path)
+        found = _finished(job, digest)
+        if found is not None:
+            return _outcome(job, "finished before", found)
+        return _outcome(job, "computed", _computed(setup, job, digest))
+    except RobodynError as error:
+        named = error.file in (None, job.path)
+        file = job.name if named else error.file
+        text = str(type(error)(error.what, remedy=error.remedy, file=file, line=error.line))
+    except OSError as error:
+        text = f"{job.name}: cannot be read: {(error.strerror or str(error)).lower()}"
+    except MemoryError:
+        text = f"{job.name}: out of memory"
+    except Exception as error:
+        text = f"{job.name}: internal error: {type(error).__name__}: {error}"
+    return failed(job, text)
+
+
+def failed(job: Job, text: str) -> Outcome:
+    """Return the outcome of a job that failed."""
+    return Outcome(job.name, "failed", error=" ".join(text.split()))
+
+
+def _finished(job: Job, digest: str) -> dict[str, Any] | None:
+    """Return the document of a job that is finished; remove results of other inputs, lest they be taken for these."""
+    with suppress(OSError, ValueError, KeyError, TypeError):
+        document: dict[str, Any] = json.loads(read_input(job.document))
+        made = document[KEY]
+        if made["digest"] == digest and os.path.getsize(job.table) == made["bytes"]:
+            _outcome(job, "finished before", document)
+            return document
+        for path in (job.document, job.table):
+            os.unlink(path)
+    return None
+
+
+def _computed(setup: Setup, job: Job, digest: str) -> dict[str, Any]:
+    for place, kind in ((job.table, "a table"), (job.document, "a result of a batch")):
+        refuse_foreign(place, kind, REMEDY)
+    model, scene = setup.loaded()
+    names = output_names(model, setup.options["reactions"], setup.options["momentum"] is not None, scene)
+    with ExitStack() as stack:
+        reader = stack.enter_context(read_motion(job.path, model, scene, **setup.reading))
+        folder = os.path.dirname(job.table)
+        try:
+            os.makedirs(folder, exist_ok=True)
+        except OSError as error:
+            why = (error.strerror or str(error)).lower()
+            raise InputError(f"no folder can be made: {why}", remedy="give --out another name", file=folder) from None
+        writer = stack.enter_context(open_writer(job.table, names))
+        sink = stack.enter_context(write_behind(writer.write))
+        result = torques(model, reader, scene, sinks=[sink], **setup.options)
+    document: dict[str, Any] = json.loads(torques_json(result))
+    made = {"trajectory": job.name, "digest": digest, "table": os.path.basename(job.table)}
+    document[KEY] = {**made, "bytes": os.path.getsize(job.table)}
+    write_whole(job.document, (json.dumps(document, indent=2, allow_nan=False) + "\n").encode())
+    return document
+
+
+def _outcome(job: Job, status: Status, document: dict[str, Any]) -> Outcome:
+    sized = document.get("sizing", {}).get("joints", [])
+    levels = [joint["level"] for joint in sized] or [None] * len(document["joints"])
+    keys = ("name", "unit", "peak", "peak_time", "peak_row", "rms", "max_speed", "effort_limit", "velocity_limit")
+    joints = tuple(
+        JointPeak(**{key: joint[key] for key in keys}, level=level)
+        for joint, level in zip(document["joints"], levels, strict=True)
+    )
+    exceeded = [(excess["joint"], excess["quantity"]) for excess in document["limits_exceeded"]]
+    exceeded += [(joint["name"], excess["quantity"]) for joint in sized for excess in joint["exceeded"]]
+    limits = (
+        Coverage(quantity, tuple(found["checked"]), tuple(Unchecked(**each) for each in found["unchecked"]))
+        for quantity, found in document["limits"].items()
+    )
+    return Outcome(
+        job.name,
+        status,
+        table=job.shown,
+        document=os.path.splitext(job.shown)[0] + ".json",
+        samples=document["samples"],
+        duration=document["duration"],
+        exceeded=tuple(dict.fromkeys(f"{joint} {quantity}" for joint, quantity in exceeded)),
+        limits=tuple(limits),
+        caveats=tuple(Caveat(each["clause"], each["said"]) for each in document["doubts"]),
+        joints=joints,
+    )
 
 
 def run_batch(

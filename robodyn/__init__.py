@@ -44,21 +44,21 @@ if TYPE_CHECKING:
     from robodyn.loads.torques import torques as torques
     from robodyn.robot.load import load as load
     from robodyn.robot.model import Model as Model
-    from robodyn.scene.described_loops import scene_of as scene_of
-    from robodyn.scene.parts import Contact as Contact
-    from robodyn.scene.parts import ContactCost as ContactCost
-    from robodyn.scene.parts import CoupledMotor as CoupledMotor
-    from robodyn.scene.parts import Drive as Drive
-    from robodyn.scene.parts import ExternalWrench as ExternalWrench
-    from robodyn.scene.parts import Friction as Friction
-    from robodyn.scene.parts import Immersed as Immersed
-    from robodyn.scene.parts import Loop as Loop
-    from robodyn.scene.parts import Motor as Motor
-    from robodyn.scene.parts import Payload as Payload
-    from robodyn.scene.parts import Rotor as Rotor
-    from robodyn.scene.parts import Spring as Spring
+    from robodyn.scene.fit import scene_of as scene_of
     from robodyn.scene.read import load_scene as load_scene
+    from robodyn.scene.scene import Contact as Contact
+    from robodyn.scene.scene import ContactCost as ContactCost
+    from robodyn.scene.scene import CoupledMotor as CoupledMotor
+    from robodyn.scene.scene import Drive as Drive
+    from robodyn.scene.scene import ExternalWrench as ExternalWrench
+    from robodyn.scene.scene import Friction as Friction
+    from robodyn.scene.scene import Immersed as Immersed
+    from robodyn.scene.scene import Loop as Loop
+    from robodyn.scene.scene import Motor as Motor
+    from robodyn.scene.scene import Payload as Payload
+    from robodyn.scene.scene import Rotor as Rotor
     from robodyn.scene.scene import Scene as Scene
+    from robodyn.scene.scene import Spring as Spring
     from robodyn.scene.uncertainty import Covariance as Covariance
     from robodyn.scene.uncertainty import Deviation as Deviation
     from robodyn.scene.uncertainty import LinkUncertainty as LinkUncertainty
@@ -98,13 +98,12 @@ _HOMES = {
     "loads.torques": ("torques",),
     "robot.load": ("load",),
     "robot.model": ("Model",),
-    "scene.described_loops": ("scene_of",),
+    "scene.fit": ("scene_of",),
     "scene.read": ("load_scene",),
-    "scene.parts": (
+    "scene.scene": (
         *("Contact", "ContactCost", "CoupledMotor", "Drive", "ExternalWrench", "Friction", "Immersed", "Loop", "Motor"),
-        *("Payload", "Rotor", "Spring"),
+        *("Payload", "Rotor", "Scene", "Spring"),
     ),
-    "scene.scene": ("Scene",),
     "scene.uncertainty": ("Covariance", "Deviation", "LinkUncertainty", "Uncertainty"),
     "simulation.rollouts": ("rollouts",),
     "simulation.simulate": ("simulate",),

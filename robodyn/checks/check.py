@@ -30,11 +30,9 @@ from robodyn.checks.rules.text import unused_waiver, without_use
 from robodyn.checks.sources import each_in_a_process, files_of, worth_processes
 from robodyn.checks.waivers import waived, waivers
 from robodyn.errors import InputError, NoRobotError, RobodynWarning
-from robodyn.robot.urdf.document import Document, read
-from robodyn.robot.urdf.elements import Element, SourcePositions
-from robodyn.robot.urdf.packages import EXPANDED
+from robodyn.robot.urdf.document import Document, Element, SourcePositions, read
 from robodyn.robot.urdf.parts import Description
-from robodyn.robot.urdf.sources import is_xacro, read_source
+from robodyn.robot.urdf.sources import EXPANDED, is_xacro, read_source
 from robodyn.robot.urdf.view import Subject
 from robodyn.support.input_file import read_input
 

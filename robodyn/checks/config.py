@@ -14,7 +14,7 @@ from robodyn.checks.catalogue import rules_for
 from robodyn.checks.context import Options, Thresholds
 from robodyn.errors import InputError, SceneError, unreadable
 from robodyn.robot.urdf.sources import is_xacro
-from robodyn.scene.parts import Rule
+from robodyn.scene.scene import Rule
 from robodyn.scene.toml_table import TomlTable, read_toml
 from robodyn.support.input_file import read_input
 from robodyn.support.wording import shown

@@ -12,8 +12,8 @@ from robodyn.errors import DescriptionError, InputError
 from robodyn.robot.limits import MOST_EFFORT, MOST_VELOCITY
 from robodyn.robot.urdf.description import read_description
 from robodyn.robot.urdf.document import Document
-from robodyn.robot.urdf.packages import Search
 from robodyn.robot.urdf.parts import JOINT_TYPES, Description
+from robodyn.robot.urdf.sources import Search
 from robodyn.robot.urdf.view import InertialView, JointView, LinkView, View
 from robodyn.support.wording import alternatives, call_of, shown
 

@@ -21,7 +21,7 @@ from robodyn.checks.bodies.masses import inertia_together, principal_moments
 from robodyn.checks.context import Context
 from robodyn.checks.meshes.files import MeshUse, mesh_names
 from robodyn.robot.masses.mistakes import UPPER
-from robodyn.robot.urdf.elements import Span
+from robodyn.robot.urdf.document import Span
 from robodyn.robot.urdf.parts import WITH_AXIS, WITH_RANGE
 from robodyn.robot.urdf.view import GeometryView, JointView, LimitView, LinkView
 

@@ -14,12 +14,12 @@ import numpy as np
 
 from robodyn.checks.check import Checked, Options, check_description, tasks_for
 from robodyn.programs.vectors import Array, narrowed, product
-from robodyn.robot.configuration import beyond_limits, body_poses, configuration
+from robodyn.robot.kinematics import beyond_limits, body_poses, configuration
 from robodyn.robot.load import assemble
 from robodyn.robot.model import Model
 from robodyn.robot.urdf.description import load_description
 from robodyn.robot.urdf.parts import Description, Geometry, Joint
-from robodyn.scene.described_loops import constraint_count
+from robodyn.scene.fit import constraint_count
 
 _PACKAGE = re.compile("(package|model)://[^/]")
 

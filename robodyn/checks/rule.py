@@ -22,9 +22,8 @@ from enum import Enum, IntEnum
 from inspect import cleandoc
 
 from robodyn.checks.context import Context
-from robodyn.robot.urdf.document import Document
+from robodyn.robot.urdf.document import BOM, Document, Element, Span
 from robodyn.robot.urdf.edits import Edit
-from robodyn.robot.urdf.elements import BOM, Element, Span
 from robodyn.robot.urdf.view import Subject
 
 

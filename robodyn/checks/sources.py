@@ -14,8 +14,7 @@ from warnings import warn
 from robodyn.checks.srdf import srdf_of
 from robodyn.errors import DescriptionError, InputError, NoRobotError, RobodynWarning
 from robodyn.robot.urdf.document import read_document
-from robodyn.robot.urdf.packages import Search
-from robodyn.robot.urdf.sources import is_xacro
+from robodyn.robot.urdf.sources import Search, is_xacro
 from robodyn.robot.urdf.xacro import no_robot, only_defines
 from robodyn.support.input_file import read_input
 from robodyn.support.threads import cores, processes

@@ -10,8 +10,7 @@ from typing import NamedTuple
 
 from robodyn.checks.context import Context
 from robodyn.errors import DescriptionError
-from robodyn.robot.urdf.document import Document, read_document
-from robodyn.robot.urdf.elements import Element
+from robodyn.robot.urdf.document import Document, Element, read_document
 
 _BESIDE = ("", "config", "srdf", "../config", "../srdf")
 """Folders in which an SRDF is looked for, from that of the description."""

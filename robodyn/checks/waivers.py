@@ -19,8 +19,7 @@ import numpy as np
 
 from robodyn.checks.context import Context
 from robodyn.checks.rule import Finding
-from robodyn.robot.urdf.document import Document
-from robodyn.robot.urdf.elements import Span
+from robodyn.robot.urdf.document import Document, Span
 from robodyn.support.wording import alternatives, shown
 
 OWN = ("RD008", "RD009")

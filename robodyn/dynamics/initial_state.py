@@ -9,7 +9,7 @@ import numpy as np
 
 from robodyn.errors import InputError
 from robodyn.programs.vectors import length
-from robodyn.robot.configuration import Values, coordinates, named
+from robodyn.robot.kinematics import Values, coordinates, named
 from robodyn.robot.limits import coordinate_ranges
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene

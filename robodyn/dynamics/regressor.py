@@ -33,8 +33,7 @@ from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar, vector
 from robodyn.robot.model import Model
 from robodyn.scene.fit import refuse_constraints
-from robodyn.scene.parts import Friction
-from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.scene.scene import DEFAULT, Friction, Scene
 from robodyn.solids.inertia.laws import MASSLESS, Inertia, symmetric
 from robodyn.support.floats import Floats
 

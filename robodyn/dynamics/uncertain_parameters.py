@@ -28,12 +28,10 @@ from robodyn.robot.load import placement
 from robodyn.robot.model import Frame, Model
 from robodyn.robot.urdf.parts import Inertial
 from robodyn.scene.fit import refuse_constraints
-from robodyn.scene.parts import Friction
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Friction, Scene
 from robodyn.scene.uncertainty import Covariance, LinkUncertainty, Uncertainty
 from robodyn.solids.inertia.laws import Inertia, combined, inertia_of, symmetric
-from robodyn.support.floats import Floats
-from robodyn.support.sums import einsum
+from robodyn.support.floats import Floats, einsum
 from robodyn.support.wording import alternatives, shown
 
 

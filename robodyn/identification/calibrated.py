@@ -18,11 +18,10 @@ from robodyn.robot.masses.declared import declared
 from robodyn.robot.model import Model
 from robodyn.robot.urdf.document import read_document
 from robodyn.robot.urdf.edits import Edit, edited, with_attributes, with_comment, with_first_child
-from robodyn.robot.urdf.packages import EXPANDED, Search
 from robodyn.robot.urdf.parts import INERTIA, Description
+from robodyn.robot.urdf.sources import EXPANDED, Search
 from robodyn.robot.urdf.view import LinkView, View
-from robodyn.scene.parts import Friction, Rotor
-from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.scene.scene import DEFAULT, Friction, Rotor, Scene
 from robodyn.solids.inertia.laws import Inertia, symmetric
 from robodyn.solids.inertia.properties import MassProperties, from_inertia, from_moments, inertial_element
 from robodyn.support.floats import Floats

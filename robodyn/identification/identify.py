@@ -40,8 +40,7 @@ from robodyn.identification.parameters.regressor_columns import PARAMETERS, PLAI
 from robodyn.identification.passes import FOLDS, RESTS, Run, begun, first_fit, repeated, weighted_rows
 from robodyn.identification.result import BaseFit, Errors, Identified, motor_fits, outcome
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.support.floats import Floats
-from robodyn.support.sums import unit_columns
+from robodyn.support.floats import Floats, unit_columns
 
 _REPEATED = 3
 """Gauss-Newton's steps where friction grows with load, which is not linear in the parameters."""

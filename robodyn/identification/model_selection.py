@@ -22,8 +22,7 @@ from robodyn.identification.parameters.regressor_columns import (
 )
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
-from robodyn.support.floats import Floats
-from robodyn.support.sums import einsum, unit_columns
+from robodyn.support.floats import Floats, einsum, unit_columns
 
 _RIDGE, _LEAST, _ROUNDS = 1e-4, 1e-13, 6
 """Of a column's length: what is shown by less is left where it is in comparisons; of a joint's torques: residuals are

@@ -39,8 +39,7 @@ from robodyn.identification.parameters.regressor_columns import (
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.caveats import WrongUnits
-from robodyn.support.floats import Floats
-from robodyn.support.sums import einsum
+from robodyn.support.floats import Floats, einsum
 
 FOLDS = 5
 """Parts of what is fitted, for cross-validation; what is held out is another one."""

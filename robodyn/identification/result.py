@@ -13,8 +13,7 @@ from robodyn.identification.calibrated import calibrated
 from robodyn.identification.model_selection import Structure
 from robodyn.identification.parameters.base import Base
 from robodyn.robot.model import Model
-from robodyn.scene.parts import CoupledMotor, Friction
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import CoupledMotor, Friction, Scene
 from robodyn.scene.uncertainty import Covariance
 from robodyn.support.floats import Floats
 

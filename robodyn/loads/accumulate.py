@@ -22,8 +22,7 @@ from robodyn.programs.run.runner import Choice, Run, Runner
 from robodyn.robot.limits import binding
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.support.floats import Floats, first_largest
-from robodyn.support.sums import einsum
+from robodyn.support.floats import Floats, einsum, first_largest
 from robodyn.trajectory.columns.signals import COMPONENTS
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.read import sources_of

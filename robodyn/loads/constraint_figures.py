@@ -16,9 +16,8 @@ from robodyn.dynamics.loops.closed_start import independent_equations
 from robodyn.loads.constraint_result import Constraints, ContactLoad, LoopLoad, Missing, Peak, Unbalanced
 from robodyn.loads.statistics import Greatest, Integrals
 from robodyn.programs.vectors import length, product
-from robodyn.scene.parts import Contact, Vector
-from robodyn.support.floats import Floats, steady
-from robodyn.support.sums import einsum
+from robodyn.scene.scene import Contact, Vector
+from robodyn.support.floats import Floats, einsum, steady
 
 MOST_SPANS = 20
 """Spans without contact forces that are told one by one."""

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robodyn.dynamics.effects.friction import joints_with_friction
-from robodyn.dynamics.inverse import mass_matrix
 from robodyn.loads.result import Checks, ComponentLoad, EnergyBalance, JointLoad, Sizing
 from robodyn.programs.vectors import length
 from robodyn.robot.base_guess import untouched
@@ -217,6 +216,8 @@ class ErrorBars:
 
     def _inertia(self, q: Floats) -> Floats:
         """Return (N, n, n) by how much torques of poses (N, nq) change with accelerations, load's friction included."""
+        from robodyn.dynamics.inverse import mass_matrix
+
         M = mass_matrix(self.model, np.ascontiguousarray(q), scene=self.scene)
         for _, joint, friction in joints_with_friction(self.model, self.scene):
             if friction.load:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 
 from robodyn.dynamics.effects.effect import Verdict
 from robodyn.robot.limits import Coverage, Excess, reached_beyond, within
-from robodyn.scene.parts import Curve, Vector
+from robodyn.scene.scene import Curve, Vector
 from robodyn.support.caveats import TOO_FEW, Caveat
 from robodyn.support.floats import BEYOND
 from robodyn.trajectory.motion import Derivation

@@ -26,8 +26,7 @@ from robodyn.loads.statistics import Extremes, Greatest, Integrals, ShaftFigures
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.vectors import length, product
 from robodyn.robot.model import Joint, Model
-from robodyn.scene.parts import Curve, Motor
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Curve, Motor, Scene
 from robodyn.support.floats import BEYOND, Floats, steady
 from robodyn.trajectory.motion import Trajectory
 

@@ -15,8 +15,7 @@ from robodyn.loads.result import ComponentLoad, EffectReport, JointLoad, Range
 from robodyn.robot.limits import binding
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.scene import Scene
-from robodyn.support.floats import BEYOND, Floats, first_of_ties, steady
-from robodyn.support.sums import einsum
+from robodyn.support.floats import BEYOND, Floats, einsum, first_of_ties, steady
 from robodyn.trajectory.columns.signals import COMPONENTS
 
 FOUNDATION = (*COMPONENTS, "fxy", "mxy")

@@ -18,8 +18,7 @@ from robodyn.loads.result import JointLoad, MotorLoad, Sizing
 from robodyn.loads.uncertainty import DRIVE, Figure, UncertaintyPass
 from robodyn.loads.uncertainty_result import Bar, Uncertain, UncertainJoint, UncertainLimit, UncertainLoad
 from robodyn.programs.vectors import product
-from robodyn.support.floats import BEYOND, Floats, ranked
-from robodyn.support.sums import einsum
+from robodyn.support.floats import BEYOND, Floats, einsum, ranked
 
 NEAR = 1.959963984540054
 """Standard errors on either side that hold 95 % of a normal figure."""

@@ -15,8 +15,7 @@ from robodyn.loads.statistics import Greatest, Integrals
 from robodyn.programs.run.runner import Runner
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.scene import Scene
-from robodyn.support.floats import Floats
-from robodyn.support.sums import einsum
+from robodyn.support.floats import Floats, einsum
 from robodyn.support.wording import shown
 from robodyn.trajectory.columns.signals import COMPONENTS
 from robodyn.trajectory.motion import Trajectory

@@ -16,7 +16,7 @@ import numpy as np
 from robodyn.programs.program import trace
 from robodyn.programs.run.llvm.machine import Function, compiler_problem, host, machine_code, one_line
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
-from robodyn.robot.urdf.packages import VARIABLES, listed
+from robodyn.robot.urdf.sources import VARIABLES, listed
 from robodyn.support.cache import Key, ObjectCache, cache_folder
 from robodyn.support.extras import COMPILER, CORE, OPTIONAL, SCENES, Library
 from robodyn.support.libraries import Installed, installed, version_of

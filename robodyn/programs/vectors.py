@@ -14,8 +14,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.support.floats import Floats
-from robodyn.support.sums import einsum
+from robodyn.support.floats import Floats, einsum
 
 Array = NDArray[Any]
 """A NumPy array of any scalar."""

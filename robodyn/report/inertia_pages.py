@@ -212,7 +212,7 @@ def robot_page(
     figures: list[doc.Block] = []
     if pictures:
         from robodyn.report.pictures.robot import robot_figure, shapes_of
-        from robodyn.robot.configuration import configuration
+        from robodyn.robot.kinematics import configuration
         from robodyn.robot.load import assemble
 
         model = assemble(description)

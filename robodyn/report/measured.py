@@ -12,7 +12,7 @@ from robodyn.identification.faults.compare import Comparison, JointComparison
 from robodyn.identification.faults.faults import DELAY, GAIN, OWN, Fault
 from robodyn.report import document as doc
 from robodyn.report.table import is_noise, number, printable
-from robodyn.support.sums import einsum
+from robodyn.support.floats import einsum
 from robodyn.support.wording import count
 
 _TOLD = 0.01

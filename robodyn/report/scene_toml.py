@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 
 from robodyn.report.table import PLAIN, number
-from robodyn.robot.configuration import configuration, link_poses
+from robodyn.robot.kinematics import configuration, link_poses
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.scene import DEFAULT
 from robodyn.support.wording import toml_key, toml_string

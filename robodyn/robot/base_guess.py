@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from robodyn.programs.vectors import length
-from robodyn.robot.configuration import configuration, link_poses
+from robodyn.robot.kinematics import configuration, link_poses
 from robodyn.robot.model import Model
 from robodyn.support.wording import shown
 

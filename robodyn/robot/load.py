@@ -1,12 +1,12 @@
 """The door of this room: a description file -> Model.
 
-1. `urdf/sources` reads the bytes, `urdf/xacro` expands xacro files first.
+1. `urdf/sources` reads the bytes and finds meshes, `urdf/xacro` expands xacro files first.
 2. `urdf/document` makes elements of them, with their places and what is wrong as XML.
 3. `urdf/view` reads numbers and texts out of the elements.
 4. `urdf/description` raises what is wrong with them, and sees that links and joints are one tree.
 5. `assemble` (here) makes the `model`: fixed joints merged, mimic joints mapped, parents before children.
 
-What a model says of itself: `model`, `limits`, `configuration` (named values, poses), `kinematics` (for any scalar).
+What a model says of itself: `model`, `limits`, `kinematics` (named values, poses; recursions for any scalar).
 """
 
 from __future__ import annotations

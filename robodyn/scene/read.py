@@ -1,9 +1,9 @@
 """The door of this room: scene.toml -> Scene; an unknown key is an error that lists the valid ones.
 
 1. `toml_table` makes tables of the files, several of which are one scene, and reads dataclasses out of tables.
-2. Those are in `parts`, `scene` and `uncertainty`: their fields are the keys, whose types say what may stand there.
+2. Those are in `scene` and `uncertainty`: their fields are the keys, whose types say what may stand there.
 3. What stands otherwise in the file than in the dataclass is read here, and what keys say of each other is checked.
-4. `fit` sees whether joints and links exist; `described_loops` adds the loops that a description closes by itself.
+4. `fit` sees whether joints and links exist, and adds the loops that a description closes by itself.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from typing import Annotated, Any
 import numpy as np
 
 from robodyn.errors import SceneError, unreadable
-from robodyn.scene import parts
+from robodyn.scene import scene as parts
 from robodyn.scene.scene import Scene
 from robodyn.scene.toml_table import WHOLE, Sources, TomlTable, merged, read_toml
 from robodyn.scene.uncertainty import Deviation, LinkUncertainty, Uncertainty, read_covariance

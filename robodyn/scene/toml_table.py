@@ -1,4 +1,4 @@
-"""Typed values out of TOML: the dataclasses of `parts` are the schema of its tables.
+"""Typed values out of TOML: the dataclasses of `scene` are the schema of its tables.
 
 1. `read_toml` makes tables of the text of a file, and `merged` makes one of several files.
 2. `TomlTable.read` makes a dataclass of a table: each field is the key of its name, its type says what may stand there.
@@ -16,7 +16,7 @@ from functools import cache
 from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 
 from robodyn.errors import SceneError
-from robodyn.support.input_limits import beyond, limits
+from robodyn.support.input_file import beyond, limits
 from robodyn.support.wording import nearest, shown
 
 T = TypeVar("T")

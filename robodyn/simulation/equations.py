@@ -28,8 +28,7 @@ from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Array, Scalar, cross, total
 from robodyn.robot.kinematics import Motion
 from robodyn.robot.model import Model
-from robodyn.scene.parts import GROUND, Entry
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import GROUND, Entry, Scene
 from robodyn.simulation.methods import Method
 from robodyn.simulation.table import LOAD, RATE, REFERENCE, Curve, curves
 from robodyn.solids.inertia.laws import Inertia

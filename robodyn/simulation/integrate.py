@@ -16,7 +16,7 @@ from robodyn.errors import InputError
 from robodyn.programs.run.llvm.machine import compiler_problem, one_line
 from robodyn.programs.run.runner import EXECUTORS, Work, times
 from robodyn.programs.run.stepper import COLUMNS, SINGLE, CompiledSteps, NumpySteps
-from robodyn.robot.configuration import unit_rows
+from robodyn.robot.kinematics import unit_rows
 from robodyn.simulation.equations import STATE, Equations, Steps
 from robodyn.simulation.events import Limits, dense_touches, first_passed, hermite_touches
 from robodyn.simulation.methods import Method, TooMuchError

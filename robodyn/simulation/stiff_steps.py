@@ -19,8 +19,7 @@ from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.programs.vectors import product
 from robodyn.robot.model import Joint, Model
-from robodyn.scene.parts import Friction
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Friction, Scene
 from robodyn.simulation.integrate import SHORTER, Motion
 from robodyn.simulation.methods import Method, MethodOptions, TooMuchError, method_named
 from robodyn.simulation.result import Figures

@@ -1,4 +1,4 @@
-"""Floating-point numbers: the type of arrays, sizes, and orders and choices that rounding errors do not turn.
+"""Floating-point numbers: the type of arrays, sums, and orders and choices that rounding errors do not turn.
 
 Numbers that are the same in their first 30 bits are ties. Where numbers come from depends on the processor in their
 last bits, and what a user sees must not. Comparing them in 30 bits is comparing them within 1e-9; the limits between
@@ -8,7 +8,7 @@ two such numbers have 31 bits, which no number has by design.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -65,3 +65,21 @@ def first_of_ties(rows: Floats) -> NDArray[np.int64]:
 def first_largest(values: ArrayLike, noise: float = 0.0) -> int:
     """Return the place of the largest of some numbers, the first of ties; of the smallest if given `-values`."""
     return int(np.argmax(steady(values, noise)))
+
+
+def einsum(subscripts: str, *factors: Any, optimize: bool = False) -> Any:
+    """Return `np.einsum`, and zeros where a factor is empty: the sum is over nothing then, or the result is empty, too.
+
+    NumPy 2.4 leaves there what stood in memory, or does not, as the layout of the heap has it.
+    """
+    found = np.einsum(subscripts, *factors, optimize=optimize)
+    if all(map(np.size, factors)):
+        return found
+    return np.zeros(np.shape(found), np.asarray(found).dtype)[()]
+
+
+def unit_columns(A: Floats) -> tuple[Floats, Floats]:
+    """Return A (k, p) with columns at unit length, and their lengths (p,); 1 of those that are zero."""
+    lengths = np.sqrt(einsum("ij,ij->j", A, A))
+    lengths = np.where(lengths > 0.0, lengths, 1.0)
+    return A / lengths, lengths

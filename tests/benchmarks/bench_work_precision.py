@@ -36,8 +36,7 @@ from robodyn.dynamics.plan import plan
 from robodyn.measure.accuracy.ladder import timed
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.robot.model import Model
-from robodyn.scene.parts import Friction
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Friction, Scene
 from robodyn.simulation.methods import METHODS, MethodOptions
 from robodyn.simulation.simulate import integrated
 

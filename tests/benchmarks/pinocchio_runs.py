@@ -17,10 +17,9 @@ from helpers.example_robots import path_of
 from helpers.oracles import ROBOTS as FOLDER
 
 import robodyn
-from robodyn.robot.configuration import unit_rows
+from robodyn.robot.kinematics import unit_rows
 from robodyn.robot.model import Joint, Model
-from robodyn.scene.parts import Friction, Rotor
-from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.scene.scene import DEFAULT, Friction, Rotor, Scene
 from robodyn.support.floats import Floats
 
 OURS = {"Two links": "two_link_planar", "SCARA": "scara"}

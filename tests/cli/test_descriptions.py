@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from helpers.command_line import ARM, ROBOTS, Outcome, motion, refused, run
 
-from robodyn.robot.urdf.packages import VARIABLES
+from robodyn.robot.urdf.sources import VARIABLES
 
 SHAPE = '<visual><geometry><mesh filename="package://arm/meshes/m.stl" scale="0.001 0.001 0.001"/></geometry></visual>'
 MESHED = ARM.replace('<link name="upper">', f'<link name="upper">{SHAPE}')

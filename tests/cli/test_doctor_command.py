@@ -13,7 +13,7 @@ from robodyn.measure import doctor
 from robodyn.measure.doctor import TOLERANCE, Line, SelfTest, healthy, self_test
 from robodyn.report.accuracy import doctor_sections
 from robodyn.report.document import text
-from robodyn.robot.urdf.packages import VARIABLES
+from robodyn.robot.urdf.sources import VARIABLES
 from robodyn.support.extras import COMPILER, CORE, OPTIONAL, SCENES
 from robodyn.support.libraries import _MARK, Installed, loading
 

@@ -13,7 +13,7 @@ import pytest
 from helpers.command_line import refused, run, write_arm
 
 from robodyn.robot.urdf import xacro
-from robodyn.support.input_limits import VARIABLE
+from robodyn.support.input_file import VARIABLE
 from robodyn.trajectory.readers import table
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="needs devices and pipes")

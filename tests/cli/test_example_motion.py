@@ -16,8 +16,7 @@ from scipy.interpolate import make_interp_spline
 from robodyn.loads.example_motion import example_motion, overloaded
 from robodyn.loads.torques import torques
 from robodyn.robot.load import load
-from robodyn.scene.parts import Friction, Payload, Spring
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Friction, Payload, Scene, Spring
 from robodyn.trajectory.read import motion
 
 

@@ -16,8 +16,7 @@ from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import EFFECTS, applied, loads
 from robodyn.dynamics.recursions.articulated_body import aligned
 from robodyn.errors import InputError
-from robodyn.scene.parts import Rotor
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Rotor, Scene
 from robodyn.solids.inertia.laws import Inertia
 
 MODELS = reference("golden_inverse_dynamics")["models"]

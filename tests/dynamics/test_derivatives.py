@@ -17,9 +17,8 @@ from robodyn.dynamics.forward import acceleration_program
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError, SceneError
 from robodyn.robot.load import load
-from robodyn.scene.parts import ExternalWrench, Friction, Loop
 from robodyn.scene.read import load_scene
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import ExternalWrench, Friction, Loop, Scene
 
 SAMPLES = 2
 bases = pytest.mark.parametrize(

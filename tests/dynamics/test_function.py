@@ -21,8 +21,7 @@ from robodyn.dynamics.derivatives import forward_dynamics_derivatives, inverse_d
 from robodyn.dynamics.function import OF_ONE_SAMPLE, function
 from robodyn.errors import InputError, SceneError
 from robodyn.programs.run.llvm import python_call
-from robodyn.scene.parts import ExternalWrench, Friction, Loop
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import ExternalWrench, Friction, Loop, Scene
 
 GENERAL = {
     **{

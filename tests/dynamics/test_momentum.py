@@ -18,8 +18,7 @@ from robodyn.errors import InputError
 from robodyn.programs.derivative import rate_of, value_of
 from robodyn.programs.vectors import cross
 from robodyn.robot.kinematics import motions, poses
-from robodyn.scene.parts import ExternalWrench, Rotor, Spring
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import ExternalWrench, Rotor, Scene, Spring
 
 WEIGHTLESS = Scene(gravity=(0.0, 0.0, 0.0))
 

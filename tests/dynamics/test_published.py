@@ -17,9 +17,8 @@ import robodyn
 from robodyn.dynamics.effects import rigid_bodies
 from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan
-from robodyn.scene.parts import ExternalWrench, Payload
 from robodyn.scene.read import load_scene
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import ExternalWrench, Payload, Scene
 
 PRINTED = reference("published_checks")["puma560_rtb"]
 QN = [0, math.pi / 4, math.pi, 0, math.pi / 4, 0]

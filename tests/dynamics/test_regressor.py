@@ -14,8 +14,7 @@ import robodyn
 from robodyn.dynamics.regressor import INERTIAL, regressor
 from robodyn.errors import SceneError
 from robodyn.robot.load import load
-from robodyn.scene.parts import Friction, Loop, Payload, Rotor
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Friction, Loop, Payload, Rotor, Scene
 
 SAMPLES = 3
 bases = pytest.mark.parametrize("moving_base", [False, True], ids=["fixed", "free"])

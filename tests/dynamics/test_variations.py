@@ -14,8 +14,7 @@ from helpers.small_robots import body_numbers, built, joint, link
 import robodyn
 from robodyn.dynamics.plan import plan
 from robodyn.dynamics.uncertain_parameters import derivative_runner, variations
-from robodyn.scene.parts import Friction
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Friction, Scene
 from robodyn.scene.uncertainty import Covariance, Deviation, LinkUncertainty, Uncertainty
 
 SAMPLES = 4

@@ -10,7 +10,7 @@ import numpy as np
 import polars as pl
 
 from helpers.command_line import ARM, Outcome, run
-from robodyn.cli.batch import Job, Setup, run_job
+from robodyn.cli.torques_batch import Job, Setup, run_job
 from robodyn.loads.many import Outcome as Result
 
 NAMES = ("one", "two", "three")

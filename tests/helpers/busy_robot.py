@@ -9,8 +9,17 @@ import numpy as np
 
 from helpers.small_robots import body_numbers, joint, link, urdf
 from robodyn.robot.load import load
-from robodyn.scene.parts import CoupledMotor, ExternalWrench, Friction, Immersed, LimitSpring, Payload, Rotor, Spring
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import (
+    CoupledMotor,
+    ExternalWrench,
+    Friction,
+    Immersed,
+    LimitSpring,
+    Payload,
+    Rotor,
+    Scene,
+    Spring,
+)
 
 AXES = {"j1": (0, 0, 1), "j2": (0.6, 0, -0.8), "j3": (0, -1, 0), "j4": (0.48, 0.6, 0.64)}
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from helpers.small_robots import body_numbers, built, joint, link
-from robodyn.scene.parts import Loop
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Loop, Scene
 
 ROD = (1.0, (0.5, 0, 0), (0, 0, 0, 1 / 12, 0, 1 / 12))
 """A thin rod of 1 kg and 1 m along x."""

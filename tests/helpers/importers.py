@@ -14,7 +14,7 @@ from tempfile import TemporaryDirectory
 import pytest
 
 from helpers.peers import peer
-from robodyn.robot.urdf.packages import Search
+from robodyn.robot.urdf.sources import Search
 
 _READERS = {
     "mujoco": """

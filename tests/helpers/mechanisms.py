@@ -10,8 +10,7 @@ import scipy.linalg
 
 from helpers.dense_mechanics import Piece, ground, loop_rows, places, text_of, torques_of_masses
 from robodyn.robot.load import load
-from robodyn.scene.parts import GROUND
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import GROUND, Scene
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,8 +18,7 @@ from robodyn.dynamics.regressor import INERTIAL, regressor
 from robodyn.identification.identify import identify
 from robodyn.identification.log.log import read_log
 from robodyn.identification.result import covariance
-from robodyn.scene.parts import Friction, Rotor
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Friction, Rotor, Scene
 from robodyn.scene.uncertainty import Covariance
 
 Array = NDArray[np.float64]

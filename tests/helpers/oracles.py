@@ -10,8 +10,7 @@ import numpy as np
 
 from robodyn.dynamics.plan import runner_of
 from robodyn.robot.load import load
-from robodyn.scene.parts import Friction
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Friction, Scene
 
 REFERENCE = Path(__file__).parents[1] / "data" / "reference"
 ROBOTS = Path(__file__).parents[2] / "robots"

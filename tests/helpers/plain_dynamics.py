@@ -15,8 +15,7 @@ from helpers.simulated_robots import pendulum, slide
 from helpers.small_robots import built, joint, link, random_tree
 from robodyn import forward_dynamics
 from robodyn.robot.model import Model
-from robodyn.scene.parts import Drive, Friction
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Drive, Friction, Scene
 
 G = 9.81
 Rates = Callable[[Any, Any], list[Any]]

@@ -19,8 +19,7 @@ from helpers.oracles import ROBOTS
 from robodyn.identification.faults.compare import evidence_of, load_body
 from robodyn.identification.faults.faults import OWN, explain
 from robodyn.identification.log.log import read_log
-from robodyn.scene.parts import Friction, Payload, Rotor
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Friction, Payload, Rotor, Scene
 
 TUNED = ("puma560", "scara", "two_link_spatial", "ur5_robot")
 OTHERS = ("puma", "meshed_arm", "kinova", "z1")

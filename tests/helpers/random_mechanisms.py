@@ -15,8 +15,7 @@ from scipy.spatial.transform import Rotation
 from helpers.dense_mechanics import Piece, ground, places
 from helpers.mechanisms import Mechanism, kernel
 from helpers.small_robots import body_numbers
-from robodyn.scene.parts import GROUND, ExternalWrench, Friction, Loop, Payload, Rotor, Spring
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import GROUND, ExternalWrench, Friction, Loop, Payload, Rotor, Scene, Spring
 
 SHAPES = (
     *("planar point", "planar hinge", "planar weld", "point", "hinge", "weld"),

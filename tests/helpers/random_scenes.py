@@ -14,8 +14,7 @@ from scipy.optimize import brentq
 from helpers.simulated_robots import slide
 from helpers.small_robots import built, joint, link
 from robodyn.robot.model import Model
-from robodyn.scene.parts import Drive
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Drive, Scene
 
 Floats = NDArray[np.float64]
 

@@ -21,7 +21,7 @@ from robodyn.measure.accuracy.simulation import motion_reference as in_doubles
 from robodyn.programs.program import Program
 from robodyn.programs.run.multiprecision import context_of
 from robodyn.programs.scalar import ADD, CONSTANT, COS, DIV, EXP, INPUT, MUL, NEG, SIGN, SIN, SQRT, SUB
-from robodyn.robot.configuration import unit_rows
+from robodyn.robot.kinematics import unit_rows
 from robodyn.simulation.equations import STATE, Equations
 from robodyn.simulation.simulate import simulate
 from robodyn.support.floats import Floats

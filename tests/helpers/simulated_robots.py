@@ -5,8 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 from helpers.small_robots import built, joint, link, random_tree
-from robodyn.scene.parts import Drive, Friction
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Drive, Friction, Scene
 
 POINT = (1.0, (0, 0, -1))
 

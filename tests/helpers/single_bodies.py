@@ -7,8 +7,7 @@ import numpy as np
 from helpers.oracles import random_state
 from helpers.small_robots import body_numbers, built, chain, joint, link
 from robodyn.equations.dae.dae import dae_at
-from robodyn.scene.parts import Loop
-from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.scene.scene import DEFAULT, Loop, Scene
 
 
 def taken_apart(model, seed=0, scene=DEFAULT):

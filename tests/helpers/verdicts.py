@@ -13,8 +13,7 @@ from robodyn.identification.result import carriers
 from robodyn.loads import uncertain_report as uncertain_figures
 from robodyn.loads.uncertain_report import Figures
 from robodyn.loads.uncertainty import UncertaintyPass
-from robodyn.scene.parts import Friction, Motor, Rotor
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Friction, Motor, Rotor, Scene
 from robodyn.scene.uncertainty import Covariance, Uncertainty
 from robodyn.solids.inertia.laws import Inertia, symmetric
 from robodyn.trajectory.motion import Trajectory

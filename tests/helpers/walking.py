@@ -14,10 +14,9 @@ import numpy as np
 from helpers.example_robots import real
 from robodyn.dynamics.constraints.constraint_jacobian import contact_jacobian
 from robodyn.dynamics.plan import plan
-from robodyn.robot.configuration import body_poses, configuration
+from robodyn.robot.kinematics import body_poses, configuration
 from robodyn.robot.model import Model
-from robodyn.scene.parts import Contact
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Contact, Scene
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.read import motion
 

@@ -15,8 +15,7 @@ from helpers.sampled import sampled
 from robodyn.dynamics.regressor import INERTIAL, regressor
 from robodyn.identification.parameters.base import base_of, random_rows, structural_base
 from robodyn.robot.load import load
-from robodyn.scene.parts import Friction
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Friction, Scene
 
 LWR4 = Path(__file__).parents[1] / "data" / "lwr4.urdf"
 _INERTIAL = '<inertial><mass value="2"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'

@@ -13,8 +13,7 @@ from helpers.small_robots import joint, link, urdf
 import robodyn
 from robodyn.identification.calibrated import calibrated, friction_toml
 from robodyn.robot.load import load
-from robodyn.scene.parts import Friction, Rotor
-from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.scene.scene import DEFAULT, Friction, Rotor, Scene
 
 
 def read_back(tmp_path, text):

@@ -20,8 +20,7 @@ from robodyn.identification.parameters.consistent import parameters_of, pseudo_i
 from robodyn.robot.load import assemble, load
 from robodyn.robot.masses.declared import declared
 from robodyn.robot.urdf.description import load_description
-from robodyn.scene.parts import Payload
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Payload, Scene
 
 OURS = sorted((Path(__file__).parents[2] / "robots").glob("*.urdf"))
 REAL = ("ur10_robot", "solo12")

@@ -20,8 +20,7 @@ from robodyn.identification.excitation.landscape import Landscape, programs_of
 from robodyn.identification.excitation.motion import Fourier, bounds_of
 from robodyn.identification.parameters.base import structural_base
 from robodyn.robot.load import load
-from robodyn.scene.parts import ExternalWrench, Friction
-from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.scene.scene import DEFAULT, ExternalWrench, Friction, Scene
 
 DATA = Path(__file__).parents[1] / "data"
 QUICK = {"harmonics": 3, "rate": 20.0}

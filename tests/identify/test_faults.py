@@ -20,8 +20,7 @@ from robodyn.identification.faults.compare import evidence_of
 from robodyn.identification.faults.faults import OWN, ROTOR, explain
 from robodyn.identification.log.log import read_log
 from robodyn.robot.load import load
-from robodyn.scene.parts import Friction
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Friction, Scene
 
 JOINTS = {"gain": 1, "offset": 0, "viscous": 2, "coulomb": 1, "rotor": 0, "delay": 2, "payload": None}
 SIGMAS = 4.5

@@ -16,8 +16,7 @@ from robodyn.identification.identify import identify
 from robodyn.identification.log.log import read_log
 from robodyn.identification.model_selection import joint_motors
 from robodyn.identification.parameters.regressor_columns import Gathered, Guess, Moments, RegressorColumns, gather
-from robodyn.scene.parts import CoupledMotor, Friction, Rotor, Spring
-from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.scene.scene import DEFAULT, CoupledMotor, Friction, Rotor, Scene, Spring
 from robodyn.scene.uncertainty import Uncertainty, read_covariance
 
 SPATIAL = ROBOTS / "two_link_spatial.urdf"

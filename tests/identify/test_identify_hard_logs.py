@@ -12,8 +12,7 @@ from helpers.command_line import ROBOTS, run
 from helpers.identified_logs import waves, write_log
 
 import robodyn
-from robodyn.scene.parts import Friction
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Friction, Scene
 
 ROBOT = ROBOTS / "two_link_spatial.urdf"
 MODEL = robodyn.load(ROBOT)

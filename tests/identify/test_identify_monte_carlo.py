@@ -20,8 +20,7 @@ from robodyn.dynamics.regressor import regressor
 from robodyn.identification.identify import identify
 from robodyn.identification.log.log import read_log
 from robodyn.identification.result import covariance
-from robodyn.scene.parts import Friction
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Friction, Scene
 
 SEEDS = ("two_link_spatial", "scara", "puma560")
 LEVEL = 1.96

@@ -23,8 +23,7 @@ from robodyn.loads.statistics import Extremes, Greatest
 from robodyn.loads.torques import torques
 from robodyn.programs.run import runner
 from robodyn.robot.load import load
-from robodyn.scene.parts import Motor, Rotor
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Motor, Rotor, Scene
 from robodyn.trajectory.read import motion, open_trajectory, signals
 from robodyn.trajectory.reading import Reading
 

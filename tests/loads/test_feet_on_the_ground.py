@@ -13,7 +13,7 @@ from helpers.pinocchio_robots import PinocchioRobot
 from helpers.walking import WALKERS, sway, walk
 
 import robodyn
-from robodyn.scene.parts import ExternalWrench
+from robodyn.scene.scene import ExternalWrench
 
 
 def slow(*names: str) -> list:

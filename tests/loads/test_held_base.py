@@ -15,7 +15,7 @@ from helpers.small_robots import built, joint, link, urdf
 import robodyn
 from robodyn.report.limits import limits_verdict
 from robodyn.robot.base_guess import untouched
-from robodyn.robot.configuration import link_poses
+from robodyn.robot.kinematics import link_poses
 
 FEET, WHEELS, FLIES, STIFF = "feet", "wheels", "thrust", "no joint"
 WARNED = {

@@ -20,8 +20,7 @@ from robodyn.loads.accumulate import quadrature_errors
 from robodyn.loads.sizing import allowed, frame
 from robodyn.loads.statistics import Integrals
 from robodyn.loads.torques import torques
-from robodyn.scene.parts import Friction, Motor, Rotor
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Friction, Motor, Rotor, Scene
 from robodyn.support.floats import first_largest
 from robodyn.trajectory.read import motion
 

@@ -16,8 +16,7 @@ from helpers.small_robots import built, joint, link
 import robodyn
 from robodyn.errors import SceneError
 from robodyn.loads.uncertain_report import normal
-from robodyn.scene.parts import CoupledMotor, Friction, Motor, Rotor
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import CoupledMotor, Friction, Motor, Rotor, Scene
 from robodyn.scene.uncertainty import Covariance, Deviation, Uncertainty
 
 KNOWN = Uncertainty(Deviation(0.05), Deviation(0.003, relative=False), Deviation(0.1), Deviation(0.2))

@@ -9,8 +9,7 @@ from helpers.oracles import frictionless, robot
 from helpers.small_robots import body_numbers, built, chain, chain_parts, joint, link
 
 from robodyn.dynamics.plan import EFFECTS, Plan
-from robodyn.scene.parts import ExternalWrench, Friction, Payload, Rotor, Spring
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import ExternalWrench, Friction, Payload, Rotor, Scene, Spring
 
 MOVING_AND_AT_REST = {
     "ur5_robot": (371, 131),

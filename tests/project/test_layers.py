@@ -161,7 +161,7 @@ def test_names_of_the_package_are_there():
 def test_named_axes_are_summed_in_one_place() -> None:
     """`einsum` of NumPy leaves what stood in memory where it sums over nothing."""
     bare = {module for module, tree in MODULES.items() if "einsum" in _of_numpy(tree)}
-    assert bare == {"robodyn.support.sums"}
+    assert bare == {"robodyn.support.floats"}
 
 
 def _of_numpy(tree: ast.AST) -> set[str]:

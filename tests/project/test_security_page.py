@@ -8,8 +8,8 @@ from dataclasses import fields
 from itertools import pairwise
 from pathlib import Path
 
-from robodyn.support import input_limits
-from robodyn.support.input_limits import VARIABLE, InputLimits
+from robodyn.support import input_file
+from robodyn.support.input_file import VARIABLE, InputLimits
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / ".github" / "SECURITY.md").read_text()
@@ -17,7 +17,7 @@ PAGE = (ROOT / ".github" / "SECURITY.md").read_text()
 
 def _explained() -> dict[str, str]:
     """What is written below each limit."""
-    tree = ast.parse(Path(input_limits.__file__).read_text())
+    tree = ast.parse(Path(input_file.__file__).read_text())
     body = next(node.body for node in tree.body if isinstance(node, ast.ClassDef))
     found = {}
     for line, below in pairwise(body):
@@ -35,8 +35,9 @@ def test_every_limit_is_there() -> None:
 
 
 def test_every_limit_is_used() -> None:
-    text = "".join(path.read_text() for path in (ROOT / "robodyn").rglob("*.py") if path.name != "input_limits.py")
-    assert not [each.name for each in fields(InputLimits) if not re.search(rf"\b{each.name}\b", text)]
+    text = "".join(path.read_text() for path in (ROOT / "robodyn").rglob("*.py"))
+    for each in fields(InputLimits):  # once where it stands in the table
+        assert len(re.findall(rf"\b{each.name}\b", text)) > 1, each.name
 
 
 def test_what_it_names_is_there() -> None:

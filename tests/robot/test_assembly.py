@@ -23,8 +23,7 @@ from robodyn.errors import DescriptionError
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.robot.kinematics import motions, poses
 from robodyn.robot.load import load
-from robodyn.scene.parts import LimitSpring
-from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.scene.scene import DEFAULT, LimitSpring, Scene
 
 
 @pytest.mark.parametrize("axis", [(0, 0, 1), (1, 0, 0), (0, 1, 0), (0.48, 0.6, -0.64), (0, 0, -1)])

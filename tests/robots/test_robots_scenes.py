@@ -8,9 +8,8 @@ from helpers.robot_files import FOLDER, read_csv
 
 from robodyn.robot.load import load
 from robodyn.scene.fit import check_scene
-from robodyn.scene.parts import Friction, Rotor, Spring
 from robodyn.scene.read import load_scene
-from robodyn.scene.scene import DEFAULT
+from robodyn.scene.scene import DEFAULT, Friction, Rotor, Spring
 
 MOTIONS = {
     "puma560_motors": "puma560_sweep",

@@ -13,8 +13,7 @@ from scipy.spatial.transform import Rotation
 
 import robodyn
 from robodyn.errors import DescriptionError
-from robodyn.scene.parts import Loop
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Loop, Scene
 
 
 def constraint(name, kind, parent, child, **parts):

@@ -17,7 +17,8 @@ from robodyn.dynamics.inverse import mass_runner
 from robodyn.dynamics.plan import plan
 from robodyn.dynamics.recursions.articulated_body import aligned
 from robodyn.robot.model import Body, Frame, Joint, Model
-from robodyn.scene.parts import (
+from robodyn.scene.scene import (
+    DEFAULT,
     Contact,
     ContactCost,
     CoupledMotor,
@@ -28,9 +29,9 @@ from robodyn.scene.parts import (
     Motor,
     Payload,
     Rotor,
+    Scene,
     Spring,
 )
-from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.scene.uncertainty import Deviation, LinkUncertainty, Uncertainty
 
 EVERYTHING = replace(

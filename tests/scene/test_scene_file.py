@@ -11,7 +11,8 @@ from helpers.oracles import robot
 
 from robodyn.dynamics.effects.motors import rotor_of
 from robodyn.errors import SceneError
-from robodyn.scene.parts import (
+from robodyn.scene.read import load_scene, parse_scene
+from robodyn.scene.scene import (
     Contact,
     ContactCost,
     Drive,
@@ -23,10 +24,9 @@ from robodyn.scene.parts import (
     Motor,
     Payload,
     Rotor,
+    Scene,
     Spring,
 )
-from robodyn.scene.read import load_scene, parse_scene
-from robodyn.scene.scene import Scene
 
 EVERYTHING = b"""
 gravity = [0.5, -1, -9.81]

@@ -14,9 +14,8 @@ from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
 from robodyn.errors import SceneError
 from robodyn.loads.torques import torques
 from robodyn.scene.fit import check_scene
-from robodyn.scene.parts import ExternalWrench, Friction, Immersed, Loop, Motor, Payload, Rotor, Spring
 from robodyn.scene.read import load_scene
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import ExternalWrench, Friction, Immersed, Loop, Motor, Payload, Rotor, Scene, Spring
 from robodyn.scene.uncertainty import Deviation, Uncertainty
 from robodyn.trajectory.read import motion
 

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.errors import SceneError
-from robodyn.scene import parts
+from robodyn.scene import scene as parts
 from robodyn.scene.read import parse_scene
 from robodyn.scene.scene import Scene
 from robodyn.scene.toml_table import OF_THE_SCENE

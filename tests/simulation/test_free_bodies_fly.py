@@ -12,8 +12,7 @@ from helpers.small_robots import built, link
 import robodyn
 from robodyn.errors import InputError
 from robodyn.programs.vectors import rotation_about, rotation_from_quaternion
-from robodyn.scene.parts import Drive, Spring
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Drive, Scene, Spring
 
 ANALYTIC = reference("analytic")
 FLIP = ANALYTIC["dzhanibekov_I(1,2,3)_w(0.001,1,0.001)"]

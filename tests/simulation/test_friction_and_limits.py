@@ -11,8 +11,7 @@ from helpers.simulated_robots import pendulum, slide
 
 import robodyn
 from robodyn.errors import InputError
-from robodyn.scene.parts import Drive, Friction, LimitSpring, Payload, Spring
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Drive, Friction, LimitSpring, Payload, Scene, Spring
 from robodyn.simulation.methods import METHODS, method_named
 from robodyn.simulation.stiff_steps import reach
 

@@ -10,8 +10,7 @@ from helpers.simulated_robots import pendulum, slide, tumbling
 
 import robodyn
 from robodyn.errors import InputError
-from robodyn.scene.parts import Drive, ExternalWrench, Friction, Spring
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Drive, ExternalWrench, Friction, Scene, Spring
 from robodyn.simulation.methods import METHODS
 
 FIXED = [method for method in METHODS if not method.adaptive and not method.leapfrog]

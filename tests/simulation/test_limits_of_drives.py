@@ -13,8 +13,7 @@ from helpers.small_robots import built, joint, link
 
 import robodyn
 from robodyn.report.limits import limits_verdict
-from robodyn.scene.parts import Drive, ExternalWrench
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Drive, ExternalWrench, Scene
 
 PUSHED = "[drive]\nelbow = { torque = 9.0 }\nshoulder = { torque = 2.0 }\n"
 HOW = ("--duration", "0.005", "--executor", "numpy", "--gravity", "0,0,0")

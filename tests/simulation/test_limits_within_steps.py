@@ -16,8 +16,7 @@ import robodyn
 from robodyn.errors import InputError
 from robodyn.measure.accuracy import simulate_within as effort
 from robodyn.measure.accuracy.simulate_within import graze, simulate_within
-from robodyn.scene.parts import Drive
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Drive, Scene
 
 WAYS = [{}, {"rtol": 1e-6}, {"rtol": 1e-9}, {"method": "radau"}]
 WAYS += [{"method": name} for name in ("verlet", "midpoint", "gauss6")]

@@ -13,8 +13,7 @@ from helpers.simulated_robots import pendulum, tumbling
 import robodyn
 from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError
-from robodyn.scene.parts import Drive, Friction, Immersed, LimitSpring, Spring
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Drive, Friction, Immersed, LimitSpring, Scene, Spring
 from robodyn.simulation.equations import Equations, Steps
 from robodyn.simulation.methods import method_named
 from robodyn.simulation.rollouts import TOGETHER, rollouts

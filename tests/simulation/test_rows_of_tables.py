@@ -12,8 +12,7 @@ from helpers.simulated_robots import pendulum, slide
 import robodyn
 from robodyn.errors import RobodynError
 from robodyn.measure.accuracy.simulate_within import simulate_within
-from robodyn.scene.parts import Drive
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Drive, Scene
 from robodyn.simulation.methods import METHODS
 
 PUSHED = Scene(gravity=(0, 0, 0), joint_limits="ignore", drive={"j1": Drive(torque="push")})

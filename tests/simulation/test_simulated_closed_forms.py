@@ -11,8 +11,7 @@ from helpers.oracles import ROBOTS, reference, robot
 from helpers.simulated_robots import pendulum, slide
 
 import robodyn
-from robodyn.scene.parts import Friction, Spring
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Friction, Scene, Spring
 
 G = 9.81
 PERIODS = {float(k): float(v) for k, v in reference("analytic")["pendulum_L1_g9.81"]["T_by_amplitude_deg"].items()}

@@ -14,8 +14,7 @@ import robodyn
 from robodyn.errors import InputError
 from robodyn.report.limits import limits_verdict
 from robodyn.report.simulation import simulation_json
-from robodyn.scene.parts import Drive, Friction, LimitSpring
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Drive, Friction, LimitSpring, Scene
 from robodyn.simulation import stiff_steps
 from robodyn.simulation.methods import METHODS
 from robodyn.simulation.result import Simulation

@@ -11,8 +11,7 @@ from helpers.simulated_robots import pendulum, slide
 
 import robodyn
 from robodyn.errors import InputError, RobodynError
-from robodyn.scene.parts import Drive, ExternalWrench
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Drive, ExternalWrench, Scene
 from robodyn.simulation.methods import method_named
 
 TIME = np.linspace(0.0, 2.0, 101)

@@ -13,8 +13,7 @@ from helpers.command_line import motion, run, write_arm
 from helpers.hurried import hurried
 
 from robodyn.errors import InputError
-from robodyn.support.input_file import open_input, read_input, vetted
-from robodyn.support.input_limits import VARIABLE, limits
+from robodyn.support.input_file import VARIABLE, limits, open_input, read_input, vetted
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="needs pipes and devices")
 ROOT = Path(__file__).parents[2]

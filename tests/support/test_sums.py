@@ -8,7 +8,7 @@ from helpers.dirty_memory import DIRT, soil
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robodyn.support.sums import einsum
+from robodyn.support.floats import einsum
 
 NAMES = "abcd"
 

@@ -12,7 +12,7 @@ from helpers.command_line import ROBOTS, run
 
 import robodyn
 from robodyn.errors import TrajectoryError
-from robodyn.support.input_limits import VARIABLE
+from robodyn.support.input_file import VARIABLE
 from robodyn.trajectory.motion import join
 from robodyn.trajectory.read import open_table, signals
 from robodyn.trajectory.reader import TrajectoryReader

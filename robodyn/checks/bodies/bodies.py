@@ -15,7 +15,7 @@ from robodyn.checks.context import Context
 from robodyn.programs.vectors import length, product
 from robodyn.robot.kinematics import Pose
 from robodyn.robot.masses.mistakes import DOUBTED, PRODUCTS, Given, Posterior, Uniform, mistake_posterior
-from robodyn.robot.urdf.elements import Span
+from robodyn.robot.urdf.document import Span
 from robodyn.robot.urdf.view import InertialView, JointView, LinkView
 from robodyn.solids.inertia.laws import second_moments, symmetric
 from robodyn.solids.inertia.validity import Box

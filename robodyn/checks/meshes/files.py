@@ -15,11 +15,9 @@ from typing import NamedTuple
 from robodyn.checks.context import STDIN, Context
 from robodyn.checks.meshes.facts import MeshFacts, facts_of
 from robodyn.checks.rule import Edit, Fault, Fix, Severity
-from robodyn.robot.urdf.document import unexpanded
-from robodyn.robot.urdf.elements import Span
-from robodyn.robot.urdf.numbers import value_span
-from robodyn.robot.urdf.packages import package_of
-from robodyn.robot.urdf.view import GeometryView, LinkView
+from robodyn.robot.urdf.document import Span, unexpanded
+from robodyn.robot.urdf.sources import package_of
+from robodyn.robot.urdf.view import GeometryView, LinkView, value_span
 from robodyn.support.wording import count, shown_path
 
 _LONGEST, _SHORTEST = 20.0, 1e-3

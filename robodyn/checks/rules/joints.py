@@ -9,9 +9,8 @@ from robodyn.checks.rule import Context, Edit, Fault, Faults, Fix, Severity, rul
 from robodyn.checks.rules.ranges import of_numbers
 from robodyn.robot.urdf.description import cycles
 from robodyn.robot.urdf.document import unexpanded
-from robodyn.robot.urdf.numbers import value_span
 from robodyn.robot.urdf.parts import WITH_AXIS, WITH_RANGE
-from robodyn.robot.urdf.view import JointView
+from robodyn.robot.urdf.view import JointView, value_span
 from robodyn.support.wording import alternatives, listed, shown
 
 

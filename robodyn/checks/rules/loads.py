@@ -14,7 +14,7 @@ from robodyn.checks.examples import INERTIA, arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.checks.rules.ranges import of_numbers
 from robodyn.programs.vectors import arctan2, length, narrowed, product, skew
-from robodyn.robot.configuration import body_poses
+from robodyn.robot.kinematics import body_poses
 from robodyn.robot.model import Joint, Model
 from robodyn.support.floats import Floats, first_largest
 from robodyn.support.wording import figure

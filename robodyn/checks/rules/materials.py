@@ -8,10 +8,8 @@ from robodyn.checks.examples import arm
 from robodyn.checks.meshes.files import MeshSearch, State
 from robodyn.checks.rule import Context, Fault, Faults, Severity, namesakes, rule
 from robodyn.checks.rules.text import own_elements
-from robodyn.robot.urdf.document import unexpanded
-from robodyn.robot.urdf.elements import Element
-from robodyn.robot.urdf.numbers import numbers, value_span
-from robodyn.robot.urdf.view import Subject
+from robodyn.robot.urdf.document import Element, unexpanded
+from robodyn.robot.urdf.view import Subject, numbers, value_span
 from robodyn.support.wording import alternatives, count, figure, shown, shown_path
 
 _SEEN = 0.1

@@ -12,8 +12,8 @@ from robodyn.checks.importers import READS, unread
 from robodyn.checks.meshes.facts import MeshFacts
 from robodyn.checks.meshes.files import MeshName, State, all_facts, mesh_names, mesh_slips, mesh_uses
 from robodyn.checks.rule import Context, Fault, Faults, Fix, Severity, rule
-from robodyn.robot.urdf.numbers import value_span
-from robodyn.robot.urdf.packages import package_of
+from robodyn.robot.urdf.sources import package_of
+from robodyn.robot.urdf.view import value_span
 from robodyn.support.input_file import open_input
 from robodyn.support.wording import count, figure, listed, shown, shown_path
 

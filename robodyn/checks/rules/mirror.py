@@ -14,9 +14,8 @@ from robodyn.checks.mirror import MASS, MOMENTS, Pair, Symmetry, Twins, is_squar
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.checks.rules.inertia_mistakes import causes
 from robodyn.programs.vectors import length, product, rotation_from_rpy
-from robodyn.robot.urdf.numbers import value_span
 from robodyn.robot.urdf.parts import WITH_RANGE, Joint, Limit
-from robodyn.robot.urdf.view import JointView, LimitView
+from robodyn.robot.urdf.view import JointView, LimitView, value_span
 from robodyn.support.floats import Floats
 from robodyn.support.wording import figure, place, shown
 

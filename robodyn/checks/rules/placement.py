@@ -13,7 +13,7 @@ from robodyn.checks.bodies.shapes import other_unit
 from robodyn.checks.examples import a_tower, two_elbows
 from robodyn.checks.mirror import named_pairs
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.robot.urdf.numbers import value_span
+from robodyn.robot.urdf.view import value_span
 from robodyn.support.wording import shown
 
 

@@ -10,9 +10,8 @@ from typing import NamedTuple
 from robodyn.checks.examples import LIMIT, arm
 from robodyn.checks.meshes.files import reach
 from robodyn.checks.rule import Context, Edit, Fault, Faults, Fix, Severity, rule
-from robodyn.robot.urdf.numbers import Numbers, numbers
 from robodyn.robot.urdf.parts import WITH_RANGE
-from robodyn.robot.urdf.view import JointView, LimitView
+from robodyn.robot.urdf.view import JointView, LimitView, Numbers, numbers
 
 
 @rule("RD503", Severity.ERROR, good=arm(), bad=('"-2"', '"3"'), explains=("RD901",))

@@ -9,11 +9,9 @@ from typing import NamedTuple
 
 from robodyn.checks.examples import LIMIT, a_joint, a_link, arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
-from robodyn.robot.urdf.document import unexpanded
-from robodyn.robot.urdf.elements import Element, Span
-from robodyn.robot.urdf.numbers import TEXT, numbers, value_span
+from robodyn.robot.urdf.document import Element, Span, unexpanded
 from robodyn.robot.urdf.parts import WITH_RANGE
-from robodyn.robot.urdf.view import JointView, Subject, View
+from robodyn.robot.urdf.view import TEXT, JointView, Subject, View, numbers, value_span
 from robodyn.support.wording import alternatives, figure, shown, slip_of
 
 Numeric = tuple[float | None, float | None]

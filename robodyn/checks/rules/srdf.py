@@ -10,9 +10,8 @@ from robodyn.checks.bodies.shapes import box_of, real_shapes, solids
 from robodyn.checks.examples import SRDF
 from robodyn.checks.rule import Context, Fault, Faults, Severity, namesakes, rule
 from robodyn.checks.srdf import Srdf, own_srdf, srdf
-from robodyn.robot.urdf.elements import Element
-from robodyn.robot.urdf.numbers import NumbersError, parse_numbers, value_span
-from robodyn.robot.urdf.view import JointView, Subject
+from robodyn.robot.urdf.document import Element
+from robodyn.robot.urdf.view import JointView, NumbersError, Subject, parse_numbers, value_span
 from robodyn.support.wording import alternatives, count, figure, shown
 
 

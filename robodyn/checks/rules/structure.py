@@ -9,9 +9,8 @@ from robodyn.checks.examples import a_joint, a_link, arm, longer_arm, one_link
 from robodyn.checks.rule import Context, Fault, Faults, Severity, namesakes, rule
 from robodyn.robot.urdf.description import cycles
 from robodyn.robot.urdf.document import unexpanded
-from robodyn.robot.urdf.numbers import value_span
 from robodyn.robot.urdf.parts import JOINT_TYPES
-from robodyn.robot.urdf.view import JointView, LinkView, View
+from robodyn.robot.urdf.view import JointView, LinkView, View, value_span
 from robodyn.support.wording import alternatives, listed, shown
 
 

@@ -9,12 +9,10 @@ from typing import NamedTuple
 from robodyn.checks.examples import INERTIA, arm, inertia, one_link
 from robodyn.checks.rule import Context, Edit, Fault, Faults, Fix, Severity, Stage, rule, text_faults
 from robodyn.checks.waivers import Waiver, waivers
-from robodyn.robot.urdf.document import unexpanded
-from robodyn.robot.urdf.elements import Element
-from robodyn.robot.urdf.numbers import numbers, value_span
+from robodyn.robot.urdf.document import Element, unexpanded
 from robodyn.robot.urdf.parts import INERTIA as ENTRIES
 from robodyn.robot.urdf.parts import SIZES
-from robodyn.robot.urdf.view import Subject
+from robodyn.robot.urdf.view import Subject, numbers, value_span
 from robodyn.support.wording import alternatives, shown
 
 

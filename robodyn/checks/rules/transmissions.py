@@ -7,10 +7,8 @@ from collections.abc import Collection, Iterator
 from robodyn.checks.examples import arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, namesakes, rule
 from robodyn.checks.srdf import Named, own_srdf
-from robodyn.robot.urdf.document import unexpanded
-from robodyn.robot.urdf.elements import Element
-from robodyn.robot.urdf.numbers import TEXT, numbers, value_span
-from robodyn.robot.urdf.view import Subject, View
+from robodyn.robot.urdf.document import Element, unexpanded
+from robodyn.robot.urdf.view import TEXT, Subject, View, numbers, value_span
 from robodyn.support.wording import alternatives, shown, slip_of
 
 _PAIRS_ONLY = frozenset({"disable_collisions", "enable_collisions", "disable_default_collisions"})

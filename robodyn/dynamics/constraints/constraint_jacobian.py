@@ -19,10 +19,8 @@ from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import IDENTITY, Scalar, cross, product, vector
 from robodyn.robot.kinematics import motions, poses, velocities
 from robodyn.robot.model import Model
-from robodyn.scene.parts import GROUND, Contact, ContactCost, ExternalWrench, Vector
-from robodyn.scene.scene import Scene
-from robodyn.support.floats import Floats
-from robodyn.support.sums import einsum
+from robodyn.scene.scene import GROUND, Contact, ContactCost, ExternalWrench, Scene, Vector
+from robodyn.support.floats import Floats, einsum
 
 PARTS = ("fx", "fy", "fz", "mx", "my", "mz")
 

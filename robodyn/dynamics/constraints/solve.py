@@ -39,10 +39,8 @@ from robodyn.errors import InputError, SceneError
 from robodyn.programs.vectors import length, product
 from robodyn.robot.limits import binding
 from robodyn.robot.model import Joint, Model
-from robodyn.scene.parts import ALWAYS, AUTO, EFFORT, GROUND
-from robodyn.scene.scene import Scene
-from robodyn.support.floats import Floats
-from robodyn.support.sums import einsum
+from robodyn.scene.scene import ALWAYS, AUTO, EFFORT, GROUND, Scene
+from robodyn.support.floats import Floats, einsum
 from robodyn.support.wording import shown
 
 

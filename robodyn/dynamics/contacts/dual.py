@@ -12,8 +12,7 @@ from robodyn.programs.program import trace
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Array, Scalar, cross, sign, sqrt, total
-from robodyn.support.floats import Floats
-from robodyn.support.sums import einsum
+from robodyn.support.floats import Floats, einsum
 
 TINY = 1e-300
 

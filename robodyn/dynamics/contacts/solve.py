@@ -14,8 +14,7 @@ from robodyn.errors import InputError
 from robodyn.programs.linear import min_norm_solution
 from robodyn.programs.vectors import length, product
 from robodyn.support.extras import need
-from robodyn.support.floats import BEYOND, Floats
-from robodyn.support.sums import einsum
+from robodyn.support.floats import BEYOND, Floats, einsum
 
 Flags = NDArray[np.bool_]
 

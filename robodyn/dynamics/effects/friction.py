@@ -11,8 +11,7 @@ from robodyn.programs.vectors import Scalar, exp, sign, sqrt, total
 from robodyn.robot.kinematics import Motion, Wrench
 from robodyn.robot.kinematics import motions as motions_of
 from robodyn.robot.model import Joint, Model
-from robodyn.scene.parts import Friction
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Friction, Scene
 
 
 def friction_of(joint: Joint, scene: Scene) -> Friction:

@@ -17,8 +17,7 @@ from robodyn.dynamics.effects.friction import coulomb_torque
 from robodyn.programs.vectors import IDENTITY, ZERO, Array, Scalar, cross, length, product, total
 from robodyn.robot.kinematics import Motion, Wrench, accelerations, poses, velocities
 from robodyn.robot.model import Joint, Model
-from robodyn.scene.parts import CoupledMotor
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import CoupledMotor, Scene
 
 
 def rotor_of(joint: Joint, scene: Scene) -> tuple[float, float]:

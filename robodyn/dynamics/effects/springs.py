@@ -9,8 +9,7 @@ from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, Zero
 from robodyn.programs.vectors import Scalar, sign, total
 from robodyn.robot.kinematics import Motion
 from robodyn.robot.model import Joint, Model
-from robodyn.scene.parts import LimitSpring, Spring
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import LimitSpring, Scene, Spring
 
 
 class JointSpring(Effect):

@@ -10,8 +10,7 @@ from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, Zero
 from robodyn.programs.vectors import Array, cross, sign
 from robodyn.robot.kinematics import Pose, Wrench, poses, velocities
 from robodyn.robot.model import Model
-from robodyn.scene.parts import Entry, ExternalWrench
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Entry, ExternalWrench, Scene
 
 
 def acting(scene: Scene, cause: str) -> list[ExternalWrench]:

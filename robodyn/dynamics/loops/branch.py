@@ -20,10 +20,9 @@ from robodyn.programs.program import trace
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar, product, rotation_from_rpy
-from robodyn.robot.configuration import unit_rows
+from robodyn.robot.kinematics import unit_rows
 from robodyn.robot.limits import coordinate_ranges
-from robodyn.support.floats import Floats
-from robodyn.support.sums import einsum
+from robodyn.support.floats import Floats, einsum
 from robodyn.support.wording import count
 
 

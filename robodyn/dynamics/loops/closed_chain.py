@@ -17,11 +17,9 @@ from robodyn.dynamics.plan import Plan, applied, loads
 from robodyn.dynamics.recursions.articulated_body import aligned, floating_turns, turned
 from robodyn.dynamics.recursions.composite_body import Root, composite_body, known_zero, rates_inward
 from robodyn.programs.vectors import Scalar, product, sqrt, total, vector
-from robodyn.robot.configuration import unit_rows
-from robodyn.robot.kinematics import Wrench
+from robodyn.robot.kinematics import Wrench, unit_rows
 from robodyn.robot.model import Model
-from robodyn.scene.parts import GROUND, Loop
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import GROUND, Loop, Scene
 from robodyn.support.floats import Floats
 
 Rows = list[dict[int, Scalar]]

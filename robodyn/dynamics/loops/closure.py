@@ -24,7 +24,7 @@ from robodyn.programs.vectors import (
 )
 from robodyn.robot.kinematics import Motion, acceleration_of_point
 from robodyn.robot.model import Frame, Model
-from robodyn.scene.parts import Loop
+from robodyn.scene.scene import Loop
 from robodyn.support.floats import Floats
 
 TERMS = 10

@@ -23,8 +23,7 @@ from robodyn.dynamics.plan import Plan
 from robodyn.errors import TrajectoryError
 from robodyn.programs.linear import pseudo_inverse
 from robodyn.support.caveats import Caveat
-from robodyn.support.floats import Floats
-from robodyn.support.sums import einsum
+from robodyn.support.floats import Floats, einsum
 
 RATES = ("", "/s", "/s^2")
 SHARE = 0.05

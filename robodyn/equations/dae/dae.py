@@ -25,11 +25,19 @@ from robodyn.equations.ode import bias_plan, check_equations
 from robodyn.errors import InputError
 from robodyn.programs.linear import min_norm_solution, null_space
 from robodyn.programs.vectors import length, narrowed, narrowed_all
-from robodyn.robot.configuration import Values, beyond_limits, configuration, rates
-from robodyn.robot.kinematics import Wrench, acceleration_of_point, accelerations, poses, velocities
+from robodyn.robot.kinematics import (
+    Values,
+    Wrench,
+    acceleration_of_point,
+    accelerations,
+    beyond_limits,
+    configuration,
+    poses,
+    rates,
+    velocities,
+)
 from robodyn.robot.model import Model
-from robodyn.scene.parts import Entry
-from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.scene.scene import DEFAULT, Entry, Scene
 from robodyn.support.floats import Floats
 
 CONTRADICTED = 1e-8

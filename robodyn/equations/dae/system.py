@@ -21,8 +21,7 @@ from robodyn.errors import SceneError
 from robodyn.programs.vectors import IDENTITY, ZERO, Array, Scalar, cross, length, narrowed, rotation_from_rpy, skew
 from robodyn.robot.kinematics import Wrench, motions, poses, velocities
 from robodyn.robot.model import Model
-from robodyn.scene.parts import Loop
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Loop, Scene
 from robodyn.solids.inertia.laws import Inertia
 from robodyn.support.floats import Floats, first_largest
 

@@ -32,8 +32,7 @@ from robodyn.robot.kinematics import (
 )
 from robodyn.robot.model import Model
 from robodyn.scene.fit import refuse_load, refuse_others
-from robodyn.scene.parts import GROUND
-from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.scene.scene import DEFAULT, GROUND, Scene
 from robodyn.solids.inertia.laws import Inertia, about_centre
 from robodyn.support.floats import Floats
 from robodyn.support.wording import figure, shown

@@ -22,8 +22,7 @@ from robodyn.programs.derivative import Dual, rate_of
 from robodyn.programs.linear import eigen, min_norm_solution, null_space, range_basis
 from robodyn.programs.vectors import length, product
 from robodyn.robot.model import Model
-from robodyn.scene.parts import Entry
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Entry, Scene
 from robodyn.support.floats import Floats, first_largest
 
 

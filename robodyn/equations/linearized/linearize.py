@@ -26,7 +26,7 @@ from robodyn.equations.ode import check_equations
 from robodyn.errors import InputError
 from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import product
-from robodyn.robot.configuration import Values, beyond_limits, configuration, rates
+from robodyn.robot.kinematics import Values, beyond_limits, configuration, rates
 from robodyn.robot.limits import Excess, held_beyond
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene

@@ -34,8 +34,7 @@ from robodyn.identification.parameters.regressor_columns import stacked
 from robodyn.robot.model import Model
 from robodyn.scene.fit import refuse_constraints, refuse_load
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.support.floats import LARGEST, Floats
-from robodyn.support.sums import einsum
+from robodyn.support.floats import LARGEST, Floats, einsum
 
 PERIOD, HARMONICS, RATE = 10.0, 5, 200.0
 """[s], of the series, and rows per second."""

@@ -17,8 +17,7 @@ from robodyn.programs.program import trace
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import CONSTANT, Tape
 from robodyn.programs.vectors import Scalar
-from robodyn.support.floats import Floats, ranked
-from robodyn.support.sums import einsum
+from robodyn.support.floats import Floats, einsum, ranked
 
 _SOURCES = ("q", "qd", "qdd")
 _THIN, _EDGE = 2, 0.999

@@ -15,8 +15,7 @@ from robodyn.errors import InputError
 from robodyn.robot.limits import MOST_EFFORT, MOST_VELOCITY, binding, coordinate_ranges
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
-from robodyn.support.floats import Floats
-from robodyn.support.sums import einsum
+from robodyn.support.floats import Floats, einsum
 from robodyn.support.wording import alternatives, count
 
 MARGIN = 0.05

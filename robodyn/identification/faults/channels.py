@@ -9,8 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.identification.faults.faults import Evidence
-from robodyn.support.floats import Floats
-from robodyn.support.sums import unit_columns
+from robodyn.support.floats import Floats, unit_columns
 
 _CLEAR, _LESS = 0.25, 0.7
 """Of the residual's sum of squares with channels as they are, what the right ones leave at most: as geometric mean, and

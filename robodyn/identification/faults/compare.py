@@ -24,8 +24,7 @@ from robodyn.identification.log.log import REMEDY, Log, Samples, read_log
 from robodyn.identification.log.rows import filtered
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.support.floats import Floats
-from robodyn.support.sums import einsum
+from robodyn.support.floats import Floats, einsum
 from robodyn.trajectory.plausible import refuse_units
 
 _FEWEST = 100

@@ -10,8 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from robodyn.identification.faults.noise import score_covariance, variance_of_sums, window_length
-from robodyn.support.floats import Floats, ranked
-from robodyn.support.sums import einsum, unit_columns
+from robodyn.support.floats import Floats, einsum, ranked, unit_columns
 
 OWN = ("gain", "offset", "viscous", "coulomb", "rotor", "delay")
 """The parameters of each joint, in order: `gain` is relative, less one."""

@@ -16,8 +16,7 @@ from robodyn.identification.model_selection import Structure, least_squares, who
 from robodyn.identification.parameters.regressor_columns import RegressorColumns
 from robodyn.programs.vectors import product
 from robodyn.scene.scene import Scene
-from robodyn.support.floats import Floats
-from robodyn.support.sums import einsum
+from robodyn.support.floats import Floats, einsum
 
 _SAMPLES, _ROWS, _VALUES = 1 << 17, 3000, 2_000_000
 """Samples that are read, and instants that are compared, of at most so many numbers."""

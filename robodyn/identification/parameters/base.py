@@ -14,8 +14,7 @@ from robodyn.dynamics.effects.friction import joints_with_friction
 from robodyn.dynamics.regressor import INERTIAL, regressor
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.support.floats import HALF_UP, Floats
-from robodyn.support.sums import einsum, unit_columns
+from robodyn.support.floats import HALF_UP, Floats, einsum, unit_columns
 
 TOLERANCE = 1e-8
 """Of a column's length: what lies off the span of the others by less is dependent on them. Rounding reaches 1e-13, and

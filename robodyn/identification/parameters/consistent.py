@@ -23,8 +23,7 @@ from robodyn.solids.inertia.laws import Inertia, inertia_matrix, parallel_axis, 
 from robodyn.solids.inertia.validity import Box, around, half_size
 from robodyn.solids.mesh.read.load import load_triangles
 from robodyn.solids.mesh.triangles import scaled
-from robodyn.support.floats import Floats
-from robodyn.support.sums import einsum
+from robodyn.support.floats import Floats, einsum
 from robodyn.support.wording import listed, shown
 
 _FLAT, _THICKNESS = 1e-6, 1e-2

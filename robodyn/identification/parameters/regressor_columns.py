@@ -15,10 +15,8 @@ from robodyn.identification.log.log import Log, Samples
 from robodyn.identification.log.rows import filtered
 from robodyn.programs.vectors import product
 from robodyn.robot.model import Model
-from robodyn.scene.parts import Vector
-from robodyn.scene.scene import Scene
-from robodyn.support.floats import Floats
-from robodyn.support.sums import einsum
+from robodyn.scene.scene import Scene, Vector
+from robodyn.support.floats import Floats, einsum
 
 PARAMETERS = ("viscous", "coulomb", "offset", "stribeck", "rotor", "load")
 """Of a motor. `coulomb` and `offset` are half the difference and half the sum of friction forwards and backwards, which

@@ -13,7 +13,7 @@ from robodyn.programs.vectors import Array, length, product, rotation_from_quate
 from robodyn.report.document import Figure
 from robodyn.report.pictures.figures import INK, SERIES, SOFT, plot
 from robodyn.report.table import number, printable
-from robodyn.robot.configuration import body_poses, link_poses
+from robodyn.robot.kinematics import body_poses, link_poses
 from robodyn.robot.model import Model
 from robodyn.robot.urdf.parts import Description, Geometry
 from robodyn.solids.inertia.properties import MassProperties

@@ -31,8 +31,7 @@ from robodyn.report.pictures.figures import (
 from robodyn.report.sizes import Sizes, speed_unit
 from robodyn.report.table import moment, number, printable
 from robodyn.robot.model import Model
-from robodyn.scene.parts import Curve
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Curve, Scene
 from robodyn.support.floats import Floats
 from robodyn.support.wording import shortened
 

@@ -19,8 +19,7 @@ from robodyn.checks.rule import Finding, Rule, Severity
 from robodyn.report.check import further
 from robodyn.report.document import code_lines
 from robodyn.report.table import printable
-from robodyn.robot.urdf.document import Document
-from robodyn.robot.urdf.elements import SourcePositions
+from robodyn.robot.urdf.document import Document, SourcePositions
 from robodyn.support.wording import count
 
 

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 from robodyn.errors import InputError
 from robodyn.programs.vectors import IDENTITY, ZERO
-from robodyn.robot.configuration import Values, beyond_limits, configuration, coordinates, link_poses
-from robodyn.robot.kinematics import Pose
+from robodyn.robot.kinematics import Pose, Values, beyond_limits, configuration, coordinates, link_poses
 from robodyn.robot.load import assemble, placement
 from robodyn.robot.urdf.description import link_named
 from robodyn.robot.urdf.parts import Description, Link

@@ -14,13 +14,10 @@ from typing import NoReturn, TypeVar, cast
 
 from robodyn.errors import DescriptionError, InputError
 from robodyn.robot.urdf import parts
-from robodyn.robot.urdf.document import Document, read_document
-from robodyn.robot.urdf.elements import Element
-from robodyn.robot.urdf.numbers import TEXT, Numbers, numbers
-from robodyn.robot.urdf.packages import Search, package_of
+from robodyn.robot.urdf.document import Document, Element, read_document
 from robodyn.robot.urdf.parts import Description, Geometry, Joint, Kind, Link, Transmission, Vector
-from robodyn.robot.urdf.sources import content_of
-from robodyn.robot.urdf.view import GeometryView, InertialView, JointView, LinkView, Part, View
+from robodyn.robot.urdf.sources import EXPANDED, Search, is_xacro, package_of, read_source
+from robodyn.robot.urdf.view import TEXT, GeometryView, InertialView, JointView, LinkView, Numbers, Part, View, numbers
 from robodyn.support.wording import alternatives, listed, shown
 
 _REDUCTIONS = ("mechanicalReduction", "mechanical_reduction", "drake:gear_ratio")
@@ -41,9 +38,19 @@ def load_description(
     xacro_args: Mapping[str, str] | None = None,
     trust_xacro: bool = False,
 ) -> Description:
-    """Return `read_description` of `read_document`, with the errors of both; options as of `robodyn.load`."""
+    """Return `read_description` of `read_document`, with the errors of both, of a xacro file's expansion; options as of
+    `robodyn.load`."""
     folders = tuple(os.fspath(path) for path in package_paths)
-    file, data = content_of(source, name, folders, xacro_args, trust_xacro)
+    if is_xacro(source):
+        from robodyn.robot.urdf.xacro import expanded
+
+        path = os.fspath(cast("str", source))
+        file, data = (name or path) + EXPANDED, expanded(path, folders, xacro_args, trust_xacro).text
+    else:
+        file, data = read_source(source, name)
+        if xacro_args:
+            what = f"the argument {shown(next(iter(xacro_args)))} is for a file that is xacro"
+            raise InputError(what, remedy="xacro files end in .xacro", file=file)
     return replace(read_description(read_document(data, file)), search=Search(file, folders), data=data)
 
 

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from robodyn.robot.urdf.elements import BOM, Element
+from robodyn.robot.urdf.document import BOM, Element
 
 _BLANK = b" \t"
 

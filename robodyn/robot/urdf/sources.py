@@ -1,44 +1,190 @@
-"""The bytes of a description, from a file or from memory, xacro files expanded; and tokens too long for a parser."""
+"""The bytes of a description, xacro files expanded; and the files that it names, beside it or in packages of ROS."""
 
 from __future__ import annotations
 
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import chain, tee
+from pathlib import Path
+from urllib.parse import unquote
 
-from robodyn.errors import DescriptionError, InputError
-from robodyn.robot.urdf.packages import EXPANDED
+from robodyn.errors import DescriptionError
 from robodyn.support.input_file import read_input
-from robodyn.support.wording import shown
+
+EXPANDED = " (expanded)"
+"""What stands after the name of a xacro file whose lines are those of its expansion."""
+VARIABLES = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH", "COLCON_PREFIX_PATH", "CMAKE_PREFIX_PATH")
+"""The environment variables that say where packages are: the first names folders of packages, the others prefixes of
+installations, whose packages are in share/."""
+_NAME = re.compile(rb"<name>\s*([^<]*?)\s*</name>")
+_MOST_READ = 1 << 16
+_DEEPEST, _MOST_FOLDERS = 4, 20_000
+"""How far below a folder packages are looked for, and in how many folders at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """The one way in which names of meshes and packages become files.
+
+    Attributes:
+        file: of the description, which need not be there: names are relative to its folder, then to the one where a
+            symbolic link leads.
+        package_paths: packages, or folders of packages, that are looked at first.
+    """
+
+    file: str
+    package_paths: tuple[str, ...] = ()
+    _known: dict[str, Iterator[Path]] = field(default_factory=dict, repr=False)
+
+    def __reduce__(self) -> tuple[type[Search], tuple[str, tuple[str, ...]]]:
+        return Search, (self.file, self.package_paths)
+
+    def find(self, uri: str) -> Path | None:
+        """Return the file that a description means by the name of a mesh; None if there is none on this machine.
+
+        A plain name is relative to a folder of the description. `package://NAME/REST` (and Gazebo's `model://`) is REST
+        in the package NAME; see `packages`. `file://` is a path from the root. Nothing is fetched: other schemes have
+        no file.
+        """
+        return next((path for path in self._candidates(uri) if os.path.isfile(path)), None)
+
+    @cached_property
+    def folders(self) -> tuple[Path, ...]:
+        """The folder in which the description is named, and the one where it is, if a symbolic link leads there."""
+        file = self.file.removesuffix(EXPANDED)
+        named, real = Path(file).parent, Path(os.path.realpath(file)).parent
+        return (named,) if real == named.absolute() else (named, real)
+
+    def packages(self, name: str) -> Iterator[Path]:
+        """Return the folders that may be the package of this name, the likeliest first; they need not exist.
+
+        Of the package paths, then of ROS_PACKAGE_PATH: the path itself, and what is below it. Then PREFIX/share/NAME
+        and PREFIX/NAME/share/NAME of AMENT_PREFIX_PATH, COLCON_PREFIX_PATH and CMAKE_PREFIX_PATH. Then the folders
+        above the description, and what is in them. Then, by their package.xml, the packages beside its own, and those
+        below the repository or workspace (a folder with .git, or src) that it is in. A folder is the package whose name
+        its package.xml says or, without one, which it has itself.
+        """
+        self._known[name], again = tee(self._known.get(name) or self._possible(name))
+        return again
+
+    def share(self, name: str) -> Path | None:
+        """Return the folder of a package for those who ask for no file in it: the first with a package.xml, or the
+        first."""
+        found = [path for path in self.packages(name) if os.path.isdir(path)]
+        return next((path for path in found if package_name(path) is not None), found[0] if found else None)
+
+    @property
+    def home(self) -> Path | None:
+        """The package that the description is in: the nearest folder above it with a package.xml."""
+        return home_of(*self._above())
+
+    @property
+    def knows_packages(self) -> bool:
+        """Whether anything says where packages are."""
+        return bool(self.package_paths or self.home or any(map(listed, VARIABLES)))
+
+    def _candidates(self, uri: str) -> Iterator[Path]:
+        scheme, separator, rest = uri.partition("://")
+        package = package_of(uri)
+        if not separator:
+            yield from (folder / uri for folder in self.folders)
+        elif scheme == "file":
+            path = rest if rest.startswith("/") else rest[rest.find("/") :]
+            yield from (Path(path), Path(unquote(path)))
+        elif package is not None and package[0]:
+            yield from (folder / package[1] for folder in self.packages(package[0]))
+
+    def _possible(self, name: str) -> Iterator[Path]:
+        for path in map(Path, (*self.package_paths, *listed(VARIABLES[0]))):
+            yield from _here(path, name)
+            yield from _below(path, name)
+        for prefix in map(Path, chain.from_iterable(map(listed, VARIABLES[1:]))):
+            yield from (prefix / "share" / name, prefix / name / "share" / name)
+        for path in self._above():
+            yield from _here(path, name)
+        if self.home is not None:
+            yield from (path for path in _folders_in(self.home.parent) if package_name(path) == name)
+        workspace = next((path for path in self._above() if path.name == "src" or (path / ".git").exists()), None)
+        if workspace is not None:
+            yield from (path for path in _below(workspace, name) if package_name(path) is not None)
+
+    def _above(self) -> Iterator[Path]:
+        for folder in (*self.folders, *self._entered):
+            whole = folder.absolute()
+            yield from (whole, *whole.parents)
+
+    @property
+    def _entered(self) -> tuple[Path, ...]:
+        """The folder of the description by way of the symbolic link through which the current folder was entered."""
+        entered = os.environ.get("PWD", "")
+        try:
+            through = os.path.isabs(entered) and entered != os.getcwd() and os.path.samefile(entered, os.curdir)
+        except OSError:
+            return ()
+        return (Path(entered, self.file).parent,) if through and not os.path.isabs(self.file) else ()
+
+
+def package_of(uri: str) -> tuple[str, str] | None:
+    """Return the package's name, perhaps empty, and the path in it, of `package://NAME/PATH`; None of other names."""
+    scheme, separator, rest = uri.partition("://")
+    name, _, path = rest.partition("/")
+    return (name, path.lstrip("/")) if separator and scheme in ("package", "model") else None
+
+
+def listed(variable: str) -> list[str]:
+    """Return the folders that an environment variable lists."""
+    return [entry for entry in os.environ.get(variable, "").split(os.pathsep) if entry]
+
+
+def _here(folder: Path, name: str) -> tuple[Path, ...]:
+    return (folder, folder / name) if _is_package(folder, name) else (folder / name,)
+
+
+def _below(root: Path, name: str) -> Iterator[Path]:
+    """Yield packages of this name below a folder, the nearest first; none is within another."""
+    level, seen = [root], 0
+    for _ in range(_DEEPEST):
+        level = [sub for folder in level if package_name(folder) is None for sub in _folders_in(folder)]
+        seen += len(level)
+        yield from (folder for folder in level if _is_package(folder, name))
+        if seen > _MOST_FOLDERS:
+            return
+
+
+def _folders_in(folder: Path) -> list[Path]:
+    try:
+        with os.scandir(folder) as entries:
+            names = [entry.name for entry in entries if entry.name[:1] != "." and entry.is_dir()]
+    except (OSError, ValueError):
+        return []
+    return [folder / name for name in sorted(names)]
+
+
+def _is_package(folder: Path, name: str) -> bool:
+    manifest = package_name(folder)
+    return folder.name == name if manifest is None else manifest == name
+
+
+def package_name(folder: Path) -> str | None:
+    """Return the name in the package.xml of a folder, empty where it says none; None without one."""
+    try:
+        found = _NAME.search(read_input(folder / "package.xml", _MOST_READ))
+    except (OSError, ValueError):
+        return None
+    return "" if found is None else found[1].decode(errors="replace")
+
+
+def home_of(*folders: Path) -> Path | None:
+    """Return the first of some folders with a package.xml."""
+    return next((path for path in folders if package_name(path) is not None), None)
 
 
 def is_xacro(source: object) -> bool:
     """Return whether this is the path of a xacro file."""
     return isinstance(source, (str, os.PathLike)) and os.fspath(source).lower().endswith(".xacro")
-
-
-def content_of(
-    source: str | os.PathLike[str] | bytes,
-    name: str | None = None,
-    package_paths: Sequence[str] = (),
-    xacro_args: Mapping[str, str] | None = None,
-    trust_xacro: bool = False,
-) -> tuple[str, bytes]:
-    """Return the name to show in messages, and the bytes of a description; a xacro file is expanded, see `expanded`.
-
-    Raises:
-        InputError: the file cannot be read or expanded, or arguments are given to a file that is no xacro file.
-    """
-    if not isinstance(source, bytes) and is_xacro(source):
-        from robodyn.robot.urdf.xacro import expanded
-
-        path = os.fspath(source)
-        return (name or path) + EXPANDED, expanded(path, package_paths, xacro_args, trust_xacro).text
-    file, data = read_source(source, name)
-    if xacro_args:
-        what = f"the argument {shown(next(iter(xacro_args)))} is for a file that is xacro"
-        raise InputError(what, remedy="xacro files end in .xacro", file=file)
-    return file, data
 
 
 def read_source(source: str | os.PathLike[str] | bytes, name: str | None) -> tuple[str, bytes]:

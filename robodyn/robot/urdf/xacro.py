@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from xml.parsers import expat
 
 from robodyn.errors import InputError, NoRobotError
-from robodyn.robot.urdf.packages import VARIABLES
+from robodyn.robot.urdf.sources import VARIABLES
 from robodyn.support.extras import need
 from robodyn.support.input_file import read_input
 from robodyn.support.wording import alternatives, shown
@@ -43,7 +43,7 @@ def expanded(
     """Return the URDF that a xacro file stands for, and where each element of it was written.
 
     Packages are looked for as those of meshes are. Unless it is trusted, a file may compute what `xacro_expressions`
-    lists, read what `xacro_reach` allows, and know the environment's variables about packages.
+    lists, read what `Reach` allows, and know the environment's variables about packages.
 
     Args:
         args: values of its arguments by name; defaults hold for the others.

@@ -8,8 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.support.floats import Floats
-from robodyn.support.sums import einsum
+from robodyn.support.floats import Floats, einsum
 
 Numbers = NDArray[np.signedinteger[Any]]
 Words = NDArray[np.uint64]

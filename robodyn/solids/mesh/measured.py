@@ -13,7 +13,7 @@ from robodyn.solids.inertia.properties import MassProperties, from_integrals, fr
 from robodyn.solids.mesh.closed import Fingerprint, is_one_shell
 from robodyn.solids.mesh.integrals import Integrals, VolumeIntegrals, measure, surface
 from robodyn.solids.mesh.triangles import Triangles
-from robodyn.support.input_limits import VARIABLE, limits
+from robodyn.support.input_file import VARIABLE, limits
 
 if TYPE_CHECKING:
     from robodyn.solids.mesh.columns import Quadrature

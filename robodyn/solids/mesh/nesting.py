@@ -12,7 +12,7 @@ from robodyn.solids.mesh.indexed import Mask, Numbers, areas, in_parts, merged, 
 from robodyn.solids.mesh.inside import Interior, OpenInterior, may_cross, solid, triangle_boxes
 from robodyn.solids.mesh.shells import Shells
 from robodyn.support.floats import Floats
-from robodyn.support.input_limits import beyond, limits
+from robodyn.support.input_file import beyond, limits
 
 _NOISE = 1e-13
 """Volume over the sum of the sizes of its terms below which a shell is flat and has no sign."""

@@ -15,8 +15,7 @@ from robodyn.solids.inertia.properties import MassProperties
 from robodyn.solids.mesh.asymmetry import GOLDEN_TURN, CentredBody, mirror
 from robodyn.solids.mesh.columns import frame_along
 from robodyn.solids.mesh.symmetry_search import Product, Search, Symmetry
-from robodyn.support.floats import Floats
-from robodyn.support.sums import einsum
+from robodyn.support.floats import Floats, einsum
 
 _FIXED = 1e-2
 """How far a map may move what it leaves as it is, and what counts as no direction of its own: errors of normals."""

@@ -15,8 +15,7 @@ from robodyn.programs.vectors import Array, length, product, rotation_about
 from robodyn.solids.inertia.principal import pointed
 from robodyn.solids.mesh.asymmetry import FREQUENCIES, CentredBody, axial_moments, mirror, sixth_moments
 from robodyn.solids.mesh.columns import frame_along
-from robodyn.support.floats import Floats, first_largest, ranked
-from robodyn.support.sums import einsum
+from robodyn.support.floats import Floats, einsum, first_largest, ranked
 
 Verdict = Literal["exact", "within tessellation", "near", "none"]
 

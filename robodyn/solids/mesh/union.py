@@ -14,7 +14,7 @@ from robodyn.solids.mesh.indexed import Edges, Indexed, Mask, Numbers, in_parts
 from robodyn.solids.mesh.inside import may_cross, solid, triangle_boxes
 from robodyn.solids.mesh.nesting import Nesting
 from robodyn.support.floats import Floats
-from robodyn.support.input_limits import limits
+from robodyn.support.input_file import limits
 
 _TOUCH = 1e-11
 """Volume that shells may share, of the sum of their volumes, and still only touch."""

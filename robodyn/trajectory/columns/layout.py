@@ -10,7 +10,7 @@ from itertools import islice
 from typing import TypeVar
 
 from robodyn.errors import TrajectoryError
-from robodyn.support.input_limits import beyond, limits
+from robodyn.support.input_file import beyond, limits
 from robodyn.support.wording import alternatives, shown
 from robodyn.trajectory.columns.signals import (
     ANGLES,

@@ -16,8 +16,7 @@ from typing import Any, BinaryIO
 
 from robodyn.errors import TrajectoryError
 from robodyn.support.extras import need
-from robodyn.support.input_file import read_input, vetted
-from robodyn.support.input_limits import beyond, limits
+from robodyn.support.input_file import beyond, limits, read_input, vetted
 from robodyn.support.wording import alternatives, count, shown
 from robodyn.trajectory.columns.layout import listing
 from robodyn.trajectory.readers.messages import KINDS, LogTable, states_of, yaml_documents

@@ -21,8 +21,7 @@ import numpy as np
 
 from robodyn.errors import TrajectoryError
 from robodyn.support.floats import Floats
-from robodyn.support.input_file import copied, open_input
-from robodyn.support.input_limits import beyond, limits
+from robodyn.support.input_file import beyond, copied, limits, open_input
 from robodyn.support.wording import count
 from robodyn.trajectory.readers.table import ALL_FINITE, Table
 

@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 from robodyn.errors import TrajectoryError
 from robodyn.support.extras import need
 from robodyn.support.floats import Floats
-from robodyn.support.input_file import parse_json, read_input
-from robodyn.support.input_limits import beyond, limits
+from robodyn.support.input_file import beyond, limits, parse_json, read_input
 from robodyn.support.wording import count, shown
 from robodyn.trajectory.columns.layout import listing
 from robodyn.trajectory.readers.table import ArrayTable, decoding

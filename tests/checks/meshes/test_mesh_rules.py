@@ -20,7 +20,7 @@ from robodyn.checks.meshes import files as mesh_files
 from robodyn.checks.meshes.facts import MeshFacts, extremes, facts_of, mesh_facts, spread_out
 from robodyn.checks.rule import Finding, Severity
 from robodyn.programs.vectors import product
-from robodyn.robot.urdf.packages import Search
+from robodyn.robot.urdf.sources import Search
 from robodyn.solids.mesh.triangles import BLOCK
 
 PART = box((0.1, 0.2, 0.3))

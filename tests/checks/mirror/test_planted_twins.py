@@ -14,10 +14,8 @@ from robodyn.checks.check import Options, check_one, found_in
 from robodyn.checks.context import Context
 from robodyn.checks.mirror import Pair, pairs
 from robodyn.checks.rule import Finding
-from robodyn.robot.urdf.document import read
-from robodyn.robot.urdf.elements import Span
-from robodyn.robot.urdf.numbers import value_span
-from robodyn.robot.urdf.view import JointView
+from robodyn.robot.urdf.document import Span, read
+from robodyn.robot.urdf.view import JointView, value_span
 
 ROBOTS = ("go2", "g1_29dof_rev_1_0", "talos_full_v2", "anymal", "solo12")
 TWINS = Options(select=("RD404", "RD405"))

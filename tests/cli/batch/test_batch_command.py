@@ -14,10 +14,9 @@ from helpers.batch_runs import NAMES, batch, document, in_turn, listing, write_m
 from helpers.command_line import command, run
 
 import robodyn
-from robodyn.cli import batch as work
 from robodyn.cli import torques_batch
-from robodyn.cli.batch import VERSION, Setup
-from robodyn.cli.torques_batch import worked_here
+from robodyn.cli import torques_batch as work
+from robodyn.cli.torques_batch import VERSION, Setup, worked_here
 from robodyn.support.cache import code_digest
 from robodyn.support.libraries import version_of
 

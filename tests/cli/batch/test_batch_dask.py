@@ -14,7 +14,7 @@ from helpers.command_line import command, run
 
 from robodyn.cli import torques_batch
 from robodyn.cli import torques_batch as cluster
-from robodyn.cli.batch import jobs_of
+from robodyn.cli.torques_batch import jobs_of
 
 distributed = pytest.importorskip("distributed")
 FILES = 12

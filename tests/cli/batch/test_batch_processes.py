@@ -14,9 +14,8 @@ from helpers.batch_runs import NAMES, write_motion, write_runs
 from helpers.command_line import command
 from helpers.terminals import on_terminal
 
-from robodyn.cli.batch import jobs_of
 from robodyn.cli.options import Call
-from robodyn.cli.torques_batch import _setup, worked_here
+from robodyn.cli.torques_batch import _setup, jobs_of, worked_here
 from robodyn.support.processes import ATTEMPTS
 
 

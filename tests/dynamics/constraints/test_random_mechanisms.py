@@ -21,8 +21,7 @@ from robodyn.dynamics.constraints.solve import constraint_forces
 from robodyn.dynamics.constraints.torque_distribution import structure
 from robodyn.dynamics.loops.closure import moved
 from robodyn.dynamics.plan import plan
-from robodyn.scene.parts import GROUND
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import GROUND, Scene
 
 SHAPES_AND_DRIVES = [0, 11, 22, 33, 4, 15, 26, 37, 8, 19]
 """Seeds of every shape once, and of every kind of drive."""

@@ -15,8 +15,7 @@ from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.programs.vectors import cross
 from robodyn.robot.kinematics import motions, poses
-from robodyn.scene.parts import ExternalWrench
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import ExternalWrench, Scene
 
 FORCE, MOMENT, POINT = (1.0, -2.0, 3.0), (0.4, 0.5, -0.6), (0.1, -0.3, 0.2)
 SAMPLES = 10

@@ -11,8 +11,7 @@ from helpers.small_robots import body_numbers, built, joint, link, urdf
 from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.robot.load import load
-from robodyn.scene.parts import Friction, Immersed, Payload, Rotor, Spring
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Friction, Immersed, Payload, Rotor, Scene, Spring
 
 GEARED = (
     '<transmission name="t"><joint name="j"/><actuator name="m">'

@@ -17,9 +17,8 @@ from robodyn.dynamics.plan import plan, runner_of
 from robodyn.equations.free_body.bodies import free_bodies
 from robodyn.errors import InputError, SceneError
 from robodyn.report.scene_toml import scene_toml
-from robodyn.scene.parts import CoupledMotor, Friction
 from robodyn.scene.read import parse_scene
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import CoupledMotor, Friction, Scene
 from robodyn.trajectory.read import motion
 
 SAMPLES = 10

@@ -18,9 +18,8 @@ from robodyn.equations.dae.dae import dae_at
 from robodyn.errors import SceneError
 from robodyn.identification.calibrated import calibrated, friction_toml
 from robodyn.loads.torques import torques
-from robodyn.scene.parts import CoupledMotor, Friction, Loop, Motor, Rotor
 from robodyn.scene.read import parse_scene
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import CoupledMotor, Friction, Loop, Motor, Rotor, Scene
 from robodyn.trajectory.read import motion
 
 SAMPLES = 5

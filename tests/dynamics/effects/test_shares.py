@@ -14,9 +14,8 @@ from helpers.robot_files import FOLDER
 from robodyn.dynamics.effects import rigid_bodies
 from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import EFFECTS, Plan
-from robodyn.scene.parts import CoupledMotor, Friction, Rotor
 from robodyn.scene.read import load_scene
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import CoupledMotor, Friction, Rotor, Scene
 
 SAMPLES = 20
 

@@ -12,8 +12,7 @@ from helpers.oracles import random_state, robot
 from robodyn.dynamics.forward import acceleration_program
 from robodyn.dynamics.inverse import inverse_dynamics, mass_runner
 from robodyn.dynamics.plan import Plan
-from robodyn.scene.parts import CoupledMotor, ExternalWrench, Friction, Immersed, Payload, Rotor, Spring
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import CoupledMotor, ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
 
 NOTHING = {
     "viscous friction": Scene(friction={"shoulder": Friction()}),

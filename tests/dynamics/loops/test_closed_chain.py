@@ -14,8 +14,7 @@ from robodyn.dynamics.plan import applied, plan
 from robodyn.dynamics.recursions.composite_body import Root
 from robodyn.dynamics.recursions.momentum import dual_state
 from robodyn.errors import InputError
-from robodyn.scene.parts import Loop
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Loop, Scene
 
 
 def solved(model, scene, q, qd, tau):

@@ -14,8 +14,7 @@ from scipy.integrate import solve_ivp
 
 import robodyn
 from robodyn.errors import InputError
-from robodyn.scene.parts import Loop
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Loop, Scene
 
 REFERENCE = Path(__file__).parents[2] / "data" / "reference" / "a02_reference.json"
 ENERGY_BAR = 0.1

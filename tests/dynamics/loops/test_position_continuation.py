@@ -13,8 +13,7 @@ import robodyn
 from robodyn.dynamics.loops.position_continuation import Follow
 from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError, TrajectoryError
-from robodyn.scene.parts import Loop
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Loop, Scene
 
 CRANK, ROD = 0.3, 0.8
 

@@ -17,7 +17,7 @@ from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError
 from robodyn.measure.accuracy.simulate_within import simulate_within
 from robodyn.report.simulation import simulation_json, simulation_page
-from robodyn.scene.parts import Loop
+from robodyn.scene.scene import Loop
 
 LEAVE = "the loops leave 2 degrees of freedom where the motion begins, and 1 nearby: "
 WAYS = {"a": 1.0, "b": 1.0, "c": -1.0}, {"a": 1.0, "b": -3.0, "c": -3.0}

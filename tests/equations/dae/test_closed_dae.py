@@ -14,8 +14,7 @@ from helpers.small_robots import body_numbers, built, joint, link
 import robodyn
 from robodyn.equations.dae.dae import dae
 from robodyn.errors import InputError
-from robodyn.scene.parts import Loop
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Loop, Scene
 
 SPATIAL = [("point", True), ("hinge", False), ("weld", False), ("point", False), ("hinge", True), ("weld", True)]
 

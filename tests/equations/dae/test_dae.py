@@ -23,8 +23,7 @@ from robodyn.equations.dae.dae import dae, dae_at, reduced
 from robodyn.equations.dae.system import joint_connections, stacked, state_of, system_at
 from robodyn.errors import InputError
 from robodyn.robot.load import load
-from robodyn.scene.parts import Rotor
-from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.scene.scene import DEFAULT, Rotor, Scene
 from robodyn.solids.inertia.laws import Inertia
 
 STILL_BUSY = replace(BUSY_SCENE, wrenches=BUSY_SCENE.wrenches[::2])

@@ -16,8 +16,7 @@ from helpers.small_robots import built, joint, link
 
 import robodyn
 from robodyn.errors import InputError
-from robodyn.scene.parts import Immersed
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Immersed, Scene
 
 WHOLE = ",".join(ARGUMENTS)
 

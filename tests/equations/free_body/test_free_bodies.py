@@ -11,8 +11,7 @@ from helpers.oracles import EPS, random_state, robot, worst
 from helpers.small_robots import chain
 
 import robodyn
-from robodyn.scene.parts import ExternalWrench, Friction, Immersed, Payload, Rotor, Spring
-from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.scene.scene import DEFAULT, ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
 from robodyn.support.wording import figure
 
 ROBOTS = ("puma560", "gripper", "satellite", "quadruped")

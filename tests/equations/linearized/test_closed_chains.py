@@ -14,8 +14,7 @@ from mpmath import mp, mpf
 import robodyn
 from robodyn.equations.linearized.linearize import linearize
 from robodyn.errors import InputError
-from robodyn.scene.parts import Drive, Friction, Loop, Spring
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Drive, Friction, Loop, Scene, Spring
 
 R, L, G = mpf("0.1"), mpf("0.3"), mpf("9.81")
 PUMP = robodyn.load_scene(str(ROBOTS / "crank_slider_pump.toml"))

@@ -20,8 +20,7 @@ from robodyn.dynamics.forward import acceleration_program
 from robodyn.dynamics.plan import Plan
 from robodyn.equations.linearized.linearize import in_steps, linearize
 from robodyn.errors import InputError
-from robodyn.scene.parts import Drive, Friction, Loop, Spring
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Drive, Friction, Loop, Scene, Spring
 
 
 def free_of_columns(scene):

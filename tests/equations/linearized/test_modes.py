@@ -16,8 +16,7 @@ from mpmath import mp
 import robodyn
 from robodyn.equations.linearized.linearize import linearize
 from robodyn.robot.load import load
-from robodyn.scene.parts import Drive, Friction, Spring
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Drive, Friction, Scene, Spring
 
 G = 9.81
 NO_WEIGHT = Scene(gravity=(0.0, 0.0, 0.0))

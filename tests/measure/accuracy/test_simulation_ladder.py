@@ -21,8 +21,7 @@ from robodyn.measure.accuracy.ladder import front
 from robodyn.measure.accuracy.motion_error import MotionError
 from robodyn.measure.accuracy.simulation import simulation_accuracy, state_errors
 from robodyn.programs.program import trace
-from robodyn.scene.parts import Drive
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Drive, Scene
 from robodyn.simulation.equations import STATE, Equations
 from robodyn.simulation.simulate import simulate
 

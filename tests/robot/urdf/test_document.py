@@ -11,8 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.errors import DescriptionError
-from robodyn.robot.urdf.document import MAX_DEPTH, Document, read, read_document
-from robodyn.robot.urdf.elements import Element, Span
+from robodyn.robot.urdf.document import MAX_DEPTH, Document, Element, Span, read, read_document
 
 GAP = st.text(" \t\r\n", min_size=1, max_size=3)
 SPACE = st.text(" \t\r\n", max_size=2)

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from robodyn.robot.urdf import packages
+from robodyn.robot.urdf import sources
 from robodyn.robot.urdf.description import link_shapes, load_description, missing_mesh
-from robodyn.robot.urdf.packages import VARIABLES, Search
+from robodyn.robot.urdf.sources import VARIABLES, Search
 
 TWO = """<robot name="r"><link name="a">
 <visual><origin xyz="1 2 3" rpy="0.1 0.2 0.3"/><geometry><mesh filename="m.stl" scale="1 -2 3"/></geometry></visual>
@@ -167,7 +167,7 @@ def test_a_link_leads_to_the_package_and_to_the_folder_of_the_real_file(tmp_path
 
 def test_a_large_folder_is_not_searched_for_ever(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     package(tmp_path / "a" / "b" / "c" / "arm")
-    monkeypatch.setattr(packages, "_MOST_FOLDERS", 1)
+    monkeypatch.setattr(sources, "_MOST_FOLDERS", 1)
     assert Search("/far/r.urdf", (str(tmp_path),)).find(URI) is None
 
 

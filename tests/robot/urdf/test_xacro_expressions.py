@@ -9,8 +9,7 @@ from typing import Any
 
 import pytest
 
-from robodyn.robot.urdf.xacro_expressions import Evaluator
-from robodyn.robot.urdf.xacro_values import MOST_ITEMS, MOST_TEXT, RefusedError, checked
+from robodyn.robot.urdf.xacro_expressions import MOST_ITEMS, MOST_TEXT, Evaluator, RefusedError, checked
 
 pytestmark = pytest.mark.filterwarnings("ignore::SyntaxWarning")
 

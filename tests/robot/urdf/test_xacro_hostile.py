@@ -15,7 +15,7 @@ import pytest
 
 from robodyn.errors import InputError
 from robodyn.robot.urdf import xacro
-from robodyn.robot.urdf.packages import VARIABLES
+from robodyn.robot.urdf.sources import VARIABLES
 from robodyn.robot.urdf.xacro import expanded
 
 HOSTILE = Path(__file__).parents[2] / "data" / "hostile" / "xacro"

@@ -27,8 +27,7 @@ from robodyn.programs.vectors import product
 from robodyn.solids.mesh.read.source import Source, reading, scale_of
 from robodyn.solids.mesh.triangles import Corners, IndexedTriangles, Indices, polygon_triangles
 from robodyn.support.floats import Floats
-from robodyn.support.input_file import read_input
-from robodyn.support.input_limits import beyond, limits
+from robodyn.support.input_file import beyond, limits, read_input
 from robodyn.support.libraries import library_messages, treated_warnings
 
 _LOOKS = (
