@@ -3,13 +3,13 @@
 - `mesh/read/load`: the triangles of a file, whatever its type, in its own unit; `mesh/triangles` hands them out.
 - `mesh/integrals`: volume, first and second moments with bounds, one pass by `mesh/kernel`, more digits where needed.
 - `mesh/closed`: the surface is proven closed and one shell; then nothing is repaired.
-- `mesh/repair`: else bad faces, winding, holes (`shells`, `holes`), nesting (`nesting`, `inside`), overlaps (`union`)
+- `mesh/repair`: else bad faces, winding, holes (`shells`, `holes`), nesting (`nesting`, `inside`), overlaps
   are put right one after the other; what is no union of manifolds, or open, is integrated by `mesh/columns`.
-- `mesh/measured`: these steps for one surface, and its integrals as a body at a density or a sheet of a thickness.
+- `measured`: these steps for one surface.
 - `mesh/symmetry`: planes and axes (`symmetry_search`), judged by volumes (`asymmetry`); products that are 0 by them.
-- `mesh/tessellation`: what facets leave out, told by the angles at their edges (`facets`).
-- `inertia/properties`: mass, centre and second moments, moved by `inertia/laws`; `inertia/principal` has their axes,
-  `inertia/validity` says whether a body can have them, `inertia/solids` closed forms.
+- `mesh/tessellation`: what facets leave out, told by the angles at their edges.
+- `inertia/properties`: mass, centre, second moments and their axes, moved by `inertia/laws`; `inertia/validity` says
+  whether a body can have them, `inertia/solids` has closed forms.
 """
 
 from __future__ import annotations
@@ -17,23 +17,32 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from sys import float_info
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from robodyn.errors import InputError, MeshError
 from robodyn.programs.vectors import IDENTITY, ZERO
-from robodyn.solids.inertia.properties import MassProperties, Pose, composite
+from robodyn.solids.inertia.properties import (
+    MassProperties,
+    Pose,
+    composite,
+    from_integrals,
+    from_surface_integrals,
+)
 from robodyn.solids.inertia.solids import WATER
 from robodyn.solids.inertia.validity import Box, around, counted_twice
-from robodyn.solids.mesh.integrals import Integrals
-from robodyn.solids.mesh.measured import Shape, measured, shape, sheet, solid
+from robodyn.solids.mesh.closed import Fingerprint, is_one_shell
+from robodyn.solids.mesh.integrals import Integrals, VolumeIntegrals, measure, surface
 from robodyn.solids.mesh.read.load import from_array, load_triangles
 from robodyn.solids.mesh.triangles import Triangles, scaled
 from robodyn.support.floats import Floats
+from robodyn.support.input_file import VARIABLE, limits
 
 if TYPE_CHECKING:
+    from robodyn.solids.mesh.columns import Quadrature
     from robodyn.solids.mesh.repair import Step
     from robodyn.solids.mesh.symmetry_search import Symmetry
     from robodyn.solids.mesh.tessellation import Tessellation
@@ -141,9 +150,14 @@ def mass_properties(
     found = measured(triangles, exact=exact, repair=repair and shell is None, strict=strict, cavities=cavities)
     triangles, integrals = found.triangles, found.integrals
     weight = WATER if density is None else density
-    enclosed = found.region or integrals
-    body = solid(enclosed, triangles, weight) if shell is None else sheet(triangles, weight, shell)
-    form = shape(
+    if shell is None:
+        body = _solid(found.region or integrals, triangles, weight)
+    else:
+        area, first, S, reference = surface(triangles)
+        body = from_surface_integrals(
+            area, first, S, density=weight, thickness=shell, reference=reference, scale=triangles.scale
+        )
+    planes_and_axes, smooth, notes = _shape(
         triangles,
         integrals,
         even=symmetrize or symmetry,
@@ -158,23 +172,34 @@ def mass_properties(
             body = body.scaled_to_mass(mass)
         if not symmetrize:
             return body
-        if form.symmetry is None:
-            raise MeshError("has no symmetry to average over", remedy="; ".join(form.notes))
+        if planes_and_axes is None:
+            raise MeshError("has no symmetry to average over", remedy="; ".join(notes))
         from robodyn.solids.mesh.symmetry import symmetrized
 
-        return symmetrized(body, form.symmetry)
+        return symmetrized(body, planes_and_axes)
 
-    smooth = form.tessellation
+    body = replace(finished(body), area=integrals.area * triangles.scale**2)
+    if symmetrize and planes_and_axes is not None:
+        planes, axes = planes_and_axes.accepted
+        done = f"averaged over planes ({planes}) and axes ({axes}) of symmetry"
+        done = done if planes or axes else "no plane and no axis holds, nothing was changed"
+        notes = (*notes, f"symmetrize: {done}")
     lo, hi = integrals.lo * triangles.scale, integrals.hi * triangles.scale
     warnings, longest = [*triangles.warnings], float((hi - lo).max())
     if longest > LONGEST:
         warnings.append(f"the part is {longest:.4g} m long: if the file is in millimetres, say --unit mm")
     if shell is None and not found.closed and found.region is None:
         warnings.append("the surface is not closed: its integral depends on where the origin is")
+    # every corner moved by half a unit in the last place of the file's largest coordinate
+    half = max(np.abs(integrals.lo).max(), np.abs(integrals.hi).max()) * 2.0**-triangles.significand
+    rounding, union = np.inf, None
+    if integrals.volume:
+        rounding = float(half * integrals.area / abs(integrals.volume))
+        union = found.doubt / abs(integrals.volume) or None
     return Part(
         name=triangles.name,
         triangles=integrals.count,
-        body=replace(finished(body), area=integrals.area * triangles.scale**2),
+        body=body,
         assumed=density is None and mass is None,
         lo=lo,
         hi=hi,
@@ -182,13 +207,13 @@ def mass_properties(
         repairs=found.steps,
         method=integrals.method,
         arithmetic=integrals.bound,
-        rounding=_rounding(integrals, triangles),
-        union=found.union,
-        symmetry=form.symmetry,
+        rounding=rounding,
+        union=union if found.region is None else found.region.bar,
+        symmetry=planes_and_axes,
         tessellation=smooth,
-        corrected=None if smooth is None else finished(solid(smooth.corrected, triangles, weight)),
+        corrected=None if smooth is None else finished(_solid(smooth.corrected, triangles, weight)),
         warnings=(*warnings, *found.remarks),
-        notes=triangles.notes + form.notes + _averaged(form, symmetrize),
+        notes=triangles.notes + notes,
     )
 
 
@@ -200,21 +225,155 @@ def _check(density: float | None, mass: float | None, shell: float | None) -> No
             raise InputError(f"a {name} of {value:g} {unit} is not positive and finite")
 
 
-def _averaged(found: Shape, symmetrize: bool) -> tuple[str, ...]:
-    if not symmetrize or found.symmetry is None:
-        return ()
-    planes, axes = found.symmetry.accepted
-    if not planes and not axes:
-        return ("symmetrize: no plane and no axis holds, nothing was changed",)
-    return (f"symmetrize: averaged over planes ({planes}) and axes ({axes}) of symmetry",)
+_FLAT = 1e-12
+"""Volume over area and width below which a shell may have no sign: ten times what `nesting` asks."""
+
+_COLLINEAR = 64 * float_info.epsilon
+"""Area, over the square of the reach of the box, below which three corners may lie on a line: their edges from the
+reference are exact within 2 eps, and the products of these within 35 eps."""
 
 
-def _rounding(integrals: Integrals, triangles: Triangles) -> float:
-    """What moving every corner by half a unit in the last place of the file's largest coordinate does to the volume."""
-    if not integrals.volume:
-        return np.inf
-    half = max(np.abs(integrals.lo).max(), np.abs(integrals.hi).max()) * 2.0**-triangles.significand
-    return float(half * integrals.area / abs(integrals.volume))
+def is_sound(triangles: Triangles, integrals: Integrals, edges: Fingerprint) -> bool:
+    """Return whether `robodyn.solids.mesh.repair` is sure to find nothing to do and nothing to say.
+
+    So it is where the surface has no boundary, a volume that is positive beyond doubt, no triangle without area, and
+    is one shell with exactly two triangles on every edge.
+    """
+    size = (integrals.hi - integrals.lo).max()
+    return (
+        edges.closed
+        and bool(integrals.volume > _FLAT * integrals.area * size)
+        and bool(integrals.least > _COLLINEAR * size**2)
+        and is_one_shell(triangles)
+    )
+
+
+class Measured(NamedTuple):
+    """A surface after repair and its integrals.
+
+    region: what it encloses where that is not the sum over its triangles; steps: the repairs, with volumes in m^3;
+    doubt: volume that may be missing or too much where holes were filled, in the unit of the file.
+    """
+
+    triangles: Triangles
+    integrals: Integrals
+    closed: bool
+    region: Quadrature | None = None
+    steps: tuple[Step, ...] = ()
+    remarks: tuple[str, ...] = ()
+    doubt: float = 0.0
+
+    @property
+    def defined(self) -> bool:
+        """Whether the triangles themselves enclose the body."""
+        return self.closed and self.region is None
+
+
+def measured(
+    triangles: Triangles, *, exact: bool = False, repair: bool = True, strict: bool = False, cavities: bool = False
+) -> Measured:
+    """Return the surface as it is if it is proven sound, or if no repair is wanted; else put right and closed.
+
+    Args:
+        exact: integrate in exact arithmetic.
+        strict: refuse what needs repair, and what may not be the whole mesh.
+        cavities: see `repair`.
+
+    Raises:
+        MeshError: the surface needs repair and that is not wanted, or cannot be closed.
+    """
+    if strict and triangles.warnings:
+        remedy = "--strict refuses what is doubtful"
+        raise MeshError("; ".join(triangles.warnings), remedy=remedy, file=triangles.name)
+    integrals, edges = measure(triangles, exact)
+    if not repair or is_sound(triangles, integrals, edges):
+        return Measured(triangles, integrals, edges.closed)
+    from robodyn.solids.mesh.repair import repair as put_right
+
+    fixed = put_right(triangles, cavities)
+    if strict and fixed.steps:
+        remedy = "--strict refuses what needs repair"
+        raise MeshError("; ".join(step.what for step in fixed.steps), remedy=remedy, file=triangles.name)
+    if not fixed.closed and fixed.quadrature is None:
+        why = f" ({'; '.join(fixed.remarks)})" if fixed.remarks else ""
+        raise MeshError(
+            f"the surface is not closed{why}, so it encloses no definite volume",
+            remedy="--shell THICKNESS takes it as a sheet, --no-repair integrates it as it is",
+            file=triangles.name,
+        )
+    if fixed.triangles is not triangles:
+        integrals, edges = measure(fixed.triangles, exact)
+    cube = triangles.scale**3
+    steps = tuple(
+        replace(step, volume_before=step.volume_before * cube, volume_after=step.volume_after * cube)
+        for step in fixed.steps
+    )
+    return Measured(fixed.triangles, integrals, edges.closed, fixed.quadrature, steps, fixed.remarks, fixed.doubt)
+
+
+def _solid(found: VolumeIntegrals, triangles: Triangles, density: float) -> MassProperties:
+    """Return what triangles enclose, or the region that was integrated in their place, at so many kg/m^3."""
+    if not found.volume:
+        raise MeshError(
+            "the surface encloses no volume", remedy="--shell THICKNESS takes it as a sheet", file=triangles.name
+        )
+    return from_integrals(*found.moments, density=density, reference=found.reference, scale=triangles.scale)
+
+
+SYMMETRY_TRIANGLES = 30_000
+"""Up to which symmetry is sought unasked: a tenth of a second on most parts of that size."""
+
+TESSELLATION_TRIANGLES = 100_000
+"""Up to which facets are asked unasked: a tenth of a second."""
+
+_LARGEST = 1 << 24
+"""Bytes of an array that may be needed again and again: new memory for each would be a sixth of the time."""
+
+_UNDEFINED = "symmetry and tessellation: not of sheets, and not of surfaces that are open or overlap themselves"
+
+
+def _shape(
+    triangles: Triangles,
+    integrals: Integrals,
+    *,
+    even: bool | None,
+    smooth: bool | None,
+    defined: bool,
+    fixed_mass: bool,
+) -> tuple[Symmetry | None, Tessellation | None, tuple[str, ...]]:
+    """Return symmetry, in metres, and tessellation error of a mesh, None where they are not sought; notes say why.
+
+    Args:
+        even: whether to seek symmetry, smooth: whether to ask facets; None: if there are few enough triangles.
+        defined: whether the integrals are those of what the mesh encloses: it is closed and does not overlap itself.
+        fixed_mass: see `tessellation`.
+    """
+    if not defined:
+        return None, None, () if (even, smooth) == (False, False) else (_UNDEFINED,)
+    seek, notes_even = _wanted("symmetry", even, integrals.count, SYMMETRY_TRIANGLES)
+    ask, notes_smooth = _wanted("tessellation", smooth, integrals.count, TESSELLATION_TRIANGLES)
+    if not seek and not ask:
+        return None, None, notes_even + notes_smooth
+    from robodyn.solids.mesh.asymmetry import CentredBody
+    from robodyn.solids.mesh.symmetry import symmetry
+    from robodyn.solids.mesh.tessellation import tessellation
+
+    np.empty(_LARGEST, np.uint8)  # glibc keeps the memory of arrays up to this size, once one of them is freed
+    body = CentredBody.of(triangles, integrals)
+    return (
+        symmetry(body).scaled(triangles.scale) if seek else None,
+        tessellation(body.line_masses, integrals, body.centre, fixed_mass=fixed_mass) if ask else None,
+        notes_even + notes_smooth,
+    )
+
+
+def _wanted(name: str, asked: bool | None, count: int, most: int) -> tuple[bool, tuple[str, ...]]:
+    if asked and count > limits().mesh_shape:
+        what = f"{name}: not sought above {limits().mesh_shape} triangles, for want of memory"
+        return False, (f"{what} (simplify the mesh, or {VARIABLE}=mesh_shape=NUMBER allows more)",)
+    if asked is not None or count <= most:
+        return asked is not False, ()
+    return False, (f"{name}: not sought unasked above {most} triangles (--{name} does)",)
 
 
 HOME: Pose = (IDENTITY, ZERO)

@@ -14,7 +14,6 @@ from helpers.mesh_samples import binary_stl, box
 from helpers.smooth_solids import solids
 
 from robodyn.robot.urdf.description import load_description
-from robodyn.solids.mesh import measured
 
 EPS = np.finfo(float).eps
 TETRAHEDRON = [[9.375, 2.5, 1.875], [2.5, 12.75, 1.5], [1.875, 1.5, 15.375]]
@@ -237,8 +236,8 @@ def test_tessellation_as_data(tmp_path):
 
 
 def test_only_small_meshes_are_asked_unless_told(lever, monkeypatch):
-    monkeypatch.setattr(measured, "SYMMETRY_TRIANGLES", 100)
-    monkeypatch.setattr(measured, "TESSELLATION_TRIANGLES", 100)
+    monkeypatch.setattr("robodyn.solids.mass_properties.SYMMETRY_TRIANGLES", 100)
+    monkeypatch.setattr("robodyn.solids.mass_properties.TESSELLATION_TRIANGLES", 100)
     found = one_mesh(lever)
     assert found["symmetry"] is found["error"]["tessellation"] is None
     assert found["notes"][-2:] == [

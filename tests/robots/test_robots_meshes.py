@@ -25,8 +25,8 @@ def test_bytes(name):
 def test_bracket():
     """Two boxes side by side, in millimetres that float32 holds exactly."""
     found = mass_properties(make_meshes.FOLDER / "bracket.stl", unit="mm", density=2700).body
-    legs = box(0.06, 0.03, 0.005, density=2700).moved([0.03, 0, 0.0025])
-    legs += box(0.005, 0.03, 0.035, density=2700).moved([0.0025, 0, 0.0225])
+    legs = box(0.06, 0.03, 0.005, density=2700).placed(np.eye(3), [0.03, 0, 0.0025])
+    legs += box(0.005, 0.03, 0.035, density=2700).placed(np.eye(3), [0.0025, 0, 0.0225])
     assert found.volume == pytest.approx(475 * 30e-9, rel=8 * EPS)
     np.testing.assert_allclose(found.com, legs.com, rtol=0, atol=8 * EPS * 0.06)
     np.testing.assert_allclose(found.inertia, legs.inertia, rtol=0, atol=32 * EPS * np.abs(legs.inertia).max())

@@ -15,15 +15,14 @@ from robodyn.errors import InputError, MeshError
 from robodyn.measure.accuracy.ladder import ROUNDING, Accuracy, Ladder, Price, Rung, refuse_beyond_doubles, timed
 from robodyn.programs.vectors import Array, length, product
 from robodyn.solids.inertia.laws import exact, fraction
-from robodyn.solids.mass_properties import Part
+from robodyn.solids.mass_properties import SYMMETRY_TRIANGLES, Part, measured
 from robodyn.solids.mesh.asymmetry import CentredBody
 from robodyn.solids.mesh.closed import fingerprint, is_one_shell
-from robodyn.solids.mesh.columns import Lattice, Pieces, directions, pieces
+from robodyn.solids.mesh.columns import DIRECTIONS, Lattice, Pieces, pieces
 from robodyn.solids.mesh.indexed import merged
 from robodyn.solids.mesh.inside import manifold, winding_numbers
 from robodyn.solids.mesh.integrals import LIMIT, Integrals, Moments, integrate, swept
 from robodyn.solids.mesh.kernel import symmetric, volume_kernel
-from robodyn.solids.mesh.measured import SYMMETRY_TRIANGLES, measured
 from robodyn.solids.mesh.repair import repair
 from robodyn.solids.mesh.symmetry import symmetry
 from robodyn.solids.mesh.tessellation import tessellation
@@ -166,13 +165,13 @@ def by_hull(corners: Floats) -> Moments:
 
 def by_columns(corners: Floats, count: int) -> Moments:
     """By about so many columns along one direction, exact in depth."""
-    lattice = Lattice.over(corners, directions()[0], count=count)
+    lattice = Lattice.over(corners, DIRECTIONS[0], count=count)
     return _of_matrix(_inside(corners, lattice).moments(lattice))
 
 
 def by_voxels(corners: Floats, count: int) -> Moments:
     """By cubes on about so many columns; a cube counts where its centre is inside."""
-    lattice = Lattice.over(corners, directions()[0], count=count)
+    lattice = Lattice.over(corners, DIRECTIONS[0], count=count)
     inside, step = _inside(corners, lattice), lattice.step
     first = np.ceil(inside.start / step - 0.5).astype(np.int64)
     counts = np.maximum(np.ceil(inside.stop / step - 0.5).astype(np.int64) - first, 0)

@@ -295,7 +295,7 @@ def _difference(given: MassProperties, inertial: Inertial, shapes: ShapesInertia
         offset=offset,
         ratios=ratios,
         inertia=apart,
-        room=box_bound(given, *shapes.box).worst,
+        room=float(box_bound(given, *shapes.box).max()),
         slip=mistakes_in_words(inertial, shapes.body),
         shapes=shapes,
     )

@@ -1,7 +1,4 @@
-"""Inertia matrices, second and first moments and their laws, the parallel axis theorem and the rotation law.
-
-And fractions, which add and multiply without rounding, stored as the sum of two floats.
-"""
+"""Inertia matrices, second and first moments, the parallel axis theorem, the rotation law; fractions for them."""
 
 from __future__ import annotations
 
@@ -43,12 +40,6 @@ def rounded(fractions: Array) -> Floats:
         return fractions.astype(float)
     except OverflowError:
         raise InputError("a mass property exceeds 1.8e308", remedy="use metres and kilograms") from None
-
-
-def two_floats(fractions: Array) -> tuple[Floats, Floats]:
-    """Return the nearest floats, and the floats nearest to what they leave: within 2^-106 of each number together."""
-    high = rounded(fractions)
-    return high, rounded(fractions - exact(high))
 
 
 def symmetric(entries: Iterable[Scalar]) -> Array:

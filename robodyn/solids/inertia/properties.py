@@ -1,4 +1,4 @@
-"""Mass, centre of mass and second moments of a body, the laws that move them, and how they are made and shown."""
+"""Mass, centre of mass and second moments of a body, its principal axes, and how they are made, moved and shown."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robodyn.errors import InputError
-from robodyn.programs.vectors import IDENTITY, ZERO, Array, Scalar, product, rotation_from_rpy
+from robodyn.programs.linear import eigen
+from robodyn.programs.vectors import IDENTITY, ZERO, Array, Scalar, cross, length, product, rotation_from_rpy
 from robodyn.solids.inertia.laws import (
     Inertia,
     exact,
@@ -20,13 +21,107 @@ from robodyn.solids.inertia.laws import (
     inertia_matrix,
     orthogonal,
     parallel_axis,
+    principal_moments,
     rotation_law,
     rounded,
     second_moments,
-    two_floats,
 )
-from robodyn.solids.inertia.principal import Principal, principal_axes
-from robodyn.support.floats import Floats
+from robodyn.support.floats import Floats, first_largest
+
+EQUAL = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Principal:
+    """Principal moments of inertia about one point, in ascending order.
+
+    Attributes:
+        moments: (3,) kg m^2.
+        axes: (3, 3) the unit axes as rows, right-handed: I = axes^T diag(moments) axes.
+        second: (3,) second moments along the axes [kg m^2]; moments[i] is the sum of the two others of these.
+        groups: numbers of the axes whose moments are equal; the rows of a group span an invariant subspace, any
+            orthonormal basis of which is as good as the one given.
+        tolerance: what "equal" means, relative to the largest moment.
+    """
+
+    moments: Floats
+    axes: Floats
+    second: Floats
+    groups: tuple[tuple[int, ...], ...]
+    tolerance: float
+
+    def __post_init__(self) -> None:
+        for array in (self.moments, self.axes, self.second):
+            array.flags.writeable = False
+
+    @property
+    def remark(self) -> str | None:
+        """Which axes are not unique, in words; None where all are but for their signs."""
+        if len(self.groups) == 3:
+            return None
+        equal = f"equal within {self.tolerance:g}"
+        if len(self.groups) == 1:
+            return f"all principal moments are {equal}: every axis is principal"
+        (lone,) = (group[0] for group in self.groups if len(group) == 1)
+        ((first, other),) = (group for group in self.groups if len(group) == 2)
+        along = ", ".join(f"{x:.6g}" for x in self.axes[lone])
+        return (
+            f"principal moments {first + 1} and {other + 1} are {equal}: "
+            f"every axis normal to axis {lone + 1} = ({along}) is principal"
+        )
+
+
+def principal_axes(S: Array, S_low: Array | float = 0.0, tolerance: float = EQUAL) -> Principal:
+    """Principal moments and axes of the second moments S + S_low: I v_i = I_i v_i with I = tr(S) 1 - S.
+
+    Method: Jacobi's, in floats; then once more on the matrix seen from the axes found, which is computed in fractions.
+    That matrix is diagonal but for rounding, so that its small entries are as accurate as its large ones.
+
+    Unique axes point so that their largest component is positive, the last so that they are right-handed. Of equal
+    moments the axes follow the coordinate axes: all three are these, or the first of two is the projection of the
+    coordinate axis nearest to their plane.
+
+    Args:
+        S: (3, 3) kg m^2, floats or fractions.
+        S_low: (3, 3) what floats leave of it.
+        tolerance: moments are equal if they differ by no more than this part of the largest.
+
+    Accuracy: each principal moment and second moment within 16 eps of that of the matrix as given, however small, if
+        it is positive definite with second moments down to 1e-20 of the largest. Axes orthonormal within 8 eps, and
+        axes I axes^T diagonal within 16 eps of the largest moment, where no two are counted as equal.
+    """
+    given = exact(S) + exact(S_low)
+    _, rough = eigen(rounded(given))
+    second, correction = eigen(rounded(product(exact(rough), given, exact(rough).T)))
+    moments = principal_moments(second)
+    within = tolerance * np.abs(moments).max()
+    groups: list[tuple[int, ...]] = [(0,)]
+    for i in (1, 2):
+        if second[i - 1] - second[i] <= within:
+            groups[-1] += (i,)
+        else:
+            groups.append((i,))
+    axes = product(correction, rough)
+    if len(groups) == 1:
+        axes = IDENTITY.copy()
+    elif len(groups) == 3:
+        one, other = pointed(axes[0]), pointed(axes[1])
+        axes = np.array((one, other, cross(one, other)))
+    else:
+        lone_first = len(groups[0]) == 1
+        lone = pointed(axes[0 if lone_first else 2])
+        nearest = IDENTITY[first_largest(-np.abs(lone), noise=EQUAL)]
+        projection = nearest - lone * product(lone, nearest)
+        one = projection / length(projection)
+        other = cross(lone, one)
+        axes = np.array((lone, one, other) if lone_first else (one, other, lone))
+    return Principal(moments, axes + 0.0, second, tuple(groups), tolerance)
+
+
+def pointed(axis: Floats) -> Floats:
+    """Return the axis or its opposite, with the largest component (the first of several) positive."""
+    return np.asarray(axis * np.sign(axis[first_largest(np.abs(axis))]), dtype=float)
+
 
 Pose = tuple[Array, Array]
 """Rotation (3, 3) and origin (3,) [m] of a frame in another."""
@@ -70,8 +165,9 @@ class MassProperties:
         S = self.S_exact
         if np.abs(S - S.T).max() > fraction(_SYMMETRIC) * np.abs(S).max():
             raise InputError("the second moments are not symmetric", remedy="give S_ij = S_ji")
-        high, low = two_floats((S + S.T) / 2)
-        for name, array in (("com", rounded(com)), ("S_c", high), ("S_low", low)):
+        S = (S + S.T) / 2
+        high = rounded(S)
+        for name, array in (("com", rounded(com)), ("S_c", high), ("S_low", rounded(S - exact(high)))):
             array.flags.writeable = False
             object.__setattr__(self, name, array)
         for name in ("mass", "volume", "area"):
@@ -135,19 +231,6 @@ class MassProperties:
         turn = exact(orthogonal(np.asarray(R, dtype=float)))
         return product(turn, exact(self.com)) + exact(p), product(turn, self.S_exact, turn.T)
 
-    def in_frame(self, R: Array, p: Array) -> MassProperties:
-        """The body seen from a frame that stands at rotation R and origin p in the present one: undoes `placed`."""
-        back = np.asarray(R, dtype=float).T
-        return self.placed(back, -product(exact(back), exact(p)))
-
-    def rotated(self, R: Array) -> MassProperties:
-        """Return the body turned about the origin of the frame; see `placed`."""
-        return self.placed(R, ZERO)
-
-    def moved(self, p: Array) -> MassProperties:
-        """Return the body shifted by p [m]; see `placed`."""
-        return self.placed(IDENTITY, p)
-
     def scaled_to_mass(self, mass: float) -> MassProperties:
         """S -> S mass / m; accuracy as for `placed`. Raises InputError where the body has no mass."""
         if not self.mass:
@@ -191,12 +274,9 @@ def composite(parts: Iterable[tuple[MassProperties, Pose]]) -> MassProperties:
     S = exact(np.zeros((3, 3)))
     for mass, centre, S_i in placed:
         S = S + S_i + mass * np.outer(centre - c, centre - c)
-    return MassProperties(m, c, S, _sum([body.volume for body, _ in given]), _sum([body.area for body, _ in given]))
-
-
-def _sum(numbers: list[float | None]) -> float | None:
-    known = [number for number in numbers if number is not None]
-    return fsum(known) if len(known) == len(numbers) else None
+    volumes, areas = ([getattr(body, name) for body, _ in given] for name in ("volume", "area"))
+    volume, area = (None if None in numbers else fsum(numbers) for numbers in (volumes, areas))
+    return MassProperties(m, c, S, volume, area)
 
 
 def from_inertia(mass: float, com: ArrayLike, I_c: ArrayLike) -> MassProperties:
@@ -289,17 +369,12 @@ def inertial_element(body: MassProperties, indent: str = "    ") -> str:
     Numbers are the shortest that read back as the same floats; `ixy` and so on are entries of the inertia matrix,
     -integral of x y dm. Five lines, the last without a line break; children are indented by two more blanks.
     """
-
-    def number(value: float) -> str:
-        return repr(float(value))
-
-    I = body.inertia
-    names = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
-    inertia = " ".join(f'{name}="{number(I[place])}"' for name, place in names.items())
+    entries = zip(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), body.inertia[np.triu_indices(3)].tolist(), strict=True)
+    inertia = " ".join(f'{name}="{entry!r}"' for name, entry in entries)
     lines = (
         "<inertial>",
-        f'  <origin xyz="{" ".join(map(number, body.com))}" rpy="0 0 0"/>',
-        f'  <mass value="{number(body.mass)}"/>',
+        f'  <origin xyz="{" ".join(map(repr, body.com.tolist()))}" rpy="0 0 0"/>',
+        f'  <mass value="{body.mass!r}"/>',
         f"  <inertia {inertia}/>",
         "</inertial>",
     )

@@ -48,47 +48,23 @@ def around(boxes: Sequence[Box]) -> Box:
     return Box(np.min([box.lo for box in boxes], axis=0), np.max([box.hi for box in boxes], axis=0))
 
 
-def overlaps(boxes: Sequence[Box]) -> int:
-    """Return the number of pairs that share more than a layer of 1e-6 of the smaller one."""
-    return sum(
+def counted_twice(boxes: Sequence[Box]) -> tuple[str, ...]:
+    """Return a remark where bodies may overlap: boxes share more than a layer of 1e-6 of the smaller one."""
+    pairs = sum(
         bool((np.minimum(a.hi, b.hi) - np.maximum(a.lo, b.lo) > _TOUCH * np.minimum(a.hi - a.lo, b.hi - b.lo)).all())
         for a, b in combinations(boxes, 2)
     )
-
-
-def counted_twice(boxes: Sequence[Box]) -> tuple[str, ...]:
-    """Return a remark where bodies may overlap, since what they share then counts twice."""
-    pairs = overlaps(boxes)
     if not pairs:
         return ()
     which = "boxes of 1 pair of bodies overlap" if pairs == 1 else f"boxes of {pairs} pairs of bodies overlap"
     return (f"{which}: what bodies share counts twice",)
 
 
-@dataclass(frozen=True, eq=False)
-class BoxBound:
-    """The spread of a body along the axes of its frame, and the most that a box around it allows.
-
-    Attributes:
-        spread: (3,) S_ii / m, the mean square distance from the centre of mass along each axis [m^2].
-        bound: (3,) (hi_i - c_i)(c_i - lo_i) [m^2]; negative where the centre of mass lies outside the box.
-        ratio: (3,) spread / bound; infinite where the bound is negative, or zero and the spread is not.
-    """
-
-    spread: Floats
-    bound: Floats
-    ratio: Floats
-
-    @property
-    def worst(self) -> float:
-        """The largest ratio: above 1, the mass properties are impossible in the box."""
-        return float(self.ratio.max())
-
-
-def box_bound(body: MassProperties, lo: ArrayLike, hi: ArrayLike) -> BoxBound:
-    """S_ii / m <= (hi_i - c_i)(c_i - lo_i) for every body inside the box [lo, hi], whatever its density.
+def box_bound(body: MassProperties, lo: ArrayLike, hi: ArrayLike) -> Floats:
+    """(3,) spread S_ii / m over (hi_i - c_i)(c_i - lo_i): none is above 1 for a body in the box, of whatever density.
 
     The inequality of Bhatia and Davis (2000) for the coordinates of the mass; a uniform box reaches a third of it.
+    Infinite where the centre of mass lies outside the box, or on its side and the spread is not zero.
 
     Args:
         lo, hi: (3,) corners of the box in the axes of the body's frame [m].
@@ -96,7 +72,7 @@ def box_bound(body: MassProperties, lo: ArrayLike, hi: ArrayLike) -> BoxBound:
     Raises:
         InputError: the mass is not positive, or lo > hi.
 
-    Accuracy: `spread` within eps, `bound` within 2 eps of (hi_i - lo_i) max(|lo_i|, |hi_i|, |c_i|).
+    Accuracy: the spread within eps, the bound within 2 eps of (hi_i - lo_i) max(|lo_i|, |hi_i|, |c_i|).
     """
     low, high = np.asarray(lo, dtype=float), np.asarray(hi, dtype=float)
     if not body.mass > 0:
@@ -105,13 +81,12 @@ def box_bound(body: MassProperties, lo: ArrayLike, hi: ArrayLike) -> BoxBound:
         raise InputError(f"the corners of the box are in the wrong order: {low.tolist()}, {high.tolist()}")
     spread = np.diagonal(body.S_c) / body.mass
     inside = (low <= body.com) & (body.com <= high)
-    size = np.abs((high - body.com) * (body.com - low))
-    bound = np.where(inside, size, -size)
+    bound = np.abs((high - body.com) * (body.com - low))
     ratio = np.full(3, np.inf)
     ratio[inside & (spread == 0)] = 0.0
-    possible = bound > 0
+    possible = inside & (bound > 0)
     ratio[possible] = spread[possible] / bound[possible]
-    return BoxBound(spread, bound, ratio)
+    return ratio
 
 
 PRINTED = 1e-6

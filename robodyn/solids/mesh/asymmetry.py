@@ -174,16 +174,14 @@ class TriangleSet:
         return self._total(Q) == self._sum
 
     def _total(self, Q: Array) -> int:
+        """Return the sum over all triangles of a mix of the sum of a mix of each corner."""
         total = 0
         for start in range(0, len(self._corners), _HASH_BLOCK):
             X = np.ascontiguousarray(self._corners[start : start + _HASH_BLOCK].T)
-            total += self._hash(X if Q is IDENTITY else product(Q, X.reshape(3, -1)).reshape(X.shape))
+            X = X if Q is IDENTITY else product(Q, X.reshape(3, -1)).reshape(X.shape)
+            triangles = hashed(np.floor(X * self._scale + _SHIFT).transpose(1, 0, 2)).sum(axis=0) * _MIX
+            total += int(((triangles ^ (triangles >> _HALF)) * _MIX).sum())
         return total % 2**64
-
-    def _hash(self, X: Array) -> int:
-        """The sum over the triangles (3 coordinates, 3 corners, n) of a mix of the sum of a mix of each corner."""
-        triangles = hashed(np.floor(X * self._scale + _SHIFT).transpose(1, 0, 2)).sum(axis=0) * _MIX
-        return int(((triangles ^ (triangles >> _HALF)) * _MIX).sum())
 
 
 GOLDEN_TURN = pi * (3 - 5**0.5)
@@ -259,7 +257,7 @@ class CentredBody:
         def by_columns(count: int) -> float:
             lattice = Lattice.over(self.corners, normal, count=count)
             hits = lattice.hits(self.corners)
-            return differing_volume(hits, hits.reflected(0.0), lattice.cell)
+            return differing_volume(hits, hits._replace(depth=-hits.depth, sign=-hits.sign), lattice.cell)
 
         return self._asymmetry(mirror(normal), least, by_columns)
 

@@ -71,11 +71,25 @@ class EdgeSums:
         pool = workspace(10, space.shape[-1], np.uint64)
         hashes, total, term = pool[:4], pool[4:7], pool[7:]
         self.sides = term
-        self._result = np.empty(2, np.uint64)
-        steps = _edge_steps(X.view(np.uint64), hashes, total, term, self._result)
-        self._steps: list[Step] = [(np.add, (X, 0.0, X)), *steps]
-        self._chain = 0
-        self._parity = 0
+        self._result, self._chain, self._parity = np.empty(2, np.uint64), 0, 0
+        bits, size, corner, following = X.view(np.uint64), term.view(np.int64), hashes[:3], hashes[1:]
+        self._steps: list[Step] = [(np.add, (X, 0.0, X)), (np.multiply, (bits[:, 0], _FACTORS[0], corner))]
+        for i in (1, 2):
+            self._steps += [*_fold(corner, term), (np.add, (corner, bits[:, i], corner))]
+            self._steps += [(np.multiply, (corner, _FACTORS[i], corner))]
+        self._steps += [
+            *_fold(corner, term),
+            (np.copyto, (hashes[3], hashes[0])),
+            (np.add, (corner, following, total)),
+            *_fold(total, term),
+            (np.multiply, (total, _MIX, total)),
+            *_fold(total, term),
+            (np.subtract, (corner, following, term)),
+            (np.multiply, (term, total, term)),
+            (np.add.reduce, (term, None, None, self._result[0, ...])),
+            (np.absolute, (size, size)),
+            (np.bitwise_xor.reduce, (term, None, None, self._result[1, ...])),
+        ]
 
     def add(self) -> None:
         """Add the block that is there now; its -0 become +0."""
@@ -87,29 +101,6 @@ class EdgeSums:
 
     def total(self) -> Fingerprint:
         return Fingerprint(self._chain % _WORD, self._parity)
-
-
-def _edge_steps(bits: Words, hashes: Words, total: Words, term: Words, result: Words) -> list[Step]:
-    """The sum and the exclusive or of one block, into result, of the bits (3 corners, 3 coordinates, n)."""
-    corner, following, size = hashes[:3], hashes[1:], term.view(np.int64)
-    steps: list[Step] = [(np.multiply, (bits[:, 0], _FACTORS[0], corner))]
-    for i in (1, 2):
-        steps += [*_fold(corner, term), (np.add, (corner, bits[:, i], corner))]
-        steps += [(np.multiply, (corner, _FACTORS[i], corner))]
-    return [
-        *steps,
-        *_fold(corner, term),
-        (np.copyto, (hashes[3], hashes[0])),
-        (np.add, (corner, following, total)),
-        *_fold(total, term),
-        (np.multiply, (total, _MIX, total)),
-        *_fold(total, term),
-        (np.subtract, (corner, following, term)),
-        (np.multiply, (term, total, term)),
-        (np.add.reduce, (term, None, None, result[0, ...])),
-        (np.absolute, (size, size)),
-        (np.bitwise_xor.reduce, (term, None, None, result[1, ...])),
-    ]
 
 
 def _fold(words: Words, spare: Words) -> list[Step]:

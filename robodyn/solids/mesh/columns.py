@@ -44,10 +44,6 @@ class Hits(NamedTuple):
     depth: Floats
     sign: Integers
 
-    def reflected(self, offset: float) -> Hits:
-        """Return those of the mirror image in the plane at this depth, which takes every column to itself."""
-        return Hits(self.column, 2 * offset - self.depth, -self.sign)
-
 
 @dataclass(frozen=True, eq=False)
 class Lattice:
@@ -185,8 +181,9 @@ _UNION_COLUMNS = 16384
 LARGEST_BAR = 0.15
 """Above which an open surface has no definite volume: a sphere without a seventh has one, a box without a side not."""
 
-_DIRECTIONS = np.array([(0.8203, -0.4115, 0.3971), (0.2391, 0.8770, 0.4168), (-0.5198, -0.2469, 0.8178)])
-"""Nearly at right angles, and along nothing that a part has."""
+_NEARLY = np.array([(0.8203, -0.4115, 0.3971), (0.2391, 0.8770, 0.4168), (-0.5198, -0.2469, 0.8178)])
+DIRECTIONS = [direction / length(direction) for direction in _NEARLY]
+"""Three unit vectors nearly at right angles, and along nothing that a part has."""
 
 _TOUCH = 1e-11
 """Volume that bodies may share, of the volume of all, and still only touch."""
@@ -259,7 +256,7 @@ def by_winding_numbers(mesh: Indexed, caps: Numbers) -> Quadrature | None:
     closed, closing = mesh.corners_with(caps), replace(mesh, faces=caps)
     closed_region = _moments(signed) - _excess(closed)
     by_level = []
-    for direction in directions():
+    for direction in DIRECTIONS:
         beyond = _beyond_caps(closed, closing, direction)
         if beyond is None:
             return None
@@ -283,7 +280,13 @@ def _beyond_caps(closed: Floats, caps: Indexed, direction: Floats) -> list[Float
     count = _MOST
     while True:
         lattice = _lattice(closed, direction, count)
-        cells = _cut(pieces(_with_margins(lattice.hits(closed))), lattice.step)
+        hits = lattice.hits(closed)
+        columns = np.unique(hits.column)
+        lo, hi = hits.depth.min(initial=0.0), hits.depth.max(initial=0.0)
+        ends = np.repeat([lo - (hi - lo) / 8, hi + (hi - lo) / 8], len(columns))
+        margins = Hits(np.tile(columns, 2), ends, np.zeros(len(ends), hits.sign.dtype))
+        both = Hits(*(np.concatenate(each) for each in zip(hits, margins, strict=True)))
+        cells = _cut(pieces(both), lattice.step)
         cost = len(cells.start) * len(caps.faces) / _ANGLES
         if cost <= 1 or (count == _FEWEST and cost <= _TOO_MANY):
             break
@@ -294,14 +297,6 @@ def _beyond_caps(closed: Floats, caps: Indexed, direction: Floats) -> list[Float
     without = cells.weight - winding_numbers(product(middles, lattice.frame), caps)
     inside = (cells.weight > 0).astype(np.float64)
     return [cells._replace(weight=(without > level) - inside).moments(lattice) for level in _LEVELS]
-
-
-def _with_margins(hits: Hits) -> Hits:
-    columns = np.unique(hits.column)
-    lo, hi = hits.depth.min(initial=0.0), hits.depth.max(initial=0.0)
-    ends = np.repeat([lo - (hi - lo) / 8, hi + (hi - lo) / 8], len(columns))
-    none = np.zeros(len(ends), hits.sign.dtype)
-    return Hits(*(np.concatenate(each) for each in zip(hits, (np.tile(columns, 2), ends, none), strict=True)))
 
 
 def _cut(found: Pieces, step: float) -> Pieces:
@@ -347,15 +342,10 @@ def pieces(hits: Hits) -> Pieces:
     return Pieces(column[:-1][within], depth[:-1][within], depth[1:][within], winding.astype(np.float64))
 
 
-def directions() -> list[Floats]:
-    """Three unit vectors."""
-    return [direction / length(direction) for direction in _DIRECTIONS]
-
-
 def _excess(corners: Floats) -> Floats:
     """(3, 4, 4) in each direction, the moments of what a closed surface counts too often."""
     found = []
-    for direction in directions():
+    for direction in DIRECTIONS:
         lattice = _lattice(corners, direction, _UNION_COLUMNS)
         every = pieces(lattice.hits(corners))
         wrong = every.of((every.weight != 0) & (every.weight != 1))

@@ -48,17 +48,6 @@ def numbered(names: Numbers, most: int) -> tuple[int, Numbers]:
     return int(number[-1]) if most else 0, number[names] - 1
 
 
-def distinct_points(points: Floats) -> Distinct:
-    """Return the different points of (n, 3), none of which is -0 or no number, ordered by x, then y, then z."""
-    order = np.lexsort(points.T[::-1])
-    ordered = points[order]
-    new = np.ones(len(points), np.bool_)
-    new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
-    of = np.empty(len(points), np.int64)
-    of[order] = np.cumsum(new) - 1
-    return Distinct(order[new], of)
-
-
 def hashed(X: Floats) -> Words:
     """(k, m) of points (k, 3 coordinates, m), mixed so well that the sums for sides of a rectangle differ."""
     bits = (X + 0.0).view(np.uint64)
@@ -118,10 +107,15 @@ class Indexed:
 
 
 def merged(corners: Floats) -> Indexed:
-    """Triangles (m, 3, 3) with corners of equal coordinates made one vertex; -0 is 0."""
+    """Triangles (m, 3, 3) with corners of equal coordinates made one vertex, by x, then y, then z; -0 is 0."""
     points = corners.reshape(-1, 3) + 0.0
-    first, number = distinct_points(points)
-    return Indexed(points[first], number.reshape(-1, 3))
+    order = np.lexsort(points.T[::-1])
+    ordered = points[order]
+    new = np.ones(len(points), np.bool_)
+    new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    number = np.empty(len(points), np.int64)
+    number[order] = np.cumsum(new) - 1
+    return Indexed(ordered[new], number.reshape(-1, 3))
 
 
 def triple(corners: Floats) -> Floats:

@@ -67,21 +67,15 @@ def exact_moments(triangles: Triangles, reference: Array) -> Moments:
         shifts = np.where(mantissas == 0, 0, exponents - lowest).astype(object)
         whole = np.ldexp(mantissas, _MANTISSA).astype(np.int64).astype(object) << shifts
         unit = Fraction(2) ** (lowest - _MANTISSA)
-        sums = _sums((whole[1:] - whole[0]).transpose(1, 2, 0))
-        volume += sums[0] * unit**3
-        first = [total + each * unit**4 for total, each in zip(first, sums[1:4], strict=True)]
-        second = [total + each * unit**5 for total, each in zip(second, sums[4:], strict=True)]
+        a, b, c = (whole[1:] - whole[0]).transpose(1, 2, 0)
+        e, f = b - a, c - a
+        D = sum(a[i] * (e[i - 2] * f[i - 1] - e[i - 1] * f[i - 2]) for i in range(3))
+        u, v, w = a + b, b + c, c + a
+        volume += D.sum() * unit**3
+        first = [total + (D * x).sum() * unit**4 for total, x in zip(first, u + c, strict=True)]
+        squares = [u[i] * u[j] + v[i] * v[j] + w[i] * w[j] for i, j in PAIRS]
+        second = [total + (D * xx).sum() * unit**5 for total, xx in zip(second, squares, strict=True)]
     return Moments(volume / 6, np.array(first) / 24, symmetric(np.array(second) / 120))
-
-
-def _sums(X: Array) -> list[int]:
-    """6 V, 24 first (3) and 120 S (6) of integers (3 corners, 3 coordinates, n)."""
-    a, b, c = X
-    e, f = b - a, c - a
-    D = sum(a[i] * (e[i - 2] * f[i - 1] - e[i - 1] * f[i - 2]) for i in range(3))
-    u, v, w = a + b, b + c, c + a
-    first = [(D * x).sum() for x in u + c]
-    return [D.sum(), *first, *((D * (u[i] * u[j] + v[i] * v[j] + w[i] * w[j])).sum() for i, j in PAIRS)]
 
 
 _SAFE = 2.0**-170, 2.0**180
@@ -108,15 +102,11 @@ class Sweep:
 
     @property
     def lo(self) -> Floats:
-        """(3,) the least coordinates."""
-        lo: Floats = self.lows.min(axis=0)
-        return lo
+        return np.asarray(self.lows.min(axis=0))
 
     @property
     def hi(self) -> Floats:
-        """(3,) the largest coordinates."""
-        hi: Floats = self.highs.max(axis=0)
-        return hi
+        return np.asarray(self.highs.max(axis=0))
 
     @property
     def reach(self) -> Floats:
@@ -151,17 +141,6 @@ class Sweep:
             return exact([fsum(column) for column in self.sums[:, columns].T.tolist()])
         total: Array = exact(self.sums[:, columns]).sum(axis=0)
         return total
-
-    def check_size(self, triangles: Triangles) -> None:
-        """Raise if products of the moments, which symmetry and tessellation are judged by, would leave floats."""
-        with np.errstate(over="ignore"):
-            size = np.array((1.0, triangles.scale))
-            far = np.maximum(np.abs(self.lo), np.abs(self.hi)).max() * size
-            width = (self.hi - self.lo).max() * size
-        if not far.max() <= LARGEST:
-            raise self.beyond(triangles, "large")
-        if 0 < width.min() < 1 / LARGEST:
-            raise self.beyond(triangles, "small")
 
     def beyond(self, triangles: Triangles, how: str) -> MeshError:
         """Return the error of a mesh that is too large or too small for floats."""
@@ -345,11 +324,18 @@ def measure(triangles: Triangles, exact: bool = False) -> tuple[Integrals, Finge
     What an open surface encloses depends on the reference: its integrals stay in float64 unless they are to be exact.
 
     Raises:
-        MeshError: as `integrate`, or it is too large or too small for products of moments.
+        MeshError: as `integrate`, or it is too large or too small for products of moments, by which symmetry and
+            tessellation are judged.
     """
     sweep = swept(triangles, volume_kernel, edges=True)
     assert sweep.edges is not None
-    sweep.check_size(triangles)
+    with np.errstate(over="ignore"):
+        size = np.array((1.0, triangles.scale))
+        far, width = max(np.abs(sweep.lo).max(), np.abs(sweep.hi).max()) * size, (sweep.hi - sweep.lo).max() * size
+    if not far.max() <= LARGEST:
+        raise sweep.beyond(triangles, "large")
+    if 0 < width.min() < 1 / LARGEST:
+        raise sweep.beyond(triangles, "small")
     return _refined(triangles, sweep, exact, limit=LIMIT if sweep.edges.closed else np.inf), sweep.edges
 
 

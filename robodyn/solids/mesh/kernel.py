@@ -55,7 +55,7 @@ def volume_kernel(space: Array) -> Kernel:
         *_lengths(normal),
         _halves(normal[0], sums[10]),
         *_moments(space, weight, early, sums),
-        total(sums, result[:SUMS]),
+        (np.add.reduce, (sums, 1, None, result[:SUMS])),
     ]
     return Kernel(steps, result, normal[0])
 
@@ -70,14 +70,9 @@ def surface_kernel(space: Array) -> Kernel:
         *_lengths(normal),
         (np.copyto, (weight[0], normal[0])),
         *_moments(space, weight, early, sums),
-        total(sums, result),
+        (np.add.reduce, (sums, 1, None, result)),
     ]
     return Kernel(steps, result, normal[0])
-
-
-def total(sums: Array, result: Array) -> Step:
-    """Return the step that adds up each row."""
-    return np.add.reduce, (sums, 1, None, result)
 
 
 def symmetric(entries: Array) -> Array:

@@ -183,7 +183,12 @@ def _containers(
     down = [shell for shell in np.argsort(-sizes, kind="stable").tolist() if proper[shell]]
     for shell in down:
         around = proper & (sizes > sizes[shell]) & (lo <= lo[shell]).all(axis=1) & (hi >= hi[shell]).all(axis=1)
-        points = _points(corners[shell]) if around.any() or patches else []
+        points: list[Floats] = []  # its extremes along the axes, and the centres of its largest triangles
+        if around.any() or patches:
+            every = corners[shell].reshape(-1, 3)
+            largest = np.argsort(areas(corners[shell]), kind="stable")[-_LARGEST:]
+            extremes = np.concatenate([every.argmin(axis=0), every.argmax(axis=0)])
+            points = [*every[extremes], *corners[shell][largest].mean(axis=1)]
         for other in sorted(np.flatnonzero(around).tolist(), key=sizes.__getitem__):
             if other not in interiors:
                 interiors[other] = Interior(corners[other])
@@ -217,11 +222,3 @@ def _holds(interior: Interior | OpenInterior, points: list[Floats], all_of_them:
         if found and not all_of_them:
             break
     return found
-
-
-def _points(corners: Floats) -> list[Floats]:
-    """Some points of a shell (n, 3, 3): its extremes along the axes, and the centres of its largest triangles."""
-    points = corners.reshape(-1, 3)
-    ends = np.concatenate([points.argmin(axis=0), points.argmax(axis=0)])
-    largest = np.argsort(areas(corners), kind="stable")[-_LARGEST:]
-    return [*points[ends], *corners[largest].mean(axis=1)]

@@ -219,11 +219,6 @@ class Shells:
     def count(self) -> int:
         return len(self.closed)
 
-    def faces(self, shell: int) -> Numbers:
-        """Return the faces (n, 3) of a shell."""
-        chosen: Numbers = self.mesh.faces[self.label == shell]
-        return chosen
-
 
 def wound(mesh: Indexed) -> tuple[Shells, int]:
     """Return the shells with faces turned so that neighbours agree, and how many were turned.
@@ -251,10 +246,16 @@ def wound(mesh: Indexed) -> tuple[Shells, int]:
     open_rows = np.flatnonzero(label < 0)
     closed, rim, one_sided = np.ones(shells, np.bool_), np.zeros((0, 3), np.int64), 0
     if open_rows.size:
-        count, rest = _over_edges(edges)
+        faces, most = len(edges.of), len(edges.of) + len(edges.count)
+        over_edges = components(most, np.repeat(np.arange(faces), 3), faces + edges.of.ravel())[:faces]
+        count, rest = numbered(over_edges, most)
         label[open_rows] = shells + rest
         closed = np.append(closed, np.zeros(count, np.bool_))
-        rim = _rim(edges, turn, label[open_rows])
+        edge, ends = replace(edges, way=np.where(turn[:, None], -edges.way, edges.way)).boundary()
+        of_edge = np.empty(len(edges.count), np.int64)
+        of_edge[edges.of] = label[open_rows, None]
+        rim = np.column_stack((of_edge[edge], ends))
+        rim = rim[np.argsort(rim[:, 0], kind="stable")]
         one_sided = int(twisted[patch].sum())
     return Shells(mesh.turned(turned), label, closed, rim, lone, one_sided), int(turned.sum())
 
@@ -289,19 +290,3 @@ def _closed(edges: Edges, patch: Numbers, turn: Mask, twisted: Mask) -> Mask:
     closed = ~twisted
     closed[unbalanced] = False
     return closed
-
-
-def _rim(edges: Edges, turn: Mask, label: Numbers) -> Numbers:
-    edge, ends = replace(edges, way=np.where(turn[:, None], -edges.way, edges.way)).boundary()
-    of_edge = np.empty(len(edges.count), np.int64)
-    of_edge[edges.of] = label[:, None]
-    rows = np.column_stack((of_edge[edge], ends))
-    found: Numbers = rows[np.argsort(rows[:, 0], kind="stable")]
-    return found
-
-
-def _over_edges(edges: Edges) -> tuple[int, Numbers]:
-    """Return how many components faces have over any edge, and (m,) that of each."""
-    faces, most = len(edges.of), len(edges.of) + len(edges.count)
-    nodes = np.repeat(np.arange(faces), 3)
-    return numbered(components(most, nodes, faces + edges.of.ravel())[:faces], most)

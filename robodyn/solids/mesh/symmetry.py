@@ -9,13 +9,13 @@ from math import pi
 import numpy as np
 
 from robodyn.programs.linear import eigen
-from robodyn.programs.vectors import Array, length, product, rotation_about
+from robodyn.programs.vectors import length, product, rotation_about
 from robodyn.solids.inertia.laws import exact, fraction
 from robodyn.solids.inertia.properties import MassProperties
 from robodyn.solids.mesh.asymmetry import GOLDEN_TURN, CentredBody, mirror
 from robodyn.solids.mesh.columns import frame_along
 from robodyn.solids.mesh.symmetry_search import Product, Search, Symmetry
-from robodyn.support.floats import Floats, einsum
+from robodyn.support.floats import einsum
 
 _FIXED = 1e-2
 """How far a map may move what it leaves as it is, and what counts as no direction of its own: errors of normals."""
@@ -43,8 +43,19 @@ def symmetry(body: CentredBody, tolerance: float = 1e-6) -> Symmetry:
         if axis.holds:  # for second moments all folds above 2 are the same
             accepted.append(rotation_about(axis.direction, pi if axis.fold == 2 else GOLDEN_TURN))
     worst = max((each.asymmetry for each in (*planes, *axes) if each.holds), default=0.0)
-    invariants = _invariants(accepted)
-    return Symmetry(planes, axes, _products(body.S, invariants, max(tolerance, 2 * worst)), invariants)
+    invariants = np.eye(9).reshape(-1, 3, 3)  # a basis of the matrices S = Q S Q^T for all maps Q of the body to itself
+    if accepted:
+        mean = sum(np.kron(Q, Q) + np.kron(Q, Q).T for Q in accepted) / (2 * len(accepted))
+        values, rows = eigen(mean + 2 * np.eye(9))  # what all leave as it is has 3, and all others less
+        moved = 2 * len(accepted) * (3.0 - values)  # the sum over the maps of |Q S Q^T - S|^2 for |S| = 1
+        invariants = np.asarray(rows[moved < _FIXED**2]).reshape(-1, 3, 3)
+    products = []
+    for i, j in combinations(range(3), 2):
+        free = length(invariants[:, i, j] + invariants[:, j, i]) / 2
+        size, residual = float(np.sqrt(abs(body.S[i, i] * body.S[j, j]))), float(body.S[i, j])
+        relative = residual / size if size else 0.0
+        products.append(Product("xyz"[i] + "xyz"[j], residual, relative, free <= max(tolerance, 2 * worst)))
+    return Symmetry(planes, axes, tuple(products), invariants)
 
 
 def symmetrized(body: MassProperties, found: Symmetry) -> MassProperties:
@@ -57,7 +68,16 @@ def symmetrized(body: MassProperties, found: Symmetry) -> MassProperties:
     Args:
         found: in metres.
     """
-    shift = _shift(body.com, found)
+    normals = [(plane.normal, plane.offset) for plane in found.planes if plane.holds]
+    for axis in found.axes:
+        normals += [(across, product(across, axis.point)) for across in frame_along(axis.direction)[:2] if axis.holds]
+    shift = np.zeros(3)
+    if normals:
+        N = np.array([normal for normal, _ in normals])
+        off = einsum("ki,i->k", N, body.com) - [offset for _, offset in normals]
+        values, rows = eigen(einsum("ki,kj->ij", N, N))
+        there = rows[values > _FIXED**2 * values[0]]
+        shift = np.asarray(einsum("mi,mj,kj,k->i", there / values[: len(there), None], there, N, off))
     S = body.S_exact + fraction(body.mass) * np.outer(exact(shift), exact(shift))
     rows = found.invariants.reshape(-1, 9)
     flat = S.astype(float).ravel()
@@ -68,38 +88,3 @@ def symmetrized(body: MassProperties, found: Symmetry) -> MassProperties:
             i, j = ("xyz".index(name) for name in one.axes)
             S[i, j] = S[j, i] = fraction(0.0)
     return replace(body, com=body.com - shift, S_c=S, S_low=np.zeros((3, 3)))
-
-
-def _shift(com: Array, found: Symmetry) -> Floats:
-    """Return how far a point is from the nearest one on all accepted planes and axes."""
-    normals = [(plane.normal, plane.offset) for plane in found.planes if plane.holds]
-    for axis in found.axes:
-        normals += [(across, product(across, axis.point)) for across in frame_along(axis.direction)[:2] if axis.holds]
-    if not normals:
-        return np.zeros(3)
-    N = np.array([normal for normal, _ in normals])
-    off = einsum("ki,i->k", N, com) - [offset for _, offset in normals]
-    values, rows = eigen(einsum("ki,kj->ij", N, N))
-    there = rows[values > _FIXED**2 * values[0]]
-    return np.asarray(einsum("mi,mj,kj,k->i", there / values[: len(there), None], there, N, off))
-
-
-def _invariants(maps: list[Array]) -> Floats:
-    """(k, 3, 3) an orthonormal basis of the matrices S = Q S Q^T, for the maps Q of the body to itself."""
-    if not maps:
-        return np.eye(9).reshape(-1, 3, 3)
-    mean = sum(np.kron(Q, Q) + np.kron(Q, Q).T for Q in maps) / (2 * len(maps))
-    values, rows = eigen(mean + 2 * np.eye(9))  # what all leave as it is has 3, and all others less
-    moved = 2 * len(maps) * (3.0 - values)  # the sum over the maps of |Q S Q^T - S|^2 for |S| = 1
-    return np.asarray(rows[moved < _FIXED**2]).reshape(-1, 3, 3)
-
-
-def _products(S: Array, invariants: Floats, slack: float) -> tuple[Product, ...]:
-    """A product is 0 by symmetry where it is zero in all matrices that the maps of the body to itself leave as is."""
-    found = []
-    for i, j in combinations(range(3), 2):
-        free = length(invariants[:, i, j] + invariants[:, j, i]) / 2
-        size = float(np.sqrt(abs(S[i, i] * S[j, j])))
-        residual = float(S[i, j])
-        found.append(Product("xyz"[i] + "xyz"[j], residual, residual / size if size else 0.0, free <= slack))
-    return tuple(found)

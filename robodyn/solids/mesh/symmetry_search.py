@@ -12,7 +12,7 @@ import numpy as np
 
 from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import Array, length, product, rotation_about
-from robodyn.solids.inertia.principal import pointed
+from robodyn.solids.inertia.properties import pointed
 from robodyn.solids.mesh.asymmetry import FREQUENCIES, CentredBody, axial_moments, mirror, sixth_moments
 from robodyn.solids.mesh.columns import frame_along
 from robodyn.support.floats import Floats, einsum, first_largest, ranked
@@ -161,7 +161,10 @@ def critical_directions(M: Array) -> Floats:
     Args:
         M: (3, 3, ...) symmetric in all indices.
     """
-    n = _spread(_STARTS)
+    index = np.arange(_STARTS) + 0.5
+    z, turn = index / _STARTS, np.pi * (1 + 5**0.5) * index
+    r = np.sqrt(1 - z * z)
+    n = np.concatenate([np.eye(3), np.stack([r * np.cos(turn), r * np.sin(turn), z], axis=1)])
     for _ in range(_STEPS):
         step, _ = _newton(M, n)
         size = np.linalg.norm(step, axis=1, keepdims=True)
@@ -207,13 +210,6 @@ def _newton(M: Array, n: Array) -> tuple[Array, Array]:
     safe = np.where(np.abs(values) > 1e-14 * size, values, size)
     step = -einsum("nij,nj->ni", axes, einsum("nij,ni->nj", axes, gradient) / safe)
     return step, np.abs(values).min(axis=1)
-
-
-def _spread(count: int) -> Floats:
-    index = np.arange(count) + 0.5
-    z, turn = index / count, np.pi * (1 + 5**0.5) * index
-    r = np.sqrt(1 - z * z)
-    return np.concatenate([np.eye(3), np.stack([r * np.cos(turn), r * np.sin(turn), z], axis=1)])
 
 
 Found = TypeVar("Found", bound=Plane | Axis)
@@ -329,7 +325,7 @@ class Search:
         folds = possible_folds(axial)
         revolved = self._first(direction, (inf,)) if inf in folds and not self._ball else []
         if inf in folds:
-            count = len(rim_angles(self._points, frame))
+            count = len(rim_angles(self.body.corners.reshape(-1, 3), frame))
             folds += [float(n) for n in range(count, 1, -1) if count % n == 0][:4]
         finite = self._first(direction, sorted({fold for fold in folds if fold < inf}, reverse=True))
         implied = self._ball or any(axis.holds for axis in revolved)
@@ -361,7 +357,7 @@ class Search:
         frame, axial = self._about[i]
         if inf not in possible_folds(axial):
             return []
-        rim = rim_angles(self._points, frame)
+        rim = rim_angles(self.body.corners.reshape(-1, 3), frame)
         folds = [axis.fold for axis in axes if axis.holds and FREQUENCIES < axis.fold < inf]
         period = len(rim) // int(max(folds)) if folds else 4 * FREQUENCIES
         return [(rim[0] + angle) / 2 for angle in rim[: period + 1]]
@@ -399,17 +395,13 @@ class Search:
             angles = mirror_angles(axial) + self._rim_angles(i, axes)
             normals.append(np.array([frame[1] * np.cos(a) - frame[0] * np.sin(a) for a in angles]).reshape(-1, 3))
         if not any(map(len, normals)) and len(self.lone) == 0 and not self._distinct(0):
-            normals.append(swapping_normals(self._points))
+            normals.append(swapping_normals(self.body.corners.reshape(-1, 3)))
         return distinct_lines(np.concatenate(normals))
 
     @cached_property
     def _about(self) -> dict[int, tuple[Floats, Array]]:
         frames = {i: frame_along(self.principal[i]) for i in self.lone}
         return {i: (frame, axial_moments(self.body.corners, frame, self.body.volume)) for i, frame in frames.items()}
-
-    @cached_property
-    def _points(self) -> Array:
-        return self.body.corners.reshape(-1, 3)
 
     def _plane(self, normal: Array) -> Plane:
         nearest = np.eye(3)[np.argmax(np.abs(normal))]

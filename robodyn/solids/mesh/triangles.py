@@ -230,11 +230,6 @@ Step = tuple[Callable[..., Any], tuple[Any, ...]]
 """A function and its arguments: rows of workspaces, which are written to. What is ready to be called costs less."""
 
 
-def rows_for(count: int) -> int:
-    """Triangles of a block of a mesh with so many: a multiple of CHUNK."""
-    return min(max(-(-count // CHUNK), 1) * CHUNK, ROWS)
-
-
 def workspace(rows: int, columns: int, dtype: DTypeLike = np.float64) -> Array:
     """(rows, columns) numbers that start on a cache line."""
     kind: np.dtype[Any] = np.dtype(dtype)
@@ -246,7 +241,7 @@ def workspace(rows: int, columns: int, dtype: DTypeLike = np.float64) -> Array:
 
 def block_space(triangles: Triangles, dtype: DTypeLike = np.float64) -> Array:
     """(4, 3 coordinates, n): three corners of each triangle of a block, and as many rows to spare."""
-    n = rows_for(triangles.count)
+    n = min(max(-(-triangles.count // CHUNK), 1) * CHUNK, ROWS)
     return workspace(12, n, dtype).reshape(4, 3, n)
 
 

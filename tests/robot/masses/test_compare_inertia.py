@@ -59,7 +59,7 @@ def test_what_no_mass_inside_the_shapes_can_have():
     spread = SOLID.__class__(4.0, np.zeros(3), 4 * np.diag([0.03, 0.001, 0.001]))
     (remark,) = one_link(spread).remarks
     assert remark == "spread over 1.33 times what any mass inside the box around the shapes can be"
-    outside = SOLID.moved(np.array([1.0, 0, 0]))
+    outside = SOLID.placed(np.eye(3), np.array([1.0, 0, 0]))
     assert one_link(outside).remarks == ("the centre of mass lies outside the box around the shapes",)
 
 
@@ -160,7 +160,7 @@ def test_each_mesh_is_read_once_and_reported():
     assert len(done) == len(seen)
 
 
-OFF = SOLID.rotated(rotation_from_rpy(0.4, 0.5, 0.6)).moved(np.array([0.2, 0.1, -0.3]))
+OFF = SOLID.placed(rotation_from_rpy(0.4, 0.5, 0.6), np.zeros(3)).placed(np.eye(3), np.array([0.2, 0.1, -0.3]))
 
 
 def inertial(I, mass=4.0, com=OFF.com):
@@ -195,7 +195,7 @@ def test_no_slip(factor):
 @pytest.mark.parametrize("part", [0.2, 1e-3])
 def test_a_product_of_the_wrong_sign_counts_at_any_size(part):
     """Its magnitude is that of the shapes' to the last bit; beside the tensor it is small."""
-    shapes = SOLID.rotated(rotation_from_rpy(0.0, 0.0, part))
+    shapes = SOLID.placed(rotation_from_rpy(0.0, 0.0, part), np.zeros(3))
     wrong = 2 * np.diag(np.diagonal(shapes.inertia)) - shapes.inertia
     (found,) = mistakes_in_words(inertial(wrong, com=np.zeros(3)), shapes)
     assert "wrong sign" in found

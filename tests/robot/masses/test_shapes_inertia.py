@@ -168,7 +168,8 @@ def test_the_mass_of_the_whole_is_shared_as_the_densities_say():
 def test_without_places_meshes_stay_where_they_are():
     moved = mass_properties(mesh_samples.moved(mesh_samples.box(), (2, 0, 0)), density=1)
     still = mass_properties(mesh_samples.box(), density=1)
-    close(combined([still, moved]).body, box(1, 1, 1, density=1) + box(1, 1, 1, density=1).moved(np.array([2.0, 0, 0])))
+    one = box(1, 1, 1, density=1)
+    close(combined([still, moved]).body, one + one.placed(np.eye(3), np.array([2.0, 0, 0])))
     assert len(combined([still, still]).warnings) == 1
     found = combined([still, moved]).box
     np.testing.assert_array_equal((found.lo, found.hi), ([-0.5] * 3, [2.5, 0.5, 0.5]))

@@ -23,7 +23,7 @@ from helpers.mesh_samples import (
 )
 
 import robodyn
-from robodyn.solids.inertia.principal import principal_axes
+from robodyn.solids.inertia.properties import principal_axes
 
 BODIES = {
     "tetrahedron": tetrahedron(),

@@ -12,7 +12,7 @@ from helpers.mesh_samples import box, cone, corners, cylinder, flipped, moved, t
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from robodyn.solids.inertia.principal import principal_axes
+from robodyn.solids.inertia.properties import principal_axes
 from robodyn.solids.mesh.integrals import Moments, integrate, surface, volume_bound
 from robodyn.solids.mesh.triangles import MemoryTriangles
 

@@ -287,7 +287,6 @@ def test_half_open_surfaces_and_sheets_enclose_nothing_definite(body, missing):
     found = repair(given)
     assert (found.steps, found.quadrature, found.closed) == ((), None, False)
     assert found.triangles is given
-    assert found.missing == pytest.approx(missing, abs=1e-3)
     gaps = 2 if missing == 0.326 else 1
     what = f"{gaps} gap{'s' * (gaps > 1)} too large to be filled: {100 * missing:.0f} % of their surface is missing"
     assert found.remarks == (what,)

@@ -1,17 +1,22 @@
-"""Meshes from files, standard input, bytes and arrays, of the type that is said or that they begin as."""
+"""Meshes from files, standard input, bytes and arrays, of the type that is said or that they begin as.
+
+And binary STL, streamed: 80 bytes of header, the number of triangles, then 50 bytes for each of them.
+"""
 
 from __future__ import annotations
 
 import os
 import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from robodyn.errors import MeshError
 from robodyn.solids.mesh.read.source import Source, open_source, scale_of
-from robodyn.solids.mesh.read.stl import is_complete, open_binary
-from robodyn.solids.mesh.triangles import MemoryTriangles, Triangles, check_finite
+from robodyn.solids.mesh.triangles import BLOCK, Corners, MemoryTriangles, Triangles, check_finite, checked
 from robodyn.support.input_file import LFS_POINTER
 
 _HEAD = 4096
@@ -51,8 +56,15 @@ def load_triangles(
 
         return read_scene(found, kind, unit)
     scale, note = scale_of(unit, None, found.name)
-    if kind == "stl":
-        return _read_stl(found, scale, (note,))
+    if kind == "stl":  # binary if the size says so, even after `solid`, or if there are bytes that no text has
+        head = found.data(_HEAD)
+        if _is_binary_stl(head, found.size) or head.translate(None, _CONTROLS) != head:
+            return _binary_stl(found, head, scale, (note,))
+        if b"solid" not in head.lower() and b"facet" not in head.lower():
+            raise found.error("is text without 'solid' or 'facet', no STL", remedy="is its type another?")
+        from robodyn.solids.mesh.read.text import read_stl_text
+
+        return read_stl_text(found, scale, (note,))
     if kind == "ply":
         from robodyn.solids.mesh.read.ply import read_ply
 
@@ -79,18 +91,6 @@ def from_array(corners: ArrayLike, *, name: str = "<array>", unit: str = "m") ->
     return MemoryTriangles(name, values, significand=24 if values.dtype == np.float32 else 53, scale=scale)
 
 
-def _read_stl(source: Source, scale: float, notes: tuple[str, ...]) -> Triangles:
-    """Binary if the size says so, even where the header begins with `solid`, or if there are bytes that no text has."""
-    head = source.data(_HEAD)
-    if is_complete(head, source.size) or head.translate(None, _CONTROLS) != head:
-        return open_binary(source, head, scale, notes)
-    if b"solid" not in head.lower() and b"facet" not in head.lower():
-        raise source.error("is text without 'solid' or 'facet', no STL", remedy="is its type another?")
-    from robodyn.solids.mesh.read.text import read_stl_text
-
-    return read_stl_text(source, scale, notes)
-
-
 def kind_of(source: Source, file_type: str | None) -> str:
     """One of KINDS: what the caller says, or the suffix if the file does not begin as another, or how it begins."""
     head = source.data(_HEAD)
@@ -100,12 +100,20 @@ def kind_of(source: Source, file_type: str | None) -> str:
             raise source.error(f"unknown type of mesh {file_type!r}", remedy=f"types: {', '.join(KINDS)}")
         return kind
     suffix = os.path.splitext(source.path or "")[1].lower().removeprefix(".")
-    found = _begins_as(head, source.size)
+    text = head.lstrip().lower()
+    signs = {
+        "stl": _is_binary_stl(head, source.size) or (text.startswith(b"solid") and b"facet" in text),
+        "ply": head.startswith((b"ply\n", b"ply\r")),
+        "glb": head.startswith(b"glTF"),
+        "off": re.match(_OFF, re.sub(rb"#[^\r\n]*", b"", head)) is not None,
+        "dae": b"<COLLADA" in head,
+        "obj": b"\0" not in head and re.search(_OBJ, head) is not None,
+    }
+    found = next((kind for kind, is_it in signs.items() if is_it), None)
     if suffix in KINDS:
         if found and found != suffix:
-            raise source.error(
-                f"is named .{suffix} but begins as {found.upper()} does", remedy=f"rename it to .{found}"
-            )
+            what = f"is named .{suffix} but begins as {found.upper()} does"
+            raise source.error(what, remedy=f"rename it to .{found}")
         return suffix
     if suffix:
         raise source.error(f"unknown type of mesh .{suffix}", remedy=f"types: {', '.join(KINDS)}")
@@ -114,16 +122,72 @@ def kind_of(source: Source, file_type: str | None) -> str:
     return found
 
 
-def _begins_as(head: bytes, size: int) -> str | None:
-    if is_complete(head, size):
-        return "stl"
-    text = head.lstrip().lower()
-    signs = {
-        "stl": text.startswith(b"solid") and b"facet" in text,
-        "ply": head.startswith((b"ply\n", b"ply\r")),
-        "glb": head.startswith(b"glTF"),
-        "off": re.match(_OFF, re.sub(rb"#[^\r\n]*", b"", head)) is not None,
-        "dae": b"<COLLADA" in head,
-        "obj": b"\0" not in head and re.search(_OBJ, head) is not None,
-    }
-    return next((kind for kind, found in signs.items() if found), None)
+_START, _RECORD = 84, 50
+_TYPE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+
+
+def _is_binary_stl(head: bytes, size: int) -> bool:
+    """Return whether a file of this size that begins so is exactly a binary STL, whatever the text in its header."""
+    return len(head) >= _START and size == _START + _RECORD * int.from_bytes(head[80:_START], "little")
+
+
+@dataclass(frozen=True, eq=False)
+class StlTriangles(Triangles):
+    """Triangles of a binary STL, read anew, a block at a time, whenever they are asked for.
+
+    The coordinates of a block are contiguous: `block.transpose(1, 2, 0)` is in C order.
+    """
+
+    source: Source
+    promised: int
+
+    @property
+    def count(self) -> int:
+        return self.promised
+
+    def blocks(self, rows: int = BLOCK) -> Iterator[Corners]:
+        def columns(corners: Corners) -> Corners:
+            found = np.empty((3, 3, len(corners)), np.float32)
+            found[...] = corners.transpose(1, 2, 0)
+            return found.transpose(2, 0, 1)
+
+        return checked(map(columns, self.records(rows)), self.name)
+
+    def records(self, rows: int = BLOCK) -> Iterator[Corners]:
+        held = self.source.memory()
+        if held is not None:
+            corners = np.frombuffer(held, _TYPE, self.count, _START)["corners"]
+            yield from (corners[first : first + rows] for first in range(0, self.count, rows))
+            return
+        data = bytearray(_RECORD * min(rows, self.count))
+        with self.source.opened() as stream:
+            for first in range(0, self.count, rows):
+                wanted = _RECORD * min(rows, self.count - first)
+                stream.seek(_START + _RECORD * first)
+                if stream.readinto(memoryview(data)[:wanted]) != wanted:  # type: ignore[attr-defined]
+                    raise self.source.error("was cut short while it was read", remedy="run again")
+                yield np.frombuffer(data, _TYPE, wanted // _RECORD)["corners"]
+
+
+def _binary_stl(source: Source, head: bytes, scale: float, notes: tuple[str, ...]) -> StlTriangles:
+    """Return the triangles of a file that begins with `head`."""
+    if len(head) < _START:
+        what = f"{source.size} bytes are no STL, whose header alone has {_START}"
+        raise source.error(what, remedy="export the mesh again")
+    count, there = int.from_bytes(head[80:_START], "little"), (source.size - _START) // _RECORD
+    if count > there:
+        what = f"the header promises {count} triangles ({_START + _RECORD * count} bytes), the file has"
+        what += f" {source.size} bytes, {there} whole triangles"
+        raise source.error(what, remedy="it is cut short or no STL: get it again")
+    if not count:
+        though = f", though {source.size - _START} bytes follow" if source.size > _START else ""
+        raise source.error(f"the header promises 0 triangles{though}", remedy="export the mesh again")
+    extra = source.size - _START - _RECORD * count
+    warnings: tuple[str, ...] = ()
+    if extra >= _RECORD:
+        left_out = f"the file has room for {there}: {there - count} are left out"
+        warnings = (f"the header counts {count} triangles, {left_out}",)
+    elif extra:
+        notes = (*notes, f"{extra} bytes after the last triangle are left out")
+    labels: dict[str, Any] = {"significand": 24, "scale": scale, "notes": notes, "warnings": warnings}
+    return StlTriangles(source.name, source, count, **labels)
