@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import partial
 from pathlib import PurePath
 
@@ -13,12 +12,9 @@ from robodyn.cli.files import check_names, check_table, robot_in_scene
 from robodyn.cli.options import PATH, POSITIVE, Call, Output, option, refuse, refuse_where, takes
 from robodyn.cli.reports import answer
 from robodyn.errors import InputError
-from robodyn.measure.accuracy.ladder import Accuracy
 from robodyn.report.accuracy import accuracy_json, accuracy_page, accuracy_sections
 from robodyn.support.extras import need
 from robodyn.support.files import write_whole
-
-FORMS = ".svg", ".png", ".pdf"
 
 
 @click.command("accuracy", short_help="Measure what each further digit costs in time.")
@@ -52,26 +48,10 @@ def command(
     """
     check_names()
     if plot:
-        if PurePath(plot).suffix.lower() not in FORMS:
+        if PurePath(plot).suffix.lower() not in (".svg", ".png", ".pdf"):
             raise InputError("unknown type of picture by this suffix", remedy="name it .svg, .png or .pdf", file=plot)
         need("plots", "matplotlib", file=plot)
-    found = accuracy_of(call, files, duration, table)
-    written = ""
-    if plot:
-        from robodyn.report.pictures.accuracy import accuracy_picture
-
-        data = accuracy_picture(found, target, PurePath(plot).suffix[1:].lower())
-        write_whole(plot, data, remedy="name another file")
-        written = f"\nwritten: {plot}\n"
-    sections, document = accuracy_sections(found, target), partial(accuracy_page, found, target)
-    answer(call, sections, document, written, json=lambda: accuracy_json(found, target))
-    return int(target is not None and any(ladder.cheapest(target) is None for ladder in found.ladders))
-
-
-def accuracy_of(call: Call, files: Sequence[str], duration: float | None, table: str | None) -> Accuracy:
-    """Return what accuracy costs: of one mesh; or of a URDF along a trajectory, or in a scene whose name ends in .toml
-    or that is given alone."""
-    scene_file = call.scene_name
+    scene_file = call.scene_name  # a URDF moves in a scene whose name ends in .toml, or that is given alone
     robot = len(files) == 2 or files[0].lower().endswith(options.ROBOT_SUFFIXES)
     alone = scene_file if len(files) == 1 else None
     if robot and alone:
@@ -91,15 +71,26 @@ def accuracy_of(call: Call, files: Sequence[str], duration: float | None, table:
         from robodyn.measure.accuracy.meshes import mesh_accuracy
         from robodyn.solids.mesh.read.load import load_triangles
 
-        return mesh_accuracy(load_triangles(files[0], typed=True))
-    if not moved:
+        found = mesh_accuracy(load_triangles(files[0], typed=True))
+    elif not moved:
         from robodyn.measure.accuracy.torques import file_accuracy
 
-        return file_accuracy(*robot_in_scene(call, files[0]), files[1], **call.reading)
-    if scene_file:
-        refuse(f"the scene is given twice: {files[1]} and --scene {scene_file}")
-    from robodyn.measure.accuracy.simulation import simulation_accuracy
+        found = file_accuracy(*robot_in_scene(call, files[0]), files[1], **call.reading)
+    else:
+        from robodyn.measure.accuracy.simulation import simulation_accuracy
 
-    model, scene = robot_in_scene(call, files[0], files[1], loops=True)
-    check_table(call, table, scene, files[1])
-    return simulation_accuracy(model, scene, duration, table)
+        if scene_file:
+            refuse(f"the scene is given twice: {files[1]} and --scene {scene_file}")
+        model, scene = robot_in_scene(call, files[0], files[1], loops=True)
+        check_table(call, table, scene, files[1])
+        found = simulation_accuracy(model, scene, duration, table)
+    written = ""
+    if plot:
+        from robodyn.report.pictures.accuracy import accuracy_picture
+
+        data = accuracy_picture(found, target, PurePath(plot).suffix[1:].lower())
+        write_whole(plot, data, remedy="name another file")
+        written = f"\nwritten: {plot}\n"
+    sections, document = accuracy_sections(found, target), partial(accuracy_page, found, target)
+    answer(call, sections, document, written, json=lambda: accuracy_json(found, target))
+    return int(target is not None and any(ladder.cheapest(target) is None for ladder in found.ladders))

@@ -14,7 +14,7 @@ from robodyn.checks.catalogue import RULES, WORDS
 from robodyn.checks.check import Options, Task, check_tasks, fix_task, tasks_for
 from robodyn.checks.context import Asked
 from robodyn.checks.rule import Severity
-from robodyn.cli.files import STANDARD_INPUT, check_names, source_of
+from robodyn.cli.files import STANDARD_INPUT, check_names, robot_source
 from robodyn.cli.options import DESCRIPTION, PATH, READING, REPORT, Call, Parsed, option, refuse_where, takes
 from robodyn.cli.progress import robots_done
 from robodyn.cli.reports import answer, write_report
@@ -41,16 +41,13 @@ def _codes(text: str) -> tuple[str, ...]:
     return tuple(code.upper() if code[:2].upper() == "RD" or code.upper() in WORDS else code for code in codes)
 
 
-def _programs(text: str) -> tuple[str, ...]:
-    return tuple(code.strip().lower() for code in text.split(","))
-
-
 CODES = Parsed("codes", _codes)
+PROGRAMS = Parsed("names", lambda text: tuple(code.strip().lower() for code in text.split(",")))
 FORMATS = ("text", "short", "json", "sarif", "junit", "github")
 
 
-def fix_files(tasks: Sequence[Task], unsafe: bool, diff: bool) -> bool:
-    """Edit the files, or show how they would be; the return value is whether there is such a difference to show."""
+def _fix(tasks: Sequence[Task], unsafe: bool, diff: bool) -> bool:
+    """Edit the files, or show how they would be; return whether there is such a difference."""
     files = []
     with robots_done(len(tasks), "fixing") as done:
         for task in tasks:
@@ -68,10 +65,6 @@ def fix_files(tasks: Sequence[Task], unsafe: bool, diff: bool) -> bool:
     return diff and bool(changed)
 
 
-_LISTING_UNREAD = ("sarif", "junit", "github")
-"""Formats for servers, which show a file that could not be read, too."""
-
-
 @click.command("check", short_help="Find what is wrong with descriptions, for people and CI.")
 @click.argument("urdfs", nargs=-1, type=PATH, required=True, metavar="URDF...")
 @takes(
@@ -81,7 +74,7 @@ _LISTING_UNREAD = ("sarif", "junit", "github")
     option("--format", "Default text.", FORMATS, "form", default="text"),
     option("--statistics", "Count findings by rule in place of listing them."),
     DESCRIPTION,
-    option("--target NAMES", "What mujoco, drake, gz, kdl, isaac do.", Parsed("names", _programs), "targets"),
+    option("--target NAMES", "What mujoco, drake, gz, kdl, isaac do.", PROGRAMS, "targets"),
     option("--against REF", "Compare the dynamics with the file's version at a git revision."),
     option("--trajectory FILE", "Hold the limits against the loads along a motion.", PATH),
     option("--config FILE", "Settings, in place of robodyn.toml or pyproject.toml above a file.", PATH),
@@ -141,14 +134,13 @@ def command(
         trust_xacro=call.trust_xacro,
         asked=Asked(targets or (), against, trajectory, call.reading),
     )
-    sources = [source_of(urdf) for urdf in urdfs]
-    tasks = tasks_for(sources, chosen, config)
-    shown = (fix or diff) and fix_files(tasks, unsafe_fixes, diff)
+    tasks = tasks_for([robot_source(urdf, expected=False) for urdf in urdfs], chosen, config)
+    shown = (fix or diff) and _fix(tasks, unsafe_fixes, diff)
     with robots_done(len(tasks)) as done:
         checked = check_tasks(tasks, done)
     for line in dict.fromkeys(str(each.error) for each in checked.unread):
         complain(line)
-    if checked.unread and len(tasks) == 1 and call.form not in _LISTING_UNREAD:
+    if checked.unread and len(tasks) == 1 and call.form not in ("sarif", "junit", "github"):  # which show that, too
         return 2
     if shown:
         return 2 if checked.unread else 1

@@ -16,9 +16,6 @@ from robodyn.report.dae import dae_json, dae_sections
 from robodyn.report.equations import closed_json, closed_sections, ode_json, ode_sections
 from robodyn.report.renderers.latex import closed_latex, dae_latex
 
-FORMATS = ("text", "latex", "json")
-ONLY = {"latex": ("closed", "dae")}
-"""Formats that not all forms have."""
 _WRITERS: dict[str, Any] = {
     "ode": (ode_sections, ode_json, None),
     "dae": (dae_sections, dae_json, dae_latex),
@@ -46,7 +43,7 @@ class _Format(click.Choice):  # type: ignore[type-arg,unused-ignore]
     AT,
     QD,
     option("--tau TAU", "Torques for --form dae, likewise; default none.", VALUES),
-    option("--format", "Default text.", _Format(FORMATS), "form", default="text"),
+    option("--format", "Default text.", _Format(("text", "latex", "json")), "form", default="text"),
     SCENE,
 )
 def command(call: Call, urdf: str, equations: str, tau: Any) -> None:
@@ -59,7 +56,7 @@ def command(call: Call, urdf: str, equations: str, tau: Any) -> None:
       robodyn equations robots/two_link_planar.urdf --form closed --format latex
       robodyn equations robots/scara.urdf --form dae --at 0.3,-0.5,0.05 --qd elbow=2
     """
-    forms = ONLY.get(call.form, (equations,))
+    forms = ("closed", "dae") if call.form == "latex" else (equations,)
     given = [name for name, value in (("at", call.at), ("qd", call.qd), ("tau", tau)) if value]
     in_letters = equations == "closed" or call.form == "latex"
     refuse_where(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -87,21 +86,16 @@ def command(call: Call, urdf: str, qdd: Any, traj: str | None, time: float | Non
     if svg is not None:
         from robodyn.report.pictures.free_body import drawings
 
-        files = list(drawings(found, words))
-        _write_drawings(svg, files)
+        files, remedy = list(drawings(found, words)), "name another folder"
+        try:
+            os.makedirs(svg, exist_ok=True)
+        except (OSError, ValueError) as error:
+            why = (error.strerror or str(error)).lower() if isinstance(error, OSError) else str(error)
+            raise InputError(f"cannot be written: {why}", remedy=remedy, file=svg) from None
+        for name, _ in files:
+            refuse_foreign(os.path.join(svg, name), "a drawing", remedy)
+        for name, content in files:
+            write_whole(os.path.join(svg, name), content.encode(), remedy)
         written = f"\nwritten: {len(files)} drawings in {svg}\n"
     sections = free_body_sections(found, words)
     answer(call, sections, written=written, json=lambda: free_bodies_json(found, words))
-
-
-def _write_drawings(folder: str, files: Sequence[tuple[str, str]]) -> None:
-    remedy = "name another folder"
-    try:
-        os.makedirs(folder, exist_ok=True)
-    except (OSError, ValueError) as error:
-        why = (error.strerror or str(error)).lower() if isinstance(error, OSError) else str(error)
-        raise InputError(f"cannot be written: {why}", remedy=remedy, file=folder) from None
-    for name, _ in files:
-        refuse_foreign(os.path.join(folder, name), "a drawing", remedy)
-    for name, content in files:
-        write_whole(os.path.join(folder, name), content.encode(), remedy)

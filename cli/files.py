@@ -19,7 +19,6 @@ from robodyn.support.input_file import open_input, read_standard_input
 
 if TYPE_CHECKING:
     from robodyn.robot.model import Model
-    from robodyn.robot.urdf.parts import Description
     from robodyn.scene.scene import Scene
 
 STANDARD_INPUT = "-"
@@ -36,9 +35,7 @@ _KINDS = {
 def robot_in_scene(
     call: Call, urdf: str, scene_file: str | None = None, *, loops: bool = False, contacts: bool = False
 ) -> tuple[Model, Scene]:
-    """Return the robot of a URDF or xacro file, and the scene of the call.
-
-    The loops that the description closes are among those of the scene.
+    """Return the robot of a URDF or xacro file, and the scene of the call, with the loops that the description closes.
 
     Args:
         scene_file: in place of --scene.
@@ -83,31 +80,17 @@ def check_table(call: Call, table: str | None, scene: Scene, scene_file: str | N
     raise SceneError(f"no column of {table} is named, so that it drives nothing", remedy=remedy, file=scene_file)
 
 
-def described(call: Call, urdf: str) -> Description:
-    """Return the description in a URDF or xacro file."""
-    from robodyn.robot.urdf.description import load_description
-
-    return load_description(robot_source(urdf), **call.lookup)
-
-
-def robot_source(urdf: str) -> str | bytes:
-    """Return what describes a robot: the name of a file, or what is on standard input."""
-    expect(ROBOT, urdf)
-    return source_of(urdf)
-
-
-def source_of(urdf: str) -> str | bytes:
-    """Return the name of a file, or what is on standard input."""
+def robot_source(urdf: str, expected: bool = True) -> str | bytes:
+    """Return what describes a robot: the name of a file, of no other kind, or what is on standard input."""
+    if expected:
+        expect(ROBOT, urdf)
     return read_standard_input() if urdf == STANDARD_INPUT else urdf
 
 
 def check_names(*writes: str) -> None:
     """Raise if standard input is asked for twice or is not there; or if a file that the command is to write is one that
-    it reads or another that it writes, by whatever name: links, hard links, other spellings; or is not ours.
-
-    Args:
-        writes: names of parameters whose files are written in this call, though others only read them.
-    """
+    it reads or another that it writes, by whatever name: links, hard links, other spellings; or is not ours. `writes`
+    are parameters whose files are written in this call, though others only read them."""
     ctx = click.get_current_context()
     files = inputs_of(ctx)
     if files.count(STANDARD_INPUT) > 1:
@@ -191,11 +174,7 @@ def same_file(one: str, other: str) -> bool:
 
 
 def refuse_foreign(path: str, kind: str, remedy: str) -> None:
-    """Raise if there is a file, neither empty nor such as robodyn writes.
-
-    Args:
-        kind: of file that is to be written, one of those that are known here.
-    """
+    """Raise if there is a file, neither empty nor of this kind and such as robodyn writes."""
     try:
         with open_input(path) as stream:
             head = stream.read(_READ)
@@ -206,8 +185,5 @@ def refuse_foreign(path: str, kind: str, remedy: str) -> None:
         return
     pattern = re.compile(_OURS[kind])
     if head and not (pattern.search(head) or (not _OURS[kind].startswith(rb"\A") and pattern.search(tail))):
-        raise InputError(
-            f"is there already, and is no {kind.partition(' ')[2]} that robodyn has written",
-            remedy=f"delete it, or {remedy}",
-            file=path,
-        )
+        what = f"is there already, and is no {kind.partition(' ')[2]} that robodyn has written"
+        raise InputError(what, remedy=f"delete it, or {remedy}", file=path)

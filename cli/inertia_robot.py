@@ -6,8 +6,8 @@ from collections import Counter
 from functools import partial
 from typing import Any
 
-from robodyn.checks.check import Checked, Options, check_description
-from robodyn.cli.files import described
+from robodyn.checks.check import Options, check_description
+from robodyn.cli.files import robot_source
 from robodyn.cli.options import Call, refuse
 from robodyn.cli.progress import counted
 from robodyn.cli.reports import answer
@@ -17,7 +17,8 @@ from robodyn.report import inertia_pages as pages
 from robodyn.report.inertia import comparison_sections, link_sections, link_shapes_sections, robot_sections
 from robodyn.robot.masses.declared import LinkInertia, RobotInertia, link_inertia, robot_inertia
 from robodyn.robot.masses.shapes import How, LinkShapes, Reading, compare, link_from_shapes
-from robodyn.robot.urdf.parts import Description, Kind
+from robodyn.robot.urdf.description import load_description
+from robodyn.robot.urdf.parts import Kind
 from robodyn.solids.inertia.properties import View, inertial_element
 from robodyn.support.wording import count
 
@@ -26,15 +27,14 @@ def compared(call: Call, file: str, geometry: Kind, how: How) -> int:
     """Show declared inertias against the links' shapes; the exit status, 2 where no link could be compared."""
     if call.form == "urdf":
         refuse("--format urdf is not for --compare; --link NAME --geometry visual prints one")
-    found = compare(described(call, file), geometry, Reading(how, watch=counted))
+    found = compare(load_description(robot_source(file), **call.lookup), geometry, Reading(how, watch=counted))
     sections = comparison_sections(found)
     answer(call, sections, lambda _: pages.differences_page(found), json=lambda: pages.comparison_json(found))
     if any(link.difference is not None for link in found.links):
         return 0
     what = f"none of {count(len(found.links), 'link')} could be compared"
-    reasons = [link.reason for link in found.links if link.reason]
-    most, often = Counter(reasons).most_common(1)[0] if reasons else ("", 0)
-    remedy = f"{often} of them: {most}" if reasons else None
+    reasons = Counter(link.reason for link in found.links if link.reason)
+    remedy = next((f"{often} of them: {most}" for most, often in reasons.most_common(1)), None)
     complain(InputError(what, remedy=remedy, file=found.file))
     return 2
 
@@ -51,7 +51,8 @@ def robot(
     how: How,
 ) -> int:
     """Show a robot, a link as declared, or what a link's shapes make of it."""
-    description = described(call, file)
+    description = load_description(robot_source(file), **call.lookup)
+    options = Options(package_path=description.search.package_paths)
     found: RobotInertia | LinkInertia | LinkShapes
     if link is not None and geometry is not None:
         reading = Reading(how, watch=counted)
@@ -61,18 +62,14 @@ def robot(
         json = partial(pages.link_shapes_json, description.name, found, view)
     elif link is not None:
         found = link_inertia(description, link)
-        checked = _checked(description).of_link(link)
+        checked = check_description(description, options).of_link(link)
         sections = link_sections(description.file, found, view, checked)
         document = partial(pages.link_page, found, description, view, checked)
         json = partial(pages.link_json, description.name, found, view, checked)
     else:
-        found, checked = robot_inertia(description, at), _checked(description)
+        found, checked = robot_inertia(description, at), check_description(description, options)
         sections = robot_sections(found, view, checked)
         document = partial(pages.robot_page, found, description, view, checked)
         json = partial(pages.robot_json, found, view, checked)
     answer(call, sections, document, json=json, urdf=lambda: inertial_element(found.body, "") + "\n")
     return 0
-
-
-def _checked(description: Description) -> Checked:
-    return check_description(description, Options(package_path=description.search.package_paths))

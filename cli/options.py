@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import reduce, wraps
-from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, get_args
+from typing import TYPE_CHECKING, Any, NoReturn, get_args
 
 import click
 
@@ -157,29 +157,6 @@ def refuse_where(*cases: tuple[object, str]) -> None:
             refuse(what)
 
 
-class Grouped(click.Command):
-    """A command of many options, which its help lists under titles.
-
-    Attributes:
-        groups: title -> names of options; those that stand in none come last.
-    """
-
-    groups: ClassVar[Mapping[str, Sequence[str]]] = {}
-
-    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        titles = {name: title for title, names in self.groups.items() for name in names}
-        rows: dict[str, list[tuple[str, str]]] = {title: [] for title in (*self.groups, "Other options")}
-        for each in self.get_params(ctx):
-            record = each.get_help_record(ctx)
-            if record is not None and isinstance(each, click.Option):
-                title = next((titles[name] for name in each.opts if name in titles), "Other options")
-                rows[title].append(record)
-        for title, records in rows.items():
-            if records:
-                with formatter.section(title):
-                    formatter.write_dl(records)
-
-
 class Parsed(click.ParamType):  # type: ignore[type-arg,unused-ignore]
     """What a function makes of the text, which says in a ValueError why it cannot."""
 
@@ -217,10 +194,9 @@ def finite_numbers(text: str) -> list[float]:
 
 
 def _folder(text: str) -> str:
-    if not os.path.isdir(text):
-        what = "is a file, not a folder" if os.path.isfile(text) else "there is no such folder"
-        raise ValueError(f"{text!r}: {what}")
-    return text
+    if os.path.isdir(text):
+        return text
+    raise ValueError(f"{text!r}: {'is a file, not a folder' if os.path.isfile(text) else 'there is no such folder'}")
 
 
 def _argument(text: str) -> tuple[str, str]:
@@ -234,11 +210,10 @@ def vector_type(example: str) -> Parsed:
     """Return the type of three numbers between commas; the example is for messages."""
 
     def vector(text: str) -> Vector:
-        numbers = finite_numbers(text)
-        if len(numbers) != 3:
-            raise ValueError(f"{text!r} is not three finite numbers between commas, such as {example}")
-        x, y, z = numbers
-        return x, y, z
+        match finite_numbers(text):
+            case [x, y, z]:
+                return x, y, z
+        raise ValueError(f"{text!r} is not three finite numbers between commas, such as {example}")
 
     return Parsed("vector", vector)
 
@@ -261,7 +236,6 @@ def _point(text: str) -> str | tuple[float, ...]:
 
 
 def _at(text: str) -> list[float] | dict[str, float]:
-    """Return numbers between commas, or by name those of NAME=NUMBER."""
     if "=" not in text:
         numbers = finite_numbers(text)
         if numbers:
@@ -414,13 +388,3 @@ def READING(command: Callback) -> Callback:
         option("--topic NAME", "Of a ROS bag, if several topics are about joints."),
         option("--ignore-extra", "Leave out columns that the robot does not know."),
     )(command)
-
-
-def EXECUTION(command: Callback) -> Callback:
-    """Return the options --executor and --threads."""
-    from robodyn.programs.run.runner import EXECUTORS
-
-    text = "numpy starts at once, compiled makes machine code; default auto: the quicker."
-    threads = option("--threads N", "For machine code; default all.", click.IntRange(min=1))
-    executor = option("--executor", text, EXECUTORS, default="auto")
-    return together(executor, threads)(command)

@@ -15,21 +15,14 @@ from robodyn.support.extras import available
 if TYPE_CHECKING:
     from robodyn.trajectory.reader import TrajectoryReader
 
-LONG = 20_000_000
-"""Bytes of trajectory from which a bar is worth its lines."""
-LONG_MESHES = 2_000_000
-"""Bytes of meshes from which it is."""
-MANY_ROBOTS = 10
-"""Descriptions from which it is."""
+LONG, LONG_MESHES, MANY_ROBOTS = 20_000_000, 2_000_000, 10
+"""Bytes of a trajectory and of meshes, and descriptions, from which a bar is worth its lines."""
 
 
 @contextmanager
 def _bar(shown: bool, what: str, total: float, *columns: str, files: str = "", **options: Any) -> Iterator[Any]:
-    """Yield a function that moves a bar, by the keywords of `Progress.update`, which does nothing where none is shown.
-
-    Args:
-        columns: of `rich.progress`, or texts with braces; options: of `Progress`.
-    """
+    """Yield a function that moves a bar, by the keywords of `Progress.update`, or does nothing where none is shown;
+    columns of `rich.progress`, or texts with braces; options of `Progress`."""
     if not (shown and sys.stderr.isatty() and available("rich")):
         yield lambda **_: None
         return
@@ -67,10 +60,7 @@ def robots_done(count: int, what: str = "checking") -> Iterator[Callable[[], Non
 
 @contextmanager
 def files_done(paths: Sequence[str]) -> Iterator[Callable[[int], None]]:
-    """Yield a function to call with the number of each file that is done.
-
-    The bar has no thread of its own; what is printed on a terminal meanwhile stands above it.
-    """
+    """Yield a function to call with the number of each file that is done; what is printed meanwhile stands above."""
     sizes = [_size(path) + 1 for path in paths]
     above = sys.stdout is not None and sys.stdout.isatty()
     first, done, columns = f"0 of {len(paths)}", count(1), ("{task.fields[files]} files",)

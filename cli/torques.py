@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from robodyn.cli import options
 from robodyn.cli.files import ROBOT, STANDARD_INPUT, TABLE, check_names, expect, robot_in_scene
-from robodyn.cli.options import PATH, POSITIVE, TABLE_OUT, Call, Grouped, option, refuse_where, takes
+from robodyn.cli.options import PATH, POSITIVE, TABLE_OUT, Call, option, refuse_where, takes
 from robodyn.cli.reports import answer, get_ready
 from robodyn.errors import InputError
+from robodyn.programs.run.runner import EXECUTORS
+from robodyn.trajectory.readers.table import FILE_TYPES
 
 if TYPE_CHECKING:
     from robodyn.measure.accuracy.torques import Arithmetic
@@ -23,22 +24,29 @@ if TYPE_CHECKING:
     from robodyn.scene.scene import Scene
 
 _MOMENTUM = "Mass centre, momenta, energies, power: report them, and write them to --out."
+_EXECUTOR = "numpy starts at once, compiled makes machine code; default auto: the quicker."
 
 
-class TorquesCommand(Grouped):
-    groups: ClassVar[Mapping[str, Sequence[str]]] = {
-        "The robot and what surrounds it": (
-            *("--scene", "--payload", "--gravity", "--base-held", "--package-path", "--xacro-arg", "--trust-xacro"),
-        ),
-        "The trajectory": (
-            *("--example", "--hold", "--map", "--time-unit", "--angle-unit", "--derivatives", "--topic"),
-            *("--encoder-error", "--ignore-extra"),
-        ),
-        "What is computed": ("--sizing", "--momentum", "--about", "--frame", "--explain", "--accuracy"),
-        "A log with measured torques": ("--measured", "--cutoff"),
-        "What is written": ("--out", "--reactions", "--report", "--format", "--fail-on-limits"),
-        "How it is computed": ("--executor", "--threads", "--jobs", "--dask"),
-    }
+_GROUPS = {
+    "The robot and what surrounds it": "package-path xacro-arg trust-xacro scene payload gravity base-held",
+    "The trajectory": "hold map time-unit angle-unit derivatives encoder-error topic ignore-extra example",
+    "What is computed": "sizing momentum about frame explain accuracy",
+    "A log with measured torques": "measured cutoff",
+    "What is written": "out reactions fail-on-limits report format",
+    "How it is computed": "jobs dask executor threads",
+    "Other options": "help",
+}
+
+
+class TorquesCommand(click.Command):
+    """A command of many options, which its help lists under titles."""
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        options = {each.opts[-1]: each for each in self.get_params(ctx) if isinstance(each, click.Option)}
+        for title, names in _GROUPS.items():
+            records = [options[f"--{name}"].get_help_record(ctx) for name in names.split()]
+            with formatter.section(title):
+                formatter.write_dl([record for record in records if record])
 
 
 @click.command("torques", cls=TorquesCommand, short_help="Compute what every joint and bearing carries along a motion.")
@@ -63,7 +71,8 @@ class TorquesCommand(Grouped):
     options.REPORT,
     option("--jobs N", "Processes for many trajectories; default: one for each core.", click.IntRange(min=1)),
     option("--dask ADDRESS", "Compute many trajectories on this Dask cluster instead."),
-    options.EXECUTION,
+    option("--executor", _EXECUTOR, EXECUTORS, default="auto"),
+    option("--threads N", "For machine code; default all.", click.IntRange(min=1)),
     options.FORMAT,
 )
 def command(
@@ -101,7 +110,12 @@ def command(
         refuse_where((len(trajectories) > 1, "--measured compares one log"))
         _measured(call, urdf, trajectories[0], cutoff)
         return 0
-    many = _is_batch(trajectories, call.out)
+    # Many are told by their number, by wildcards, or by results that go to a folder.
+    wild = any(set("*?[") & set(name) and not os.path.lexists(name) for name in trajectories)
+    folder = call.out is not None and (
+        call.out[-1:] in (os.sep, "/") or (os.path.isdir(call.out) and not call.out.lower().endswith((*FILE_TYPES,)))
+    )
+    many = len(trajectories) > 1 or wild or folder
     refuse_where(
         (cutoff is not None, "--cutoff goes with --measured"),
         (reactions and not call.out, "--reactions goes to a file, and --out names none"),
@@ -123,17 +137,6 @@ def command(
 
         return run_batch(call, urdf, trajectories, loads, jobs, dask)
     return _single(call, urdf, trajectories[0], loads, example)
-
-
-def _is_batch(trajectories: Sequence[str], out: str | None) -> bool:
-    """Return whether the trajectories are many: by their number, wildcards, or results that go to a folder."""
-    from robodyn.trajectory.readers.table import FILE_TYPES
-
-    wild = any(set("*?[") & set(name) and not os.path.lexists(name) for name in trajectories)
-    folder = out is not None and (
-        out[-1:] in (os.sep, "/") or (os.path.isdir(out) and not out.lower().endswith((*FILE_TYPES,)))
-    )
-    return len(trajectories) > 1 or wild or folder
 
 
 def _measured(call: Call, urdf: str, log: str, cutoff: float | None) -> None:

@@ -21,7 +21,7 @@ import click
 
 import robodyn
 from robodyn.cli.files import STANDARD_INPUT, inputs_of, refuse_foreign, robot_in_scene
-from robodyn.cli.options import Call, refuse
+from robodyn.cli.options import Call, refuse_where
 from robodyn.cli.progress import files_done
 from robodyn.cli.reports import answer
 from robodyn.cli.screen import complain, show
@@ -65,12 +65,8 @@ class Job(NamedTuple):
 
 
 def jobs_of(patterns: Sequence[str], out: str, beside: Sequence[str] = ()) -> list[Job]:
-    """Return the jobs of names and patterns (`runs/*.csv`, `runs/**/*.csv`) in their order, each file once.
-
-    Args:
-        beside: other files that are read.
-
-    Results keep the name and the type of their trajectory; those of several folders keep the folders that differ.
+    """Return the jobs of names and patterns (`runs/*.csv`, `runs/**/*.csv`) in their order, each file once; `beside`
+    are other files that are read. Results keep name and type of their trajectory, and the folders that differ.
 
     Raises:
         InputError: a pattern fits no file, a type of file is not known, two results would have one name, or a result
@@ -154,11 +150,7 @@ class Setup:
         return robot
 
     def digest(self, path: str) -> str:
-        """Return a hash of all that a trajectory's results depend on: its bytes, robot, scene, options, version.
-
-        Raises:
-            OSError: the file cannot be read.
-        """
+        """Return a hash of all that a trajectory's results depend on: its bytes, robot, scene, options, version."""
         options = dict(sorted({**self.options, "threads": 1}.items()))  # they come in the order of the call
         hashed = blake2b(repr(replace(self, options=options)).encode(), digest_size=20)
         with open_input(path) as stream:
@@ -168,8 +160,6 @@ class Setup:
 
 
 _KEPT = threading.local()
-
-
 KEY = "inputs"
 """Of the document, for what it was made from: `trajectory`, `digest`, and the `table` with its size in `bytes`."""
 
@@ -185,10 +175,7 @@ def run_job(setup: Setup, job: Job) -> Outcome:
             what = f"robodyn {VERSION} works on it, the batch is of robodyn {setup.version}"
             raise InputError(what, remedy="install the same version everywhere")
         digest = setup.digest(job.path)
-        found = _finished(job, digest)
-        if found is not None:
-            return _outcome(job, "finished before", found)
-        return _outcome(job, "computed", _computed(setup, job, digest))
+        return _finished(job, digest) or _outcome(job, "computed", _computed(setup, job, digest))
     except RobodynError as error:
         named = error.file in (None, job.path)
         file = job.name if named else error.file
@@ -207,14 +194,13 @@ def failed(job: Job, text: str) -> Outcome:
     return Outcome(job.name, "failed", error=" ".join(text.split()))
 
 
-def _finished(job: Job, digest: str) -> dict[str, Any] | None:
-    """Return the document of a job that is finished; remove results of other inputs, lest they be taken for these."""
+def _finished(job: Job, digest: str) -> Outcome | None:
+    """Return the outcome of a job that is finished; remove results of other inputs, lest they be taken for these."""
     with suppress(OSError, ValueError, KeyError, TypeError):
-        document: dict[str, Any] = json.loads(read_input(job.document))
+        document = json.loads(read_input(job.document))
         made = document[KEY]
         if made["digest"] == digest and os.path.getsize(job.table) == made["bytes"]:
-            _outcome(job, "finished before", document)
-            return document
+            return _outcome(job, "finished before", document)
         for path in (job.document, job.table):
             os.unlink(path)
     return None
@@ -253,10 +239,10 @@ def _outcome(job: Job, status: Status, document: dict[str, Any]) -> Outcome:
     )
     exceeded = [(excess["joint"], excess["quantity"]) for excess in document["limits_exceeded"]]
     exceeded += [(joint["name"], excess["quantity"]) for joint in sized for excess in joint["exceeded"]]
-    limits = (
+    limits = [
         Coverage(quantity, tuple(found["checked"]), tuple(Unchecked(**each) for each in found["unchecked"]))
         for quantity, found in document["limits"].items()
-    )
+    ]
     return Outcome(
         job.name,
         status,
@@ -275,11 +261,11 @@ def run_batch(
     call: Call, urdf: str, trajectories: Sequence[str], loads: Mapping[str, Any], jobs: int | None, dask: str | None
 ) -> int:
     """Return the exit status: 2 if a trajectory failed, 1 if a limit is exceeded and that counts."""
-    out = call.out
-    if call.report:
-        refuse("--report is of one trajectory")
-    if not out:
-        refuse("many trajectories need --out FOLDER for their results")
+    out = call.out or ""
+    refuse_where(
+        (call.report, "--report is of one trajectory"),
+        (not out, "many trajectories need --out FOLDER for their results"),
+    )
     if os.path.isfile(out):
         raise InputError("is a file, many trajectories need a folder", remedy="give --out another name", file=out)
     if STANDARD_INPUT in (urdf, *call.scene_files, *trajectories):
@@ -288,29 +274,6 @@ def run_batch(
     lines = call.form == "text"
     if dask:
         need("clusters of Dask", "distributed")
-    setup, robot = _setup(call, urdf, loads)
-    work = worked_there(setup, todo, dask) if dask else worked_here(setup, todo, processes(len(todo), jobs))
-    found: dict[int, Outcome] = {}
-    printed = 0
-    with closing(work), files_done([job.path for job in todo]) as tick:  # type: ignore[type-var]
-        for number, outcome in work:
-            found[number] = outcome
-            tick(number)
-            while (last := found.get(printed)) is not None:  # in their order, as soon as all before it are there
-                if last.status == "failed":
-                    complain(last.error)
-                elif lines:
-                    print(outcome_line(last), flush=True)
-                printed += 1
-    outcomes = [found[number] for number in range(len(todo))]
-    batch = Batch(robot, tuple(outcomes))
-    if lines:
-        show("\n")
-    answer(call, batch_sections(batch), json=lambda: batch_json(batch))
-    return 2 if batch.count("failed") else int(call.fail_on_limits and batch.within_limits is False)
-
-
-def _setup(call: Call, urdf: str, loads: Mapping[str, Any]) -> tuple[Setup, str]:
     model, scene = robot_in_scene(call, urdf, loops=True, contacts=True)
     assert model.description is not None, "it is read from a file"
     check_uncertain(scene)
@@ -328,7 +291,24 @@ def _setup(call: Call, urdf: str, loads: Mapping[str, Any]) -> tuple[Setup, str]
         reading=call.reading,
         options={**loads, "executor": executor, "threads": loads["threads"] or 1},
     )
-    return setup, model.name
+    work = worked_there(setup, todo, dask) if dask else worked_here(setup, todo, processes(len(todo), jobs))
+    found: dict[int, Outcome] = {}
+    printed = 0
+    with closing(work), files_done([job.path for job in todo]) as tick:  # type: ignore[type-var]
+        for number, outcome in work:
+            found[number] = outcome
+            tick(number)
+            while (last := found.get(printed)) is not None:  # in their order, as soon as all before it are there
+                if last.status == "failed":
+                    complain(last.error)
+                elif lines:
+                    print(outcome_line(last), flush=True)
+                printed += 1
+    batch = Batch(model.name, tuple(found[number] for number in range(len(todo))))
+    if lines:
+        show("\n")
+    answer(call, batch_sections(batch), json=lambda: batch_json(batch))
+    return 2 if batch.count("failed") else int(call.fail_on_limits and batch.within_limits is False)
 
 
 def worked_here(setup: Setup, jobs: Sequence[Job], count: int) -> Iterator[tuple[int, Outcome]]:
@@ -358,13 +338,9 @@ PATIENCE = 10
 
 
 def worked_there(setup: Setup, jobs: Sequence[Job], address: str) -> Iterator[tuple[int, Outcome]]:
-    """Yield (number, outcome) of every job as they are done, by the workers of the cluster at this address.
-
-    The workers need robodyn of this version, and the files of this machine under the same names. Jobs of a worker that
-    dies go to others. When the iterator is closed early, jobs that have not begun are cancelled.
-
-    Args:
-        address: of the scheduler, such as tcp://10.0.0.1:8786.
+    """Yield (number, outcome) of every job as they are done, by the workers of the cluster whose scheduler has this
+    address. They need robodyn of this version, and the files of this machine under the same names. Jobs of a worker
+    that dies go to others. When the iterator is closed early, jobs that have not begun are cancelled.
 
     Raises:
         InputError: there is no scheduler at the address.
