@@ -10,7 +10,7 @@ import click
 from robodyn.cli import options
 from robodyn.cli.files import check_names, check_table, robot_in_scene
 from robodyn.cli.options import PATH, POSITIVE, Call, Output, option, refuse, refuse_where, takes
-from robodyn.cli.reports import answer
+from robodyn.cli.screen import answer
 from robodyn.errors import InputError
 from robodyn.report.accuracy import accuracy_json, accuracy_page, accuracy_sections
 from robodyn.support.extras import need

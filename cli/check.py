@@ -17,8 +17,7 @@ from robodyn.checks.rule import Severity
 from robodyn.cli.files import STANDARD_INPUT, check_names, robot_source
 from robodyn.cli.options import DESCRIPTION, PATH, READING, REPORT, Call, Parsed, option, refuse_where, takes
 from robodyn.cli.progress import robots_done
-from robodyn.cli.reports import answer, write_report
-from robodyn.cli.screen import complain, show
+from robodyn.cli.screen import answer, complain, show, write_report
 from robodyn.errors import InputError
 from robodyn.report.check import (
     check_diff,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from robodyn.cli.options import FORMAT, Call, takes
-from robodyn.cli.reports import answer
+from robodyn.cli.screen import answer
 from robodyn.measure.doctor import doctor, healthy
 from robodyn.report.accuracy import doctor_json, doctor_sections
 

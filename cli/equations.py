@@ -8,7 +8,7 @@ import click
 
 from robodyn.cli.files import check_names, robot_in_scene
 from robodyn.cli.options import AT, PATH, QD, SCENE, VALUES, Call, option, refuse_where, takes
-from robodyn.cli.reports import answer
+from robodyn.cli.screen import answer
 from robodyn.equations.closed import closed
 from robodyn.equations.dae.dae import dae
 from robodyn.equations.ode import ode

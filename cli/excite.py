@@ -9,7 +9,7 @@ import click
 
 from robodyn.cli.files import check_names, robot_in_scene
 from robodyn.cli.options import FORMAT, PATH, POSITIVE, REPORT, SCENE, TABLE_OUT, VALUES, Call, Parsed, option, takes
-from robodyn.cli.reports import answer, get_ready, write_table
+from robodyn.cli.screen import answer, get_ready, write_table
 from robodyn.identification.excitation.excite import HARMONICS, PERIOD, RATE, excite
 from robodyn.report.identification import excitation_json, excitation_page, excitation_sections
 from robodyn.trajectory.write import format_of

@@ -10,7 +10,7 @@ import click
 
 from robodyn.cli.files import check_names, refuse_foreign, robot_in_scene
 from robodyn.cli.options import AT, FOLDER, FORMAT, PATH, QD, READING, SCENE, VALUES, Call, option, refuse, takes
-from robodyn.cli.reports import answer
+from robodyn.cli.screen import answer
 from robodyn.dynamics.plan import plan
 from robodyn.equations.free_body.bodies import free_bodies
 from robodyn.errors import InputError

@@ -13,7 +13,7 @@ import click
 from robodyn.cli import options
 from robodyn.cli.files import TABLE, check_names, expect, robot_in_scene
 from robodyn.cli.options import COVARIANCE_OUT, PATH, POSITIVE, SCENE_OUT, Call, option, takes
-from robodyn.cli.reports import answer
+from robodyn.cli.screen import answer
 from robodyn.errors import InputError
 from robodyn.support.files import whole_file
 

@@ -14,8 +14,8 @@ from click.core import ParameterSource
 from robodyn.cli import options
 from robodyn.cli.files import STANDARD_INPUT, check_names
 from robodyn.cli.options import PATH, POSITIVE, Call, Parsed, finite_numbers, option, refuse, takes, vector_type
-from robodyn.cli.reports import answer
-from robodyn.cli.screen import complain
+from robodyn.cli.progress import counted
+from robodyn.cli.screen import answer, complain
 from robodyn.errors import InputError, MeshError
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.report.document import Document
@@ -144,7 +144,13 @@ def command(
         raise InputError("both a density and a mass are given", remedy="give one of them")
     units = one_each(unit, files, "--unit")
     densities, masses = one_each(density, files, "--density"), one_each(() if whole else mass, files, "--mass")
-    settings = {"file_type": file_type, "shell": shell, "strict": strict, "cavities": cavities, "repair": repair}
+    settings = {
+        "file_type": file_type,
+        "shell": shell,
+        "strict": strict,
+        "cavities": cavities,
+        "repair": repair,
+    }
     settings |= {"symmetry": symmetry, "symmetrize": symmetrize, "tessellation": tessellation, "exact": exact}
     outcomes = _measured(list(zip(files, densities, masses, units, strict=True)), call.accuracy, settings)
     parts = [each for each in outcomes if isinstance(each, Part)]
@@ -161,9 +167,15 @@ def command(
 
     def document(pictures: bool) -> Document:
         from robodyn.report.inertia_pages import combination_page, parts_page
+        from robodyn.solids.mesh.read.load import load_triangles
 
-        read = zip(files, units, outcomes, strict=True)
-        shapes = [_triangles(name, file_type, scale, pictures) for name, scale, part in read if isinstance(part, Part)]
+        shapes: list[Floats | None] = []  # none where they are not wanted or cannot be read a second time
+        for name, of_file, part in zip(files, units, outcomes, strict=True):
+            if isinstance(part, Part):
+                triangles = None
+                if pictures and name != STANDARD_INPUT and isfile(name):
+                    triangles = load_triangles(name, file_type=file_type, unit=of_file)
+                shapes.append(None if triangles is None else triangles.array() * triangles.scale)
         return combination_page(together, view, shapes) if together else parts_page(outcomes, view, shapes)
 
     def json() -> str:
@@ -185,16 +197,6 @@ def command(
     return 2 if failed else 0
 
 
-def _triangles(name: str, file_type: str | None, unit: str | None, wanted: bool) -> Floats | None:
-    """Return the triangles of a mesh [m]; None where they are not wanted or cannot be read a second time."""
-    from robodyn.solids.mesh.read.load import load_triangles
-
-    if not wanted or name == STANDARD_INPUT or not isfile(name):
-        return None
-    triangles = load_triangles(name, file_type=file_type, unit=unit)
-    return triangles.array() * triangles.scale
-
-
 def one_each(values: Sequence[T], files: Sequence[str], option: str) -> list[T | None]:
     """Return the values of an option for each file, given once for all or once for each."""
     if len(values) in (0, 1):
@@ -209,13 +211,10 @@ def _measured(
     rows: Sequence[tuple[str, float | None, float | None, str | None]], accuracy: float | None, how: dict[str, Any]
 ) -> list[Part | MeshError]:
     """Return the part that each file is, or why it is none; rows are file, density, mass and unit."""
-    from robodyn.cli.progress import counted
-
     if accuracy is not None:
         from robodyn.measure.accuracy.meshes import needs_rationals, with_promise
 
-        if needs_rationals(accuracy):
-            how = {**how, "exact": True}
+        how["exact"] |= needs_rationals(accuracy)
     outcomes: list[Part | MeshError] = []
     with counted([Path(name) for name, *_ in rows]) as done:
         for name, rho, m, unit in rows:

@@ -10,8 +10,7 @@ from robodyn.checks.check import Options, check_description
 from robodyn.cli.files import robot_source
 from robodyn.cli.options import Call, refuse
 from robodyn.cli.progress import counted
-from robodyn.cli.reports import answer
-from robodyn.cli.screen import complain
+from robodyn.cli.screen import answer, complain
 from robodyn.errors import InputError
 from robodyn.report import inertia_pages as pages
 from robodyn.report.inertia import comparison_sections, link_sections, link_shapes_sections, robot_sections

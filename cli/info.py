@@ -7,7 +7,7 @@ import click
 from robodyn.checks.overview import overview
 from robodyn.cli.files import check_names, robot_source
 from robodyn.cli.options import DESCRIPTION, FORMAT, PATH, Call, takes
-from robodyn.cli.reports import answer
+from robodyn.cli.screen import answer
 from robodyn.report.overview import overview_json, overview_sections
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from robodyn.cli.files import check_names, robot_in_scene
 from robodyn.cli.options import AT, FORMAT, PATH, POSITIVE, QD, REPORT, SCENE, Call, Output, option, takes
-from robodyn.cli.reports import answer, get_ready
+from robodyn.cli.screen import answer, get_ready
 from robodyn.equations.linearized.linearize import linearize
 from robodyn.errors import InputError
 from robodyn.report.linearized import linearized_json, linearized_page, linearized_sections

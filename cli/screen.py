@@ -1,4 +1,4 @@
-"""What is written on the terminal, and how failures end: one line on standard error and an exit status."""
+"""What is shown on the terminal and written as reports, and how failures end: one line and an exit status."""
 
 from __future__ import annotations
 
@@ -6,16 +6,22 @@ import io
 import os
 import re
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from typing import NoReturn
+from importlib import import_module
+from threading import Thread
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from robodyn.cli.options import TABLE_SUFFIXES
+from robodyn.cli.options import TABLE_SUFFIXES, Call, report_form
 from robodyn.errors import RobodynError
 from robodyn.report.table import PLAIN, Page, printable
 from robodyn.support.wording import alternatives
+
+if TYPE_CHECKING:
+    from robodyn.report.document import Document, Section
+    from robodyn.support.floats import Floats
 
 TRACEBACK = "ROBODYN_TRACEBACK"
 """The variable that asks for the traceback of an error above its line: any value but 0 or none."""
@@ -57,19 +63,20 @@ def reported(interrupted: Callable[[], bool]) -> Iterator[None]:
     """Turn what is raised inside into one line and an exit status; after an interrupt nothing else is told."""
     try:
         yield
+        return
     except click.UsageError as error:
         command = error.ctx.command_path if error.ctx else "robodyn"
-        fail(f"{_sentence(error)} (try: {command} --help)")
+        complain(f"{_sentence(error)} (try: {command} --help)")
     except click.ClickException as error:
-        fail(_sentence(error))
+        complain(_sentence(error))
     except (RobodynError, MemoryError) as error:
-        fail(str(error) or "out of memory")
+        complain(str(error) or "out of memory")
     except BrokenPipeError:
         discard_output()
         sys.exit(0)
     except OSError as error:
         discard_output()
-        fail(f"{error.filename or 'standard output'}: {(error.strerror or str(error)).lower()}")
+        complain(f"{error.filename or 'standard output'}: {(error.strerror or str(error)).lower()}")
     except (KeyboardInterrupt, click.Abort):
         sys.exit(130)
     except Exception as error:
@@ -79,12 +86,7 @@ def reported(interrupted: Callable[[], bool]) -> Iterator[None]:
 
         place = extract_tb(error.__traceback__)[-1]
         where = f"{os.path.basename(place.filename)}:{place.lineno}"
-        fail(f"internal error at {where}: {type(error).__name__}: {error} (please report this line with the files)")
-
-
-def fail(message: str) -> NoReturn:
-    """Print one line of error and exit with status 2."""
-    complain(message)
+        complain(f"internal error at {where}: {type(error).__name__}: {error} (please report this line with the files)")
     sys.exit(2)
 
 
@@ -124,3 +126,73 @@ def _sentence(error: click.ClickException) -> str:
         if any(option in each.opts for each in error.ctx.command.params):
             text += f"; did you mean {option} {extra[1]}?"
     return text
+
+
+def get_ready(call: Call) -> None:
+    """Import what draws figures while what they show is still being computed."""
+
+    def load() -> None:
+        with suppress(ImportError):
+            for name in ("matplotlib.figure", "matplotlib.backends.backend_svg", "jinja2"):
+                import_module(name)
+
+    if call.pictured:
+        Thread(target=load, daemon=True).start()
+
+
+def answer(
+    call: Call,
+    sections: Iterable[Section],
+    document: Callable[[bool], Document] | None = None,
+    written: str = "",
+    form: str = "",
+    last: Section = (),
+    **others: Callable[[], str],
+) -> None:
+    """Show a result in the form that is asked for (`form` in place of --format, `others` are not text), after its
+    report is written, with figures or without, if there shall be one; `written` are lines on other files, `last` stands
+    below these."""
+    from robodyn.report.document import text
+
+    form = form or call.form
+    if call.report is not None and document is not None:
+        written += write_report(call.report, document(call.pictured))
+    end = "\n" + text([last], page()) if last else ""
+    show(others[form]() if form in others else text(sections, page()) + written + end)
+
+
+def write_table(out: str | None, names: Sequence[str], time: Floats, columns: Any) -> str:
+    """Write a motion where that is asked for; a line that says so."""
+    from robodyn.trajectory.write import open_writer
+
+    if out is None:
+        return ""
+    with open_writer(out, names) as writer:
+        writer.write(time, columns)
+    return f"\nwritten: {out}, {len(time)} rows of time and {len(names)} columns\n"
+
+
+def write_report(path: str, document: Document) -> str:
+    """Write a document with the command and the versions of what is loaded at its foot; a line that says so."""
+    import platform
+    import shlex
+    from dataclasses import replace
+
+    from robodyn.support.files import write_whole
+    from robodyn.support.libraries import version_of
+
+    libraries = ("robodyn", "numpy", "scipy", "llvmlite", "matplotlib", "yourdfpy", "trimesh")
+    used = [f"{name} {version_of(name)}" for name in libraries if name in sys.modules]
+    machine = f"Python {platform.python_version()}", f"{platform.system()} on {platform.machine()}"
+    whole = replace(document, command=shlex.join(["robodyn", *sys.argv[1:]]), versions=(*used, *machine))
+    if report_form(path) == "html":
+        from robodyn.report.renderers.html import html
+
+        content = html(whole)
+    else:
+        from robodyn.report.renderers.markdown import markdown
+
+        content = markdown(whole)
+    data = content.encode("utf-8", errors="backslashreplace")
+    write_whole(path, data, remedy="name another file")
+    return f"\nwritten: {path}, {max(1, len(data) // 1000)} kB\n"

@@ -12,7 +12,7 @@ import click
 from robodyn.cli import options
 from robodyn.cli.files import ROBOT, STANDARD_INPUT, TABLE, check_names, expect, robot_in_scene
 from robodyn.cli.options import PATH, POSITIVE, TABLE_OUT, Call, option, refuse_where, takes
-from robodyn.cli.reports import answer, get_ready
+from robodyn.cli.screen import answer, get_ready
 from robodyn.errors import InputError
 from robodyn.programs.run.runner import EXECUTORS
 from robodyn.trajectory.readers.table import FILE_TYPES

@@ -23,8 +23,7 @@ import robodyn
 from robodyn.cli.files import STANDARD_INPUT, inputs_of, refuse_foreign, robot_in_scene
 from robodyn.cli.options import Call, refuse_where
 from robodyn.cli.progress import files_done
-from robodyn.cli.reports import answer
-from robodyn.cli.screen import complain, show
+from robodyn.cli.screen import answer, complain, show
 from robodyn.errors import InputError, RobodynError
 from robodyn.loads.accumulate import output_names
 from robodyn.loads.many import Batch, JointPeak, Outcome, Status
@@ -274,6 +273,28 @@ def run_batch(
     lines = call.form == "text"
     if dask:
         need("clusters of Dask", "distributed")
+    setup, robot = _setup(call, urdf, loads)
+    work = worked_there(setup, todo, dask) if dask else worked_here(setup, todo, processes(len(todo), jobs))
+    found: dict[int, Outcome] = {}
+    printed = 0
+    with closing(work), files_done([job.path for job in todo]) as tick:  # type: ignore[type-var]
+        for number, outcome in work:
+            found[number] = outcome
+            tick(number)
+            while (last := found.get(printed)) is not None:  # in their order, as soon as all before it are there
+                if last.status == "failed":
+                    complain(last.error)
+                elif lines:
+                    print(outcome_line(last), flush=True)
+                printed += 1
+    batch = Batch(robot, tuple(found[number] for number in range(len(todo))))
+    if lines:
+        show("\n")
+    answer(call, batch_sections(batch), json=lambda: batch_json(batch))
+    return 2 if batch.count("failed") else int(call.fail_on_limits and batch.within_limits is False)
+
+
+def _setup(call: Call, urdf: str, loads: Mapping[str, Any]) -> tuple[Setup, str]:
     model, scene = robot_in_scene(call, urdf, loops=True, contacts=True)
     assert model.description is not None, "it is read from a file"
     check_uncertain(scene)
@@ -291,24 +312,7 @@ def run_batch(
         reading=call.reading,
         options={**loads, "executor": executor, "threads": loads["threads"] or 1},
     )
-    work = worked_there(setup, todo, dask) if dask else worked_here(setup, todo, processes(len(todo), jobs))
-    found: dict[int, Outcome] = {}
-    printed = 0
-    with closing(work), files_done([job.path for job in todo]) as tick:  # type: ignore[type-var]
-        for number, outcome in work:
-            found[number] = outcome
-            tick(number)
-            while (last := found.get(printed)) is not None:  # in their order, as soon as all before it are there
-                if last.status == "failed":
-                    complain(last.error)
-                elif lines:
-                    print(outcome_line(last), flush=True)
-                printed += 1
-    batch = Batch(model.name, tuple(found[number] for number in range(len(todo))))
-    if lines:
-        show("\n")
-    answer(call, batch_sections(batch), json=lambda: batch_json(batch))
-    return 2 if batch.count("failed") else int(call.fail_on_limits and batch.within_limits is False)
+    return setup, model.name
 
 
 def worked_here(setup: Setup, jobs: Sequence[Job], count: int) -> Iterator[tuple[int, Outcome]]:
