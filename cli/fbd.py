@@ -21,8 +21,7 @@ from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.files import write_whole
 from robodyn.trajectory.plausible import refuse_units
-from robodyn.trajectory.read import read_motion
-from robodyn.trajectory.reader import row_at
+from robodyn.trajectory.read import read_motion, row_at
 
 
 def state_of(

@@ -369,7 +369,7 @@ def TABLE(command: Callback) -> Callback:
 def READING(command: Callback) -> Callback:
     """Return the options that tell how a motion is read."""
     from robodyn.trajectory.columns.signals import AngleUnit
-    from robodyn.trajectory.reading import MODES
+    from robodyn.trajectory.options import MODES
 
     return together(
         option(

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from robodyn.support.extras import available
 
 if TYPE_CHECKING:
-    from robodyn.trajectory.reader import TrajectoryReader
+    from robodyn.trajectory.read import TrajectoryReader
 
 LONG, LONG_MESHES, MANY_ROBOTS = 20_000_000, 2_000_000, 10
 """Bytes of a trajectory and of meshes, and descriptions, from which a bar is worth its lines."""

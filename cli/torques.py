@@ -15,7 +15,7 @@ from robodyn.cli.options import PATH, POSITIVE, TABLE_OUT, Call, option, refuse_
 from robodyn.cli.screen import answer, get_ready
 from robodyn.errors import InputError
 from robodyn.programs.run.runner import EXECUTORS
-from robodyn.trajectory.readers.table import FILE_TYPES
+from robodyn.trajectory.formats.table import FILE_TYPES
 
 if TYPE_CHECKING:
     from robodyn.measure.accuracy.torques import Arithmetic

@@ -45,8 +45,8 @@ from robodyn.support.input_file import open_input, read_input
 from robodyn.support.libraries import version_of
 from robodyn.support.processes import Death, in_processes
 from robodyn.support.threads import processes, write_behind
+from robodyn.trajectory.formats.table import FILE_TYPES, READABLE, log_kind
 from robodyn.trajectory.read import read_motion
-from robodyn.trajectory.readers.table import FILE_TYPES, READABLE, log_kind
 from robodyn.trajectory.write import open_writer
 
 REMEDY = "give --out another folder"

@@ -31,8 +31,7 @@ from robodyn.support.threads import prefetch
 from robodyn.support.wording import shown
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.plausible import refuse_units
-from robodyn.trajectory.read import read_motion
-from robodyn.trajectory.reader import TrajectoryReader
+from robodyn.trajectory.read import TrajectoryReader, read_motion
 
 if TYPE_CHECKING:
     from robodyn.dynamics.momenta import View

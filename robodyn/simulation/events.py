@@ -83,7 +83,6 @@ ASIDE = 0.25
 """Of a step, to both sides of an extremum of the interpolant: there is that of the method."""
 DIP = 8.0 / 27.0
 """Cubics dip by at most half of this times the sum of their slopes: twice that deep they may be by the method."""
-GOLDEN = 0.5 * (sqrt(5.0) - 1.0)
 FINEST = 1e-8
 """Of a step: an extremum found to this has its value to a rounding."""
 
@@ -158,28 +157,16 @@ def first_passed(touches: Iterable[Touch], room: Callable[[float], Floats], leng
     moments = []
     for _, stop, at in touches:
         left = partial(lambda stop, time: float(room(time)[stop]), stop)
-        low, high = max(at - ASIDE, 0.0) * length, min(at + ASIDE, 1.0) * length
-        time = lowest(left, low, high) if at < 1.0 else length
+        time = length
+        if at < 1.0:
+            from scipy.optimize import minimize_scalar
+
+            ends = max(at - ASIDE, 0.0) * length, min(at + ASIDE, 1.0) * length
+            how = {"xatol": FINEST * (ends[1] - ends[0])}
+            time = float(minimize_scalar(left, bounds=ends, method="bounded", options=how).x)
         if left(time) < 0.0:
             moments.append(moment(left, time))
     return min(moments, default=None)
-
-
-def lowest(room: Callable[[float], float], low: float, high: float) -> float:
-    """Where the room is least between two times, by golden section; or the first time found where it is negative."""
-    finest = FINEST * (high - low)
-    first, second = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
-    before, after = room(first), room(second)
-    while high - low > finest and min(before, after) >= 0.0:
-        if before <= after:
-            high, second, after = second, first, before
-            first = high - GOLDEN * (high - low)
-            before = room(first)
-        else:
-            low, first, before = first, second, after
-            second = low + GOLDEN * (high - low)
-            after = room(second)
-    return first if before <= after else second
 
 
 def moment(room: Callable[[float], float], end: float) -> float:

@@ -95,7 +95,7 @@ def rollouts(
         slots = np.empty((steps // every + 1, run.width, -(-len(begun) // run.lanes) * run.lanes))
         slots[0] = begun[-1][:, None]
         slots[0, :, : len(begun)] = begun.T
-        if not (_driven(run, slots, every, given) if given else _filled(run, slots, every)):
+        if not _filled(run, slots, every, given):
             what = f"a motion of rows {start} to {start + len(begun) - 1} cannot be followed"
             raise InputError(what, remedy=SHORTER)
         return slots[:, : own - 1, : len(begun)]
@@ -107,17 +107,15 @@ def rollouts(
     return Rollouts(time, states[:, :, : model.nq], states[:, :, model.nq : -1], states[:, :, -1])
 
 
-def _filled(run: CompiledSteps | NumpySteps, slots: Floats, every: int, columns: Floats | None = None) -> bool:
-    return run(slots, every, columns).steps == every * (len(slots) - 1) and bool(np.isfinite(slots[-1]).all())
-
-
-def _driven(run: CompiledSteps | NumpySteps, slots: Floats, every: int, given: list[tuple[Piece, Floats]]) -> bool:
-    """Fill the slots from the first, in steps that are given curves; tell whether they could be."""
+def _filled(run: CompiledSteps | NumpySteps, slots: Floats, every: int, given: list[tuple[Piece, Floats]]) -> bool:
+    """Fill the slots from the first, in steps that may be given curves; tell whether they could be."""
+    if not given:
+        return run(slots, every).steps == every * (len(slots) - 1) and bool(np.isfinite(slots[-1]).all())
     now = slots[0]
     for steps, columns in given:
         after = np.empty((len(columns) + 1, *now.shape))
         after[0] = now
-        if not _filled(run, after, 1, columns):
+        if run(after, 1, columns).steps < len(columns) or not np.isfinite(after[-1]).all():
             return False
         rows = np.flatnonzero((steps.whole > 0) & (steps.whole % every == 0))
         slots[steps.whole[rows] // every] = after[1 + rows]

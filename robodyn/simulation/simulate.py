@@ -93,7 +93,14 @@ def simulate(
 
     def made(options: MethodOptions) -> tuple[Motion, Figures]:
         motion = integrated(a_plan, options, length, executor, signal, start, also)
-        return motion, _figures(a_plan, motion, executor, signal)
+        sources = {STATE: motion.states, COLUMNS: signal.at(motion.time)}
+        runner = state_runner(Equations.figures, a_plan, len(signal.curves))
+        columns = runner(sources, len(motion.states), executor=executor)
+        if not np.isfinite(columns).all():
+            raise InputError("accelerations are not finite", remedy="give every link that moves mass and inertia")
+        ends = np.cumsum([model.n, model.n, 1, 1, 3])
+        qdd, tau, energy, kinetic, linear, angular = np.split(columns, ends, axis=1)
+        return motion, Figures(qdd, tau, energy[:, 0], kinetic[:, 0], linear, angular)
 
     free = Free(step is None, method is None)
     motion, figures, (options, stiff), caveats = stiff_steps(a_plan, options, start[: model.nq], length, free, made)
@@ -163,13 +170,3 @@ def integrated(
     count = int(min(duration / options.step, 1e9)) + len(signal.corners())
     fixed = FixedSteps(a_plan, method, executor, count, signal)
     return fixed.motion(state, duration, options.step, limits, options.most)
-
-
-def _figures(a_plan: Plan, motion: Motion, executor: str, signal: Signal) -> Figures:
-    n, runner = a_plan.model.n, state_runner(Equations.figures, a_plan, len(signal.curves))
-    sources = {STATE: motion.states, COLUMNS: signal.at(motion.time)}
-    columns = runner(sources, len(motion.states), executor=executor)
-    if not np.isfinite(columns).all():
-        raise InputError("accelerations are not finite", remedy="give every link that moves mass and inertia")
-    qdd, tau, energy, kinetic, linear, angular = np.split(columns, np.cumsum([n, n, 1, 1, 3]), axis=1)
-    return Figures(qdd, tau, energy[:, 0], kinetic[:, 0], linear, angular)

@@ -1,6 +1,5 @@
-"""How fast the stiffest friction, drive or spring of a scene settles, and motions by steps that follow it, wherever on
-the way it comes, and that keep the balance of energy and work, which tells of steps that are too long where nothing
-else does."""
+"""How fast the stiffest friction, drive or spring of a scene settles, and motions by steps that follow it and keep the
+balance of energy and work, which tells of steps that are too long where nothing else does."""
 
 from __future__ import annotations
 
@@ -208,16 +207,6 @@ def rounded(step: float) -> float:
     return float(f"{max(k for k in (1, 2, 5) if k * power <= step * (1 + 1e-12)) * power:.1g}")
 
 
-def energy_imbalance(motion: Motion, figures: Figures) -> tuple[float, float]:
-    """max |E - E_0 - work| [J], and its share of what is turned over: energy, work, what drives give and take."""
-    work, n = motion.states[:, -2], figures.tau.shape[1]
-    power = np.abs(figures.tau * motion.states[:, -2 - n : -2]).sum(axis=1)
-    driven = float((0.5 * (power[1:] + power[:-1]) * np.diff(motion.time)).sum())
-    largest = float(max(figures.kinetic.max(), np.ptp(figures.energy), np.ptp(work), driven))
-    off = figures.drift(work)
-    return off, off / max(largest, ROUNDING * float(np.abs(figures.energy).max()), 1e-300)
-
-
 Chosen = tuple[MethodOptions, tuple[str, ...]]
 """By which method and step a motion is followed, and notes about that."""
 
@@ -251,7 +240,14 @@ def stiff_steps(
     """
     fastest = None if options.method.name == "radau" else stiffest(a_plan, q)
     free, most = Free(free.step, free.method and not a_plan.scene.loops), options.most
-    options, notes = _begun(options, fastest, duration, free)
+    notes: tuple[str, ...] = ()
+    if fastest is not None and not options.method.adaptive:
+        if free.step and options.step > 0.5 * fastest.longest(options.method):
+            options, notes = _shorter(options, fastest, 0.0, duration, free)
+    elif fastest is not None and free.method and fastest.rate * duration > MOST_UNASKED:
+        options, notes = _by_radau(options, str(fastest))
+    elif options.method.adaptive and free.method:
+        options = options._replace(most=min(options.most, MOST_UNASKED))
     while True:
         try:
             motion, figures = made(options)
@@ -264,7 +260,7 @@ def stiff_steps(
         if outgrown is not None and free.step:
             options, notes = _shorter(options, *outgrown, duration, free)
             continue
-        off, share = energy_imbalance(motion, figures)
+        off, share = _energy_imbalance(motion, figures)
         if share > KEPT and fastest is not None and free.step and fixed:
             finer = rounded(0.25 * options.step)
             why = f"steps of {options.step:g} s are off by {100 * share:.2g} % of the energy"
@@ -274,7 +270,14 @@ def stiff_steps(
             if free.method:
                 options, notes = _by_radau(options, why)
                 continue
-        caveats = [] if outgrown is None else [_too_long(a_plan, options, *outgrown)]
+        caveats = []
+        if outgrown is not None:
+            here, since = outgrown
+            when = f" from {since:.4g} s on" if since else ""
+            remedy = here.remedy(options.method, options.step, a_plan.scene.slip_speed)
+            follows = f"which {options.method.name} follows with steps of up to {here.longest(options.method):.2g} s"
+            said = f"STEP TOO LONG{when}: {here}, {follows}; with {options.step:.3g} s it chatters ({remedy})"
+            caveats.append(Caveat(TOO_LONG, said))
         if share > KEPT:
             shorter = f"give --step {rounded(0.25 * options.step):g}, or --method radau"
             remedy = shorter if fixed else "give a smaller --rtol"
@@ -283,15 +286,14 @@ def stiff_steps(
         return motion, figures, (options, notes), caveats
 
 
-def _begun(options: MethodOptions, fastest: Stiffest | None, duration: float, free: Free) -> Chosen:
-    """What follows the stiffest of where a motion begins, with room for more."""
-    if fastest is not None and not options.method.adaptive:
-        too_long = free.step and options.step > 0.5 * fastest.longest(options.method)
-        return _shorter(options, fastest, 0.0, duration, free) if too_long else (options, ())
-    if fastest is not None and free.method and fastest.rate * duration > MOST_UNASKED:
-        return _by_radau(options, str(fastest))
-    bounded = options.method.adaptive and free.method
-    return (options._replace(most=min(options.most, MOST_UNASKED)) if bounded else options), ()
+def _energy_imbalance(motion: Motion, figures: Figures) -> tuple[float, float]:
+    """max |E - E_0 - work| [J], and its share of what is turned over: energy, work, what drives give and take."""
+    work, n = motion.states[:, -2], figures.tau.shape[1]
+    power = np.abs(figures.tau * motion.states[:, -2 - n : -2]).sum(axis=1)
+    driven = float((0.5 * (power[1:] + power[:-1]) * np.diff(motion.time)).sum())
+    largest = float(max(figures.kinetic.max(), np.ptp(figures.energy), np.ptp(work), driven))
+    off = figures.drift(work)
+    return off, off / max(largest, ROUNDING * float(np.abs(figures.energy).max()), 1e-300)
 
 
 def _shorter(options: MethodOptions, fastest: Stiffest, since: float, duration: float, free: Free) -> Chosen:
@@ -345,11 +347,3 @@ def _outgrown(a_plan: Plan, options: MethodOptions, motion: Motion) -> tuple[Sti
     if found is None or options.step <= found.longest(options.method):
         return None
     return found, float(motion.time[rows[int(np.argmax(found.along * options.step > reach(options.method)))]])
-
-
-def _too_long(a_plan: Plan, options: MethodOptions, fastest: Stiffest, since: float) -> Caveat:
-    longest = fastest.longest(options.method)
-    when = f" from {since:.4g} s on" if since else ""
-    remedy = fastest.remedy(options.method, options.step, a_plan.scene.slip_speed)
-    said = f"STEP TOO LONG{when}: {fastest}, which {options.method.name} follows with steps of up to {longest:.2g} s"
-    return Caveat(TOO_LONG, f"{said}; with {options.step:.3g} s it chatters ({remedy})")

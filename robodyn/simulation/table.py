@@ -18,11 +18,10 @@ from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
 from robodyn.trajectory.columns.layout import listing
 from robodyn.trajectory.columns.signals import Signals, TimeUnit
+from robodyn.trajectory.formats.table import ArrayTable
 from robodyn.trajectory.motion import join
-from robodyn.trajectory.read import open_trajectory
-from robodyn.trajectory.reader import TrajectoryReader
-from robodyn.trajectory.readers.table import ArrayTable
-from robodyn.trajectory.reading import Reading
+from robodyn.trajectory.options import Reading
+from robodyn.trajectory.read import TrajectoryReader, open_trajectory
 
 LOAD, REFERENCE, RATE = "load", "reference", "rate"
 NEAR = 8.0 * float(np.finfo(float).eps)

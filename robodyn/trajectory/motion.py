@@ -136,6 +136,20 @@ def join(parts: list[Trajectory]) -> Trajectory:
     if len(parts) == 1:
         return parts[0]
     known = [part.sampling for part in parts if part.sampling is not None]
+    sampling = None
+    if len(known) == len(parts):
+        others = [each.other for each in known if each.other is not None]
+        sampling = Sampling(
+            off=np.concatenate([each.off for each in known]),
+            noise=np.concatenate([each.noise for each in known]),
+            off_squares=np.sum([each.off_squares for each in known], axis=0),
+            squares=np.sum([each.squares for each in known], axis=0),
+            guessed=any(each.guessed for each in known),
+            unknown=any(each.unknown for each in known),
+            other=(np.concatenate([qd for qd, _ in others]), np.concatenate([qdd for _, qdd in others]))
+            if len(others) == len(known)
+            else None,
+        )
     columns: dict[str, Any] = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _ROWS}
     return replace(
         parts[-1],
@@ -144,23 +158,7 @@ def join(parts: list[Trajectory]) -> Trajectory:
         first_row=parts[0].first_row,
         notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
         stamps=None if parts[0].stamps is None else np.concatenate([part.given_time for part in parts]),
-        sampling=_joined(known) if len(known) == len(parts) else None,
-    )
-
-
-def _joined(known: list[Sampling]) -> Sampling:
-    others = [each.other for each in known if each.other is not None]
-    other = None
-    if len(others) == len(known):
-        other = np.concatenate([qd for qd, _ in others]), np.concatenate([qdd for _, qdd in others])
-    return Sampling(
-        off=np.concatenate([each.off for each in known]),
-        noise=np.concatenate([each.noise for each in known]),
-        off_squares=np.sum([each.off_squares for each in known], axis=0),
-        squares=np.sum([each.squares for each in known], axis=0),
-        guessed=any(each.guessed for each in known),
-        unknown=any(each.unknown for each in known),
-        other=other,
+        sampling=sampling,
     )
 
 

@@ -1,10 +1,10 @@
-"""Whether a motion can be in the units that it is taken in: positions and speeds against the robot's limits, given
-rates against the positions, stamps."""
+"""Whether a motion can be in the units that it is taken in: against the robot's limits, its own rates, and stamps."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -37,6 +37,7 @@ _LATEST = 5e9
 """Seconds since 1970 that no clock has reached."""
 _COMPARED = 1 << 12
 """Rows of a block whose rates are compared with slopes."""
+_FEW, _OFTEN = 3, 0.9
 _LIKE, _OFF, _SMOOTH = 0.95, 0.03, 0.1
 """Given rates are the slopes in another unit where the correlation of what they cover and what is covered is above the
 first, their ratio within the second of that of the units, and what they change from row to row small beside them (in
@@ -82,8 +83,13 @@ class Plausibility:
         self._fastest, self._lasting = np.zeros((2, len(layout.qd)))
         self._steps = {name: np.zeros((4, len(layout.qd))) for name in ("qd", "qdd")}
 
-    def update(self, block: Trajectory) -> None:
-        """Take in a block, which is not empty."""
+    def update(self, block: Trajectory, rough: bool = False) -> None:
+        """Take in a block, which is not empty; where speeds are `rough`, those of zero by its positions: high
+        differences of them, which no turn of 2 pi is among."""
+        if rough and len(block) >= _FEW and block.q.shape == block.qd.shape:
+            steps = np.quantile(np.abs(np.diff(block.q, axis=0)), _OFTEN, axis=0)
+            speeds = steps / float(np.median(np.diff(block.time)))
+            block = replace(block, qd=np.where(block.qd.any(axis=0), block.qd, speeds))
         if not self._rows:
             self._start = float(block.time[0])
         self._rows, self._end = self._rows + len(block), float(block.time[-1])
@@ -118,8 +124,12 @@ class Plausibility:
         """What is doubtful about the units, each with the option that mends it."""
         seen, clock = [*self._seen()], self._layout.clock
         found = {kind: said for kind in _OTHER if (said := _positions(kind, seen) or self._rates(kind))}
-        if "angle" not in found and (said := _degrees(seen)):
-            found["angle"] = said
+        turning = [x for x in seen if x.kind == "angle" and not x.told and math.isfinite(x.joint.speed)]
+        fast = max(turning, key=lambda each: each.use, default=None)
+        if "angle" not in found and fast is not None and _FAST < fast.use <= 2.0 * ANGLES["deg"]:
+            _, other, remedy = _OTHER["angle"]
+            moves = f"joint {fast.joint.name!r} turns at {fast.lasting:.4g} rad/s, {fast.use:.3g} times its limit"
+            found["angle"] = f"{moves}: are the angles {other}? ({remedy})"
         parts = {kind: _OTHER[kind][0] if kind in found else 1.0 for kind in _OTHER}
         caveats: list[Caveat] = [WrongUnits(f"if {_SI[kind][1]} (assumed)", said) for kind, said in found.items()]
         seen = [
@@ -181,17 +191,6 @@ def _positions(kind: str, seen: list[_Seen]) -> str:
     limits = f"far beyond its limits of {far.joint.lower:.4g} and {far.joint.upper:.4g} {si}"
     remedy = remedy.format(joint=far.joint.name, column=far.column)
     return f"{what}, {limits}, and all would be within theirs in {other}: are these {other}? ({remedy})"
-
-
-def _degrees(seen: list[_Seen]) -> str:
-    """Why angles are in degrees, by the speeds alone; empty if they are not."""
-    turning = [each for each in seen if each.kind == "angle" and not each.told and math.isfinite(each.joint.speed)]
-    fast = max(turning, key=lambda each: each.use, default=None)
-    parts, other, remedy = _OTHER["angle"]
-    if fast is None or not _FAST < fast.use <= 2.0 * parts:
-        return ""
-    moves = f"joint {fast.joint.name!r} turns at {fast.lasting:.4g} rad/s, {fast.use:.3g} times its limit"
-    return f"{moves}: are the angles {other}? ({remedy})"
 
 
 def _stamp_unit(seen: list[_Seen], clock: Clock, step: float, first: float) -> tuple[str, str]:

@@ -15,7 +15,7 @@ from robodyn.errors import InputError
 from robodyn.support.extras import need
 from robodyn.support.floats import Floats
 from robodyn.support.threads import in_threads
-from robodyn.trajectory.readers.table import FILE_TYPES
+from robodyn.trajectory.formats.table import FILE_TYPES
 
 LARGE = 150_000
 """Cells above which importing polars (0.1 s) costs less than writing without it."""

@@ -21,8 +21,7 @@ from helpers.machine import machine
 from helpers.markdown_tables import main, table
 
 from robodyn.trajectory.columns.signals import Signal, Signals
-from robodyn.trajectory.read import open_trajectory
-from robodyn.trajectory.reader import BLOCK_ROWS
+from robodyn.trajectory.read import BLOCK_ROWS, open_trajectory
 from robodyn.trajectory.write import open_writer
 
 Arrays = dict[str, np.ndarray]

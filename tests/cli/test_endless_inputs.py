@@ -14,7 +14,7 @@ from helpers.command_line import refused, run, write_arm
 
 from robodyn.robot.urdf import xacro
 from robodyn.support.input_file import VARIABLE
-from robodyn.trajectory.readers import table
+from robodyn.trajectory.formats import table
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="needs devices and pipes")
 SIMULATE = ("--duration", "0.01", "--step", "0.005")

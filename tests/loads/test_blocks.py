@@ -24,8 +24,8 @@ from robodyn.loads.torques import torques
 from robodyn.programs.run import runner
 from robodyn.robot.load import load
 from robodyn.scene.scene import Motor, Rotor, Scene
+from robodyn.trajectory.options import Reading
 from robodyn.trajectory.read import motion, open_trajectory, signals
-from robodyn.trajectory.reading import Reading
 
 SAMPLES = 400
 TIME = np.sort(np.random.default_rng(3).uniform(0, 4, SAMPLES))

@@ -13,11 +13,10 @@ from helpers.command_line import ROBOTS, run
 import robodyn
 from robodyn.errors import TrajectoryError
 from robodyn.support.input_file import VARIABLE
+from robodyn.trajectory.formats.messages import LogTable, State
 from robodyn.trajectory.motion import join
-from robodyn.trajectory.read import open_table, signals
-from robodyn.trajectory.reader import TrajectoryReader
-from robodyn.trajectory.readers.messages import LogTable, State
-from robodyn.trajectory.reading import Reading, hold_of
+from robodyn.trajectory.options import Reading, hold_of
+from robodyn.trajectory.read import TrajectoryReader, open_table, signals
 
 NAMES = ("shoulder", "elbow")
 URDF = str(ROBOTS / "two_link_planar.urdf")

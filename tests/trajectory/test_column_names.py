@@ -17,10 +17,10 @@ from robodyn.errors import InputError, TrajectoryError
 from robodyn.loads.constraints import Follower
 from robodyn.trajectory.columns.layout import ABSENT, Header, resolve
 from robodyn.trajectory.columns.signals import Signal, Signals
+from robodyn.trajectory.formats.table import ArrayTable
 from robodyn.trajectory.motion import Trajectory, join
-from robodyn.trajectory.reader import TrajectoryReader
-from robodyn.trajectory.readers.table import ArrayTable
-from robodyn.trajectory.reading import HoldGiven, Reading, hold_of
+from robodyn.trajectory.options import HoldGiven, Reading, hold_of
+from robodyn.trajectory.read import TrajectoryReader
 
 ARM = Signals((Signal("shoulder", "angle"), Signal("elbow", "continuous"), Signal("lift", "length")))
 FREE = Signals((Signal("base", "floating"), Signal("arm/wrist", "angle")))

@@ -19,11 +19,10 @@ from robodyn.trajectory.derivatives.differentiate import (
     equal_spacing,
     savgol,
 )
+from robodyn.trajectory.formats.table import ArrayTable
 from robodyn.trajectory.motion import Trajectory
-from robodyn.trajectory.read import from_arrays
-from robodyn.trajectory.reader import TrajectoryReader
-from robodyn.trajectory.readers.table import ArrayTable
-from robodyn.trajectory.reading import Reading
+from robodyn.trajectory.options import Reading
+from robodyn.trajectory.read import TrajectoryReader, from_arrays
 
 Array = NDArray[np.float64]
 EPS = np.finfo(np.float64).eps

@@ -15,9 +15,8 @@ from robodyn.errors import TrajectoryError
 from robodyn.trajectory.columns.layout import Header, resolve
 from robodyn.trajectory.columns.signals import Signal, Signals, unit_of
 from robodyn.trajectory.motion import Trajectory
-from robodyn.trajectory.read import open_trajectory
-from robodyn.trajectory.reader import row_at
-from robodyn.trajectory.reading import Reading
+from robodyn.trajectory.options import Reading
+from robodyn.trajectory.read import open_trajectory, row_at
 
 ARM = Signals((Signal("elbow", "angle"), Signal("lift", "length")), dependent=("finger",))
 GIVEN = Reading("given")
@@ -247,7 +246,7 @@ def tables(folder: Path) -> list[tuple[Path, Reading]]:
 @pytest.mark.parametrize("large", [1 << 60, -1], ids=["lines", "polars"])
 def test_times_are_exact_in_every_form(large: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """To the bit those of the differences; through doubles they would be off by up to 128 ns."""
-    monkeypatch.setattr("robodyn.trajectory.readers.csv_table.LARGE", large)
+    monkeypatch.setattr("robodyn.trajectory.formats.csv_table.LARGE", large)
     for path, reading in tables(tmp_path):
         found = read_trajectory(path, ONE, reading=reading)
         np.testing.assert_array_equal(found.time, TIME, err_msg=path.name)
@@ -278,7 +277,7 @@ def test_given_stamps_are_kept_as_they_were(tmp_path: Path) -> None:
 def test_bad_stamps_are_told_with_their_line(
     row: str, message: str, large: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("robodyn.trajectory.readers.csv_table.LARGE", large)
+    monkeypatch.setattr("robodyn.trajectory.formats.csv_table.LARGE", large)
     path = csv(tmp_path / "t.csv", "%time", [f"{stamp}" for stamp in STAMPS])
     path.write_text(f"{path.read_text()}{row}\n")
     with pytest.raises(TrajectoryError, match=message):

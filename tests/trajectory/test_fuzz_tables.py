@@ -22,8 +22,8 @@ from hypothesis import strategies as st
 from robodyn.errors import TrajectoryError
 from robodyn.robot.load import load
 from robodyn.trajectory.columns.signals import Signal, Signals
+from robodyn.trajectory.formats.messages import yaml_documents
 from robodyn.trajectory.read import read_motion
-from robodyn.trajectory.readers.messages import yaml_documents
 
 SIGNALS = Signals((Signal("a", "continuous"), Signal("b", "length")))
 FREE = Signals((Signal("base", "floating"),))
@@ -104,9 +104,9 @@ def check_both(folder: Path, data: bytes, signals: Signals) -> None:
     path = folder / "t.csv"
     path.write_bytes(data)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("robodyn.trajectory.readers.csv_table.LARGE", 1 << 60)
+        patch.setattr("robodyn.trajectory.formats.csv_table.LARGE", 1 << 60)
         plain = outcome(path, signals)
-        patch.setattr("robodyn.trajectory.readers.csv_table.LARGE", -1)
+        patch.setattr("robodyn.trajectory.formats.csv_table.LARGE", -1)
         assert outcome(path, signals) == plain
 
 

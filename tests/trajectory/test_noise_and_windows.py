@@ -14,8 +14,8 @@ from robodyn.trajectory.derivatives.derivative_selection import WINDOWS, quantum
 from robodyn.trajectory.derivatives.differentiate import differentiate, savgol
 from robodyn.trajectory.derivatives.standstill import resolution, standing
 from robodyn.trajectory.motion import JointDerivation, Trajectory
+from robodyn.trajectory.options import Reading
 from robodyn.trajectory.read import from_arrays
-from robodyn.trajectory.reading import Reading
 
 Array = NDArray[np.float64]
 ONE = Signals((Signal("a", "angle"),))

@@ -19,10 +19,9 @@ from numpy.typing import NDArray
 from robodyn.errors import TrajectoryError
 from robodyn.trajectory.columns.signals import Signal, Signals
 from robodyn.trajectory.derivatives.standstill import REACH
-from robodyn.trajectory.read import from_arrays, open_trajectory
-from robodyn.trajectory.reader import TrajectoryReader, row_at
-from robodyn.trajectory.readers.table import ArrayTable
-from robodyn.trajectory.reading import Reading
+from robodyn.trajectory.formats.table import ArrayTable
+from robodyn.trajectory.options import Reading
+from robodyn.trajectory.read import TrajectoryReader, from_arrays, open_trajectory, row_at
 from robodyn.trajectory.write import open_writer
 
 ARM = Signals((Signal("a", "angle"), Signal("b", "length")))
@@ -32,7 +31,7 @@ HEADER = "time,q_a,q_b,qd_a,qd_b,qdd_a,qdd_b\n"
 
 @pytest.fixture(params=[SMALL, LARGE], ids=["plain", "polars"])
 def either_path(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robodyn.trajectory.readers.csv_table.LARGE", request.param)
+    monkeypatch.setattr("robodyn.trajectory.formats.csv_table.LARGE", request.param)
 
 
 def numbers(rows: int = 5) -> np.ndarray:
@@ -221,8 +220,6 @@ def test_files_that_cannot_be_opened(tmp_path: Path, suffix: str) -> None:
         read_trajectory(path, ARM)
     with pytest.raises(TrajectoryError, match="null"):
         read_trajectory(f"a\0b.{suffix}", ARM)
-    with pytest.raises(TrajectoryError, match="unknown type of table 'xls'"):
-        read_trajectory("t.csv", ARM, file_type="xls")
     with pytest.raises(TrajectoryError, match="unknown way to differentiate 'fourier'"):
         read(tmp_path, Q + GOOD, derivatives="fourier", name="u.csv")
 
@@ -249,10 +246,10 @@ import sys
 from robodyn.errors import InputError
 from robodyn.trajectory.columns.signals import Signal, Signals
 from robodyn.trajectory.read import open_trajectory
-from robodyn.trajectory.reading import Reading
+from robodyn.trajectory.options import Reading
 try:
     signals = Signals((Signal("a", "angle"),))
-    with open_trajectory(sys.argv[1], signals, file_type="csv", reading=Reading("central")) as reader:
+    with open_trajectory(sys.argv[1], signals, reading=Reading("central")) as reader:
         print(sum(block.q.sum() for block in reader.blocks()))
 except InputError as error:
     print(error)
@@ -274,7 +271,7 @@ def test_standard_input_and_pipes(path: str, more: str, output: str) -> None:
 
 
 def test_line_of_a_late_row_in_a_large_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robodyn.trajectory.readers.csv_table.LARGE", LARGE)
+    monkeypatch.setattr("robodyn.trajectory.formats.csv_table.LARGE", LARGE)
     rows = [f"{i},{i % 7},1" for i in range(20_000)]
     rows[14_000] += "x"
     with pytest.raises(TrajectoryError, match=r"t.csv:14002: column 'q_b': '1x' is not a number"):

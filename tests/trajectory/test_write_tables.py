@@ -25,8 +25,8 @@ from numpy.typing import NDArray
 
 from robodyn.errors import InputError, TrajectoryError
 from robodyn.trajectory.columns.signals import Signal, Signals
+from robodyn.trajectory.options import Reading
 from robodyn.trajectory.read import open_table, open_trajectory
-from robodyn.trajectory.reading import Reading
 from robodyn.trajectory.write import (
     GROUP_ROWS,
     CsvWriter,

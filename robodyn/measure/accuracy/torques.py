@@ -38,8 +38,8 @@ from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.extras import need
 from robodyn.support.floats import Floats, first_largest
 from robodyn.trajectory.motion import Derivation, Trajectory
+from robodyn.trajectory.options import MODES
 from robodyn.trajectory.read import motion, read_motion, sources_of
-from robodyn.trajectory.reading import MODES
 
 
 def compile_anew(program: Program, widths: Mapping[str, int], dtype: Any = np.float64) -> None:

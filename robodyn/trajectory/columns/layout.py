@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import islice
@@ -33,7 +33,7 @@ from robodyn.trajectory.columns.signals import (
     unit_of,
     worded,
 )
-from robodyn.trajectory.reading import DEFAULT, REST, Reading
+from robodyn.trajectory.options import DEFAULT, REST, Reading
 
 _INDEX = r"(?:\[(?P<index>\d+)\]|[._/]?(?P<behind>\d+))"
 _ARRAY = re.compile(rf"(?P<path>(?:.*[./_])?)(?!q){ANY_WORD}{_INDEX}")
@@ -45,7 +45,7 @@ _SHOWN = 8
 
 @dataclass(frozen=True)
 class Header:
-    """The column names of a table, and where they stand, for messages; `aliases`: what columns are called instead."""
+    """The column names of a table, where they stand, for messages, and what columns are called instead."""
 
     names: tuple[str, ...]
     file: str | None = None
@@ -193,14 +193,14 @@ def resolve(header: Header, signals: Signals, extra: Sequence[str] = (), reading
     measured = _measured(header, signals, idle) if reading.measured else {}
     unused = times | idle.keys() - {*measured.values()}
     if strange:
-        refuse_loops(header, signals, strange)
+        _refuse_loops(header, signals, strange)
         unused |= {i for i in strange if reading.ignore_extra or header.is_of_message(i)}
     held, followed = _placed(header, signals, places, strange, reading)
     if absent := [name for name in extra if name not in called and name not in header.names]:
         remedy = alternatives(absent[0], header.names, "columns")
         raise header.error(f"no column {listing(absent)}, which the scene names", remedy)
     if unknown := [i for i in strange if i not in unused]:
-        raise unknown_error(header, signals, {meaning.place for meaning in meanings.values() if meaning}, unknown)
+        raise _unknown_error(header, signals, {meaning.place for meaning in meanings.values() if meaning}, unknown)
     units = {i: _unit(header, i, signals, place, meanings[i], reading.angle_unit) for place, i in places.items()}
     return Layout(
         names=header.names,
@@ -218,7 +218,7 @@ def resolve(header: Header, signals: Signals, extra: Sequence[str] = (), reading
 
 
 def _clock(header: Header, signals: Signals, reading: Reading) -> tuple[Clock, set[int]]:
-    """What tells the time, and the columns that could have."""
+    """What tells the time, and the other columns that could."""
     names = {i: name for i, name in enumerate(header.called) if name in TIME_NAMES or signals.find(name) is None}
     found, others = clocks(names, header.aliases)
     if not found:
@@ -257,8 +257,10 @@ def _unit(
     stem = (signals.positions if quantity == "q" else signals.velocities)[index]
     kind, order = signals.kinds[stem], ("q", "qd", "qdd").index(quantity)
     text = meaning.unit if meaning else None
-    if text is None and i in header.aliases:
-        text = _own_unit(header.names[i], kind)
+    if text is None and i in header.aliases:  # in brackets, or behind `_` what can be a unit of such a kind
+        name = header.names[i]
+        units = ((own, unit_of(own)) for _, own in split_unit(name))
+        text = next((own for own, unit in units if name[-1] in "])" or (unit and unit.dimension == kind)), None)
     if text is None:
         turns = kind == "angle" and stem in signals.spans
         return (ANGLES[angle_unit or "rad"], angle_unit is not None) if turns else (1.0, False)
@@ -269,15 +271,6 @@ def _unit(
         what = f"column {header.names[i]!r}: {text!r} is no unit of the {MEASURED[quantity]} of {stem!r}"
         raise header.error(what, f"understood: {remedy}" if remedy else "it has none")
     return unit.parts, True
-
-
-def _own_unit(name: str, kind: str) -> str | None:
-    """The unit in any name: what is in brackets; behind `_` only what can be one of such a kind."""
-    for _, text in split_unit(name):
-        unit = unit_of(text)
-        if name[-1] in "])" or (unit and unit.dimension == kind):
-            return text
-    return None
 
 
 def _placed(
@@ -316,7 +309,7 @@ def _placed(
             raise header.error(what, "leave one of them out")
         found |= {i: held[i] for i in sorted(still)}
     if missing:
-        raise incomplete(header, signals, missing, unknown)
+        raise _incomplete(header, signals, missing, unknown)
     return found, tuple(followed)
 
 
@@ -327,7 +320,7 @@ _COMPARED, _OPTIONS = 200, 8
 """So many unknown columns are compared with the names of joints, so many options written out."""
 
 
-def refuse_loops(header: Header, signals: Signals, unknown: Sequence[int]) -> None:
+def _refuse_loops(header: Header, signals: Signals, unknown: Sequence[int]) -> None:
     """Raise if unknown columns are what a simulation writes of loops, all six of `fx_<loop>` to `mz_<loop>`.
 
     Those of joints may be what `torques --reactions` writes for every joint; a loop that bears a joint's name is known
@@ -347,10 +340,9 @@ def refuse_loops(header: Header, signals: Signals, unknown: Sequence[int]) -> No
         raise header.error(what, remedy)
 
 
-def unknown_error(
+def _unknown_error(
     header: Header, signals: Signals, given: Collection[Place | None], unknown: Sequence[int]
 ) -> TrajectoryError:
-    """The error about unknown columns, with what they may be meant for, if that is not given."""
     names = [header.names[i] for i in unknown]
     what = f"unknown column{'s' * (len(unknown) > 1)} {listing(names)}"
     leave = f"--ignore-extra leaves {'them' if len(unknown) > 1 else 'it'} out"
@@ -372,26 +364,24 @@ def _meant(columns: Iterable[str], signals: Signals) -> dict[str, str]:
     found: dict[str, tuple[float, str]] = {}
     for column in islice(columns, _COMPARED):
         best = (0.0, "")
-        for quantity, stem in _readings(column):
+        names = dict.fromkeys((column, *(bare for bare, _ in split_unit(column))))
+        for quantity, rest in [reading for name in names for reading in [*worded(name)] or [("q", name)]]:
             ours = {_plain(name): name for name in (signals.positions if quantity == "q" else signals.velocities)}
-            for close in get_close_matches(stem, ours, n=1, cutoff=_ALIKE):
-                best = max(best, (SequenceMatcher(None, close, stem).ratio(), f"{quantity}_{ours[close]}"))
-            if within := max((each for each in ours if _within(each, stem)), key=len, default=""):
-                best = max(best, (_ALIKE, f"{quantity}_{ours[within]}"))
+            for stem in dict.fromkeys((_plain(rest), _plain(rest.rpartition("/")[2]))):
+                for close in get_close_matches(stem, ours, n=1, cutoff=_ALIKE):
+                    best = max(best, (SequenceMatcher(None, close, stem).ratio(), f"{quantity}_{ours[close]}"))
+                inside = [name for name in ours if len(name) >= _LETTERS and name in stem]
+                # and the number of a name, if it ends with one, is not part of a longer one
+                cut_short = {x for x in inside if x[-1].isdigit() and stem.rpartition(x)[2][:1].isdigit()}
+                if inside := [name for name in inside if name not in cut_short]:
+                    best = max(best, (_ALIKE, f"{quantity}_{ours[max(inside, key=len)]}"))
         likeness, name = best
         if name and likeness > found.get(name, (0.0,))[0]:
             found[name] = likeness, column
     return {name: column for name, (_, column) in found.items()}
 
 
-def _within(name: str, stem: str) -> bool:
-    """Whether a name is part of another, and its number, if it ends with one, is not part of a longer one."""
-    _, found, rest = stem.rpartition(name) if name else ("", "", "")
-    return len(found) >= _LETTERS and not (name[-1].isdigit() and rest[:1].isdigit())
-
-
 def _asked(matches: Mapping[str, str]) -> str:
-    """The question whether columns are meant so, and the options that say yes; empty if there are none."""
     if not matches:
         return ""
     name, column = next(iter(matches.items()))
@@ -404,19 +394,12 @@ def _options(matches: Mapping[str, str]) -> str:
     return " ".join(f"--map {quote(f'{ours}={theirs}')}" for ours, theirs in [*matches.items()][:_OPTIONS])
 
 
-def _readings(column: str) -> Iterator[tuple[Quantity, str]]:
-    """What the words of a name may tell, and the rest, plain, with and without what stands before slashes."""
-    for name in dict.fromkeys((column, *(bare for bare, _ in split_unit(column)))):
-        for quantity, stem in [*worded(name)] or [("q", name)]:
-            yield from ((quantity, _plain(part)) for part in dict.fromkeys((stem, stem.rpartition("/")[2])))
-
-
 def _plain(name: str) -> str:
     return "".join(filter(str.isalnum, name)).lower()
 
 
-def incomplete(header: Header, signals: Signals, missing: Sequence[str], unknown: Sequence[int]) -> TrajectoryError:
-    """What is raised where no column places joints that are not held."""
+def _incomplete(header: Header, signals: Signals, missing: Sequence[str], unknown: Sequence[int]) -> TrajectoryError:
+    """The error where no column places joints that are not held."""
     there = f"there is {listing(header.names)}"
     if free := [name for name in missing if len(signals.spans[name][0]) > 1]:
         name = free[0]

@@ -1,5 +1,4 @@
-"""Columns: what the robot requires, one signal per coordinate; the names that these may have, and units in them, as
-`elbow [deg]`, `elbow_deg`, `time_ms`; columns of time as seconds."""
+"""Columns: what the robot requires, the names that these may have, units in them, and columns of time as seconds."""
 
 from __future__ import annotations
 

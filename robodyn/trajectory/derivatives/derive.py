@@ -125,7 +125,16 @@ def sampling(samples: Trajectory, plan: Plan, noise: Floats, off: Floats, rows: 
     In a table of fewer than 24 rows, any motion that rests in every row is within the bars.
     """
     if few := len(samples) < FEW:
-        off = np.maximum(off, _guess(samples, plan) + np.abs(samples.qdd))
+        guess, steps = np.zeros_like(off), np.diff(samples.time)[:, None]
+        for group in plan.groups:  # a motion that rests in every row reaches 6 |dq| / h^2, 2 |dqd| / h
+            moved = np.abs(np.diff(straight(group, samples), axis=0))
+            if group.kind == "quaternion":
+                moved = 2.0 * np.sqrt((moved**2).sum(axis=1, keepdims=True)) * np.ones(3)
+            needed = 2.0 * moved / steps if group.source == "qd" else 6.0 * moved / steps**2
+            for component, column in group.acceleration:
+                guess[:-1, column] = needed[:, component]
+                guess[1:, column] = np.maximum(guess[1:, column], needed[:, component])
+        off = np.maximum(off, guess + np.abs(samples.qdd))
     derived = {column for group in plan.groups for _, column in group.acceleration}
     off[:, [column for column in range(off.shape[1]) if column not in derived]] = 0.0
     off, noise, qdd = off[rows], noise[rows], samples.qdd[rows]
@@ -135,20 +144,6 @@ def sampling(samples: Trajectory, plan: Plan, noise: Floats, off: Floats, rows: 
         pairs = zip(plan.groups, plan.selections, strict=True)
         off_squares[[column for group, own in pairs if own.noisy for _, column in group.acceleration]] = 0.0
     return Sampling(off, noise, off_squares, squares, few and any(group.velocity for group in plan.groups))
-
-
-def _guess(samples: Trajectory, plan: Plan) -> Floats:
-    """(N, n) the largest accelerations of a motion that rests in every row: 6 |dq| / h^2, 2 |dqd| / h."""
-    guess, steps = np.zeros_like(samples.qdd), np.diff(samples.time)[:, None]
-    for group in plan.groups:
-        moved = np.abs(np.diff(straight(group, samples), axis=0))
-        if group.kind == "quaternion":
-            moved = 2.0 * np.sqrt((moved**2).sum(axis=1, keepdims=True)) * np.ones(3)
-        needed = 2.0 * moved / steps if group.source == "qd" else 6.0 * moved / steps**2
-        for component, column in group.acceleration:
-            guess[:-1, column] = needed[:, component]
-            guess[1:, column] = np.maximum(guess[1:, column], needed[:, component])
-    return guess
 
 
 INNER, END, WIDER = 3.0, 8.0, 3.0

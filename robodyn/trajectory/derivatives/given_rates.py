@@ -121,7 +121,11 @@ def against_positions(
     said: list[tuple[str, str]] = []
     open_, noise = np.zeros(some[0].qdd.shape[1]), np.zeros(some[0].qdd.shape[1])
     for group in groups:
-        faults, clear, differences = [], False, _are_differences(group, theirs, off_qd)
+        faults, clear, differences = [], False, False
+        if group.kind != "quaternion" and group.velocity:  # of neighbouring positions, not what all positions say
+            k = group.velocity[0][1]
+            apart_qd = [each.qd[:, k] - np.gradient(straight(group, each)[:, 0], each.time) for each in theirs]
+            differences = _rms(np.concatenate(apart_qd)) < ALMOST * _rms(off_qd[:, k])
         if not differences and _unexplained(group, theirs) < BETTER * _unexplained(group, ours):
             continue
         for _, k in group.acceleration:
@@ -133,8 +137,11 @@ def against_positions(
             if differences or np.mean(np.abs(apart) > BEYOND * bar + ROUNDING * level) > OFTEN:
                 wrong.append(k)
                 noise[k] = _rms(apart)
-                lag = _lag(apart, [(x.time, x.qdd[:, k]) for x in ours])
-                late = f", {figure(1e3 * lag, 2)} ms late" if lag else ""
+                rate = np.concatenate([np.gradient(x.qdd[:, k], x.time) for x in ours])  # off by -lag times this
+                square = float((rate * rate).sum())
+                lag = -float((rate * apart).sum()) / square if square else 0.0
+                lags = lag > 0.0 and lag * lag * square > EXPLAINED * float((apart * apart).sum())
+                late = f", {figure(1e3 * lag, 2)} ms late" if lags else ""
                 fault = f"accelerations are off by {figure(noise[k], 2)} of {figure(level, 2)} (rms){late}"
                 faults += [fault] if noise[k] > DOUBTED * level else []
         for _, k in group.velocity:
@@ -167,22 +174,5 @@ def _unexplained_steps(group: Group, samples: Trajectory) -> Floats:
     return np.asarray(np.diff(straight(group, samples)[:, 0]) - moved)
 
 
-def _are_differences(group: Group, theirs: Sequence[Trajectory], off_qd: Floats) -> bool:
-    """Whether velocities are differences of neighbouring positions, and not what all positions say."""
-    if group.kind == "quaternion" or not group.velocity:
-        return False
-    k = group.velocity[0][1]
-    off = [each.qd[:, k] - np.gradient(straight(group, each)[:, 0], each.time) for each in theirs]
-    return _rms(np.concatenate(off)) < ALMOST * _rms(off_qd[:, k])
-
-
 def _rms(values: Floats) -> float:
     return float(np.sqrt(np.mean(values**2)))
-
-
-def _lag(apart: Floats, ours: Sequence[tuple[Floats, Floats]]) -> float:
-    """The delay [s] that explains what accelerations are off by, -lag d/dt of them; 0 if none explains half."""
-    rate = np.concatenate([np.gradient(values, time) for time, values in ours])
-    square = float((rate * rate).sum())
-    lag = -float((rate * apart).sum()) / square if square else 0.0
-    return lag if lag > 0.0 and lag * lag * square > EXPLAINED * float((apart * apart).sum()) else 0.0

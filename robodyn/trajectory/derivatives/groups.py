@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from robodyn.support.floats import Floats
 from robodyn.trajectory.columns.layout import ABSENT, Layout
-from robodyn.trajectory.columns.signals import Signals
+from robodyn.trajectory.columns.signals import TWIST, Signals
 from robodyn.trajectory.motion import Trajectory
 
 Targets = tuple[tuple[int, int], ...]
@@ -76,9 +76,25 @@ def missing(signals: Signals, layout: Layout) -> tuple[tuple[Group, ...], tuple[
             continue
         for i, axis in enumerate(_AXES):
             groups += _scalar(f"{joint.name}_{axis}", False, layout, q[i], qd[3 + i])
-        groups += _rotation(f"{joint.name} orientation", layout, q[3], qd[0])
-        if joint.name not in layout.followed:
-            notes += _assumptions(joint.name, layout, q, qd)
+        name, p, v = f"{joint.name} orientation", q[3], qd[0]
+        for i, axis in enumerate(_AXES):
+            if layout.qd[v + i] != ABSENT and layout.qdd[v + i] == ABSENT:
+                groups.append(Group(f"{name} w{axis}", "scalar", "qd", (v + i,), (), ((0, v + i),)))
+        absent = [i for i in range(3) if layout.qd[v + i] == ABSENT]
+        if layout.q[p] != ABSENT and absent:
+            w = tuple((i, v + i) for i in absent)
+            wd = tuple((i, v + i) for i in absent if layout.qdd[v + i] == ABSENT)
+            groups.append(Group(name, "quaternion", "q", tuple(range(p, p + 4)), w, wd))
+        if joint.name in layout.followed:
+            continue
+        unsaid = [layout.q[p] == ABSENT and p not in layout.held for p in q[:4]]
+        if lost := [axis for axis, absent in zip(_AXES, unsaid, strict=False) if absent]:
+            notes.append(f"{joint.name}: position {' '.join(lost)} is not given and taken as 0")
+        if unsaid[3]:
+            notes.append(f"{joint.name}: orientation is not given and taken as the identity")
+        rates = zip(TWIST, qd, (*[unsaid[3]] * 3, *unsaid[:3]), strict=True)
+        if still := [part for part, v, absent in rates if absent and layout.qd[v] == ABSENT]:
+            notes.append(f"{joint.name}: velocity {' '.join(still)} is not given and taken as 0")
     return tuple(groups), tuple(notes)
 
 
@@ -106,25 +122,3 @@ def _scalar(name: str, endless: bool, layout: Layout, p: int, v: int) -> Iterato
     elif q and not (qd and qdd):
         kind: Literal["scalar", "continuous"] = "continuous" if endless else "scalar"
         yield Group(name, kind, "q", (p,), () if qd else target, () if qdd else target)
-
-
-def _rotation(name: str, layout: Layout, p: int, v: int) -> Iterator[Group]:
-    for i, axis in enumerate(_AXES):
-        if layout.qd[v + i] != ABSENT and layout.qdd[v + i] == ABSENT:
-            yield Group(f"{name} w{axis}", "scalar", "qd", (v + i,), (), ((0, v + i),))
-    absent = [i for i in range(3) if layout.qd[v + i] == ABSENT]
-    if layout.q[p] != ABSENT and absent:
-        w = tuple((i, v + i) for i in absent)
-        wd = tuple((i, v + i) for i in absent if layout.qdd[v + i] == ABSENT)
-        yield Group(name, "quaternion", "q", tuple(range(p, p + 4)), w, wd)
-
-
-def _assumptions(name: str, layout: Layout, q: Sequence[int], qd: Sequence[int]) -> Iterator[str]:
-    unsaid = [layout.q[p] == ABSENT and p not in layout.held for p in q[:4]]
-    if lost := [axis for axis, absent in zip(_AXES, unsaid, strict=False) if absent]:
-        yield f"{name}: position {' '.join(lost)} is not given and taken as 0"
-    if unsaid[3]:
-        yield f"{name}: orientation is not given and taken as the identity"
-    rates = zip(("wx", "wy", "wz", "vx", "vy", "vz"), qd, (*[unsaid[3]] * 3, *unsaid[:3]), strict=True)
-    if still := [part for part, v, absent in rates if absent and layout.qd[v] == ABSENT]:
-        yield f"{name}: velocity {' '.join(still)} is not given and taken as 0"

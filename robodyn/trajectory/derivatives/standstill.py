@@ -127,14 +127,18 @@ class Standstill:
             self._top = max(float(np.abs(piece.qd).max(initial=0.0)) for piece in self._pieces)
         qd, slow = samples.qd, np.zeros(samples.qd.shape[1])
         for kind, q, rate in self._joints:
-            if rate in self._given and q not in self._bands and not _flips(qd[:, rate], SLIGHT * self._top):
-                continue
+            if rate in self._given and q not in self._bands:
+                speeds = qd[:, rate]
+                rows = np.flatnonzero((speeds != 0.0) & (np.abs(speeds) <= SLIGHT * self._top))
+                turns = rows[1:][(speeds[rows[1:]] > 0.0) != (speeds[rows[:-1]] > 0.0)]
+                if not (np.diff(turns) <= NEAR).any():  # as noise changes its sign
+                    continue
             places = _straight(kind, samples.q[:, [q]])[:, 0]
             band = self._band(kind, q)
             step_speed = band / self._spacing if self._spacing > 0.0 else 0.0
             slow[rate] = step_speed / LONGEST
-            speeds = qd[:, rate] if rate in self._given else None
-            still = standing(places, band, speeds, max(step_speed, SLIGHT * self._top))
+            given = qd[:, rate] if rate in self._given else None
+            still = standing(places, band, given, max(step_speed, SLIGHT * self._top))
             if still.any():
                 qd = samples.qd.copy(order="F") if qd is samples.qd else qd
                 qd[still, rate] = 0.0
@@ -156,10 +160,3 @@ class Standstill:
 
 def _straight(kind: str, places: Floats) -> Floats:
     return places - 2.0 * np.pi * turns_ahead(places) if kind == "continuous" else places
-
-
-def _flips(speeds: Floats, slight: float) -> bool:
-    """Whether slight speeds change their sign twice among a few rows, as noise does."""
-    rows = np.flatnonzero((speeds != 0.0) & (np.abs(speeds) <= slight))
-    turns = rows[1:][(speeds[rows[1:]] > 0.0) != (speeds[rows[:-1]] > 0.0)]
-    return bool((np.diff(turns) <= NEAR).any())

@@ -16,8 +16,8 @@ from helpers.small_robots import built, joint, link
 
 import robodyn
 from robodyn.trajectory.columns.signals import Signal, Signals
+from robodyn.trajectory.options import Reading
 from robodyn.trajectory.read import from_arrays
-from robodyn.trajectory.reading import Reading
 
 ENOUGH = 0.93
 ALL = {**TUNED, **JUDGED}

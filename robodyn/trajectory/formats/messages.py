@@ -1,11 +1,10 @@
 """Messages of ROS about joints as a table: JointState, DynamicJointState and JointTrajectory of any version, of bags,
-or as text, JSON or the YAML that MoveIt and `ros2 topic echo` write. One row per message, joints of other publishers
-put onto its stamps."""
+or as text, JSON or the YAML that MoveIt and `ros2 topic echo` write."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from itertools import pairwise
 from math import pi
 from typing import Any, NamedTuple
@@ -19,7 +18,7 @@ from robodyn.support.floats import Floats
 from robodyn.support.input_file import beyond, limits, parse_json, read_input
 from robodyn.support.wording import count, shown
 from robodyn.trajectory.columns.layout import listing
-from robodyn.trajectory.readers.table import ArrayTable, decoding
+from robodyn.trajectory.formats.table import ArrayTable, decoding
 
 QUANTITIES = {"position": "q", "velocity": "qd", "acceleration": "qdd", "effort": "tau"}
 """What messages call what columns are called."""
@@ -161,7 +160,15 @@ def read_messages(name: str) -> list[State]:
     text = read_input(name)
     with decoding("JSON", name):
         documents = [parse_json(text, name)] if as_json else yaml_documents(text, name)
-    found = [each for document in documents for each in _messages(document)]
+    found: list[tuple[str, Any]] = []
+    waiting = [*reversed(documents)]
+    while waiting:  # messages may be anywhere in documents
+        value = waiting.pop()
+        there = value.keys() if isinstance(value, Mapping) else set()
+        if kind := next((kind for kind, (_, keys) in KINDS.items() if keys <= there), None):
+            found.append((kind, value))
+        elif isinstance(value, (Mapping, list)):
+            waiting += reversed([*(value.values() if isinstance(value, Mapping) else value)])
     kinds = sorted({kind for kind, _ in found})
     if len(kinds) != 1:
         what = f"has messages of several kinds: {', '.join(kinds)}" if kinds else "has no messages about joints"
@@ -216,20 +223,6 @@ def _scalar(text: str) -> Any:
         return float(text)
     further = _FURTHER.fullmatch(text)
     return text if further is None else float(further[1] + further[2])
-
-
-def _messages(document: Any) -> Iterator[tuple[str, Mapping[str, Any]]]:
-    """Yield the messages in a document, wherever they are, with their kinds, in its order."""
-    waiting = [document]
-    while waiting:
-        value = waiting.pop()
-        if isinstance(value, Mapping):
-            kind = next((kind for kind, (_, keys) in KINDS.items() if keys <= value.keys()), None)
-            if kind is not None:
-                yield kind, value
-                continue
-        inner = value.values() if isinstance(value, Mapping) else value if isinstance(value, list) else ()
-        waiting += reversed([*inner])
 
 
 class LogTable(ArrayTable):
@@ -300,7 +293,7 @@ def whole_joints(columns: Mapping[str, str], there: Collection[str]) -> dict[str
 
 
 def _once(states: Sequence[State], notes: list[str]) -> list[State]:
-    """Messages without those that have the stamp of the one before; notes how many there were."""
+    """Messages without those that have the stamp of the one before."""
     new = [states[0], *(b for a, b in pairwise(states) if b.stamp != a.stamp)]
     if len(new) < len(states):
         notes.append(f"{count(len(states) - len(new), 'message')} with the stamp of the one before left out")

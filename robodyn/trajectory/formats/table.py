@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -36,7 +36,7 @@ _EXPANDED, _RATIO = 1 << 28, 500
 
 
 class Table(ABC):
-    """Columns of numbers, read a block of rows at a time.
+    """Columns of numbers, read a block of rows at a time, and what messages about them need.
 
     Attributes:
         file: as messages name it, None if there is no file.
@@ -95,10 +95,9 @@ class ArrayTable(Table):
     """Rows that are read at once at least."""
 
     def __init__(self, file: str | None, columns: Mapping[str, Floats]) -> None:
-        self._rows = common_length({name: len(values) for name, values in columns.items()}, file)
         super().__init__(file)
-        self.names = tuple(columns)
-        self._arrays = list(columns.values())
+        self._rows = common_length({name: len(values) for name, values in columns.items()}, file)
+        self.names, self._arrays = tuple(columns), list(columns.values())
 
     def column(self, i: int) -> NDArray[Any]:
         """The values (N,) of a column, of any type of numbers."""
@@ -109,7 +108,12 @@ class ArrayTable(Table):
             part = self._slice(columns, slice(begin, begin + max(rows, self._at_once)))
             for start in range(0, len(part), rows):
                 values, first = part[start : start + rows], begin + start + 1
-                check_finite(values, [self.names[i] for i in columns], first, self.error_at)
+                finite = np.isfinite(values)
+                if not finite.all():
+                    row, k = np.argwhere(~finite)[0]
+                    said = "empty or NaN" if np.isnan(values[row, k]) else values[row, k]
+                    what = f"column {self.names[columns[k]]!r} is {said}"
+                    raise self.error_at(first + int(row), what, ALL_FINITE)
                 self.position_bytes = self.size_bytes * (first - 1 + len(values)) // self._rows
                 yield values
 
@@ -184,15 +188,3 @@ def less(values: NDArray[Any], origin: Decimal | None) -> NDArray[Any]:
     if origin is None:
         return values
     return values.astype(np.int64) - int(origin) if values.dtype.kind in "iu" else values - float(origin)
-
-
-def check_finite(
-    values: Floats, names: Sequence[str], first_row: int, error_at: Callable[[int, str, str], TrajectoryError]
-) -> None:
-    """Raise the error of the first cell that is not finite, in the order of rows."""
-    if np.isfinite(values).all():
-        return
-    row, column = np.argwhere(~np.isfinite(values))[0]
-    value = values[row, column]
-    what = f"column {names[column]!r} is empty or NaN" if np.isnan(value) else f"column {names[column]!r} is {value}"
-    raise error_at(first_row + int(row), what, ALL_FINITE)

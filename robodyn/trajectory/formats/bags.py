@@ -19,8 +19,8 @@ from robodyn.support.extras import need
 from robodyn.support.input_file import beyond, limits, read_input, vetted
 from robodyn.support.wording import alternatives, count, shown
 from robodyn.trajectory.columns.layout import listing
-from robodyn.trajectory.readers.messages import KINDS, LogTable, states_of, yaml_documents
-from robodyn.trajectory.readers.table import BAGS, METADATA, decoding
+from robodyn.trajectory.formats.messages import KINDS, LogTable, states_of, yaml_documents
+from robodyn.trajectory.formats.table import BAGS, METADATA, decoding
 
 _LEAST = 1 << 28
 """Bytes that may always come out of a bag."""
@@ -45,12 +45,16 @@ def bag_table(name: str, topic: str | None = None) -> LogTable:
     """
     need("ROS bags", "rosbags", file=name)
     from rosbags.highlevel import AnyReader
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
     if not os.path.exists(name):
         raise TrajectoryError("cannot be read: no such file or directory", remedy="check the name", file=name)
     place = _place(name)
     _check_files(place)
-    with decoding("a bag", name), _bounded(place), AnyReader([place], default_typestore=_types()) as bag:
+    store = get_typestore(Stores.ROS2_HUMBLE)  # for bags that do not bring the types of messages, as those of SQLite
+    for text, kind in ((_INTERFACE, "InterfaceValue"), (_DYNAMIC, "DynamicJointState")):
+        store.register(get_types_from_msg(text, f"control_msgs/msg/{kind}"))
+    with decoding("a bag", name), _bounded(place), AnyReader([place], default_typestore=store) as bag:
         chosen = _chosen(bag.connections, topic, name)
         messages = (
             (bag.deserialize(data, connection.msgtype), int(recorded))
@@ -98,16 +102,6 @@ def _chosen(connections: Sequence[Any], topic: str | None, file: str) -> list[An
 
 def _kind(connection: Any) -> str:
     return str(connection.msgtype).rpartition("/")[2]
-
-
-def _types() -> Any:
-    """The types of messages for bags that do not bring them, as those of SQLite."""
-    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-
-    store = get_typestore(Stores.ROS2_HUMBLE)
-    store.register(get_types_from_msg(_INTERFACE, "control_msgs/msg/InterfaceValue"))
-    store.register(get_types_from_msg(_DYNAMIC, "control_msgs/msg/DynamicJointState"))
-    return store
 
 
 def _check_files(path: Path) -> None:

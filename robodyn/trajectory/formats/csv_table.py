@@ -1,8 +1,8 @@
-"""Comma-, semicolon-, tab- or blank-separated tables, read in chunks of whole lines, by two readers that agree.
+"""Comma-, semicolon-, tab- or blank-separated tables, read in chunks of whole lines.
 
-A cell is a decimal number: digits with an optional sign, point and exponent; blanks around it are allowed. Hexadecimal,
-`1_000`, quoted numbers, `nan` and `inf` are refused. Blank lines are skipped. polars reads large files; what it cannot
-read without doubt is read line by line, which finds what is wrong.
+A cell is a decimal number with an optional sign, point and exponent, blanks around it; hexadecimal, `1_000`, quoted
+numbers, `nan` and `inf` are refused. polars reads large files; what it cannot read without doubt is read line by line,
+which finds what is wrong.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from robodyn.errors import TrajectoryError
 from robodyn.support.floats import Floats
 from robodyn.support.input_file import beyond, copied, limits, open_input
 from robodyn.support.wording import count
-from robodyn.trajectory.readers.table import ALL_FINITE, Table
+from robodyn.trajectory.formats.table import ALL_FINITE, Table
 
 if TYPE_CHECKING:
     from decimal import Decimal
@@ -46,8 +46,11 @@ class CsvTable(Table):
 
     def __init__(self, path: str) -> None:
         super().__init__("<stdin>" if path == "-" else path)
-        self._stream = _seekable(path)
+        self._stream: BinaryIO = copied(sys.stdin.buffer, "<stdin>") if path == "-" else open_input(path, typed=True)
         try:
+            if not self._stream.seekable():
+                with self._stream as pipe:
+                    self._stream = copied(pipe, path)
             self.size_bytes = self._stream.seek(0, os.SEEK_END)
             self._read_header()
         except BaseException:
@@ -70,7 +73,6 @@ class CsvTable(Table):
 
     def _columns(self, first: bytes) -> tuple[tuple[str, ...], bytes]:
         """Names and delimiter from the header line: the first of , ; tab that makes several cells, else blanks."""
-
         mark = next((name for start, name in _MARKS.items() if first.startswith(start)), None)
         if (mark and not first.isascii()) or b"\0" in first:
             remedy = "give a CSV table in UTF-8, or name its type by the suffix"
@@ -269,13 +271,3 @@ def _less(cells: Sequence[bytes], origin: Decimal) -> list[float] | None:
     except (InvalidOperation, ValueError):
         return None
     return None if found is None else [float(cell - origin) for cell in found]
-
-
-def _seekable(path: str) -> BinaryIO:
-    if path == "-":
-        return copied(sys.stdin.buffer, "<stdin>")
-    stream = open_input(path, typed=True)
-    if stream.seekable():
-        return stream
-    with stream:
-        return copied(stream, path)

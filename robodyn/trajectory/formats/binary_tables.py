@@ -16,7 +16,7 @@ from robodyn.support.floats import Floats
 from robodyn.support.input_file import open_input
 from robodyn.trajectory.columns.layout import check_columns
 from robodyn.trajectory.columns.signals import matrix_column
-from robodyn.trajectory.readers.table import ArrayTable, Table, check_expansion, common_length, decoding, less
+from robodyn.trajectory.formats.table import ArrayTable, check_expansion, common_length, decoding, less
 
 if TYPE_CHECKING:
     import polars as pl
@@ -29,9 +29,9 @@ class NpzTable(ArrayTable):
     """The table in an `.npz` archive, stored or deflated: an array is read as a whole when a column of it is needed."""
 
     def __init__(self, path: str) -> None:
+        super().__init__(path, {})
         self._members: list[tuple[str, int | None]] = []
         self._loaded: dict[str, NDArray[Any]] = {}
-        Table.__init__(self, path)
         lengths: dict[str, int] = {}
         names: list[str] = []
         with ExitStack() as opened:
@@ -101,7 +101,7 @@ class ParquetTable(ArrayTable):
     def __init__(self, path: str) -> None:
         import polars as pl
 
-        Table.__init__(self, path)
+        super().__init__(path, {})
         with open_input(path) as stream:
             first, self.size_bytes = stream.read(4), stream.seek(0, os.SEEK_END)
             stream.seek(max(0, self.size_bytes - 4))
