@@ -24,8 +24,8 @@ from helpers.random_scenes import momentum_of, passing_of, pushed_slide
 
 from robodyn.errors import InputError
 from robodyn.measure.accuracy import simulate_within as effort
-from robodyn.measure.accuracy.motion_error import MotionError
 from robodyn.measure.accuracy.simulate_within import simulate_within
+from robodyn.measure.accuracy.simulation import MotionError
 
 PAGE = Path(__file__).parents[1] / "docs" / "simulated_accuracy.md"
 SEED = 2027

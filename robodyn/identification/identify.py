@@ -5,7 +5,7 @@
 3. `parameters/regressor_columns.py` has the columns and keeps their triangular factors.
 4. `model_selection.py` chooses coupled motors, breakaway, friction under load, the strength of the prior.
 5. `parameters/consistent.py` fits bodies that can exist, `parameters/base.py` the base parameters.
-6. Here errors, intervals and warnings are told; `result.py` holds what was found, `calibrated.py` writes it.
+6. Here errors, intervals and warnings are told; `result.py` holds and writes what was found.
 """
 
 from __future__ import annotations
@@ -29,9 +29,8 @@ from robodyn.identification.model_selection import (
     squares,
     strength,
     system,
-    with_load,
+    with_friction,
     with_possible_loads,
-    with_stribeck,
     without_one,
 )
 from robodyn.identification.parameters.base import base_of
@@ -94,8 +93,7 @@ def identify(
     on_progress("fitting")
     plain, weighted, moments = weighted_rows(run, first)
     regressor, folds = plain.regressor, range(FOLDS)
-    structure = with_stribeck(weighted, folds, Structure(regressor, dict.fromkeys(range(len(first.motors)), PLAIN)))
-    structure = with_load(weighted, folds, structure)
+    structure = with_friction(weighted, folds, Structure(regressor, dict.fromkeys(range(len(first.motors)), PLAIN)))
     loose, sigma = fitted(weighted, folds, structure)
     for _ in range(_REPEATED if structure.loaded else 0):
         structure, plain, weighted, moments = repeated(run, structure, loose, sigma)
@@ -215,15 +213,12 @@ def _worse(fitted: Errors, held: Errors, described: Errors) -> Iterator[str]:
 def _told_by_description(structure: Structure, theta: Floats) -> Floats:
     """Return (p,) what a description can say of the parameters: bodies, and of joints viscous and Coulomb friction."""
     found = dict(zip(structure.names, theta.tolist(), strict=True))
-    for k, shape in structure.shapes.items():
-        motor = structure.regressor.motors[k]
-        own = motor.name in structure.regressor.model.rates
-        for name in shape.names(motor):
-            kind = name.rpartition(".")[2]
-            if kind == "stribeck":
-                found[name] = found[f"{motor.name}.coulomb"]
-            elif not own or kind not in ("viscous", "coulomb"):
-                found[name] = 0.0
+    for name in structure.names[len(structure.regressor.bodies) :]:
+        motor, _, kind = name.rpartition(".")
+        if kind == "stribeck":
+            found[name] = found[f"{motor}.coulomb"]
+        elif motor not in structure.regressor.model.rates or kind not in ("viscous", "coulomb"):
+            found[name] = 0.0
     return np.array([found[name] for name in structure.names])
 
 

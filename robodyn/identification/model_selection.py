@@ -21,7 +21,6 @@ from robodyn.identification.parameters.regressor_columns import (
     stacked,
 )
 from robodyn.robot.model import Model
-from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats, einsum, unit_columns
 
 _RIDGE, _LEAST, _ROUNDS = 1e-4, 1e-13, 6
@@ -208,7 +207,7 @@ def _meat(C: Sequence[Floats], rho: Floats) -> Floats:
 
 SPEEDS = (0.01, 0.03, 0.1, 0.2, 0.4)
 """Speeds of Stribeck's excess that are compared, in parts of a motor's largest."""
-_ROUNDED = 5.0
+ROUNDED = 5.0
 """Times the slip speed: breakaway that decays faster would make up for the rounded sign of Coulomb's friction."""
 _COUPLED, _MOST = 0.5, 0.8
 """A coupled motor counts if it makes the squares of what is left of both joints, on average, so much less; friction
@@ -224,15 +223,9 @@ def joint_motors(model: Model) -> list[Motor]:
     return [Motor(name, axis, 0.0) for name, axis in zip(model.rates, np.eye(model.n), strict=True)]
 
 
-def scene_motors(model: Model, scene: Scene) -> list[Motor]:
-    turns = ((motor.name, [motor.joints.get(name, 0.0) for name in model.rates]) for motor in scene.coupled)
-    return [Motor(name, np.array(direction), 0.0) for name, direction in turns]
-
-
 def coupled_motors(model: Model, measured: Sequence[int], known: Sequence[Motor]) -> list[Motor]:
     """Return motors that turn with the sum or the difference of two joints, one after another in a chain, of which no
-    known coupled motor turns with one.
-    """
+    known coupled motor turns with one."""
     found, axes = [], np.eye(model.n)
     taken = {int(j) for motor in known for j in np.flatnonzero(motor.direction)}
     open_rates = set(measured) - taken
@@ -252,8 +245,7 @@ def coupled(gathered: Gathered, folds: Sequence[int], plain: Structure) -> list[
     that share a joint the one that explains most."""
     _, sigma = fitted(gathered, folds, plain)
     before = np.maximum(left_out(gathered, folds, plain, sigma), 1e-300)
-    ranked = []
-    measured = plain.regressor.measured
+    ranked, measured = [], plain.regressor.measured
     for k, motor in enumerate(plain.regressor.motors):
         if k not in plain.shapes:
             other = plain.reshaped({k: PLAIN})
@@ -273,20 +265,18 @@ def coupled(gathered: Gathered, folds: Sequence[int], plain: Structure) -> list[
     return found
 
 
-def with_stribeck(gathered: Gathered, folds: Sequence[int], plain: Structure) -> Structure:
-    """Return the structure with Stribeck's excess of those motors whose joint it explains, each at its best speed."""
-    speeds = {k: plain.regressor.motors[k].stribeck for k in plain.shapes}
+def with_friction(gathered: Gathered, folds: Sequence[int], plain: Structure) -> Structure:
+    """Return the structure with Stribeck's excess of those motors whose joint it explains, each at its best speed, and
+    then with friction that grows with load, likewise."""
+    motors = plain.regressor.motors
+    speeds = {k: motors[k].stribeck for k in plain.shapes}
     tried = [
         {k: replace(plain.shapes[k], stribeck=each[-step]) for k, each in speeds.items() if step <= len(each)}
         for step in range(1, len(SPEEDS) + 1)
     ]
-    return _best(gathered, folds, plain, tried)
-
-
-def with_load(gathered: Gathered, folds: Sequence[int], plain: Structure) -> Structure:
-    """Return the structure with friction that grows with load in those motors whose joint it explains."""
-    loaded = {k: replace(shape, load=True) for k, shape in plain.shapes.items() if plain.regressor.motors[k].loaded}
-    return _best(gathered, folds, plain, [loaded])
+    decaying = _best(gathered, folds, plain, tried)
+    loaded = {k: replace(shape, load=True) for k, shape in decaying.shapes.items() if motors[k].loaded}
+    return _best(gathered, folds, decaying, [loaded])
 
 
 def with_possible_loads(structure: Structure, theta: Floats) -> Structure:
@@ -326,9 +316,3 @@ def strength(
         return sum(float((each / sigma**2).sum()) for each in left)
 
     return min(STRENGTHS, key=error)
-
-
-def with_speeds(motor: Motor, largest: float, slip_speed: float) -> Motor:
-    """Return a motor whose largest speed is known; breakaway decays over more than a sign does that is rounded off."""
-    speeds = (part * largest for part in SPEEDS)
-    return replace(motor, scale=largest, stribeck=tuple(speed for speed in speeds if speed > _ROUNDED * slip_speed))

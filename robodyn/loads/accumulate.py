@@ -28,7 +28,6 @@ from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.read import sources_of
 
 if TYPE_CHECKING:
-    from robodyn.dynamics.momenta import View
     from robodyn.loads.constraints import ConstraintPass
     from robodyn.loads.history import Recorder
     from robodyn.loads.sizing import SizingPass
@@ -37,28 +36,6 @@ if TYPE_CHECKING:
 
 NAMES = (*COLUMNS, "power")
 """Columns of momentum and energy, and the power tau . qd of the actuators and of what moves the base."""
-
-
-class MomentumPass:
-    """Gathers what `View` asks for, block by block."""
-
-    def __init__(self, model: Model, scene: Scene, view: View, file: str | None) -> None:
-        view.check(model, scene)
-        self.model, self.scene, self.view, self.file = model, scene, view, file
-        self.extremes = Extremes(NAMES)
-
-    def take(self, block: Trajectory, tau: Floats, pattern: ZeroColumns, run: Callable[[Runner], Floats]) -> Floats:
-        """Return the columns (N, 12) of one block, in which `pattern` is zero. Accelerations are not looked at, so that
-        the energy of a rotor counts also in a block without any."""
-        moving = frozenset(pair for pair in pattern if pair[0] != "qdd")
-        found = run(momentum_runner(plan(self.model, self.scene, moving), self.view))
-        columns = np.column_stack((found, einsum("ij,ij->i", tau, block.qd)))
-        check_loads(columns, NAMES, block.first_row, self.file)
-        self.extremes.update(block.time, columns)
-        return columns
-
-    def report(self) -> MomentumReport:
-        return MomentumReport(self.view.about, self.view.frame, tuple(self.extremes.ranges()))
 
 
 CHECKED_PER_BLOCK = 64
@@ -91,8 +68,8 @@ class SelfChecks:
         execute: Execute,
         whole: int,
     ) -> tuple[NDArray[np.int64], Floats]:
-        """Take in a block; return the samples at which energy is computed, and there what `EnergyLedger.update` does;
-        zero: sources that are zero throughout. tau, base: (N, n), (N, 6). whole: samples of the motion."""
+        """Take in a block with tau (N, n), base (N, 6), of so many samples as a whole; zero: sources that are zero
+        throughout. Return the samples at which energy is computed, and there what `EnergyLedger.update` does."""
         rows = np.linspace(0, len(block) - 1, min(len(block), CHECKED_PER_BLOCK)).astype(int)
         self._checked = self._checked or -(-whole * len(rows) // len(block))
         lost, lawful, stored = _check_runners(plan(self.model, self.scene, zero))
@@ -178,7 +155,7 @@ class TorqueAccumulator:
 
     Attributes:
         zero_columns: what has been zero in every block so far, which the program of the loads leaves out.
-        sources: of this, whole sources alone, for programs beside it, which motions of other joints share.
+        sources: of this, whole sources alone, for programs that motions of other joints share.
         whole: how many samples there are in all, by the largest estimate so far.
     """
 
@@ -207,9 +184,9 @@ class TorqueAccumulator:
 
             feet = tuple(each.name for each in constraints.scene.contacts) if constraints else ()
             self.history = Recorder(model.rates[self.rates], COMPONENTS, feet)
-        self.momentum: MomentumPass | None = None
+        self.momenta = Extremes(NAMES)
         if options.momentum is not None:
-            self.momentum = MomentumPass(model, scene, options.momentum, file)
+            options.momentum.check(model, scene)
         self.sizing: SizingPass | None = None
         if options.sizing:
             from robodyn.loads.sizing import SizingPass
@@ -252,9 +229,19 @@ class TorqueAccumulator:
             static = self.constraints.static(block) if self.constraints else over_block(self.sizing.static_runner())
             self.sizing.take(block, loads, static)
         columns = loads if self.options.reactions else tau
-        if self.momentum is None:
+        if self.options.momentum is None:
             return columns
-        return np.hstack((columns, self.momentum.take(block, tau, self.sources, over_block)))
+        # accelerations are not looked at, so that the energy of a rotor counts also in a block without any
+        moving = frozenset(pair for pair in self.sources if pair[0] != "qdd")
+        values = over_block(momentum_runner(plan(self.model, self.scene, moving), self.options.momentum))
+        momenta = np.column_stack((values, einsum("ij,ij->i", tau, block.qd)))
+        check_loads(momenta, NAMES, block.first_row, self.file)
+        self.momenta.update(block.time, momenta)
+        return np.hstack((columns, momenta))
+
+    def momentum(self) -> MomentumReport | None:
+        view = self.options.momentum
+        return None if view is None else MomentumReport(view.about, view.frame, tuple(self.momenta.ranges()))
 
     def _run(self, runner: Runner, sources: Mapping[str, Floats], expected: int) -> Run:
         executor, threads = self.options.executor, self.options.threads

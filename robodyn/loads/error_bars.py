@@ -36,41 +36,6 @@ RATE = 100.0
 """Hz that is asked for, and more where there are more samples than that already."""
 
 
-def sampling_caveat(joints: Sequence[JointLoad], bars: Sequence[float], samples: int, duration: float) -> Caveat | None:
-    if not joints:
-        return None
-    least = NEGLIGIBLE * max(abs(joint.peak) for joint in joints)
-    open_most = max(zip(bars, joints, strict=True), key=lambda pair: pair[0] / max(abs(pair[1].peak), least, TINY))
-    bar, joint = open_most
-    if bar <= COUNTS * max(abs(joint.peak), least):
-        return None
-    said = (
-        f"{_how_many(samples, duration)} too few to derive accelerations: the peak of {shown(joint.name)}, "
-        f"{figure(joint.peak)} {joint.unit}, may be off by {figure(bar, 2)} {joint.unit}; "
-        f"{_remedy(samples, duration)}, or give velocities and accelerations"
-    )
-    return Caveat(TOO_FEW, said)
-
-
-def energy_caveat(balance: EnergyBalance, samples: int, duration: float) -> Caveat | None:
-    if balance.consistent:
-        return None
-    off = f"energy balance is off by {balance.worst:.3g} J of {balance.turnover:.3g} J"
-    if not _coarse(balance, samples):
-        said = f"{off}: velocities or accelerations are not the rates of the positions"
-        return Caveat("by torques that are not trusted (energy does not balance)", said)
-    said = (
-        f"{off}: {_how_many(samples, duration)} too few to tell whether velocities and accelerations are the rates of "
-        f"the positions, or what happens between the samples; {_remedy(samples, duration)}"
-    )
-    return Caveat("at the samples given (too few for the energy check)", said)
-
-
-def _coarse(balance: EnergyBalance, samples: int) -> bool:
-    """Return whether the trapezoidal rule cannot tell a wrong rate from too few samples."""
-    return balance.explained > COARSE * balance.turnover or samples < FEW
-
-
 def bar_caveats(joints: Sequence[JointLoad], sizing: Sizing | None) -> Iterator[Caveat]:
     """Yield the caveats about limits that are within the error bars of peaks. What a motor's torque is in doubt by is
     taken for the same share of it as of its joint's."""
@@ -92,16 +57,6 @@ def bar_caveats(joints: Sequence[JointLoad], sizing: Sizing | None) -> Iterator[
             who = f"{whose}{shown(joint.name)}{f', and {len(near_it) - 1} more,' if len(near_it) > 1 else ''}"
             said = f"the peak of {who} {what}: {figure(peak)} within {figure(bar, 2)} {joint.unit}, limit {limit:g}"
             yield Caveat(f"unless within the error bar of {who.rstrip(',')}", f"{said} {joint.unit}")
-
-
-def _how_many(samples: int, duration: float) -> str:
-    return f"{count(samples, 'sample')} over {figure(duration)} s are"
-
-
-def _remedy(samples: int, duration: float) -> str:
-    """Four times as many samples, and not fewer than RATE."""
-    rate = 4.0 * (samples - 1) / duration if duration > 0.0 else 0.0
-    return f"give samples at {figure(max(RATE, rate), 1)} Hz or more"
 
 
 VANISHING = 0.01
@@ -135,25 +90,22 @@ def carried(
         if name:
             what = f"nothing drives the floating joint {shown(name)}, whose motion takes {wrench}"
             found.append(Caveat("as long as what floats is carried (assumed)", f"{what}; give it as [[wrench]]"))
-        elif not looped and (caveat := _base_caveat(model, scene, wrench)):
-            found.append(caveat)
+        elif not (looped or scene.held or any(each.cause == "contact" for each in scene.wrenches)):
+            loads, free = "which a robot that floats cannot have", ""
+            why = (
+                "the wrenches of the scene do not carry it" if scene.wrenches else "there is no contact that carries it"
+            )
+            if not model.floating:
+                loads, why = "loads of a robot that hangs by its base", untouched(model)
+                free = 'let the base move ([base] motion = "moving", base_ columns) and '
+            said = (
+                f"the ground holds the base with {wrench}, {loads}: {why}; "
+                "if something carries the base, such as bolts or a vehicle, say so (--base-held, or [base] held = "
+                f"true), otherwise {free}say where its feet stand ([[contact]])"
+            )
+            if why:
+                found.append(Caveat("as long as the base is held (assumed)", said))
     return tuple(found)
-
-
-def _base_caveat(model: Model, scene: Scene, wrench: str) -> Caveat | None:
-    alone = "the wrenches of the scene do not carry it" if scene.wrenches else "there is no contact that carries it"
-    why = alone if model.floating else untouched(model)
-    told = any(wrench.cause == "contact" for wrench in scene.wrenches)
-    if scene.held or told or not why:
-        return None
-    loads = "which a robot that floats cannot have" if model.floating else "loads of a robot that hangs by its base"
-    free = "" if model.floating else 'let the base move ([base] motion = "moving", base_ columns) and '
-    said = (
-        f"the ground holds the base with {wrench}, {loads}: {why}; "
-        f"if something carries the base, such as bolts or a vehicle, say so (--base-held, or [base] held = true), "
-        f"otherwise {free}say where its feet stand ([[contact]])"
-    )
-    return Caveat("as long as the base is held (assumed)", said)
 
 
 class ErrorBars:
@@ -184,12 +136,35 @@ class ErrorBars:
         self, joints: Sequence[JointLoad], bars: Sequence[float], balance: EnergyBalance, samples: int, span: float
     ) -> tuple[Caveat, ...]:
         """Return what is in doubt for want of samples over a span of time, or because the energy does not balance."""
-        at_large = bool((self.off_squares > OPEN**2 * self.squares).any())
-        too_few = sampling_caveat(joints, bars, samples, span) if at_large else None
-        energy = energy_caveat(balance, samples, span)
-        if too_few is not None and energy is not None and _coarse(balance, samples):
-            energy = None
-        return tuple(caveat for caveat in (too_few, energy) if caveat is not None)
+        rate = max(RATE, 4.0 * (samples - 1) / span if span > 0.0 else 0.0)
+        how_many, remedy = (
+            f"{count(samples, 'sample')} over {figure(span)} s are",
+            f"give samples at {figure(rate, 1)} Hz",
+        )
+        found = []
+        if joints and (self.off_squares > OPEN**2 * self.squares).any():
+            least = NEGLIGIBLE * max(abs(joint.peak) for joint in joints)
+            pairs = zip(bars, joints, strict=True)
+            bar, joint = max(pairs, key=lambda pair: pair[0] / max(abs(pair[1].peak), least, TINY))
+            if bar > COUNTS * max(abs(joint.peak), least):
+                said = (
+                    f"{how_many} too few to derive accelerations: the peak of {shown(joint.name)}, "
+                    f"{figure(joint.peak)} {joint.unit}, may be off by {figure(bar, 2)} {joint.unit}; "
+                    f"{remedy} or more, or give velocities and accelerations"
+                )
+                found.append(Caveat(TOO_FEW, said))
+        # where it is coarse, the trapezoidal rule cannot tell a wrong rate from too few samples
+        off = f"energy balance is off by {balance.worst:.3g} J of {balance.turnover:.3g} J"
+        if not balance.consistent and balance.explained <= COARSE * balance.turnover and samples >= FEW:
+            said = f"{off}: velocities or accelerations are not the rates of the positions"
+            found.append(Caveat("by torques that are not trusted (energy does not balance)", said))
+        elif not balance.consistent and not found:
+            said = (
+                f"{off}: {how_many} too few to tell whether velocities and accelerations are the rates of "
+                f"the positions, or what happens between the samples; {remedy} or more"
+            )
+            found.append(Caveat("at the samples given (too few for the energy check)", said))
+        return tuple(found)
 
     def over_block(self, state: Mapping[str, Floats]) -> Floats | float:
         """Return (joints, N) by how much torques may be off; 0 for guesses.
@@ -215,7 +190,7 @@ class ErrorBars:
         return np.asarray(doubt + np.sqrt(((M * np.minimum(noise, off)) ** 2).sum(axis=2)))
 
     def _inertia(self, q: Floats) -> Floats:
-        """Return (N, n, n) by how much torques of poses (N, nq) change with accelerations, load's friction included."""
+        """Return (N, n, n) M of poses (N, nq); friction that grows with load adds at most its share, which is taken."""
         from robodyn.dynamics.inverse import mass_matrix
 
         M = mass_matrix(self.model, np.ascontiguousarray(q), scene=self.scene)
@@ -227,11 +202,8 @@ class ErrorBars:
     def at_peak(self, k: int, state: Mapping[str, Floats], shares: Mapping[str, float]) -> tuple[float, float]:
         """Return what noise of accelerations does to joint k at its peak, sqrt(sum (M_kj s_j)^2), and what is open.
 
-        That is sqrt(sum (M_kj off_j)^2), of guesses the sum, which nothing exceeds.
-        Way-points may be places of rest, so that all that their derived speeds make of the torque is open too.
-
-        Args:
-            shares: of the torque, by effect.
+        That is sqrt(sum (M_kj off_j)^2), of guesses the sum, which nothing exceeds. Way-points may be places of rest,
+        so that all that their derived speeds make of the torque, of which these are the shares, is open too.
         """
         off = state["off"]
         if not off.any():
@@ -244,13 +216,6 @@ class ErrorBars:
         return noise, float((np.abs(M) * off).sum()) + of_speed
 
     def response(self, state: Mapping[str, Floats], own: bool = False) -> Floats:
-        """Return (n, n) by how much torques change with accelerations: M, but where constraints take part of it.
-
-        Friction that grows with load adds at most its share, which is taken.
-
-        Args:
-            state: q (nq,) and so on of one sample; own: as `ConstraintPass.response` has it.
-        """
-        if self.constraints is not None:
-            return self.constraints.response(state, own)
-        return self._inertia(state["q"])
+        """Return (n, n) by how much torques change with accelerations: M, or what `ConstraintPass.response` says; of
+        the state of one sample."""
+        return self._inertia(state["q"]) if self.constraints is None else self.constraints.response(state, own)

@@ -41,7 +41,6 @@ class _Swings:
     w: Floats
 
     def at(self, time: Floats) -> tuple[Floats, Floats, Floats]:
-        """Return q (N, nq), qd and qdd (N, n)."""
         phase, h, w = np.outer(time, self.w), self.h, self.w
         moving = [joint for joint in self.model.independent if joint.kind != "floating"]
         places, rates = [joint.coordinate for joint in moving], [joint.rate for joint in moving]
@@ -67,8 +66,7 @@ def example_motion(model: Model, scene: Scene = DEFAULT) -> tuple[tuple[str, ...
         scene's.
     """
     time = np.arange(int(DURATION * RATE) + 1) / RATE
-    swings = _within_effort(_first(model), scene, time[:: len(_PERIODS) + 1])
-    q, qd, qdd = swings.at(time)
+    q, qd, qdd = _within_effort(_first(model), scene, time[:: len(_PERIODS) + 1]).at(time)
     names = [f"q_{name}" for name in model.coordinates]
     names += [f"{kind}_{name}" for kind in ("qd", "qdd") for name in model.rates]
     return (*names, *scene.columns), time, np.hstack((q, qd, qdd, np.zeros((len(time), len(scene.columns)))))
@@ -77,9 +75,7 @@ def example_motion(model: Model, scene: Scene = DEFAULT) -> tuple[tuple[str, ...
 def overloaded(model: Model, scene: Scene, columns: Floats) -> list[str]:
     """Return a line for each joint that the columns of an example overload, or leave where it is."""
     q, qd, qdd, _ = np.split(columns, np.cumsum((model.nq, model.n, model.n)), axis=1)
-    efforts = _efforts(model, scene, q, qd, qdd)
-    least, largest = _ranges(model)
-    lines = []
+    efforts, (least, largest), lines = _efforts(model, scene, q, qd, qdd), _ranges(model), []
     for joint in model.independent:
         limit, unit = f"{joint.effort or 0.0:g}", "N" if joint.kind == "prismatic" else "N m"
         if efforts[joint.rate] > 1.0:
@@ -122,8 +118,7 @@ def _ranges(model: Model) -> tuple[Floats, Floats]:
 def _within_effort(swings: _Swings, scene: Scene, time: Floats) -> _Swings:
     """Return the swings about a pose that efforts allow, as large as they allow."""
     model = swings.model
-    q, qd, qdd = swings.at(time)
-    if _efforts(model, scene, q, qd, qdd).max(initial=0.0) <= _MOST:
+    if _efforts(model, scene, *swings.at(time)).max(initial=0.0) <= _MOST:
         return swings
     lighter = replace(swings, c=_lighter(swings, scene), h=swings.h.copy())
     able = _efforts(model, scene, lighter.c[None], 0.0, 0.0) <= _MOST
@@ -140,28 +135,20 @@ def _within_effort(swings: _Swings, scene: Scene, time: Floats) -> _Swings:
 
 def _lighter(swings: _Swings, scene: Scene) -> Floats:
     """Return the middle with joints moved, one by one, to where standing takes less of the limits of effort."""
-    model, c = swings.model, swings.c.copy()
+    model, c = swings.model, swings.c
     least, largest = _ranges(model)
     low, high = np.maximum(least + _CLEAR * swings.h, -pi), np.minimum(largest - _CLEAR * swings.h, pi)
-    places = [
-        joint.coordinate for joint in model.independent if joint.kind != "floating" and swings.h[joint.coordinate]
-    ]
-
-    def excess(poses: Floats) -> Floats:
-        efforts = _efforts(model, scene, poses, 0.0, 0.0, each=True)
-        total: Floats = (np.maximum(efforts - _RESTING, 0.0) ** 2).sum(axis=1)
-        return total
-
-    now = float(excess(c[None])[0])
+    places = np.flatnonzero(swings.h)
     for _ in range(_CHANGES):
-        poses = np.repeat(c[None], len(places) * _POSITIONS, axis=0)
+        poses = np.repeat(c[None], 1 + len(places) * _POSITIONS, axis=0)  # the first is as it is
         for k, at in enumerate(places):
-            poses[k * _POSITIONS : (k + 1) * _POSITIONS, at] = np.linspace(low[at], high[at], _POSITIONS)
-        tried = excess(poses)
-        best = first_largest(-tried)
-        if now == 0.0 or not tried[best] < now * (1.0 - 1e-6):
+            poses[1 + k * _POSITIONS : 1 + (k + 1) * _POSITIONS, at] = np.linspace(low[at], high[at], _POSITIONS)
+        excess = np.maximum(_efforts(model, scene, poses, 0.0, 0.0, each=True) - _RESTING, 0.0)
+        tried = (excess**2).sum(axis=1)
+        best = 1 + first_largest(-tried[1:]) if len(places) else 0
+        if tried[0] == 0.0 or not tried[best] < tried[0] * (1.0 - 1e-6):
             break
-        c, now = poses[best], float(tried[best])
+        c = poses[best]
     return c
 
 

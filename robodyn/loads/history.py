@@ -41,7 +41,6 @@ class Curves:
         return time[news], values[news]
 
     def samples(self, column: int) -> dict[str, Floats]:
-        """Return every sample that is kept of a column, by quantity."""
         rows = self.kept[:, :, column].transpose(1, 0, 2).reshape(1 + len(self.quantities), -1)
         rows = np.unique(rows, axis=1)
         return dict(zip(("time", *self.quantities), rows, strict=True))
@@ -80,7 +79,9 @@ class MinMaxDecimation:
         if not self._kept:
             self._start, self._width = float(time[0]), expected_duration / SPANS or 1.0
         while (time[-1] - self._start) / self._width >= _ROOM * SPANS:
-            self._double()
+            before, self._kept, self._width = self._kept, {}, 2.0 * self._width
+            for span, extreme in before.items():
+                self._add(span // 2, extreme)
         spans = ((time - self._start) / self._width).astype(np.int64)
         begins = np.flatnonzero(np.append(True, np.diff(spans)))
         for first, last in zip(begins, [*begins[1:], len(time)], strict=True):
@@ -95,11 +96,6 @@ class MinMaxDecimation:
             both = np.concatenate((self._kept[span], extreme), axis=2)
             extreme = _extreme(tuple(both), self._deciding)
         self._kept[span] = extreme
-
-    def _double(self) -> None:
-        before, self._kept, self._width = self._kept, {}, 2.0 * self._width
-        for span, extreme in before.items():
-            self._add(span // 2, extreme)
 
 
 def _extreme(samples: Sequence[Floats], deciding: int) -> Floats:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -94,20 +93,16 @@ class Batch:
     @property
     def worst(self) -> tuple[Worst, ...]:
         """For every joint the worst over all trajectories; of equal ones the first counts."""
-        done = [outcome for outcome in self.outcomes if outcome.joints]
-        return tuple(
-            _worst(list(zip((outcome.trajectory for outcome in done), each, strict=True)))
-            for each in zip(*(outcome.joints for outcome in done), strict=True)
-        )
+        done, every = [outcome for outcome in self.outcomes if outcome.joints], []
+        for joints in zip(*(outcome.joints for outcome in done), strict=True):
+            found = list(zip((outcome.trajectory for outcome in done), joints, strict=True))
+            peak_in, peak = ranked(found, key=lambda pair: abs(pair[1].peak))[0]
+            rms_in, rms = ranked(found, key=lambda pair: pair[1].rms)[0]
+            speed_in, speed = ranked(found, key=lambda pair: abs(pair[1].max_speed))[0]
+            level_in, level = max(found, key=lambda pair: _LEVELS.index(pair[1].level))
+            worst = vars(peak) | {"rms": rms.rms, "max_speed": abs(speed.max_speed), "level": level.level}
+            every.append(Worst(**worst, peak_in=peak_in, rms_in=rms_in, max_speed_in=speed_in, level_in=level_in))
+        return tuple(every)
 
 
 _LEVELS = (None, "no limits", "OK", "over continuous", "over peak")
-
-
-def _worst(found: Sequence[tuple[str, JointPeak]]) -> Worst:
-    peak_in, peak = ranked(found, key=lambda pair: abs(pair[1].peak))[0]
-    rms_in, rms = ranked(found, key=lambda pair: pair[1].rms)[0]
-    speed_in, speed = ranked(found, key=lambda pair: abs(pair[1].max_speed))[0]
-    level_in, level = max(found, key=lambda pair: _LEVELS.index(pair[1].level))
-    worst = {"rms": rms.rms, "max_speed": abs(speed.max_speed), "level": level.level}
-    return Worst(**{**vars(peak), **worst}, peak_in=peak_in, rms_in=rms_in, max_speed_in=speed_in, level_in=level_in)

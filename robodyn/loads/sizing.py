@@ -62,9 +62,8 @@ def train_of(joint: Joint, scene: Scene) -> Train | None:
         return None
     inertia, gear = rotor_of(joint, scene)
     if not gear:
-        raise SceneError(
-            f"[motor] {joint.name}: the gear ratio is 0", remedy="turns of the motor per turn of the joint"
-        )
+        what = f"[motor] {joint.name}: the gear ratio is 0"
+        raise SceneError(what, remedy="turns of the motor per turn of the joint")
     rotor = scene.rotor.get(joint.name)
     if rotor is not None and rotor.spins:
         what = f"[motor] {joint.name}: its rotor has an axis, and motors are judged by rotors that turn in place"
@@ -113,8 +112,7 @@ LEAST = 1e-9
 
 
 class MotorPass(ShaftFigures):
-    """Peaks and integrals at the shafts of motors; gear: the torque that each gear bears where it is largest, in
-    magnitude."""
+    """Peaks and integrals at the shafts of motors; gear: the largest torque that each gear bears, in magnitude."""
 
     def __init__(self, trains: Sequence[Train]) -> None:
         super().__init__(len(trains))
@@ -123,7 +121,6 @@ class MotorPass(ShaftFigures):
         self.least = LEAST * np.array(tops)[:, None] + np.finfo(float).tiny
 
     def update(self, time: Floats, first_row: int, tau: Floats, qd: Floats, qdd: Floats) -> None:
-        """Take in a block; tau, qd, qdd: (k, N) of the joints."""
         trains = self.trains
         load = np.array([load_torque(train, *x) for train, *x in zip(trains, tau, qdd, strict=True)])
         torque = np.array([motor_torque(train, *x) for train, *x in zip(trains, load, qd, qdd, strict=True)])
@@ -147,11 +144,6 @@ class MotorPass(ShaftFigures):
             "over gear": (carried > BEYOND * most).astype(float),
         }
         self.gather(time, first_row, torque, speed, more)
-
-    def mean_gear_torque(self, i: int) -> float:
-        """Return the cubic mean of what gear i bears, `cbrt(integral |load^3 qd| dt / integral |qd| dt)` [N m]."""
-        travel = self.integrals.totals["joint travel"][i]
-        return float(self.integrals.totals["wear"][i] / travel) ** (1 / 3) if travel else 0.0
 
     def load(self, i: int, duration: float, inertia: float | None) -> MotorLoad:
         """Return the figures of motor i, which accelerates this inertia at the joint, with its rotor [kg m^2]."""
@@ -249,8 +241,7 @@ FOUNDATION = ("fxy", "fz", "mxy", "mz")
 
 
 class SizingPass:
-    """Gathers what `Sizing` tells, block by block; trains: joints with motors, by their place among the joints whose
-    loads are reported."""
+    """Gathers what `Sizing` tells, block by block; trains: joints with motors, by their place among `joints`."""
 
     def __init__(self, model: Model, scene: Scene, joints: Sequence[Joint], rates: slice) -> None:
         """Args: joints: those whose loads are reported; rates: their entries of tau."""
@@ -319,7 +310,9 @@ class SizingPass:
         peak = float(self.static.kept["value"][k])
         rms = abs(peak) if still else float(np.sqrt(totals["static square"][k] / duration))
         limited = list(self._limited(k, load, motor))
-        exceeded = sorted((each for each in limited if each.value > BEYOND * each.limit), key=_severity)
+        beyond = [each for each in limited if each.value > BEYOND * each.limit]
+        beyond.sort(key=lambda each: -float(steady(each.value / each.limit)) if each.limit else -np.inf)
+        exceeded = sorted(beyond, key=lambda each: each.level != "over peak")  # what breaks before what wears
         level: Level = exceeded[0].level if exceeded else "OK" if limited else "no limits"
         moving = abs(load.max_speed) > self.slowest[k]
         return JointSizing(
@@ -342,17 +335,19 @@ class SizingPass:
         rows: list[tuple[Any, ...]] = []
         if motor is not None:
             i, unit = self.driven.index(k), motor.unit
-            given, gear, over_gear = self.motors.trains[i].motor, self.motors.gear, self.motors.integrals.totals
+            given, gear, totals = self.motors.trains[i].motor, self.motors.gear, self.motors.integrals.totals
+            travel = totals["joint travel"][i]
+            mean = float(totals["wear"][i] / travel) ** (1 / 3) if travel else 0.0  # cubic, over the way of the joint
             if (near := motor.nearest) is not None:
                 at_speed = (near.time, near.row, near.speed, motor.seconds_over_peak)
                 rows.append(("motor torque", near.torque, near.limit, unit, *at_speed))
             fast = (motor.max_speed_time, motor.max_speed_row, None, motor.seconds_over_speed)
-            when = float(gear.time[i]), int(gear.row[i]), None, float(over_gear["over gear"][i])
+            when = float(gear.time[i]), int(gear.row[i]), None, float(totals["over gear"][i])
             rows += [
                 ("motor speed", abs(motor.max_speed), motor.speed_limit, motor.speed_unit, *fast),
                 ("RMS motor torque", motor.rms, motor.continuous_limit, unit, None, None, motor.mean_speed),
                 ("gear torque", float(gear.score[i]), given.gear_peak, load.unit, *when),
-                ("mean gear torque", self.motors.mean_gear_torque(i), given.gear_average, load.unit),
+                ("mean gear torque", mean, given.gear_average, load.unit),
             ]
         when = load.peak_time, load.peak_row, None, load.seconds_over_effort
         fast = load.max_speed_time, load.max_speed_row, None, load.seconds_over_velocity
@@ -361,8 +356,3 @@ class SizingPass:
             ("velocity", abs(load.max_speed), load.velocity_limit, "rad/s" if load.unit == "N m" else "m/s", *fast),
         ]
         return (Exceeded(*row) for row in rows if row[2] is not None)
-
-
-def _severity(exceeded: Exceeded) -> tuple[bool, float]:
-    """What breaks comes before what wears, then by how far in relation to the limit."""
-    return exceeded.level != "over peak", -float(steady(exceeded.value / exceeded.limit)) if exceeded.limit else -np.inf

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robodyn.dynamics.effects.friction import friction_of
+from robodyn.dynamics.effects.springs import JointSpring
 from robodyn.dynamics.plan import Plan, runner_of
 from robodyn.errors import InputError
 from robodyn.loads.result import ComponentLoad, EffectReport, JointLoad, Range
@@ -170,8 +171,8 @@ class Statistics(ShaftFigures):
         state: dict[str, Floats],
         off: Floats | float = 0.0,
     ) -> None:
-        """Take in a block of q, qd, tau (joints, N) and the base wrench f, n (6, N). Args: state: (N, k) arrays of
-        which a peak's sample is kept; off: (joints, N) by how much torques may be off."""
+        """Take in a block of q, qd, tau (joints, N) and the base wrench f, n (6, N); state: (N, k) arrays of which a
+        peak's sample is kept. off: (joints, N) by how much torques may be off."""
         base = np.vstack((base, np.hypot(base[0], base[1]), np.hypot(base[3], base[4])))
         row, size, power = self.integrals.samples + 1, np.abs(tau), tau * qd
         np.maximum(self.least, (size - off).max(axis=1), out=self.least)
@@ -239,7 +240,7 @@ def joint_load(
     totals = gathered.integrals.totals
     travel = float(totals["travel"][k])
     friction = friction_of(joint, scene)
-    held = shares.get("gravity", 0.0) + shares.get("joint spring", 0.0)
+    held = shares.get("gravity", 0.0) + shares.get(JointSpring.name, 0.0)
     return JointLoad(
         name=name,
         unit="N" if joint.kind == "prismatic" else "N m",
@@ -287,13 +288,9 @@ def base_loads(gathered: Statistics) -> tuple[ComponentLoad, ...]:
 
 def effect_reports(plan: Plan, explain: bool) -> tuple[EffectReport, ...]:
     """Return every effect with its verdict and its operations; with `explain`, what its absence would save."""
-    total = plan.torques().size
-    return tuple(
-        EffectReport(
-            effect.name,
-            verdict,
-            plan.share(effect).size if verdict.active else 0,
-            (total - plan.without(effect).size if verdict.active else 0) if explain else None,
-        )
-        for effect, verdict in plan.verdicts
-    )
+    total, reports = plan.torques().size, []
+    for effect, verdict in plan.verdicts:
+        operations = plan.share(effect).size if verdict.active else 0
+        saved = (total - plan.without(effect).size if verdict.active else 0) if explain else None
+        reports.append(EffectReport(effect.name, verdict, operations, saved))
+    return tuple(reports)

@@ -1,15 +1,15 @@
 """The main job: what every joint carries along a motion.
 
 The room: `accumulate` takes block after block through the recursion and holds the laws against it, `statistics` gathers
-peaks and integrals, `error_bars` tells by how much derived accelerations put them off, `constraints` and
-`constraint_figures` add loops and contacts, `sizing` tells what motors and bearings bear, `uncertainty` and
-`uncertain_report` what parameters that are uncertain do; here all becomes a `Result`.
+peaks and integrals, `error_bars` tells by how much derived accelerations put them off, `constraints` adds loops and
+contacts, `sizing` tells what motors and bearings bear, `uncertainty` and `uncertain_report` what parameters that are
+uncertain do; here all becomes a `Result`.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import astuple
 from typing import TYPE_CHECKING
@@ -57,8 +57,7 @@ def torques(
 ) -> Result:
     """Return what every joint of a robot carries along a motion, with self-checks.
 
-    Blocks of the trajectory go through the traced recursion one after another, in memory that does not depend on their
-    number. Integrals over time use the trapezoidal rule.
+    Blocks of the trajectory go through the traced recursion one after another; integrals are trapezoidal.
 
     Args:
         model: of `robodyn.load`.
@@ -139,9 +138,16 @@ def _gathered(run: TorqueAccumulator, last: Trajectory, explain: bool) -> Result
     joints, left = _joints(run, whole)
     base = base_loads(run.statistics)
     constraints = run.constraints.report() if run.constraints else None
-    idle = _idle(run)
-    sizing = run.sizing.report(joints, _inertias(run, run.sizing.driven, idle)) if run.sizing else None
-    unsure = None
+    idle, sizing, unsure = list[int](), None, None
+    if run.sizing is not None:
+        if run.constraints is not None:
+            passive = run.constraints.solver.actuation.passive[run.rates]
+            idle = [k for k in run.sizing.driven if passive[k]]
+        inertias: dict[int, float | None] = dict.fromkeys(idle)
+        for k in set(run.sizing.driven).difference(idle):  # by the joint's own torque alone, at its peak
+            response = run.bars.response(run.statistics.at_peak[k], own=True)
+            inertias[k] = float(np.diag(response)[run.rates.start + k])
+        sizing = run.sizing.report(joints, inertias)
     if run.uncertain is not None:
         from robodyn.loads.uncertain_report import Figures
 
@@ -155,10 +161,13 @@ def _gathered(run: TorqueAccumulator, last: Trajectory, explain: bool) -> Result
         *bar_caveats(joints, sizing),
         *(unsure.caveats if unsure else ()),
     )
-    about = (*(run.uncertain.notes if run.uncertain else ()), *_added(run))
-    undriven = (
-        f"nothing drives {shown(joints[k].name)}, so that its [motor] is judged by its speed alone" for k in idle
-    )
+    about = list(run.uncertain.notes if run.uncertain else ())
+    for link in dict.fromkeys(payload.link for payload in run.scene.payloads):
+        masses = [payload.mass for payload in run.scene.payloads if payload.link == link]
+        if len(masses) > 1:  # as of a scene and of the command line
+            parts = " + ".join(f"{mass:g}" for mass in masses)
+            about.append(f"{len(masses)} payloads on link {shown(link)} add up: {parts} = {sum(masses):g} kg")
+    about += [f"nothing drives {shown(joints[k].name)}, so that its [motor] is judged by its speed alone" for k in idle]
     return Result(
         robot=run.model.name,
         samples=total.samples,
@@ -172,8 +181,8 @@ def _gathered(run: TorqueAccumulator, last: Trajectory, explain: bool) -> Result
         executor=run.choice.executor,
         reason=run.choice.reason,
         derivation=last.derivation,
-        warnings=(*(caveat.text for caveat in caveats), *about, *undriven, *run.model.notes, *last.notes),
-        momentum=run.momentum.report() if run.momentum else None,
+        warnings=(*(caveat.text for caveat in caveats), *about, *run.model.notes, *last.notes),
+        momentum=run.momentum(),
         history=run.history.history(run.statistics.at_peak) if run.history else None,
         sizing=sizing,
         limits=coverage(run.joints),
@@ -185,18 +194,7 @@ def _gathered(run: TorqueAccumulator, last: Trajectory, explain: bool) -> Result
     )
 
 
-def _added(run: TorqueAccumulator) -> Iterator[str]:
-    """Yield which links have several payloads, as of a scene and of the command line, and what these add up to."""
-    payloads = run.scene.payloads
-    for link in dict.fromkeys(payload.link for payload in payloads):
-        masses = [payload.mass for payload in payloads if payload.link == link]
-        if len(masses) > 1:
-            parts = " + ".join(f"{mass:g}" for mass in masses)
-            yield f"{len(masses)} payloads on link {shown(link)} add up: {parts} = {sum(masses):g} kg"
-
-
 def _joints(run: TorqueAccumulator, whole: Plan) -> tuple[tuple[JointLoad, ...], list[float]]:
-    """Return the loads of the joints, and what is open of their peaks."""
     gathered, bars, joints = run.statistics, run.bars, []
     each = zip(run.joints, run.model.rates[run.rates], strict=True)
     every_share = shares_at_peaks(whole, gathered.at_peak, run.rates.start)
@@ -209,18 +207,3 @@ def _joints(run: TorqueAccumulator, whole: Plan) -> tuple[tuple[JointLoad, ...],
             uncertainty = noise, max(bar, guessed) if bars.guessed else bar
         joints.append(joint_load(gathered, k, joint, name, run.scene, shares, uncertainty))
     return tuple(joints), [joint.error_bar or 0.0 for joint in joints]
-
-
-def _inertias(run: TorqueAccumulator, joints: Sequence[int], idle: Sequence[int]) -> dict[int, float | None]:
-    """Return what joints accelerate at their peaks, by their own torque alone [kg m^2 or kg]; None of idle ones."""
-    found: dict[int, float | None] = dict.fromkeys(joints)
-    for k in set(joints).difference(idle):
-        found[k] = float(np.diag(run.bars.response(run.statistics.at_peak[k], own=True))[run.rates.start + k])
-    return found
-
-
-def _idle(run: TorqueAccumulator) -> list[int]:
-    if run.sizing is None or run.constraints is None:
-        return []
-    passive = run.constraints.solver.actuation.passive[run.rates]
-    return [k for k in run.sizing.driven if passive[k]]

@@ -6,7 +6,7 @@ import os
 import platform
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import perf_counter
 from typing import Any, Literal
@@ -48,12 +48,20 @@ class Line:
 
 def doctor() -> tuple[Line, ...]:
     """Return everything that was looked at. Libraries are loaded in another process, so that none can end this one."""
-    libraries = installed((*CORE, COMPILER, SCENES, *OPTIONAL))
+    found = installed((*CORE, COMPILER, SCENES, *OPTIONAL))
+    compiler = _library("versions", COMPILER, found, "missing")
+    if compiler.verdict == "ok" and compiler_problem() is None:
+        compiler = replace(compiler, found=f"{compiler.found}, LLVM {'.'.join(map(str, host().llvm))}")
     return (
-        *_versions(libraries),
-        *_processor(not libraries[COMPILER.name].problem),
+        Line("versions", "robodyn", version_of("robodyn") or "not installed, run from its sources"),
+        Line("versions", "Python", platform.python_version()),
+        *(_library("versions", library, found, "broken") for library in CORE),
+        compiler,
+        _library("versions", SCENES, found, "missing"),
+        *(_library("optional", library, found, "missing") for library in OPTIONAL),
+        *_processor(not found[COMPILER.name].problem),
         *_executors(tried_apart()),
-        *_cache(),
+        _cache(),
         *_environment(os.environ),
     )
 
@@ -63,22 +71,8 @@ def healthy(lines: tuple[Line, ...]) -> bool:
     return all(line.verdict != "broken" for line in lines)
 
 
-def _versions(found: Mapping[str, Installed]) -> Iterator[Line]:
-    yield Line("versions", "robodyn", version_of("robodyn") or "not installed, run from its sources")
-    yield Line("versions", "Python", platform.python_version())
-    for library in CORE:
-        yield _library("versions", library, found[library.name], "broken")
-    here = found[COMPILER.name]
-    line = _library("versions", COMPILER, here, "missing")
-    if line.verdict == "ok" and compiler_problem() is None:
-        line = Line(line.group, line.name, f"{here.version}, LLVM {'.'.join(map(str, host().llvm))}")
-    yield line
-    yield _library("versions", SCENES, found[SCENES.name], "missing")
-    for library in OPTIONAL:
-        yield _library("optional", library, found[library.name], "missing")
-
-
-def _library(group: str, library: Library, here: Installed, absent: Verdict) -> Line:
+def _library(group: str, library: Library, found: Mapping[str, Installed], absent: Verdict) -> Line:
+    here = found[library.name]
     if here.version is None:
         return Line(group, library.name, "", absent, f"without it no {library.cost}; pip install {library.install}")
     if here.problem:
@@ -128,24 +122,19 @@ def _executors(tried: SelfTest) -> Iterator[Line]:
     yield Line("executors", "compiled", f"{times}, {agreement}", figures=figures)
 
 
-def _cache() -> Iterator[Line]:
-    folder = cache_folder()
-    slow = "machine code is compiled anew by every process"
+def _cache() -> Line:
+    folder, slow = cache_folder(), "machine code is compiled anew by every process"
     if folder is None:
-        yield Line(
-            "cache", "cache folder", "", "note", f"switched off or without a place: {slow}; ROBODYN_CACHE names one"
-        )
-        return
-    objects = ObjectCache(folder)
-    content = os.urandom(8)
+        remark = f"switched off or without a place: {slow}; ROBODYN_CACHE names one"
+        return Line("cache", "cache folder", "", "note", remark)
+    objects, content = ObjectCache(folder), os.urandom(8)
     objects.put(_PROBE, content)
     if objects.get(_PROBE) != content:
         remark = f"nothing can be kept there: {slow}; let only this user write to it (chmod 700), or set ROBODYN_CACHE"
-        yield Line("cache", "cache folder", str(folder), "broken", remark)
-        return
+        return Line("cache", "cache folder", str(folder), "broken", remark)
     files, size = objects.held()
     text = f"{folder}, writable, {size / 1e6:.3g} MB in {count(files, 'file')}"
-    yield Line("cache", "cache folder", text, figures={"bytes": size, "files": files})
+    return Line("cache", "cache folder", text, figures={"bytes": size, "files": files})
 
 
 def _environment(variables: Mapping[str, str]) -> Iterator[Line]:

@@ -15,8 +15,7 @@ import numpy as np
 from robodyn.dynamics.initial_state import initial_state
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
-from robodyn.measure.accuracy.motion_error import MotionError
-from robodyn.measure.accuracy.simulation import CHECKED, Reference, Run
+from robodyn.measure.accuracy.simulation import CHECKED, MotionError, Reference, Run
 from robodyn.measure.accuracy.simulation import motion_reference as in_doubles
 from robodyn.programs.program import Program
 from robodyn.programs.run.multiprecision import context_of

@@ -11,7 +11,7 @@ from helpers.possible_bodies import calibration, described
 from helpers.small_robots import joint, link, urdf
 
 import robodyn
-from robodyn.identification.calibrated import calibrated, friction_toml
+from robodyn.identification.result import calibrated, friction_toml
 from robodyn.robot.load import load
 from robodyn.scene.scene import DEFAULT, Friction, Rotor, Scene
 

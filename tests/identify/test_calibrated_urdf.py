@@ -15,8 +15,8 @@ from helpers.small_robots import joint, link, urdf
 from robodyn.checks.check import check_one
 from robodyn.checks.rule import Severity
 from robodyn.errors import InputError
-from robodyn.identification.calibrated import calibrated_urdf, lost_meshes
 from robodyn.identification.parameters.consistent import parameters_of, pseudo_inertia
+from robodyn.identification.result import calibrated_urdf, lost_meshes
 from robodyn.robot.load import assemble, load
 from robodyn.robot.masses.declared import declared
 from robodyn.robot.urdf.description import load_description

@@ -15,8 +15,7 @@ from helpers.identified_logs import write_log
 from helpers.random_faulty_logs import OTHERS, Draw
 
 from robodyn.dynamics.inverse import inverse_dynamics
-from robodyn.identification.faults.channels import channels, rerouted
-from robodyn.identification.faults.compare import evidence_of
+from robodyn.identification.faults.compare import channels, evidence_of, rerouted
 from robodyn.identification.faults.faults import OWN, ROTOR, explain
 from robodyn.identification.log.log import read_log
 from robodyn.robot.load import load

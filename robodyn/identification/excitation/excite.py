@@ -244,9 +244,8 @@ def _deviations(
     found = NOISE * np.where(size > 0.0, size, 1.0)
     if isinstance(noise, Mapping):
         if unknown := [name for name in noise if name not in model.joint_names]:
-            raise InputError(
-                f"noise is given for {unknown[0]!r}, which is no joint", remedy=", ".join(model.joint_names)
-            )
+            what = f"noise is given for {unknown[0]!r}, which is no joint"
+            raise InputError(what, remedy=", ".join(model.joint_names))
         found = np.array([noise.get(name, own) for name, own in zip(model.joint_names, found.tolist(), strict=True)])
     elif noise is not None:
         if len(noise) not in (1, model.n):
@@ -258,7 +257,6 @@ def _deviations(
 
 
 def _information(model: Model, scene: Scene, base: Base, motion: Motion, deviations: Floats, rows: int) -> Information:
-    """Return what a motion tells, as if its rows were so many."""
     samples = min(rows, PERIOD_SAMPLES * motion.series.harmonics)
     Y = regressor(model, *motion.at(motion.series.even(samples)), scene=scene, executor="numpy").Y
     R = stacked([(Y / deviations[:, None]).reshape(-1, len(base.names)) * np.sqrt(rows / samples)])

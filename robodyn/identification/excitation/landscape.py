@@ -95,7 +95,7 @@ class Landscape:
     def __init__(
         self, programs: Programs, bounds: Bounds, series: Fourier, deviations: Floats, samples: int, room: float
     ) -> None:
-        """Args: deviations: (n,) of the torques' noise. samples: of a period. room: part of the efforts to be used."""
+        """Args: deviations: (n,) of the torques' noise; samples: of a period; room: part of the efforts to be used."""
         self.programs, self.bounds, self.size = programs, bounds, series.size
         self._moving = list(bounds.moving)
         limits = np.array([bounds.half, bounds.speed, bounds.acceleration])[:, None, self._moving]
@@ -192,16 +192,8 @@ def _barrier(z: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def search(landscape: Landscape, starts: int, seed: int) -> Floats:
-    """Return the best position that is found from so many places; raise InputError if no posture that is tried can be
-    held."""
-
-    lowest = partial(_lowest, landscape)
-    ends = [reduce(lowest, _EARLY, start) for start in _starts(landscape, starts, seed)]
-    return reduce(lowest, _LATE, ranked(ends, lambda end: -landscape.height(end, _EARLY[-1])[0])[0])
-
-
-def _starts(landscape: Landscape, count: int, seed: int) -> list[Floats]:
-    """Return motions well within the bounds, about postures that effort limits allow."""
+    """Return the best position that is found from so many motions well within the bounds, about postures that effort
+    limits allow; raise InputError if no posture that is tried can be held."""
     rng = np.random.default_rng(seed)
     bounds, k = landscape.bounds, list(landscape.bounds.moving)
     made: list[Floats] = []
@@ -213,12 +205,14 @@ def _starts(landscape: Landscape, count: int, seed: int) -> list[Floats]:
             if landscape.largest_share(y) < 0.95 and np.isfinite(landscape.height(y, 0.0)[0]):
                 made.append(y)
                 break
-        if len(made) == count:
+        if len(made) == starts:
             break
     if not made:
         what = f"none of {_POSTURES} postures can be held and moved about within the effort limits"
         raise InputError(what, remedy="check limits and masses, or move fewer joints: --joints")
-    return made
+    lowest = partial(_lowest, landscape)
+    ends = [reduce(lowest, _EARLY, start) for start in made]
+    return reduce(lowest, _LATE, ranked(ends, lambda end: -landscape.height(end, _EARLY[-1])[0])[0])
 
 
 def on_grid(y: Floats) -> Floats:

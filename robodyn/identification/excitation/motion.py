@@ -220,24 +220,20 @@ class Motion:
             np.abs(tau).max(axis=0) + bends,
         )
 
-    def keeps_limits(self) -> bool:
-        """Return whether it is within all bounds at all times; joints that stand need be within their efforts only."""
-        peaks, bounds, k = self.peaks(), self.bounds, list(self.bounds.moving)
-        low, high = (bounds.middle - bounds.half)[k], (bounds.middle + bounds.half)[k]
-        ranged = (peaks.least[k] >= low).all() and (peaks.largest[k] <= high).all()
-        quick = (peaks.speed <= bounds.speed).all() and (peaks.acceleration <= bounds.acceleration).all()
-        return bool(ranged and quick and (peaks.effort <= bounds.effort).all())
-
 
 def within_limits(motion: Motion) -> Motion:
-    """Return the motion, swinging as much less about its centre as keeps all limits; raise InputError if however little
-    it swings, it exceeds one."""
-    size = 1.0
+    """Return the motion, swinging as much less about its centre as keeps all limits at all times (of joints that stand
+    those of efforts); raise InputError if however little it swings, it exceeds one."""
+    size, bounds, k = 1.0, motion.bounds, list(motion.bounds.moving)
+    low, high = (bounds.middle - bounds.half)[k], (bounds.middle + bounds.half)[k]
     while size > _LEAST:
         x = motion.x * size
         x[:, 0] = motion.x[:, 0]
         smaller = replace(motion, x=x)
-        if smaller.keeps_limits():
+        peaks = smaller.peaks()
+        ranged = (peaks.least[k] >= low).all() and (peaks.largest[k] <= high).all()
+        quick = (peaks.speed <= bounds.speed).all() and (peaks.acceleration <= bounds.acceleration).all()
+        if ranged and quick and (peaks.effort <= bounds.effort).all():
             return smaller
         size *= _SMALLER
     raise InputError("efforts leave no room for a motion", remedy="check limits and masses, or move fewer joints")

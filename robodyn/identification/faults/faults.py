@@ -59,7 +59,7 @@ class Evidence:
 
     @property
     def parameters(self) -> int:
-        """The number of parameters: `OWN` of each joint, and then those of the payload."""
+        """Their number: `OWN` of each joint, and then those of the payload."""
         return int(len(OWN) * self.joints + self.load.shape[2])
 
     @property
@@ -183,7 +183,14 @@ def explain(evidence: Evidence, present: Floats | None = None) -> Explained:
     """
     start = np.zeros(evidence.parameters)
     start[DELAY : len(OWN) * evidence.joints : len(OWN)] = _first_delays(evidence)
-    every = _clear(evidence, start, effects(evidence))
+    hidden: set[int] = set()  # gains and delays of joints whose computed torque is next to nothing beside noise
+    for j, each in enumerate(_columns(evidence, start)[0]):
+        Q, target, column = range_basis(each), evidence.shifted(j, start[len(OWN) * j + DELAY]), each[:, [GAIN]]
+        rest = (target - Q @ (Q.T @ target))[:, None]
+        error = np.sqrt(np.abs(score_covariance([column], rest, [(0,)], 1)[0, 0]))
+        if error > BLURRED * len(column) * rms(column)[0] ** 2 or not column.any():
+            hidden |= {len(OWN) * j + GAIN, len(OWN) * j + DELAY}
+    every = [effect for effect in effects(evidence) if not hidden & {*effect.places}]
     while True:
         found = _explained(evidence, start, every)
         wrong = []
@@ -241,7 +248,13 @@ class _Shares:
 
     def __init__(self, evidence: Evidence, at: Fit) -> None:
         self.fit = at
-        self.rows, self.heights = _rows(evidence, _secants(evidence, at.theta), evidence.difference, at.weights)
+        columns, _ = _columns(evidence, at.theta)
+        for j, each in enumerate(columns):  # the secant of the delay for its derivative, the gain's with all it scales
+            delay = at.theta[evidence.places(j)[DELAY]]
+            each[:, len(OWN) :] = evidence.load[evidence.inside, j]
+            if delay:
+                each[:, DELAY] = (evidence.measured[evidence.inside, j] - evidence.shifted(j, delay)) / delay
+        self.rows, self.heights = _rows(evidence, columns, evidence.difference, at.weights)
 
     def left(self, effects: Sequence[Effect]) -> Floats:
         """Return (n,) the squares that some effects leave."""
@@ -390,21 +403,9 @@ def _columns(evidence: Evidence, theta: Floats) -> tuple[list[Floats], Floats]:
     return found, np.stack(left, axis=1)
 
 
-def _secants(evidence: Evidence, theta: Floats) -> list[Floats]:
-    """Return columns of which `theta` makes exactly what is explained of measured less computed. As `_columns`, with
-    the secant of the delay for its derivative, and the gain's column with all that it scales."""
-    found, _ = _columns(evidence, theta)
-    for j, each in enumerate(found):
-        delay = theta[evidence.places(j)[DELAY]]
-        each[:, len(OWN) :] = evidence.load[evidence.inside, j]
-        if delay:
-            each[:, DELAY] = (evidence.measured[evidence.inside, j] - evidence.shifted(j, delay)) / delay
-    return found
-
-
 def _of_robot(fit: Fit, gains: Sequence[int]) -> tuple[Floats, Floats]:
-    """Return parameters and their covariance with friction and rotors of the robot, before the gain of its sensor;
-    gains: the joints whose gain was told; that of the others is taken for 1, as is a gain of next to nothing."""
+    """Return parameters and their covariance with friction and rotors of the robot, before the gain of its sensor, as
+    far as that was told (of joints `gains`) and is more than next to nothing."""
     rate, found = np.eye(len(fit.theta)), fit.theta.copy()
     for j in gains:
         gain = len(OWN) * j + GAIN
@@ -434,17 +435,3 @@ def _first_delays(evidence: Evidence) -> Floats:
         if rest[best] < (1.0 - _LATE) * rest[margin - 1]:
             found[j] = (best + 1 - margin) * evidence.step
     return found
-
-
-def _clear(evidence: Evidence, start: Floats, every: Sequence[Effect]) -> list[Effect]:
-    """Return the effects without gains and delays of joints whose computed torque is next to nothing beside noise."""
-    hidden: set[int] = set()
-    for j, each in enumerate(_columns(evidence, start)[0]):
-        Q = range_basis(each)
-        target = evidence.shifted(j, start[len(OWN) * j + DELAY])
-        rest = (target - Q @ (Q.T @ target))[:, None]
-        column = each[:, [GAIN]]
-        error = np.sqrt(np.abs(score_covariance([column], rest, [(0,)], 1)[0, 0]))
-        if error > BLURRED * len(column) * rms(column)[0] ** 2 or not column.any():
-            hidden |= {len(OWN) * j + GAIN, len(OWN) * j + DELAY}
-    return [effect for effect in every if not hidden & {*effect.places}]

@@ -85,7 +85,7 @@ class Log:
         return found.hexdigest()
 
     def blocks(self) -> Iterator[Samples]:
-        """Yield the samples on even grids, one grid for each stretch without gaps."""
+        """Yield the samples on even grids, one for each stretch without gaps."""
         grid = None if self.even and not self.delays.any() else Grid(self.step, self.delays)
         for part in self._parts():
             if grid is None:
@@ -182,7 +182,6 @@ def read_log(path: str, model: Model, scene: Scene = DEFAULT, *, cutoff: float |
 
 
 def _of_torques(names: Sequence[str], torques: Floats, limits: Floats) -> Iterator[str]:
-    """Yield lines on torques (N, k) that are clipped between limits (2, k), or come in steps."""
     coarse = []
     for name, tau, ends in zip(names, torques.T, limits.T, strict=True):
         if np.isfinite(ends).any():
@@ -242,9 +241,8 @@ class Scan:
     def grid(self, path: str) -> tuple[float, bool]:
         """Return the mean step where there is no gap [s], and whether all such steps are alike."""
         if self.rows <= _FEWEST:
-            raise TrajectoryError(
-                f"has {self.rows} rows, too few to compare", remedy=f"give more than {_FEWEST}", file=path
-            )
+            what = f"has {self.rows} rows, too few to compare"
+            raise TrajectoryError(what, remedy=f"give more than {_FEWEST}", file=path)
         count, total, least, most = self._steps
         step = total / count
         return step, max(step - least, most - step) < _EVEN * step

@@ -61,7 +61,7 @@ class Base:
 
     @property
     def invisible(self) -> tuple[int, ...]:
-        """Which parameters are in no group: their columns are zero, so that no torque shows them."""
+        """Which parameters are in no group: no torque shows them."""
         return tuple(np.flatnonzero(~self.matrix.any(axis=0)).tolist())
 
     @cached_property
@@ -130,8 +130,19 @@ def base_of(R: Floats, names: Sequence[str], tolerance: float = TOLERANCE) -> Ba
     A = np.array(R, dtype=float)
     visible = np.flatnonzero(shown(A, names))
     unit, lengths = unit_columns(A[:, visible])
-    chosen, kept, off = _pivoted(unit, tolerance)
-    own, others = np.sort(chosen), np.setdiff1d(np.arange(len(visible)), chosen)
+    rest, Q, chosen, kept, off = unit.copy(), np.zeros((len(unit), 0)), list[int](), 1.0, _lengths(unit)
+    while len(chosen) < min(unit.shape) and off.max() > tolerance:
+        pivot = int(np.argmax(off >= max(_EARLY_ENOUGH * off.max(), tolerance)))
+        chosen.append(pivot)
+        kept = min(kept, float(off[pivot]))
+        q = rest[:, pivot] - Q @ (Q.T @ rest[:, pivot])
+        q /= np.linalg.norm(q)
+        Q = np.column_stack((Q, q))
+        rest -= np.outer(q, q @ rest)
+        rest[:, chosen] = 0.0
+        off = _lengths(rest)
+    own = np.array(sorted(chosen), dtype=int)
+    others = np.setdiff1d(np.arange(len(visible)), own)
     tail = np.linalg.lstsq(unit[:, own], unit[:, others], rcond=None)[0]
     tail = np.where(np.abs(tail) > _NOTHING, tail, 0.0) / lengths[own, None] * lengths[others]
     matrix = np.zeros((len(own), len(names)))
@@ -139,9 +150,8 @@ def base_of(R: Floats, names: Sequence[str], tolerance: float = TOLERANCE) -> Ba
     matrix[:, visible[others]] = tail
     values = np.linalg.svd(unit[:, own], compute_uv=False)
     condition = float(f"{values[0] / values[-1]:.6g}") if len(values) else 1.0
-    return Base(
-        tuple(names), tuple(visible[own].tolist()), matrix, kept, float(off[others].max(initial=0.0)), condition
-    )
+    dropped = float(off[others].max(initial=0.0))
+    return Base(tuple(names), tuple(visible[own].tolist()), matrix, kept, dropped, condition)
 
 
 def shown(R: Floats, names: Sequence[str]) -> NDArray[np.bool_]:
@@ -158,23 +168,6 @@ _UNITS = {name: "kg" if name == "m" else "kg m" if name.startswith("m") else "kg
 
 def _lengths(A: Floats) -> Floats:
     return np.asarray(np.sqrt(einsum("ij,ij->j", A, A)))
-
-
-def _pivoted(A: Floats, tolerance: float) -> tuple[NDArray[np.intp], float, Floats]:
-    """Return the chosen columns, how near one was to the span of those before, and how far all are off their span."""
-    rest, Q, chosen, kept = A.copy(), np.zeros((len(A), 0)), list[int](), 1.0
-    off = _lengths(rest)
-    while len(chosen) < min(A.shape) and off.max() > tolerance:
-        pivot = int(np.argmax(off >= max(_EARLY_ENOUGH * off.max(), tolerance)))
-        chosen.append(pivot)
-        kept = min(kept, float(off[pivot]))
-        q = rest[:, pivot] - Q @ (Q.T @ rest[:, pivot])
-        q /= np.linalg.norm(q)
-        Q = np.column_stack((Q, q))
-        rest -= np.outer(q, q @ rest)
-        rest[:, chosen] = 0.0
-        off = _lengths(rest)
-    return np.array(chosen, dtype=int), kept, off
 
 
 def structural_base(model: Model, scene: Scene = DEFAULT) -> Base:

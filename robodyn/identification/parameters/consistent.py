@@ -77,7 +77,12 @@ def prior_of(model: Model, names: Sequence[str], theta: Floats, *, shapes: bool 
     described, repaired = np.array(theta, dtype=float), np.array(theta, dtype=float)
     columns = {name[:-2]: slice(k, k + 10) for k, name in enumerate(names) if name.endswith(f".{INERTIAL[0]}")}
     share = _SHARE * (sum(max(described[own.start], 0.0) for own in columns.values()) or 1.0)
-    for name in {model.bodies[0].name, *_frames(model)}:
+    assert model.description is not None, "models are made of descriptions"
+    shaped = {link.name for link in model.description.links if link.geometries}
+    real = {model.bodies[frame.body].name for link, frame in model.links.items() if link in shaped}
+    real |= {body.name for body in model.bodies if body.inertia.m or body.inertia.I.any()}
+    frames = {body.name for body in model.bodies if real and body.name not in real}
+    for name in {model.bodies[0].name, *frames}:
         del columns[name]
     bodies, unbounded, said = [], list[str](), list(notes)
     for name, own in columns.items():
@@ -94,18 +99,7 @@ def prior_of(model: Model, names: Sequence[str], theta: Floats, *, shapes: bool 
     return Prior(tuple(names), described, repaired, tuple(bodies), tuple(said))
 
 
-def _frames(model: Model) -> list[str]:
-    """Return the bodies that are nothing but frames between joints."""
-    assert model.description is not None, "models are made of descriptions"
-    shaped = {link.name for link in model.description.links if link.geometries}
-    real = {frame.body for link, frame in model.links.items() if link in shaped}
-    real |= {k for k, body in enumerate(model.bodies) if body.inertia.m or body.inertia.I.any()}
-    names = {model.bodies[k].name for k in real}
-    return [name for name in dict.fromkeys(body.name for body in model.bodies) if names and name not in names]
-
-
 def _possible(parameters: Floats, size: float, share: float) -> tuple[Floats, str]:
-    """Return the parameters of a body that can exist, and what is wrong with those that are given."""
     m, mc, I = parameters[0], parameters[1:4], symmetric(parameters[4:])
     why = ""
     if not m > 0.0:
@@ -203,8 +197,7 @@ def body_boxes(model: Model) -> tuple[dict[str, Box], tuple[str, ...]]:
 
 
 def _box(description: Description, shape: Shape) -> Box:
-    """Return the box around a shape, along the axes of its link; raise MeshError if the mesh is not found, cannot be
-    read, or may not be the whole."""
+    """Return the box around a shape; raise MeshError if the mesh is not found, cannot be read, or is not the whole."""
     geometry, file = shape.geometry, mesh_file(shape)
     if shape.missing:
         raise MeshError(missing_mesh(description, geometry).what)
@@ -284,8 +277,7 @@ def consistent_parameters(R: Floats, z: Floats, prior: Prior, strength: float = 
     path = _Path(R, z, prior, strength)
     if not path.seen.any():
         return ConsistentFit(prior.described.copy(), float(z @ z) / 2.0, 0.0)
-    gap = path.follow()
-    theta = path.theta()
+    gap, theta = path.follow(), path.theta()
     residual = R @ theta - z
     return ConsistentFit(theta, float(residual @ residual) / 2.0, gap * path.size**2)
 

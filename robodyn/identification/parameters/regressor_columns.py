@@ -72,8 +72,8 @@ class Shape:
 
     def kinds(self) -> list[str]:
         """Return which of `PARAMETERS` there are."""
-        absent = {"stribeck"} if self.stribeck is None else set[str]()
-        return [kind for kind in PARAMETERS if kind not in absent | (set() if self.load else {"load"})]
+        there = {"stribeck": self.stribeck is not None, "load": self.load}
+        return [kind for kind in PARAMETERS if there.get(kind, True)]
 
     def matrix(self, motor: Motor) -> Floats:
         """Return (columns, parameters) which sums of the columns of a motor are the columns of its parameters."""
@@ -102,7 +102,8 @@ class RegressorColumns:
     Attributes:
         bodies: (b,) names of the parameters of bodies, as `robodyn.regressor` has them; described: their values.
         names: (a,) of all columns: those of bodies, then `MOTOR.ATOM` of every motor.
-        used: for each measured joint the columns that are not always zero, as places in `names`.
+        used: for each measured joint the columns that are not always zero, as places in `names`; widths: how many
+            columns of `compute` belong to it, two more than these.
     """
 
     def __init__(
@@ -136,6 +137,7 @@ class RegressorColumns:
             np.concatenate([of_bodies, *(each for _, _, each in self._of_motors(j))]).astype(int)
             for j, of_bodies in zip(self.measured, self._of_bodies, strict=True)
         ]
+        self.widths = [len(each) + 2 for each in self.used]
 
     def near(self, bodies: Floats, loads: Mapping[int, float]) -> RegressorColumns:
         """Return the columns that are linear near a fit, where friction grows with load.
@@ -152,15 +154,6 @@ class RegressorColumns:
         found._scene = replace(self._scene, gravity=gravity)
         return found
 
-    @property
-    def own(self) -> list[list[int]]:
-        """For each measured joint where in `used` its own motor's friction is, viscous and Coulomb's, and its rotor."""
-        found = []
-        for j, used in zip(self.measured, self.used, strict=True):
-            places = {self.names[k]: place for place, k in enumerate(used)}
-            found.append([places[f"{self.model.rates[j]}.{column}"] for column in ("viscous", "sign", "rotor")])
-        return found
-
     def _of_motors(self, j: int) -> Iterator[tuple[int, float, NDArray[np.intp]]]:
         """Yield place, share and columns of each motor that acts on a joint."""
         start = len(self.bodies)
@@ -170,13 +163,8 @@ class RegressorColumns:
                 yield k, float(motor.direction[j]), np.arange(start, stop)
             start = stop
 
-    @property
-    def widths(self) -> list[int]:
-        """How many columns of `compute` belong to each measured joint: those in `used`, and two more."""
-        return [len(each) + 2 for each in self.used]
-
     def by_joint(self, values: Floats) -> list[Floats]:
-        """Return of what `compute` returns the columns of each measured joint."""
+        """Return the columns of each measured joint of what `compute` returns."""
         return np.split(values, np.cumsum(self.widths)[:-1], axis=1)
 
     def compute(self, samples: Samples) -> Floats:
@@ -271,12 +259,6 @@ class Guess:
     sigma: Floats
     moments: Moments
 
-    def weights(self, columns: Sequence[Floats], residuals: Floats, fit: NDArray[np.bool_]) -> Floats:
-        """Return (k, joints) the square roots of Huber's weights; add the rows that are fitted to the moments."""
-        huber = np.minimum(1.0, _OUTLIER / np.maximum(np.abs(residuals) / self.sigma, 1e-300))
-        self.moments.add([each[fit] for each in columns], (residuals * huber)[fit])
-        return np.sqrt(huber)
-
 
 def gather(
     log: Log, cutoff: float, edges: Sequence[float], plain: Gathered, weighted: Gathered, guess: Guess | None = None
@@ -296,9 +278,13 @@ def gather(
         if guess is not None:
             pairs = zip(parts, regressor.used, strict=True)
             off = np.stack([part[:, :-1] @ guess.values[used] - part[:, -1] for part, used in pairs], axis=1)
-            weights = guess.weights([part[:, :-1] for part in parts], off, fit)
+            huber = np.minimum(1.0, _OUTLIER / np.maximum(np.abs(off) / guess.sigma, 1e-300))
+            guess.moments.add([part[fit, :-1] for part in parts], (off * huber)[fit])
+            weights = np.sqrt(huber)
         else:
-            for joint, own in enumerate(regressor.own):
+            for joint, (j, used) in enumerate(zip(regressor.measured, regressor.used, strict=True)):
+                names = [regressor.names[k] for k in used]
+                own = [names.index(f"{regressor.model.rates[j]}.{kind}") for kind in ("viscous", "sign", "rotor")]
                 channels = np.column_stack((parts[joint][:, own], described[joint] + tau[:, joint], tau))
                 plain.channels[joint].add(channels[fit])
         for fold in np.unique(folds).tolist():

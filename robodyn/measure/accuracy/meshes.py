@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from math import isfinite, sqrt
@@ -18,7 +17,7 @@ from robodyn.solids.inertia.laws import exact, fraction
 from robodyn.solids.mass_properties import SYMMETRY_TRIANGLES, Part, measured
 from robodyn.solids.mesh.asymmetry import CentredBody
 from robodyn.solids.mesh.closed import fingerprint, is_one_shell
-from robodyn.solids.mesh.columns import DIRECTIONS, Lattice, Pieces, pieces
+from robodyn.solids.mesh.columns import DIRECTIONS, Lattice, pieces
 from robodyn.solids.mesh.indexed import merged
 from robodyn.solids.mesh.inside import manifold, winding_numbers
 from robodyn.solids.mesh.integrals import LIMIT, Integrals, Moments, integrate, swept
@@ -26,14 +25,15 @@ from robodyn.solids.mesh.kernel import symmetric, volume_kernel
 from robodyn.solids.mesh.repair import repair
 from robodyn.solids.mesh.symmetry import symmetry
 from robodyn.solids.mesh.tessellation import tessellation
-from robodyn.solids.mesh.triangles import CHUNK, MemoryTriangles, Triangles, workspace
+from robodyn.solids.mesh.triangles import MemoryTriangles, Triangles
 from robodyn.support.floats import Floats
 
 COLUMNS = 256, 4096, 65536
-VOXELS = 256, 4096
 POINTS = 100, 1000, 10000
 TOLERANCES = 3e-2, 3e-3
 """Of decimated surfaces, shares of the diagonal of the box."""
+OPERATIONS = 112
+"""Of the integral over a triangle, nine of them to take its corners to the point of reference."""
 MOST_TESTS = 20_000_000
 """Of random points against triangles: a second or two."""
 
@@ -77,11 +77,11 @@ def mesh_accuracy(triangles: Triangles) -> Accuracy:
     for name, (moments, time) in timed(acts).items():
         errors = _errors(moments, whole)
         if all(map(isfinite, errors)):
-            rungs.append(Rung(name, errors, time, integral_operations(surface.count) if name in floats else None))
+            rungs.append(Rung(name, errors, time, OPERATIONS * surface.count if name in floats else None))
         else:
             notes.append(f"{name}: finds no volume")
     ladder = Ladder("volume and inertia", ("volume", "inertia"), "exact rationals", "mesh", tuple(rungs))
-    return Accuracy(triangles.name, (ladder,), _prices(triangles, surface, whole, corners), notes=tuple(notes))
+    return Accuracy(triangles.name, (ladder,), _prices(triangles, surface, whole), notes=tuple(notes))
 
 
 def _crude(corners: Floats) -> tuple[dict[str, Callable[[], Moments]], list[str]]:
@@ -90,7 +90,6 @@ def _crude(corners: Floats) -> tuple[dict[str, Callable[[], Moments]], list[str]
         "bounding box": partial(by_box, corners),
         "convex hull": partial(by_hull, corners),
     }
-    acts |= {f"voxels on {count} columns": partial(by_voxels, corners, count) for count in VOXELS}
     acts |= {f"{count} columns": partial(by_columns, corners, count) for count in COLUMNS}
     notes = []
     for count in POINTS:
@@ -122,7 +121,7 @@ def _errors(moments: Moments, whole: Integrals) -> tuple[float, float]:
     return off, next(norms) / next(norms)
 
 
-def _prices(given: Triangles, triangles: Triangles, whole: Integrals, corners: Floats) -> tuple[Price, ...]:
+def _prices(given: Triangles, triangles: Triangles, whole: Integrals) -> tuple[Price, ...]:
     """Return times of what makes the numbers trustworthy; the repair is that of the mesh as it was given."""
 
     def facets() -> object:
@@ -135,9 +134,6 @@ def _prices(given: Triangles, triangles: Triangles, whole: Integrals, corners: F
         "repair ladder": partial(repair, given),
         "tessellation error": facets,
     }
-    with suppress(MeshError):
-        union_with_a_copy(corners)
-        acts["union with a copy of it"] = partial(union_with_a_copy, corners)
     if triangles.count <= SYMMETRY_TRIANGLES:
         acts["symmetry"] = lambda: symmetry(CentredBody.of(triangles, whole))
     return tuple(Price(name, time) for name, (_, time) in timed(acts).items())
@@ -166,28 +162,9 @@ def by_hull(corners: Floats) -> Moments:
 def by_columns(corners: Floats, count: int) -> Moments:
     """By about so many columns along one direction, exact in depth."""
     lattice = Lattice.over(corners, DIRECTIONS[0], count=count)
-    return _of_matrix(_inside(corners, lattice).moments(lattice))
-
-
-def by_voxels(corners: Floats, count: int) -> Moments:
-    """By cubes on about so many columns; a cube counts where its centre is inside."""
-    lattice = Lattice.over(corners, DIRECTIONS[0], count=count)
-    inside, step = _inside(corners, lattice), lattice.step
-    first = np.ceil(inside.start / step - 0.5).astype(np.int64)
-    counts = np.maximum(np.ceil(inside.stop / step - 0.5).astype(np.int64) - first, 0)
-    which = np.repeat(np.arange(len(counts)), counts)
-    height = first[which] + np.arange(len(which)) - (np.cumsum(counts) - counts)[which] + 0.5
-    places = lattice.places(inside.column[which])
-    points = np.stack([*places, height * step, np.ones(len(which))])
-    frame = np.eye(4)
-    frame[:3, :3] = lattice.frame
-    return _of_matrix(step**3 * product(frame.T, product(points, points.T), frame))
-
-
-def _inside(corners: Floats, lattice: Lattice) -> Pieces:
     every = pieces(lattice.hits(corners))
-    found = every.of(every.weight > 0)
-    return found._replace(weight=np.ones(len(found.column)))
+    inside = every.of(every.weight > 0)
+    return _of_matrix(inside._replace(weight=np.ones(len(inside.column))).moments(lattice))
 
 
 def by_winding_numbers(corners: Floats, count: int) -> Moments:
@@ -207,26 +184,12 @@ def _of_matrix(matrix: Floats) -> Moments:
 def by_decimation(corners: Floats, tolerance: float) -> Moments:
     """Of the body with fewer triangles, none of which is farther off than this share of the box's diagonal; raise
     MeshError if the surface is no manifold."""
-    mesh = _manifold(corners).simplify(tolerance * length(np.ptp(corners, axis=(0, 1)))).to_mesh64()
-    return _about_origin(mesh.vert_properties[:, :3][mesh.tri_verts])
-
-
-def union_with_a_copy(corners: Floats) -> Any:
-    """Return the body united with itself moved by a fifth of its box: what uniting bodies of this size takes; raise
-    MeshError if the surface is no manifold."""
-    from manifold3d import Manifold, OpType
-
-    solid = _manifold(corners)
-    moved = solid.translate(tuple(np.ptp(corners, axis=(0, 1)) / 5))
-    return Manifold.batch_boolean([solid, moved], OpType.Add).volume()
-
-
-def _manifold(corners: Floats) -> Any:
     mesh = merged(corners)
     solid = manifold(mesh.vertices, mesh.faces)
     if solid is None or not hasattr(solid, "simplify"):
         raise MeshError("the surface is no manifold" if solid is None else "manifold3d is older than 3.1")
-    return solid
+    few = solid.simplify(tolerance * length(np.ptp(corners, axis=(0, 1)))).to_mesh64()
+    return _about_origin(few.vert_properties[:, :3][few.tri_verts])
 
 
 def _about_origin(corners: Floats) -> Moments:
@@ -252,24 +215,6 @@ def inertia(moments: Moments) -> Array:
     about = S - np.outer(first, first) / V
     turned: Array = np.eye(3, dtype=int) * about.trace() - about
     return turned
-
-
-_RECENTRING = 9
-"""Subtractions that take the three corners of a triangle to the point of reference."""
-
-
-def integral_operations(triangles: int) -> int:
-    """Of the exact integral over so many triangles, in floats of any width."""
-    kernel = volume_kernel(workspace(12, CHUNK).reshape(4, 3, CHUNK))
-    total = 0
-    for function, arguments in kernel.steps:
-        if function is np.matmul:
-            total += 2 * arguments[0].size
-        elif function == np.add.reduce:
-            total += arguments[0].size
-        elif function is not np.copyto:
-            total += arguments[-1].size
-    return triangles * (_RECENTRING + round(total / CHUNK))
 
 
 def needs_rationals(target: float) -> bool:

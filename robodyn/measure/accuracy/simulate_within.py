@@ -12,7 +12,7 @@ import numpy as np
 
 from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError
-from robodyn.measure.accuracy.motion_error import MotionError, apart, seen
+from robodyn.measure.accuracy.simulation import MotionError, apart, seen
 from robodyn.programs.run.llvm.machine import compiler_problem
 from robodyn.programs.run.runner import CALL
 from robodyn.robot.model import Model
@@ -74,10 +74,6 @@ class Effort:
             self.left -= FIRST * SCIPY if error.time else 0.0
             return error.time > 0.0
 
-    def next_way(self, share: float) -> None:
-        """Give another way so many seconds of work, or what is left."""
-        self.floor = max(self.left - share, 0.0)
-
     def run(self, name: str, **options: Any) -> Simulation:
         """Return the motion by a method, with this step or tolerance; raise TooMuchError if the way's share is less."""
         cost = self.cost(method_named(name))
@@ -123,7 +119,7 @@ def refined(effort: Effort, name: str, target: float) -> Settled:
     """Return the motion by a method, refined until that changes it by less than the target; raise UnsettledError if the
     changes stop falling above the target, or the work is done."""
     before, change, problem = None, inf, "one motion alone tells no error"
-    effort.next_way(ALLOWED / SHARES)
+    effort.floor = max(effort.left - ALLOWED / SHARES, 0.0)
     finer: dict[str, float] | None = {"rtol": 0.2 * target} if method_named(name).adaptive else {"step": FIRST_STEP}
     while finer:
         options, motion = finer, None
@@ -131,9 +127,8 @@ def refined(effort: Effort, name: str, target: float) -> Settled:
             motion = effort.run(name, also=seen(before), **options)
         except TooMuchError:
             left = f"finer steps change it by {change:.0e} yet" if change < inf else problem
-            raise UnsettledError(
-                f"{left}, and going to {shown(options)} is more work than is allowed", change
-            ) from None
+            what = f"{left}, and going to {shown(options)} is more work than is allowed"
+            raise UnsettledError(what, change) from None
         except InputError as error:
             problem = error.what
         made = {"step": motion.step} if motion is not None and motion.step is not None else options
@@ -320,7 +315,7 @@ def _confirmed(effort: Effort, settled: Settled, target: float) -> Settled:
     motion = settled.motion
     best, problem = Settled(motion, inf), ""
     for name in CONFIRMING[motion.method.name]:
-        effort.next_way(0.5 * effort.left)
+        effort.floor = 0.5 * effort.left
         step = motion.step or FIRST_STEP
         options: dict[str, float] | None = (
             {"rtol": target / 10.0} if method_named(name).adaptive else {"step": 0.5 * step}

@@ -1,4 +1,5 @@
-"""What the digits of a simulated motion cost: integrators and their steps, errors against a motion found twice."""
+"""What the digits of a simulated motion cost: integrators and their steps, errors against a motion found twice, as one
+number for angles, lengths, turns and rates."""
 
 from __future__ import annotations
 
@@ -12,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from robodyn.dynamics.plan import Plan, plan
+from robodyn.dynamics.recursions.momentum import position_rates
 from robodyn.errors import InputError
 from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Price, Rung, Spread, timed
-from robodyn.measure.accuracy.motion_error import MotionError, between_records
 from robodyn.programs.run.llvm.machine import compiler_problem
 from robodyn.robot.model import Model
 from robodyn.scene.fit import check_moves
@@ -26,6 +27,99 @@ from robodyn.simulation.simulate import integrated, simulate, start_of
 from robodyn.simulation.stiff_steps import with_friction
 from robodyn.simulation.table import Signal, Source, read_table
 from robodyn.support.floats import Floats
+
+_ANGLE, _LENGTH, _TURN, _RATE, _SPEED = range(5)
+
+
+@dataclass(frozen=True, eq=False)
+class MotionError:
+    """Differences of states (N, nq + n) relative to the largest number of their kind in a motion, `scale`.
+
+    Kinds are angles, lengths, quaternions (whose largest is 1), angular and linear rates.
+    """
+
+    scale: Floats
+
+    @classmethod
+    def over(cls, model: Model, states: Floats) -> MotionError:
+        """Args: states: (N, nq + n) of a motion that is nearly right."""
+        q, qd = np.full(model.nq, _ANGLE), np.full(model.n, _RATE)
+        for joint in model.independent:
+            k, i = joint.coordinate, joint.rate
+            if joint.kind == "floating":
+                q[k : k + 3], q[k + 3 : k + 7], qd[i + 3 : i + 6] = _LENGTH, _TURN, _SPEED
+            elif joint.kind == "prismatic":
+                q[k], qd[i] = _LENGTH, _SPEED
+        kinds = np.concatenate((q, qd))
+        largest = np.abs(states).max(axis=0, initial=0.0)
+        sizes = np.array([largest[kinds == kind].max(initial=0.0) for kind in range(5)])
+        sizes[_TURN] = 1.0
+        sizes[sizes == 0.0] = 1.0
+        return cls(sizes[kinds])
+
+    def __call__(self, found: Floats, expected: Floats) -> Floats:
+        """Return (N,) the largest relative difference at each time; nan where a number is not finite."""
+        off: Floats = (np.abs(found - expected) / self.scale).max(axis=1)
+        return off
+
+
+def between_records(motion: Simulation) -> Callable[[Floats], Floats]:
+    """Return states (N, nq + n) at any times of a motion, by polynomials between those recorded.
+
+    Of degree 7 where steps are of one length; else cubic ones with the slopes of the states, which stay between records
+    that are far apart.
+    """
+    from scipy.interpolate import CubicHermiteSpline, make_interp_spline
+
+    states = np.hstack((motion.q, motion.qd))
+    if motion.step is None:
+        slopes = position_rates(motion.model, list(motion.q.T), list(motion.qd.T))
+        spline = CubicHermiteSpline(motion.time, states, np.column_stack((*slopes, motion.qdd)))
+    else:
+        degree = min(7, len(motion.time) - 1)
+        spline = make_interp_spline(motion.time, states, k=degree - 1 + degree % 2)
+    return lambda times: np.asarray(spline(times), dtype=float)
+
+
+COMPARED, SAME = 50, 1e-12
+"""Records at which motions by different methods are compared; times nearer than this part of them are the same."""
+
+
+def apart(coarse: Simulation, fine: Simulation) -> float:
+    """Return how far a motion is from a finer one: at times that both record, up to a limit that ends either.
+
+    Where there are few of these, at those of the coarser, between records of the other. inf where one ends at another
+    limit than the other, or both are too short.
+    """
+    if coarse.ended.rpartition(" at ")[0] != fine.ended.rpartition(" at ")[0]:
+        return inf
+    end = min(coarse.time[-1], fine.time[-1])
+    rows = np.flatnonzero(coarse.time < end if coarse.ended else coarse.time <= end)
+    if len(rows) < 2:
+        return inf
+    times, states = coarse.time[rows], states_of(fine)
+    near = np.searchsorted(fine.time, times * (1.0 - SAME))
+    shared = np.abs(fine.time[near] - times) <= SAME * times
+    few = shared.sum() < 0.5 * min(len(rows), COMPARED)
+    expected = between_records(fine)(times) if few else states[near[shared]]
+    off = MotionError.over(fine.model, states)(states_of(coarse)[rows if few else rows[shared]], expected)
+    late = abs(float(coarse.time[-1] - fine.time[-1])) / float(fine.time[-1]) if coarse.ended else 0.0
+    return max(float(off.max()), late)
+
+
+def seen(motion: Simulation | None) -> list[float]:
+    """Return times of some records of a motion, spread over it, at which another one is compared with it."""
+    if motion is None:
+        return []
+    last = len(motion.time) - (2 if motion.ended else 1)
+    rows = np.unique(np.linspace(0, max(last, 0), min(last, COMPARED) + 1).astype(int))
+    times: list[float] = motion.time[rows[1:]].tolist()
+    return times
+
+
+def states_of(motion: Simulation) -> Floats:
+    return np.hstack((motion.q, motion.qd))
+
 
 Run = Callable[..., Simulation]
 """`simulate` with all but the duration and the method."""
@@ -57,13 +151,21 @@ def motion_reference(model: Model, duration: float, run: Run) -> Reference:
     By DOP853 (or Radau) and by a Gauss-Legendre method of order 6 (or RK4), each the first of its kind that gets
     through, or InputError is raised. The bound is the largest difference of the two.
     """
+
+    def first(ways: list[tuple[str, dict[str, Any]]]) -> Simulation:
+        problem = ""
+        for method, how in ways:
+            try:
+                return run(duration, method=method, **how)
+            except InputError as error:
+                problem = error.what
+        remedy = "give a shorter --duration, or a softer friction or drive"
+        raise InputError(f"no reference: {problem}", remedy=remedy)
+
     halved = [("gauss6", 16), ("gauss6", 14), ("gauss6", 18), ("rk4", 17)]
-    fine = _first(run, duration, [(name, {"step": duration / 2**k}) for name, k in halved])
-    other = _first(
-        run,
-        duration,
-        [("dop853", {"rtol": 1e-13, "most": REFERENCE_MOST}), ("radau", {"rtol": 1e-11, "most": REFERENCE_MOST})],
-    )
+    fine = first([(name, {"step": duration / 2**k}) for name, k in halved])
+    adaptive = [("dop853", 1e-13), ("radau", 1e-11)]
+    other = first([(name, {"rtol": rtol, "most": REFERENCE_MOST}) for name, rtol in adaptive])
     at = between_records(fine)
     some = np.unique(np.linspace(0, len(other.time) - 1, CHECKED).astype(int))
     found = np.hstack((other.q, other.qd))[some]
@@ -73,18 +175,6 @@ def motion_reference(model: Model, duration: float, run: Run) -> Reference:
     ends = f" ({end:.0e} at the end)" if end < 0.1 * bound else ""
     how = f"{fine.method.name} and {other.method.name}, which agree to {bound:.0e}{ends}"
     return Reference(at, measure, bound, end, how)
-
-
-def _first(run: Run, duration: float, ways: list[tuple[str, dict[str, Any]]]) -> Simulation:
-    """Return the first of some simulations that gets through."""
-    problem: InputError | None = None
-    for method, how in ways:
-        try:
-            return run(duration, method=method, **how)
-        except InputError as error:
-            problem = error
-    assert problem is not None
-    raise InputError(f"no reference: {problem.what}", remedy="give a shorter --duration, or a softer friction or drive")
 
 
 DURATION, LONGEST = 2.0, 2.0
@@ -204,7 +294,7 @@ def state_errors(motion: Simulation, reference: Reference) -> tuple[float, float
 
 
 def _until_limit(run: Run, duration: float) -> tuple[float, list[str]]:
-    """Return how long the motion is, and notes about it."""
+    """Return how long the motion is, up to a joint's limit, and notes about it."""
     try:
         motion = run(duration)
     except InputError:

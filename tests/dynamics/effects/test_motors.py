@@ -16,7 +16,7 @@ from robodyn.dynamics.effects import motors
 from robodyn.dynamics.plan import Plan, runner_of
 from robodyn.equations.dae.dae import dae_at
 from robodyn.errors import SceneError
-from robodyn.identification.calibrated import calibrated, friction_toml
+from robodyn.identification.result import calibrated, friction_toml
 from robodyn.loads.torques import torques
 from robodyn.scene.read import parse_scene
 from robodyn.scene.scene import CoupledMotor, Friction, Loop, Motor, Rotor, Scene

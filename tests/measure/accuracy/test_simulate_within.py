@@ -14,9 +14,8 @@ import robodyn
 from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError
 from robodyn.measure.accuracy import simulate_within as effort
-from robodyn.measure.accuracy.motion_error import apart
 from robodyn.measure.accuracy.simulate_within import simulate_within
-from robodyn.measure.accuracy.simulation import state_errors
+from robodyn.measure.accuracy.simulation import apart, state_errors
 from robodyn.scene.scene import Scene
 
 SWING = Scene(initial_q={"j1": 2.5})

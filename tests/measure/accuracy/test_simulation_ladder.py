@@ -18,8 +18,7 @@ from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError
 from robodyn.measure.accuracy import simulation as simulation_ladder
 from robodyn.measure.accuracy.ladder import front
-from robodyn.measure.accuracy.motion_error import MotionError
-from robodyn.measure.accuracy.simulation import simulation_accuracy, state_errors
+from robodyn.measure.accuracy.simulation import MotionError, simulation_accuracy, state_errors
 from robodyn.programs.program import trace
 from robodyn.scene.scene import Drive, Scene
 from robodyn.simulation.equations import STATE, Equations
