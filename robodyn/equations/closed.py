@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -14,7 +15,7 @@ from robodyn.dynamics.inverse import mass_runner
 from robodyn.equations.ode import bias_plan, check_equations, identifiers
 from robodyn.errors import InputError
 from robodyn.programs.program import Program
-from robodyn.programs.run.numpy_blocks import Numbers, NumpyBlocks
+from robodyn.programs.run.numpy_blocks import NumpyBlocks
 from robodyn.programs.run.symbolic import DIGITS, expressions, module, number, operations
 from robodyn.programs.scalar import ADD, CONSTANT, COS, DIV, INPUT, MUL, NEG, SIN
 from robodyn.robot.model import Model
@@ -50,19 +51,7 @@ Polynomial = dict[Key, Coefficient]
 
 
 class TooLargeError(Exception):
-    """More products of terms would be needed than the budget allows."""
-
-
-@dataclass
-class Budget:
-    """Products of terms that may still be formed."""
-
-    left: int
-
-    def spend(self, products: int) -> None:
-        self.left -= products
-        if self.left < 0:
-            raise TooLargeError
+    """More products of terms would be needed than are allowed."""
 
 
 def constant(value: float) -> Polynomial:
@@ -79,20 +68,6 @@ def total(a: Polynomial, b: Polynomial, sign: float = 1.0) -> Polynomial:
         old = terms.get(key, Coefficient(0.0, 0.0))
         terms[key] = Coefficient(old.value + sign * value, old.size + size)
     return _pruned(terms)
-
-
-def product(a: Polynomial, b: Polynomial, budget: Budget) -> Polynomial:
-    """a b, with products of waves made into sums."""
-    budget.spend(len(a) * len(b))
-    values: defaultdict[Key, list[float]] = defaultdict(lambda: [0.0, 0.0])
-    for left, (x, x_size) in a.items():
-        for right, (y, y_size) in b.items():
-            powers = tuple(sorted(left.powers + right.powers))
-            for wave, angle, share in _waves(left, right):
-                entry = values[Key(powers, wave, angle)]
-                entry[0] += share * x * y
-                entry[1] += abs(share) * x_size * y_size
-    return _pruned({key: Coefficient(*entry) for key, entry in values.items()})
 
 
 def wave(kind: str, angle: Angle) -> Polynomial:
@@ -166,7 +141,7 @@ class Forms:
 
     def __init__(self, symbols: Mapping[tuple[str, int], Any], products: int) -> None:
         """Args: symbols: of the inputs; those but q stand apart in results. products: of terms that may be formed."""
-        self._symbols, self._budget = symbols, Budget(products)
+        self._symbols, self._left = symbols, products
         self._generators: dict[Any, int] = {symbol: k for k, symbol in enumerate(symbols.values())}
         self._rates = {symbol for (source, _), symbol in symbols.items() if source != "q"}
 
@@ -192,32 +167,42 @@ class Forms:
             powers = [symbols[k] for k in key.powers]
             rates = sympy.Mul(*(x for x in powers if x in self._rates))
             rest = sympy.Mul(*(x for x in powers if x not in self._rates))
-            groups[rates].append(_rounded(coefficient.value) * rest * self._wave(key))
+            if key.angle:
+                angle = sympy.Add(*(number(x) * symbols[k] for k, x in enumerate(key.angle)))
+                rest *= getattr(sympy, key.wave)(angle)
+            # the short decimal next to a coefficient, if rounding alone can tell them apart
+            value = coefficient.value
+            short = float(f"{value:.{DIGITS - 1}e}")
+            groups[rates].append(number(short if abs(short - value) <= SHORT * abs(value) else value) * rest)
         return sympy.Add(*(rates * sympy.Add(*terms) for rates, terms in groups.items()))
-
-    def _wave(self, key: Key) -> Any:
-        if not key.angle:
-            return 1
-        sympy, symbols = module(), list(self._generators)
-        angle = sympy.Add(*(number(x) * symbols[k] for k, x in enumerate(key.angle)))
-        return getattr(sympy, key.wave)(angle)
 
     def _operation(self, op: str, a: Polynomial, b: Polynomial | None = None) -> Polynomial:
         if b is None:
-            return self._function(op, a)
+            if op is NEG:
+                return total({}, a, -1.0)
+            return self._turned(op, a) if op in (SIN, COS) else self._opaque(operations()[op](self.expression(a)))
         if op is MUL:
-            return product(a, b, self._budget)
-        return self._quotient(a, b) if op is DIV else total(a, b, 1.0 if op is ADD else -1.0)
+            return self._product(a, b)
+        if op is DIV:
+            angle, divisor = linear(b) or ((1.0,), 0.0)
+            inverse = self._opaque(1 / self.expression(b)) if angle else constant(1.0 / divisor)
+            return self._product(a, inverse)
+        return total(a, b, 1.0 if op is ADD else -1.0)
 
-    def _function(self, op: str, a: Polynomial) -> Polynomial:
-        if op is NEG:
-            return total({}, a, -1.0)
-        return self._turned(op, a) if op in (SIN, COS) else self._opaque(operations()[op](self.expression(a)))
-
-    def _quotient(self, a: Polynomial, b: Polynomial) -> Polynomial:
-        angle, divisor = linear(b) or ((1.0,), 0.0)
-        inverse = self._opaque(1 / self.expression(b)) if angle else constant(1.0 / divisor)
-        return product(a, inverse, self._budget)
+    def _product(self, a: Polynomial, b: Polynomial) -> Polynomial:
+        """a b, with products of waves made into sums."""
+        self._left -= len(a) * len(b)
+        if self._left < 0:
+            raise TooLargeError
+        values: defaultdict[Key, list[float]] = defaultdict(lambda: [0.0, 0.0])
+        for left, (x, x_size) in a.items():
+            for right, (y, y_size) in b.items():
+                powers = tuple(sorted(left.powers + right.powers))
+                for wave, angle, share in _waves(left, right):
+                    entry = values[Key(powers, wave, angle)]
+                    entry[0] += share * x * y
+                    entry[1] += abs(share) * x_size * y_size
+        return _pruned({key: Coefficient(*entry) for key, entry in values.items()})
 
     def _turned(self, op: str, a: Polynomial) -> Polynomial:
         """Return the sine or cosine of a; a constant in the angle turns one into the other."""
@@ -227,8 +212,8 @@ class Forms:
         angle, offset = known
         sine, cosine = wave("sin", angle), wave("cos", angle)
         first, second = (cosine, sine) if op is COS else (sine, cosine)
-        turned = product(second, constant(math.sin(offset)), self._budget)
-        return total(product(first, constant(math.cos(offset)), self._budget), turned, -1.0 if op is COS else 1.0)
+        turned = self._product(second, constant(math.sin(offset)))
+        return total(self._product(first, constant(math.cos(offset))), turned, -1.0 if op is COS else 1.0)
 
     def _opaque(self, expression: Any) -> Polynomial:
         if expression.is_number:
@@ -237,16 +222,6 @@ class Forms:
 
     def _generator(self, expression: Any) -> Polynomial:
         return generator(self._generators.setdefault(expression, len(self._generators)))
-
-
-def largest(forms: Sequence[Polynomial]) -> float:
-    return max((abs(x.value) for form in forms for x in form.values()), default=0.0)
-
-
-def _rounded(value: float) -> Any:
-    """Return the short decimal next to a coefficient, if rounding alone can tell them apart."""
-    short = float(f"{value:.{DIGITS - 1}e}")
-    return number(short if abs(short - value) <= SHORT * abs(value) else value)
 
 
 Symbols = Mapping[tuple[str, int], Any]
@@ -291,14 +266,6 @@ class Closed:
     error: float
 
 
-class Part(NamedTuple):
-    """Expressions of one program's outputs, how far they are from its numbers, and how many are not simplified."""
-
-    entries: list[Any]
-    error: float
-    plain: int
-
-
 def closed(model: Model, scene: Scene = DEFAULT, products: int = PRODUCTS) -> Closed:
     """Return the equations of motion in closed form.
 
@@ -339,61 +306,45 @@ def closed(model: Model, scene: Scene = DEFAULT, products: int = PRODUCTS) -> Cl
         kinds=tuple(kinds),
         q=tuple(symbols["q", i] for i in range(n)),
         qd=tuple(symbols["qd", i] for i in range(n)),
-        M=tuple(tuple(mass.entries[n * i : n * i + n]) for i in range(n)),
-        bias={name: tuple(part.entries) for name, part in parts.items()},
-        plain=sum(part.plain for part in (mass, *parts.values())),
-        error=max(part.error for part in (mass, *parts.values())),
+        M=tuple(tuple(mass[0][n * i : n * i + n]) for i in range(n)),
+        bias={name: tuple(entries) for name, (entries, _, _) in parts.items()},
+        plain=sum(plain for _, _, plain in (mass, *parts.values())),
+        error=max(error for _, error, _ in (mass, *parts.values())),
     )
 
 
-def _part(program: Program, symbols: Symbols, units: Sequence[str], products: int) -> Part:
-    """Return the outputs of a program in closed form, each checked in numbers; outputs of the same unit compare."""
+def _part(program: Program, symbols: Symbols, units: Sequence[str], products: int) -> tuple[list[Any], float, int]:
+    """Return the outputs of a program in closed form, how far they are from its numbers, and how many are as the
+    recursion makes them; outputs of the same unit compare."""
     states = np.random.default_rng(0).uniform(-2.0, 2.0, (STATES, len(symbols)))
     n = len(symbols) // 2
     numbers = NumpyBlocks(program, {"q": n, "qd": n})({"q": states[:, :n], "qd": states[:, n:]}, STATES)
-    simple = _simplified(program, symbols, units, products) or [None] * len(units)
-    errors = []
-    for k, unit in enumerate(units):
-        alike = [other for other, same in enumerate(units) if same == unit]
-        scale = max(float(np.abs(numbers[:, alike]).max()), FLOOR * float(np.abs(numbers).max()))
-        errors.append(_difference(simple[k], symbols, states, numbers[:, k], scale))
-    failed = [k for k, error in enumerate(errors) if not error <= TOLERANCE]
-    plain = _plain(program, symbols) if failed else []
-    entries = [plain[k] if k in failed else simple[k] for k in range(len(units))]
-    return Part(entries, max((x for k, x in enumerate(errors) if k not in failed), default=0.0), len(failed))
-
-
-def _plain(program: Program, symbols: Symbols) -> list[Any]:
-    """Return the outputs as the recursion makes them; raise where they are too long to be written down."""
-    lengths: list[int] = []
-    for op, a, b in program.operations:
-        leaf = op is INPUT or op is CONSTANT
-        lengths.append(1 if leaf else 1 + lengths[a] + (0 if b is None else lengths[b]))
-    longest = max(lengths[k] for k in program.outputs)
-    if longest > LONGEST:
-        raise InputError(f"the closed form of this robot has an entry of {longest} operations", remedy=REMEDY)
-    return expressions(program, symbols)
-
-
-def _simplified(program: Program, symbols: Symbols, units: Sequence[str], products: int) -> list[Any] | None:
-    """Return the outputs as sums of sines and cosines, if that is not too much work."""
-    forms = Forms(symbols, products)
-    try:
+    forms, found = Forms(symbols, products), list[Polynomial]()
+    with suppress(TooLargeError):
         found = forms.outputs(program)
-    except TooLargeError:
-        return None
-    of_unit = {unit: [form for form, own in zip(found, units, strict=True) if own == unit] for unit in units}
-    least = {unit: NEGLIGIBLE * max(largest(some), FLOOR * largest(found)) for unit, some in of_unit.items()}
-    return [forms.expression(form, least[unit]) for form, unit in zip(found, units, strict=True)]
-
-
-def _difference(expression: Any, symbols: Symbols, states: Numbers, expected: Numbers, scale: float) -> float:
-    """The largest difference of an expression from what is expected, as a share of `scale`; inf if there is none."""
-    if expression is None:
-        return float("inf")
-    function = module().lambdify(list(symbols.values()), expression, "numpy")
-    worst = float(np.abs(function(*states.T) - expected).max())
-    return worst / scale if worst else 0.0
+    alike = {unit: [k for k, other in enumerate(units) if other == unit] for unit in units}
+    sizes = [max((abs(x.value) for x in form.values()), default=0.0) for form in found]
+    errors: dict[int, float] = {}
+    entries: list[Any] = [None] * len(units)
+    for k, (form, unit) in enumerate(zip(found, units, strict=False)):
+        least = NEGLIGIBLE * max(*(sizes[i] for i in alike[unit]), FLOOR * max(sizes))
+        expression = forms.expression(form, least)
+        scale = max(float(np.abs(numbers[:, alike[unit]]).max()), FLOOR * float(np.abs(numbers).max()))
+        off = np.abs(module().lambdify(list(symbols.values()), expression, "numpy")(*states.T) - numbers[:, k])
+        error = float(off.max()) / (scale or 1.0)
+        if error <= TOLERANCE:
+            entries[k], errors[k] = expression, error
+    if len(errors) < len(units):
+        lengths: list[int] = []
+        for op, a, b in program.operations:
+            leaf = op is INPUT or op is CONSTANT
+            lengths.append(1 if leaf else 1 + lengths[a] + (0 if b is None else lengths[b]))
+        longest = max(lengths[k] for k in program.outputs)
+        if longest > LONGEST:
+            raise InputError(f"the closed form of this robot has an entry of {longest} operations", remedy=REMEDY)
+        plain = expressions(program, symbols)
+        entries = [entries[k] if k in errors else plain[k] for k in range(len(units))]
+    return entries, max(errors.values(), default=0.0), len(units) - len(errors)
 
 
 def decimal(expression: Any) -> Any:

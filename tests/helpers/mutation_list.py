@@ -382,11 +382,11 @@ MUTATIONS = {
             "errors",
         ),
         ("equations/linearized/modes.py", "2.0 * cuts", "0.0 * cuts"),
-        ("equations/linearized/modes.py", "few + doubt", "few"),
+        ("equations/linearized/modes.py", "few + length((found.doubt * scales).ravel())", "few"),
         (
             "equations/linearized/modes.py",
-            "(few + doubt) * _softness(found, parts, pairs.left, right)",
-            "doubt * _softness(found, parts, pairs.left, right)",
+            "(few + length((found.doubt * scales).ravel())) * softness",
+            "length((found.doubt * scales).ravel()) * softness",
         ),
         ("equations/linearized/modes.py", "value * np.eye(len(own)) - own", "value.real * np.eye(len(own)) - own"),
         ("equations/linearized/modes.py", "mode.real > mode.error", "mode.real > 0.0"),
@@ -402,8 +402,8 @@ MUTATIONS = {
         ),
         (
             "equations/linearized/equilibrium.py",
-            "stiffness - _carried(self.chain, q, multipliers)",
-            "stiffness",
+            "float(rate_of(entry)) * multiplier",
+            "0.0 * multiplier",
         ),
         (
             "equations/linearized/linearize.py",

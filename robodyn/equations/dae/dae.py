@@ -285,9 +285,18 @@ def dae_at(model: Model, scene: Scene, q: Floats, qd: Floats, tau: Floats) -> Da
         qdd = accelerations_along(system, solution.a)
         wrenches = tuple(narrowed_all(system.joint_wrenches(*solution)))
         comparison = compared(system, solution, qdd, wrenches)
-    warnings = (*_contradictions(found, independent, solution), *beyond_limits(model, q), *model.notes)
+    warnings = [*beyond_limits(model, q), *model.notes]
+    if solution is not None and not independent.all():
+        G, gamma = found.G[~independent], found.gamma[~independent]
+        off = _largest(G @ solution.a - gamma)
+        if off > CONTRADICTED * _largest(np.abs(G) @ np.abs(solution.a) + np.abs(gamma)):
+            warnings.insert(
+                0,
+                f"redundant constraints contradict the others for accelerations by {off:.3g} m/s^2 or rad/s^2: "
+                "no motion goes on at these velocities",
+            )
     taken = tuple(steps(system, left, solution))
-    return Dae(system, q, qd, tau, counts, residuals, solution, qdd, wrenches, left, taken, comparison, warnings)
+    return Dae(system, q, qd, tau, counts, residuals, solution, qdd, wrenches, left, taken, comparison, tuple(warnings))
 
 
 def independent_rows(rows: Floats, first: int = 0) -> NDArray[np.bool_]:
@@ -344,43 +353,21 @@ def accelerations_along(system: System, a: Floats) -> Floats:
     return np.array(system.own_rates(list(system.matrices.S @ a + system.matrices.sigma)))
 
 
-def _contradictions(found: Matrices, independent: NDArray[np.bool_], solution: Solution | None) -> Iterator[str]:
-    """What to say where redundant equations do not hold for accelerations."""
-    if solution is None or independent.all():
-        return
-    G, gamma = found.G[~independent], found.gamma[~independent]
-    off = _largest(G @ solution.a - gamma)
-    if off > CONTRADICTED * _largest(np.abs(G) @ np.abs(solution.a) + np.abs(gamma)):
-        yield (
-            f"redundant constraints contradict the others for accelerations by {off:.3g} m/s^2 or rad/s^2: "
-            "no motion goes on at these velocities"
-        )
-
-
 def reduced(system: System) -> Reduced:
-    """J from the motion of the joints, one at a time, and the projections J^T M J and J^T (f - M drift)."""
-    J, drift = velocity_transformation(system), accelerations_at_rest(system)
+    """The elimination, without its check: J, Jdot qd, and the projections J^T M J and J^T (f - M drift)."""
+    model, q, centres = system.model, system.sample.q, system.centres
+    # column k has the velocities of all bodies where coordinate k alone moves, at 1 per second
+    J = np.stack([velocities_of(state_of(model, centres, q, unit)) for unit in np.eye(model.n).tolist()], axis=1)
+    parents, joints = model.parents, system.sample.motions()
+    each = zip(poses(parents, joints), velocities(parents, joints), accelerations(parents, joints), strict=True)
+    drift = narrowed(np.concatenate([
+        part
+        for (pose, (w, _), (wd, a)), r in zip(each, centres, strict=True)
+        for part in (wd, pose.R @ acceleration_of_point(a, r, w, wd))
+    ]))  # fmt: skip
     M, f, G, gamma, *_ = system.matrices
     loops = slice(system.tree, None)
     return Reduced(J, drift, J.T @ M @ J, J.T @ (f - M @ drift), G[loops] @ J, gamma[loops] - G[loops] @ drift)
-
-
-def velocity_transformation(system: System) -> Floats:
-    """J(q): column k has the velocities of all bodies where coordinate k alone moves, at 1 per second."""
-    model, q, centres = system.model, system.sample.q, system.centres
-    units = np.eye(model.n).tolist()
-    return np.stack([velocities_of(state_of(model, centres, q, unit)) for unit in units], axis=1)
-
-
-def accelerations_at_rest(system: System) -> Floats:
-    """Jdot qd: wd (body's axes) and accelerations of mass centres (ground's) where no coordinate accelerates."""
-    parents, joints = system.model.parents, system.sample.motions()
-    each = zip(poses(parents, joints), velocities(parents, joints), accelerations(parents, joints), strict=True)
-    return narrowed(np.concatenate([
-        part
-        for (pose, (w, _), (wd, a)), r in zip(each, system.centres, strict=True)
-        for part in (wd, pose.R @ acceleration_of_point(a, r, w, wd))
-    ]))  # fmt: skip
 
 
 def steps(system: System, left: Reduced, solution: Solution | None) -> Iterator[Step]:

@@ -5,7 +5,7 @@ All functions take any scalar.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import atan2, remainder, tau
@@ -46,7 +46,7 @@ State = tuple[Body, ...]
 
 
 def velocities_of(at: State) -> Floats:
-    """Return (6 N,) velocities (w, v) of all bodies."""
+    """(6 N,) velocities (w, v) of all bodies."""
     return narrowed(np.concatenate([part for body in at[:-1] for part in (body.w, body.v)]))
 
 
@@ -86,7 +86,7 @@ class Place:
     E: Array
 
     def _seen(self, at: State) -> tuple[Array, Array, Array]:
-        """Return x from both mass centres, in the ground's axes, and B."""
+        """x from both mass centres, in the ground's axes, and B."""
         own, other = at[self.body], at[self.other]
         r = own.R @ self.point
         return r, own.c + r - other.c, other.R.T @ own.R
@@ -131,24 +131,21 @@ class Turn:
     placed: Array
     near: float = 0.0
 
-    def _seen(self, at: State) -> Array:
-        turned: Array = at[self.body].R.T @ at[self.other].R
-        return turned
-
     def value(self, at: State) -> float:
         """Return it for floats: sine and cosine are the skew part of the turn along e, and half its trace less 1."""
-        Q = np.asarray(self.placed.T @ self._seen(at).T, dtype=float)
+        Q = np.asarray(self.placed.T @ at[self.other].R.T @ at[self.body].R, dtype=float)
         sine = 0.5 * (self.axis @ np.array((Q[2, 1] - Q[1, 2], Q[0, 2] - Q[2, 0], Q[1, 0] - Q[0, 1])))
         angle = atan2(sine, 0.5 * (np.trace(Q) - 1.0))
         return float(self.near + remainder(angle - self.near, tau))
 
     def row(self, at: State) -> Row:
-        other = self._seen(at).T @ self.axis
+        other = at[self.other].R.T @ (at[self.body].R @ self.axis)
         return [(self.body, np.append(self.axis, ZERO)), (self.other, np.append(-other, ZERO))]
 
     def drift(self, at: State) -> Scalar:
         """e . (w x w_o), which vanishes where the bodies only turn about e against each other."""
-        return self.axis @ cross(at[self.body].w, self._seen(at) @ at[self.other].w)
+        body, other = at[self.body], at[self.other]
+        return self.axis @ cross(body.w, body.R.T @ (other.R @ other.w))
 
 
 @dataclass(frozen=True, eq=False)
@@ -238,8 +235,13 @@ def connect(
     Args:
         axis: unit vector in the body's axes; along: of "directions", in the other's axes.
     """
-    R = anchors.R
-    basis, names, last = basis_about(axis)
+    R, basis, names, last = anchors.R, np.eye(3), "xyz", 2
+    if axis is not None and np.abs(axis).max() == 1.0:
+        last = int(np.argmax(np.abs(axis)))
+    elif axis is not None:  # along any other axis two vectors 1 and 2 with 1 x 2 = a
+        first = np.cross(np.eye(3)[first_largest(-np.abs(axis), noise=1e-9)], axis)
+        first = first / length(first)
+        basis, names = np.array((first, np.cross(axis, first), axis)), "12a"
     rest = [k for k in range(3) if k != last]
     directions = {names[k]: R @ basis[k] for k in (rest if kind == "prismatic" else range(3))}
     if kind == "directions":
@@ -256,19 +258,6 @@ def connect(
         a, b = (basis[i], R @ basis[j]) if kept else (basis[j], -R @ basis[i])
         equations.append(Place(*anchors[:4], ZERO, np.outer(b, a)))
     return Connection(name, kind, anchors.body, anchors.other, tuple(reactions), tuple(equations), tuple(free))
-
-
-def basis_about(axis: Array | None) -> tuple[Array, str, int]:
-    """Return three perpendicular unit vectors, right-handed, their names, and the number of the axis among them.
-
-    x, y and z without an axis, or where it is one of these or its opposite; for any other two vectors 1 and 2 with
-    1 x 2 = a.
-    """
-    if axis is None or np.abs(axis).max() == 1.0:
-        return np.eye(3), "xyz", 2 if axis is None else int(np.argmax(np.abs(axis)))
-    first = np.cross(np.eye(3)[first_largest(-np.abs(axis), noise=1e-9)], axis)
-    first = first / length(first)
-    return np.array((first, np.cross(axis, first), axis)), "12a", 2
 
 
 class Matrices(NamedTuple):
@@ -375,18 +364,6 @@ class System:
             for i, (body, connection) in enumerate(zip(self.model.bodies, self.joints, strict=True))
             for k in range(len(connection.free))
         ])  # fmt: skip
-        M, f = self._laws()
-        f = f + S.T @ along
-        bodies = [joint.body for joint in self.joints for _ in joint.free]
-        armature = np.array([[self.rotors.get((i, k), 0.0) for k in bodies] for i in bodies])
-        armature = armature.reshape(len(bodies), len(bodies))
-        for i, k in np.argwhere(armature):
-            M = M + armature[i, k] * np.outer(S[i], S[k])
-            f = f - armature[i, k] * sigma[k] * S[i]
-        return Matrices(M, f, G, gamma, S, sigma, along, armature)
-
-    def _laws(self) -> tuple[Array, Array]:
-        """Return M, and f: (moment about the mass centre in the body's axes, force in the ground's), gyroscopic too."""
         blocks = [inertia.about_centre for inertia in self.inertias]
         M = np.zeros((6 * len(blocks),) * 2, dtype=np.result_type(*blocks, *(type(b.m) for b in self.inertias)))
         moments, forces, centres = [], [], self.centres
@@ -399,7 +376,15 @@ class System:
         for i, (force, moment) in self.terms.wrenches:
             moments[i] = moments[i] + moment - cross(centres[i], force)
             forces[i] = forces[i] + self.at[i].R @ force
-        return M, narrowed(np.concatenate([part for pair in zip(moments, forces, strict=True) for part in pair]))
+        f = narrowed(np.concatenate([part for pair in zip(moments, forces, strict=True) for part in pair]))
+        f = f + S.T @ along
+        bodies = [joint.body for joint in self.joints for _ in joint.free]
+        armature = np.array([[self.rotors.get((i, k), 0.0) for k in bodies] for i in bodies])
+        armature = armature.reshape(len(bodies), len(bodies))
+        for i, k in np.argwhere(armature):
+            M = M + armature[i, k] * np.outer(S[i], S[k])
+            f = f - armature[i, k] * sigma[k] * S[i]
+        return Matrices(M, f, G, gamma, S, sigma, along, armature)
 
     def joint_wrenches(self, a: Floats, reactions: Floats) -> list[Wrench]:
         """Return the force and moment that each body's parent exerts on it, about its origin, drives included.
@@ -454,10 +439,17 @@ def system_at(model: Model, scene: Scene, q: Sequence[Scalar], qd: Sequence[Scal
             for k, _, second in turned:
                 rotors[i, k] = rotors.get((i, k), 0.0) + first * second * motor.reflected
     joints = joint_connections(model, centres, sample.q)
-    mimics = tuple(_mimic_connections(model, joints))
+    number, mimics = {body.joint.name: i for i, body in enumerate(model.bodies)}, []
+    for i, body in enumerate(model.bodies):
+        joint = body.joint
+        if joint.mimics is not None:  # q_follower - multiplier q_leader - offset = 0
+            leader = joints[number[joint.mimics]].free[0]
+            rule = Sum(((1.0, joints[i].free[0]), (-joint.multiplier, leader)), -joint.offset)
+            name, reaction = f"{joint.name} follows {joint.mimics}", "F" if joint.kind == "prismatic" else "M"
+            mimics.append(Connection(name, "mimic", i, body.parent, (reaction,), (rule,)))
     loops = tuple(_loop_connection(model, centres, loop) for loop in scene.loops)
     at = state_of(model, centres, sample.q, sample.qd)
-    return System(model, scene, sample, terms, tau, joints, mimics, loops, rotors, at)
+    return System(model, scene, sample, terms, tau, joints, tuple(mimics), loops, rotors, at)
 
 
 def joint_connections(model: Model, centres: Sequence[Array], q: Sequence[Scalar]) -> tuple[Connection, ...]:
@@ -480,18 +472,6 @@ def joint_connections(model: Model, centres: Sequence[Array], q: Sequence[Scalar
     return tuple(found)
 
 
-def _mimic_connections(model: Model, joints: Sequence[Connection]) -> Iterator[Connection]:
-    """For each joint that follows a leader, one equation: q_follower - multiplier q_leader - offset = 0."""
-    number = {body.joint.name: i for i, body in enumerate(model.bodies)}
-    for i, body in enumerate(model.bodies):
-        joint = body.joint
-        if joint.mimics is not None:
-            leader = joints[number[joint.mimics]].free[0]
-            rule = Sum(((1.0, joints[i].free[0]), (-joint.multiplier, leader)), -joint.offset)
-            name, reaction = f"{joint.name} follows {joint.mimics}", "F" if joint.kind == "prismatic" else "M"
-            yield Connection(name, "mimic", i, body.parent, (reaction,), (rule,))
-
-
 def _loop_connection(model: Model, centres: Sequence[Array], loop: Loop) -> Connection:
     body, R, place = _frame(model, centres, loop.link, loop.point)
     other, R_o, to = _frame(model, centres, loop.to, loop.to_point)
@@ -499,7 +479,12 @@ def _loop_connection(model: Model, centres: Sequence[Array], loop: Loop) -> Conn
     if loop.kind == "hinge":
         axis, to_axis = R @ np.array(loop.axis), R_o @ np.array(loop.to_axis)
         axis, to_axis = axis / length(axis), to_axis / length(to_axis)
-        turn = _turn_between(axis, to_axis)
+        # half a turn about the middle of both, after half a turn about the axis; opposite: half a turn across them
+        middle, before = axis + to_axis, 2.0 * np.outer(axis, axis) - np.eye(3)
+        if np.abs(middle).max() < 1e-6:
+            middle, before = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))]), np.eye(3)
+        middle = middle / length(middle)
+        turn = (2.0 * np.outer(middle, middle) - np.eye(3)) @ before
     elif loop.kind == "weld":
         turn = R_o @ rotation_from_rpy(*loop.rpy) @ R.T
     along = [R_o @ np.array(n) for n in loop.directions]
@@ -513,14 +498,3 @@ def _frame(model: Model, centres: Sequence[Array], link: str, at: Sequence[float
         return -1, IDENTITY, np.array(at, dtype=float)
     body, R, p = model.links[link]
     return body, R, p + R @ np.array(at, dtype=float) - centres[body]
-
-
-def _turn_between(a: Array, b: Array) -> Array:
-    """Return a rotation that takes the unit vector a to b: half a turn about a + b, after half a turn about a. Where
-    they are opposite, half a turn about a vector across them."""
-    middle, opposite = a + b, False
-    if np.abs(middle).max() < 1e-6:
-        middle, opposite = np.cross(a, np.eye(3)[int(np.argmin(np.abs(a)))]), True
-    middle = middle / length(middle)
-    turn = 2.0 * np.outer(middle, middle) - np.eye(3)
-    return turn if opposite else turn @ (2.0 * np.outer(a, a) - np.eye(3))

@@ -76,25 +76,19 @@ def title(model: Model, form: str) -> str:
 
 def description(plan: Plan, jobs: Iterable[Job]) -> str:
     """Return units, coordinates, effects and what derivatives mean, in lines."""
+    model, scene = plan.model, plan.scene
     law = "tau = M(q) qdd + b(q, qd)."
-    if plan.scene.loaded:
-        growing = f"Friction of {listed(plan.scene.loaded)} grows with load, so that tau = M qdd + b does not hold"
+    if scene.loaded:
+        growing = f"Friction of {listed(scene.loaded)} grows with load, so that tau = M qdd + b does not hold"
         law = f"{growing};\nM of the derivatives is d tau / d qdd."
-    parts = [
+    units = (
         f"{law} SI units: q [rad or m], qd [rad/s or m/s], qdd [rad/s^2 or m/s^2],\n"
-        "tau and b [N m or N], M [kg m^2, kg m or kg]. tau is what the actuators supply along the joints' axes.",
-        _coordinates(plan.model),
-        _surroundings(plan),
-        *_notes(plan, list(jobs)),
-    ]
-    return "\n\n".join(parts)
-
-
-def _coordinates(model: Model) -> str:
-    lines = ["Coordinates, in the order of q:"]
+        "tau and b [N m or N], M [kg m^2, kg m or kg]. tau is what the actuators supply along the joints' axes."
+    )
+    places = ["Coordinates, in the order of q:"]
     for joint in model.independent:
         if joint.kind == "floating":
-            lines += [
+            places += [
                 f"  q[{joint.coordinate}..{joint.coordinate + 6}]  {joint.name}: x y z [m] and quaternion qx qy qz qw,"
                 f" in the axes of the {'ground' if joint.coordinate == 0 else 'parent'}",
                 f"  qd[{joint.rate}..{joint.rate + 5}]  its angular velocity in body axes, then the rate of x y z;"
@@ -102,22 +96,29 @@ def _coordinates(model: Model) -> str:
             ]
         else:
             place = f"q[{joint.coordinate}]" + ("" if model.nq == model.n else f", qd[{joint.rate}]")
-            lines.append(f"  {place}  {joint.name}: {joint.kind}, {'m' if joint.kind == 'prismatic' else 'rad'}")
-    for body in model.bodies:
-        if body.joint.mimics is not None:
-            lines.append(f"  {body.joint.name} = {body.joint.multiplier!r} {body.joint.mimics} + {body.joint.offset!r}")
-    return "\n".join(lines)
-
-
-def _surroundings(plan: Plan) -> str:
-    model, scene = plan.model, plan.scene
+            places.append(f"  {place}  {joint.name}: {joint.kind}, {'m' if joint.kind == 'prismatic' else 'rad'}")
+    for joint in (body.joint for body in model.bodies if body.joint.mimics is not None):
+        places.append(f"  {joint.name} = {joint.multiplier!r} {joint.mimics} + {joint.offset!r}")
     gravity = ", ".join(repr(float(g)) for g in scene.gravity)
-    lines = [f"Gravity ({gravity}) m/s^2, in the axes of the {'ground' if model.floating else 'base'}. Effects:"]
+    effects = [f"Gravity ({gravity}) m/s^2, in the axes of the {'ground' if model.floating else 'base'}. Effects:"]
     for effect, verdict in plan.verdicts:
         if verdict.active:
             reason = "" if effect.name in ("gravity", "inertia", "coriolis", "moving base") else f"; {verdict.reason}"
-            lines.append(f"  {effect.name}: {effect.adds}{reason}")
-    return "\n".join([*lines, *_friction(plan)])
+            effects.append(f"  {effect.name}: {effect.adds}{reason}")
+    parts = [units, "\n".join(places), "\n".join([*effects, *_friction(plan)])]
+    if scene.columns:
+        parts.append(f"columns: the numbers that wrenches name, in this order: {listed(scene.columns)}.")
+    floating = any(joint.kind == "floating" for joint in model.independent)
+    if any(job.name.endswith("derivatives") for job in jobs):
+        turns = ": of a floating base by a small turn about the\nbody's axes, then by a shift along the ground's"
+        parts.append(f"Columns of d / d q are by the coordinates, in the order of qd{turns if floating else ''}.")
+    if floating:
+        parts.append(
+            "The length of a quaternion does not matter. Automatic differentiation finds derivatives by each of its\n"
+            "four numbers alone; by a turn about body axis x, y or z the derivative is half of the sum of their\n"
+            "products with (w, z, -y, -x), (-z, w, x, -y) or (y, -x, w, -z)."
+        )
+    return "\n\n".join(parts)
 
 
 def _friction(plan: Plan) -> list[str]:
@@ -140,25 +141,6 @@ def _friction(plan: Plan) -> list[str]:
         slip = plan.scene.slip_speed
         lines.append(f"Coulomb friction is smooth: {_SMOOTH} {slip!r}." if slip else _JUMPS)
     return lines
-
-
-def _notes(plan: Plan, jobs: list[Job]) -> list[str]:
-    found = []
-    if plan.scene.columns:
-        found.append(f"columns: the numbers that wrenches name, in this order: {listed(plan.scene.columns)}.")
-    floating = any(joint.kind == "floating" for joint in plan.model.independent)
-    if any(job.name.endswith("derivatives") for job in jobs):
-        text = "Columns of d / d q are by the coordinates, in the order of qd"
-        if floating:
-            text += ": of a floating base by a small turn about the\nbody's axes, then by a shift along the ground's"
-        found.append(f"{text}.")
-    if floating:
-        found.append(
-            "The length of a quaternion does not matter. Automatic differentiation finds derivatives by each of its\n"
-            "four numbers alone; by a turn about body axis x, y or z the derivative is half of the sum of their\n"
-            "products with (w, z, -y, -x), (-z, w, x, -y) or (y, -x, w, -z)."
-        )
-    return found
 
 
 def c_file(plan: Plan, jobs: Sequence[Job]) -> str:
@@ -290,7 +272,12 @@ def export(
     """
     refuse_others(model, scene)
     _check_known("target", to, TARGETS)
-    words = _words(what)
+    asked = what.split(",") if isinstance(what, str) else what if isinstance(what, Iterable) else [what]
+    words = list(dict.fromkeys(word.strip() if isinstance(word, str) else word for word in asked))
+    for word in words:
+        _check_known("function", word, WORDS)
+    if not words:
+        raise InputError("no function to export is named", remedy=f"functions: {listed(tuple(WORDS))}")
     out = None if out is None else os.fspath(out)
     a_plan = plan(model, scene)
     check_moves(model)
@@ -303,16 +290,6 @@ def export(
     if out is not None:
         write_whole(out, text.encode(), remedy="name another file")
     return text
-
-
-def _words(what: str | Iterable[str]) -> list[str]:
-    asked = what.split(",") if isinstance(what, str) else what if isinstance(what, Iterable) else [what]
-    words = [word.strip() if isinstance(word, str) else word for word in asked]
-    for word in words:
-        _check_known("function", word, WORDS)
-    if not words:
-        raise InputError("no function to export is named", remedy=f"functions: {listed(tuple(WORDS))}")
-    return list(dict.fromkeys(words))
 
 
 def _check_known(noun: str, word: str, known: Iterable[str]) -> None:

@@ -40,25 +40,6 @@ class Drives(NamedTuple):
         return self.torque + self.kp * (self.reference - positions) + self.kd * (self.speed - qd)
 
 
-def drives_of(model: Model, scene: Scene, q: Floats) -> Drives:
-    """Return the drives of a scene. There is no table: a reference that follows one is where the joint stands at q, a
-    torque or a speed that does is zero."""
-    found = Drives(*(np.zeros(model.n) for _ in Drives._fields))
-
-    def number(entry: Entry | None, otherwise: float) -> float:
-        return otherwise if entry is None or isinstance(entry, str) else float(entry)
-
-    for joint in model.independent:
-        drive = scene.drive.get(joint.name)
-        if drive is not None:
-            k, here = joint.rate, float(q[joint.coordinate])
-            found.torque[k] = number(drive.torque, 0.0)
-            found.kp[k], found.kd[k] = drive.kp, drive.kd
-            found.reference[k] = number(drive.reference, here)
-            found.speed[k] = number(drive.speed, 0.0)
-    return found
-
-
 def positions(model: Model, q: Floats) -> Floats:
     """Return (n,) the positions of hinges and slides by rate, zero for a floating base."""
     out = np.zeros(model.n)
@@ -167,8 +148,16 @@ class RobotAtRest:
         J = self.chain.jacobian(self.chain.sample(q.tolist()))
         multipliers = min_norm_solution(J.T, missing, FEW)
         N = null_space(J, FEW).T
+        # d (J^T lambda) / dq, by dual numbers along each coordinate; bases do not move
+        for joint in model.independent:
+            dual: list[float | Dual] = list(q.tolist())
+            dual[joint.coordinate] = Dual(float(q[joint.coordinate]), 1.0)
+            rows = self.chain.equations(self.chain.sample(dual)).J
+            for row, multiplier in zip(rows, multipliers.tolist(), strict=True):
+                for rate, entry in row.items():
+                    stiffness[rate, joint.rate] -= float(rate_of(entry)) * multiplier
         scale = np.where(self.tied, (scale * self.lengths)[self.tied].max(initial=0.0) / self.lengths, scale)
-        return Balance(product(N, product(N.T, missing)), N, stiffness - _carried(self.chain, q, multipliers), scale)
+        return Balance(product(N, product(N.T, missing)), N, stiffness, scale)
 
     def moved(self, q: Floats, step: Floats) -> Floats | None:
         """Return q after a small move along the rates, loops closed again; None where they do not close."""
@@ -187,7 +176,20 @@ def robot_at_rest(model: Model, scene: Scene, q: Floats) -> RobotAtRest:
     Raises:
         InputError: its base moves and loops are closed; more motions are possible at q than nearby; or none is.
     """
-    tree, drives = replace(scene, loops=()), drives_of(model, scene, q)
+
+    def number(entry: Entry | None, otherwise: float) -> float:
+        """There is no table: a reference that follows one is where the joint stands, a torque or a speed is zero."""
+        return otherwise if entry is None or isinstance(entry, str) else float(entry)
+
+    tree, drives = replace(scene, loops=()), Drives(*(np.zeros(model.n) for _ in Drives._fields))
+    for joint in model.independent:
+        drive = scene.drive.get(joint.name)
+        if drive is not None:
+            k = joint.rate
+            drives.torque[k] = number(drive.torque, 0.0)
+            drives.kp[k], drives.kd[k] = drive.kp, drive.kd
+            drives.reference[k] = number(drive.reference, float(q[joint.coordinate]))
+            drives.speed[k] = number(drive.speed, 0.0)
     if not scene.loops:
         return RobotAtRest(model, tree, drives, None, np.zeros(model.n, dtype=bool))
     if model.floating:
@@ -215,19 +217,6 @@ def _beyond(model: Model, link: str) -> set[int]:
     while k >= 0:
         out.add(k)
         k = model.parents[k]
-    return out
-
-
-def _carried(chain: ClosedChain, q: Floats, multipliers: Floats) -> Floats:
-    """Return d (J^T lambda) / dq (n, n), by dual numbers along each coordinate; bases do not move."""
-    n = chain.model.n
-    out = np.zeros((n, n))
-    for joint in chain.model.independent:
-        at: list[float | Dual] = list(q.tolist())
-        at[joint.coordinate] = Dual(float(q[joint.coordinate]), 1.0)
-        for row, multiplier in zip(chain.equations(chain.sample(at)).J, multipliers.tolist(), strict=True):
-            for rate, entry in row.items():
-                out[rate, joint.rate] += float(rate_of(entry)) * multiplier
     return out
 
 
@@ -260,7 +249,18 @@ def equilibrium_near(robot: RobotAtRest, q: Floats) -> Floats:
 
     Accuracy: what is left of the torques is at most 1e-10 of those that balance, most often 1e-12.
     """
-    _check_exists(robot, q)
+    elsewhere = None if robot.chain else robot.moved(q, 0.1 + 0.618 * np.arange(1.0, robot.model.n + 1.0) % 1.0)
+    if elsewhere is not None:  # is a torque missing at every configuration, of a free base, or of a slide not held?
+        here, there = robot.balance(q), robot.balance(elsewhere)
+        nothing = _NEAR * np.minimum(here.scale, there.scale)
+        changes = (np.maximum(np.abs(here.stiffness), np.abs(there.stiffness)) * robot.lengths).max(axis=1)
+        constant = (changes <= nothing) & (np.abs(here.missing - there.missing) <= nothing) & (here.parts > _NEARLY)
+        if constant.any():
+            left = here._replace(missing=np.where(constant, here.missing, 0.0))
+            what = f"there is no equilibrium: {_most(robot, left)} stay unbalanced at every configuration"
+            floats = robot.model.floating and constant[:6].any()
+            remedy = "a free base falls: bolt it down, or leave out --equilibrium" if floats else _HOLD
+            raise InputError(what, remedy=remedy)
     found, here = _by_newton(robot, q, _AROUND)
     if here.part > _NEARLY:
         found, here = _by_newton(robot, _sunk(robot, q), _LONGEST)
@@ -269,24 +269,6 @@ def equilibrium_near(robot: RobotAtRest, q: Floats) -> Floats:
     # coordinates that rounding alone has moved stay where they were, or at 0, if that is as good
     plain = np.where(np.abs(found - q) <= _NEAR, q, np.where(np.abs(found) <= _NEAR, 0.0, found))
     return plain if robot.balance(plain).part <= max(here.part, _NEAR) else found
-
-
-def _check_exists(robot: RobotAtRest, q: Floats) -> None:
-    """Raise if a torque is missing at every configuration: of a free base, or of a slide that is not held."""
-    elsewhere = None if robot.chain else robot.moved(q, 0.1 + 0.618 * np.arange(1.0, robot.model.n + 1.0) % 1.0)
-    if elsewhere is None:
-        return
-    here, there = robot.balance(q), robot.balance(elsewhere)
-    nothing = _NEAR * np.minimum(here.scale, there.scale)
-    changes = (np.maximum(np.abs(here.stiffness), np.abs(there.stiffness)) * robot.lengths).max(axis=1)
-    constant = (changes <= nothing) & (np.abs(here.missing - there.missing) <= nothing) & (here.parts > _NEARLY)
-    if constant.any():
-        left = here._replace(missing=np.where(constant, here.missing, 0.0))
-        what = f"there is no equilibrium: {_most(robot, left)} stay unbalanced at every configuration"
-        floats = robot.model.floating and constant[:6].any()
-        raise InputError(
-            what, remedy="a free base falls: bolt it down, or leave out --equilibrium" if floats else _HOLD
-        )
 
 
 def _most(robot: RobotAtRest, here: Balance) -> str:
@@ -299,10 +281,15 @@ def _by_newton(robot: RobotAtRest, q: Floats, around: float) -> tuple[Floats, Ba
     here, gone = robot.balance(q), np.zeros(robot.model.n)
     for _ in range(_STEPS):
         last, step = here.part <= _NEAR, newton_step(robot, here)
-        better = _first_that_helps(robot, q, here, step, around * robot.lengths, gone)
-        if better is None:
+        scale = np.where(here.scale > 0.0, here.scale, 1.0)
+        for part in (step * 0.5**halving for halving in range(_HALVINGS)):
+            if (np.abs(gone + part) <= around * robot.lengths).all() and (tried := robot.moved(q, part)) is not None:
+                there = robot.balance(tried)
+                if length(there.missing / scale) < length(here.missing / scale):
+                    q, here, gone = tried, there, gone + part
+                    break
+        else:
             break
-        q, here, gone = better
         if last:
             break
     return q, here
@@ -324,27 +311,22 @@ def _scaled(robot: RobotAtRest, here: Balance) -> Floats:
     return here.directions / root if robot.chain is None else range_basis((here.directions * root).T, 0.0).T / root
 
 
-def _first_that_helps(
-    robot: RobotAtRest, q: Floats, here: Balance, step: Floats, within: Floats, gone: Floats
-) -> tuple[Floats, Balance, Floats] | None:
-    """Return q, what is missing and how far it is after the step, halved until less is missing."""
-    scale = np.where(here.scale > 0.0, here.scale, 1.0)
-    for halving in range(_HALVINGS):
-        part = step * 0.5**halving
-        if (np.abs(gone + part) <= within).all() and (tried := robot.moved(q, part)) is not None:
-            there = robot.balance(tried)
-            if length(there.missing / scale) < length(here.missing / scale):
-                return tried, there, gone + part
-    return None
-
-
 def _sunk(robot: RobotAtRest, q: Floats) -> Floats:
     """Return q after steps downhill, each accepted if the torques do work along it."""
     here, longest, gone = robot.balance(q), _LONGEST, np.zeros(robot.model.n)
     for _ in range(_SINKS):
         if here.part <= _SUNK or (np.abs(gone) > _FAR * robot.lengths).any():
             break
-        step = _downhill(robot, here, longest)
+        # the step that ends along each principal direction of the stiffness where its torque would vanish
+        N = _scaled(robot, here)
+        S = product(N.T, here.stiffness, N)
+        values, V = eigen(0.5 * (S + S.T))
+        D = product(N, V.T)
+        torque, far = product(D.T, here.missing), np.abs(D / robot.lengths[:, None]).max(axis=0)
+        felt = np.abs(torque) > _NEAR * product(np.abs(D).T, here.scale)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            lengths = np.where(felt, np.clip(-torque / np.abs(values), -longest / far, longest / far), 0.0)
+        step = np.asarray(product(D, lengths))
         tried = robot.moved(q, step)
         there = None if tried is None else robot.balance(tried)
         if tried is None or there is None or product(here.missing + there.missing, step) >= 0.0:
@@ -352,19 +334,6 @@ def _sunk(robot: RobotAtRest, q: Floats) -> Floats:
             continue
         q, here, longest, gone = tried, there, min(2.0 * longest, _LONGEST), gone + step
     return q
-
-
-def _downhill(robot: RobotAtRest, here: Balance, longest: float) -> Floats:
-    """Return the step (n,) that ends along each principal direction of the stiffness where its torque would vanish."""
-    N = _scaled(robot, here)
-    S = product(N.T, here.stiffness, N)
-    values, V = eigen(0.5 * (S + S.T))
-    D = product(N, V.T)
-    torque, far = product(D.T, here.missing), np.abs(D / robot.lengths[:, None]).max(axis=0)
-    felt = np.abs(torque) > _NEAR * product(np.abs(D).T, here.scale)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        along = np.where(felt, np.clip(-torque / np.abs(values), -longest / far, longest / far), 0.0)
-    return np.asarray(product(D, along))
 
 
 _NEWTON_STEPS = 4.0

@@ -110,23 +110,20 @@ def in_steps(found: Linearized, step: float) -> Linearized:
     whole[:size, :size], whole[:size, size:] = found.A * step, found.B * step
     with np.errstate(all="ignore"):
         lost = not (np.isfinite(whole).all() and np.abs(found.A).max() * step < _LOST)
-        E = whole if lost else _exponential(whole)
+        # exp(X) = 1 + F by Taylor's series of a part of X, squared as (1 + F)^2 - 1 = 2 F + F F: beside 1 what is slow
+        # would be lost
+        size_of = max(float(np.abs(whole).sum(axis=1).max()), 2.0**-60)
+        halvings = 0 if lost else max(0, int(np.ceil(np.log2(size_of))) + 1)
+        term, out = np.eye(len(whole)), np.zeros_like(whole)
+        for k in range(1, 19):
+            term = product(term, whole / 2.0**halvings) / k
+            out = out + term
+        for _ in range(halvings):
+            out = 2.0 * out + product(out, out)
+        E = np.eye(len(whole)) + out
     if lost or not np.isfinite(E).all():
         raise InputError(f"the motion overflows within a step of {step:g} s", remedy="give shorter steps")
     return replace(found, A=E[:size, :size], B=E[:size, size:], step=step)
-
-
-def _exponential(X: Floats) -> Floats:
-    """Return exp(X), by exp(X) - 1, squared as (1 + F)^2 - 1 = 2 F + F F: beside 1 what is slow would be lost."""
-    halvings = max(0, int(np.ceil(np.log2(max(float(np.abs(X).sum(axis=1).max()), 2.0**-60)))) + 1)
-    small = X / 2.0**halvings
-    term, out = np.eye(len(X)), np.zeros_like(X)
-    for k in range(1, 19):
-        term = product(term, small) / k
-        out = out + term
-    for _ in range(halvings):
-        out = 2.0 * out + product(out, out)
-    return np.asarray(np.eye(len(X)) + out)
 
 
 _BALANCED = 1e-9
@@ -170,7 +167,13 @@ def linearize(
     """
     check_equations(model, scene)
     with np.errstate(all="ignore"):
-        q, speeds = _state(model, scene, at, qd)
+        speeds = rates(model, qd)
+        if not scene.loops:
+            q, _ = begun(model.coordinates, configuration(model, () if at is None else at), at, scene.initial_q)
+        elif speeds.any():
+            raise InputError("closed chains are linearized at rest", remedy="leave out the speeds (--qd)")
+        else:
+            q, speeds = closed_state(model, replace(scene, initial_qd={}), at, ())
         robot = robot_at_rest(model, scene, q)
         if equilibrium:
             if speeds.any():
@@ -181,15 +184,6 @@ def linearize(
             raise overflow(model)
         found = replace(found, warnings=(*_left_out(robot, scene, speeds, equilibrium), *found.warnings))
         return found if step is None else in_steps(found, step)
-
-
-def _state(model: Model, scene: Scene, at: Values | None, qd: Values) -> tuple[Floats, Floats]:
-    speeds = rates(model, qd)
-    if not scene.loops:
-        return begun(model.coordinates, configuration(model, () if at is None else at), at, scene.initial_q)[0], speeds
-    if speeds.any():
-        raise InputError("closed chains are linearized at rest", remedy="leave out the speeds (--qd)")
-    return closed_state(model, replace(scene, initial_qd={}), at, ())
 
 
 def _near(robot: RobotAtRest, q: Floats, qd: Floats) -> Linearized:
@@ -203,14 +197,31 @@ def _near(robot: RobotAtRest, q: Floats, qd: Floats) -> Linearized:
         stiffness = given.dq + np.diag(robot.drives.kp)
     balanced = not moves and balance.part <= _BALANCED
     second = given.dqdd, given.dqd + np.diag(robot.drives.kd), stiffness
-    own, N = list(range(model.n)), np.eye(model.n)
+    own, N = list(range(model.n)), np.asarray(np.eye(model.n))
     if robot.chain is not None:
-        own, N = _coordinates(robot, balance.directions)
+        # the rates that are coordinates, driven ones and then first ones before others, and N in terms of them
+        N, left, own = balance.directions, balance.directions.copy(), []
+        order = sorted(range(model.n), key=lambda k: (not robot.drives.kp[k] and not robot.drives.torque[k], k))
+        for _ in range(N.shape[1]):
+            sizes = np.sqrt((left * left).sum(axis=1))
+            k = next(k for k in order if sizes[k] >= _CLEAR * sizes.max())
+            own.append(k)
+            left -= np.outer(product(left, left[k] / sizes[k]), left[k] / sizes[k])
+            left[k] = 0.0
+        own.sort()
+        N = np.asarray(np.linalg.solve(N[own].T, N.T).T)
         second = tuple(product(N.T, each, N) for each in second)
     M, damping, stiffness = second
     names = [model.rates[k] for k in own]
-    condition = _condition(model, M, names)
-    k = len(M)
+    if not np.isfinite(M).all():
+        raise overflow(model)
+    size = np.sqrt(np.abs(np.diag(M)))
+    massless = [name for name, each in zip(names, size, strict=True) if not each]
+    moments = np.zeros(1) if massless else np.abs(eigen(M / size / size[:, None])[0])  # scaled to a unit diagonal
+    k, least, most = len(M), float(moments.min()), float(moments.max())
+    if least <= k * np.finfo(float).eps * most:
+        what = f"the mass matrix is singular{f': nothing moves with {listed(massless)}' if massless else ''}"
+        raise InputError(what, remedy="give every moving link a mass, or the joint a rotor", file=model.file)
     solved = np.linalg.solve(M, np.hstack((-stiffness, -damping, N.T)))
     A, B = np.zeros((2 * k, 2 * k)), np.zeros((2 * k, model.n))
     A[:k, k:] = np.eye(k)
@@ -231,7 +242,7 @@ def _near(robot: RobotAtRest, q: Floats, qd: Floats) -> Linearized:
         drive=drive,
         held=np.zeros(model.n) if balanced else held,
         balanced=balanced,
-        motion=SmallMotion(N, M, damping, stiffness, doubt, A, inertia, weight, condition, not moves),
+        motion=SmallMotion(N, M, damping, stiffness, doubt, A, inertia, weight, most / least, not moves),
         warnings=(*beyond_limits(model, q), *model.notes),
     )
 
@@ -256,35 +267,3 @@ def _left_out(robot: RobotAtRest, scene: Scene, qd: Floats, equilibrium: bool) -
             f"Coulomb friction of {listed(dry)} is left out: at rest it jumps; slip_speed in the scene makes it smooth"
         )
     return out
-
-
-def _coordinates(robot: RobotAtRest, N: Floats) -> tuple[list[int], Floats]:
-    """Return the rates that are coordinates, driven ones and then first ones before others, and N in terms of them."""
-    left, own = N.copy(), []
-    order = sorted(range(len(N)), key=lambda k: (not robot.drives.kp[k] and not robot.drives.torque[k], k))
-    for _ in range(N.shape[1]):
-        sizes = np.sqrt((left * left).sum(axis=1))
-        k = next(k for k in order if sizes[k] >= _CLEAR * sizes.max())
-        own.append(k)
-        left -= np.outer(product(left, left[k] / sizes[k]), left[k] / sizes[k])
-        left[k] = 0.0
-    own.sort()
-    return own, np.asarray(np.linalg.solve(N[own].T, N.T).T)
-
-
-def _condition(model: Model, M: Floats, names: list[str]) -> float:
-    """Return the condition number of M scaled to a unit diagonal.
-
-    Raises:
-        InputError: it is singular to working precision, or not finite.
-    """
-    if not np.isfinite(M).all():
-        raise overflow(model)
-    size = np.sqrt(np.abs(np.diag(M)))
-    massless = [name for name, each in zip(names, size, strict=True) if not each]
-    values = np.zeros(1) if massless else np.abs(eigen(M / size / size[:, None])[0])
-    least, most = float(values.min()), float(values.max())
-    if least <= len(M) * np.finfo(float).eps * most:
-        what = f"the mass matrix is singular{f': nothing moves with {listed(massless)}' if massless else ''}"
-        raise InputError(what, remedy="give every moving link a mass, or the joint a rotor", file=model.file)
-    return most / least

@@ -159,7 +159,11 @@ def split(found: SmallMotion) -> Split:
     if not found.at_rest:
         return Split(scale, none[:, :k], none, np.eye(2 * k))
     drift = _null(found.stiffness * np.outer(scale, scale), k * _WRITTEN)
-    free = _undamped(found.damping * np.outer(scale, scale), drift)
+    damping, free = found.damping * np.outer(scale, scale), drift
+    slowed, nothing = product(damping, drift.T), _ROUNDED * length(damping.ravel())
+    if len(drift) and length(slowed.ravel()) > nothing:  # that part of the drift which nothing slows
+        free = _null(slowed, nothing)
+        free = range_basis(product(free, drift), 0.0) if len(free) else drift[:0]
     basis = np.vstack((np.hstack((drift, np.zeros_like(drift))), np.hstack((np.zeros_like(free), free))))
     return Split(scale, drift, basis, null_space(basis, 0.0) if len(basis) else np.eye(2 * k))
 
@@ -168,16 +172,6 @@ def _null(rows: Floats, nothing: float) -> Floats:
     """Return an orthonormal basis (r, n) of what rows (m, n) of a size of 1 map to less than this."""
     largest = float(np.sqrt((rows * rows).sum(axis=1)).max(initial=0.0))
     return null_space(rows, nothing / largest) if largest > nothing else np.eye(rows.shape[1])
-
-
-def _undamped(damping: Floats, drift: Floats) -> Floats:
-    """Return (s, n) an orthonormal basis of the drift that nothing slows."""
-    slowed = product(damping, drift.T)
-    nothing = _ROUNDED * length(damping.ravel())
-    if not len(drift) or length(slowed.ravel()) <= nothing:
-        return drift
-    free = _null(slowed, nothing)
-    return range_basis(product(free, drift), 0.0) if len(free) else drift[:0]
 
 
 _ROUNDINGS = 16.0
@@ -223,15 +217,21 @@ def _held(found: SmallMotion, parts: Split) -> list[Mode]:
     pairs = general_eigen(inner)
     few, cuts = _ROUNDINGS * float(np.finfo(float).eps), length(cut.ravel())
     lost = few * found.condition * pairs.size + cuts
-    right = _completed(A, parts, np.where(pairs.values == 0.0, lost, pairs.values), pairs.right)
-    whole = right * both[:, None]
-    doubt = length((found.doubt * np.outer(parts.scale, parts.scale)).ravel())
-    soft = (few + doubt) * _softness(found, parts, pairs.left, right)
+    right = product(parts.rest.T, pairs.right)  # eigenvectors of A, with their parts along what was split off
+    if len(parts.basis):
+        own, given = product(parts.basis, A, parts.basis.T), product(product(parts.basis, A, parts.rest.T), pairs.right)
+        for k, value in enumerate(np.where(pairs.values == 0.0, lost, pairs.values).tolist()):
+            right[:, k] += product(parts.basis.T, np.linalg.solve(value * np.eye(len(own)) - own, given[:, k]))
+    scales, size = np.outer(parts.scale, parts.scale), len(found.M)
+    # |M^-T y| |x| of left and right eigenvectors: how far 1 more of the scaled stiffness moves eigenvalues
+    left = product(parts.rest.T, pairs.left)[size:]
+    softness = _lengths(np.linalg.solve((found.M * scales).T, left)) * _lengths(right[:size])
+    soft = (few + length((found.doubt * scales).ravel())) * softness
     meet = np.abs((pairs.left.conj() * pairs.right).sum(axis=0))
     errors = np.maximum(lost * pairs.conditions, (soft + 2.0 * cuts * _lengths(product(parts.basis, right))) / meet)
     errors = np.minimum(errors, np.sqrt(lost * (pairs.size + lost) + soft + cuts))
-    shapes, kept = whole[: len(found.M)], _paired(pairs.values, errors)
-    out = []
+    shapes, out = right[:size] * parts.scale[:, None], list[Mode]()
+    kept = _paired(pairs.values, errors)
     while kept:
         _, first, close = kept[0]
         alike = [kept[0], *(each for each in kept[1:] if abs(each[1] - first) <= each[2] + close)]
@@ -261,15 +261,6 @@ def _sparse(columns: Complexes) -> Complexes:
     return np.asarray(np.linalg.solve(columns[rows].T, columns.T).T)
 
 
-def _softness(found: SmallMotion, parts: Split, inner: Complexes, right: Complexes) -> Floats:
-    """Return |M^-T y| |x| of left and right eigenvectors: how far 1 more of the scaled stiffness moves eigenvalues."""
-    k = len(found.M)
-    left = product(parts.rest.T, inner)[k:]
-    n = left.shape[1]
-    pushed = np.linalg.solve((found.M * np.outer(parts.scale, parts.scale)).T, np.hstack((left.real, left.imag)))
-    return _lengths(pushed[:, :n] + 1j * pushed[:, n:]) * _lengths(right[:k])
-
-
 def _lengths(columns: Complexes) -> Floats:
     return np.asarray(np.sqrt((columns.real**2 + columns.imag**2).sum(axis=0)))
 
@@ -286,17 +277,6 @@ def _paired(values: Complexes, errors: Floats) -> list[tuple[int, complex, float
         else:
             out.append((k, complex(value.real), error))
     return out
-
-
-def _completed(A: Floats, parts: Split, values: Complexes, inner: Complexes) -> Complexes:
-    """Return eigenvectors of A from those of what is left of it: with their parts along what was split off."""
-    out = product(parts.rest.T, inner)
-    if len(parts.basis):
-        own = product(parts.basis, A, parts.basis.T)
-        given = product(product(parts.basis, A, parts.rest.T), inner)
-        for k, value in enumerate(values.tolist()):
-            out[:, k] += product(parts.basis.T, np.linalg.solve(value * np.eye(len(own)) - own, given[:, k]))
-    return np.asarray(out)
 
 
 def _mode(found: SmallMotion, value: complex, error: float, along: Complexes) -> Mode:

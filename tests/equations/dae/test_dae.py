@@ -190,12 +190,16 @@ def test_every_step_holds(case):
     assert min(step.scale for step in found.steps) > 1e-3
 
 
-@pytest.mark.parametrize(("what", "first"), [("velocity_transformation", 0), ("accelerations_at_rest", 1)])
+@pytest.mark.parametrize(("what", "first"), [("J", 0), ("drift", 1)])
 def test_a_wrong_transformation_would_show(monkeypatch, what, first):
     """Each step can fail: 1e-6 more of J or of Jdot qd is seen."""
-    right = getattr(form, what)
-    monkeypatch.setattr(form, what, lambda given: right(given) + 1e-6 * np.arange(right(given).size).reshape(
-        right(given).shape))  # fmt: skip
+
+    def wrong(system):
+        found = reduced(system)
+        right = getattr(found, what)
+        return replace(found, **{what: right + 1e-6 * np.arange(right.size).reshape(right.shape)})
+
+    monkeypatch.setattr(form, "reduced", wrong)
     errors = [step.error for step in taken_apart(random_tree(0, 6)).steps]
     assert errors[first] > 1e-9
 
