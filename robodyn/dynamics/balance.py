@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -14,7 +14,7 @@ from robodyn.dynamics.recursions.momentum import dual_state, momenta, momentum_o
 from robodyn.programs.derivative import rate_of, value_of
 from robodyn.programs.program import traced
 from robodyn.programs.scalar import Tape
-from robodyn.programs.vectors import Array, Scalar, cross
+from robodyn.programs.vectors import Array, Scalar, cross, total
 from robodyn.robot.kinematics import Motion, poses, velocities
 from robodyn.support.floats import Floats
 
@@ -31,26 +31,34 @@ def laws(plan: Plan, tape: Tape) -> Iterable[Scalar]:
     sample, terms = plan.terms(tape)
     q, qd = dual_state(sample.model, sample.q, sample.qd, sample.qdd)
     dual = replace(sample, q=tuple(q), qd=tuple(qd))
-    joints = dual.motions()
-    power = rate_of(stored_energy(plan, dual, terms, joints))
-    return [*_base_wrench(dual, terms, joints), power, *_magnitudes(sample, terms, joints)]
-
-
-def _magnitudes(sample: Sample, terms: Terms, joints: list[Motion]) -> list[Scalar]:
-    parents = sample.model.parents
-    force: Scalar = 0.0
-    moment: Scalar = 0.0
-    power: Scalar = 0.0
-    bodies = zip(momentum_of_bodies(parents, joints, terms.inertias), velocities(parents, joints), strict=True)
-    for (P, H), (w, v) in bodies:
-        P_rate, H_rate = _each(rate_of, P), _each(rate_of, H)
-        force, moment = force + P_rate @ P_rate, moment + H_rate @ H_rate
-        for rate, velocity in ((P_rate, _each(value_of, v)), (H_rate, _each(value_of, w))):
+    parents, joints = sample.model.parents, dual.motions()
+    whole, moving = momenta(parents, joints, terms.inertias), velocities(parents, joints)
+    P, H, mc = (_each(value_of, x) for x in (whole.P, whole.H, whole.mc))
+    w, v = (_each(value_of, x) for x in moving[0])
+    weight = _each(value_of, joints[0].R).T @ terms.gravity
+    f = _each(rate_of, whole.P) + cross(w, P) - whole.m * weight
+    n = _each(rate_of, whole.H) + cross(w, H) + cross(v, P) - cross(mc, weight)
+    forces: list[Scalar] = []
+    moments: list[Scalar] = []
+    powers: list[Scalar] = []
+    for body, motion in zip(momentum_of_bodies(parents, joints, terms.inertias), moving, strict=True):
+        P_rate, H_rate = (_each(rate_of, x) for x in body)
+        forces.append(P_rate @ P_rate)
+        moments.append(H_rate @ H_rate)
+        for rate, velocity in ((P_rate, _each(value_of, motion.v)), (H_rate, _each(value_of, motion.w))):
             parts = rate * velocity
-            power = power + parts @ parts
-    for f, n in _wrenches_about_base(sample.model.parents, terms, joints):
-        force, moment = force + f @ f, moment + n @ n
-    return [force, moment, power]
+            powers.append(parts @ parts)
+    if terms.wrenches:  # about the base's origin, in the base's axes
+        where = [motion._replace(R=_each(value_of, motion.R), p=_each(value_of, motion.p)) for motion in joints]
+        from_base = poses(parents, [where[0]._replace(R=np.eye(3), p=np.zeros(3)), *where[1:]])
+        for i, wrench in terms.wrenches:
+            force = from_base[i].R @ wrench.f
+            moment = from_base[i].R @ wrench.n + cross(from_base[i].p, force)
+            f, n = f - force, n - moment
+            forces.append(force @ force)
+            moments.append(moment @ moment)
+    power = rate_of(stored_energy(plan, dual, terms, joints))
+    return [*f, *n, power, total(forces), total(moments), total(powers)]
 
 
 class LawResiduals:
@@ -102,46 +110,21 @@ def losses(plan: Plan, tape: Tape) -> Iterable[Scalar]:
 
 def stored_energy(plan: Plan, sample: Sample, terms: Terms, joints: list[Motion]) -> Scalar:
     """Kinetic energy and what effects store [J]."""
-    total = momenta(sample.model.parents, joints, terms.inertias).T
+    energy = momenta(sample.model.parents, joints, terms.inertias).T
     for effect in plan.effects:
-        total = total + effect.stored(sample, terms, plan.scene, joints)
-    return total
+        energy = energy + effect.stored(sample, terms, plan.scene, joints)
+    return energy
 
 
 def power_lost(plan: Plan, sample: Sample, terms: Terms, joints: list[Motion]) -> Scalar:
     """Power that friction takes, less the power f . v + n . w that wrenches give [W]."""
-    total: Scalar = 0.0
+    power: Scalar = 0.0
     for effect in plan.effects:
-        total = total + effect.lost(sample, terms, plan.scene, joints)
+        power = power + effect.lost(sample, terms, plan.scene, joints)
     moving = velocities(sample.model.parents, joints) if terms.wrenches else []
     for i, wrench in terms.wrenches:
-        total = total - (wrench.f @ moving[i].v + wrench.n @ moving[i].w)
-    return total
-
-
-def _base_wrench(sample: Sample, terms: Terms, joints: list[Motion]) -> list[Scalar]:
-    parents = sample.model.parents
-    whole = momenta(parents, joints, terms.inertias)
-    P, H, mc = (_each(value_of, x) for x in (whole.P, whole.H, whole.mc))
-    base = velocities(parents[:1], joints[:1])[0]
-    w, v = _each(value_of, base.w), _each(value_of, base.v)
-    weight = _each(value_of, joints[0].R).T @ terms.gravity
-    f = _each(rate_of, whole.P) + cross(w, P) - whole.m * weight
-    n = _each(rate_of, whole.H) + cross(w, H) + cross(v, P) - cross(mc, weight)
-    for force, moment in _wrenches_about_base(parents, terms, joints):
-        f, n = f - force, n - moment
-    return [*f, *n]
-
-
-def _wrenches_about_base(parents: tuple[int, ...], terms: Terms, joints: list[Motion]) -> Iterator[tuple[Array, Array]]:
-    """Yield force and moment of each wrench about the base's origin, in the base's axes."""
-    if not terms.wrenches:
-        return
-    where = [motion._replace(R=_each(value_of, motion.R), p=_each(value_of, motion.p)) for motion in joints]
-    from_base = poses(parents, [where[0]._replace(R=np.eye(3), p=np.zeros(3)), *where[1:]])
-    for i, wrench in terms.wrenches:
-        force = from_base[i].R @ wrench.f
-        yield force, from_base[i].R @ wrench.n + cross(from_base[i].p, force)
+        power = power - (wrench.f @ moving[i].v + wrench.n @ moving[i].w)
+    return power
 
 
 def _each(part: Callable[[Any], Scalar], array: Array) -> Array:

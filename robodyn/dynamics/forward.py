@@ -145,7 +145,15 @@ def forward_dynamics(
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "tau": tau}, scene, columns or {}, dtype)
     runner = acceleration_runner(model, scene, zero_sources(sources))
     qdd = results(runner, sources, shape, (model.n,), out, executor, threads, dtype)
-    _refuse_singular(model, scene, sources, qdd)
+    if np.count_nonzero(np.isfinite(qdd)) != qdd.size:  # name the joint that M resists least
+        finite = [np.isfinite(values).all(axis=1) for values in sources.values() if values.size]
+        bad = np.all(finite, axis=0) & ~np.isfinite(qdd.reshape(-1, model.n)).all(axis=1)
+        for k in np.flatnonzero(bad)[:1]:
+            moments, ways = np.linalg.eigh(mass_matrix(model, sources["q"][k], scene=scene))
+            worst = first_largest(-np.abs(moments))
+            weakest = f'"{model.rates[first_largest(np.abs(ways[:, worst]))]}"'
+            why = f"hardly anything resists {weakest} (smallest eigenvalue of M {moments[worst]:.1g})"
+            raise InputError(f"sample {k} has no finite accelerations: {why}", remedy=RESIST)
     return qdd
 
 
@@ -153,17 +161,3 @@ def forward_dynamics(
 def acceleration_runner(model: Model, scene: Scene, zero_columns: ZeroColumns = frozenset()) -> Runner:
     a_plan = plan(model, scene, zero_columns)
     return runner_of(acceleration_program(a_plan), a_plan)
-
-
-def _refuse_singular(model: Model, scene: Scene, sources: Mapping[str, Floats], qdd: Floats) -> None:
-    """Raise where finite numbers have led to accelerations that are not; name the joint that M resists least."""
-    if np.count_nonzero(np.isfinite(qdd)) == qdd.size:
-        return
-    finite = [np.isfinite(values).all(axis=1) for values in sources.values() if values.size]
-    bad = np.all(finite, axis=0) & ~np.isfinite(qdd.reshape(-1, model.n)).all(axis=1)
-    for k in np.flatnonzero(bad)[:1]:
-        moments, motions = np.linalg.eigh(mass_matrix(model, sources["q"][k], scene=scene))
-        worst = first_largest(-np.abs(moments))
-        weakest = f'"{model.rates[first_largest(np.abs(motions[:, worst]))]}"'
-        why = f"hardly anything resists {weakest} (smallest eigenvalue of M {moments[worst]:.1g})"
-        raise InputError(f"sample {k} has no finite accelerations: {why}", remedy=RESIST)

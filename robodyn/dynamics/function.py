@@ -237,24 +237,22 @@ def _function(a_plan: Plan, kind: str) -> Function:
     chosen = OF_ONE_SAMPLE[kind]
     shapes = list(chosen.shapes(a_plan).values())
     shape = shapes[0] if len(shapes) == 1 else (len(shapes), *shapes[0])
-    slow = Function(a_plan, kind, chosen.widths(a_plan), shape, chosen.program(a_plan))
-    return slow if compiler_problem() else _compiled(slow)
-
-
-def _compiled(slow: Function) -> Function:
-    """Return the same function by machine code: an instance of a class of its own, whose call is that code."""
+    program, widths = chosen.program(a_plan), chosen.widths(a_plan)
+    slow = Function(a_plan, kind, widths, shape, program)
+    if compiler_problem():
+        return slow
     from robodyn.programs.run.llvm.build import built
     from robodyn.programs.run.llvm.python_call import callable_of, sample_kernel
 
-    program, widths = slow._program, slow.arguments
     content = ("one sample", program.operations, program.outputs, tuple(widths.items()))
     try:
         kernel = built("arrays", content, lambda: sample_kernel(program, widths))
-        call = callable_of(kernel.address, list(widths.values()), slow.shape, slow, kernel)
+        call = callable_of(kernel.address, list(widths.values()), shape, slow, kernel)
     except (OSError, RuntimeError):
         return slow
+    # an instance of a class of its own, whose call is that code
     own: dict[str, Any] = {"__call__": call, "__doc__": Function.__doc__, "__slots__": ()}
-    fast = type("Function", (Function,), own)(slow._plan, slow.kind, widths, slow.shape, program)
+    fast: Function = type("Function", (Function,), own)(a_plan, kind, widths, shape, program)
     fast.address = kernel.address_of("sample")
     slow._code = ctypes.CFUNCTYPE(ctypes.c_int64, *[ctypes.c_void_p] * (len(widths) + 1))(fast.address)
-    return fast  # type: ignore[no-any-return]
+    return fast

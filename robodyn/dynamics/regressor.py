@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from itertools import islice
@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robodyn.dynamics.arrays import arrays_of, results
-from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.effects.friction import COULOMB, VISCOUS, coulomb_torque, joints_with_friction
 from robodyn.dynamics.effects.motors import (
     COUPLED,
@@ -80,17 +79,11 @@ def regressor(
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "qdd": qdd}, scene, columns or {})
     a_plan = plan(model, scene)
-    names, theta = _names_and_values(a_plan)
+    names, theta = zip(*parameters(a_plan), strict=True)
     runner = ready(regressor_program, a_plan)
     rows = results(runner, sources, shape, (model.n * (len(names) + 1),), None, executor, threads)
     Y, rest = rows[..., : -model.n], rows[..., -model.n :]
-    return Regressor(Y.reshape(*shape, model.n, len(names)), theta.copy(), names, rest)
-
-
-@lru_cache(maxsize=16)
-def _names_and_values(plan: Plan) -> tuple[tuple[str, ...], Floats]:
-    names, theta = zip(*parameters(plan), strict=True)
-    return names, np.array(theta)
+    return Regressor(Y.reshape(*shape, model.n, len(names)), np.array(theta), names, rest)
 
 
 @lru_cache(maxsize=16)
@@ -99,8 +92,22 @@ def regressor_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
     """The program of Y, row by row, and then of the rest."""
     refuse_constraints(plan.scene)
     theta = [tape.input("theta", k) for k, _ in enumerate(parameters(plan))]
-    sample = plan.sample(tape)
-    linear = jacobian(_torques(plan, sample, theta), [{each: 1.0} for each in theta])
+    sample, model, scene, values = plan.sample(tape), plan.model, plan.scene, iter(theta)
+    of = dict(zip((name for name, _ in parameters(plan)), theta, strict=True))
+    inertias = []
+    for _ in model.bodies:
+        m, x, y, z, *moments = islice(values, len(INERTIAL))
+        inertias.append(Inertia(m, vector(x, y, z), symmetric(moments)))
+    at_joint = []
+    for i, joint, friction in joints_with_friction(model, scene):
+        torque = _motor_torque(values, friction, sample.speed(joint), sample.acceleration(joint), scene.slip_speed)
+        at_joint.append((i, torque))
+    for motor, turned in coupled_motors(model, scene):
+        torque = _motor_torque(values, motor.friction, *moving(sample, turned), scene.slip_speed)
+        at_joint += at_joints(turned, torque)
+    terms = replace(applied(_MOTION, sample, scene), inertias=tuple(inertias)).with_torques(at_joint)
+    spinning = ((spin, of[f"{spin.joint.name}.rotor"] * (1.0 / spin.gear)) for spin in spins(model, scene))
+    linear = jacobian(loads(sample, with_spins(terms, sample, spinning)).tau, [{each: 1.0} for each in theta])
     others = [effect for effect in plan.effects if effect not in _LINEAR and not effect.by_load]
     massless = replace(at_rest(sample), inertias=tuple(MASSLESS for _ in plan.model.bodies))
     for effect in others:
@@ -133,25 +140,6 @@ def parameters(plan: Plan) -> tuple[tuple[str, float], ...]:
         found += [] if friction.stribeck is None else [(f"{name}.stribeck", friction.stribeck)]
         found.append((f"{name}.rotor", rotor))
     return tuple(found)
-
-
-def _torques(plan: Plan, sample: Sample, values: Sequence[Scalar]) -> list[Scalar]:
-    model, scene, theta = plan.model, plan.scene, iter(values)
-    of = dict(zip((name for name, _ in parameters(plan)), values, strict=True))
-    inertias = []
-    for _ in model.bodies:
-        m, x, y, z, *moments = islice(theta, len(INERTIAL))
-        inertias.append(Inertia(m, vector(x, y, z), symmetric(moments)))
-    at_joint = []
-    for i, joint, friction in joints_with_friction(model, scene):
-        torque = _motor_torque(theta, friction, sample.speed(joint), sample.acceleration(joint), scene.slip_speed)
-        at_joint.append((i, torque))
-    for motor, turned in coupled_motors(model, scene):
-        torque = _motor_torque(theta, motor.friction, *moving(sample, turned), scene.slip_speed)
-        at_joint += at_joints(turned, torque)
-    terms = replace(applied(_MOTION, sample, scene), inertias=tuple(inertias)).with_torques(at_joint)
-    spinning = ((spin, of[f"{spin.joint.name}.rotor"] * (1.0 / spin.gear)) for spin in spins(sample.model, scene))
-    return loads(sample, with_spins(terms, sample, spinning)).tau
 
 
 def _motor_torque(

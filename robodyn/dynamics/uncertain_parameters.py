@@ -110,7 +110,20 @@ def variations(model: Model, scene: Scene) -> Variations:
     for link in model.description.links if model.description else ():
         if link.inertial is not None and link.name in model.links:
             each += _of_link(link.name, link.inertial, given.of_link(link.name), model.links[link.name])
-    each += _of_friction(given, model, scene)
+    hinges = (body.joint for body in model.bodies if body.joint.kind in ("revolute", "prismatic"))
+    frictions = [(joint.name, friction_of(joint, scene)) for joint in hinges]
+    for name, has in (*frictions, *((motor.name, motor.friction) for motor in scene.coupled)):
+        own = given.of_joint(name)
+        if own is None or not own.value:
+            continue
+        share = own.value
+        added = Friction(0.0, share, -share)
+        if own.relative:
+            stribeck = None if has.stribeck is None else share * has.stribeck
+            parts = {part: share * getattr(has, part) for part in ("viscous", "forward", "backward", "load")}
+            added = replace(has, stribeck=stribeck, **parts)
+        if added.viscous or added.dry or added.load:
+            each.append(Variation(f"{name}.friction", share, joint=name, friction=added))
     if not each:
         what = "[uncertainty] leaves nothing uncertain"
         raise SceneError(what, remedy='give mass = "5 %" to links with mass, or friction = "20 %" to joints with it')
@@ -138,23 +151,6 @@ def _of_link(name: str, inertial: Inertial, given: LinkUncertainty, frame: Frame
     if given.inertia is not None and (deviation := given.inertia.value):
         for more in [I_c] if given.inertia.relative else [np.outer(axis, axis) for axis in IDENTITY]:
             yield varied("inertia", deviation, inertia_of(0.0, c, deviation * more, R, p))
-
-
-def _of_friction(given: Uncertainty, model: Model, scene: Scene) -> Iterator[Variation]:
-    hinges = (body.joint for body in model.bodies if body.joint.kind in ("revolute", "prismatic"))
-    frictions = [(joint.name, friction_of(joint, scene)) for joint in hinges]
-    for name, has in (*frictions, *((motor.name, motor.friction) for motor in scene.coupled)):
-        own = given.of_joint(name)
-        if own is None or not own.value:
-            continue
-        share = own.value
-        added = Friction(0.0, share, -share)
-        if own.relative:
-            stribeck = None if has.stribeck is None else share * has.stribeck
-            parts = {part: share * getattr(has, part) for part in ("viscous", "forward", "backward", "load")}
-            added = replace(has, stribeck=stribeck, **parts)
-        if added.viscous or added.dry or added.load:
-            yield Variation(f"{name}.friction", share, joint=name, friction=added)
 
 
 def misfits(model: Model, scene: Scene) -> tuple[str, ...]:
@@ -188,30 +184,28 @@ def _of_covariance(given: Covariance, model: Model, scene: Scene) -> Variations:
         if name not in known:
             remedy = alternatives(name, sorted(known), "parameters")
             raise SceneError(f"[uncertainty] covariance: the robot has no parameter {shown(name)}", remedy=remedy)
-    kept = np.flatnonzero(deviations)
-    each = tuple(_named(given.parameters[k], float(deviations[k]), model, scene) for k in kept)
+    kept, each = np.flatnonzero(deviations), []
+    frictions = {body.joint.name: friction_of(body.joint, scene) for body in model.bodies}
+    frictions |= {motor.name: motor.friction for motor in scene.coupled}
+    for name, deviation in ((given.parameters[k], float(deviations[k])) for k in kept):
+        owner, _, quantity = name.rpartition(".")
+        if quantity in INERTIAL:
+            body = next(k for k, body in enumerate(model.bodies) if body.name == owner)
+            moments = tuple(deviation if part == quantity else 0.0 for part in INERTIAL)
+            each.append(Variation(name, deviation, body, moments))
+        elif quantity == "rotor":
+            each.append(Variation(name, deviation, joint=owner, rotor=deviation))
+        else:
+            has = frictions[owner]
+            stribeck = None if has.stribeck is None else 0.0
+            none = replace(has, viscous=0.0, forward=0.0, backward=0.0, stribeck=stribeck, load=0.0)
+            each.append(Variation(name, deviation, joint=owner, friction=replace(none, **{quantity: deviation})))
     if not each:
         raise SceneError("[uncertainty] covariance leaves nothing uncertain: all variances are 0")
     sizes = deviations[kept]
     correlation = given.covariance[np.ix_(kept, kept)] / (sizes[:, None] * sizes)
     factor = None if np.array_equal(correlation, np.eye(len(each))) else pivoted(correlation)
-    return Variations(each, factor)
-
-
-def _named(name: str, deviation: float, model: Model, scene: Scene) -> Variation:
-    """Return what a parameter of the regressor adds."""
-    owner, _, quantity = name.rpartition(".")
-    if quantity in INERTIAL:
-        body = next(k for k, body in enumerate(model.bodies) if body.name == owner)
-        moments = tuple(deviation if each == quantity else 0.0 for each in INERTIAL)
-        return Variation(name, deviation, body, moments)
-    if quantity == "rotor":
-        return Variation(name, deviation, joint=owner, rotor=deviation)
-    frictions = {body.joint.name: friction_of(body.joint, scene) for body in model.bodies}
-    has = (frictions | {motor.name: motor.friction for motor in scene.coupled})[owner]
-    stribeck = None if has.stribeck is None else 0.0
-    none = replace(has, viscous=0.0, forward=0.0, backward=0.0, stribeck=stribeck, load=0.0)
-    return Variation(name, deviation, joint=owner, friction=replace(none, **{quantity: deviation}))
+    return Variations(tuple(each), factor)
 
 
 Row = Sequence[tuple[int, float]]
@@ -227,48 +221,44 @@ def derivative_runner(a_plan: Plan, found: Variations, rows: Sequence[Row]) -> R
     refuse_constraints(a_plan.scene)
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
-        x = [tape.input("x", k) for k, _ in enumerate(found.each)]
-        sums = summed(rows, _loads(a_plan, tape, x, found))
-        return [entry for row in jacobian(sums, [{each: 1.0} for each in x]) for entry in row]
+        x = [tape.input("x", k) for k in range(len(found.each))]
+        result = loads(*_varied(a_plan, tape, x, found))
+        own = [*result.tau, *(scalar for wrench in result.reactions for part in wrench for scalar in part)]
+        return [entry for row in jacobian(summed(rows, own), [{each: 1.0} for each in x]) for entry in row]
 
     return runner_of(trace(outputs), a_plan, {"x": len(found.each)})
 
 
-def _loads(a_plan: Plan, tape: Tape, x: Sequence[Scalar], found: Variations) -> list[Scalar]:
+def _varied(a_plan: Plan, tape: Tape, x: Sequence[Scalar], found: Variations) -> tuple[Sample, Terms]:
+    """The terms with more mass, more friction, which is linear in its coefficients, and more inertia of rotors."""
     sample, terms = a_plan.terms(tape)
-    inertias, at_joints = list(terms.inertias), []
+    model, scene = sample.model, a_plan.scene
+    inertias, load = list(terms.inertias), dict(terms.load)
     added: dict[int, list[Scalar]] = {}
+    of = {body.joint.name: [(i, body.joint, 1.0)] for i, body in enumerate(model.bodies)}
+    of |= {motor.name: turned for motor, turned in coupled_motors(model, scene)}
+    rotors = {spin.joint.name: spin for spin in spins(model, scene)}
+    torques: list[tuple[int, Scalar]] = []
+    spinning = []
     for scalar, variation in zip(x, found.each, strict=True):
         if variation.moments:
             before = added.get(variation.body, [0.0] * len(INERTIAL))
             pairs = zip(before, variation.moments, strict=True)
             added[variation.body] = [old + change * scalar if change else old for old, change in pairs]
-        else:
-            at_joints.append((scalar, variation))
-    for body, (m, *mc, xx, xy, xz, yy, yz, zz) in added.items():
-        more = Inertia(m, vector(*mc), symmetric((xx, xy, xz, yy, yz, zz)))
-        inertias[body] = combined((inertias[body], more))
-    result = loads(sample, _with_joints(replace(terms, inertias=tuple(inertias)), sample, a_plan, at_joints))
-    return [*result.tau, *(scalar for wrench in result.reactions for part in wrench for scalar in part)]
-
-
-def _with_joints(terms: Terms, sample: Sample, a_plan: Plan, each: Sequence[tuple[Scalar, Variation]]) -> Terms:
-    """The terms with more friction, which is linear in its coefficients, and more inertia of rotors."""
-    of = {body.joint.name: [(i, body.joint, 1.0)] for i, body in enumerate(sample.model.bodies)}
-    of |= {motor.name: turned for motor, turned in coupled_motors(sample.model, a_plan.scene)}
-    torques: list[tuple[int, Scalar]] = []
-    spinning, load = [], dict(terms.load)
-    rotors = {spin.joint.name: spin for spin in spins(sample.model, a_plan.scene)}
-    for scalar, variation in each:
+            continue
         turned, friction = of[variation.joint], variation.friction
         speed, acceleration = moving(sample, turned)
-        dry = coulomb_torque(friction, speed, a_plan.scene.slip_speed) if friction.dry else 0.0
+        dry = coulomb_torque(friction, speed, scene.slip_speed) if friction.dry else 0.0
         torque = friction.viscous * speed + dry + variation.rotor * acceleration
         torques += at_joints(turned, scalar * torque)
         if friction.load:
-            i, way = turned[0][0], direction(speed, a_plan.scene.slip_speed)
+            i, way = turned[0][0], direction(speed, scene.slip_speed)
             load[i] = load.get(i, 0.0) + scalar * (friction.load * way)
         if variation.rotor and variation.joint in rotors:
             spin = rotors[variation.joint]
             spinning.append((spin, scalar * (variation.rotor / spin.gear)))
-    return with_spins(replace(terms, load=load).with_torques(torques), sample, spinning)
+    for body, (m, *mc, xx, xy, xz, yy, yz, zz) in added.items():
+        more = Inertia(m, vector(*mc), symmetric((xx, xy, xz, yy, yz, zz)))
+        inertias[body] = combined((inertias[body], more))
+    terms = replace(terms, inertias=tuple(inertias), load=load).with_torques(torques)
+    return sample, with_spins(terms, sample, spinning)
