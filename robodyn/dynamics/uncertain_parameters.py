@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from robodyn.dynamics.effects.effect import Sample, Terms
 from robodyn.dynamics.effects.friction import coulomb_torque, direction, friction_of
 from robodyn.dynamics.effects.motors import at_joints, coupled_motors, moving, spins, with_spins
 from robodyn.dynamics.plan import Plan, loads, plan, runner_of
@@ -222,15 +221,14 @@ def derivative_runner(a_plan: Plan, found: Variations, rows: Sequence[Row]) -> R
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
         x = [tape.input("x", k) for k in range(len(found.each))]
-        result = loads(*_varied(a_plan, tape, x, found))
-        own = [*result.tau, *(scalar for wrench in result.reactions for part in wrench for scalar in part)]
-        return [entry for row in jacobian(summed(rows, own), [{each: 1.0} for each in x]) for entry in row]
+        sums = summed(rows, _loads(a_plan, tape, x, found))
+        return [entry for row in jacobian(sums, [{each: 1.0} for each in x]) for entry in row]
 
     return runner_of(trace(outputs), a_plan, {"x": len(found.each)})
 
 
-def _varied(a_plan: Plan, tape: Tape, x: Sequence[Scalar], found: Variations) -> tuple[Sample, Terms]:
-    """The terms with more mass, more friction, which is linear in its coefficients, and more inertia of rotors."""
+def _loads(a_plan: Plan, tape: Tape, x: Sequence[Scalar], found: Variations) -> list[Scalar]:
+    """Loads with more mass, more friction, which is linear in its coefficients, and more inertia of rotors."""
     sample, terms = a_plan.terms(tape)
     model, scene = sample.model, a_plan.scene
     inertias, load = list(terms.inertias), dict(terms.load)
@@ -261,4 +259,5 @@ def _varied(a_plan: Plan, tape: Tape, x: Sequence[Scalar], found: Variations) ->
         more = Inertia(m, vector(*mc), symmetric((xx, xy, xz, yy, yz, zz)))
         inertias[body] = combined((inertias[body], more))
     terms = replace(terms, inertias=tuple(inertias), load=load).with_torques(torques)
-    return sample, with_spins(terms, sample, spinning)
+    result = loads(sample, with_spins(terms, sample, spinning))
+    return [*result.tau, *(scalar for wrench in result.reactions for part in wrench for scalar in part)]

@@ -8,7 +8,7 @@ import numpy as np
 
 from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
 from robodyn.programs.vectors import Array, cross, sign
-from robodyn.robot.kinematics import Pose, Wrench, poses, velocities
+from robodyn.robot.kinematics import Wrench, poses, velocities
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Entry, ExternalWrench, Scene
 
@@ -31,20 +31,18 @@ class WrenchEffect(Effect):
 
     def add(self, terms: Terms, sample: Sample, scene: Scene) -> Terms:
         where = poses(sample.model.parents, sample.motions())
-        more = tuple(_on_body(wrench, sample, where) for wrench in acting(scene, self.cause))
-        return replace(terms, wrenches=terms.wrenches + more)
-
-
-def _on_body(wrench: ExternalWrench, sample: Sample, where: list[Pose]) -> tuple[int, Wrench]:
-    """Return the body that the wrench acts on, and the wrench about that body's origin in its axes."""
-    body, R, p = sample.model.links[wrench.link]
-    if wrench.axes:
-        other, turn, _ = sample.model.links[wrench.axes]
-        axes = where[body].R.T @ (where[other].R @ turn)
-    else:
-        axes = {"link": R, "base": where[body].R.T @ where[0].R, "world": where[body].R.T}[wrench.frame]
-    f = axes @ _entries(wrench.force, sample)
-    return body, Wrench(f, axes @ _entries(wrench.moment, sample) + cross(p + R @ np.array(wrench.point), f))
+        more = []
+        for wrench in acting(scene, self.cause):
+            body, R, p = sample.model.links[wrench.link]
+            if wrench.axes:
+                other, turn, _ = sample.model.links[wrench.axes]
+                axes = where[body].R.T @ (where[other].R @ turn)
+            else:
+                axes = {"link": R, "base": where[body].R.T @ where[0].R, "world": where[body].R.T}[wrench.frame]
+            f = axes @ _entries(wrench.force, sample)
+            n = axes @ _entries(wrench.moment, sample) + cross(p + R @ np.array(wrench.point), f)
+            more.append((body, Wrench(f, n)))
+        return replace(terms, wrenches=(*terms.wrenches, *more))
 
 
 def _entries(entries: tuple[Entry, Entry, Entry], sample: Sample) -> Array:

@@ -16,9 +16,8 @@ import numpy as np
 from robodyn.errors import InputError
 from robodyn.programs.vectors import ZERO, Array, Scalar, cross, length, product, skew, snapped, vector
 from robodyn.robot.kinematics import Motion, Wrench
-from robodyn.robot.model import Body, Frame, Joint, Model
+from robodyn.robot.model import Frame, Joint, Model
 from robodyn.solids.inertia.laws import Inertia, symmetric
-from robodyn.support.floats import Floats
 
 ROUNDING = 2.0**-48
 """A smaller share of a body's inertia is what rounding leaves of none."""
@@ -152,36 +151,32 @@ def aligned(model: Model) -> Model:
 
     Accuracy: each number of the model within 16 eps of the largest of its vector or matrix.
     """
-    first: dict[int, Joint] = {}
+    carried: dict[int, Joint] = {}
     for body in model.bodies[1:]:
         if body.joint.kind in ("revolute", "prismatic"):
-            first.setdefault(body.parent, body.joint)
-    Q = [_axes(body.joint, first.get(i)) for i, body in enumerate(model.bodies)]
-    bodies = tuple(_turned(body, Q[i], Q[body.parent] if i else np.eye(3)) for i, body in enumerate(model.bodies))
+            carried.setdefault(body.parent, body.joint)
+    Q, bodies = [], []
+    for i, body in enumerate(model.bodies):
+        joint, (m, mc, I) = body.joint, body.inertia
+        turn = np.eye(3)  # the axes of a base or a free body stay
+        if joint.kind in ("revolute", "prismatic"):
+            z, x, first = joint.axis, np.zeros(3), carried.get(i)
+            if first is not None:
+                x = cross(z, product(first.R, first.axis))
+            if length(x) < UNDECIDED:
+                x = np.roll(np.eye(3)[int(np.argmax(np.abs(z)))], 1)
+            x = x / length(x)
+            x = x - z * (z * x).sum()
+            x = snapped(x / length(x))
+            turn = np.stack((x, cross(z, x), z), axis=1)
+        Q.append(turn)
+        back = Q[body.parent].T if i else np.eye(3)
+        R, axis = snapped(product(back, joint.R, turn)), snapped(product(turn.T, joint.axis))
+        joint = replace(joint, R=R, p=product(back, joint.p), axis=axis)
+        I = product(turn.T, np.triu(I) + np.triu(I, 1).T, turn)
+        bodies.append(replace(body, joint=joint, inertia=Inertia(m, product(turn.T, mc), 0.5 * (I + I.T))))
     links = {name: Frame(i, product(Q[i].T, R), product(Q[i].T, p)) for name, (i, R, p) in model.links.items()}
-    return Model(model.name, model.file, bodies, links, model.notes)
-
-
-def _axes(joint: Joint, carried: Joint | None) -> Floats:
-    """Return the new axes of the body that `joint` moves, in its old ones; those of a base or a free body stay."""
-    if joint.kind not in ("revolute", "prismatic"):
-        return np.eye(3)
-    z = joint.axis
-    x = np.zeros(3) if carried is None else cross(z, product(carried.R, carried.axis))
-    if length(x) < UNDECIDED:
-        x = np.roll(np.eye(3)[int(np.argmax(np.abs(z)))], 1)
-    x = x / length(x)
-    x = x - z * (z * x).sum()
-    x = snapped(x / length(x))
-    return np.stack((x, cross(z, x), z), axis=1)
-
-
-def _turned(body: Body, Q: Floats, Q_parent: Floats) -> Body:
-    m, mc, I = body.inertia
-    I = product(Q.T, np.triu(I) + np.triu(I, 1).T, Q)
-    R, axis = snapped(product(Q_parent.T, body.joint.R, Q)), snapped(product(Q.T, body.joint.axis))
-    joint = replace(body.joint, R=R, p=product(Q_parent.T, body.joint.p), axis=axis)
-    return replace(body, joint=joint, inertia=Inertia(m, product(Q.T, mc), 0.5 * (I + I.T)))
+    return Model(model.name, model.file, tuple(bodies), links, model.notes)
 
 
 def floating_turns(model: Model, joints: Sequence[Motion]) -> list[tuple[slice, Array]]:
@@ -196,10 +191,6 @@ def turned(values: Sequence[Scalar], turns: list[tuple[slice, Array]], back: boo
     for place, turn in turns:
         out[place] = (turn.T if back else turn) @ vector(*out[place])
     return out
-
-
-Turn = tuple[Scalar, Scalar]
-"""Cosine and sine of an angle."""
 
 
 def articulated(body: Inertia) -> Array:
@@ -218,7 +209,11 @@ def at_parent(A: Array, joint: Joint, R: Array, p: Array) -> Array:
     if joint.kind == "floating":
         I, H, M = (R @ block @ R.T for block in blocks)
     else:
-        outer, middle, inner = turns_of(joint, R)
+        # turns about z, x and z make R; the first two are constants, being those that bring z to the joint's axis
+        sx, cx, z = float(joint.R[0, 2]), -float(joint.R[1, 2]), float(joint.R[2, 2])
+        sine = hypot(sx, cx)
+        c, s = outer = (cx / sine, sx / sine) if sine else (1.0, 0.0)
+        middle, inner = (z, sine), (c * R[0, 0] + s * R[1, 0], -(c * R[0, 1] + s * R[1, 1]))
         blocks = [_about_z(block, *inner) for block in blocks]
         blocks = [np.roll(_about_z(np.roll(block, -1, (0, 1)), *middle), 1, (0, 1)) for block in blocks]  # about x
         I, H, M = (_about_z(block, *outer) for block in blocks)
@@ -348,11 +343,3 @@ def _coordinates(
                 above = above - {last} | {model.parents[last]}
             ends[above.pop()].append(rate)
     return counts, ends
-
-
-def turns_of(joint: Joint, R: Array) -> tuple[Turn, Turn, Turn]:
-    """Turns about z, x and z that make R; the first two are constants, being those that bring z to the joint's axis."""
-    sx, cx, z = float(joint.R[0, 2]), -float(joint.R[1, 2]), float(joint.R[2, 2])
-    sine = hypot(sx, cx)
-    c, s = (cx / sine, sx / sine) if sine else (1.0, 0.0)
-    return (c, s), (z, sine), (c * R[0, 0] + s * R[1, 0], -(c * R[0, 1] + s * R[1, 1]))
