@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from robodyn.dynamics.effects.effect import Sample, Terms
+from robodyn.dynamics.momenta import dual_state, momentum_of_bodies, total_momenta
 from robodyn.dynamics.plan import Plan
-from robodyn.dynamics.recursions.momentum import dual_state, momenta, momentum_of_bodies
 from robodyn.programs.derivative import rate_of, value_of
 from robodyn.programs.program import traced
 from robodyn.programs.scalar import Tape
@@ -32,7 +32,7 @@ def laws(plan: Plan, tape: Tape) -> Iterable[Scalar]:
     q, qd = dual_state(sample.model, sample.q, sample.qd, sample.qdd)
     dual = replace(sample, q=tuple(q), qd=tuple(qd))
     parents, joints = sample.model.parents, dual.motions()
-    whole, moving = momenta(parents, joints, terms.inertias), velocities(parents, joints)
+    whole, moving = total_momenta(parents, joints, terms.inertias), velocities(parents, joints)
     P, H, mc = (_each(value_of, x) for x in (whole.P, whole.H, whole.mc))
     w, v = (_each(value_of, x) for x in moving[0])
     weight = _each(value_of, joints[0].R).T @ terms.gravity
@@ -110,7 +110,7 @@ def losses(plan: Plan, tape: Tape) -> Iterable[Scalar]:
 
 def stored_energy(plan: Plan, sample: Sample, terms: Terms, joints: list[Motion]) -> Scalar:
     """Kinetic energy and what effects store [J]."""
-    energy = momenta(sample.model.parents, joints, terms.inertias).T
+    energy = total_momenta(sample.model.parents, joints, terms.inertias).T
     for effect in plan.effects:
         energy = energy + effect.stored(sample, terms, plan.scene, joints)
     return energy

@@ -13,8 +13,7 @@ from robodyn.dynamics.arrays import arrays_of, check_out, results, zero_sources
 from robodyn.dynamics.effects import motors, rigid_bodies
 from robodyn.dynamics.effects.motors import mass_entries
 from robodyn.dynamics.plan import Plan, applied, loads, plan, ready, runner_of, torque_runner
-from robodyn.dynamics.recursions.articulated_body import aligned, floating_turns, turned
-from robodyn.dynamics.recursions.composite_body import composite_body
+from robodyn.dynamics.recursions.articulated_body import aligned, composite_body, floating_turns, turned
 from robodyn.programs.derivative import again, jacobian
 from robodyn.programs.program import trace, traced
 from robodyn.programs.run.runner import Runner

@@ -3,9 +3,8 @@
 From a model and a scene to numbers:
 
 1. `plan` asks each of `EFFECTS` whether it is on; `applied` lets those that are add their terms.
-2. `loads` gives the terms of a sample to the recursion, `recursions/newton_euler.py` (`forward.py` to
-   `recursions/articulated_body.py`, the mass matrix comes of `recursions/composite_body.py`), over scalars that are
-   traced: a program without all that is zero.
+2. `loads` gives the terms of a sample to the recursion, `recursions/newton_euler.py` (`forward.py` and the mass matrix
+   to those of `recursions/articulated_body.py`), over scalars that are traced: a program without all that is zero.
 3. `runner_of` makes the program ready to run on arrays of samples, which `arrays.py` takes and gives.
 4. Functions of arrays: `inverse.py` (mass and Coriolis matrix too), `forward.py`, `derivatives.py`, `momenta.py`,
    `regressor.py`, `kinematics.py`; of one sample: `function.py`. Self-checks of all: `balance.py`.

@@ -17,9 +17,9 @@ from robodyn.dynamics.effects.rigid_bodies import PAYLOAD
 from robodyn.dynamics.forward import accelerations
 from robodyn.dynamics.loops.closed_start import independent_equations
 from robodyn.dynamics.loops.closure import local_rates, moved, unit
+from robodyn.dynamics.momenta import TotalMomenta, position_rates, total_momenta
 from robodyn.dynamics.plan import Plan, applied, runner_of
 from robodyn.dynamics.recursions.articulated_body import aligned
-from robodyn.dynamics.recursions.momentum import Momenta, momenta, position_rates
 from robodyn.errors import InputError
 from robodyn.programs.program import Program, trace, traced
 from robodyn.programs.run.runner import Runner
@@ -154,13 +154,13 @@ class Equations:
         whole = self._momentum(sample, joints, terms.inertias)
         return [*qdd, *self.drives(state.q, state.qd, given), energy, whole.T, *whole.P, *whole.H]
 
-    def _momentum(self, sample: Sample, joints: list[Motion], inertias: Sequence[Inertia]) -> Momenta:
+    def _momentum(self, sample: Sample, joints: list[Motion], inertias: Sequence[Inertia]) -> TotalMomenta:
         """P and H in the ground's axes, H about the centre of mass: `R P_base`, `R (H_base - c x P_base)`."""
-        whole, R = momenta(self.model.parents, joints, inertias), joints[0].R
+        whole, R = total_momenta(self.model.parents, joints, inertias), joints[0].R
         spinning = angular_momentum(sample, self.scene, joints)
         return whole._replace(P=R @ whole.P, H=R @ (whole.H + spinning - cross(whole.mc, whole.P) / whole.m))
 
-    def momentum(self, q: Sequence[Scalar], qd: Sequence[Scalar]) -> Momenta:
+    def momentum(self, q: Sequence[Scalar], qd: Sequence[Scalar]) -> TotalMomenta:
         """The momenta of the bodies and payloads in the ground's axes, H about the centre of mass."""
         sample = self.sample(self.model, q, qd, {})
         return self._momentum(sample, sample.motions(), applied([PAYLOAD], sample, self.scene).inertias)

@@ -12,8 +12,8 @@ from helpers.small_robots import chain, urdf
 
 import robodyn
 from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
+from robodyn.dynamics.momenta import dual_state, total_momenta
 from robodyn.dynamics.plan import Plan
-from robodyn.dynamics.recursions.momentum import dual_state, momenta
 from robodyn.errors import InputError
 from robodyn.programs.derivative import rate_of, value_of
 from robodyn.programs.vectors import cross
@@ -32,7 +32,7 @@ def _of(model, q, qd, qdd):
     position, speed = dual_state(model, q.tolist(), qd.tolist(), qdd.tolist())
     joints = motions(model, position, speed, qdd.tolist())
     inertias = [body.inertia for body in model.bodies]
-    whole, pose = momenta(model.parents, joints, inertias), poses(model.parents[:1], joints[:1])[0]
+    whole, pose = total_momenta(model.parents, joints, inertias), poses(model.parents[:1], joints[:1])[0]
     P = pose.R @ whole.P
     H = pose.R @ whole.H + cross(pose.p, P)
     return (_each(value_of, P), _each(value_of, H)), (_each(rate_of, P), _each(rate_of, H))
@@ -67,7 +67,7 @@ def test_kinetic_energy_is_half_qd_m_qd():
     model = busy_robot(True)
     scene = frictionless(model)
     (q,), (qd,), (qdd,) = random_state(model, np.random.default_rng(0), 1)
-    whole = momenta(model.parents, motions(model, q, qd, qdd), [body.inertia for body in model.bodies])
+    whole = total_momenta(model.parents, motions(model, q, qd, qdd), [body.inertia for body in model.bodies])
     M = mass_matrix(model, q, scene=scene)
     k = model.rates.index("j2")
     M[k, k] -= 30**2 * 2e-4

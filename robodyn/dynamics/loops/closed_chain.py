@@ -14,8 +14,15 @@ from robodyn.dynamics.effects.effect import Sample, Terms
 from robodyn.dynamics.effects.motors import mass_entries
 from robodyn.dynamics.loops.closure import GROUND_FRAME, Closure, Equation, Equations, equations_of, held, moved, unit
 from robodyn.dynamics.plan import Plan, applied, loads
-from robodyn.dynamics.recursions.articulated_body import aligned, floating_turns, turned
-from robodyn.dynamics.recursions.composite_body import Root, composite_body, known_zero, rates_inward
+from robodyn.dynamics.recursions.articulated_body import (
+    Root,
+    aligned,
+    composite_body,
+    floating_turns,
+    known_zero,
+    rates_inward,
+    turned,
+)
 from robodyn.programs.vectors import Scalar, product, sqrt, total, vector
 from robodyn.robot.kinematics import Wrench, unit_rows
 from robodyn.robot.model import Model

@@ -10,9 +10,9 @@ from helpers.small_robots import built, joint, link
 import robodyn
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.loops.closed_chain import GivensProjection, closed_chain
+from robodyn.dynamics.momenta import dual_state
 from robodyn.dynamics.plan import applied, plan
-from robodyn.dynamics.recursions.composite_body import Root
-from robodyn.dynamics.recursions.momentum import dual_state
+from robodyn.dynamics.recursions.articulated_body import Root
 from robodyn.errors import InputError
 from robodyn.scene.scene import Loop, Scene
 
