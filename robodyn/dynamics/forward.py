@@ -4,22 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from functools import lru_cache
 from math import ceil, log
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
 from robodyn.dynamics.arrays import arrays_of, results, zero_sources
-from robodyn.dynamics.effects.effect import Sample, Terms, ZeroColumns
+from robodyn.dynamics.effects.effect import Sample, Terms
 from robodyn.dynamics.effects.motors import reflected
 from robodyn.dynamics.inverse import mass_matrix
-from robodyn.dynamics.plan import Plan, applied, plan, runner_of
+from robodyn.dynamics.plan import Plan, applied, plan, ready
 from robodyn.dynamics.recursions.articulated_body import RESIST, aligned, articulated_body, floating_turns, turned
 from robodyn.dynamics.recursions.newton_euler import inertial_wrenches
 from robodyn.errors import InputError
 from robodyn.programs.program import traced
-from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar, sign
 from robodyn.robot.kinematics import Wrench, motions
@@ -143,7 +141,7 @@ def forward_dynamics(
     cond(M) times that. In float32, 1e-5 of the largest entry.
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "tau": tau}, scene, columns or {}, dtype)
-    runner = acceleration_runner(model, scene, zero_sources(sources))
+    runner = ready(acceleration_program, plan(model, scene, zero_sources(sources)))
     qdd = results(runner, sources, shape, (model.n,), out, executor, threads, dtype)
     if np.count_nonzero(np.isfinite(qdd)) != qdd.size:  # name the joint that M resists least
         finite = [np.isfinite(values).all(axis=1) for values in sources.values() if values.size]
@@ -155,9 +153,3 @@ def forward_dynamics(
             why = f"hardly anything resists {weakest} (smallest eigenvalue of M {moments[worst]:.1g})"
             raise InputError(f"sample {k} has no finite accelerations: {why}", remedy=RESIST)
     return qdd
-
-
-@lru_cache(maxsize=16)
-def acceleration_runner(model: Model, scene: Scene, zero_columns: ZeroColumns = frozenset()) -> Runner:
-    a_plan = plan(model, scene, zero_columns)
-    return runner_of(acceleration_program(a_plan), a_plan)

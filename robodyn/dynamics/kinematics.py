@@ -42,7 +42,7 @@ def forward_kinematics(
     Accuracy: 1e-14 of the longest chain of offsets, for chains of up to 100 bodies.
     """
     sources, shape = arrays_of(model, {"q": q})
-    found = results(_pose_runner(model, link), sources, shape, (12,), None, executor, threads)
+    found = results(_runner(model, link), sources, shape, (12,), None, executor, threads)
     return LinkPose(found[..., :9].reshape(*shape, 3, 3), found[..., 9:])
 
 
@@ -69,40 +69,26 @@ def jacobian(
     if len(at) != 3 or not np.isfinite(at).all():
         raise InputError(f"{at} is no point", remedy="three finite coordinates in metres")
     sources, shape = arrays_of(model, {"q": q})
-    return results(_jacobian_runner(model, link, at), sources, shape, (6, model.n), None, executor, threads)
+    return results(_runner(model, link, at), sources, shape, (6, model.n), None, executor, threads)
 
 
-def _check_link(model: Model, link: str) -> None:
+@lru_cache(maxsize=16)
+def _runner(model: Model, link: str, point: tuple[float, ...] | None = None) -> Runner:
+    """The pose of a link, or the Jacobian of a point of it, ready to run."""
     if link not in model.links:
         remedy = alternatives(link, list(model.links), "links")
         raise InputError(f"no link {shown(link)}", remedy=remedy, file=model.file)
-
-
-@lru_cache(maxsize=16)
-def _pose_runner(model: Model, link: str) -> Runner:
-    _check_link(model, link)
-    a_plan = plan(model, DEFAULT)
-
-    def outputs(tape: Tape) -> Iterable[Scalar]:
-        sample = a_plan.sample(tape)
-        body, R, p = sample.model.links[link]
-        where = poses(model.parents, sample.motions())[body]
-        return [*(where.R @ R).ravel(), *(where.p + where.R @ p)]
-
-    return runner_of(trace(outputs), a_plan)
-
-
-@lru_cache(maxsize=16)
-def _jacobian_runner(model: Model, link: str, point: tuple[float, ...]) -> Runner:
-    _check_link(model, link)
     a_plan = plan(model, DEFAULT)
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
         sample = a_plan.sample(tape)
         body, R, p = sample.model.links[link]
         joints = sample.motions()
-        turn, (w, v) = poses(model.parents, joints)[body].R, velocities(model.parents, joints)[body]
-        motion = [*(turn @ w), *(turn @ (v + cross(w, p + R @ vector(*point))))]
+        where = poses(model.parents, joints)[body]
+        if point is None:
+            return [*(where.R @ R).ravel(), *(where.p + where.R @ p)]
+        w, v = velocities(model.parents, joints)[body]
+        motion = [*(where.R @ w), *(where.R @ (v + cross(w, p + R @ vector(*point))))]
         return [x for row in derivative.jacobian(motion, [{rate: 1.0} for rate in sample.qd]) for x in row]
 
     return runner_of(trace(outputs), a_plan)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -13,11 +13,10 @@ from robodyn.dynamics.initial_state import default_pose, initial_state
 from robodyn.dynamics.loops.closed_chain import ClosedChain, closed_chain, independent
 from robodyn.dynamics.loops.closed_start import closed_by, closed_start, nearby
 from robodyn.dynamics.loops.closure import loops_size, moved, unit
-from robodyn.dynamics.plan import Plan, plan, runner_of
+from robodyn.dynamics.plan import Plan, plan, ready
 from robodyn.errors import InputError, TrajectoryError
 from robodyn.programs.linear import null_space, pseudo_inverse, range_basis
-from robodyn.programs.program import trace
-from robodyn.programs.run.runner import Runner
+from robodyn.programs.program import traced
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar, product, rotation_from_rpy
 from robodyn.robot.kinematics import unit_rows
@@ -30,7 +29,7 @@ class BlockEquations:
     """phi, J and J' qd of the loops of a plan, for arrays of samples.
 
     Attributes:
-        rates: those that move a loop; the columns of J.
+        rates: those that move a loop.
         size: of `loops_size`.
         units: of each equation, "m" or "rad"; names: of its loop; scale: (equations,) `size` or 1 rad.
         shifts: (n,) which rates are those of lengths; weights: what compares them, 1 for rad, 1 / size for m.
@@ -50,45 +49,37 @@ class BlockEquations:
         self.weights = np.where(self.shifts, 1.0 / self.size, 1.0)
 
     def places(self, q: Floats) -> tuple[Floats, Floats]:
-        """Return phi (N, equations) and J (N, equations, rates) at q (N, nq), by `rates` as `model.rates` has them."""
-        columns, m = self._places({"q": q}, len(q)), self.count
-        return columns[:, :m], columns[:, m:].reshape(len(q), m, len(self.rates))
+        """Return phi (N, equations) and J (N, equations, n) at q (N, nq)."""
+        columns, m = ready(_place_program, self.plan)({"q": q}, len(q)), self.count
+        return columns[:, :m], columns[:, m:].reshape(len(q), m, self.model.n)
 
     def bias(self, q: Floats, qd: Floats) -> Floats:
         """Return (N, equations) J' qd."""
-        return self._bias({"q": q, "qd": qd}, len(q))
+        return ready(_bias_program, self.plan)({"q": q, "qd": qd}, len(q))
 
     def moved(self, q: Floats, u: Floats) -> Floats:
         """Return q (N, nq) after displacements u (N, n), which turn floating joints about their bodies' axes."""
-        return self._moved({"q": q, "u": u}, len(q)) if self.model.quaternions else q + u
-
-    @cached_property
-    def _places(self) -> Runner:
-        def outputs(tape: Tape) -> Iterable[Scalar]:
-            here = self.chain.equations(self.chain.sample(_inputs(tape, "q", self.model.nq)))
-            return [*here.error, *(row.get(rate, 0.0) for row in here.J for rate in self.rates)]
-
-        return runner_of(trace(outputs), self.plan)
-
-    @cached_property
-    def _bias(self) -> Runner:
-        def outputs(tape: Tape) -> Iterable[Scalar]:
-            state = _inputs(tape, "q", self.model.nq), _inputs(tape, "qd", self.model.n)
-            return self.chain.equations(self.chain.sample(*state)).bias
-
-        return runner_of(trace(outputs), self.plan)
-
-    @cached_property
-    def _moved(self) -> Runner:
-        def outputs(tape: Tape) -> Iterable[Scalar]:
-            model = self.model
-            return unit(model, moved(model, _inputs(tape, "q", model.nq), _inputs(tape, "u", model.n)))
-
-        return runner_of(trace(outputs), self.plan, {"u": self.model.n})
+        return ready(_moved_program, self.plan)({"q": q, "qd": u}, len(q)) if self.model.quaternions else q + u
 
 
-def _inputs(tape: Tape, source: str, count: int) -> list[Scalar]:
-    return [tape.input(source, k) for k in range(count)]
+@traced
+def _place_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
+    chain = closed_chain(plan)
+    here = chain.equations(chain.sample(plan.sample(tape).q))
+    return [*here.error, *(row.get(rate, 0.0) for row in here.J for rate in range(plan.model.n))]
+
+
+@traced
+def _bias_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
+    chain, sample = closed_chain(plan), plan.sample(tape)
+    return chain.equations(chain.sample(sample.q, sample.qd)).bias
+
+
+@traced
+def _moved_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
+    """The displacements are in the place of qd."""
+    sample = plan.sample(tape)
+    return unit(plan.model, moved(plan.model, sample.q, sample.qd))
 
 
 @lru_cache(maxsize=16)
@@ -131,16 +122,12 @@ class Corrected(NamedTuple):
 
 
 class Branch:
-    """What follows of given coordinates: rates `followed` of `given`, as columns of J `own` of `others`.
-
-    `coordinates` are the entries of q that follow.
-    """
+    """What follows of given coordinates: rates `followed` of `given`; `coordinates` are their entries of q."""
 
     def __init__(self, equations: BlockEquations, followed: Sequence[int]) -> None:
         self.equations = equations
         rates = np.array(equations.rates, dtype=int)
         follows = np.isin(rates, followed)
-        self.own, self.others = np.flatnonzero(follows), np.flatnonzero(~follows)
         self.followed, self.given = rates[follows], rates[~follows]
         coordinates: list[int] = []
         for joint in equations.model.independent:
@@ -155,7 +142,7 @@ class Branch:
         change, u = np.zeros(len(q)), np.zeros((len(q), self.equations.model.n))
         for _ in range(tries):
             phi, J = self.equations.places(q)
-            step = -einsum("nkm,nm->nk", pseudo_inverse(J[:, :, self.own])[0], phi)
+            step = -einsum("nkm,nm->nk", pseudo_inverse(J[:, :, self.followed])[0], phi)
             longest = np.abs(step * weights).max(axis=1, initial=0.0)
             u[:, self.followed] = step * np.minimum(1.0, LONGEST / np.maximum(longest, DONE))[:, None]
             q, change = self.equations.moved(q, u), change + np.minimum(longest, LONGEST)
@@ -207,12 +194,12 @@ class Branch:
         The prediction is u = D v + u'' / 2 with J_d u'' = -J' (v, D v); None where J_d does not determine it.
         """
         equations = self.equations
-        inverse, ratio = pseudo_inverse(J[None][:, :, self.own])
+        inverse, ratio = pseudo_inverse(J[None][:, :, self.followed])
         if ratio[0] <= FEW:
             return None
         u, v = np.zeros((2, len(moves), equations.model.n))
         v[:, self.given] = moves[:, self.given]
-        right = -einsum("mg,ng->mn", J[:, self.others], v[:, self.given])
+        right = -einsum("mg,ng->mn", J[:, self.given], v[:, self.given])
         v[:, self.followed] = product(right.T, inverse[0].T)
         places = np.repeat(place[None], len(u), axis=0)
         u[:, self.followed] = v[:, self.followed] - 0.5 * product(equations.bias(places, v), inverse[0].T)
@@ -326,7 +313,7 @@ def begin(branch: Branch, q: Floats, where: str) -> tuple[Floats, list[str]]:
     """
     equations, model, scene = branch.equations, branch.equations.model, branch.equations.plan.scene
     drawn = np.random.default_rng(0).uniform(-1.0, 1.0, (TRIALS, model.nq))
-    _refuse_few(branch, list(equations.places(unit_rows(model, drawn))[1][:, :, branch.own]))
+    _refuse_few(branch, list(equations.places(unit_rows(model, drawn))[1][:, :, branch.followed]))
     numbers = {name: entry for name, entry in scene.initial_q.items() if not isinstance(entry, str)}
     begun = replace(scene, initial_q=numbers, initial_qd={})
     near, led = initial_state(model, begun), q[None].copy()
@@ -344,10 +331,10 @@ def begin(branch: Branch, q: Floats, where: str) -> tuple[Floats, list[str]]:
         if closed is None:
             raise TrajectoryError(f"{where}: {missed} at least with {given(branch, q)}", remedy=UNREACHED)
         places = closed[None]
-    J = equations.places(places[:1])[1][0][:, branch.own]
-    if len(range_basis(J, FEW)) < len(branch.own):
+    J = equations.places(places[:1])[1][0][:, branch.followed]
+    if len(range_basis(J, FEW)) < len(branch.followed):
         rows = [equations.places(each[None])[1][0] for each in nearby(equations.chain, places[0])]
-        _refuse_few(branch, [J, *(row[:, branch.own] for row in rows)])
+        _refuse_few(branch, [J, *(row[:, branch.followed] for row in rows)])
         raise singular(branch, where)
     names = [model.coordinates[k] for k in branch.coordinates]
     if len(places) < 2 or any(name in scene.initial_q for name in names):

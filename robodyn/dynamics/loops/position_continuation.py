@@ -137,7 +137,7 @@ class Follow:
         whole = Whole(q, qd, qdd, tuple(bar.copy() for bar in bars))
         try:
             self._close(time, q, first_row)
-            pieces = max(ENTRIES // max(self.equations.count * len(self.equations.rates), 1), 1)
+            pieces = max(ENTRIES // max(self.equations.count * self.plan.model.n, 1), 1)
             for k in range(0, len(time), pieces):
                 rows = slice(k, k + pieces)
                 part = Whole(q[rows], qd[rows], qdd[rows], tuple(bar[rows] for bar in whole.bars))
@@ -157,11 +157,13 @@ class Follow:
         lost = branch.along(self._place, q) if len(branch.followed) else None
         if lost is not None:
             where = _where(first_row + lost.row, time[lost.row])
-            places, missed = (np.zeros((0, 0)), "") if lost.singular else search(branch, q[lost.row], lost.place, OFF)
+            if lost.singular:
+                raise singular(branch, where)
+            places, missed = search(branch, q[lost.row], lost.place, OFF)
             values = given(branch, q[lost.row])
-            if not lost.singular and not len(places):
+            if not len(places):
                 raise TrajectoryError(f"{where}: {missed} at least with {values}, out of reach", remedy=UNREACHED)
-            if lost.singular or pseudo_inverse(self.equations.places(places[:1])[1][:, :, branch.own])[1][0] <= BACK:
+            if pseudo_inverse(self.equations.places(places[:1])[1][:, :, branch.followed])[1][0] <= BACK:
                 raise singular(branch, where)
             what = f"{where}: the loops close with {values}, but no way leads there from the row before"
             raise TrajectoryError(what, remedy="give more rows, or columns of more joints")
@@ -183,7 +185,7 @@ class Follow:
                 + ("; columns of more joints than needed are given" if len(branch.followed) else ""),
             )
         if len(branch.followed):
-            own, others = J[:, :, branch.own], J[:, :, branch.others]
+            own, others = J[:, :, branch.followed], J[:, :, branch.given]
             inverse, ratio = pseudo_inverse(own)
             self._watch(time, ratio, own, first_row)
             change = -einsum("ndm,nmg->ndg", inverse, others)
@@ -200,7 +202,7 @@ class Follow:
         """Keep the largest that is left of phi (N, equations), phi' = J qd and phi'' = J qdd + J' qd, and of the sums
         of the magnitudes of their terms."""
         of, bias = self.equations, self.equations.bias(part.q, part.qd)
-        qd, qdd = (each[:, list(of.rates)] for each in (part.qd, part.qdd))
+        J, qd, qdd = (each[..., list(of.rates)] for each in (J, part.qd, part.qdd))
         fast = einsum("nmk,nk->nm", np.abs(J), np.abs(qd))
         turning = fast * np.abs(qd).max(axis=1, keepdims=True, initial=0.0)
         sums = (phi, fast, einsum("nmk,nk->nm", np.abs(J), np.abs(qdd)) + turning)

@@ -1,5 +1,5 @@
-"""Accelerations by articulated bodies (ABA), one unknown eliminated at a time in axes that suit it, and the mass matrix by
-composite bodies (CRBA) with its sparse factors; for any scalar."""
+"""Accelerations by articulated bodies (ABA), one unknown eliminated at a time, and the mass matrix by composite bodies
+(CRBA) with its sparse factors; for any scalar, in axes that suit them."""
 
 from __future__ import annotations
 
