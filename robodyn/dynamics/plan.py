@@ -7,10 +7,10 @@ From a model and a scene to numbers:
    to those of `recursions/articulated_body.py`), over scalars that are traced: a program without all that is zero.
 3. `runner_of` makes the program ready to run on arrays of samples, which `arrays.py` takes and gives.
 4. Functions of arrays: `inverse.py` (mass and Coriolis matrix too), `forward.py`, `derivatives.py`, `momenta.py`,
-   `regressor.py`, `kinematics.py`; of one sample: `function.py`. Self-checks of all: `balance.py`.
+   `kinematics.py`, `regressor.py` (and parameters that are not known well); of one sample: `function.py`.
+   Self-checks of all: `balance.py`.
 5. What holds a robot: `loops/` closes chains, `contacts/` finds forces inside cones of friction, `constraints/` the
-   torques of the drives from both.
-6. What is not known well: `uncertain_parameters.py`.
+   torques of the drives from both; `initial_state.py` says where a motion begins.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from functools import cached_property, lru_cache
 from types import MappingProxyType
 from typing import NamedTuple
 
-from robodyn.dynamics.effects import friction, motors, rigid_bodies, springs, wrenches
+from robodyn.dynamics.effects import forces, friction, motors, rigid_bodies
 from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
 from robodyn.dynamics.effects.friction import load_torques
 from robodyn.dynamics.recursions.newton_euler import joint_torques, newton_euler
@@ -46,12 +46,12 @@ EFFECTS: tuple[Effect, ...] = (
     motors.ROTOR,
     motors.COUPLED,
     motors.GYROSCOPIC,
-    springs.JOINT,
-    springs.LIMIT,
-    wrenches.EXTERNAL,
-    wrenches.LOOPS,
-    wrenches.CONTACTS,
-    wrenches.FLUID,
+    forces.SPRING,
+    forces.LIMIT_SPRING,
+    forces.EXTERNAL,
+    forces.LOOPS,
+    forces.CONTACTS,
+    forces.FLUID,
     friction.LOAD,
     rigid_bodies.MIMIC,
 )

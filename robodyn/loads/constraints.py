@@ -21,9 +21,9 @@ from robodyn.dynamics.constraints.constraint_jacobian import (
 from robodyn.dynamics.constraints.solve import ConstraintSolver, Found, touching
 from robodyn.dynamics.constraints.torque_distribution import Mask
 from robodyn.dynamics.contacts.solve import centre_of_pressure, friction_used, kinds, least_friction
+from robodyn.dynamics.initial_state import independent_equations
 from robodyn.dynamics.inverse import mass_matrix
 from robodyn.dynamics.loops.closed_chain import NOTHING as LOST
-from robodyn.dynamics.loops.closed_start import independent_equations
 from robodyn.dynamics.loops.position_continuation import Follow
 from robodyn.dynamics.plan import Plan, plan, torque_runner
 from robodyn.loads.constraint_result import Constraints, ContactLoad, LoopLoad, Missing, Peak, Unbalanced

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from robodyn.dynamics.effects.forces import JointSpring
 from robodyn.dynamics.effects.friction import friction_of
-from robodyn.dynamics.effects.springs import JointSpring
 from robodyn.dynamics.plan import Plan, runner_of
 from robodyn.errors import InputError
 from robodyn.loads.result import ComponentLoad, EffectReport, JointLoad, Range

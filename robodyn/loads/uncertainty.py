@@ -9,7 +9,7 @@ import numpy as np
 
 from robodyn.dynamics.effects.effect import ZeroColumns
 from robodyn.dynamics.plan import plan
-from robodyn.dynamics.uncertain_parameters import Row, derivative_runner, misfits, summed, variations
+from robodyn.dynamics.regressor import Row, derivative_runner, misfits, summed, variations
 from robodyn.loads.sizing import LEAST, NAMES, Train, allowed, frame, load_torque, motor_torque, points
 from robodyn.loads.statistics import Greatest, Integrals
 from robodyn.programs.run.runner import Runner

@@ -15,7 +15,7 @@ from robodyn.dynamics.effects.effect import Effect, Sample
 from robodyn.dynamics.effects.motors import angular_momentum
 from robodyn.dynamics.effects.rigid_bodies import PAYLOAD
 from robodyn.dynamics.forward import accelerations
-from robodyn.dynamics.loops.closed_start import independent_equations
+from robodyn.dynamics.initial_state import independent_equations
 from robodyn.dynamics.loops.closure import local_rates, moved, unit
 from robodyn.dynamics.momenta import TotalMomenta, position_rates, total_momenta
 from robodyn.dynamics.plan import Plan, applied, runner_of

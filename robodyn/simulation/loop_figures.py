@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.dynamics.effects.effect import Sample
+from robodyn.dynamics.initial_state import FEW, independent_equations
 from robodyn.dynamics.loops.closed_chain import NOTHING, ClosedChain
-from robodyn.dynamics.loops.closed_start import FEW, independent_equations
 from robodyn.dynamics.plan import Plan, applied, runner_of
 from robodyn.errors import InputError
 from robodyn.programs.program import trace, traced

@@ -15,8 +15,7 @@ from math import inf
 
 import numpy as np
 
-from robodyn.dynamics.initial_state import initial_state, limits_at_start
-from robodyn.dynamics.loops.closed_start import closed_start, start_notes
+from robodyn.dynamics.initial_state import closed_start, initial_state, limits_at_start, start_notes
 from robodyn.dynamics.plan import Plan, plan
 from robodyn.errors import InputError
 from robodyn.programs.run.stepper import COLUMNS

@@ -13,7 +13,7 @@ from helpers.small_robots import body_numbers, built, joint, link
 
 import robodyn
 from robodyn.dynamics.plan import plan
-from robodyn.dynamics.uncertain_parameters import derivative_runner, variations
+from robodyn.dynamics.regressor import derivative_runner, variations
 from robodyn.scene.scene import Friction, Scene
 from robodyn.scene.uncertainty import Covariance, Deviation, LinkUncertainty, Uncertainty
 

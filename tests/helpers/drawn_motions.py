@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from robodyn.dynamics.plan import plan, runner_of
-from robodyn.dynamics.uncertain_parameters import _loads, summed
+from robodyn.dynamics.regressor import _loads, summed
 from robodyn.loads.sizing import train_of
 from robodyn.loads.statistics import Integrals
 from robodyn.loads.uncertainty import Quantities, UncertaintyPass

@@ -97,8 +97,8 @@ MUTATIONS = {
     "dynamics/effects/test_external_wrench.py": [
         ("dynamics/recursions/newton_euler.py", "n[i] - wrench.n", "n[i] + wrench.n"),
         ("programs/vectors.py", "xy - wz", "xy + wz"),
-        ("dynamics/effects/wrenches.py", "p + R @ np.array(wrench.point)", "R @ np.array(wrench.point)"),
-        ("dynamics/effects/wrenches.py", "where[body].R.T @ where[0].R", "where[body].R.T"),
+        ("dynamics/effects/forces.py", "p + R @ np.array(wrench.point)", "R @ np.array(wrench.point)"),
+        ("dynamics/effects/forces.py", "where[body].R.T @ where[0].R", "where[body].R.T"),
     ],
     "dynamics/effects/test_joint_effects.py": [
         ("solids/inertia/laws.py", "product(R, c) + p", "product(R, c) - p"),
@@ -107,7 +107,7 @@ MUTATIONS = {
             "inertia_of(load.mass, np.array(load.com), symmetric(load.inertia), R, p)",
             "inertia_of(load.mass, np.array(load.com), symmetric(load.inertia))",
         ),
-        ("dynamics/effects/wrenches.py", "sign(x) * (x * x)", "x * x"),
+        ("dynamics/effects/forces.py", "sign(x) * (x * x)", "x * x"),
         ("dynamics/effects/motors.py", "gear * gear * inertia", "gear * inertia"),
         (
             "dynamics/effects/friction.py",
@@ -121,7 +121,7 @@ MUTATIONS = {
             "friction.viscous * sample.qd[joint.rate]",
         ),
         (
-            "dynamics/effects/springs.py",
+            "dynamics/effects/forces.py",
             "sample.position(joint) - spring.rest",
             "sample.position(joint) + spring.rest",
         ),
@@ -139,7 +139,7 @@ MUTATIONS = {
         ("dynamics/effects/rigid_bodies.py", "sample.qdd[:6]", "terms.qdd[:6]"),
     ],
     "dynamics/effects/test_shares.py": [
-        ("dynamics/effects/springs.py", "sign(x) * sign(x) + sign(x)", "sign(x) * sign(x) - sign(x)"),
+        ("dynamics/effects/forces.py", "sign(x) * sign(x) + sign(x)", "sign(x) * sign(x) - sign(x)"),
     ],
     "dynamics/test_function.py": [
         ("programs/run/llvm/kernel.py", "homes[k]", "homes[k][:1]"),
@@ -223,7 +223,7 @@ MUTATIONS = {
             'einsum("ij,ij->i", tau, block.qd) - execute(lost, sources, whole).values[:, 0]',
             'einsum("ij,ij->i", tau, block.qd) + execute(lost, sources, whole).values[:, 0]',
         ),
-        ("dynamics/effects/springs.py", "_positive(x)", "x"),
+        ("dynamics/effects/forces.py", "_positive(x)", "x"),
     ],
     "loads/test_sizing.py": [
         ("loads/sizing.py", "(f[:2], m)", "(f[:2], m[::-1])"),
@@ -309,7 +309,7 @@ MUTATIONS = {
         ("simulation/equations.py", "H - now.H", "now.H - H"),
     ],
     "simulation/test_friction_and_limits.py": [
-        ("dynamics/effects/springs.py", "self.spring.damping * xd", "self.spring.damping * x"),
+        ("dynamics/effects/forces.py", "self.spring.damping * xd", "self.spring.damping * x"),
         ("simulation/stiff_steps.py", "friction.dry / scene.slip_speed", "friction.dry * scene.slip_speed"),
         ("simulation/result.py", "(mean * lasting)[still]", "mean[still]"),
     ],

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from helpers.oracles import robot
 
-from robodyn.dynamics.uncertain_parameters import variations
+from robodyn.dynamics.regressor import variations
 from robodyn.errors import SceneError
 from robodyn.scene.read import load_scene, parse_scene
 from robodyn.scene.uncertainty import (

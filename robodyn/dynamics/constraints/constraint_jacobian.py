@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from robodyn.dynamics.initial_state import independent_equations
 from robodyn.dynamics.loops.closed_chain import closure_of
-from robodyn.dynamics.loops.closed_start import independent_equations
 from robodyn.dynamics.loops.closure import Closure, held
 from robodyn.dynamics.plan import Plan, ready
 from robodyn.programs.derivative import Direction, jacobian

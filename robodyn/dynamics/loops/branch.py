@@ -9,9 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.dynamics.initial_state import default_pose, initial_state
+from robodyn.dynamics.initial_state import closed_by, closed_start, default_pose, initial_state, nearby
 from robodyn.dynamics.loops.closed_chain import ClosedChain, closed_chain, independent
-from robodyn.dynamics.loops.closed_start import closed_by, closed_start, nearby
 from robodyn.dynamics.loops.closure import loops_size, moved, unit
 from robodyn.dynamics.plan import Plan, plan, ready
 from robodyn.errors import InputError, TrajectoryError

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from robodyn.dynamics.initial_state import check_dropped, nearby
 from robodyn.dynamics.loops.branch import (
     FEW,
     OFF,
@@ -18,7 +19,6 @@ from robodyn.dynamics.loops.branch import (
     search,
     singular,
 )
-from robodyn.dynamics.loops.closed_start import check_dropped, nearby
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import TrajectoryError
 from robodyn.programs.linear import pseudo_inverse

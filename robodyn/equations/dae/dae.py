@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robodyn.dynamics.forward import forward_dynamics
+from robodyn.dynamics.initial_state import closed_start
 from robodyn.dynamics.inverse import bias_forces, mass_matrix
 from robodyn.dynamics.loops.closed_chain import closed_chain
-from robodyn.dynamics.loops.closed_start import closed_start
 from robodyn.dynamics.plan import applied, loads, plan
 from robodyn.equations.dae.system import Matrices, System, state_of, system_at, values, velocities_of
 from robodyn.equations.ode import bias_plan, check_equations

@@ -12,8 +12,8 @@ from robodyn.dynamics.arrays import arrays_of, zero_columns
 from robodyn.dynamics.constraints.solve import as_tree
 from robodyn.dynamics.effects import motors
 from robodyn.dynamics.effects.effect import Effect, Sample, Terms
+from robodyn.dynamics.effects.forces import acting
 from robodyn.dynamics.effects.motors import spins
-from robodyn.dynamics.effects.wrenches import acting
 from robodyn.dynamics.plan import applied, at_rest, plan
 from robodyn.dynamics.recursions.newton_euler import euler, joint_torques, newton_euler
 from robodyn.errors import InputError

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.dynamics.derivatives import inverse_dynamics_derivatives
+from robodyn.dynamics.initial_state import FEW, closed_near, independent_equations
 from robodyn.dynamics.inverse import bias_forces
 from robodyn.dynamics.loops.closed_chain import ClosedChain
-from robodyn.dynamics.loops.closed_start import FEW, closed_near, independent_equations
 from robodyn.dynamics.loops.closure import moved, unit
 from robodyn.dynamics.plan import plan
 from robodyn.equations.ode import units_of

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from robodyn.dynamics.momenta import position_rates
 from robodyn.dynamics.plan import Plan, plan
-from robodyn.dynamics.recursions.momentum import position_rates
 from robodyn.errors import InputError
 from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Price, Rung, Spread, timed
 from robodyn.programs.run.llvm.machine import compiler_problem

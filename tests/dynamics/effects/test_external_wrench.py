@@ -9,7 +9,7 @@ from helpers.oracles import EPS, frictionless, random_state, run, worst
 from helpers.pinocchio_robots import PinocchioRobot
 from helpers.small_robots import urdf
 
-from robodyn.dynamics.effects import wrenches
+from robodyn.dynamics.effects import forces
 from robodyn.dynamics.inverse import bias_forces, inverse_dynamics
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
@@ -37,7 +37,7 @@ def test_is_minus_jacobian_transpose_times_wrench(where, frame, moving_base):
     state = random_state(model, np.random.default_rng(12), SAMPLES)
     wrench = ExternalWrench(where, FORCE, MOMENT, POINT, frame)
     plan = Plan(model, Scene(wrenches=(wrench,)))
-    share = run(plan.share(wrenches.EXTERNAL), plan, *state)
+    share = run(plan.share(forces.EXTERNAL), plan, *state)
     for tau, q in zip(share, state[0], strict=True):
         J, rotation = other.point_jacobian(model, q, where, POINT)
         axes = _axes(model, frame, q, rotation)

@@ -11,8 +11,7 @@ from helpers.closed_chains import bennett, crank_slider, four_bars, parallelogra
 from helpers.report_text import simulation_text
 
 import robodyn
-from robodyn.dynamics.initial_state import initial_state
-from robodyn.dynamics.loops.closed_start import closed_start, independent_equations
+from robodyn.dynamics.initial_state import closed_start, independent_equations, initial_state
 from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError
 from robodyn.measure.accuracy.simulate_within import simulate_within
