@@ -21,12 +21,12 @@ from robodyn.support.floats import Floats
 
 @traced
 def laws(plan: Plan, tape: Tape) -> Iterable[Scalar]:
-    """The program of the base wrench that Euler's laws demand, and of the power that goes into stored energy.
+    """The program of the base wrench that Euler's laws demand, about the base's origin and in its axes, and of the
+    power that goes into stored energy; the rates come from dual scalars.
 
-    `f = dP/dt + w x P - m g - sum f_ext`, `n = dH/dt + w x H + v x P - c x m g - sum (n_ext + r x f_ext)`, about the
-    base's origin and in its axes, w and v being the base's velocities; the rates come from dual scalars. Then dE/dt,
-    and the squared magnitudes of what balances in each of the three: the rates of the bodies' own momenta and energies,
-    and the wrenches that act on them: in all 10 outputs.
+    `f = dP/dt + w x P - m g - sum f_ext`, `n = dH/dt + w x H + v x P - c x m g - sum (n_ext + r x f_ext)`, w and v
+    being the base's velocities; dE/dt; and the squared magnitudes of what balances in each of the three, rates of the
+    bodies' own momenta and energies and wrenches that act on them: in all 10 outputs.
     """
     sample, terms = plan.terms(tape)
     q, qd = dual_state(sample.model, sample.q, sample.qd, sample.qdd)
@@ -71,8 +71,8 @@ class LawResiduals:
         self._scale = np.maximum((*borne, 0.0), np.finfo(float).tiny)
 
     def update(self, expected: Floats, base: Floats, power: Floats, gross: Floats) -> None:
-        """Take in samples: outputs of `laws` (N, 10), base wrench (N, 6), power (N,) supplied and not lost, and (N, n)
-        at each coordinate."""
+        """Take in outputs of `laws` (N, 10), base wrench (N, 6), power (N,) supplied and not lost, and (N, n) by
+        coordinate."""
         found = np.column_stack((base, power))
         for k, part in enumerate((slice(0, 3), slice(3, 6), slice(6, 7))):
             self._worst[k] = max(self._worst[k], np.abs(expected[:, part] - found[:, part]).max())

@@ -71,9 +71,8 @@ def inverse_dynamics_derivatives(
 ) -> InverseDerivatives:
     """d tau / dq, d tau / d qd and M of tau = `inverse_dynamics(model, q, qd, qdd)`, all effects of the scene included.
 
-    The traced recursion differentiated operation by operation, so these are derivatives of the very torques that
-    `inverse_dynamics` returns. sign(qd) has derivative 0: Coulomb friction adds nothing, not even at rest, where it
-    jumps; with the scene's `slip_speed` it is smooth, and its slope is there.
+    The traced recursion differentiated operation by operation. sign(qd) has derivative 0: Coulomb friction adds
+    nothing, not even at rest, where it jumps; with the scene's `slip_speed` it is smooth, and its slope is there.
 
     Args, errors: as for `inverse_dynamics`; out is (..., 3, n, n), and the matrices are views of it.
 
@@ -98,10 +97,10 @@ def forward_dynamics_derivatives(
     threads: int | None = None,
     dtype: DTypeLike = np.float64,
 ) -> ForwardDerivatives:
-    """d qdd / dq, d qdd / d qd and M^-1 of qdd = `forward_dynamics(model, q, qd, tau)`.
+    """d qdd / dq, d qdd / d qd and M^-1 of qdd = `forward_dynamics(model, q, qd, tau)`, by `d qdd = M^-1 (d tau - d
+    ID)`.
 
-    By `d qdd = M^-1 (d tau - d ID)` at the accelerations of the articulated-body algorithm, of which M^-1 is the
-    derivative by tau. Of friction the same holds as for `inverse_dynamics_derivatives`.
+    Of friction the same holds as for `inverse_dynamics_derivatives`.
 
     Args, errors: as for `forward_dynamics`; out is (..., 3, n, n), and the matrices are views of it.
 
@@ -115,8 +114,7 @@ def forward_dynamics_derivatives(
 
 @lru_cache(maxsize=16)
 def inverse_derivatives(plan: Plan) -> Program:
-    """Return the program of d tau / dq, d tau / d qd and M, row by row. What stands at the same place of the three is
-    computed together, for it shares most."""
+    """The program of d tau / dq, d tau / d qd and M, row by row; what stands at the same place is computed together."""
     n = plan.model.n
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
@@ -133,8 +131,8 @@ def inverse_derivatives(plan: Plan) -> Program:
 
 @lru_cache(maxsize=16)
 def forward_derivatives(plan: Plan) -> Program:
-    """Return the program of d qdd / dq, d qdd / d qd and M^-1, row by row. Column after column is finished, from the
-    tips of the tree, so that few values wait at a time."""
+    """The program of d qdd / dq, d qdd / d qd and M^-1, row by row. Column after column is finished, from the tips of
+    the tree, so that few values wait at a time."""
     refuse_load(plan.scene)
     n = plan.model.n
 
@@ -214,13 +212,10 @@ def inverse_dynamics_derivative_entries(
     threads: int | None = None,
     dtype: DTypeLike = np.float64,
 ) -> Entries:
-    """`inverse_dynamics_derivatives` without what the tree of joints makes zero: of a robot with legs, most of it.
+    """`inverse_dynamics_derivatives`, to the last bit, without what the tree of joints makes zero: with legs, most of
+    it.
 
-    The pattern depends on the model and the scene alone.
-
-    Args, errors: as for `inverse_dynamics`; out is (..., k).
-
-    Accuracy: each entry is that of `inverse_dynamics_derivatives` to the last bit.
+    The pattern depends on the model and the scene alone. Args, errors: as for `inverse_dynamics`; out is (..., k).
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "qdd": qdd}, scene, columns or {}, dtype)
     runner, places = _entries_runner(plan(model, scene))
@@ -252,8 +247,8 @@ class SecondDerivatives(NamedTuple):
     """How the derivatives of torques change: results (..., n, n, n).
 
     Entry [i, j, k] of `a_b` is tau_i differentiated by a_j and then by b_k; `qdd_q` is dM/dq, and all others are 0, or
-    these with j and k exchanged. Derivatives by q are rates as in `InverseDerivatives`; turns of a floating base do not
-    commute, so that there `q_q` is not symmetric in j and k.
+    these with j and k exchanged. Turns of a floating base do not commute, so that there `q_q` is not symmetric in j and
+    k.
     """
 
     q_q: Floats
@@ -277,13 +272,10 @@ def inverse_dynamics_second_derivatives(
 ) -> SecondDerivatives:
     """Second derivatives of tau = `inverse_dynamics(model, q, qd, qdd)`, all effects of the scene included.
 
-    The program of `inverse_dynamics_derivatives` differentiated again; of sign(qd) the same holds.
-
     Args: as for `inverse_dynamics`; out is (..., 4, n, n, n), and the results are views of it.
 
     Raises:
-        InputError: as `inverse_dynamics`; or the robot has so many joints that more than 100 000 operations are needed
-            (an arm of 7 joints needs some 50 000).
+        InputError: as `inverse_dynamics`; or more than 100 000 operations are needed (an arm of 7 joints needs 50 000).
 
     Accuracy: 1e-13 of the largest entry of each tensor. In float32, 1e-5; on a free base 1e-4, as weights cancel.
     """

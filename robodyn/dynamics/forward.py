@@ -36,7 +36,7 @@ Solve = Callable[[Sequence[Scalar], Rotors], list[Scalar]]
 
 
 def repetitions(scene: Scene, names: Sequence[str]) -> int:
-    """Return how often accelerations are found again for joints with rotors; InputError where a load is too large."""
+    """How often accelerations are found again for joints with rotors; InputError where a load is too large."""
     largest = max((scene.friction[name].load for name in names), default=0.0)
     if largest > STEEPEST:
         name = max(names, key=lambda each: scene.friction[each].load)
@@ -136,9 +136,9 @@ def forward_dynamics(
     Raises:
         InputError: as `inverse_dynamics`; or nothing resists a joint.
 
-    Accuracy: the torques of these accelerations differ from tau by 1e-14 of the largest entry of
-    |M| |qdd| + |bias| + |tau|, for chains of up to 100 bodies and mass ratios from 1e-12 to 1e12; qdd itself by
-    cond(M) times that. In float32, 1e-5 of the largest entry.
+    Accuracy: the torques of these accelerations differ from tau by 1e-14 of the largest entry of |M| |qdd| + |bias| +
+        |tau|, for chains of up to 100 bodies and mass ratios from 1e-12 to 1e12; qdd itself by cond(M) times that. In
+        float32, 1e-5 of the largest entry.
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "tau": tau}, scene, columns or {}, dtype)
     runner = ready(acceleration_program, plan(model, scene, zero_sources(sources)))

@@ -145,19 +145,16 @@ OF_ONE_SAMPLE = {name: kind for name, kind in KINDS.items() if len({result.axes 
 class Function:
     """A function of one sample: call it with arrays of doubles, in the order of `arguments`.
 
-    `f(q, qd, qdd)` returns a new array, `f(q, qd, qdd, out=tau)` writes to one, allocates nothing and returns it. Where
-    all arguments are contiguous arrays of float64 of the right shape the call is one of machine code, and any other
-    numbers are converted first, in some microseconds. Results may be written over arguments. Functions can be pickled,
-    with their model and scene, and are built again where they are read.
+    `f(q, qd, qdd)` returns a new array, `f(q, qd, qdd, out=tau)` writes to one, which may be an argument, allocates
+    nothing and returns it. Where all arguments are contiguous arrays of float64 of the right shape the call is one of
+    machine code; any other numbers are converted first, in some microseconds. Functions can be pickled, with their
+    model and scene, and are built again where they are read.
 
     Attributes:
-        kind: what it computes.
-        arguments: name and width of each argument.
-        shape: of the result.
+        kind: what it computes. arguments: name and width of each argument. shape: of the result.
         address: of the C function `int64_t f(const double *q, ..., double *result)`, which returns 0, or 1 where the
-            root of the sum of squares of all angles exceeds 1.6e6 rad or is not finite, and nothing is written. Only
-            as long as this object lives is there anything to call. None where there is no compiler, and the
-            function is slow.
+            root of the sum of squares of all angles exceeds 1.6e6 rad or is not finite, and nothing is written; to be
+            called as long as this object lives. None where there is no compiler, and the function is slow.
     """
 
     def __init__(
@@ -211,7 +208,7 @@ class Function:
 
 
 def function(model: Model, kind: str, *, scene: Scene = DEFAULT) -> Function:
-    """Return the function of one sample that computes the same as `robodyn.<kind>` with this scene.
+    """Return the function of one sample that computes the same as `robodyn.<kind>` with this scene, as accurately.
 
     Args:
         kind: "inverse_dynamics", "bias_forces", "forward_dynamics", "mass_matrix", "coriolis_matrix",
@@ -222,8 +219,6 @@ def function(model: Model, kind: str, *, scene: Scene = DEFAULT) -> Function:
     Raises:
         InputError: there is no such kind.
         SceneError: the scene does not fit the model.
-
-    Accuracy: as `robodyn.<kind>`, compiled.
     """
     if not isinstance(kind, str) or kind not in OF_ONE_SAMPLE:
         remedy = alternatives(str(kind), tuple(OF_ONE_SAMPLE), "functions")

@@ -93,15 +93,11 @@ LONGEST = 0.3
 
 
 def closed_start(plan: Plan, state: Floats) -> Floats:
-    """A state (width,) with positions and speeds on the loops, by Newton's steps, each the shortest that there is.
+    """A state (width,) with positions and speeds on the loops, by Newton's steps, each the shortest that there is;
+    InputError if the loops do not close.
 
     Coordinates that the scene gives stay as they are if the others alone can close the loops; else as many as can be,
-    those before the others that the scene gives first. Likewise speeds.
-
-    Raises:
-        InputError: the loops do not close.
-
-    Accuracy: 1e-13 m or rad, for links of up to a metre.
+    those before the others that the scene gives first. Likewise speeds. Accuracy: CLOSED.
     """
     chain = closed_chain(plan).resisting()
     model, scene = plan.model, plan.scene
@@ -231,11 +227,9 @@ FEW = 1e-6
 
 @lru_cache(maxsize=16)
 def independent_equations(plan: Plan) -> ClosedChain:
-    """The closed chain without equations that depend on others where the motion begins and at closed places nearby.
-
-    Steps leave the loops by a little, and there such equations contradict each other. Where the rank is less at the
-    start alone, as for four-bars that lie flat, all are kept.
-    """
+    """The closed chain without equations that depend on others where the motion begins and at closed places nearby:
+    steps leave the loops by a little, and there these contradict each other. Where the rank is less at the start alone,
+    as for four-bars that lie flat, all are kept."""
     chain = closed_chain(plan).resisting()
     try:
         begun = closed_start(plan, initial_state(plan.model, plan.scene))[: plan.model.nq]

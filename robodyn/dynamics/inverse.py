@@ -40,7 +40,8 @@ def inverse_dynamics(
 ) -> Floats:
     """tau = M(q) qdd + c(q, qd) + g(q) + friction + armature qdd + springs - J^T w.
 
-    The recursive Newton-Euler algorithm (RNEA), traced once per model and scene, then run over all samples.
+    The recursive Newton-Euler algorithm (RNEA), traced once per model and scene, then run over all samples. In a scene
+    with loops, contacts or passive joints these are the torques of the drives, as `constraint_forces` finds them.
 
     Args:
         model: of `robodyn.load`.
@@ -62,12 +63,9 @@ def inverse_dynamics(
         InputError: a shape, or a joint or link that the scene names, does not fit the model; no such executor; loops of
             the scene are open.
 
-    In a scene with loops, contacts or passive joints these are the torques of the drives, as `constraint_forces` finds
-    them.
-
-    Accuracy: 1e-14 of the largest torque for chains of up to 100 bodies. The executors agree within 4 ulp of it for
-    real robots on a fixed base, 8 on a free one. Bit-identical wherever a fixed base stands and with every effect whose
-    coefficient is zero. In float32, 1e-6 of the largest torque.
+    Accuracy: 1e-14 of the largest torque for chains of up to 100 bodies, 1e-6 in float32. The executors agree within 4
+        ulp of it for real robots on a fixed base, 8 on a free one. Bit-identical wherever a fixed base stands and with
+        every effect whose coefficient is zero.
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "qdd": qdd}, scene, columns or {}, dtype)
     if not scene.constrained:
@@ -93,7 +91,7 @@ def bias_forces(
     executor: str = "auto",
     threads: int | None = None,
 ) -> Floats:
-    """b(q, qd) = c(q, qd) + g(q) + friction + springs - J^T w: the torque of a motion without acceleration.
+    """b(q, qd) = c(q, qd) + g(q) + friction + springs - J^T w, the torque of a motion without acceleration.
 
     Args, returns and accuracy: as for `inverse_dynamics` with qdd = 0.
 
@@ -149,14 +147,10 @@ def coriolis_matrix(
 ) -> Floats:
     """C(q, qd) with `C qd = c`, the Coriolis and centrifugal torques, and `M' - 2 C` skew-symmetric (Christoffel's).
 
-    c is quadratic in the rates, so half its derivative by them is Christoffel's matrix where the rates are those of
-    coordinates. A floating base turns at rates w that are those of none; there `M [w]/2` is added to the columns of w,
-    what its axes' own turn makes of the connection (Levi-Civita's, for the left-invariant frame).
-
-    It is (..., n, n) [kg m^2/s and the like], with the scene's payloads and rotors that have an axis; others, as they
-    turn in place, add to M alone.
-
-    Args, errors: as for `inverse_dynamics`.
+    Half the derivative of c, which is quadratic in the rates; to the columns of a floating base's w, which are rates of
+    no coordinates, `M [w]/2` is added, what its axes' own turn makes of the connection (Levi-Civita's, for the
+    left-invariant frame). It is (..., n, n) [kg m^2/s and the like], with the scene's payloads and rotors that have an
+    axis; others, as they turn in place, add to M alone. Args, errors: as for `inverse_dynamics`.
 
     Accuracy: 1e-14 of the largest entry of C for chains of up to 100 bodies.
     """

@@ -34,10 +34,7 @@ class LinkPose(NamedTuple):
 def forward_kinematics(
     model: Model, q: ArrayLike, link: str, *, executor: str = "auto", threads: int | None = None
 ) -> LinkPose:
-    """Return where a link is at q (..., nq), as for `inverse_dynamics`.
-
-    Raises:
-        InputError: there is no such link, or a shape does not fit the model.
+    """Return where a link is at q (..., nq), as for `inverse_dynamics`; InputError if there is no such link.
 
     Accuracy: 1e-14 of the longest chain of offsets, for chains of up to 100 bodies.
     """
@@ -58,10 +55,8 @@ def jacobian(
     """Return J (..., 6, n) with (w, v) = J qd: velocities of a link and of its point, in the ground's axes.
 
     A force f at the point and a moment m on the link do `J^T (m, f)` along the coordinates. The point is in the link's
-    frame [m]; rows are wx wy wz vx vy vz [rad/s, m/s], columns as `model.rates`.
-
-    Raises:
-        InputError: there is no such link, the point is none, or a shape does not fit the model.
+    frame [m]; rows are wx wy wz vx vy vz [rad/s, m/s], columns as `model.rates`. InputError for a link or point that is
+    none.
 
     Accuracy: 1e-14 of the largest entry of its three rows, for chains of up to 100 bodies.
     """

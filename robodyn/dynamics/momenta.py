@@ -52,8 +52,7 @@ def position_rates(model: Model, q: Sequence[Scalar], qd: Sequence[Scalar]) -> l
 
 
 class TotalMomenta(NamedTuple):
-    """Linear and angular momentum, kinetic energy, mass and first moment of the tree, about the base's origin and in
-    its axes [SI units]."""
+    """Linear and angular momentum, kinetic energy, mass and first moment, about the base's origin, in its axes [SI]."""
 
     P: Array
     H: Array
@@ -156,8 +155,8 @@ def momenta(
 ) -> Momenta:
     """Mass centre, linear and angular momentum, kinetic and potential energy: `p = sum m v`, `L = sum r x m v + I w`.
 
-    `L` about a point c is `L_o - c x p`; velocities are those relative to the ground, also where frame or point move
-    with a link.
+    `L` about a point c is `L_o - c x p`; velocities are relative to the ground, also where frame or point move with a
+    link.
 
     Args:
         about: "origin" of the frame, "com", or (3,) the coordinates of a point in the frame [m].

@@ -82,12 +82,10 @@ def regressor(
 ) -> Regressor:
     """Y, theta and the rest with `inverse_dynamics(model, q, qd, qdd) = Y theta + rest`.
 
-    theta has ten parameters of each body (`INERTIAL`, with its payloads), of each hinge and slide `viscous`, `forward`
-    and `backward` (Coulomb's torque at qd > 0 and, with its sign, at qd < 0) and, where the scene names it, `stribeck`;
-    and `rotor`, the inertia of its rotor times the square of the gear [kg m^2], with its gyroscopic moments where the
-    scene says its axis; and the same of each coupled motor.
-
-    Args, errors: as for `inverse_dynamics`.
+    theta has ten parameters of each body (`INERTIAL`, with its payloads), of each hinge, slide and coupled motor
+    `viscous`, `forward` and `backward` (Coulomb's torque at qd > 0 and, with its sign, at qd < 0) and, where the scene
+    names it, `stribeck`; and `rotor`, the inertia of its rotor times the square of the gear [kg m^2], with its
+    gyroscopic moments where the scene says its axis. Args, errors: as for `inverse_dynamics`.
 
     Accuracy: `Y theta + rest` within 1e-13 of the largest product of an entry of Y and its parameter.
     """
@@ -170,12 +168,9 @@ def _motor_torque(
 class Variation:
     """An uncertain parameter, and what one standard deviation of it adds, to first order.
 
-    Attributes:
-        name: "forearm.mass", "forearm.com" (of each axis), "forearm.inertia", "elbow.friction", or the regressor's.
-        deviation: its standard deviation in SI units; of a factor as a share.
-        body, moments: m, mc and I in the order of `INERTIAL` are added to this body; -1 and () if none are.
-        joint, friction, rotor: this friction and this reflected inertia [kg m^2] are added at a joint, or to a coupled
-            motor; "" if none are.
+    name: "forearm.mass", "forearm.com" (of each axis), "forearm.inertia", "elbow.friction", or the regressor's;
+    deviation: in SI units, of a factor as a share; moments: m, mc and I, as `INERTIAL`, added to a body, -1 and () if
+    none are; friction, rotor [kg m^2]: added at a joint or to a coupled motor, "" if none are.
     """
 
     name: str
@@ -214,11 +209,9 @@ class Variations:
 
 
 def pivoted(C: Floats) -> Floats:
-    """Return L (k, k) with L L^T = C, a correlation, by Cholesky's method with pivots; it ends where rounding is left.
-
-    What an identification hardly tells apart has correlations near 1, and all that a torque shows of it is what these
-    leave: 1e-13 of each variance is not nothing.
-    """
+    """L (k, k) with L L^T = C, a correlation, by Cholesky's method with pivots, which ends where rounding is left:
+    parameters that an identification hardly tells apart have correlations near 1, and what these leave is all that a
+    torque shows."""
     left, L = C.copy(), np.zeros_like(C)
     rounding = len(C) * np.finfo(float).eps
     for column in range(len(C)):

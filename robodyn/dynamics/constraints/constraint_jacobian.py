@@ -43,10 +43,8 @@ def open_scene(scene: Scene) -> Scene:
 
 @lru_cache(maxsize=16)
 def tree_scene(model: Model, scene: Scene) -> Scene:
-    """Return the scene in which constraints are wrenches, by columns of `constraint_columns`.
-
-    A loop's acts on its link at its point, in the axes of the other; the opposite on the other link, at its point. A
-    contact's acts on its link at `middle`, in the axes of the ground.
+    """Return the scene in which constraints are wrenches, by columns of `constraint_columns`: a loop's on its link at
+    its point, in the axes of the other, and the opposite on that; a contact's at `middle`, in the axes of the ground.
     """
 
     def wrench(link: str, columns: tuple[str, ...], point: Vector, frame: str, cause: str, to: str) -> ExternalWrench:
@@ -86,7 +84,7 @@ def normal_of(contact: Contact, scene: Scene) -> Floats:
 
 
 class LoopJacobian(NamedTuple):
-    """At N samples, for m equations of L loops: J (N, m, n), phi (N, m) [m or rad], moments (N, m, 3) on the link about
+    """For N samples and m equations of L loops: J (N, m, n), phi (N, m) [m or rad], moments (N, m, 3) on the link about
     its point for a multiplier of 1, and gaps (N, L, 3) of its point from the other's [m], both in the other's axes."""
 
     J: Floats
@@ -97,11 +95,9 @@ class LoopJacobian(NamedTuple):
 
 @lru_cache(maxsize=16)
 def closures(plan: Plan) -> tuple[Closure, ...]:
-    """Return the scene's loops, found in the model as it is.
-
-    With all their equations, of which those that others imply carry their part of the least forces; beside contacts
-    with those that `independent_equations` keeps, for contact forces are found with independent ones.
-    """
+    """Return the scene's loops, found in the model as it is, with all their equations: those that others imply carry
+    their part of the least forces. Beside contacts, whose forces are found with independent ones,
+    `independent_equations`."""
     whole = tuple(closure_of(plan.model, loop) for loop in plan.scene.loops)
     if not plan.scene.contacts or not whole:
         return whole
@@ -172,7 +168,7 @@ def _loop_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
 
 @traced
 def _contact_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
-    """The Jacobians of the contacts' middles, moments first, and where their points are and how they move."""
+    """Jacobians of the contacts' middles, moments first; where their points are, and how they move."""
     sample = replace(plan.sample(tape), qdd=(0.0,) * plan.model.n)
     joints, parents = sample.motions(), sample.model.parents
     where, moving = poses(parents, joints), velocities(parents, joints)
@@ -193,8 +189,8 @@ def _contact_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
 
 
 def loop_wrenches(plan: Plan, loops: LoopJacobian, multipliers: Floats) -> tuple[Floats, Floats]:
-    """Return (N, 6 L) the wrench of each loop on its link, by multipliers (N, m) [N, N m]; and that on the other link.
-    Each is at the link's own point; the first in the axes of the other link, as is the second."""
+    """Return (N, 6 L) the wrench of each loop on its link, by multipliers (N, m) [N, N m], and that on the other link:
+    each at the link's own point, in the axes of the other link."""
     own, others, at = [np.zeros((len(multipliers), 0))], [np.zeros((len(multipliers), 0))], 0
     for closure, gap in zip(closures(plan), loops.gaps.transpose(1, 0, 2), strict=True):
         k = slice(at, at + len(closure.equations))

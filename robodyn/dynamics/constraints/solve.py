@@ -47,11 +47,9 @@ from robodyn.support.wording import shown
 class Actuation(NamedTuple):
     """Of a robot's rates.
 
-    Attributes:
-        passive: (n,) which nothing drives: those of passive joints and of floating ones, and the base's where contacts
-            or loops to the ground hold it.
-        driven: (n,) joints that drive; a base that is neither passive nor driven is held.
-        weights, limits: (driven,) of the squares of their torques; of effort [N m or N], infinite where there is none.
+    passive (n,): those that nothing drives, of passive joints and of floating ones, and the base's where contacts or
+    loops to the ground hold it; driven (n,): joints that drive. A base that is neither is held. weights, limits
+    (driven,): of the squares of their torques; of effort [N m or N], infinite where there is none.
     """
 
     passive: Mask
@@ -68,7 +66,7 @@ class Actuation(NamedTuple):
 @lru_cache(maxsize=16)
 def actuation(model: Model, scene: Scene) -> Actuation:
     """Return what drives in a scene: joints of `actuated`, or all but those of `passive`; where neither is said, those
-    of `drive` in a closed chain that has some, else all. SceneError if an effort limit is asked for and there is none.
+    of `drive` in a closed chain that has some, else all. SceneError for an effort limit that is asked for and is none.
     """
     passive, driven = np.zeros(model.n, dtype=bool), np.zeros(model.n, dtype=bool)
     weights, limits = [], []
@@ -111,13 +109,10 @@ def _weight(joint: Joint, scene: Scene) -> float:
 def touching(
     plan: Plan, q: Floats, qd: Floats, time: Floats | None, columns: Mapping[str, Floats], executor: str = "auto"
 ) -> Mask:
-    """Return (N, K) which points touch, contact after contact.
+    """Return (N, K) which points touch, contact after contact; InputError for a column or a time that is missing.
 
     With AUTO each point by itself touches where it is at most `height` above the plane `normal . p = level` and slower
     than `speed`; otherwise a contact touches with all of its points.
-
-    Raises:
-        InputError: intervals of time and no time, or a column that is missing.
     """
     contacts, at = plan.scene.contacts, 0
     found = np.zeros((len(q), sum(len(contact.points) for contact in contacts)), dtype=bool)
@@ -181,9 +176,8 @@ class ConstraintSolver:
     """Finds what loops and contacts bear, piece by piece of one motion.
 
     Attributes:
-        structure: of the loops' equations, decided by the first samples, and once more by those that are found to hold
-            more; None before.
-        raised: whether the samples before the last piece were taken to hold all that the loops can hold, and did not.
+        structure: of the loops' equations, by the first samples, and once more by those found to hold more; first None.
+        raised: whether samples before the last piece were taken to hold all that the loops can hold, and did not.
         open_drives: (driven,) torques that other forces of loops or contacts than those found could change.
     """
 
@@ -243,11 +237,8 @@ class ConstraintSolver:
         return Found(wrenches, left, singular, crossed, loops.error, forces, contacts, problem, solved)
 
     def _shared(self, loops: LoopJacobian, tau: Floats) -> TorqueDistribution:
-        """Return the loops' multipliers of least torque, and where the loops are singular.
-
-        Samples that hold more than all before decide the ranks anew: those by which they were decided lay at a singular
-        place, as of a robot that rests there first.
-        """
+        """Return the loops' multipliers of least torque. Samples that hold more than all before decide the ranks anew:
+        those by which they were decided lay at a singular place, as of a robot that rests there first."""
         assert self.structure is not None
         counted, part = self.actuation.counted, self.actuation
         J = loops.J[:, :, counted]
@@ -316,10 +307,9 @@ CLOSED = 1e-3
 class ConstrainedForces(NamedTuple):
     """What the drives, loops and contacts of a robot bear.
 
-    Attributes:
-        tau: (..., n) of the drives [N m or N], 0 at passive rates but for what nothing gives.
-        wrenches: by name (..., 6) force [N] and moment [N m] on its link: of a loop at its point in the axes of the
-            other link, of a contact at the middle of its points in the axes of the ground.
+    tau: (..., n) of the drives [N m or N], 0 at passive rates but for what nothing gives; wrenches: by name (..., 6)
+    force [N] and moment [N m] on its link, of a loop at its point in the axes of the other link, of a contact at the
+    middle of its points in the axes of the ground.
     """
 
     tau: Floats
@@ -345,12 +335,11 @@ def constraint_forces(
     Args:
         model, executor, threads: as for `inverse_dynamics`.
         q, qd, qdd: (..., nq), (..., n), (..., n); all coordinates, on the loops.
-        scene: with loops, contacts or passive joints.
         columns: (...) values of the columns that the scene's wrenches and contacts name.
 
     Raises:
-        InputError: as `inverse_dynamics`; or a number is not finite; or a loop is open by more than 1e-3 rad, 1e-3 m or
-            1e-3 of its size; or a contact is on by intervals of time.
+        InputError: as `inverse_dynamics`; a number is not finite; a loop is open by more than 1e-3 rad, m or of its
+            size; a contact is on by intervals of time.
 
     Accuracy: 1e-10 of the largest torque, where the loops are not nearly singular.
     """

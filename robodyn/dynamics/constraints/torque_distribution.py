@@ -31,16 +31,14 @@ class Structure:
     With A = J_P^T (p, m), N a basis of the null space of A, B = J_A^T N:
 
     Attributes:
-        equation_scale, rate_scale: (m,), (n,) of powers of two; diag(equation_scale) J diag(rate_scale) is
-            equilibrated, so that units and the size of a robot decide nothing.
+        equation_scale, rate_scale: (m,), (n,) powers of two; diag(equation_scale) J diag(rate_scale) is equilibrated,
+            so that units and the size of a robot decide nothing.
         largest: singular value of the equilibrated J; none: smaller ones count as none, relative to it.
-        rank: of A; usual: its smallest singular value that counts, relative to `largest` (1 for rank 0).
-        redundancy: rank of B: how many actuators there are beyond the freedoms that they drive; `usual_redundancy` as
-            `usual`.
+        rank: of A; usual: its smallest singular value that counts, relative to `largest`; of B, how many actuators
+            there are beyond the freedoms that they drive: redundancy, usual_redundancy.
         undriven_rates: (p,) the passive rates that move while all actuators stand still.
         overconstrained: m - rank(J), equations that others imply.
-        torque_determined: (a,) the actuated torque is the same for all forces of the loops that balance the motion.
-        equation_determined: (m,) so is the force of the equation.
+        torque_determined, equation_determined: (a,), (m,) the same for all forces that balance the motion.
     """
 
     passive: Mask
@@ -62,14 +60,11 @@ class Structure:
 
 
 def structure(J: Floats, passive: Mask, noise: float = 0.0) -> Structure:
-    """Return what constraints determine along a motion, by the largest ranks of all samples.
+    """Return what constraints determine along a motion, by the largest ranks at reference samples J (k, m, n).
 
-    Singular values of the equilibrated J, A and B below 1e-8 of the largest, or 10 times the noise, count as none.
-
-    Args:
-        J: (k, m, n) at reference samples, spread over the motion: up to about 16 will do.
-        noise: relative error of J's entries, as of loops that are open by this part of the robot's size: equations that
-            others imply on closed loops are then taken for implied.
+    Singular values of the equilibrated J, A and B below 1e-8 of the largest, or 10 times the noise, count as none;
+    noise is the relative error of J, as of loops that are open by this part of the robot's size: equations that others
+    imply on closed loops are then taken for implied.
     """
     none = max(NONE, NOISY * noise)
     J, passive = np.asarray(J, dtype=float), np.asarray(passive, dtype=bool)
@@ -159,10 +154,10 @@ class TorqueDistribution(NamedTuple):
     Attributes:
         unbalanced: (N, p) generalised forces that the motion needs at passive rates and that nothing gives.
         smallest: (N,) the rank-th singular value of the equilibrated A, relative to `Structure.largest`; 1 for rank 0.
-        singular: (N,) where the rank of A or of B drops. What is lost there carries nothing, and nothing is chosen:
-            the multipliers are the least in equilibrated units, and not the limit of those beside.
+        singular: (N,) where the rank of A or of B drops: what is lost carries nothing, and the multipliers are the
+            least in equilibrated units, and not the limit of those beside.
         higher: (N,) where A has a higher rank than at all reference samples: the structure is another.
-        A: (N, p, m) equilibrated, and its singular value decomposition, for `rank_changes`.
+        A, decomposition: (N, p, m) equilibrated, and its singular values, for `rank_changes`.
     """
 
     multipliers: Floats
@@ -178,19 +173,18 @@ class TorqueDistribution(NamedTuple):
 def torque_distribution(found: Structure, J: Floats, tau: Floats, weights: Floats) -> TorqueDistribution:
     """Return the forces of constraints and the torques of drives: `tau = S_a torques + J^T multipliers`.
 
-    At passive rates `A multipliers = tau_P`; where that has no solution, the equilibrated remainder is the least that
-    there is. Of all solutions the one with the least sum of weights times torques^2 is taken, and of those with the
-    same torques the one with the least sum of multipliers^2, whatever their units (N and N m alike).
+    At passive rates `A multipliers = tau_P`, with the least equilibrated remainder; of all solutions that with the
+    least sum of weights times torques^2, and of those with the same torques that with the least sum of multipliers^2,
+    whatever their units (N and N m alike).
 
-    Method: `multipliers = A^+ tau_P + N z` of the equilibrated A at its usual rank (Udwadia and Kalaba 1992;
-    Featherstone 2008, sections 8.3 and 8.12, without redundant actuation), by singular values, which are cut off where
-    the rank drops, and tell where.
+    Method: `multipliers = A^+ tau_P + N z` of the equilibrated A at its usual rank, by singular values (Udwadia and
+    Kalaba 1992; Featherstone 2008, sections 8.3 and 8.12, without redundant actuation).
 
     Args:
         J: (N, m, n), tau: (N, n) of the robot without constraints, weights: (a,) of the torques' squares, all > 0.
 
     Accuracy: 2000 eps of the largest torque where the equilibrated A, B and the weights' square roots have conditions
-    of at most 10, and in proportion to these.
+        of at most 10, and in proportion to these.
     """
     passive, rank = found.passive, found.rank
     scaled, forces = found.scaled(J), tau * found.rate_scale

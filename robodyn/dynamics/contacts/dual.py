@@ -29,10 +29,10 @@ class Projected(NamedTuple):
 
 
 def projected(z: Array, normal: Array, cosine: Scalar, sine: Scalar) -> Projected:
-    """Return the projection of z onto the cone |f_t| cos <= f_n sin of half angle atan(mu), mu = sine / cosine.
+    """The projection of z onto the cone |f_t| cos <= f_n sin of half angle atan(mu), mu = sine / cosine.
 
-    The same steps lead to every case: inside, 0, or onto the ray (z . u) u with u = sin e + cos n, e being the
-    direction of the tangential part of z. A half space and a ray are cones too.
+    Inside, 0, or onto the ray (z . u) u with u = sin e + cos n, e being the direction of the tangential part of z. A
+    half space and a ray are cones too.
     """
     press = z @ normal
     tangential = z - normal * press
@@ -137,8 +137,8 @@ TOWARDS = 0.2
 
 
 class Search(NamedTuple):
-    """Of each sample (N,): the slope where the step begins, the length to look at, the ends between which the slope is
-    0, the slopes there, and the end that moved last, 1 or -1; 0: none has."""
+    """Of each sample: the slope where the step begins, the length to look at, the ends between which the slope is 0,
+    the slopes there, and the end that moved last, 1 or -1; 0: none has."""
 
     slope: Floats
     length: Floats
@@ -204,9 +204,7 @@ LOOKS = 20
 class Cones(NamedTuple):
     """G f = b of N samples with |b| = 1, f in the cones of K points; samples are the last axis.
 
-    Attributes:
-        G: (R 3 K, N), row by row. b: (R, N). normals: (3 K, N).
-        cosine, sine: (K, N), of the half angles atan(mu).
+    G: (R 3 K, N), row by row; b: (R, N); normals: (3 K, N); cosine, sine: (K, N), of the half angles atan(mu).
     """
 
     G: Floats
@@ -222,16 +220,13 @@ class Cones(NamedTuple):
 def least_forces(cones: Cones, executor: str = "auto", expected: int = 0) -> tuple[Floats, Floats]:
     """Return f (3 K, N) in the cones with G f = b and the least 1/2 |f|^2, and nu (R, N), by which f = P(G^T nu).
 
-    Where there is none, 1/2 |f|^2 + 1/2 |b - G f|^2 / rho is least, rho = 1e-6.
+    Where there is none, 1/2 |f|^2 + 1/2 |b - G f|^2 / rho is least, rho = 1e-6. `executor`, `expected`: of
+    `contact_forces`.
 
-    Method: P is the projection onto the cones, and nu is where this convex function is least:
-    psi(nu) = 1/2 |P(G^T nu)|^2 - b . nu + 1/2 rho |nu - c|^2, whose gradient is piecewise smooth: semismooth Newton
-    steps with a search along each. First c = 0, and rho falls from 1e-2 to 1e-6; then c follows nu (the proximal
-    point algorithm, Rockafellar 1976) and rho falls further, which takes the residual rho (nu - c) to rounding where
-    forces exist.
-
-    Args:
-        executor, expected: as for `contact_forces`.
+    Method: nu is where psi(nu) = 1/2 |P(G^T nu)|^2 - b . nu + 1/2 rho |nu - c|^2 is least, P being the projection onto
+    the cones, by semismooth Newton steps with a search along each. First c = 0, and rho falls from 1e-2 to 1e-6; then c
+    follows nu (the proximal point algorithm, Rockafellar 1976) and rho falls further, which takes the residual rho (nu
+    - c) to rounding where forces exist.
     """
     R, N = cones.b.shape
 
@@ -251,13 +246,11 @@ def least_forces(cones: Cones, executor: str = "auto", expected: int = 0) -> tup
 
 
 class _State(NamedTuple):
-    """Of each sample that is not done: its place among all, and how far it is.
+    """Of each sample that is not done, its place among all, and `stage`, its place in SOFTNESS, or more.
 
-    Attributes:
-        stage: place in SOFTNESS, or more.
-        at, centre, step: (R, N), nu, c and the step that is searched along.
-        value, gradient, residual: (N,), psi, |its gradient| and |b - G f| at nu.
-        best: the residual where the stage began. soft: (R, N), nu at the end of the last stage of SOFTNESS.
+    at, centre, step (R, N): nu, c and the step that is searched along; value, gradient, residual (N,): psi, |its
+    gradient| and |b - G f| at nu; best: the residual where the stage began; soft (R, N): nu at the end of the last
+    stage of SOFTNESS.
     """
 
     sample: Any

@@ -40,13 +40,11 @@ class FreeTerms:
 
 @dataclass(frozen=True)
 class Problem:
-    """Forces f_k at K points, of N samples: G f = b, |f_t| <= mu f_n, f_n >= 0, at least cost.
-
-    The cost is 1/2 sum |f_k|^2, and that of the torques. Where no such forces are, |b - G f| is least first.
+    """Forces f_k at K points, of N samples: G f = b, |f_t| <= mu f_n, f_n >= 0, at the least 1/2 sum |f_k|^2 and cost
+    of torques. Where no such forces are, |b - G f| is least first.
 
     Attributes:
-        G: (N, R, 3 K), by components of f_1, f_2, ...
-        b: (N, R); rows of G and b are in units in which a residual of one row weighs as much as one of any other.
+        G: (N, R, 3 K), by components of f_1, f_2, ...; b: (N, R). A residual of one row weighs as much as of any other.
         normals: (K, 3) or (N, K, 3), of length 1, to the side on which the robot is.
         friction: (K,) or (N, K), mu; may be 0 or infinite.
         active: (N, K); None: all. Where it is False f is 0.
@@ -83,10 +81,8 @@ class Forces:
     """What was found.
 
     Attributes:
-        f: (N, K, 3), on the robot, in the axes of the normals.
-        free: (N, L), the unknowns x; L is 0 where there are none.
-        residual: (N, R), b - G f - H x.
-        feasible: (N,), whether |residual| <= FEASIBLE |b|.
+        f: (N, K, 3), on the robot, in the axes of the normals; free: (N, L), the unknowns x.
+        residual: (N, R), b - G f - H x; feasible: (N,), whether it is at most FEASIBLE |b|.
         within_limits: (N,), False where torques had to exceed their limits.
     """
 
@@ -102,10 +98,7 @@ class Forces:
 
 
 def axes_of(normals: Floats) -> Floats:
-    """Return rotations (..., 3, 3) whose columns are two tangents and the normal (..., 3).
-
-    Method: Duff and others, Building an orthonormal basis, revisited (2017).
-    """
+    """Rotations (..., 3, 3) whose columns are two tangents and the normal (..., 3) (Duff and others 2017)."""
     x, y, z = np.moveaxis(normals, -1, 0)
     sign = np.copysign(1.0, z)
     a = -1.0 / (sign + z)
@@ -137,8 +130,8 @@ MISSING = 1.0 / SOFTNESS[-1]
 
 @dataclass(frozen=True)
 class _Sample:
-    """One sample in units of |b|: min 1/2 x' P x + q' x, A x = b, x in cones, |tau0 - M x| <= limits. x are three
-    components of the force at each active point, in axes of the contact, and the free unknowns."""
+    """One sample in units of |b|: min 1/2 x' P x + q' x, A x = b, x in cones, |tau0 - M x| <= limits. x are the force
+    at each active point, in axes of the contact, and the free unknowns."""
 
     P: Floats
     q: Floats
@@ -245,13 +238,12 @@ def _by_clarabel(sample: _Sample, limited: bool) -> Floats | None:
 def contact_forces(problem: Problem, executor: str = "auto", expected: int = 0) -> Forces:
     """Return the forces of least cost that the equations, the cones and the limits allow.
 
-    Where forces alone are unknown and cost, Newton's method on the dual finds those of all samples at a time; what else
-    there is goes to Clarabel, one sample after another. Each sample is solved by itself, so results do not depend on
-    its neighbours where an executor is named. Forces of hundreds of times |b|, as between wedges, may not be found.
+    Where forces alone are unknown and cost, Newton's method on the dual finds those of all samples at a time; else
+    Clarabel does, one sample after another. Forces of hundreds of times |b|, as between wedges, may not be found.
 
     Args:
-        problem: of N samples.
-        executor: of the programs: "auto", "numpy" or "compiled".
+        executor: of the programs: "auto", "numpy" or "compiled"; where one is named, results do not depend on the
+            block.
         expected: samples of the whole work that these are a part of; 0: these are all.
 
     Raises:
@@ -303,13 +295,12 @@ def kinds(problem: Problem, forces: Forces, executor: str = "auto") -> list[str]
 
 
 def least_friction(problem: Problem, known: float = 0.0, executor: str = "auto") -> float | None:
-    """Return the least mu of all contacts alike, not below `known`, with which every sample has forces.
+    """Return the least mu of all contacts alike, not below `known`, with which every sample has forces; None if none
+    has.
 
     Forces of more than 100 |b| do not count: where contacts wedge between each other, less friction would do, with
-    forces beyond all bounds. What torques cost and their limits do not count either.
-
-    Method: those samples that miss most where friction is not enough are solved for their own least mu, with many mu at
-    a time; then those that still miss something, until none does. None where no friction suffices.
+    forces beyond all bounds. What torques cost and their limits do not count either. The samples that miss most are
+    solved for their own least mu, with many mu at a time; then those that still miss something, until none does.
 
     Accuracy: 1e-6 relative; 1e-5 where forces become singular at the least mu.
     """
@@ -360,17 +351,14 @@ along the ground is none."""
 
 
 def centre_of_pressure(points: Floats, normal: Floats, forces: Floats) -> tuple[Floats, Floats]:
-    """Return where the total force of a contact meets the plane of its points, and how far that is from the next edge.
+    """Return where the total force of a contact meets the plane of its points (N, 3) m, which is across the normal
+    through their mean; and how far that is (N,) m from the nearest line through an edge of their convex hull, negative
+    beyond one.
 
-    The plane is across the normal through the mean of the points; the polygon is the convex hull of the points,
-    projected along the normal.
+    They are not numbers where the contact does not press, nor is the distance where there are fewer than three points.
 
     Args:
         points, forces: (N, K, 3) m and N, in any axes; normal: (N, 3) or (3,), of length 1.
-
-    Returns:
-        (N, 3) m; and (N,) m, of the nearest of the lines through the polygon's edges, negative beyond one. They are not
-        numbers where the contact does not press, nor is the distance where there are fewer than three points.
     """
     N, K, _ = points.shape
     normal = np.broadcast_to(normal, (N, 3))
@@ -397,8 +385,10 @@ def centre_of_pressure(points: Floats, normal: Floats, forces: Floats) -> tuple[
 
 
 def friction_used(forces: Floats, normal: Floats, friction: float) -> Floats:
-    """Return sum |f_t| / (mu sum f_n) over the points of a contact: 1 is all that there is, at all of its points. Where
-    nothing presses it is not a number; where mu is 0 it is 0 or infinite. forces: (..., K, 3), normal: (3,)."""
+    """Return sum |f_t| / (mu sum f_n) over the points of a contact, 1 being all that there is; forces: (..., K, 3).
+
+    Where nothing presses it is not a number; where mu is 0 it is 0 or infinite.
+    """
     press = einsum("...i,i->...", forces, normal)
     across = forces - press[..., None] * normal
     along = np.sqrt(einsum("...i,...i->...", across, across)).sum(axis=-1)

@@ -45,10 +45,9 @@ class Terms:
     """What the recursion is given for one sample; each effect returns it with something added.
 
     Attributes:
-        gravity: in the ground's axes.
-        wrenches: (i, wrench) acting ON body i, about its origin and in its axes.
-        at_joint: added to the torque at each body's joint.
-        through_gear: the part of it that passes the gear: that of springs between links.
+        gravity: in the ground's axes. wrenches: (i, wrench) acting ON body i, about its origin and in its axes.
+        at_joint: added to the torque at each body's joint; through_gear: the part of it that passes the gear, of
+            springs.
         load: by body, the share of the torque through the gear that friction adds, negative where qd is.
         spins: (i, rate, moment) a unit of a rate's acceleration asks for this moment on body i, in its axes, besides
             `inertias`; that of body i asks as much along the rate.

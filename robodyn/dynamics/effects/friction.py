@@ -55,10 +55,11 @@ def direction(qd: Scalar, slip_speed: float = 0.0) -> Scalar:
 
 
 def coulomb_torque(friction: Friction, qd: Scalar, slip_speed: float = 0.0) -> Scalar:
-    """`forward` for qd > 0, `backward` for qd < 0, 0 at rest; with Stribeck's excess towards `stribeck` at low speed.
+    """`forward` for qd > 0, `backward` for qd < 0, 0 at rest; with Stribeck's excess towards `stribeck` at low speed [N
+    m or N].
 
-    What the actuator must supply [N m or N], s being `direction`: `(forward - backward) / 2 s + (forward + backward) /
-    2 s^2`, and `(stribeck - Coulomb) exp(-(qd / v_s)^2)` with the same sign.
+    `(forward - backward) / 2 s + (forward + backward) / 2 s^2`, s being `direction`; and `(stribeck - Coulomb) exp(-(qd
+    / v_s)^2)` with the same sign.
     """
     s = direction(qd, slip_speed)
     odd, even = 0.5 * (friction.forward - friction.backward), 0.5 * (friction.forward + friction.backward)
@@ -93,11 +94,8 @@ class CoulombFriction(Effect):
 
 
 class LoadFriction(Effect):
-    """A share of the torque that passes the gear, whichever way that acts.
-
-    The actuator supplies `tau = tau_l + load |tau_l| s(qd) + own friction + rotor`, where the torque through the gear
-    tau_l is what moves and holds the links, springs between them included.
-    """
+    """A share of the torque that passes the gear, whichever way that acts: `tau = tau_l + load |tau_l| s(qd) + own
+    friction + rotor`, where tau_l is what moves and holds the links, springs between them included."""
 
     name = "load friction"
     adds = "load abs(tau_l) sign(qd), tau_l being what the gear passes on to the links and the springs between them"

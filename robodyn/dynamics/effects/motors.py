@@ -108,11 +108,8 @@ def at_joints(turned: list[Turned], torque: Scalar) -> Iterator[tuple[int, Scala
 
 
 class CoupledMotors(Effect):
-    """A motor that turns with a sum of joints, with its own rotor and friction, as in many wrists.
-
-    Its joint-side speed is `s = sum c_k qd_k`, and it needs `T = G^2 J sdd + d s + friction(s)`. Virtual work gives
-    joint j its part `c_j T`, so that the rotor adds `c c^T G^2 J` to the mass matrix.
-    """
+    """A motor that turns with a sum of joints, with its own rotor and friction, as in many wrists: its joint-side speed
+    is `s = sum c_k qd_k`, it needs `T = G^2 J sdd + d s + friction(s)`, and joint j has its part `c_j T`."""
 
     name = "coupled motor"
     adds = "c_j (G^2 J sdd + d s + f sign(s)) with s = sum c_k qd_k over the joints that a motor turns with"
@@ -143,12 +140,10 @@ class CoupledMotors(Effect):
 
 
 class Spin(NamedTuple):
-    """A rotor whose axis is said.
+    """A rotor whose axis is said: of the joint that it drives, and the body that this moves.
 
-    Attributes:
-        body, joint: that it drives; carrier, link: the body that carries it, and the link that it is fixed to.
-        axis: (3,) unit vector in the carrier's axes.
-        gear: its speed per speed of the joint; share: J G, its angular momentum per that [kg m^2].
+    carrier, link: the body that carries it, and the link that it is fixed to; axis: (3,) unit vector in the carrier's
+    axes; gear: its speed per speed of the joint; share: J G, its angular momentum per that [kg m^2].
     """
 
     body: int
@@ -228,8 +223,8 @@ def angular_momentum(sample: Sample, scene: Scene, motions: list[Motion]) -> Arr
 class GyroscopicMoment(Effect):
     """The moment of a rotor that turns at G qd about an axis a that is fixed in the link that carries it.
 
-    Its angular momentum relative to that link, whose angular velocity is w, is `h = J G qd a`, and its kinetic energy
-    adds `J G qd (a . w)` to that of its spin alone; what it has as part of the link belongs to the link's inertia.
+    Its angular momentum relative to that link is `h = J G qd a`, and its kinetic energy adds `J G qd (a . w)` to that
+    of its spin alone; what it has as part of the link belongs to the link's inertia.
     """
 
     name = "gyroscopic moment"

@@ -27,11 +27,8 @@ from robodyn.support.wording import count
 class BlockEquations:
     """phi, J and J' qd of the loops of a plan, for arrays of samples.
 
-    Attributes:
-        rates: those that move a loop.
-        size: of `loops_size`.
-        units: of each equation, "m" or "rad"; names: of its loop; scale: (equations,) `size` or 1 rad.
-        shifts: (n,) which rates are those of lengths; weights: what compares them, 1 for rad, 1 / size for m.
+    rates: those that move a loop; units: of each equation, "m" or "rad", names: of its loop, scale: of `loops_size` or
+    1 rad; shifts: (n,) which rates are those of lengths; weights: what compares them, 1 for rad, 1 / size for m.
     """
 
     def __init__(self, plan: Plan) -> None:
@@ -152,9 +149,8 @@ class Branch:
     def along(self, place: Floats, q: Floats) -> Lost | None:
         """Fill in what follows, from sample to sample; return where that ends, None where it does not.
 
-        Each step takes the samples up to LONGEST away: those on the tangent at the last place, bent as its curvature
-        says, are near enough for Newton's method to lead nowhere else; else the step is halved. The motion comes from
-        `place` (nq,), which is on the loops.
+        Each step takes the samples up to LONGEST away, on the tangent at the last place, which is first `place` (nq,)
+        on the loops, bent as its curvature says; where Newton's method leads farther from there, the step is halved.
         """
         reached = np.concatenate(((0.0,), np.cumsum(self._length(self._between(q[:-1], q[1:])))))
         k, steps, longest, J = 0, 0, LONGEST, self.equations.places(place[None])[1][0]
@@ -242,14 +238,11 @@ SLACK = 1e-6
 
 
 def search(branch: Branch, q: Floats, near: Floats, tolerance: float) -> tuple[Floats, str]:
-    """Return closed configurations (k, nq) with given coordinates, and in words the least that loops miss by.
+    """Return closed configurations (k, nq) with the given coordinates of q (nq,), and in words the least that loops
+    miss by, `tolerance` in rad or of the loops' size being none.
 
-    Those within the limits and nearest come first; there are none if the loops do not close. Newton's method looks from
-    displacements of what follows up to half a turn, or twice the loops' size.
-
-    Args:
-        q: (nq,), of which only given coordinates count. near: (nq,) from where those that follow are sought.
-        tolerance: rad, or of the loops' size.
+    Those within the limits and nearest to `near` (nq,) come first. Newton's method looks from displacements of what
+    follows up to half a turn, or twice the loops' size.
     """
     equations, own = branch.equations, branch.coordinates
     reach = np.where(equations.shifts, 2.0 * equations.size, np.pi)
@@ -301,14 +294,12 @@ SHOWN = 3
 
 
 def begin(branch: Branch, q: Floats, where: str) -> tuple[Floats, list[str]]:
-    """Return the closed configuration (nq,) of the first row, and notes.
+    """Return the closed configuration (nq,) of the first row, and notes; TrajectoryError where there is none, or too
+    little is given.
 
     It is that to which the given coordinates lead from where a simulation of the scene begins, in a straight line; else
     the one nearest to this. Those within the joints' limits come first. Initial positions of the scene that are columns
     count as nothing said.
-
-    Raises:
-        TrajectoryError: too little is given, the loops do not close, or what follows depends on each other there.
     """
     equations, model, scene = branch.equations, branch.equations.model, branch.equations.plan.scene
     drawn = np.random.default_rng(0).uniform(-1.0, 1.0, (TRIALS, model.nq))

@@ -127,12 +127,8 @@ Solve = Callable[[Sequence[Scalar], Sequence[Scalar]], tuple[list[Scalar], list[
 
 @dataclass(frozen=True, eq=False)
 class ClosedChain:
-    """A model with closures: `M qdd + bias = tau + J^T lambda`, `J qdd = -J' qd`.
-
-    Attributes:
-        model: of `aligned`.
-        closures: with the equations that are kept; dropped: those that others of their loops imply.
-    """
+    """A model of `aligned` with closures: `M qdd + bias = tau + J^T lambda`, `J qdd = -J' qd`. They have the equations
+    that are kept; dropped are those that others of their loops imply."""
 
     model: Model
     scene: Scene
@@ -190,11 +186,11 @@ class ClosedChain:
             yield Wrench(f, vector(*(total(moment[i] * value for _, moment, value in parts) for i in range(3))))
 
     def solver(self, sample: Sample, terms: Terms, J: Sequence[dict[int, Scalar]], softness: float) -> Solve:
-        """Return what finds a and lambda of `M a - J^T lambda = f`, `J a = b` from f and b at a sample.
+        """Return what finds a and lambda of `M a - J^T lambda = f`, `J a = b` from f and b at a sample; InputError if
+        nothing resists a joint.
 
-        With `M = C C^T`, `y = C^T a` and `C^-1 J^T = Q R`, that is `y = C^-1 f + C^-1 J^T lambda` and
-        `(C^-1 J^T)^T y = b`. Singular values of C^-1 J^T that are smaller than a part `softness` of the largest count
-        for less. InputError if nothing resists a joint.
+        With `M = C C^T`, `y = C^T a` and `C^-1 J^T = Q R`, that is `y = C^-1 f + C^-1 J^T lambda` and `(C^-1 J^T)^T y =
+        b`. Singular values of C^-1 J^T that are smaller than a part `softness` of the largest count for less.
         """
         root, columns = self._columns(sample, terms, J)
         rows = [dict(enumerate(row)) for row in zip(*columns, strict=True)]
@@ -216,8 +212,8 @@ class ClosedChain:
         return root, [root.inward(turned(row, turns, back=True)) for row in rows]
 
     def accelerations(self, sample: Sample, terms: Terms, tau: Sequence[Scalar]) -> tuple[list[Scalar], list[Scalar]]:
-        """qdd, and lambda by equation. Errors decay at the Baumgarte rate b: `J qdd = -J' qd - 2 b phi' - b^2 phi`. The
-        sample is of this model, and has no accelerations, nor have the terms."""
+        """qdd, and lambda by equation; the sample and its terms have no accelerations. Errors decay at the Baumgarte
+        rate b: `J qdd = -J' qd - 2 b phi' - b^2 phi`."""
         b, here = self.scene.baumgarte, self.equations(sample)
         free = [torque - other for torque, other in zip(tau, loads(sample, terms).tau, strict=True)]
         rows = zip(here.bias, here.rate, here.error, strict=True)
@@ -257,11 +253,9 @@ NOTHING = 1e-8
 
 @lru_cache(maxsize=16)
 def closed_chain(plan: Plan) -> ClosedChain:
-    """Return the closed chain of a model in a scene, without equations that others of their loop imply everywhere.
-
-    Such are those across the plane of a planar linkage. Of the rows of J at configurations drawn at random, side by
-    side, the largest are kept one after another, each without what it has in common with those before it.
-    """
+    """Return the closed chain of a model in a scene, without equations that others of their loop imply everywhere, such
+    as those across the plane of a planar linkage: of the rows of J at configurations drawn at random, side by side, the
+    largest are kept one after another, each without what it has in common with those before it."""
     model, scene = aligned(plan.model), plan.scene
     whole = ClosedChain(model, scene, tuple(closure_of(model, loop) for loop in scene.loops))
     rows, at = np.array([whole.jacobian(whole.sample(q)) for q in _trials(model)]), 0

@@ -107,8 +107,8 @@ def equations_of(loop: Loop) -> tuple[Equation, ...]:
     """All equations of a closure: those of the point, then those of the axes.
 
     A point is held along three axes, or along the loop's directions. A hinge moreover keeps its axis s across two
-    vectors t that stand across the hinge's axis in the other link: `t . B s = 0`. A weld keeps the turn `X = B R^T`
-    from its own R symmetric, which near no turn is none: `(X_32 - X_23) / 2 = 0` and so on.
+    vectors t across the hinge's axis in the other link: `t . B s = 0`. A weld keeps the turn `X = B R^T` from its own R
+    symmetric, which near no turn is none: `(X_32 - X_23) / 2 = 0` and so on.
     """
     along = [_unit(direction) for direction in loop.directions] or list(IDENTITY)
     held = [Equation(D, np.zeros((3, 3)), "m", f"along {_shown(D)}") for D in along]
@@ -164,13 +164,8 @@ class Relative(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Closure:
-    """A loop of the scene, found in the model.
-
-    Attributes:
-        ends: frames of the two links, the body of the ground being -1.
-        chains: bodies from the nearest one that carries both ends (left out) to each end.
-        equations: those that are kept.
-    """
+    """A loop of the scene, found in the model: ends, frames of the two links, the ground's body being -1; chains,
+    bodies from the nearest one that carries both (left out) to each; and the equations that are kept."""
 
     loop: Loop
     ends: tuple[Frame, Frame]
@@ -178,12 +173,9 @@ class Closure:
     equations: tuple[Equation, ...]
 
     def relative(self, model: Model, motions: Sequence[Motion]) -> Relative:
-        """Return how the link stands and moves against the other.
-
-        `v = R^T (v_a - v_b)` and `a = R^T (a_a - a_b - 2 w_b x (v_a - v_b))` for the point of the link, with the
-        velocity and the acceleration that the other would have there; a joint adds `axis x r` to the one or takes it
-        from the other.
-        """
+        """How the link stands and moves against the other: `v = R^T (v_a - v_b)`, `a = R^T (a_a - a_b - 2 w_b x (v_a -
+        v_b))` for the point of the link, with the velocity and the acceleration that the other would have there; a
+        joint adds `axis x r` to the one or takes it from the other."""
         a, b = (_placed(chain, motions) for chain in self.chains)
         link, to = a[-1], b[-1]
         point = link.p + link.R @ (self.ends[0].p + product(self.ends[0].R, np.array(self.loop.point)))

@@ -122,14 +122,14 @@ class Follow:
             J_d qd_d = -J_g qd_g,   J_d qdd_d = -J_g qdd_g - J' qd.
 
         Args:
-            time: (N,) s. q: (N, nq). qd, qdd: (N, n); entries of what follows do not count.
+            time: (N,) s. q: (N, nq). qd, qdd: (N, n); entries of what follows do not count. first_row: as messages
+                count.
             bars: (N, n) standard deviations of the given accelerations, each apart from the others; those of what
                 follows are sqrt(sum (D_dg bar_g)^2) with D = -J_d^+ J_g.
-            first_row: as messages count.
 
         Raises:
-            TrajectoryError: too little is given, the loops do not close or are singular in a row, or what is given
-                misses them by more than OFF.
+            TrajectoryError: too little is given, the loops do not close or are singular in a row, or are missed by more
+                than OFF.
 
         Accuracy: |phi| <= 1e-13 of the loops' size; rates 1e-12 of the largest where the loops are well conditioned.
         """

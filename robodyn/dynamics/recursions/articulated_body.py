@@ -43,11 +43,9 @@ class Elimination:
     Body i answers to its acceleration x = (wd, a) by `(n, f) = A x + sum G y + b`, where y are the coordinates that are
     known there only further inward; such a coordinate has the equation `sum G . x + sum D y = u`.
 
-    Attributes:
-        A: (6, 6) symmetric, b: (6,), G: (6,) by coordinate; of each body with all that it carries.
-        D: by pairs of coordinates, at first the rotors.
-        u: by coordinate, at first the forces on it.
-        steps: of each body, in the order of elimination.
+    A: (6, 6) symmetric, b: (6,), G: (6,) by coordinate, of each body with all that it carries; D: by pairs of
+    coordinates, at first the rotors; u: by coordinate, at first the forces on it; steps: of each body, in the order of
+    elimination.
     """
 
     def __init__(
@@ -106,8 +104,8 @@ class Elimination:
     def axis(self, i: int, axis: int, rate: int, name: str) -> None:
         """Eliminates the motion of body i along an axis by a coordinate of its own.
 
-        The row and the column of the axis become what a rotor leaves of them. Without one that is exactly 0, so nothing
-        cancels there, and six axes in turn are the factorisation L D L^T of a free body.
+        The row and the column of the axis become what a rotor leaves of them: without one exactly 0, so that nothing
+        cancels, and six axes in turn are the factorisation L D L^T of a free body.
         """
         U, columns, force, rotor = self.A[i][axis], self.G[i], self.u[rate], self.D[rate, rate]
         crossing = {other: column[axis] for other, column in columns.items()}
@@ -146,8 +144,7 @@ def aligned(model: Model) -> Model:
 
     Body i's new axes stand in its old ones as the columns of Q_i: z along its joint, x across this and the axis of the
     first joint that it carries, as Denavit and Hartenberg's. Then `R' = Q_j^T R Q_i` is a turn about x, then about z.
-
-    Accuracy: each number of the model within 16 eps of the largest of its vector or matrix.
+    Accuracy: each number within 16 eps of the largest of its vector or matrix.
     """
     carried: dict[int, Joint] = {}
     for body in model.bodies[1:]:
@@ -198,11 +195,9 @@ def articulated(body: Inertia) -> Array:
 
 
 def at_parent(A: Array, joint: Joint, R: Array, p: Array) -> Array:
-    """Return the same inertia in the axes and about the origin of the parent.
-
-    I, H and M become `R I R^T` and so on, by three turns unless the joint is floating, then `H' = H + [p] M` and
-    `I' = I + [p] H'^T + ([p] H^T)^T`, p being the origin from the parent's in the parent's axes.
-    """
+    """Return the same inertia in the axes and about the origin of the parent: I, H and M become `R I R^T` and so on, by
+    three turns unless the joint is floating, then `H' = H + [p] M` and `I' = I + [p] H'^T + ([p] H^T)^T`, p being the
+    origin from the parent's in the parent's axes."""
     blocks = [A[:3, :3], A[:3, 3:], A[3:, 3:]]
     if joint.kind == "floating":
         I, H, M = (R @ block @ R.T for block in blocks)
@@ -263,16 +258,14 @@ def articulated_body(
     carried inward as a column of its own until a body carries them all, and so is one that a rotor couples with others,
     or with a body whose turning it resists.
 
-    Source: Featherstone, *Rigid Body Dynamics Algorithms* (2008), table 7.1. Bodies accelerate here from what they do
-    in `motions`, so that velocities are in `biases` alone; shared coordinates as in Jain, *Robot and Multibody
-    Dynamics* (2011), ch. 11.
+    Source: Featherstone, *Rigid Body Dynamics Algorithms* (2008), table 7.1, velocities being in `biases` alone; shared
+        coordinates as in Jain, *Robot and Multibody Dynamics* (2011), ch. 11.
 
     Args:
-        model: of `aligned`.
-        biases: the wrench on each body, in its axes, that `motions` calls for and nothing else supplies.
-        forces: n scalars, along the coordinates, those of a floating joint in the body's axes, as is what is returned.
-        rotors: reflected rotor inertias, by coordinates i <= j [kg m^2 or kg].
-        spins: as those of `Terms`.
+        model: of `aligned`. biases: the wrench on each body, in its axes, that `motions` calls for and nothing
+            supplies.
+        forces: n scalars, those of a floating joint in the body's axes, as is what is returned.
+        rotors: reflected inertias, by coordinates i <= j [kg m^2 or kg]. spins: as those of `Terms`.
 
     Raises:
         InputError: nothing resists a joint.
@@ -311,11 +304,9 @@ def articulated_body(
 def _coordinates(
     model: Model, rotors: Mapping[tuple[int, int], float], spins: Sequence[tuple[int, int, Array]]
 ) -> tuple[list[int], list[list[int]]]:
-    """Return for each coordinate how many joints move with it, and for each body the shared ones that end there.
-
-    A shared coordinate ends at the outermost body that carries all the joints that it moves, and the rotors that spin
-    with it; coordinates that rotors couple end together, where a body carries all their joints from below.
-    """
+    """For each coordinate how many joints move with it, and for each body the shared ones that end there: at the
+    outermost body that carries all the joints that they move, and the rotors that spin with them; coordinates that
+    rotors couple end together, where a body carries all their joints from below."""
     bodies: dict[int, list[int]] = {}
     for i, body in enumerate(model.bodies):
         for rate, _ in enumerate(AXES[body.joint.kind], body.joint.rate):
@@ -360,8 +351,8 @@ class Pivot(NamedTuple):
 
 
 class Root:
-    """A = C C^T with `C = L sqrt(D)`, in a given order of unknowns. InputError if a pivot is exactly zero, or a float
-    that is not positive; `names` are of the unknowns."""
+    """A = C C^T with `C = L sqrt(D)`, in a given order of unknowns, whose names are for messages. InputError if a pivot
+    is exactly zero, or a float that is not positive."""
 
     def __init__(self, entries: Entries, order: Sequence[int], names: Sequence[str]) -> None:
         rows: dict[int, dict[int, Scalar]] = {unknown: {} for unknown in order}
@@ -408,10 +399,9 @@ def composite_body(
     """M(q) as the entries (i, j), i <= j, that can be other than zero: pairs of joints of which one carries the other.
 
     Inward, the bodies that a joint carries are one rigid body, A its inertia; a unit acceleration of that joint asks
-    for the wrench `F = A S`, and carried on inward F has the entry `M_ij = S_j . F` along the axis of every joint met.
-
-    Source: Featherstone, *Rigid Body Dynamics Algorithms* (2008), table 6.2. The model is of `aligned`; a floating
-    joint's entries are along its body's axes. Accuracy: 1e-14 of the largest entry.
+    for the wrench `F = A S`, which has the entry `M_ij = S_j . F` along the axis of every joint met (Featherstone 2008,
+    table 6.2). The model is of `aligned`; a floating joint's entries are along its body's axes. Accuracy: 1e-14 of the
+    largest entry.
     """
     A: list[Array] = [articulated(body) for body in inertias]
     entries: Entries = {pair: rotor for pair, rotor in rotors.items() if not known_zero(rotor)}

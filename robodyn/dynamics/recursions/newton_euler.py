@@ -22,18 +22,16 @@ def newton_euler(
     Outward, from the base to the tips, in body axes (j is the parent of i, R and p its joint's rotation and offset):
     `w_i = R^T w_j + w_J`, `wd_i = R^T wd_j + R^T w_j x w_J + wd_J`, `a_i = R^T (a_j + U_j p) + 2 R^T w_j x v_J + a_J`
     with `U = [wd] + [w][w]`: the point r of a body accelerates by `a + U r`. Gravity is an upward acceleration of the
-    ground. Inward, Euler's laws about the body's origin: `f_i = m a + U m c - f_ext + sum R f`,
-    `n_i = m c x a + I wd + w x I w - n_ext + sum (R n + p x R f)`.
+    ground. Inward, Euler's laws about the body's origin: `f_i = m a + U m c - f_ext + sum R f`, `n_i = m c x a + I wd +
+    w x I w - n_ext + sum (R n + p x R f)`.
 
-    Source: Luh, Walker and Paul (1980); the matrix U and the first moments m c as in Khalil and Dombre, *Modeling,
-    Identification and Control of Robots* (2002), ch. 9.
+    Source: Luh, Walker and Paul (1980); U and m c as in Khalil and Dombre, *Modeling, Identification and Control of
+        Robots* (2002), ch. 9.
 
     Args:
-        parents: parents[i] < i is the body that carries body i; -1 is the ground.
-        motions: of each body relative to its parent.
+        parents: parents[i] < i is the body that carries body i; -1 is the ground. motions: relative to the parent.
         gravity: (3,) m/s^2, in the ground's axes.
-        wrenches: (i, wrench) pairs of external wrenches that act ON body i, like those returned about its origin and in
-            its axes.
+        wrenches: (i, wrench) that act ON body i, like those returned about its origin and in its axes.
 
     Accuracy: 1e-14 of the largest wrench for chains of up to 100 bodies.
     """
@@ -74,10 +72,8 @@ def inertial_wrenches(
 def euler(I: Array, w: Array, wd: Array) -> Array:
     """Return the moment I wd + w x (I w) that turns a body: Euler's second law about its mass centre or a fixed point.
 
-    Expanded by entries of I, in the body's axes: three factors of the off-diagonal ones are entries of [wd] + [w][w],
-    and the diagonal enters by differences: 30 operations instead of 42, and few for a diagonal I.
-
-    Accuracy: 8 eps (|I| |wd| + |I| |w|^2).
+    By entries of I, in the body's axes: 30 operations instead of 42, and few for a diagonal I. Accuracy: 8 eps (|I|
+    |wd| + |I| |w|^2).
     """
     (xx, xy, xz), (_, yy, yz), (_, _, zz) = I
     x, y, z = w
@@ -98,10 +94,11 @@ def along_joint(joint: Joint, reaction: Wrench) -> Scalar:
 def joint_torques(
     model: Model, motions: Sequence[Motion], reactions: Sequence[Wrench], at_joint: Mapping[int, Scalar]
 ) -> list[Scalar]:
-    """Return the generalized force along every coordinate: tau = S^T (f, n) + what acts at the joint itself.
+    """Return the generalized force along every coordinate: tau = S^T (f, n) + what acts at the joint itself,
+    `at_joint`.
 
     A floating joint gives the moment in the body's axes and the force in the parent's, which are dual to its rates. A
-    mimic joint's torque is reflected onto its leader by its multiplier; `at_joint` is of friction, rotors and springs.
+    mimic joint's torque is reflected onto its leader by its multiplier.
     """
     tau: list[Scalar] = [0.0] * model.n
     for i, body in enumerate(model.bodies):
