@@ -1,5 +1,4 @@
-"""The equations of motion that a simulation integrates, what they conserve, and one step of a Runge-Kutta method as
-programs: from a state to the next, rotations by the exponential map."""
+"""The equations of motion that a simulation integrates, what they conserve, and a Runge-Kutta step as programs."""
 
 from __future__ import annotations
 
@@ -74,7 +73,7 @@ class Equations:
         return (q, list(qd)) if self.chain is None else self.chain.settled(q, qd)
 
     def given(self, tape: Tape, node: int = 0) -> Given:
-        """The curves at one of the moments for which a program is given them."""
+        """The curves at one of the moments of a program."""
         return {curve: tape.input(COLUMNS, k) for k, curve in enumerate(self.curves, node * len(self.curves))}
 
     def drives(self, q: Sequence[Scalar], qd: Sequence[Scalar], given: Given) -> list[Scalar]:
@@ -106,7 +105,7 @@ class Equations:
         return Rates(local_rates(self.model, u, qd), qdd, work)
 
     def sample(self, model: Model, q: Sequence[Scalar], qd: Sequence[Scalar], given: Given) -> Sample:
-        """Return a sample without accelerations, as effects read it."""
+        """A sample without accelerations, as effects read it."""
         columns = {curve.column: value for curve, value in given.items() if curve.kind == LOAD}
         return Sample(model, tuple(q), tuple(qd), (0.0,) * model.n, columns)
 
@@ -130,7 +129,6 @@ class Equations:
         return qdd, power
 
     def state(self, tape: Tape) -> State:
-        """The state that a program is given."""
         nq, n = self.model.nq, self.model.n
         values = [tape.input(STATE, k) for k in range(self.width)]
         return State(values[:nq], values[nq : nq + n], values[-2], values[-1])
@@ -196,7 +194,7 @@ class Equations:
 
 @lru_cache(maxsize=16)
 def state_runner(program: Callable[[Equations], Program], plan: Plan, columns: int = 0) -> Runner:
-    """Return a program of a state and so many curves, ready to run."""
+    """A program of a state and so many curves, ready to run."""
     equations = Equations(plan)
     return runner_of(program(equations), plan, {STATE: equations.width, COLUMNS: columns})
 

@@ -30,7 +30,6 @@ class Stop(NamedTuple):
         return "upper" if self.side > 0 else "lower"
 
     def met(self, verb: str) -> str:
-        """That the joint reaches, passes or misses this limit."""
         return f'"{self.joint.name}" {verb} its {self.word} limit of {self.value:g} {self.unit}'
 
 

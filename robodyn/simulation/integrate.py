@@ -50,10 +50,9 @@ class Motion(NamedTuple):
 
 
 class FixedSteps:
-    """A method with steps of one length, ready to run on one robot in one scene."""
+    """A method with steps of one length, about so many, ready to run on one robot in one scene."""
 
     def __init__(self, plan: Plan, method: Method, executor: str, steps: int, signal: Signal) -> None:
-        """Args: steps: about how many will be done."""
         self.method, self.width, self.signal = method, plan.model.nq + plan.model.n + 2, signal
         self.run, self._begin = stepper(plan, method, executor, steps), steps_of(plan, method).begin
         self._sweeps, self._most = 0, inf
@@ -61,11 +60,8 @@ class FixedSteps:
     def motion(self, state: Floats, duration: float, step: float, limits: Limits, most: float = inf) -> Motion:
         """The motion from a state (width,), in whole steps that fill the duration, none longer than `step`.
 
-        They end at the rows of a table too; all of these are recorded, and a limit that is reached.
-
-        Raises:
-            TooMuchError: it takes more than `most` evaluations of the equations of motion.
-            InputError: an implicit method does not settle, or a number is no longer finite.
+        They end at the rows of a table too; all of these are recorded, and a limit that is reached. TooMuchError if it
+        takes more than `most` evaluations; InputError if an implicit method does not settle, or a number overflows.
         """
         if duration / step > MOST_STEPS:
             raise InputError(f"{duration / step:.3g} steps are too many", remedy="give a longer --step")
@@ -210,11 +206,8 @@ class AdaptiveSteps:
         """The motion from a state (width,), recorded at every step that the method takes, and at the times `also` [s].
 
         The error of each step is kept below `rtol (1 + |y|)` in q, qd and work. Steps end at rows of a table.
-        Quaternions are four numbers of any length here, of unit length in the record.
-
-        Raises:
-            TooMuchError: it takes more evaluations than it may.
-            InputError: the method gives up.
+        Quaternions are four numbers of any length here, of unit length in the record. TooMuchError if it takes more
+        evaluations than it may; InputError if the method gives up.
         """
         rows, remedy = self.signal.corners(KNOTS), "give --step instead of --rtol"
         rows = rows[(rows > 0.0) & (rows < duration * (1.0 - NEAR))]

@@ -1,5 +1,4 @@
-"""What the loops of a closed chain carry along a motion, how far they come apart, and where they hold less than
-elsewhere, so that more than one way leads on."""
+"""What the loops of a closed chain carry along a motion, how far they come apart, and where ways part."""
 
 from __future__ import annotations
 
@@ -62,11 +61,6 @@ class LoopFigures:
     usual: int
     stabilised: str
     singular: tuple[Singular, ...] = ()
-
-    @property
-    def drift(self) -> tuple[float, float]:
-        """The largest |phi| and |phi'| of all."""
-        return float(self.gap.max()), float(self.slip.max())
 
     @property
     def notes(self) -> list[str]:

@@ -110,10 +110,6 @@ def stiffest(a_plan: Plan, q: Floats) -> Stiffest | None:
     return max((each for each in found if each is not None), key=lambda each: each.rate, default=None)
 
 
-def _along(joint: Joint) -> dict[int, float]:
-    return {joint.rate: joint.multiplier}
-
-
 class Slope(NamedTuple):
     """A torque's slope over a speed or position `along . q` [N m s/rad or N m/rad], of a joint or motor."""
 
@@ -126,13 +122,13 @@ class Slope(NamedTuple):
 def _rubbing(model: Model, scene: Scene) -> Iterator[tuple[str, Mapping[int, float], Friction]]:
     """Yield the names of what has friction, with which rates it turns, and the friction."""
     for _, joint, friction in joints_with_friction(model, scene):
-        yield joint.name, _along(joint), friction
+        yield joint.name, {joint.rate: joint.multiplier}, friction
     for motor, turned in coupled_motors(model, scene):
         yield motor.name, along(turned), motor.friction
 
 
 def _damping(a_plan: Plan, q: Floats) -> Iterator[Slope]:
-    """Yield slopes over speeds; of friction that grows with load under the largest weight at q (N, nq)."""
+    """Slopes over speeds; of friction that grows with load under the largest weight at q (N, nq)."""
     model, scene = a_plan.model, a_plan.scene
     for name, rates, friction in _rubbing(model, scene):
         if scene.slip_speed and friction.dry:
@@ -146,7 +142,9 @@ def _damping(a_plan: Plan, q: Floats) -> Iterator[Slope]:
         for _, joint, friction in joints_with_friction(model, scene):
             if friction.load:
                 weight = float(np.abs(held[:, joint.rate]).max())
-                yield Slope(joint.name, _along(joint), FRICTION, friction.load * weight / scene.slip_speed)
+                yield Slope(
+                    joint.name, {joint.rate: joint.multiplier}, FRICTION, friction.load * weight / scene.slip_speed
+                )
 
 
 def _limited(a_plan: Plan) -> tuple[list[Joint], Mapping[str, object]]:
@@ -160,7 +158,7 @@ def _slopes_of(joints: Iterable[Joint], given: Mapping[str, object], which: str,
     for joint in joints:
         value = getattr(given.get(joint.name), which, 0.0)
         if value > 0:
-            yield Slope(joint.name, _along(joint), cause, value)
+            yield Slope(joint.name, {joint.rate: joint.multiplier}, cause, value)
 
 
 def _fastest(M: Floats, slopes: list[Slope], power: float) -> Stiffest | None:
@@ -226,17 +224,12 @@ def stiff_steps(
     free: Free,
     made: Callable[[MethodOptions], tuple[Motion, Figures]],
 ) -> tuple[Motion, Figures, Chosen, list[Caveat]]:
-    """The motion that is asked for, by steps that follow the stiffest of a scene where steps or method are open.
+    """The motion that is `made` by steps that follow the stiffest of a scene where steps or method are open, from q
+    (nq,) on, its figures, how it was found, and what makes it doubtful.
 
     What is stiff is looked at where the motion begins, and then along all of it: where steps were too long, the motion
     is made again with shorter ones, or by Radau's method where many would be needed; and so it is where something is
     stiff and the balance of energy and work is off, as of steps that are stable on a spring, but take its energy.
-
-    Args:
-        q: (nq,) where it begins; made: the motion by a method, and its figures.
-
-    Returns:
-        The motion, its figures, how it was found, and what makes it doubtful.
     """
     fastest = None if options.method.name == "radau" else stiffest(a_plan, q)
     free, most = Free(free.step, free.method and not a_plan.scene.loops), options.most

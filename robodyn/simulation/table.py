@@ -1,5 +1,4 @@
-"""A table that drives a simulation: the columns that a scene names, what they are between the rows, and where these
-divide steps."""
+"""A table that drives a simulation: the columns that a scene names, between its rows, and where these divide steps."""
 
 from __future__ import annotations
 
@@ -110,7 +109,6 @@ class Signal:
     """
 
     def __init__(self, scene: Scene, model: Model, table: Table | None) -> None:
-
         self.curves, self.table, self.held = curves(scene), table, scene.between_rows == "hold"
         self.scene, self.source = scene, None
         self._smooth = tuple(dict.fromkeys(curve.column for curve in self.curves if curve.kind != LOAD))
@@ -206,13 +204,8 @@ class Signal:
 
 
 class Piece(NamedTuple):
-    """Steps that follow each other.
-
-    Attributes:
-        begin, end, length: (N,) s of each.
-        whole: (N,) how many whole steps are done where it ends; 0 where it ends within one, at a row.
-        row: (N,) whether it ends at a row.
-    """
+    """N steps that follow each other [s], how many whole steps are done where each ends (0 within one, at a row), and
+    whether it ends at a row."""
 
     begin: Floats
     end: Floats

@@ -23,8 +23,7 @@ class JointDerivation:
     """What was derived for one joint (or part of a floating joint) and how far it can be trusted.
 
     Args:
-        velocity, acceleration: "given" or the method.
-        source: "q" or "qd", the column that was differentiated.
+        velocity, acceleration: "given" or the method; source: "q" or "qd", which was differentiated.
         quantum: step of the grid on which the source lies (encoder step, rounded decimals), 0 if there is none.
         noise: standard deviation of the noise in the source, 0 if none was found.
         std: standard deviation that noise typically leaves in the highest derivative of it.

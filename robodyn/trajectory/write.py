@@ -84,7 +84,7 @@ class Writer(ABC):
         """Write what is left, and what stands behind the rows."""
 
     def close(self) -> None:  # noqa: B027
-        """Give back what is kept beside the stream, whether the table came to its end or not."""
+        """Give back what is kept beside the stream."""
 
 
 class CsvWriter(Writer):
@@ -157,11 +157,8 @@ class _Sink(io.RawIOBase):
 
 
 class NpzWriter(Writer):
-    """One float64 array per column, as `numpy.savez` stores them.
-
-    An array begins with its length and stands in one piece, so blocks wait in a temporary file, beside the table if
-    that is a file, until the last one is there.
-    """
+    """One float64 array per column, as `numpy.savez` stores them: an array begins with its length and stands in one
+    piece, so blocks wait in a temporary file, beside the table if that is a file."""
 
     _waiting: Any = None
 

@@ -276,8 +276,8 @@ def _unit(
 def _placed(
     header: Header, signals: Signals, places: Mapping[Place, int], unknown: Sequence[int], reading: Reading
 ) -> tuple[dict[int, float], tuple[str, ...]]:
-    """What no column places: index in q -> position of what is held, and the joints that follow from loops; these are
-    held where they are named, and not where all are. Columns that are `unknown` may be meant for what is missing."""
+    """What no column places: index in q -> position of what is held, and the joints that follow from loops, which are
+    held only where they are named. Columns that are `unknown` may be meant for what is missing."""
     try:
         held = reading.hold.positions(signals, reading.angle_unit or "rad")
     except TrajectoryError as error:
@@ -321,11 +321,8 @@ _COMPARED, _OPTIONS = 200, 8
 
 
 def _refuse_loops(header: Header, signals: Signals, unknown: Sequence[int]) -> None:
-    """Raise if unknown columns are what a simulation writes of loops, all six of `fx_<loop>` to `mz_<loop>`.
-
-    Those of joints may be what `torques --reactions` writes for every joint; a loop that bears a joint's name is known
-    by the joints that have none.
-    """
+    """Raise if unknown columns are what a simulation writes of loops, all six of `fx_<loop>` to `mz_<loop>`; of joints
+    `torques --reactions` writes them, too, but for every joint."""
     there, joints = {header.names[i] for i in unknown}, {*signals.spans, *signals.dependent}
     names = [header.names[i][3:] for i in unknown if header.names[i].startswith(f"{COMPONENTS[0]}_")]
     whole = [name for name in names if there >= {f"{part}_{name}" for part in COMPONENTS}]
@@ -354,11 +351,8 @@ def _unknown_error(
 
 
 def _meant(columns: Iterable[str], signals: Signals) -> dict[str, str]:
-    """Our name -> the unknown column that is most like it: `q_elbow` -> `Elbow angle [deg]`.
-
-    Case, blanks and marks do not count; a name that has all of ours in it is like it, too. Words for a velocity are
-    heeded, and so on.
-    """
+    """Our name -> the unknown column that is most like it, or has it in it, but for case, blanks and marks: `q_elbow`
+    -> `Elbow angle [deg]`."""
     from difflib import SequenceMatcher, get_close_matches
 
     found: dict[str, tuple[float, str]] = {}

@@ -64,8 +64,7 @@ def quantum(values: Floats) -> float:
 
 
 def _differences(time: Floats, values: Floats) -> Iterator[Floats]:
-    """For p = 1..HIGHEST the divided differences (N - p,), scaled to keep the standard deviation of white noise, over
-    stamps about a unit apart."""
+    """Divided differences (N - p,), p = 1..HIGHEST, scaled to keep the standard deviation of white noise."""
     even = bool(equal_spacing(time))
     weights = np.ones((len(time), 1))
     for p in range(1, HIGHEST + 1):
@@ -149,17 +148,24 @@ def _floor(levels: list[float]) -> float:
 
 def by_window(runs: Sequence[tuple[Floats, Floats]], sigma: float) -> tuple[float, ...]:
     """What white noise, sigma or more, would have to be to scatter the fits on windows of each of `SIZES` as the data's
-    does, by stretches of time (N,) and values (N,).
+    does: the curvatures of parabolas on neighbouring windows that share no sample.
 
-    Of neighbouring windows that share no sample the curvatures of parabolas differ by noise, and by what the motion
-    does; the median over a table is the noise's as long as it grows no faster with the length than that of coloured
-    noise. From where it does the last value counts.
+    The median over a table is the noise's as long as it grows no faster with the length than that of coloured noise;
+    from where it does the last value counts.
     """
     found: list[float] = []
     shorter, least, ended = 0.75 * SIZES[0][0], sigma, False
     for size in SIZES:
         length = size[0] * size[1]
-        off = np.concatenate([_scatter(time, values, size) for time, values in runs])
+        offs = [np.zeros(0)]
+        for time, values in runs:
+            if len(values) >= _APART * length:
+                fits = windows(None if equal_spacing(time) else time, values, None, size, 0)
+                of_unit = fits.basis.curve[2, 0] / fits.half**2
+                curve, gain = fits.coefficients[2] * of_unit, of_unit + np.zeros_like(fits.coefficients[2])
+                near, far = slice(None, -size[0]), slice(size[0], None)
+                offs.append(np.abs(curve[far] - curve[near]) / np.sqrt(gain[near] ** 2 + gain[far] ** 2))
+        off = np.concatenate(offs)
         if not ended and len(off):
             level = median(off[off > 0.0]) / _MEDIAN if (off > 0.0).any() else 0.0
             ended = level > max(least, sigma) * (length / shorter) ** _COLOURED
@@ -168,17 +174,6 @@ def by_window(runs: Sequence[tuple[Floats, Floats]], sigma: float) -> tuple[floa
                 shorter, least = length, level
         found.append(sigma)
     return tuple(found)
-
-
-def _scatter(time: Floats, values: Floats, size: tuple[int, int]) -> Floats:
-    """Differences of parabolas' curvatures on windows side by side, as deviations of white noise."""
-    if len(values) < _APART * size[0] * size[1]:
-        return np.zeros(0)
-    fits = windows(None if equal_spacing(time) else time, values, None, size, 0)
-    curve = fits.coefficients[2] * fits.basis.curve[2, 0] / fits.half**2
-    gain = fits.basis.curve[2, 0] / fits.half**2 + np.zeros_like(curve)
-    near, far = slice(None, -size[0]), slice(size[0], None)
-    return np.asarray(np.abs(curve[far] - curve[near]) / np.sqrt(gain[near] ** 2 + gain[far] ** 2))
 
 
 WINDOWS = (7, 9, 13, 17, 23, 31, 41, 55, 75, 101, 135, 181, 241, 321, 431, 575, 767, 1023, 1365, 1819)
@@ -202,7 +197,7 @@ class Selection:
     """The method for a group of columns, and what is known of them before they are differentiated.
 
     Attributes:
-        method: that differentiates them, or that the user chose if `forced`.
+        method: that the user chose if `forced`.
         noisy: whether noise does harm; smooth: whether one window serves all samples.
         sigma: standard deviation that bars are made of; scale: the same for windows of every length (`by_window`).
         level: rms of the highest derivative that is wanted, which is of this `order`; std: what noise leaves in it.
@@ -269,7 +264,7 @@ def select(runs: Sequence[Run], order: int, mode: str, declared: float = 0.0) ->
 
 
 def _scale(runs: Sequence[Run], sigma: float, noisy: bool, declared: float) -> tuple[float, ...]:
-    """The noise for windows of every length that is worth trying: of the noisiest column, and of rounding."""
+    """The noise for windows of every length worth trying: of the noisiest column, and of rounding."""
     largest = max((float(np.abs(raw).max()) for _, raw, _ in runs), default=0.0)
     sigma = max(sigma, _ROUNDINGS * float(np.finfo(np.float64).eps) * largest, float(np.finfo(np.float64).tiny))
     longest = max((len(time) for time, _, _ in runs), default=0)

@@ -1,7 +1,4 @@
-"""Missing velocities and accelerations: how each is derived, the deriving, and how far it can be trusted.
-
-`groups.py` tells which columns are derived from which, `derivative_selection.py` chooses a method for each by the noise
-in it; one window, the spline or the best of many windows derives (`differentiate.py`).
+"""Missing velocities and accelerations: how each is derived, and how far it can be trusted.
 
 Of motions with corners, from noisy samples, those windows count that know most. A polynomial of degree d is fitted to a
 window, and one of degree d + 2 beside it. By how much the two differ is what the window leaves in doubt; noise, judged
@@ -46,7 +43,6 @@ class Plan:
 
     @property
     def halo(self) -> int:
-        """Neighbours that a block needs on either side."""
         return max((selection.halo for selection in self.selections), default=0)
 
     @property
@@ -76,9 +72,7 @@ def derive(samples: Trajectory, plan: Plan) -> tuple[Trajectory, Floats, Floats]
     """The samples with the missing columns of qd and qdd filled in, and (N, n) each of qdd: the standard deviation that
     comes of noise, and by how much it may be off.
 
-    Raises:
-        TrajectoryError: a derivative is not finite, because stamps almost coincide; or a pause in the stamps is longer
-            than the window that smooths.
+    Raises where stamps almost coincide, or a pause in them is longer than the window that smooths.
     """
     steps = np.diff(samples.time)
     methods = [selection.method for selection in plan.selections]
@@ -175,9 +169,7 @@ class Rate(NamedTuple):
 def estimated(
     time: Floats, values: Floats, turns: Floats | None, selection: Selection, first: int = 0
 ) -> tuple[Rate, Rate]:
-    """The first and second derivatives (N, c) of values (N, c), with error bars.
-
-    Args: as of `differentiate`; first: of the samples, counted in the table.
+    """The first and second derivatives (N, c) of values (N, c), with error bars; `first` sample counted in the table.
 
     Accuracy: bars cover 19 of 20 errors of peaks, for motions of all kinds (`accuracy/test_bars_of_motions.py`).
     """
@@ -248,10 +240,8 @@ def _best(time: Floats, values: Floats, turns: Floats | None, selection: Selecti
 
 
 def _spline(time: Floats, values: Floats, turns: Floats | None, sigma: float) -> tuple[Rate, Rate]:
-    """The quintic spline, with twice the largest change nearby that leaving out every second sample makes.
-
-    That is 32 times the error of a smooth motion, and about the error at corners of the velocity.
-    """
+    """The quintic spline, with twice the largest change nearby that leaving out every second sample makes: 32 times the
+    error of a smooth motion, and about the error at corners of the velocity."""
     whole = differentiate(time, values, SPLINE, turns)
     changes = [np.zeros((len(time) + 2 * NEAR, values.shape[1])) for _ in whole]
     for first in (0, 1) if len(time) >= FEWEST else ():

@@ -1,8 +1,7 @@
 """First and second derivatives of sampled signals by one method: spline, Savitzky-Golay or central differences.
 
-Least-squares polynomials about samples and on windows, on any stamps (Savitzky and Golay 1964), by polynomials that are
-orthonormal on the samples. Where stamps are equally spaced every method is a filter: a matrix that takes as many
-samples as it sees to their derivatives, whose middle row serves all samples but those near an end.
+Fits are by polynomials that are orthonormal on the samples, at any stamps (Savitzky and Golay 1964). Where these are
+equally spaced every method is a filter, a matrix whose middle row serves all samples but those near an end.
 """
 
 from __future__ import annotations
@@ -77,15 +76,8 @@ def at_samples(
     width: int,
     degree: int,
 ) -> tuple[Floats, Floats, Floats]:
-    """Residual and both derivatives (k, c) at some samples, each by the polynomial of its own window.
-
-    Near an end the window stays inside the table. A result depends on the samples of its own window alone, to the last
-    bit.
-
-    Args:
-        time: (N,) increasing, or None where all samples are a unit apart.
-        values: (N, c); turns: (N, c) whole turns of 2 pi that they are ahead by, None for none.
-        centres: (k,) rows; width <= N; degree < width.
+    """Residual and both derivatives (k, c) at rows `centres` (k,) of values (N, c), each by the polynomial of its own
+    window alone, which near an end stays inside the table. No time: all are a unit apart.
 
     Accuracy: 1e-11 of the largest derivative where no gap is shorter than a thousandth of the longest.
     """
@@ -113,7 +105,7 @@ class Windows:
     """The fits to all windows of a length, w of them with n samples each.
 
     Attributes:
-        starts: (w,) first samples; parts: of how many equal parts a window is, each from which another begins.
+        starts: (w,) first samples; parts: of a window, at each of which another begins.
         basis: orthonormal on the samples: (d + 1, n, w), or (d + 1, n, 1) for all.
         coefficients: (d + 1, w) of the fit, each with the standard deviation of white noise.
         values: (n, w) about their mean.
@@ -152,8 +144,7 @@ class Windows:
 
 
 def windows(time: Floats | None, values: Floats, turns: Floats | None, size: tuple[int, int], first: int) -> Windows:
-    """The windows of one of `SIZES` that begin where a part of the table does, as of `at_samples`; `first` of the
-    samples is counted in the table."""
+    """The windows of one of `SIZES` that begin where parts of the table do, in which samples begin at row `first`."""
     parts, part = size
     return _fitted(time, values, turns, np.arange(-first % part, len(values) + 1 - parts * part, part), size)
 
@@ -217,7 +208,6 @@ class Method:
 
     @property
     def text(self) -> str:
-        """The method as the report names it."""
         if self.kind == "savgol":
             return f"Savitzky-Golay (window {self.window}, order {self.order})"
         if self.kind == "local":
@@ -255,8 +245,7 @@ def differentiate(time: Floats, values: Floats, method: Method, turns: Floats | 
 
     Args:
         time: (N,) s, increasing, N >= 2 (N >= 3 for a second derivative that is not 0).
-        values: (N, c); turns: (N, c) whole turns of 2 pi that they are ahead by, None for none. Only what they change
-            by matters, so nothing is lost far from zero.
+        values: (N, c); turns: (N, c) whole turns of 2 pi that they are ahead by, None for none.
 
     Accuracy: the spline's second derivative of sin(2 pi t) at 10 ms: 9e-7 (h^4 / 720 times the sixth derivative), and
     6e-5 at the ends.
@@ -307,11 +296,8 @@ def _filter(spline: bool, width: int, degree: int) -> Floats:
 
 
 def _filtered(steps: Floats, turns: Floats | None, operator: Floats) -> tuple[Floats, Floats]:
-    """Both derivatives (N, c) of samples a unit apart, from the steps (N - 1, c) between them.
-
-    In the middle steps as far before as after are taken together, so that a speed is exactly 0 where they cancel, on
-    every processor.
-    """
+    """Both derivatives (N, c) of samples a unit apart, from the steps (N - 1, c) between them. In the middle those
+    as far before as after are taken together, so that a speed is exactly 0 where they cancel."""
     if turns is not None:
         steps = steps - 2.0 * math.pi * np.diff(turns, axis=0)
     of_steps, width = -np.cumsum(operator, axis=2)[:, :, :-1], operator.shape[1]

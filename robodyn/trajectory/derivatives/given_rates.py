@@ -85,7 +85,6 @@ class GivenRates:
 
     @property
     def halo(self) -> int:
-        """Neighbours that a block needs on either side."""
         return self.own.halo if len(self.wrong) or self.caveats else 0
 
     def trusted(self, samples: Trajectory, known: Sampling | None, rows: slice) -> Sampling:
@@ -126,8 +125,10 @@ def against_positions(
             k = group.velocity[0][1]
             apart_qd = [each.qd[:, k] - np.gradient(straight(group, each)[:, 0], each.time) for each in theirs]
             differences = _rms(np.concatenate(apart_qd)) < ALMOST * _rms(off_qd[:, k])
-        if not differences and _unexplained(group, theirs) < BETTER * _unexplained(group, ours):
-            continue
+            # a given vibration is not held against derivatives that take it for noise
+            steps = [_rms(np.concatenate([_unexplained_steps(group, x) for x in each])) for each in (theirs, ours)]
+            if not differences and steps[0] < BETTER * steps[1]:
+                continue
         for _, k in group.acceleration:
             bar, apart = np.concatenate(bars)[:, k], off_qdd[:, k]
             level = _rms(np.concatenate([each.qdd[:, k] for each in ours]))
@@ -156,13 +157,6 @@ def against_positions(
         for name, fault in said[:1]
     )
     return GivenRates(own, np.array(wrong, dtype=np.intp), open_, noise, tuple(caveats))
-
-
-def _unexplained(group: Group, theirs: Sequence[Trajectory]) -> float:
-    """The rms of these steps, so that a given vibration is not held against derivatives that take it for noise."""
-    if group.kind == "quaternion" or not group.velocity:
-        return np.inf
-    return _rms(np.concatenate([_unexplained_steps(group, each) for each in theirs]))
 
 
 def _unexplained_steps(group: Group, samples: Trajectory) -> Floats:

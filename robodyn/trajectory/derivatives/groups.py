@@ -20,12 +20,8 @@ _AXES = "xyz"
 
 @dataclass(frozen=True)
 class Group:
-    """Columns that are differentiated together.
-
-    Args:
-        source, rows: the array that is differentiated, "q" or "qd", and its columns: one, or the four of a quaternion.
-        velocity, acceleration: pairs (component of the derivative, column of qd or qdd that it fills).
-    """
+    """Columns `rows` of the array `source` that are differentiated together: one, or the four of a quaternion; velocity
+    and acceleration are pairs (component of the derivative, column of qd or qdd that it fills)."""
 
     name: str
     kind: Literal["scalar", "continuous", "quaternion"]
@@ -35,8 +31,7 @@ class Group:
     acceleration: Targets
 
     @property
-    def order(self) -> int:
-        """Of the highest derivative that is wanted."""
+    def order(self) -> int:  # of the highest derivative that is wanted
         return 2 if self.acceleration and self.source == "q" else 1
 
 
@@ -57,10 +52,7 @@ def straight(group: Group, samples: Trajectory) -> Floats:
 
 
 def turns_ahead(angles: Floats) -> Floats:
-    """Whole turns that angles (N, c) are ahead of the shorter way from each to the next.
-
-    Angles that are made to add up would depend on the turns before, and on where a block begins, in their last digits.
-    """
+    """Whole turns that angles (N, c) are ahead of the shorter way from each to the next."""
     jumps = np.rint(np.diff(angles, axis=0) / (2.0 * math.pi))
     return np.concatenate((np.zeros((1, angles.shape[1])), np.cumsum(jumps, axis=0)))
 

@@ -1,8 +1,5 @@
-"""Where joints stand still: where positions say nothing else within their own resolution. Speeds are 0 there.
-
-Friction, the losses of gears and the duty of a joint depend on whether it moves, and which way. What derivatives make
-of positions that stand still has either sign, row by row; so has the noise of speeds that are given.
-"""
+"""Where joints stand still within the resolution of their positions: speeds are 0 there, not noise of either sign, on
+which friction, the losses of gears and the duty of a joint would depend."""
 
 from __future__ import annotations
 

@@ -35,14 +35,8 @@ float64[] values
 
 
 def bag_table(name: str, topic: str | None = None) -> LogTable:
-    """The motion in a `.db3`, `.mcap` or `.bag` file or a folder of a bag of ROS 2.
-
-    Args:
-        topic: whose messages; None: the only one of a type that is known.
-
-    Raises:
-        TrajectoryError: the bag cannot be read; no topic, or several, could be meant; see `states_of`.
-    """
+    """The motion in a `.db3`, `.mcap` or `.bag` file or a folder of a bag of ROS 2, by the messages of a topic (None:
+    the only one of a known type); raises if it cannot be read, or no topic, or several, could be meant."""
     need("ROS bags", "rosbags", file=name)
     from rosbags.highlevel import AnyReader
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore

@@ -36,10 +36,8 @@ _MARKS = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16", b"\x1f\x8b": "gzip", b"P
 
 
 class CsvTable(Table):
-    """A delimited text file whose first line names the columns.
-
-    Standard input (`-`) and pipes are copied to a temporary file first, because the reader looks at them twice.
-    """
+    """A delimited text file whose first line names the columns; pipes are copied to a temporary file, as the reader
+    looks at them twice."""
 
     file: str
     header_line: int

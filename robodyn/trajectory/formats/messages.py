@@ -43,8 +43,8 @@ class State(NamedTuple):
 
 
 def joint_state(message: Any, recorded: int) -> list[State]:
-    """What a sensor_msgs/JointState says, an object with its attributes, or a mapping; `recorded` [ns] is its stamp if
-    it has none. Raises a ValueError where something else stands in place of names or numbers."""
+    """What a sensor_msgs/JointState, an object or a mapping, says; `recorded` [ns] is its stamp if it has none. Raises
+    a ValueError where something else stands in place of names or numbers."""
     stamp = _stamp(_get(_get(message, "header"), "stamp"))
     values = {quantity: _get(message, quantity) for quantity in ("position", "velocity", "effort")}
     return [State(stamp or recorded, _names(_get(message, "name"), "name"), _numbers(values))]
@@ -322,7 +322,6 @@ def _columns(states: Sequence[State], names: Sequence[str], notes: list[str]) ->
 
 
 def _in_order(state: State, names: Sequence[str], quantity: str) -> Sequence[float]:
-    """The values of a message in the order of these names."""
     values = state.values[quantity]
     if state.names == names:
         return values

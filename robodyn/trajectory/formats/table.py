@@ -23,8 +23,7 @@ FILE_TYPES = {
     ".npz": "npz",
 }
 """The kind of table by the suffix of its file."""
-BAGS, MESSAGES = (".db3", ".mcap", ".bag"), (".yaml", ".yml", ".json")
-"""Suffixes of bags of ROS, and of its messages as text."""
+BAGS, MESSAGES = (".db3", ".mcap", ".bag"), (".yaml", ".yml", ".json")  # of ROS
 READABLE = (*FILE_TYPES, *BAGS, *MESSAGES)
 METADATA = "metadata.yaml"
 """What a folder has that is a bag of ROS 2."""
