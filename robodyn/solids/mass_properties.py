@@ -57,8 +57,7 @@ class Part:
     """Mass properties of a mesh.
 
     Attributes:
-        body: mass, centre of mass and second moments, in the mesh's axes [kg, m].
-        assumed: whether the density is assumed.
+        body: in the mesh's axes [kg, m]; assumed: whether its density is.
         lo, hi: (3,) corners of its box [m].
         closed: whether the surface has no boundary, so that the integral does not depend on the origin.
         repairs: what was changed before the mesh was integrated, with signed volumes in m^3.
@@ -274,13 +273,8 @@ def measured(
 ) -> Measured:
     """Return the surface as it is if it is proven sound, or if no repair is wanted; else put right and closed.
 
-    Args:
-        exact: integrate in exact arithmetic.
-        strict: refuse what needs repair, and what may not be the whole mesh.
-        cavities: see `repair`.
-
-    Raises:
-        MeshError: the surface needs repair and that is not wanted, or cannot be closed.
+    Options as of `mass_properties`; raises MeshError where the surface needs repair and that is not wanted, or cannot
+    be closed.
     """
     if strict and triangles.warnings:
         remedy = "--strict refuses what is doubtful"
@@ -343,10 +337,8 @@ def _shape(
 ) -> tuple[Symmetry | None, Tessellation | None, tuple[str, ...]]:
     """Return symmetry, in metres, and tessellation error of a mesh, None where they are not sought; notes say why.
 
-    Args:
-        even: whether to seek symmetry, smooth: whether to ask facets; None: if there are few enough triangles.
-        defined: whether the integrals are those of what the mesh encloses: it is closed and does not overlap itself.
-        fixed_mass: see `tessellation`.
+    even: whether to seek symmetry, smooth: whether to ask facets, None where triangles are few; defined: whether the
+    integrals are those of what the mesh encloses.
     """
     if not defined:
         return None, None, () if (even, smooth) == (False, False) else (_UNDEFINED,)
@@ -376,19 +368,9 @@ def _wanted(name: str, asked: bool | None, count: int, most: int) -> tuple[bool,
     return False, (f"{name}: not sought unasked above {most} triangles (--{name} does)",)
 
 
-HOME: Pose = (IDENTITY, ZERO)
-
-
 @dataclass(frozen=True, eq=False)
 class Combination:
-    """Parts at their places, and the body that they make.
-
-    Attributes:
-        parts: as measured, each in its own axes; poses: of these in the common frame.
-        body: in the common frame.
-        box: around the parts, along the common axes.
-        warnings: what is doubtful about the whole.
-    """
+    """Parts as measured, each in its own axes, their poses in the common frame, and the body that they make in it."""
 
     parts: tuple[Part, ...]
     poses: tuple[Pose, ...]
@@ -403,10 +385,9 @@ class Combination:
 
 
 def combined(parts: Sequence[Part], poses: Sequence[Pose] = (), mass: float | None = None) -> Combination:
-    """Return the composite body of parts; see `composite`.
+    """Return the composite body of parts, all as they are in the common frame if there are no poses; see `composite`.
 
     Args:
-        poses: of each part; all in the common frame as they are if empty.
         mass: of the whole [kg], in which the parts then share as they did.
 
     Raises:
@@ -414,7 +395,7 @@ def combined(parts: Sequence[Part], poses: Sequence[Pose] = (), mass: float | No
     """
     if poses and len(poses) != len(parts):
         raise InputError(f"{len(poses)} places for {len(parts)} meshes", remedy="give one for each mesh, in order")
-    where = tuple(poses) or (HOME,) * len(parts)
+    where = tuple(poses) or ((IDENTITY, ZERO),) * len(parts)
     body = composite(zip((part.body for part in parts), where, strict=True))
     if mass is not None:
         if not 0 < mass < float("inf"):

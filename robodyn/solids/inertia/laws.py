@@ -80,13 +80,7 @@ def second_moments(I: Array) -> Array:
 
 
 class Inertia(NamedTuple):
-    """The mass of a body and its moments about the origin of its axes, in these axes.
-
-    Attributes:
-        m: mass [kg].
-        mc: first moment, mass times centre of mass [kg m].
-        I: inertia matrix about the origin [kg m^2].
-    """
+    """Mass [kg], first moment [kg m] and inertia matrix [kg m^2] of a body about the origin of its axes, in these."""
 
     m: Scalar
     mc: Array
@@ -136,20 +130,13 @@ _ORTHOGONAL = 1e-9
 def parallel_axis(I_c: Array, m: Scalar, d: Array) -> Array:
     """I = I_c + m (|d|^2 1 - d d^T), the inertia about a point at distance d from the centre of mass.
 
-    The parallel axis theorem of Huygens and Steiner, as `inertia_of` has it for a whole pose.
-
-    Args:
-        I_c: (3, 3) about the centre of mass [kg m^2].
-        m: kg. d: (3,) from the point to the centre of mass or back, in the axes of I_c [m].
+    The parallel axis theorem of Huygens and Steiner; d (3,) [m] and I_c (3, 3) [kg m^2] in the same axes.
     """
     return inertia_of(m, d, I_c).I
 
 
 def about_centre(I: Array, m: Scalar, d: Array) -> Array:
-    """I_c = I - m (|d|^2 1 - d d^T), the parallel axis theorem backwards: from a point to the centre of mass.
-
-    Most digits go where the body is small against d. Arguments as for `parallel_axis`.
-    """
+    """I_c = I - m (|d|^2 1 - d d^T), `parallel_axis` backwards: most digits go where the body is small against d."""
     return parallel_axis(I, -m, d)
 
 

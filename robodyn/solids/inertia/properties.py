@@ -215,11 +215,7 @@ class MassProperties:
     def placed(self, R: Array, p: Array) -> MassProperties:
         """The body in the outer frame in which its own stands at rotation R and origin p: c -> R c + p, S -> R S R^T.
 
-        Args:
-            R: (3, 3) orthogonal; a reflection gives the mirror image. p: (3,) m.
-
-        Raises:
-            InputError: R is not orthogonal within 1e-9.
+        A reflection R gives the mirror image; InputError if it is not orthogonal within 1e-9.
 
         Accuracy: for R and p as given, `com` correctly rounded and S_c + S_low within 2^-106, entry by entry.
         """
@@ -282,12 +278,6 @@ def composite(parts: Iterable[tuple[MassProperties, Pose]]) -> MassProperties:
 def from_inertia(mass: float, com: ArrayLike, I_c: ArrayLike) -> MassProperties:
     """Return the body with this inertia matrix about its centre of mass, as a URDF or a data sheet gives it.
 
-    Args:
-        mass: kg. com: (3,) m. I_c: (3, 3) symmetric [kg m^2].
-
-    Raises:
-        InputError: see `MassProperties`.
-
     Accuracy: S_c + S_low within 2^-106 of tr(I_c) / 2 1 - I_c, entry by entry; of a plate or a needle the smallest
         second moment is as good as the digits of I_c.
     """
@@ -318,11 +308,9 @@ def from_integrals(
     c = r + first / V, S_c = density (second - first first^T / V).
 
     Args:
-        volume, first, second: V, (3,) and (3, 3) in units of the shape's file, floats of any width or fractions.
+        volume, first, second, reference, area: in units of the shape's file, floats of any width or fractions.
         density: kg/m^3.
-        reference: (3,) in units of the file.
         scale: metres in a unit of the file.
-        area: of the surface, in units of the file.
 
     Raises:
         InputError: the volume is zero, or a number is not finite.
@@ -386,12 +374,7 @@ Vector = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class View:
-    """About which point, and in which axes, an inertia matrix is wanted.
-
-    Attributes:
-        about: "com", "origin" or a point of the mesh's frame [m].
-        rpy: fixed-axis roll, pitch and yaw of the axes in the mesh's [rad].
-    """
+    """About which point of the mesh's frame [m], and in which axes, fixed-axis rpy [rad], an inertia is wanted."""
 
     about: Literal["com", "origin"] | Vector = "com"
     rpy: Vector = (0.0, 0.0, 0.0)

@@ -1,11 +1,8 @@
 """Closed forms of uniform solids. The frame of each stands at the centre of its bounding box, its axis along z.
 
-Each takes its lengths [m], none negative, and either `density` [kg/m^3] or `mass` [kg]. A length may be zero where the
-mass is given: a plate, a rod, a point.
-
-The second moments are the textbook's moments of inertia (Beer, Johnston, "Vector Mechanics for Engineers", the table of
-mass moments of inertia) taken apart: S_xx = (I_yy + I_zz - I_xx) / 2. Sums of positive terms, they keep their digits
-however flat or slender the solid is.
+Each takes its lengths [m], none negative, and either `density` [kg/m^3] or `mass` [kg]; zero lengths, as of a plate,
+where the mass is given. Second moments, sums of positive terms, keep their digits however flat or slender the solid is.
+They are the moments of inertia of Beer, Johnston, "Vector Mechanics for Engineers": S_xx = (I_yy + I_zz - I_xx) / 2.
 
 Raises:
     InputError: a length is negative or not finite, density and mass are both given or both missing, or a solid without

@@ -51,10 +51,8 @@ def central_moments(corners: Array, S: Array, volume: float) -> CentralMoments:
     """Return the moments of the third and fourth order, with those of the second as given.
 
     Over the tetrahedron from the centre to a triangle a product of k coordinates is D / (2k + 6) times its mean over
-    the triangle, with D six times the volume of the tetrahedron: the mean by a rule that is exact.
-
-    Args:
-        corners: (m, 3, 3) about the centre. S: (3, 3) integral of x x^T about the centre. volume: positive.
+    the triangle, with D six times the volume of the tetrahedron: the mean by a rule that is exact. Corners (m, 3, 3)
+    and S, the integral of x x^T, are about the centre.
     """
     third, fourth = np.zeros((6, 3)), np.zeros((6, 6))
     for start in range(0, len(corners), _BLOCK):
@@ -73,38 +71,31 @@ def axial_moments(corners: Array, frame: Array, volume: float) -> Array:
 
     A rotation about z by an angle a turns them by m a. They are relative to V and the largest values of |x + iy|^m and
     |z|^k among the corners. Rows of the frame are x, y, z.
+
+    The integral over a tetrahedron of the power m of a linear function is D m! / (m + 3)! h_m, with h_m the sum of all
+    products of degree m of its values at the corners. With w + e z for the function, w = x + iy, the factor of e^k is
+    that of w^(m - k) z^k times m over k.
     """
     local = product(corners, frame.T)
     radius, height = np.hypot(local[..., 0], local[..., 1]).max(), np.abs(local[..., 2]).max()
     local = local / (radius, radius, height)
     found = np.zeros((FREQUENCIES, _HEIGHTS), dtype=complex)
     for start in range(0, len(local), _BLOCK):
-        found += _axial_sums(local[start : start + _BLOCK])
+        block = local[start : start + _BLOCK]
+        x, y, z = block.transpose(2, 1, 0)
+        w, D = x + 1j * y, determinants(block)
+        jets = np.zeros((3, _HEIGHTS, len(D)), dtype=complex)
+        jets[:, 0] = 1.0
+        for degree in range(1, FREQUENCIES + 1):
+            for corner in range(3):
+                grown = w[corner] * jets[corner]
+                grown[1:] += z[corner] * jets[corner, :-1]
+                jets[corner] = grown if corner == 0 else grown + jets[corner - 1]
+            share = 1.0 / ((degree + 1) * (degree + 2) * (degree + 3))
+            for k in range(min(degree, _HEIGHTS)):
+                found[degree - k - 1, k] += share * product(jets[2, k], D) / comb(degree, k)
     relative: Array = found * (radius**2 * height / volume)
     return relative
-
-
-def _axial_sums(corners: Array) -> Array:
-    """(8, 3) sums of the integrals of w^m z^k over tetrahedra, w = x + iy.
-
-    That of the power m of a linear function is D m! / (m + 3)! h_m, with h_m the sum of all products of degree m of its
-    values at the corners. With w + e z for the function, the factor of e^k is that of w^(m - k) z^k times m over k.
-    """
-    x, y, z = corners.transpose(2, 1, 0)
-    w = x + 1j * y
-    D = determinants(corners)
-    jets = np.zeros((3, _HEIGHTS, len(D)), dtype=complex)
-    jets[:, 0] = 1.0
-    found = np.zeros((FREQUENCIES, _HEIGHTS), dtype=complex)
-    for degree in range(1, FREQUENCIES + 1):
-        for corner in range(3):
-            grown = w[corner] * jets[corner]
-            grown[1:] += z[corner] * jets[corner, :-1]
-            jets[corner] = grown if corner == 0 else grown + jets[corner - 1]
-        share = 1.0 / ((degree + 1) * (degree + 2) * (degree + 3))
-        for k in range(min(degree, _HEIGHTS)):
-            found[degree - k - 1, k] = share * product(jets[2, k], D) / comb(degree, k)
-    return found
 
 
 def determinants(corners: Array) -> Floats:
@@ -248,10 +239,7 @@ class CentredBody:
         return self.moments.least_asymmetry(Q)
 
     def mirrored(self, normal: Array) -> float:
-        """vol(A xor M A) / 2V for the mirror image in the plane through the centre.
-
-        By columns along the normal, which the mirror takes to themselves; and not less than the moments allow.
-        """
+        """vol(A xor M A) / 2V for the mirror image in the plane through the centre, by columns along the normal."""
         least = max(self.least(mirror(normal)), self.product_bound(normal))
 
         def by_columns(count: int) -> float:
@@ -262,12 +250,9 @@ class CentredBody:
         return self._asymmetry(mirror(normal), least, by_columns)
 
     def turned(self, axis: Array, angle: float) -> float:
-        """vol(A xor R A) / 2V for a rotation about an axis through the centre.
-
-        The columns are oblique to the axis: along it they would pass by the difference of two thin rims.
-        """
+        """vol(A xor R A) / 2V for a rotation about an axis through the centre."""
         Q = rotation_about(axis, angle)
-        oblique = product(_OBLIQUE, frame_along(axis))
+        oblique = product(_OBLIQUE, frame_along(axis))  # along the axis columns would pass by two thin rims
 
         def by_columns(count: int) -> float:
             lattice = Lattice.over(self.corners, oblique, Q, count)

@@ -1,7 +1,4 @@
-"""Columns through surfaces: what bodies share or differ by, and what overlapping or open surfaces enclose.
-
-Along a column integrals are exact; across, they are sums.
-"""
+"""Columns through surfaces, exact along each: what bodies differ by, what overlapping or open surfaces enclose."""
 
 from __future__ import annotations
 
@@ -208,13 +205,12 @@ _BRACKET = 2.0
 
 @dataclass(frozen=True, eq=False)
 class Quadrature(VolumeIntegrals):
-    """Integrals over a region, by "columns" or "winding numbers".
+    """Integrals over a region.
 
     bar: of the relative error of the volume, and of the second moments about the centre relative to the largest.
     """
 
     bar: float
-    method: str
 
 
 def by_columns(mesh: Indexed) -> Quadrature | None:
@@ -230,7 +226,7 @@ def by_columns(mesh: Indexed) -> Quadrature | None:
     if np.abs(too_often[:, 3, 3]).max() <= _TOUCH * abs(signed.volume):
         return None
     totals = _moments(signed) - too_often
-    return _quadrature(totals.mean(axis=0), _spread(totals), signed.reference, "columns")
+    return _quadrature(totals.mean(axis=0), _spread(totals), signed.reference)
 
 
 def as_given(mesh: Indexed) -> Quadrature:
@@ -238,7 +234,7 @@ def as_given(mesh: Indexed) -> Quadrature:
     if mesh.volume(mesh.middle) < 0:
         mesh = replace(mesh, faces=mesh.faces[:, ::-1])
     signed = integrate(MemoryTriangles("bodies", mesh.corners))
-    return by_columns(mesh) or _quadrature(_moments(signed), np.zeros((4, 4)), signed.reference, "columns")
+    return by_columns(mesh) or _quadrature(_moments(signed), np.zeros((4, 4)), signed.reference)
 
 
 def by_winding_numbers(mesh: Indexed, caps: Numbers) -> Quadrature | None:
@@ -269,7 +265,7 @@ def by_winding_numbers(mesh: Indexed, caps: Numbers) -> Quadrature | None:
     error = _BRACKET * apart.max(axis=0) + _spread(totals) + signed.bound * np.abs(centred(region, region))
     if error[3, 3] > LARGEST_BAR * region[3, 3]:
         return None
-    return _quadrature(region, error, signed.reference, "winding numbers")
+    return _quadrature(region, error, signed.reference)
 
 
 def _beyond_caps(closed: Floats, caps: Indexed, direction: Floats) -> list[Floats] | None:
@@ -317,7 +313,6 @@ class Pieces(NamedTuple):
     weight: Floats
 
     def of(self, chosen: Mask) -> Pieces:
-        """Return some of them."""
         return Pieces._make(column[chosen] for column in self)
 
     def moments(self, lattice: Lattice) -> Floats:
@@ -380,8 +375,8 @@ def _spread(totals: Floats) -> Floats:
     return spread
 
 
-def _quadrature(total: Floats, error: Floats, reference: Floats, method: str) -> Quadrature:
+def _quadrature(total: Floats, error: Floats, reference: Floats) -> Quadrature:
     """The bar is the larger of the relative error of the volume, and that of the largest of the second moments."""
     S, S_c = (total[:3, :3] + total[:3, :3].T) / 2, centred(total, total)[:3, :3]
     bar = max(float(error[3, 3] / total[3, 3]), float(error[:3, :3].max() / np.abs(S_c).max()))
-    return Quadrature(float(total[3, 3]), total[:3, 3], S, reference, bar, method)
+    return Quadrature(float(total[3, 3]), total[:3, 3], S, reference, bar)

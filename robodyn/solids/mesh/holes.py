@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from heapq import heapify, heappop, heappush
 from math import sqrt
+from typing import NamedTuple
 
 import numpy as np
 
@@ -36,7 +37,7 @@ class Filling:
 
     Attributes:
         shells: with the filled ones closed; holes, seams: that were filled; a seam has no area to speak of.
-        triangles: that fill them; area: of these; doubt: volume by which what was missing may differ from them.
+        triangles: that fill them; doubt: volume by which what was missing may differ from them.
         left: gaps too large to be filled; missing: their share of the surface of these shells with gaps filled.
         capped: the shells with `caps` faces as their last, which close the rest: across a hole of a body, and of
             patches a cone from one vertex over all their rims, whose two sides nearly coincide where the rims do.
@@ -48,7 +49,6 @@ class Filling:
     holes: int
     seams: int
     triangles: int
-    area: float
     doubt: float
     left: int
     missing: float
@@ -57,7 +57,7 @@ class Filling:
 def filled(shells: Shells) -> Filling:
     """Fill the boundary loops of open shells with triangles, without new corners, unless they are large."""
     mesh = shells.mesh
-    face_areas = mesh.areas
+    face_areas = areas(mesh.corners)
     gaps = _gaps(shells, face_areas)
     loose = [gap for gap in gaps if gap.share > LARGEST_OF_SHELL]
     if sum(gap.area for gap in loose) <= LARGEST_OF_ALL * float(face_areas.sum()):
@@ -82,7 +82,6 @@ def filled(shells: Shells) -> Filling:
         holes=len(caps) - seams,
         seams=seams,
         triangles=sum(map(len, caps)),
-        area=sum(sizes),
         doubt=_BULGE * sum(size**1.5 for size in sizes),
         left=sum(len(gap.caps) for gap in loose),
         missing=missing / (missing + present) if missing else 0.0,
@@ -193,13 +192,8 @@ def cap_of(vertices: Floats, loop: list[int]) -> Numbers:
     return np.array(found, np.int64).reshape(-1, 3)
 
 
-@dataclass(frozen=True)
-class Gaps:
-    """The gaps of a surface.
-
-    mended: holes and seams that repair fills; left: gaps that are too large for that; missing: the share of the surface
-    of the open parts that they are; one_sided: faces of surfaces with one side only, which are refused.
-    """
+class Gaps(NamedTuple):
+    """Gaps that repair fills, those left as too large and the share of open parts that they are, one-sided faces."""
 
     mended: int = 0
     left: int = 0

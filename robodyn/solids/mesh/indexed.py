@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,18 +15,6 @@ Words = NDArray[np.uint64]
 
 _FACTORS = tuple(map(np.uint64, (0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9)))
 _HALF = np.uint64(32)
-
-
-class Distinct(NamedTuple):
-    """Values without repetition, in their order: the first place of each, and of each place the number of its value."""
-
-    first: Numbers
-    of: Numbers
-
-
-def distinct(keys: Words | Numbers) -> Distinct:
-    """Return what `np.unique` finds of keys (n,)."""
-    return Distinct(*np.unique(keys, return_index=True, return_inverse=True)[1:])
 
 
 def paired(keys: Words) -> tuple[Numbers, Numbers]:
@@ -92,13 +80,7 @@ class Indexed:
         """Return the signed integral of 1, about a point (3,) that matters only if the surface is open."""
         return float(triple(self.corners - reference).sum() / 6)
 
-    @property
-    def areas(self) -> Floats:
-        """(m,)."""
-        return areas(self.corners)
-
     def keep(self, chosen: Mask | Numbers) -> Indexed:
-        """Only these faces, given by a mask or by their numbers."""
         return replace(self, faces=self.faces[chosen])
 
     def turned(self, chosen: Mask) -> Indexed:
@@ -160,7 +142,7 @@ class Edges:
         start, stop = faces, np.roll(faces, -1, axis=1)
         lower, higher = np.minimum(start, stop), np.maximum(start, stop)
         most = int(faces.max(initial=0)) + 1
-        first, of = distinct((lower * most + higher).ravel())
+        _, first, of = np.unique((lower * most + higher).ravel(), return_index=True, return_inverse=True)
         ends = np.stack([lower.ravel()[first], higher.ravel()[first]], axis=1)
         return cls(ends, of.reshape(-1, 3), np.where(start < stop, 1, -1), np.bincount(of, minlength=len(first)))
 

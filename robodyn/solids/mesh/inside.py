@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from robodyn.solids.mesh.indexed import Indexed, Mask, Numbers, components, hashed, in_parts, triple
+from robodyn.solids.mesh.indexed import Indexed, Numbers, components, hashed, in_parts, triple
 from robodyn.solids.mesh.triangles import Triangles
 from robodyn.support.floats import Floats
 
@@ -66,17 +66,6 @@ class Interior:
             if winding is not None:
                 return winding != 0
         return None
-
-
-class OpenInterior:
-    """The inside of an open surface, wound either way: where its winding number is above 1/2."""
-
-    def __init__(self, mesh: Indexed) -> None:
-        self._mesh = mesh
-
-    def has(self, point: Floats) -> bool:
-        """Return whether it has this point (3,)."""
-        return bool(abs(winding_numbers(point[None], self._mesh)[0]) > 0.5)
 
 
 class _Sheared:
@@ -156,17 +145,12 @@ def may_cross(one: Floats, other: Floats) -> bool:
     cells = [np.clip((boxes - lo) / step, 0, _CELLS - 1).astype(np.int64) for boxes in (one, other)]
     if max(int((last - first).max()) for first, last in cells) > 2:
         return True
-    touched = [_cells_of(*each) for each in cells]
-    return bool((touched[0] & touched[1]).any())
-
-
-def _cells_of(first: Numbers, last: Numbers) -> Mask:
-    """Return which cells are touched by boxes from these cells (n, 3) on to those, at most two further."""
-    found = np.zeros(_CELLS**3, np.bool_)
-    for steps in product_of(range(3), repeat=3):
-        x, y, z = np.minimum(first + np.array(steps), last).T
-        found[(x * _CELLS + y) * _CELLS + z] = True
-    return found
+    touched = np.zeros((2, _CELLS**3), np.bool_)
+    for which, (first, last) in enumerate(cells):
+        for steps in product_of(range(3), repeat=3):
+            x, y, z = np.minimum(first + np.array(steps), last).T
+            touched[which, (x * _CELLS + y) * _CELLS + z] = True
+    return bool(touched.all(axis=0).any())
 
 
 _TRIED_PAIRS = 16

@@ -53,9 +53,6 @@ def exact_moments(triangles: Triangles, reference: Array) -> Moments:
     """Return the moments of the volume within triangles whose coordinates are taken as exact.
 
     The sums of `volume_kernel` in Python's integers, as the coordinates of a block are multiples of a power of two.
-
-    Args:
-        reference: (3,) floats, in units of the file.
     """
     from fractions import Fraction
 
@@ -84,13 +81,9 @@ _SAFE = 2.0**-170, 2.0**180
 
 @dataclass(frozen=True, eq=False)
 class Sweep:
-    """What one pass found.
+    """What one pass found: sums (blocks, k), in its floats, about the reference (3,), and boxes (blocks, 3) of blocks.
 
-    Attributes:
-        sums: (blocks, k) the sums of each block, in the floats of the pass, about the reference (3,).
-        lows, highs: (blocks, 3) corners of the box of each block.
-        least: twice the area of the smallest triangle.
-        edges: fingerprint of the boundary, where it was asked for.
+    least: twice the area of the smallest triangle; edges: fingerprint of the boundary, where it was asked for.
     """
 
     sums: Array
@@ -120,10 +113,8 @@ class Sweep:
     def perm(self, squares: Array) -> float:
         """At least the sum over the triangles of a . |(b - a) x (c - a)| with all its products taken as positive.
 
-        In each block by its reach and Schwarz's inequality, sum |x y|^2 <= sum x^2 sum y^2.
-
-        Args:
-            squares: (blocks, 6) sums of the squares of the coordinates of b - a and c - a.
+        In each block by its reach and Schwarz's inequality, sum |x y|^2 <= sum x^2 sum y^2, from the sums of the
+        squares (blocks, 6) of the coordinates of b - a and c - a.
         """
         e, f = np.sqrt(squares.astype(np.float64)).reshape(-1, 2, 3).swapaxes(0, 1)
         products = [e[:, i - 2] * f[:, i - 1] + e[:, i - 1] * f[:, i - 2] for i in range(3)]
@@ -161,12 +152,9 @@ def swept(
     reference: Floats | None = None,
     edges: bool = False,
 ) -> Sweep:
-    """Pass over the triangles once.
+    """Pass over the triangles once with `volume_kernel` or `surface_kernel`.
 
-    Args:
-        kernel: `volume_kernel` or `surface_kernel`.
-        reference: (3,) by default a point in the middle of the first block.
-        edges: take the fingerprint of the boundary, too; the arithmetic is in float64 then.
+    The reference (3,) is a point in the middle of the first block by default; the fingerprint of edges needs float64.
     """
     space = block_space(triangles, dtype)
     ready, boundary = kernel(space), EdgeSums(space) if edges else None

@@ -8,8 +8,8 @@ from functools import cache
 import numpy as np
 
 from robodyn.errors import MeshError
-from robodyn.solids.mesh.indexed import Mask, Numbers, areas, in_parts, merged, triple
-from robodyn.solids.mesh.inside import Interior, OpenInterior, may_cross, solid, triangle_boxes
+from robodyn.solids.mesh.indexed import Indexed, Mask, Numbers, areas, in_parts, merged, triple
+from robodyn.solids.mesh.inside import Interior, may_cross, solid, triangle_boxes, winding_numbers
 from robodyn.solids.mesh.shells import Shells
 from robodyn.support.floats import Floats
 from robodyn.support.input_file import beyond, limits
@@ -34,10 +34,8 @@ class Nesting:
     Attributes:
         shells: bodies wound outwards, cavities inwards.
         uneven: whether faces of one shell were given more often than others, where there are cavities.
-        copies: (k,) how often each shell counts, cavities not more often than the bodies around.
+        copies, inward, within: of `_States`.
         cuts: the cavities that are cut out of each body, by its shell, where cavities do not cross each other.
-        inward: (k,) which are wound inwards.
-        within: (k,) which bound nothing, as far as no two cross: they lie in a body and are wound as it is.
         proper: (k,) which are closed, not flat, and in no open ones.
         bodies: how many were turned outwards. cavities: how many inwards.
         less: by how much the volume is smaller where those within are cavities.
@@ -69,14 +67,12 @@ def nested(
     outside. Open shells taken together count as one, wound outwards by its volume with caps, and around others by its
     winding number.
 
+    Raises MeshError, with the name of the mesh, where shells are too many to be placed.
+
     Args:
         copies: (m,) how often each of the first faces was given.
         caps: so many of the last faces are none of the surface; with them it is closed.
         cavities: a shell in a body is a cavity, however it is wound and however often it was given.
-        name: of the mesh, for the error.
-
-    Raises:
-        MeshError: there are too many shells to be placed.
     """
     often = np.ones(len(shells.label), np.int64)
     if copies is not None:
@@ -88,8 +84,7 @@ def nested(
     closed = shells.closed & ~flat
     gaping = ~shells.closed[shells.label]
     gaping[len(gaping) - caps :] = False
-    patches_inside = OpenInterior(shells.mesh.keep(gaping)) if gaping.any() else None
-    around, order = _containers(shells, volumes, closed, patches_inside, name)
+    around, order = _containers(shells, volumes, closed, shells.mesh.keep(gaping) if gaping.any() else None, name)
     patches = volumes[~shells.closed].sum()
     inside_out = bool(patches < 0 and not flat[~shells.closed].all())
     ways = np.where(volumes < 0, -1, 1)
@@ -123,11 +118,9 @@ class _States:
     ) -> None:
         """
         Args:
-            around: (k) shells around each, the smallest first, and `IN_PATCHES`. order: of closed shells, outer ones
-                first.
+            around: (k) shells around each, the smallest first, and `IN_PATCHES`. order: of closed ones, from outside.
             ways: (k,) 1 for a positive volume, otherwise -1. patches: the same of open shells together.
             copies: (k,) how often each was given.
-            cavities: see `nested`.
         """
         self.turned, self.inward, self.within, self.patched = np.zeros((4, len(ways)), np.bool_)
         self.cuts: dict[int, list[int]] = {}
@@ -171,7 +164,7 @@ def _volumes(shells: Shells) -> tuple[Floats, Mask]:
 
 
 def _containers(
-    shells: Shells, volumes: Floats, proper: Mask, patches: OpenInterior | None, name: str | None
+    shells: Shells, volumes: Floats, proper: Mask, patches: Indexed | None, name: str | None
 ) -> tuple[list[list[int]], list[int]]:
     """Return the shells around each, the smallest first, and closed shells from the largest down."""
     corners, lo, hi = in_parts(shells.mesh.corners, shells.label)
@@ -184,7 +177,7 @@ def _containers(
     for shell in down:
         around = proper & (sizes > sizes[shell]) & (lo <= lo[shell]).all(axis=1) & (hi >= hi[shell]).all(axis=1)
         points: list[Floats] = []  # its extremes along the axes, and the centres of its largest triangles
-        if around.any() or patches:
+        if around.any() or patches is not None:
             every = corners[shell].reshape(-1, 3)
             largest = np.argsort(areas(corners[shell]), kind="stable")[-_LARGEST:]
             extremes = np.concatenate([every.argmin(axis=0), every.argmax(axis=0)])
@@ -197,21 +190,19 @@ def _containers(
             if tried > most:
                 what = f"{len(sizes)} shells to be placed in each other by {tried} points"
                 raise beyond("mesh_nesting", what, MeshError, file=name)
-            inside = _holds(interiors[other], points, all_of_them=near)
-            if inside and not (near and _reaches_out(corners[shell], corners[other])):
-                found[shell].append(other)
-        if patches is not None and _holds(patches, points):
+            if not _holds(interiors[other], points, all_of_them=near):
+                continue
+            if near:  # it may have volume outside the other, which is told where both are manifolds
+                one, two = (solid(merged(corners[each])) for each in (shell, other))
+                if None not in (one, two) and (one - two).volume() > _TOUCH * one.volume():
+                    continue
+            found[shell].append(other)
+        if patches is not None and all(abs(winding_numbers(point[None], patches)[0]) > 0.5 for point in points):
             found[shell].append(IN_PATCHES)
     return found, down
 
 
-def _reaches_out(corners: Floats, other: Floats) -> bool:
-    """Return whether a closed shell (n, 3, 3) has volume outside another, so far as both are manifolds."""
-    one, two = (solid(merged(each)) for each in (corners, other))
-    return None not in (one, two) and bool((one - two).volume() > _TOUCH * one.volume())
-
-
-def _holds(interior: Interior | OpenInterior, points: list[Floats], all_of_them: bool = True) -> bool:
+def _holds(interior: Interior, points: list[Floats], all_of_them: bool) -> bool:
     """Return whether points lie in a shell, as far as that can be told; or whether the first does for which it can."""
     found = False
     for point in points:

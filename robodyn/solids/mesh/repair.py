@@ -225,8 +225,7 @@ def united(nesting: Nesting, caps: int = 0) -> United:
     It is found by `manifold3d` (a robust boolean of triangle meshes) for shells that are connected by overlapping
     boxes, if any two of them may cross. Where its volume is what nesting says, none do, and they stay as they are.
 
-    Args:
-        caps: so many of the last faces are none of the surface; they stay the last.
+    So many `caps`, the last faces, are none of the surface and stay the last.
 
     Accuracy: volume and second moments of two convex bodies with curved faces within 1e-15 of those of their union in
         exact rationals, and within 1e-12 where they are a thousand of their sizes away from the origin.
@@ -294,15 +293,8 @@ def _united(
 ) -> Indexed | None:
     """Return the union of bodies, each without its cavities; of cavities that cross, where they are less than bodies.
 
-    Where facets nearly coincide a boolean may fail, which shows in its volume when it is done again in another pose.
-
-    Args:
-        shells: of bodies and cavities, by their names. cavities: names of those of each body.
-        copies: how often each counts.
-        least: by which volumes may differ.
-
-    Returns:
-        None if a shell is no manifold, or no two poses agree.
+    Where facets nearly coincide a boolean may fail, which shows in its volume when it is done again in another pose:
+    None if no two poses agree within `least`, or a shell is no manifold. `cavities`: their names, of each body.
     """
     from manifold3d import Manifold, OpType
 
@@ -340,11 +332,7 @@ def _any_cross(boxes: list[Floats]) -> bool:
 
 
 def _more_bodies_than_cavities(bodies: list[tuple[Any, int]], cavities: list[tuple[Any, int]]) -> Any:
-    """Return all bodies but for where at least n cavities are and at most n bodies, for any n.
-
-    Args:
-        bodies, cavities: solids, and how often each counts.
-    """
+    """Return all bodies but for where at least n cavities are and at most n bodies, for any n; each so often."""
     from manifold3d import Manifold, OpType
 
     region = Manifold.batch_boolean([body for body, _ in bodies], OpType.Add)

@@ -8,12 +8,11 @@ from itertools import product
 import numpy as np
 
 from robodyn.solids.inertia.laws import exact
-from robodyn.solids.mesh.indexed import Edges, Indexed, Mask, Numbers, components, distinct, numbered
+from robodyn.solids.mesh.indexed import Edges, Indexed, Mask, Numbers, components, numbered
 from robodyn.solids.mesh.inside import winding_numbers
 from robodyn.support.floats import Floats
 
 _MOST_COPIES = 32
-
 _MOST_ANGLES = 50_000_000
 """Solid angles of faces that are taken to tell whether walls lie in bodies; where it takes more, they stay."""
 
@@ -21,10 +20,7 @@ _ROUNDING = 16 * np.finfo(np.float64).eps
 
 
 def without_degenerate(mesh: Indexed) -> Indexed:
-    """Return the mesh without its faces of exactly zero area.
-
-    Faces between three different corners on a line stay where they close the surface along a seam.
-    """
+    """Return the mesh without its faces of exactly zero area, but for those that close it along a seam."""
     a, b, c = mesh.faces.T
     mesh = mesh.keep((a != b) & (b != c) & (c != a))
     return mesh.keep(~_superfluous(mesh.faces, collinear(mesh.corners), alone=True))
@@ -80,8 +76,8 @@ def _corner_sets(faces: Numbers) -> tuple[Numbers, Mask]:
     """(m,) the number of the set of corners of each face, and whether the corners, from the lowest on, go up."""
     most = int(faces.max(initial=0)) + 1
     low, middle, high = np.sort(faces, axis=1).T
-    pair = distinct(low * most + middle).of
-    which = distinct(pair * most + high).of
+    _, pair = np.unique(low * most + middle, return_inverse=True)
+    _, which = np.unique(pair * most + high, return_inverse=True)
     turn = (faces.argmin(axis=1)[:, None] + np.arange(3)) % 3
     _, second, third = np.take_along_axis(faces, turn, axis=1).T
     return which, np.less(second, third)
@@ -112,7 +108,7 @@ def _ranks(names: Numbers, count: Numbers) -> Numbers:
 
 def _first_of(names: Numbers) -> Mask:
     first: Mask = np.zeros(len(names), np.bool_)
-    first[distinct(names).first] = True
+    first[np.unique(names, return_index=True)[1]] = True
     return first
 
 
@@ -196,8 +192,7 @@ class Shells:
     """A mesh in parts that are connected over edges.
 
     Attributes:
-        label: (m,) the shell of each face.
-        closed: (k,) whether the boundary of each shell vanishes.
+        label: (m,) the shell of each face; closed: (k,) whether the boundary of each shell vanishes.
         rim: (b, 3) the shell, the start and the end of each edge that is missing to close it, in order.
         lone: (v,) vertices of edges with one face, when shells were wound.
         twisted: faces of patches that have one side only, like a Moebius strip, and so no winding.

@@ -35,7 +35,7 @@ def symmetry(body: CentredBody, tolerance: float = 1e-6) -> Symmetry:
         below |integral of f dV| / (V max|f|), for products f of up to four coordinates that change sign with the map.
         Fewer than 1 % of verdicts are wrong on bodies whose symmetry is known.
     """
-    search = Search.of(body, tolerance)
+    search = Search(body, tolerance, *eigen(body.S))
     axes = search.axes()
     planes = search.planes(axes)
     accepted = [mirror(plane.normal) for plane in planes if plane.holds]

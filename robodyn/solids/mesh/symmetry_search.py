@@ -10,7 +10,6 @@ from typing import Literal, TypeVar
 
 import numpy as np
 
-from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import Array, length, product, rotation_about
 from robodyn.solids.inertia.properties import pointed
 from robodyn.solids.mesh.asymmetry import FREQUENCIES, CentredBody, axial_moments, mirror, sixth_moments
@@ -241,10 +240,6 @@ class Search:
     second: Floats
     principal: Floats
 
-    @classmethod
-    def of(cls, body: CentredBody, tolerance: float) -> Search:
-        return cls(body, tolerance, *eigen(body.S))
-
     def axes(self) -> tuple[Axis, ...]:
         """Axes that are at least near, the most symmetric first."""
         found = list(self._ball)
@@ -252,8 +247,11 @@ class Search:
             if i in self.lone:
                 along = self._axial(direction, *self._about[i])
                 found += along + self._half_turns(i, along)
-            elif self._distinct(i) and self._half_turn_possible(i):
-                found += self._first(direction, (2.0,))
+            elif self._distinct(i):
+                planes = [self._always[j % 3] for j in (i + 1, i + 2) if j % 3 in self._always]
+                # a half turn, as two reflections, is off by no less than the difference of theirs
+                if len(planes) < 2 or abs(planes[0].asymmetry - planes[1].asymmetry) <= NEAR:
+                    found += self._first(direction, (2.0,))
         for direction in self.special:
             if not any(_parallel(direction, axis.direction) for axis in found):
                 found += self._first(direction, _SOLID_FOLDS)
@@ -304,11 +302,6 @@ class Search:
     @cached_property
     def _always(self) -> dict[int, Plane]:
         return {i: self._plane(row) for i, row in enumerate(self.principal) if self._distinct(i)}
-
-    def _half_turn_possible(self, i: int) -> bool:
-        """Return whether a half turn may be near: of two reflections, it is no less than the difference of theirs."""
-        planes = [self._always[j % 3] for j in (i + 1, i + 2) if j % 3 in self._always]
-        return len(planes) < 2 or abs(planes[0].asymmetry - planes[1].asymmetry) <= NEAR
 
     def _equal(self, i: int, j: int, within: float) -> bool:
         one, other = self.second[i], self.second[j]

@@ -138,13 +138,9 @@ class ScaledTriangles(Triangles):
         return self.given.count
 
     def blocks(self, rows: int = BLOCK) -> Iterator[Corners]:
-        return map(self._stretched, self.given.blocks(rows))
-
-    def _stretched(self, corners: Corners) -> Corners:
-        if (self.factors == 1).all():
-            return corners
-        stretched = corners * self.factors
-        return stretched[:, ::-1] if self.factors.prod() < 0 else stretched
+        for corners in self.given.blocks(rows):
+            stretched = corners if (self.factors == 1).all() else corners * self.factors
+            yield stretched[:, ::-1] if self.factors.prod() < 0 else stretched
 
 
 def scaled(triangles: Triangles, factors: Sequence[float]) -> Triangles:
@@ -155,9 +151,8 @@ def scaled(triangles: Triangles, factors: Sequence[float]) -> Triangles:
     given = np.array(factors, dtype=float)
     if not (np.isfinite(given) & (given != 0)).all():
         listed = " ".join(f"{factor:g}" for factor in given)
-        raise MeshError(
-            f"the scale {listed} leaves no volume", remedy="give factors that are not zero", file=triangles.name
-        )
+        what, remedy = f"the scale {listed} leaves no volume", "give factors that are not zero"
+        raise MeshError(what, remedy=remedy, file=triangles.name)
     if (given == 1).all():
         return triangles
     common = float(abs(given[0]))
@@ -249,10 +244,7 @@ def fill(space: Array, triangles: Triangles, checked: bool = True) -> Iterator[A
     """Put one block after the other into the same space, which may be written to in between: (3 corners, 3, n) of it.
 
     Where triangles do not fill it the rest is one corner of the mesh three times over: a triangle that adds nothing to
-    any sum, box or boundary.
-
-    Args:
-        checked: False where the caller sees for itself that corners are finite, which saves time with a streamed file.
+    any sum, box or boundary. Not `checked`, which is faster, if the caller sees for itself that corners are finite.
     """
     X = space[:3]
     as_given = X.transpose(2, 0, 1)

@@ -7,7 +7,7 @@ from collections import Counter
 from dataclasses import dataclass
 from itertools import islice
 from struct import calcsize, error, unpack_from
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -35,8 +35,7 @@ _ENCODINGS: dict[str, Encoding] = {"ascii": "ascii", "binary_little_endian": "<"
 _LONGEST = 1 << 20
 
 
-@dataclass(frozen=True)
-class Property:
+class Property(NamedTuple):
     """A number, or a list whose length is a number of type `length`; types as codes without byte order."""
 
     name: str
@@ -51,12 +50,12 @@ class Element:
     properties: tuple[Property, ...]
 
 
-@dataclass(frozen=True)
-class Header:
+class Header(NamedTuple):
+    """What the first `size` bytes of a file, so many lines, say: the data begin there."""
+
     encoding: Encoding
     elements: tuple[Element, ...]
     size: int
-    """Bytes of the header: the data begin there."""
     lines: int
 
 
@@ -117,25 +116,6 @@ def read_ply(source: Source, scale: float, notes: tuple[str, ...]) -> IndexedTri
     """Return the faces of a PLY, with coordinates of the type that the header names."""
     header = read_header(source)
     vertex, face = (_only(source, header, name) for name in _WANTED)
-    corners_name = _list_of_faces(source, vertex, face)
-    found = (_read_text if header.encoding == "ascii" else _read_binary)(source, header)
-    single = all(known.type == "f" for known in vertex.properties if known.name in _AXES)
-    with np.errstate(over="ignore"):
-        columns = [np.asarray(found["vertex"][axis][1]) for axis in _AXES]
-        vertices: Corners = np.stack(columns, axis=1).astype(np.float32 if single else np.float64)
-    sizes, corners = map(np.asarray, found["face"][corners_name])
-    return polygon_triangles(
-        source.name,
-        vertices,
-        corners.astype(np.int64),
-        sizes,
-        significand=24 if single else 53,
-        scale=scale,
-        notes=notes,
-    )
-
-
-def _list_of_faces(source: Source, vertex: Element, face: Element) -> str:
     for axis in _AXES:
         if not any(known.name == axis and not known.length for known in vertex.properties):
             raise source.error(f"vertices have no property {axis!r}", remedy="they need numbers x, y and z")
@@ -145,7 +125,21 @@ def _list_of_faces(source: Source, vertex: Element, face: Element) -> str:
         raise source.error("faces have no list of vertex indices", remedy="add property list uchar int vertex_indices")
     if named[0].type in "fd":
         raise source.error(f"the indices {named[0].name!r} are of type float", remedy="indices are integers")
-    return named[0].name
+    found = (_read_text if header.encoding == "ascii" else _read_binary)(source, header)
+    single = all(known.type == "f" for known in vertex.properties if known.name in _AXES)
+    with np.errstate(over="ignore"):
+        columns = [np.asarray(found["vertex"][axis][1]) for axis in _AXES]
+        vertices: Corners = np.stack(columns, axis=1).astype(np.float32 if single else np.float64)
+    sizes, corners = map(np.asarray, found["face"][named[0].name])
+    return polygon_triangles(
+        source.name,
+        vertices,
+        corners.astype(np.int64),
+        sizes,
+        significand=24 if single else 53,
+        scale=scale,
+        notes=notes,
+    )
 
 
 def _only(source: Source, header: Header, name: str) -> Element:

@@ -1,7 +1,4 @@
-"""Formats that hold scenes: what a file says about itself and must not hold, then its geometry by trimesh's loaders.
-
-Every instance of a geometry is in its place, and nothing is merged.
-"""
+"""Scenes: what a file says about itself and must not hold, then its geometry, each instance, by trimesh's loaders."""
 
 from __future__ import annotations
 
@@ -66,7 +63,19 @@ def _dae(source: Source, stream: BinaryIO) -> Asset:
         if not 0 < metres < math.inf:
             raise source.error(f"the unit {text[:40]!r} is not a length in metres", remedy="repair <unit meter>")
     up = "" if asset is None else (asset.findtext("{*}up_axis") or "").strip()
-    _check_positions(source, root)
+    positions = {
+        place.get("source", "").removeprefix("#")
+        for place in root.iterfind(".//{*}vertices/{*}input")
+        if place.get("semantic") == "POSITION"
+    }
+    for known in root.iterfind(".//{*}source"):
+        name, text = known.get("id", ""), known.findtext("{*}float_array") or ""
+        if name not in positions or "n" not in text.lower():
+            continue
+        for at, word in enumerate(text.split()):
+            if not math.isfinite(float(word)):
+                what = f"vertex {at // 3 + 1} of {name!r} has the coordinate {word}"
+                raise source.error(what, remedy="coordinates must be finite")
     _count_collada(source, root)
     if any("-" in (indices.text or "") for indices in root.iterfind(".//{*}p")):
         raise source.error("an index is negative", remedy="the file is damaged: export it again")
@@ -82,41 +91,10 @@ def _tag(element: Element) -> str:
     return element.tag.rpartition("}")[2] if isinstance(element.tag, str) else ""
 
 
-def _check_positions(source: Source, root: Element) -> None:
-    used = {
-        place.get("source", "").removeprefix("#")
-        for place in root.iterfind(".//{*}vertices/{*}input")
-        if place.get("semantic") == "POSITION"
-    }
-    for known in root.iterfind(".//{*}source"):
-        name, text = known.get("id", ""), known.findtext("{*}float_array") or ""
-        if name not in used or "n" not in text.lower():
-            continue
-        for at, word in enumerate(text.split()):
-            if not math.isfinite(float(word)):
-                what = f"vertex {at // 3 + 1} of {name!r} has the coordinate {word}"
-                raise source.error(what, remedy="coordinates must be finite")
-
-
-_UNITS_3MF = {
-    "micron": 1e-6,
-    "millimeter": 1e-3,
-    "centimeter": 1e-2,
-    "inch": 0.0254,
-    "foot": 0.3048,
-    "meter": 1.0,
-}
+_UNITS_3MF = {"micron": 1e-6, "millimeter": 1e-3, "centimeter": 1e-2, "inch": 0.0254, "foot": 0.3048, "meter": 1.0}
 _LARGEST_ELEMENT = 16
 """Bytes of an element of an accessor, but for matrices, which no mesh has."""
 _HARMLESS = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_", "MSFT_texture_", "KHR_xmp")
-
-
-def asset_of(source: Source, kind: str) -> Asset:
-    """Return what a file of this kind says about its unit and axes; refuses what would be read wrongly."""
-    with source.opened() as stream:
-        if kind == "gltf":
-            return _gltf_of(source, json.load(stream))
-        return {"dae": _dae, "3mf": _3mf, "glb": _glb}[kind](source, stream)
 
 
 def _3mf(source: Source, stream: BinaryIO) -> Asset:
@@ -170,9 +148,15 @@ def _gltf_of(source: Source, header: Any) -> Asset:
     if harmful:
         what = f"needs the glTF extension {str(harmful[0])[:60]!r}, which is not read"
         raise source.error(what, remedy="export it without compression")
-    _count_gltf(source, header.get("nodes", []))
-    accessors, size = header.get("accessors", []), 0
-    for accessor in accessors:
+    # nodes that are not trees, each of which trimesh would read once, and too many of them
+    uses = {str(k): list(map(str, node.get("children", []))) for k, node in enumerate(header.get("nodes", []))}
+    children = Counter(child for each in uses.values() for child in each)
+    if children.total() > len(children):
+        what = "a node is the child of two nodes, or twice of one"
+        raise source.error(what, remedy="nodes of glTF are trees: export it again")
+    _count(source, uses, [name for name in uses if name not in children], "mesh_nodes", "nodes")
+    size = 0
+    for accessor in header.get("accessors", []):
         if "bufferView" not in accessor:
             raise source.error("holds an accessor without a buffer", remedy="export it without sparse accessors")
         if not 0 <= accessor["count"] < 1 << 32:
@@ -181,16 +165,6 @@ def _gltf_of(source: Source, header: Any) -> Asset:
     if size > max(limits().mesh_unpacked, _LARGEST_ELEMENT * source.size):
         raise beyond("mesh_unpacked", f"its accessors stand for up to {size} bytes", MeshError, file=source.name)
     return Asset(1.0, ("the axis Y points up in glTF; its axes are kept",))
-
-
-def _count_gltf(source: Source, nodes: list[dict[str, Any]]) -> None:
-    """Refuse nodes that are not trees, as trimesh would read each of them once, and too many of them."""
-    uses = {str(k): list(map(str, node.get("children", []))) for k, node in enumerate(nodes)}
-    children = Counter(child for each in uses.values() for child in each)
-    if children.total() > len(children):
-        what = "a node is the child of two nodes, or twice of one"
-        raise source.error(what, remedy="nodes of glTF are trees: export it again")
-    _count(source, uses, [name for name in uses if name not in children], "mesh_nodes", "nodes")
 
 
 def _count_collada(source: Source, root: Element) -> None:
@@ -241,7 +215,11 @@ _Part = tuple[Corners, Indices]
 def read_scene(source: Source, kind: str, unit: str | None) -> IndexedTriangles:
     """Return all triangles of a scene of one of `load.SCENES`, in its own axes; unit: see `scale_of`."""
     with _library_errors(source, kind):
-        asset = asset_of(source, kind)
+        with source.opened() as stream:  # what the file says about its unit and axes; what would be read wrongly
+            if kind == "gltf":
+                asset = _gltf_of(source, json.load(stream))
+            else:
+                asset = {"dae": _dae, "3mf": _3mf, "glb": _glb}[kind](source, stream)
         scale, note = scale_of(unit, asset.metres, source.name)
         loaded, logged = _loaded(source, kind, asset.data)
         parts, faces, most = list[_Part](), 0, limits().mesh_faces
@@ -322,23 +300,19 @@ def _placed(loaded: Mapping[str, Any]) -> Iterator[_Part]:
         return
     base = loaded.get("base_frame", "world")
     above = {edge["frame_to"]: edge for edge in edges}
-    for edge in edges:
-        if edge.get("geometry") is not None:
-            yield from _moved(geometries[edge["geometry"]], _to_base(edge, above, base))
-
-
-def _to_base(edge: Mapping[str, Any], above: Mapping[Any, Mapping[str, Any]], base: Any) -> Floats:
-    """The transform (4, 4) from the end of an edge of the scene's graph to its base; `above`: edges by their ends."""
-    matrix: Floats = np.eye(4)
-    for _ in range(len(above) + 1):
-        matrix = product(np.asarray(edge.get("matrix", np.eye(4)), dtype=np.float64), matrix)
-        parent = edge.get("frame_from", base)
-        if parent == base:
-            return matrix
-        if parent not in above:
-            break
-        edge = above[parent]
-    raise ValueError("a geometry hangs on a node that is not part of the scene")
+    for instance in edges:
+        if instance.get("geometry") is None:
+            continue
+        matrix, edge, parent = np.eye(4), instance, None
+        for _ in range(len(above) + 1):
+            matrix = product(np.asarray(edge.get("matrix", np.eye(4)), dtype=np.float64), matrix)
+            parent = edge.get("frame_from", base)
+            if parent == base or parent not in above:
+                break
+            edge = above[parent]
+        if parent != base:
+            raise ValueError("a geometry hangs on a node that is not part of the scene")
+        yield from _moved(geometries[instance["geometry"]], matrix)
 
 
 def _moved(geometry: Mapping[str, Any], matrix: Floats) -> Iterator[_Part]:

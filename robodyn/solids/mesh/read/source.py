@@ -61,23 +61,17 @@ def open_source(source: str | os.PathLike[str] | bytes, typed: bool = False) -> 
     """
     if isinstance(source, bytes):
         found = Source("<bytes>", len(source), None, io.BytesIO(source))
+    elif (path := os.fspath(source)) == "-":
+        if sys.stdin is None:
+            raise MeshError("standard input is closed", remedy="name a file", file="<stdin>")
+        found = _copied(sys.stdin.buffer, "<stdin>")
     else:
-        found = _named(os.fspath(source), typed)
+        with closing(_opened(path, typed)) as stream, reading(path):
+            status = os.fstat(stream.fileno())
+            found = Source(path, status.st_size, path, None) if stat.S_ISREG(status.st_mode) else _copied(stream, path)
     if not found.size:
         raise MeshError("is empty", remedy="a mesh is needed", file=found.name)
     return found
-
-
-def _named(path: str, typed: bool) -> Source:
-    if path == "-":
-        if sys.stdin is None:
-            raise MeshError("standard input is closed", remedy="name a file", file="<stdin>")
-        return _copied(sys.stdin.buffer, "<stdin>")
-    with closing(_opened(path, typed)) as stream, reading(path):
-        status = os.fstat(stream.fileno())
-        if stat.S_ISREG(status.st_mode):
-            return Source(path, status.st_size, path, None)
-        return _copied(stream, path)
 
 
 def _opened(path: str, typed: bool = False) -> BinaryIO:

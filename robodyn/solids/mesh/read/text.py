@@ -1,10 +1,6 @@
 """Meshes as text, line by line: Wavefront OBJ, OFF and STL, and what text of PLY needs as well.
 
-OBJ has lines `v x y z` and `f i/t/n j/t/n k/t/n ...`; all others do not matter here. OFF has the word OFF, the numbers
-of vertices and faces, vertices, and faces as `n i j k ...`. STL has `facet normal x y z`, `outer loop`, three times
-`vertex x y z`, `endloop`, `endfacet`, each on a line of its own.
-
-They are read here since trimesh takes an index 0, negative ones of OBJ and cut text of PLY for others, without a word.
+Read here since trimesh takes an index 0, negative ones of OBJ and cut text of PLY for others, without a word.
 """
 
 from __future__ import annotations
@@ -103,7 +99,7 @@ class _Polygons:
 
 
 def read_obj(source: Source, scale: float, notes: tuple[str, ...]) -> IndexedTriangles:
-    """Return the faces of all objects and groups of an OBJ.
+    """Return the faces of all objects and groups of an OBJ: lines `v x y z` and `f i/t/n j/t/n k/t/n ...`.
 
     Indices count from 1, negative ones backwards from the last vertex that stands before the face. Texture and normal
     indices, weights and colours are left out.
@@ -151,7 +147,7 @@ _OFF = re.compile(r"(?:ST)?C?N?OFF")
 
 
 def read_off(source: Source, scale: float, notes: tuple[str, ...]) -> IndexedTriangles:
-    """Return the faces of an OFF, colours, normals and texture coordinates left out."""
+    """Return the faces, `n i j k ...`, of an OFF; colours, normals and texture coordinates are left out."""
     rows = ((line, words) for line, text in lines(source) if (words := text.partition("#")[0].split()))
     _, header = next(rows, (0, [""]))
     counts = header[1:] or next(rows, (0, []))[1]
