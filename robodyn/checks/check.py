@@ -2,11 +2,11 @@
 
 1. Which files: `sources` finds them in folders and patterns, and the descriptions that a mesh or an SRDF belongs to.
 2. How each is checked: `config` reads the settings of its project, `catalogue` has the rules and which are selected.
-3. One file (`check_one`): read as far as it can be, of xacro its expansion (`Origins` leads back to the macros), into a
+3. One file (`check_one`): read as far as it can be, of xacro its expansion (`located` leads back to the macros), into a
    `context`, which derives what rules ask for (its tree, `srdf`, `meshes/`, `bodies/`, `mirror`) once.
 4. The rules (`run_rules`): `rule` says what one is; those of a family are a file in `rules/`. `waivers` allow findings.
 5. What is shown (`select_findings`): of two rules that tell of one defect one, places of one cause together (`groups`).
-6. What may follow: `fixes` are made and proven, `baseline` knows findings of before, `regression` earlier dynamics.
+6. What may follow: `fixes` are made and proven, `baseline` knows findings of before, `rules/asked` an earlier version.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from __future__ import annotations
 import os
 from bisect import bisect_right
 from collections import defaultdict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import TYPE_CHECKING
@@ -242,44 +242,38 @@ def check_one(source: Source, options: Options = STANDARD, name: str | None = No
             raise no_robot(path)
     context = Context(reading, options.thresholds, options.package_path, options.asked, CODES)
     findings = run_rules(context, rules_for(options.select, options.ignore))
-    return findings if expansion is None else tuple(map(Origins(reading, expansion).located, findings))
+    return findings if expansion is None else tuple(located(findings, reading, expansion))
 
 
-class Origins:
-    """Where the elements of an expanded description were written."""
-
-    def __init__(self, reading: Document, expansion: Expansion) -> None:
-        self._reading = reading
-        self._expansion = expansion
-        elements = [] if reading.robot is None else list(reading.root.walk())
-        self._elements = elements if len(elements) == len(expansion.places) else []
-        self._starts = [element.start for element in self._elements]
-        self._read = cache(lambda file: Document(file, read_input(file), "utf-8", (), None))
-
-    def located(self, finding: Finding) -> Finding:
-        """Return the finding, without its fix, at the attribute or start tag that it comes from, in a macro perhaps; at
-        the beginning of the file what cannot be traced back; unchanged what is in another file, as an SRDF."""
-        described = self._reading.file.removesuffix(EXPANDED)
-        if finding.file != self._reading.file:
-            return replace(finding, description=described)
-        k = bisect_right(self._starts, finding.start) - 1
-        number, start = self._expansion.places[max(k, 0)]
-        source, message = self._read(self._expansion.files[number]), finding.message
+def located(findings: Sequence[Finding], reading: Document, expansion: Expansion) -> Iterator[Finding]:
+    """Yield the findings in an expanded description, without fixes, at the attributes or start tags that they come
+    from, in macros perhaps; at the beginning of the file what cannot be traced back; unchanged what is in another file,
+    as an SRDF."""
+    described = reading.file.removesuffix(EXPANDED)
+    elements = [] if reading.robot is None else list(reading.root.walk())
+    elements = elements if len(elements) == len(expansion.places) else []
+    starts = [element.start for element in elements]
+    source_of = cache(lambda file: Document(file, read_input(file), "utf-8", (), None))
+    for finding in findings:
+        if finding.file != reading.file:
+            yield replace(finding, description=described)
+            continue
+        k = bisect_right(starts, finding.start) - 1
+        number, start = expansion.places[max(k, 0)]
+        source, message = source_of(expansion.files[number]), finding.message
         if k < 0:
             at = SourcePositions(source.data, source.encoding).span(0, 0)
             message += f" (line {finding.line} of what `xacro {source.file}` prints)"
         else:
             written = Element("", defaultdict(str), 0, start, SourcePositions(source.data, source.encoding))
             at = written.span
-            for name, attribute in self._elements[k].attributes.items():
+            for name, attribute in elements[k].attributes.items():
                 if attribute.span.start <= finding.start <= attribute.span.end and name in written.attributes:
                     whole = finding.start < attribute.value_span.start
                     at = written.attributes[name].span if whole else written.attributes[name].value_span
-        where = replace(
-            finding, line=at.line, column=at.column, start=at.start, end=at.end, excerpt=excerpt(source, at)
-        )
+        where = replace(finding, line=at.line, column=at.column, start=at.start, end=at.end, message=message, fix=None)
         description = None if source.file == described else described
-        return replace(where, message=message, file=source.file, description=description, fix=None)
+        yield replace(where, file=source.file, excerpt=excerpt(source, at), description=description)
 
 
 def run_rules(context: Context, rules: Sequence[Rule]) -> tuple[Finding, ...]:

@@ -12,7 +12,7 @@ from typing import Annotated, Any
 
 from robodyn.checks.catalogue import rules_for
 from robodyn.checks.context import Options, Thresholds
-from robodyn.errors import InputError, SceneError, unreadable
+from robodyn.errors import InputError, unreadable
 from robodyn.robot.urdf.sources import is_xacro
 from robodyn.scene.scene import Rule
 from robodyn.scene.toml_table import TomlTable, read_toml
@@ -102,29 +102,23 @@ def parse_config(data: bytes, file: str) -> Config | None:
         ours = TomlTable(values, "[tool.robodyn]", [(data, file)], ("tool", "robodyn"))
         inside = ours.table("check", {}, "[tool.robodyn.check]")
         ours.finish()
-        return _config(inside, file)
-    except SceneError as error:
-        raise InputError(error.what, remedy=error.remedy, file=file, line=error.line) from None
-
-
-def _config(table: TomlTable, file: str) -> Config:
-    folder = os.path.dirname(os.path.abspath(file))
-    select, ignore = _codes(table, "select"), _codes(table, "ignore")
-    patterns = table.table("per-file-ignores", {}, "[tool.robodyn.check.per-file-ignores]")
-    per_file = tuple((pattern, _codes(patterns, pattern)) for pattern in list(patterns.values))
-    numbers = table.table("thresholds", {}, "[tool.robodyn.check.thresholds]")
-    kind, usual = Annotated[float, Rule(lambda x: x >= 0.0, "thresholds are positive or zero")], asdict(Thresholds())
-    values = {name: numbers.value(name.replace("_", "-"), kind, value) for name, value in usual.items()}
-    numbers.finish()
-    paths: tuple[str, ...] = table.value("package-path", tuple[str, ...], ())
-    roots = tuple(os.path.normpath(os.path.join(folder, path)) for path in paths)
-    table.finish()
-    for chosen, left_out in ((select, ignore), *(((), codes) for _, codes in per_file)):
-        try:
+        select, ignore = _codes(inside, "select"), _codes(inside, "ignore")
+        patterns = inside.table("per-file-ignores", {}, "[tool.robodyn.check.per-file-ignores]")
+        per_file = tuple((pattern, _codes(patterns, pattern)) for pattern in list(patterns.values))
+        numbers = inside.table("thresholds", {}, "[tool.robodyn.check.thresholds]")
+        kind = Annotated[float, Rule(lambda x: x >= 0.0, "thresholds are positive or zero")]
+        usual = asdict(Thresholds()).items()
+        thresholds = {name: numbers.value(name.replace("_", "-"), kind, value) for name, value in usual}
+        numbers.finish()
+        paths: tuple[str, ...] = inside.value("package-path", tuple[str, ...], ())
+        inside.finish()
+        for chosen, left_out in ((select, ignore), *(((), codes) for _, codes in per_file)):
             rules_for(chosen, left_out)
-        except InputError as error:
-            raise InputError(error.what, remedy=error.remedy, file=file) from None
-    return Config(folder, Options(select, ignore, Thresholds(**values), roots), per_file)
+    except InputError as error:
+        raise InputError(error.what, remedy=error.remedy, file=file, line=error.line) from None
+    folder = os.path.dirname(os.path.abspath(file))
+    roots = tuple(os.path.normpath(os.path.join(folder, path)) for path in paths)
+    return Config(folder, Options(select, ignore, Thresholds(**thresholds), roots), per_file)
 
 
 def _codes(table: TomlTable, key: str) -> tuple[str, ...]:

@@ -1,7 +1,7 @@
 """What other programs do to descriptions: MuJoCo and Drake run, and a table of facts about links, joints and shapes.
 
 Each row was learnt by running the program or from what it documents. The table is not complete: what is refused for how
-it is written, for meshes, materials or transmissions, the program itself tells where it is installed; see `opinion`.
+it is written, for meshes, materials or transmissions, the program itself tells where it is installed; see `verdict_of`.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ import json
 import re
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from contextlib import suppress
 from enum import IntEnum
 from math import hypot
 from os.path import splitext
@@ -20,6 +19,7 @@ from typing import NamedTuple
 from robodyn.checks.bodies.masses import inertia_together, principal_moments
 from robodyn.checks.context import Context
 from robodyn.checks.meshes.files import MeshUse, mesh_names
+from robodyn.checks.rule import Fault, Severity
 from robodyn.robot.masses.mistakes import UPPER
 from robodyn.robot.urdf.document import Span
 from robodyn.robot.urdf.parts import WITH_AXIS, WITH_RANGE
@@ -127,10 +127,6 @@ def _shapes(kind: str, words: str, holds: Callable[[Context, GeometryView], bool
     ]
 
 
-def _sizeless(_: Context, shape: GeometryView) -> bool:
-    return min((value for size in shape.sizes for value in size.values or ()), default=1.0) <= 0
-
-
 def _nameless(context: Context) -> list[Found]:
     return [] if context.view.root.get("name") else [(context.view.root.span, "the robot")]
 
@@ -231,12 +227,6 @@ def _malformed(joint: JointView) -> bool:
     )
 
 
-def _taken_names(context: Context) -> Iterator[Found]:
-    """Joints called as a link, and links with reserved names, __so__."""
-    yield from (_part(link) for link in context.tree.links if re.fullmatch("__.*__", link.name))
-    yield from (_part(one) for one in context.view.joints if one.moves and one.name in context.view.link)
-
-
 _MIMIC = _joints(lambda joint: joint.mimic)
 _FIXED = _joints(lambda joint: joint.type == "fixed")
 _UNACTUATED = _joints(lambda joint: joint.type in ("floating", "planar"))
@@ -254,7 +244,11 @@ _TABLE: Mapping[tuple[str, Verdict, str], Mapping[str, Find]] = {
         "requires principal moments of 1e-14 kg m^2 or more, no two of them below the third": _REFUSED_TENSOR,
         "requires <mass> and <inertia> in <inertial>": _INCOMPLETE,
         "requires an axis of 1e-7 or more": _axis_shorter_than(1e-7),
-        "requires positive sizes of what collides": _shapes("collision", "the collision of ", _sizeless),
+        "requires positive sizes of what collides": _shapes(
+            "collision",
+            "the collision of ",
+            lambda _, shape: min((value for size in shape.sizes for value in size.values or ()), default=1.0) <= 0,
+        ),
     },
     ("mujoco", Verdict.ALTERS, _MUJOCO): {
         "infers masses: links without <inertial> weigh what water in their collision shapes does": lambda context: [
@@ -292,7 +286,10 @@ _TABLE: Mapping[tuple[str, Verdict, str], Mapping[str, Find]] = {
         "knows no floating and no planar joints": _UNACTUATED,
         "requires an axis of 1e-6 or more": _axis_shorter_than(1e-6),
         "requires numbers, and <limit> with effort and velocity, in revolute and prismatic joints": _joints(_malformed),
-        "requires names of joints that are no links', and none like __this__": _taken_names,
+        "requires names of joints that are no links', and none like __this__": lambda context: [
+            *(_part(link) for link in context.tree.links if re.fullmatch("__.*__", link.name)),
+            *(_part(one) for one in context.view.joints if one.moves and one.name in context.view.link),
+        ],
         "requires a name of the robot": _nameless,
     },
     ("gz", Verdict.ALTERS, _GAZEBO): {
@@ -323,31 +320,28 @@ FACTS = tuple(
 )
 """The table, row by row: what a program does, and where to find that."""
 
-INSTALLABLE = {"mujoco": "mujoco", "drake": "drake"}
-"""Programs that can be run, by the package to install."""
+INSTALLABLE = "mujoco", "drake"
+"""Programs that can be run: targets, and the packages to install."""
 _PACKAGE = re.compile(rb"(?:package|model)://([^/\"']+)/")
 PATIENCE = 60.0
 """s."""
 
 
-class Answer(NamedTuple):
-    """The version of a program, None where it is not installed; and why it refuses a file, None where it does not."""
-
-    version: str | None
-    refusal: str | None = None
-
-
-def answer(context: Context, target: str) -> Answer:
-    """What an installable program says of a file, in a process of its own, which is killed after 60 s. A description
-    that is not the file itself, such as expanded xacro, is handed over in a temporary folder."""
+def answer(context: Context, target: str) -> tuple[str | None, str | None]:
+    """The version of an installable program, None where it is not installed, and why it refuses a file, None where it
+    does not: read in a process of its own, which is killed after 60 s. A description that is not the file itself, such
+    as expanded xacro, is handed over in a temporary folder."""
     import subprocess
+    from importlib.metadata import PackageNotFoundError, version
     from tempfile import TemporaryDirectory
 
     from robodyn.support.children import start_python
     from robodyn.support.input_file import read_input
 
-    if (installed := _version(INSTALLABLE[target])) is None:
-        return Answer(None)
+    try:
+        installed = version(target)
+    except PackageNotFoundError:
+        return None, None
     names = {name.decode(errors="replace") for name in _PACKAGE.findall(context.reading.data)}
     shares = {name: context.search.share(name) for name in sorted(names)}
     packages = {name: str(share.resolve()) for name, share in shares.items() if share is not None}
@@ -361,21 +355,13 @@ def answer(context: Context, target: str) -> Answer:
         try:
             said, _ = child.communicate(timeout=PATIENCE)
         except subprocess.TimeoutExpired:
-            return Answer(installed, f"it is not done after {PATIENCE:g} s")
+            return installed, f"it is not done after {PATIENCE:g} s"
         finally:
             child.kill()
             child.communicate()
     if child.returncode:
-        return Answer(installed, f"its process ended with status {child.returncode}")
-    return Answer(installed, json.loads(said.splitlines()[-1]))
-
-
-def _version(package: str) -> str | None:
-    from importlib.metadata import PackageNotFoundError, version
-
-    with suppress(PackageNotFoundError):
-        return version(package)
-    return None
+        return installed, f"its process ended with status {child.returncode}"
+    return installed, json.loads(said.splitlines()[-1])
 
 
 def serve(target: str, file: str, packages: str) -> None:
@@ -404,29 +390,29 @@ def serve(target: str, file: str, packages: str) -> None:
     sys.stdout.write(f"\n{json.dumps(said)}\n")
 
 
-class Opinion(NamedTuple):
-    """What a program makes of a file: the verdict, for each fact that counts where it was found, and its own answer."""
-
-    target: str
-    verdict: Verdict
-    found: tuple[tuple[Fact, tuple[Found, ...]], ...]
-    answer: Answer | None = None
+_MOST = 3
+_LONGEST = 300
+_SAYS = {Verdict.LOADS: "loads it as it is", Verdict.ALTERS: "loads it with changes", Verdict.REJECTS: "rejects it"}
 
 
-def refusals(context: Context, target: str) -> tuple[tuple[Fact, tuple[Found, ...]], ...]:
-    """What the table knows that makes a program reject a file. From stage TREE on."""
-    facts = (fact for fact in FACTS if (fact.target, fact.verdict) == (target, Verdict.REJECTS))
-    return tuple((fact, found) for fact in facts if (found := tuple(fact.find(context))))
-
-
-def opinion(context: Context, target: str) -> Opinion:
-    """The opinion of a program, its facts with the worst verdict first. From stage TREE on. Installed programs reject
-    what they do reject; what else they do, and what others do, the table tells."""
-    said = answer(context, target) if target in INSTALLABLE else None
-    refused = said is not None and said.refusal is not None
-    taken = said is not None and said.version is not None and not refused
-    found = ((fact, tuple(fact.find(context))) for fact in FACTS if fact.target == target)
-    counted = [one for one in found if one[1] and not (taken and one[0].verdict is Verdict.REJECTS)]
-    counted.sort(key=lambda one: -one[0].verdict)
-    verdict = Verdict.REJECTS if refused else counted[0][0].verdict if counted else Verdict.LOADS
-    return Opinion(target, verdict, tuple(counted), said)
+def verdict_of(context: Context, target: str) -> Fault:
+    """What a program makes of a file, by its own answer and the facts with the worst verdict. From stage TREE on.
+    Installed programs reject what they do reject; what else they do, and what others do, the table tells."""
+    version, refusal = answer(context, target) if target in INSTALLABLE else (None, None)
+    taken = version is not None and refusal is None
+    facts = [fact for fact in FACTS if fact.target == target and not (taken and fact.verdict is Verdict.REJECTS)]
+    counted = [(fact, found) for fact in facts if (found := list(fact.find(context)))]
+    worst = max((fact.verdict for fact, _ in counted), default=Verdict.LOADS)
+    verdict = worst if refusal is None else Verdict.REJECTS
+    shown = [(fact, found) for fact, found in counted if fact.verdict is verdict]
+    reasons = [] if refusal is None else [f'it says "{refusal[:_LONGEST]}"']
+    for fact, found in shown:
+        more = f" and {len(found) - _MOST} more" if len(found) > _MOST else ""
+        reasons.append(f"it {fact.does} ({', '.join(each for _, each in found[:_MOST])}{more})")
+    what = f"{target} {_SAYS[verdict]}" + (f": {'; '.join(reasons)}" if reasons else "")
+    known = [f"known from {'; '.join(dict.fromkeys(fact.source for fact, _ in shown))}"] if shown else []
+    if target in INSTALLABLE:
+        known.insert(0, f"run in version {version}" if version else "not run, since it is not installed")
+    at = shown[0][1][0][0] if shown else context.view.root.span
+    severity = Severity.ERROR if verdict is Verdict.REJECTS else Severity.NOTE
+    return Fault(at, what, "; ".join(known) or "nothing to do", subject=None, severity=severity)

@@ -11,8 +11,10 @@ from statistics import median
 
 import numpy as np
 
+from robodyn.checks.bodies.masses import behind
 from robodyn.checks.context import Context
 from robodyn.programs.vectors import length, product
+from robodyn.robot.kinematics import Pose
 from robodyn.robot.load import placement
 from robodyn.robot.urdf.parts import Inertial, Joint, Link
 from robodyn.robot.urdf.view import InertialView, LinkView
@@ -91,19 +93,6 @@ _EQUAL = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
-    """What both links are made of: the isometry x -> G x + p from the axes of the left link to those of the right that
-    carries the one's shapes onto the other's; det G = -1 if a scale is negative on one side."""
-
-    G: Floats
-    p: Floats
-
-    def point(self, x: Floats) -> Floats:
-        moved: Floats = product(self.G, x) + self.p
-        return moved
-
-
-@dataclass(frozen=True, eq=False)
 class Pair:
     """Two links, left and right as their names have it, that are where each other's mirror image is; D (3, 3) is the
     reflection from the axes of the left link to those of the right: x -> D x, det D = -1."""
@@ -115,11 +104,12 @@ class Pair:
     D: Floats
 
     @cached_property
-    def part(self) -> Part | None:
-        """The part that both links are; None unless their first meshes are one, of one size: <visual> ones, since
-        others are simplified, or <collision> ones where there are no others. Links without meshes are one part if their
-        primitives stand at the same places, and these are not each other's images, or both links are fixed, as a sensor
-        that was bought twice."""
+    def part(self) -> Pose | None:
+        """The isometry from the axes of the left link to those of the right that carries the shapes of one part, which
+        both are, onto each other; det R = -1 if a scale is negative on one side. None unless the first meshes of both
+        are one, of one size: <visual> ones, since others are simplified, or <collision> ones where there are no others.
+        Links without meshes are one part if their primitives stand at the same places, and these are not each other's
+        images, or both links are fixed, as a sensor that was bought twice."""
         for kind in ("visual", "collision"):
             one, other = ([each for each in link.geometries if each.kind == kind] for link in (self.left, self.right))
             meshes = [[shape for shape in shapes if shape.shape == "mesh"] for shapes in (one, other)]
@@ -131,13 +121,13 @@ class Pair:
                     return None
                 (R, x), (R_its, x_its) = placement(first.origin), placement(its.origin)
                 G = product(R_its, np.diag(np.sign(its.scale) * np.sign(first.scale)), R.T)
-                return Part(G, x_its - product(G, x))
+                return Pose(G, x_its - product(G, x))
             if one or other:
                 made_of = [[(shape.shape, shape.size, shape.origin) for shape in shapes] for shapes in (one, other)]
                 places = [np.array(shape.origin.xyz) for shape in one]
                 mirrored = all(length(product(self.D, place) - place) <= _SAME_PART for place in places)
                 still = self.left_joint.type == self.right_joint.type == "fixed"
-                return None if made_of[0] != made_of[1] or (mirrored and not still) else Part(np.eye(3), np.zeros(3))
+                return None if made_of[0] != made_of[1] or (mirrored and not still) else Pose(np.eye(3), np.zeros(3))
         return None
 
     @property
@@ -149,9 +139,8 @@ class Pair:
         """Whether two joints on the links stand where the part on both sides, turned with it, has one."""
         if self.part is None:
             return False
-        (R, p), (R_right, p_right) = placement(left.origin), placement(right.origin)
-        turned = float(np.abs(product(self.part.G, R) - R_right).max())
-        return length(self.part.point(p) - p_right) <= near and turned <= _AXIS
+        there, (R_right, p_right) = behind(self.part, Pose(*placement(left.origin))), placement(right.origin)
+        return length(there.p - p_right) <= near and float(np.abs(there.R - R_right).max()) <= _AXIS
 
     def reflected(self, inertial: Inertial) -> tuple[Floats, Floats]:
         """The centre of mass [m] and inertia about it [kg m^2] of the left link's mirror image, in the right link's
@@ -168,7 +157,9 @@ class Pair:
             return max(shift * shift, float(np.abs(one[1] / inertial.mass - I_right / right.mass).max()))
 
         part = self.part if apart(image) > _EQUAL else None
-        return image if part is None else min(image, (part.point(c), product(part.G, I, part.G.T)), key=apart)
+        if part is None:
+            return image
+        return min(image, (product(part.R, c) + part.p, product(part.R, I, part.R.T)), key=apart)
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,8 +16,8 @@ from robodyn.checks.check import Options, check_one, found_in
 from robodyn.checks.context import TARGETS, Asked
 from robodyn.checks.examples import a_joint, a_link, arm
 from robodyn.checks.importers import FACTS
-from robodyn.checks.regression import changes
 from robodyn.checks.rule import Finding
+from robodyn.checks.rules.asked import changes
 from robodyn.errors import InputError
 
 ALONG, REGRESSION = BY_CODE["RD802"], BY_CODE["RD902"]
@@ -85,7 +85,7 @@ def test_a_file_that_git_does_not_have_is_an_error(versions: Path, tmp_path_fact
 
 def whats(before: str, after: str) -> list[str]:
     old, new = robodyn.load(before.encode()), robodyn.load(after.encode())
-    return [change.what for change in changes(old, new)]
+    return [what for _, what, _ in changes(old, new)]
 
 
 FRAME = a_link("frame", "") + a_joint("mount", "upper", "frame", more='<origin xyz="1 2 3"/>', kind="fixed")
@@ -112,8 +112,8 @@ def test_the_torques_differ_as_much_as_the_mass() -> None:
     """All of the arm's torque is its inertia's, which is 10 % more."""
     before = arm()
     after = before.replace('iyy="0.02"', 'iyy="0.022"')
-    (_, torques) = changes(robodyn.load(before.encode()), robodyn.load(after.encode()))
-    assert torques.size == pytest.approx(1 - 1 / 1.1, rel=1e-12)
+    _, (_, _, size) = changes(robodyn.load(before.encode()), robodyn.load(after.encode()))
+    assert size == pytest.approx(1 - 1 / 1.1, rel=1e-12)
 
 
 def test_limits_along_a_motion(tmp_path: Path) -> None:

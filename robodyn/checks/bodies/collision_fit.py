@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from robodyn.checks.bodies.bodies import Solid, Solids, box_of, real_shapes, size_of, solids
 from robodyn.checks.bodies.masses import STILL
-from robodyn.checks.bodies.shapes import Solid, Solids, box_of, real_shapes, size_of, solids
 from robodyn.checks.context import Context
 from robodyn.checks.meshes.files import reach
 from robodyn.programs.vectors import length

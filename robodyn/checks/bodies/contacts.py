@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from robodyn.checks.bodies.bodies import link_boxes, real_shapes, size_of, solids
 from robodyn.checks.bodies.collision_fit import misfits
 from robodyn.checks.bodies.masses import STILL, behind, pose
-from robodyn.checks.bodies.shapes import link_boxes, real_shapes, size_of, solids
 from robodyn.checks.context import Context, Group
 from robodyn.checks.meshes.facts import extremes, spread_out
 from robodyn.checks.meshes.files import all_facts, mesh_names

@@ -71,10 +71,13 @@ def principal_moments(tensor: Tensor) -> tuple[float, float, float]:
     return small, middle, large
 
 
-def is_physical(tensor: Tensor, limits: Thresholds) -> bool:
-    """Whether a body can have a tensor, as RD206 and RD207 have it."""
+def broken_law(tensor: Tensor, limits: Thresholds) -> str | None:
+    """The rule that tells why no body has a tensor: RD206, a principal moment is not positive, or RD207, the largest is
+    more than the sum of the others; None where a body can have it."""
     small, middle, large = principal_moments(tensor)
-    return small > limits.positive_definite * large and small + middle >= (1 - limits.triangle) * large
+    if small <= limits.positive_definite * large:
+        return "RD206"
+    return None if small + middle >= (1 - limits.triangle) * large else "RD207"
 
 
 def severity_of_zero(context: Context, link: LinkView) -> Severity | None:
@@ -97,10 +100,6 @@ def tensors(context: Context) -> Iterator[tuple[LinkView, InertialView, Tensor]]
     for link in context.view.links:
         if link.inertial is not None and link.tensor is not None and not is_a_point(link):
             yield link, link.inertial, link.tensor
-
-
-def trace(tensor: Tensor) -> float:
-    return tensor[0] + tensor[3] + tensor[5]
 
 
 def inertia_together(context: Context, links: Iterable[LinkView]) -> Inertia | None:

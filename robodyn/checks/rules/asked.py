@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
-from math import isfinite
+import os
+from collections.abc import Iterator
+from math import inf, isfinite
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from robodyn.checks.context import TARGETS
 from robodyn.checks.examples import a_joint, a_link, arm
-from robodyn.checks.importers import FACTS, INSTALLABLE, Opinion, Verdict, named, opinion, refusals
+from robodyn.checks.importers import FACTS, INSTALLABLE, Verdict, named, verdict_of
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.errors import DescriptionError, InputError
+from robodyn.programs.vectors import length
 from robodyn.robot.urdf.view import JointView, LinkView, Subject
+from robodyn.support.floats import first_largest
+
+if TYPE_CHECKING:
+    from robodyn.robot.model import Model
 
 
 @rule(
@@ -49,10 +60,6 @@ def limits_along_motion(context: Context) -> Faults:
         yield Fault(getattr(joint.limit, name).span, what, remedy, excess.value, excess.limit)
 
 
-_MOST = 3
-_LONGEST = 300
-_SAYS = {Verdict.LOADS: "loads it as it is", Verdict.ALTERS: "loads it with changes", Verdict.REJECTS: "rejects it"}
-
 _TOOL = a_link("tool") + a_joint("yaw", "cross", "tool")
 
 _KNOWN = "\n".join(f"{fact.target} {fact.verdict.name.lower()}: it {fact.does} [{fact.source}]." for fact in FACTS)
@@ -74,31 +81,13 @@ reported where no other rule tells of the same link or joint why. Of meshes RD60
 def consumer_verdict(context: Context) -> Faults:
     """The programs that a description is meant for take it as it is."""
     for target in context.asked.targets:
-        yield _verdict(context, opinion(context, target))
+        yield verdict_of(context, target)
     alone = {*map(named, context.view.links), *map(named, context.view.joints)}
-    for target in () if context.asked.targets else INSTALLABLE:
-        for fact, found in refusals(context, target):
-            does = f"{target} rejects it: it {fact.does}"
-            for at, one in found:
+    for fact in () if context.asked.targets else FACTS:
+        if fact.target in INSTALLABLE and fact.verdict is Verdict.REJECTS:
+            does = f"{fact.target} rejects it: it {fact.does}"
+            for at, one in fact.find(context):
                 yield Fault(at, does if one in alone else f"{does} ({one})", f"known from {fact.source}", kind=does)
-
-
-def _verdict(context: Context, one: Opinion) -> Fault:
-    shown = [entry for entry in one.found if entry[0].verdict is one.verdict]
-    reasons = []
-    for fact, found in shown:
-        more = f" and {len(found) - _MOST} more" if len(found) > _MOST else ""
-        reasons.append(f"it {fact.does} ({', '.join(each for _, each in found[:_MOST])}{more})")
-    sources, answer = dict.fromkeys(fact.source for fact, _ in shown), one.answer
-    if answer is not None and answer.refusal is not None:
-        reasons.insert(0, f'it says "{answer.refusal[:_LONGEST]}"')
-    what = f"{one.target} {_SAYS[one.verdict]}" + (f": {'; '.join(reasons)}" if reasons else "")
-    known = [f"known from {'; '.join(sources)}"] if sources else []
-    if answer is not None:
-        known.insert(0, f"run in version {answer.version}" if answer.version else "not run, since it is not installed")
-    at, severity = shown[0][1][0][0] if shown else context.view.root.span, Severity.ERROR
-    severity = severity if one.verdict is Verdict.REJECTS else Severity.NOTE
-    return Fault(at, what, "; ".join(known) or "nothing to do", subject=None, severity=severity)
 
 
 @rule("RD902", Severity.WARNING, Stage.MODEL, good=arm(), bad=('value="2"', 'value="2.2"'))
@@ -114,15 +103,131 @@ def regression(context: Context) -> Faults:
     against = context.asked.against
     if against is None:
         return
-    from robodyn.checks.regression import changes, model_at
-
     before = model_at(context.reading.file, against)
     if before is None:
         return
     parts: dict[Subject, LinkView | JointView] = {part.subject: part for part in context.view.links}
     parts |= {part.subject: part for part in context.view.joints}
-    for change in changes(before, context.model):
-        subject, measured = Subject(change.kind, change.name), change.size if isfinite(change.size) else None
+    for subject, what, size in changes(before, context.model):
         at = parts[subject].name_span if subject in parts else context.view.root.span
-        what = f"{change.what}, against {against}"
-        yield Fault(at, what, "see that the change is meant", measured, subject=subject)
+        measured = size if isfinite(size) else None
+        yield Fault(at, f"{what}, against {against}", "see that the change is meant", measured, subject=subject)
+
+
+SAME = 1e-9
+"""Relative differences that are no more are rounding."""
+_PLAIN = ("-c", "safe.bareRepository=explicit", "-c", "core.fsmonitor=false")
+"""No settings that name programs are taken from a repository that lies among the files of another."""
+_STATES = 32
+_SEED = 20_26
+
+
+Change = tuple[Subject, str, float]
+"""A link, joint or the robot, what is different in it, and how much."""
+
+
+def _no_version(name: str, ref: str, said: str) -> InputError:
+    if "not a git repository" in said:
+        return InputError(f"{name} is in no git repository, which has its versions", remedy="leave --against out")
+    if os.path.exists(ref):
+        what = f"--against takes a revision of git, and {ref!r} is a file"
+        return InputError(what, remedy=f"give one such as HEAD~1 or main, with which {name} itself is compared")
+    if "invalid object name" in said or "bad revision" in said:
+        what, remedy = f"git has no revision {ref!r}", "give one such as HEAD~1 or main: git log lists them"
+    else:
+        what, remedy = f"there is no {name} at the revision {ref!r}", "give one that has it: git log FILE lists them"
+    return InputError(what, remedy=remedy)
+
+
+def model_at(file: str, ref: str) -> Model | None:
+    """Return the robot of a file at a git revision; None where the description there cannot be read.
+
+    Raises:
+        InputError: git is not there, or knows no such revision or file.
+    """
+    folder, name = os.path.split(os.path.abspath(file))
+    if not ref or ref.startswith("-"):
+        raise _no_version(name, ref, "invalid object name")
+    from robodyn.robot.load import load
+    from robodyn.support.children import run_program
+
+    call = ("git", *_PLAIN, "show", f"{ref}:./{name}")
+    try:
+        run = run_program(*call, folder=folder, GIT_NO_LAZY_FETCH="1", LC_ALL="C")
+    except OSError as error:
+        raise InputError(f"git cannot be run: {error}", remedy="install git, or leave --against out") from None
+    if run.returncode:
+        raise _no_version(name, ref, run.stderr.decode(errors="replace"))
+    try:
+        return load(run.stdout)
+    except DescriptionError:
+        return None
+
+
+def changes(before: Model, after: Model) -> Iterator[Change]:
+    """Yield what differs in joints, in masses, centres and tensors of links with everything fixed to them, and in the
+    torques: of inverse dynamics in 32 random states, the same in every run, of the coordinates that both have, the
+    others being at rest, the largest difference in a state over the largest torque there."""
+    from robodyn.dynamics.inverse import inverse_dynamics
+
+    robot = Subject("robot", after.name)
+    yield from (change for change in (*_joints(before, after), *_bodies(before, after)) if change[2] > SAME)
+    common = [name for name in after.rates if name in before.rates]
+    if not common or any(joint.kind == "floating" for joint in (*before.independent, *after.independent)):
+        return
+    rng = np.random.default_rng(_SEED)
+    states = [rng.uniform(-2.0, 2.0, (_STATES, len(common))) for _ in range(3)]
+    tau = []
+    for model in (before, after):
+        places = [model.rates.index(name) for name in common]
+        given = np.zeros((3, _STATES, model.n))
+        given[:, :, places] = states
+        tau.append(inverse_dynamics(model, *given, executor="numpy")[:, places])
+    difference, largest = np.abs(tau[1] - tau[0]).max(axis=1), np.abs(tau).max(axis=(0, 2))
+    relative = difference / np.where(largest > 0.0, largest, 1.0)
+    worst = first_largest(relative)
+    if (apart := float(relative[worst])) > SAME:
+        what = f"torques differ by up to {100 * apart:.3g} % in random states ({difference[worst]:.3g} N m or N)"
+        yield robot, what, apart
+
+
+def _joints(before: Model, after: Model) -> Iterator[Change]:
+    robot, (old, new) = (
+        Subject("robot", after.name),
+        (
+            {body.joint.name: body.joint for body in model.bodies if body.joint.kind != "fixed"}
+            for model in (before, after)
+        ),
+    )
+    yield from ((robot, f"joint {name!r} is gone", inf) for name in old if name not in new)
+    for name, joint in new.items():
+        subject = Subject("joint", name)
+        if name not in old:
+            yield subject, "the joint is new", inf
+            continue
+        for what in ("kind", "axis", "lower", "upper", "effort", "velocity", "damping", "friction"):
+            was, now = (getattr(each, what) for each in (old[name], joint))
+            if what == "axis":
+                was, now = tuple(was.tolist()), tuple(now.tolist())
+            if was != now:
+                words = [f"{value:g}" if isinstance(value, float) else str(value) for value in (was, now)]
+                yield subject, f"{'type' if what == 'kind' else what} {words[0]} has become {words[1]}", inf
+        moved = max(float(np.abs(old[name].R - joint.R).max()), float(np.abs(old[name].p - joint.p).max()))
+        yield subject, f"its place has moved by {moved:.3g} (m, or in the rotation)", moved
+    if [name for name in before.joint_names if name in new] != [name for name in after.joint_names if name in old]:
+        yield robot, "the joints are in another order", inf
+
+
+def _bodies(before: Model, after: Model) -> Iterator[Change]:
+    old = {body.name: body.inertia for body in before.bodies}
+    for body in after.bodies:
+        if body.name not in old:
+            continue
+        subject, was, now = Subject("link", body.name), old[body.name], body.inertia
+        mass = abs(now.m - was.m) / max(abs(now.m), abs(was.m), 1e-300)
+        yield subject, f"mass {was.m:.6g} kg has become {now.m:.6g} kg", mass
+        centre = length(now.centre_of_mass - was.centre_of_mass)
+        yield subject, f"the centre of mass has moved by {centre:.3g} m", centre
+        size = max(float(np.abs(now.I).max()), float(np.abs(was.I).max()), 1e-300)
+        tensor = float(np.abs(now.I - was.I).max()) / size
+        yield subject, f"the inertia about its origin has changed by {100 * tensor:.3g} %", tensor

@@ -7,9 +7,20 @@ from math import pi
 
 import numpy as np
 
-from robodyn.checks.bodies.bodies import Body, judged, suspected, weighed
-from robodyn.checks.bodies.masses import is_a_point, is_physical, link_poses, principal_moments
-from robodyn.checks.bodies.shapes import around_known, box_of, outside, real_shapes, shaped, size_of, solids
+from robodyn.checks.bodies.bodies import (
+    Body,
+    around_known,
+    box_of,
+    judged,
+    outside,
+    real_shapes,
+    shaped,
+    size_of,
+    solids,
+    suspected,
+    weighed,
+)
+from robodyn.checks.bodies.masses import broken_law, is_a_point, link_poses, principal_moments
 from robodyn.checks.examples import SHAPED_INERTIA, a_shaped_link, inertia
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.programs.linear import eigen
@@ -161,7 +172,7 @@ def inertia_below_shell(context: Context) -> Faults:
     known = context.once(shaped)
     for body in judged(context):
         tensor, shape = body.link.tensor, known.get(body.link.name)
-        if body.S is None or tensor is None or is_a_point(body.link) or not is_physical(tensor, context.thresholds):
+        if body.S is None or tensor is None or is_a_point(body.link) or broken_law(tensor, context.thresholds):
             continue
         if shape is not None and body.mass > context.thresholds.most_density * shape.solid.volume:
             continue

@@ -8,9 +8,8 @@ from math import floor, log10
 
 import numpy as np
 
-from robodyn.checks.bodies.bodies import bodies, given, weighed
-from robodyn.checks.bodies.masses import Tensor, is_physical, nearest
-from robodyn.checks.bodies.shapes import shaped
+from robodyn.checks.bodies.bodies import bodies, given, shaped, weighed
+from robodyn.checks.bodies.masses import Tensor, broken_law, nearest
 from robodyn.checks.examples import IMAGE, SHAPED_INERTIA, a_shaped_link, inertia, two_arms
 from robodyn.checks.mirror import Pair, link_inertia, pairs
 from robodyn.checks.rule import Context, Edit, Fault, Faults, Fix, Severity, Stage, rule
@@ -100,7 +99,7 @@ def _from_shapes(context: Context, link: LinkView, tensor: Tensor | Floats) -> f
 def _allowed(context: Context, link: LinkView, I: Floats) -> bool:
     """Whether a body can have a tensor, by the thresholds of RD206 and RD207, and the link's shapes, if known."""
     away = _from_shapes(context, link, I)
-    return is_physical(tuple(I[UPPER].tolist()), context.thresholds) and (away is None or away <= _BEYOND)
+    return not broken_law(tuple(I[UPPER].tolist()), context.thresholds) and (away is None or away <= _BEYOND)
 
 
 def _apart(I: Floats, other: Floats) -> float:
@@ -172,7 +171,7 @@ def _cause(context: Context, link: LinkView, twin: Pair | None) -> Cause | None:
     verdict = verdicts.get(link.name)
     if said is None or (verdict is not None and verdict.units):
         return None
-    physical = is_physical(said.entries, context.thresholds)
+    physical = broken_law(said.entries, context.thresholds) is None
     if verdict is not None and verdict.named:
         return _by_shapes(context, link, said, verdict, physical)
     if not physical and said.nine_as_six:
@@ -201,8 +200,8 @@ def _by_twin(context: Context, link: LinkView, said: Given, twin: Pair, physical
         return None
     reflected, copy = (product(said.R.T, I, said.R) for I in (twin.reflected(left)[1], link_inertia(left)[1]))
     image = said.mass / left.mass * reflected
-    possible = is_physical(tuple(image[UPPER].tolist()), context.thresholds)
-    if not possible or (physical and _apart(said.tensor, image) <= DIFFERENT):
+    impossible = broken_law(tuple(image[UPPER].tolist()), context.thresholds)
+    if impossible or (physical and _apart(said.tensor, image) <= DIFFERENT):
         return None
     if physical and bool(np.abs(said.tensor - copy).max() <= 1e-6 * np.abs(copy).max()):
         return Cause("RD313", COPIED, None, None, physical)

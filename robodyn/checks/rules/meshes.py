@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from contextlib import suppress
 from pathlib import Path
 
 from robodyn.checks.context import STDIN
@@ -11,7 +12,7 @@ from robodyn.checks.examples import a_joint, a_link, a_mesh, a_shaped_link, arm
 from robodyn.checks.importers import READS, unread
 from robodyn.checks.meshes.facts import MeshFacts
 from robodyn.checks.meshes.files import MeshName, State, all_facts, mesh_names, mesh_slips, mesh_uses
-from robodyn.checks.rule import Context, Fault, Faults, Fix, Severity, rule
+from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.sources import package_of
 from robodyn.robot.urdf.view import value_span
 from robodyn.support.input_file import open_input
@@ -59,25 +60,20 @@ def mesh_missing(context: Context) -> Faults:
 
 
 def _missing(context: Context, name: MeshName) -> Fault:
-    remedy, fix = "names are relative to this file", None
+    remedy, better = "names are relative to this file", None
     package = package_of(name.uri)
     if package is not None and package[0]:
         remedy = f"no such file in the package {shown(package[0])}; or name its folder with --package-path"
     elif package is not None:
-        scheme = name.uri.partition("://")[0]
-        better = f"{scheme}://{package[1]}"
+        better = f"{name.uri.partition('://')[0]}://{package[1]}"
         remedy = f"the package has no name: write two slashes, {shown_path(better)}"
-        fix = _written(context, name, better)
     elif name.uri.startswith(("file://", "/")):
         remedy = "it is a file of one machine: write package://NAME/... or a name relative to this file"
     elif "\\" in name.uri:
         better = name.uri.replace("\\", "/")
-        remedy, fix = f"write / between folders: {shown_path(better)}", _written(context, name, better)
-    return name.fault("is not there", remedy, fix=fix)
-
-
-def _written(context: Context, name: MeshName, better: str) -> Fix | None:
-    return None if context.search.find(better) is None else name.renamed(better)
+        remedy = f"write / between folders: {shown_path(better)}"
+    there = better is not None and context.search.find(better) is not None
+    return name.fault("is not there", remedy, fix=name.renamed(better) if better and there else None)
 
 
 @rule("RD602", Severity.ERROR, good=a_mesh("part.stl", "visual"), bad=("part.stl", "Part.STL"))
@@ -253,21 +249,15 @@ def axis_up(context: Context) -> Faults:
     in the file, as RViz and Gazebo do; Blender and other editors turn what is Y_UP by 90 degrees. So a link that stands
     upright in the editor lies down in the simulator. The examples stand beside the meshes that they name.
     """
-    turned = [(name, up) for name in context.once(mesh_names).values() if (up := _up(name)) is not None]
+    turned = []
+    for name in context.once(mesh_names).values():
+        if name.path is not None and name.path.suffix.lower() == ".dae":
+            with suppress(OSError), open_input(Path(name.path)) as stream:
+                if (found := _UP.search(stream.read(_HEAD))) is not None:
+                    turned.append((name, found[1].decode()))
     if turned:
         first, up = turned[0]
         more = f" (and {count(len(turned) - 1, 'more mesh', 'more meshes')})" if turned[1:] else ""
         what = f"the mesh {shown_path(first.uri)} says that its {up} points up{more}: editors turn it"
         remedy = "programs for robots do not: export it with Z up"
         yield Fault(first.uses[0].at, what, remedy, subject=None)
-
-
-def _up(name: MeshName) -> str | None:
-    if name.path is None or name.path.suffix.lower() != ".dae":
-        return None
-    try:
-        with open_input(Path(name.path)) as stream:
-            found = _UP.search(stream.read(_HEAD))
-    except OSError:
-        return None
-    return None if found is None else found[1].decode()

@@ -8,7 +8,7 @@ from math import isclose, pi
 
 import numpy as np
 
-from robodyn.checks.bodies.masses import POINT, is_physical, principal_moments
+from robodyn.checks.bodies.masses import POINT, broken_law, principal_moments
 from robodyn.checks.examples import ARM_LIMIT, IMAGE, TENSOR, two_arms, two_elbows
 from robodyn.checks.mirror import MASS, MOMENTS, Pair, Symmetry, Twins, is_square, symmetry, twins
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
@@ -100,7 +100,7 @@ def _unexplained(context: Context, one: Twins) -> bool:
         return False
     both = [link.inertial for link in (one.pair.left, one.pair.right) if link.inertial is not None]
     points = any(principal_moments(each.inertia)[2] <= POINT * POINT * each.mass for each in both)
-    return not points and all(is_physical(each.inertia, context.thresholds) for each in both)
+    return not points and not any(broken_law(each.inertia, context.thresholds) for each in both)
 
 
 _REFLECT = "reflect the one of the two that is wrong, or allow it where one part is mounted on both sides"

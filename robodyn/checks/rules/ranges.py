@@ -256,7 +256,9 @@ def _efforts(context: Context) -> Iterator[LimitSlip]:
     ]
     values = sorted(value for _, _, value in found)
     jump = next((above for below, above in pairwise(values) if above >= _EFFORT_GAP * below), None)
-    large = [each for each in found if jump is not None and each[2] >= jump and not _stand_in(each[2])]
+    large = [each for each in found if jump is not None and each[2] >= jump]
+    powers = {value: (log10(value), log10(value + 1.0)) for *_, value in large}  # a power of ten, all nines: a stand-in
+    large = [each for each in large if not any(isclose(x, round(x), abs_tol=1e-12) for x in powers[each[2]])]
     why = _apart(large, found, 1e3, _EFFORT_GAP, _EFFORT_BAND)
     for _, limit, _ in large if why else ():
         yield LimitSlip(limit.effort, 1e3, "N mm", "N m", why)
@@ -295,11 +297,6 @@ def _apart(large: _Given, found: _Given, factor: float, gap: float, band: float)
     within = all(least <= value / factor <= most for value in values)
     between = " to ".join(f"{value:g}" for value in sorted({min(others), max(others)}))
     return f"those of the other joints are {between}" if within else ""
-
-
-def _stand_in(value: float) -> bool:
-    """Whether a value is a power of ten, or all nines."""
-    return any(isclose(power, round(power), abs_tol=1e-12) for power in (log10(value), log10(value + 1.0)))
 
 
 @rule(

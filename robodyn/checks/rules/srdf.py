@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
+from robodyn.checks.bodies.bodies import box_of, real_shapes, solids
 from robodyn.checks.bodies.masses import STILL, pose
-from robodyn.checks.bodies.shapes import box_of, real_shapes, solids
 from robodyn.checks.examples import SRDF
 from robodyn.checks.rule import Context, Fault, Faults, Severity, namesakes, rule
 from robodyn.checks.srdf import Srdf, own_srdf, srdf

@@ -1,12 +1,18 @@
-"""The tree: names, parents and children, one root."""
+"""The tree: names, parents and children, one root; where parts stand: detached, on a wrong parent, in millimetres."""
 
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Sequence
 
-from robodyn.checks.examples import a_joint, a_link, arm, longer_arm, one_link
-from robodyn.checks.rule import Context, Fault, Faults, Severity, namesakes, rule
+import numpy as np
+
+from robodyn.checks.bodies.bodies import other_unit
+from robodyn.checks.bodies.contacts import detached, too_large
+from robodyn.checks.examples import a_joint, a_link, a_tower, arm, longer_arm, one_link, two_elbows
+from robodyn.checks.mirror import named_pairs
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, namesakes, rule
 from robodyn.robot.urdf.description import cycles
 from robodyn.robot.urdf.document import unexpanded
 from robodyn.robot.urdf.parts import JOINT_TYPES
@@ -210,3 +216,102 @@ def _refusal(name: str) -> str | None:
     if name[0].isdigit():
         return "a name in USD, Modelica or Python does not begin with a digit"
     return "USD takes letters, digits and _ only, and renames it" if not name.startswith("__") else None
+
+
+@rule(
+    "RD111",
+    Severity.WARNING,
+    Stage.TREE,
+    good=a_tower(),
+    bad=('<child link="hand"/><origin xyz="0 0 0.1"/>', '<child link="hand"/><origin xyz="0 0 1.0"/>'),
+)
+def detached_part(context: Context) -> Faults:
+    """The parts on both sides of a joint are next to each other.
+
+    Where the shapes of nine of ten other joints' children touch those of their parents, a child far from its parent has
+    the wrong one, or its origin has millimetres in an entry, or a sign or digit too many. The gap is that between the
+    boxes around the shapes, each joint at 0 or at its limit next to 0; it is reported where it is more than a tenth of
+    the larger part and 1 cm, of parts that are fixed half the larger part and 5 cm.
+    """
+    for name, (contact, bound) in context.once(detached).items():
+        joint = context.view.joint[name]
+        below = f"of link '{joint.child}' and what is fixed to it"
+        what = f"its parts do not meet: the shapes {below} are {contact.gap:.3g} m from those of '{contact.above}'"
+        remedy = "check the parent link, and the unit and signs of the origin"
+        at = joint.name_span if joint.origin.element is None else joint.origin.xyz.span
+        yield Fault(at, what, remedy, contact.gap, bound, cause=too_large(context, joint))
+
+
+_SAME_PLACE = 1e-6
+"""Between the joints of namesakes on their parents, each coordinate without its sign [m]."""
+
+
+@rule(
+    "RD112",
+    Severity.WARNING,
+    Stage.TREE,
+    good=two_elbows(),
+    bad=('parent link="right_arm"', 'parent link="base"'),
+    explains=("RD111",),
+)
+def odd_parent(context: Context) -> Faults:
+    """A link has the parent that its namesake tells.
+
+    Of links whose names differ in left and right, left_hand and right_hand, FL_calf and FR_calf, each is a child of
+    the namesake of the other's parent, or both of one link. Where they are not, although their joints stand at the
+    same place on their parents but for signs, one has the wrong parent: by a copied line that was not changed, or
+    changed twice. It is the one whose parent's name says the other side; where none does, both are named.
+    """
+    above = context.tree.above
+    named = list(named_pairs([link.name for link in context.tree.links]))
+    times = Counter(name for names in named for name in names)  # the left finger of a right hand is in two pairs
+    left = {right: left for left, right in named if times[left] == times[right] == 1}
+    twin = {**left, **{one: other for other, one in left.items()}}
+    for right, one in left.items():
+        if one not in above or right not in above:
+            continue
+        split, joints = (one, right), (above[one], above[right])
+        parents = [joint.parent for joint in joints]
+        alike = twin.get(parents[0], parents[0]) == parents[1]
+        places = [np.abs(joint.origin.xyz.or_default(0.0, 0.0, 0.0) or np.nan) for joint in joints]
+        if alike or not twin.keys() & {*parents} or max(times[parent] for parent in parents) > 1:
+            continue
+        if not np.allclose(places[0], places[1], rtol=0.0, atol=_SAME_PLACE):
+            continue
+        crossed = [
+            parent in twin and (parent in left) != (link in left) for link, parent in zip(split, parents, strict=True)
+        ]
+        sure = sum(crossed) == 1
+        k = crossed.index(True) if sure else int(joints[1].element.start > joints[0].element.start)
+        odd, namesake, on = split[k], split[1 - k], parents[1 - k]
+        what = f"it makes {shown(odd)} a child of {shown(parents[k])}, but {shown(namesake)} hangs on {shown(on)}"
+        either = "" if sure else f", or {shown(namesake)} is the wrong one"
+        parent = next(child for child in joints[k].element.children if child.tag == "parent")
+        yield Fault(value_span(parent, "link"), what, f"make {shown(twin.get(on, on))} its parent{either}")
+
+
+@rule(
+    "RD113",
+    Severity.ERROR,
+    Stage.TREE,
+    good=a_tower(),
+    bad=a_tower().replace("0.1 0.1 0.1", "100 100 100").replace("0.1 0.1 0.25", "100 100 250"),
+)
+def drawn_in_millimetres(context: Context) -> Faults:
+    """A robot is drawn in metres.
+
+    Where the links' masses over the boxes around their shapes are 1e9 times too small in the median, and 1000 times
+    shorter lengths bring them to what published robots have, all lengths are in millimetres; or they were divided by
+    1000 that were in metres. At least three links with mass and shapes show it. What follows from it is not reported
+    beside it. A mesh in millimetres alone is RD605's, an origin RD111's.
+    """
+    unit = context.once(other_unit)
+    if unit is None:
+        return
+    (times, density), large = unit, unit[0] > 1
+    what = (
+        f"its links weigh {density:.3g} kg/m^3 of the boxes around their shapes (median): lengths are "
+        f"{'in millimetres' if large else 'a thousandth of metres'}, which makes {density * times**3:.3g}"
+    )
+    remedy = f"{'divide' if large else 'multiply'} all lengths by 1000, those of meshes by their scale"
+    yield Fault(value_span(context.view.root, "name"), what, remedy, times, 1.0, subject=None)

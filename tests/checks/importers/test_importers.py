@@ -5,6 +5,7 @@ The table makes no refusal up; where a program is installed it is asked, and wha
 
 from __future__ import annotations
 
+from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 
 import numpy as np
@@ -16,11 +17,9 @@ from helpers.peers import needs_peers
 
 from robodyn.checks import importers as programs
 from robodyn.checks.check import Options, check_one
-from robodyn.checks.context import Asked, Context
+from robodyn.checks.context import Asked
 from robodyn.checks.examples import INERTIA, a_joint, a_link, arm, inertia
-from robodyn.checks.importers import Opinion, Verdict, opinion
 from robodyn.checks.rule import Finding
-from robodyn.robot.urdf.document import read
 
 LIMIT = '<limit lower="-1" upper="1" effort="3" velocity="1"/>'
 AXIS = '<axis xyz="0 1 0"/>'
@@ -120,7 +119,11 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 @pytest.fixture
 def absent(monkeypatch: pytest.MonkeyPatch) -> None:
     """No program is installed."""
-    monkeypatch.setattr(programs, "_version", lambda package: None)
+
+    def version(package: str) -> str:
+        raise PackageNotFoundError(package)
+
+    monkeypatch.setattr("importlib.metadata.version", version)
 
 
 def asked(file: Path | str, target: str) -> Finding:
@@ -167,10 +170,9 @@ def test_text_without_a_file_is_asked_about(files: dict[str, Path]) -> None:
 @needs_peers
 def test_a_program_that_does_not_end_is_killed(files: dict[str, Path], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(programs, "PATIENCE", 0.01)
-    found: Opinion = opinion(Context(read(str(files["healthy"]))), "drake")
-    assert found.verdict is Verdict.REJECTS
-    assert found.answer is not None
-    assert found.answer.refusal == "it is not done after 0.01 s"
+    one = asked(files["healthy"], "drake")
+    assert one.severity.value == "error"
+    assert one.message.startswith('drake rejects it: it says "it is not done after 0.01 s"')
 
 
 FLOAT = moved(joint="", kind="floating")

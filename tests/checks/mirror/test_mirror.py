@@ -8,11 +8,11 @@ from helpers.example_robots import path_of
 from hypothesis import given
 from hypothesis import strategies as st
 
+from robodyn.checks.catalogue import BY_CODE
 from robodyn.checks.check import Options, check_one
 from robodyn.checks.context import Context
 from robodyn.checks.examples import ARM_LIMIT, IMAGE, ORIGIN, ORIGIN_IMAGE, TENSOR, two_arms, two_elbows
 from robodyn.checks.mirror import Plane, link_inertia, named_pairs, pairs
-from robodyn.checks.rules.placement import odd_parents
 from robodyn.robot.urdf.document import read
 from robodyn.solids.inertia.properties import from_inertia
 
@@ -194,8 +194,8 @@ def built(links: dict[str, str]) -> Context:
     return Context(read(text.encode(), "r.urdf"))
 
 
-def found(links: dict[str, str]) -> list[tuple[str, str, str | None]]:
-    return [(odd.link, odd.expected, odd.other) for odd in odd_parents(built(links))]
+def odd_parents(one: Context) -> list[tuple[str, str]]:
+    return [(fault.what.split(" a child")[0], fault.remedy) for fault in BY_CODE["RD112"].check(one)]
 
 
 LEGS = {
@@ -210,22 +210,24 @@ ARMS = {"LeftArm": "torso", "RightArm": "torso", "LeftHand": "LeftArm", "RightHa
 @pytest.mark.parametrize(
     ("links", "link", "parent", "expected"),
     [
-        (LEGS, "FL_calf", "FR_thigh", ("FL_calf", "FL_thigh", None)),
+        (LEGS, "FL_calf", "FR_thigh", ("FL_calf", "FL_thigh", "")),
         (LEGS, "RR_calf", "RR_hip", ("RR_calf", "RR_thigh", "RL_calf")),
         (LEGS, "RL_hip", "FL_hip", ("RR_hip", "FR_hip", "RL_hip")),
-        (ARMS, "LeftHand", "RightArm", ("LeftHand", "LeftArm", None)),
+        (ARMS, "LeftHand", "RightArm", ("LeftHand", "LeftArm", "")),
     ],
 )
 def test_one_hung_elsewhere(links: dict[str, str], link: str, parent: str, expected: tuple[str, str, str]) -> None:
     """Where no name says the other side, both are named."""
-    assert found(links) == []
-    assert found({**links, link: parent}) == [expected]
+    odd, right, other = expected
+    remedy = f"make {right!r} its parent" + f", or {other!r} is the wrong one" * bool(other)
+    assert odd_parents(built(links)) == []
+    assert odd_parents(built({**links, link: parent})) == [(f"it makes {odd!r}", remedy)]
 
 
 def test_joints_at_other_places_are_a_design() -> None:
     text = two_elbows().replace('parent link="right_arm"', 'parent link="base"')
-    assert len(list(odd_parents(Context(read(text.encode()))))) == 1
-    assert not list(odd_parents(Context(read(text.replace("0.1 -0.05 0.3", "0.2 -0.05 0.3").encode()))))
+    assert len(odd_parents(context(text))) == 1
+    assert not odd_parents(context(text.replace("0.1 -0.05 0.3", "0.2 -0.05 0.3")))
 
 
 def test_two_and_two_are_a_design() -> None:
@@ -237,4 +239,4 @@ def test_two_and_two_are_a_design() -> None:
     more = {
         f"{k}_{what}": f"{k}_camera" for k in ("front", "rear", "left", "right") for what in ("lens", "optics", "led")
     }
-    assert found({**cameras, **faces, **more}) == []
+    assert odd_parents(built({**cameras, **faces, **more})) == []

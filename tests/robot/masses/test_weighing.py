@@ -13,8 +13,7 @@ import numpy as np
 import pytest
 from helpers.example_robots import path_of
 
-from robodyn.checks.bodies.bodies import bodies, given
-from robodyn.checks.bodies.shapes import shaped
+from robodyn.checks.bodies.bodies import bodies, given, shaped
 from robodyn.checks.context import Context
 from robodyn.robot.masses.mistakes import UPPER, Given, Posterior, Uniform, mistake_posterior
 from robodyn.robot.urdf.document import read
