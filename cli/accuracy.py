@@ -86,7 +86,7 @@ def command(
         found = simulation_accuracy(model, scene, duration, table)
     written = ""
     if plot:
-        from robodyn.report.pictures.accuracy import accuracy_picture
+        from robodyn.report.accuracy import accuracy_picture
 
         data = accuracy_picture(found, target, PurePath(plot).suffix[1:].lower())
         write_whole(plot, data, remedy="name another file")

@@ -186,11 +186,11 @@ def write_report(path: str, document: Document) -> str:
     machine = f"Python {platform.python_version()}", f"{platform.system()} on {platform.machine()}"
     whole = replace(document, command=shlex.join(["robodyn", *sys.argv[1:]]), versions=(*used, *machine))
     if report_form(path) == "html":
-        from robodyn.report.renderers.html import html
+        from robodyn.report.renderers.pages import html
 
         content = html(whole)
     else:
-        from robodyn.report.renderers.markdown import markdown
+        from robodyn.report.renderers.pages import markdown
 
         content = markdown(whole)
     data = content.encode("utf-8", errors="backslashreplace")

@@ -201,7 +201,7 @@ def _single(call: Call, urdf: str, trajectory: str, loads: dict[str, Any], examp
         return torques_page(result, model, scene, pictures)
 
     def json() -> str:
-        from robodyn.report.torques_json import torques_json
+        from robodyn.report.torques import torques_json
 
         return torques_json(result)
 

@@ -30,8 +30,7 @@ from robodyn.loads.many import Batch, JointPeak, Outcome, Status
 from robodyn.loads.torques import check_uncertain, torques
 from robodyn.programs.run.llvm.machine import compiler_problem
 from robodyn.report.table import printable
-from robodyn.report.torques import batch_sections, outcome_line
-from robodyn.report.torques_json import batch_json, torques_json
+from robodyn.report.torques import batch_json, batch_sections, outcome_line, torques_json
 from robodyn.robot.limits import Coverage, Unchecked
 from robodyn.robot.load import load
 from robodyn.robot.model import Model

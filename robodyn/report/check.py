@@ -19,7 +19,7 @@ from robodyn.support.wording import count
 
 if TYPE_CHECKING:
     from robodyn.checks.check import Checked
-    from robodyn.checks.fixes import Fixed, Made
+    from robodyn.checks.fixes import Fixed
     from robodyn.checks.rule import Excerpt, Finding, Fix, Rule
 
 
@@ -109,16 +109,15 @@ def short_sections(checked: Checked) -> Iterator[doc.Section]:
         ranked = sorted(found, key=lambda one: (order.index(one.severity), one.code))
         lines = [relative(file)]
         for head, same in groupby(ranked, key=lambda one: f"{one.severity.value} {one.code} {one.name}"):
-            lines += [f"  {head}", *(line for one in same for line in _short(one))]
+            lines.append(f"  {head}")
+            for one in same:
+                lines.append(f"    {one.line}:{one.column}: {one.message}")
+                if one.others:
+                    more = len(one.others) - _PLACES_SAID
+                    rest = [count(more, "more place")] if more > 0 else []
+                    lines.append(f"      also {', '.join([*map(place_words, one.others[:_PLACES_SAID]), *rest])}")
         yield doc.paragraphs(lines)
     yield doc.paragraphs(checked_lines(checked))
-
-
-def _short(finding: Finding) -> list[str]:
-    shown, more = finding.others[:_PLACES_SAID], len(finding.others) - _PLACES_SAID
-    also = ", ".join([*map(place_words, shown), *([count(more, "more place")] if more > 0 else [])])
-    first = f"    {finding.line}:{finding.column}: {finding.message}"
-    return [first, *(f"      also {line}" for line in [also] if line)]
 
 
 def relative(file: str) -> str:
@@ -200,7 +199,9 @@ def check_diff(fixed: Fixed) -> str:
     """Return the unified diff of one file, empty if nothing changes. Lines end with LF; a CR is part of its line."""
     from difflib import unified_diff
 
-    before, after = _source_lines(fixed.before), _source_lines(fixed.after)
+    before, after = (
+        re.findall(r"[^\n]*\n|[^\n]+", data.decode("utf-8", "surrogateescape")) for data in (fixed.before, fixed.after)
+    )
     name = printable(fixed.file)
     lines = unified_diff(before, after, name, name)
     return "".join(line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in lines)
@@ -210,25 +211,21 @@ def fix_lines(files: Iterable[Fixed], did: str) -> list[str]:
     """Return a line for each fix that was made, `did` it being said how, and for each that was not, with the reason."""
     lines = []
     for fixed in files:
-        told = [(did, one.finding, one.fix, _kind_of_fix(one)) for one in fixed.made]
+        told = []
+        for one in fixed.made:
+            if one.fix.safe:
+                kind = "safe: the dynamics stay as they are"
+            elif one.change is None:
+                kind = "unsafe: by how much the torques change cannot be computed"
+            else:
+                kind = f"unsafe: torques change by up to {100 * one.change:.3g} % of the largest"
+            told.append((did, one.finding, one.fix, kind))
         told += [("not fixed", one.finding, one.fix, one.why) for one in fixed.refused]
         for how, finding, fix, why in told:
             subject = f", {finding.subject.kind} {finding.subject.name}" if finding.subject else ""
             place = f"{finding.file}:{finding.line}: {finding.code}{subject}"
             lines.append(printable(f"{how}: {place}: {fix.what} ({why})"))
     return lines
-
-
-def _source_lines(data: bytes) -> list[str]:
-    return re.findall(r"[^\n]*\n|[^\n]+", data.decode("utf-8", "surrogateescape"))
-
-
-def _kind_of_fix(made: Made) -> str:
-    if made.fix.safe:
-        return "safe: the dynamics stay as they are"
-    if made.change is None:
-        return "unsafe: by how much the torques change cannot be computed"
-    return f"unsafe: torques change by up to {100 * made.change:.3g} % of the largest"
 
 
 _WEIGHT = {
@@ -271,10 +268,7 @@ def statistics_sections(checked: Checked) -> Iterator[doc.Section]:
 
 
 def check_json(checked: Checked) -> str:
-    """Return {"findings": [...], "unread": [...], "summary": {...}}.
-
-    Places count from 1; edits are byte offsets of the file.
-    """
+    """Return {"findings", "unread", "summary"}; places count from 1, edits are byte offsets of the file."""
     subject, bounds, fix = "subject[kind name] message", "measured? bound?", "fix[what safe edits]"
     places = f"places[line column {subject} {bounds} {fix}]"
     keys = f"file line column code name severity {subject} remedy {bounds} cause {fix} {places}"

@@ -13,7 +13,7 @@ from robodyn.programs.linear import eigen
 from robodyn.report.document import Block, Paragraph, Section, Table, encode, paragraphs, remarks, select, written
 from robodyn.report.equations import base_text
 from robodyn.report.sizes import sizes
-from robodyn.report.table import Content, axis_text, gravity_text, number, printable, relative_text
+from robodyn.report.table import axis_text, gravity_text, number, printable, relative_text
 from robodyn.support.floats import first_largest
 from robodyn.support.wording import count
 
@@ -28,8 +28,7 @@ def _shortened(title: str, head: Sequence[str], rows: Sequence[Sequence[str]], w
 
 
 def _numbers(found: Dae) -> Iterator[Section]:
-    """Yield state, accelerations and reactions; what vanishes beside the largest acceleration, of bodies and of free
-    fall, is 0."""
+    """Yield state, accelerations and reactions, beside the largest acceleration of bodies and of free fall."""
     model, qdd, solution = found.system.model, found.qdd, found.solution
     scale = float(np.abs([*([] if solution is None else solution.a), *found.system.scene.gravity]).max())
     at = dict(zip(model.coordinates, found.q.tolist(), strict=True))
@@ -54,45 +53,50 @@ def _numbers(found: Dae) -> Iterator[Section]:
     title = "Accelerations of the bodies: wd in the body's axes, dv/dt of the mass centre in the ground's"
     yield _shortened(title, ("body", "wd x [rad/s^2]", "y", "z", "dv/dt x [m/s^2]", "y", "z"), rows, "bodies")
     if found.counts.reactions:
+        values, places = iter(solution.reactions.tolist()), ("x", "y", "z", "1", "2", "a", "3", "")
+        own = [(joint, {name: next(values) for name in joint.reactions}) for joint in found.system.connections]
+        # forces before moments, and x, y, z before the directions of oblique joints
+        names = sorted({name for _, part in own for name in part}, key=lambda name: (name[0], places.index(name[1:])))
+        forces, moments = ([x for _, part in own for name, x in part.items() if name[0] == kind] for kind in "FM")
+        weight = model.total_mass * float(np.abs(found.system.scene.gravity).max())
+        scales = dict(zip("FM", sizes([*forces, weight], moments, model.reach).values(), strict=True))
+        head = ("joint", *(f"{name} [{'N' if name[0] == 'F' else 'N m'}]" for name in names))
+        rows = [
+            (joint.name, *(number(part[name], scales[name[0]]) if name in part else "-" for name in names))
+            for joint, part in own
+            if part
+        ]
         title = "Reactions lambda on the body that a joint carries, along its axes at q = 0, fixed in the parent"
-        yield _shortened(title, *_reactions(found, solution.reactions.tolist()), "joints")
+        yield _shortened(title, head, rows, "joints")
 
 
-def _reactions(found: Dae, reactions: list[float]) -> Content:
-    """Return a row for each joint, forces before moments, and x, y, z before the directions of oblique joints."""
-    values, places = iter(reactions), ("x", "y", "z", "1", "2", "a", "3", "")
-    own = [
-        (connection, {name: next(values) for name in connection.reactions}) for connection in found.system.connections
-    ]
-    names = sorted({name for _, part in own for name in part}, key=lambda name: (name[0], places.index(name[1:])))
-    forces, moments = ([x for _, part in own for name, x in part.items() if name[0] == kind] for kind in "FM")
-    weight = found.system.model.total_mass * float(np.abs(found.system.scene.gravity).max())
-    scales = dict(zip("FM", sizes([*forces, weight], moments, found.system.model.reach).values(), strict=True))
-    rows = [
-        (connection.name, *(number(part[name], scales[name[0]]) if name in part else "-" for name in names))
-        for connection, part in own
-        if part
-    ]
-    return ("joint", *(f"{name} [{'N' if name[0] == 'F' else 'N m'}]" for name in names)), rows
-
-
-def _both(found: Dae) -> Iterator[str]:
-    """Yield how far the DAE and the ODE form are apart, or what the mass matrix resists least."""
-    both = found.comparison
-    if both is None:
-        sizes, motions = eigen(found.reduced.M)
-        weakest = found.system.model.rates[first_largest(np.abs(motions[first_largest(-np.abs(sizes))]))]
-        yield f'hardly anything resists "{printable(weakest)}": accelerations and reactions are not defined'
-        return
-    other = "the closed chain in joint coordinates" if found.system.scene.loops else "the ODE form's recursions"
-    largest = f"{relative_text(both.accelerations)} of the largest"
-    yield f"Both forms: against {other} accelerations qdd differ by {largest},"
-    yield f"forces at joints by {relative_text(both.forces)} and moments by {relative_text(both.moments)}"
+def _ranks(counts: Counts) -> list[str]:
+    six, rank, m = 6 * counts.bodies, counts.rank, counts.reactions
+    names: dict[str, list[str]] = {}
+    for connection, reaction in counts.redundant:
+        names.setdefault(connection, []).append(reaction)
+    listed = "; ".join(f"{printable(name)} {' '.join(parts)}" for name, parts in list(names.items())[:MOST])
+    redundant = f"{len(counts.redundant)} redundant ({listed}{'; ...' * (len(names) > MOST)})"
+    lines = [f"rank of G: {rank} of {m}, {redundant if names else 'no constraint is redundant'}"]
+    if names:
+        open_reactions = f"{len(counts.undetermined)} reactions open; those of redundant equations count as 0"
+        lines.append(f"  rigid bodies leave {open_reactions}")
+    lines.append(f"degrees of freedom: 6 x {counts.bodies} - {rank} = {six - rank}")
+    if counts.index is None:
+        lines.append("index: not defined, as accelerations and reactions do not follow from the equations")
+    elif not m:
+        lines.append("index: 0, there are no reactions")
+    else:
+        p, v, a = counts.index
+        ranks = ", ".join(map(str, counts.coefficients))
+        lines.append(f"index: {p}; {v} with constraints differentiated once, {a} twice")
+        lines.append(f"  coefficients of (a, lambda) then have rank {ranks} of {counts.size}")
+    return lines
 
 
 def acting(found: Dae, i: int) -> list[tuple[str, str, bool]]:
-    """Return what acts on body i: its own joint i, those of bodies that it carries, L1, L2 ... for loops; of each the
-    sign, "-" on the body that holds the other, the name, and whether it carries a moment beside a force."""
+    """Return what acts on body i, joints by number and loops as L1, L2 ...: of each the sign, "-" on the body that
+    holds the other, the name, and whether it carries a moment beside a force."""
     model, system = found.system.model, found.system
     rates = [body.joint.rate for body in model.bodies]
     driven = [bool(found.tau[rate : rate + 6].any()) for rate in rates]
@@ -165,32 +169,17 @@ def dae_sections(found: Dae) -> Iterator[Section]:
         lines += [f"{k}  {step.title}", f"   {step.formula}"]
         lines.append(f"   {step.checks}: within {relative_text(step.error)}")
     yield paragraphs([*lines, "errors are parts of the sum of magnitudes that add up to the largest number"])
-    yield paragraphs(_both(found))
-    yield remarks("warning", found.warnings)
-
-
-def _ranks(counts: Counts) -> list[str]:
-    six, rank, m = 6 * counts.bodies, counts.rank, counts.reactions
-    names: dict[str, list[str]] = {}
-    for connection, reaction in counts.redundant:
-        names.setdefault(connection, []).append(reaction)
-    listed = "; ".join(f"{printable(name)} {' '.join(parts)}" for name, parts in list(names.items())[:MOST])
-    redundant = f"{len(counts.redundant)} redundant ({listed}{'; ...' * (len(names) > MOST)})"
-    lines = [f"rank of G: {rank} of {m}, {redundant if names else 'no constraint is redundant'}"]
-    if names:
-        open_reactions = f"{len(counts.undetermined)} reactions open; those of redundant equations count as 0"
-        lines.append(f"  rigid bodies leave {open_reactions}")
-    lines.append(f"degrees of freedom: 6 x {counts.bodies} - {rank} = {six - rank}")
-    if counts.index is None:
-        lines.append("index: not defined, as accelerations and reactions do not follow from the equations")
-    elif not m:
-        lines.append("index: 0, there are no reactions")
+    if both := found.comparison:
+        other = "the closed chain in joint coordinates" if system.scene.loops else "the ODE form's recursions"
+        far, forces, moments = map(relative_text, (both.accelerations, both.forces, both.moments))
+        said = [f"Both forms: against {other} accelerations qdd differ by {far} of the largest,"]
+        said.append(f"forces at joints by {forces} and moments by {moments}")
     else:
-        p, v, a = counts.index
-        ranks = ", ".join(map(str, counts.coefficients))
-        lines.append(f"index: {p}; {v} with constraints differentiated once, {a} twice")
-        lines.append(f"  coefficients of (a, lambda) then have rank {ranks} of {counts.size}")
-    return lines
+        resistances, motions = eigen(found.reduced.M)
+        weakest = system.model.rates[first_largest(np.abs(motions[first_largest(-np.abs(resistances))]))]
+        said = [f'hardly anything resists "{printable(weakest)}": accelerations and reactions are not defined']
+    yield paragraphs(said)
+    yield remarks("warning", found.warnings)
 
 
 def _bodies(found: Dae) -> Section:
@@ -237,9 +226,8 @@ def _connections(found: Dae) -> Section:
     if system.rotors or system.matrices.along.any():
         taken = ", less friction and springs" if system.terms.at_joint else ""
         rotors = "; a rotor J adds S^T J S to M" if system.rotors else ""
-        lines.append(
-            f"along its own coordinates, whose velocity is S v, a joint passes on tau{taken}: S^T tau in f{rotors}"
-        )
+        own = f"along its own coordinates, whose velocity is S v, a joint passes on tau{taken}"
+        lines.append(f"{own}: S^T tau in f{rotors}")
     title = "Joints: a constraint equation and a reaction for each direction in which it holds"
     head = ("joint", "between", "type", "axis", "f", "6 - f", "held", "reactions lambda")
     return [*_shortened(title, head, rows, "joints"), *paragraphs(lines)]
@@ -271,6 +259,16 @@ def dae_json(found: Dae) -> str:
         ends = {"body": names.get(connection.body), "other": names.get(connection.other)}
         keys = "name kind body other equations coordinates"
         connections.append(select(connection, keys, **ends, equations=held, coordinates=own))
+    bodies = []
+    for i, (body, inertia) in enumerate(zip(system.model.bodies, system.inertias, strict=True)):
+        a = None if found.solution is None else found.solution.a[6 * i : 6 * i + 6]
+        one = {"name": body.name, "mass": float(inertia.m), "com": inertia.centre_of_mass}
+        one |= {"inertia": inertia.about_centre, "rotation": system.at[i].R}
+        one |= {"centre": system.at[i].c - system.at[-1].c, **select(system.at[i], "w v")}
+        one["f"] = matrices.f[6 * i : 6 * i + 6]
+        one |= {"wd": None if a is None else a[:3], "vd": None if a is None else a[3:]}
+        one["joint_wrench"] = select(found.wrenches[i], "force:f moment:n") if found.wrenches else None
+        bodies.append(one)
     residual = {name: float(np.abs(part).max(initial=0.0)) for name, part in found.residuals._asdict().items()}
     return written(
         {
@@ -287,7 +285,7 @@ def dae_json(found: Dae) -> str:
                 velocities=6 * counts.bodies,
                 index=index and dict(zip(("positions", "velocities", "accelerations"), index, strict=True)),
             ),
-            "bodies": [_body_json(found, i) for i in range(counts.bodies)],
+            "bodies": bodies,
             "connections": connections,
             "residual": residual,
             "qdd": None if found.solution is None else found.qdd,
@@ -296,24 +294,6 @@ def dae_json(found: Dae) -> str:
             "warnings": found.warnings,
         }
     )
-
-
-def _body_json(found: Dae, i: int) -> dict[str, Any]:
-    system, inertia, body = found.system, found.system.inertias[i], found.system.at[i]
-    a = None if found.solution is None else found.solution.a[6 * i : 6 * i + 6]
-    return {
-        "name": system.model.bodies[i].name,
-        "mass": float(inertia.m),
-        "com": inertia.centre_of_mass,
-        "inertia": inertia.about_centre,
-        "rotation": body.R,
-        "centre": body.c - system.at[-1].c,
-        **select(body, "w v"),
-        "f": system.matrices.f[6 * i : 6 * i + 6],
-        "wd": None if a is None else a[:3],
-        "vd": None if a is None else a[3:],
-        "joint_wrench": select(found.wrenches[i], "force:f moment:n") if found.wrenches else None,
-    }
 
 
 def _rows_json(found: Dae, equation: Equation) -> list[dict[str, Any]]:

@@ -136,39 +136,31 @@ def page(
     files: Iterable[tuple[str, str]],
     instead: str,
 ) -> Document:
-    """Return a report: what leads it, then what the text says, then data.
+    """Return a report: what leads it, then what the text says, then data; tables without a caption get one.
 
     Args:
-        caption: of tables without one.
         files: name and text of each; instead: how to get those that are too large.
     """
-    numbers = titled("In numbers", on_page(sections, caption))
-    return Document(title, subtitle, (*first, *numbers, *data_blocks(files, instead)))
-
-
-_LEVELS: dict[str, Level] = {"warning": "doubtful"}
+    numbers = [
+        replace(block, caption=f"{caption}: {block.head[0]}")
+        if isinstance(block, Table) and not block.caption
+        else block
+        for section in sections
+        for block in section
+    ]
+    return Document(title, subtitle, (*first, *titled("In numbers", numbers), *data_blocks(files, instead)))
 
 
 def remarks(kind: str, lines: Iterable[str]) -> Section:
     """Return a list of remarks that begin with their kind: warning, note, remark or repaired; nothing without any."""
-    items = tuple((_LEVELS.get(kind, "neutral"), f"{kind}: {line}", ()) for line in lines)
+    level: Level = "doubtful" if kind == "warning" else "neutral"
+    items = tuple((level, f"{kind}: {line}", ()) for line in lines)
     return [Findings(items)] if items else []
 
 
 def paragraphs(lines: Iterable[str]) -> list[Block]:
     """Return a paragraph for each line."""
     return [Paragraph(line) for line in lines]
-
-
-def on_page(sections: Iterable[Section], caption: str = "") -> list[Block]:
-    """Return the blocks of sections for a page, with a caption for tables without one, before their first title."""
-    blocks = [block for section in sections for block in section]
-    return [
-        replace(block, caption=f"{caption}: {block.head[0]}")
-        if isinstance(block, Table) and not block.caption
-        else block
-        for block in blocks
-    ]
 
 
 def code_lines(text: str) -> str:
@@ -182,11 +174,7 @@ LARGEST = 400_000
 
 
 def data_blocks(files: Iterable[tuple[str, str]], instead: str) -> list[Block]:
-    """Return the files (name, text) that are small enough for a page, under a heading, and a remark on the others.
-
-    Args:
-        instead: how to get the others.
-    """
+    """Return the files (name, text) that are small enough for a page, under a heading, and how to get the others."""
     small, notes = [], []
     for name, text in files:
         size = len(text.encode())
@@ -232,11 +220,7 @@ def _line(words: str) -> str:
 
 
 def written(document: Mapping[str, Any]) -> str:
-    """Return a document as text.
-
-    Raises:
-        ValueError: a number is not finite; where that may be so, `finite` says null instead.
-    """
+    """Return a document as text; ValueError where a number is not finite: `finite` says null instead."""
     import json
 
     return json.dumps(encode(document), indent=2, allow_nan=False) + "\n"
@@ -268,7 +252,7 @@ def select(source: Any, keys: str, **given: Any) -> dict[str, Any]:
     Args:
         keys: `key:path` takes another attribute, such as `origin:pose.p`; `key?` is null where a number is not finite;
             `key[...]` has these keys of the value, or of each in a list. What has no value is null.
-        given: values that are not attributes.
+        given: values in place of attributes.
     """
     found = _selected(source, _parsed(keys), given)
     assert not given, f"without a place: {', '.join(given)}"
@@ -277,7 +261,7 @@ def select(source: Any, keys: str, **given: Any) -> dict[str, Any]:
 
 @cache
 def _parsed(keys: str) -> list[tuple[str, Any]]:
-    """Return words, and beside each what stands in its brackets, None without."""
+    """Return words, each with what stands in its brackets, None without."""
     open_lists: list[list[tuple[str, Any]]] = [[]]
     for word in re.findall(r"[^\s\[\]]+|[\[\]]", keys):
         if word == "[":

@@ -49,17 +49,26 @@ def ode_sections(ode: Ode) -> Iterator[Section]:
 
 def closed_sections(closed: Closed) -> Iterator[Section]:
     """Yield every entry on a line, in a syntax that Python reads, constants with up to 15 digits."""
+    from sympy.printing.str import StrPrinter
+
+    class Written(StrPrinter):  # type: ignore[misc,unused-ignore]
+        def _print_Float(self, value: Any) -> str:
+            return f"{float(value):.{DIGITS}g}"
+
+    def written_out(expression: Any) -> str:
+        return str(Written().doprint(decimal(expression)))
+
     n = len(closed.joints)
     joints = enumerate(zip(closed.joints, closed.kinds, closed.q, closed.qd, strict=True), 1)
     yield paragraphs([_head(closed.robot, n, closed.gravity), _equation(closed.bias)])
     units = {"prismatic": "m"}
     names = [f"{i}  {name}: {kind}, {q} [{units.get(kind, 'rad')}], {qd}" for i, (name, kind, q, qd) in joints]
     yield paragraphs(["Coordinates", *names])
-    mass = [f"M[{i + 1},{j + 1}] = {_written(closed.M[i][j])}" for i in range(n) for j in range(i, n)]
+    mass = [f"M[{i + 1},{j + 1}] = {written_out(closed.M[i][j])}" for i in range(n) for j in range(i, n)]
     yield paragraphs(["Mass matrix, symmetric", *mass])
     for effect, entries in closed.bias.items():
         name = effect.replace(" ", "_")
-        lines = [f"{name}[{i}] = {_written(entry)}" for i, entry in enumerate(entries, 1)]
+        lines = [f"{name}[{i}] = {written_out(entry)}" for i, entry in enumerate(entries, 1)]
         yield paragraphs([effect.capitalize(), *lines])
     yield [Paragraph(checked(closed))]
 
@@ -86,16 +95,6 @@ def _equation(effects: Any) -> str:
     return " + ".join(["M(q) qdd", *effects]) + " = tau"
 
 
-def _written(expression: Any) -> str:
-    from sympy.printing.str import StrPrinter
-
-    class Written(StrPrinter):  # type: ignore[misc,unused-ignore]
-        def _print_Float(self, value: Any) -> str:
-            return f"{float(value):.{DIGITS}g}"
-
-    return str(Written().doprint(decimal(expression)))
-
-
 def free_body_sections(found: FreeBodies, state: str) -> Iterator[Section]:
     """Yield the report of one state."""
     size = free_body_sizes(found)
@@ -118,13 +117,15 @@ def free_body_sections(found: FreeBodies, state: str) -> Iterator[Section]:
         joint = (f"{row.number} {row.name}", f"{row.parent} - {row.child}", row.kind, axis)
         rows.append((*joint, str(row.freedom), str(row.reactions), *cells, along))
     yield [Table("Joints", ("joint", "between", "type", "axis", "f", "6 - f", *_COMPONENTS, "drive"), rows), where]
-    yield from (_body(body, size) for body in found.bodies)
-    yield [
-        Paragraph(
-            "Balance: forces, and moments about each body's origin, add up to zero within "
-            f"{relative_text(found.residual_force)} and {relative_text(found.residual_moment)} of the largest"
-        )
-    ]
+    for body in found.bodies:
+        others = [name for name in body.links if name != body.name]
+        fixed = f" with {', '.join(map(printable, others))}" if others else ""
+        mass = f"{number(body.mass)} kg, mass centre {point_text(body.com, 1.0)} m" if body.mass else "no mass"
+        title = f"Body {body.number}, {printable(body.name)}{fixed}: {mass}"
+        place = f"its origin at {point_text(body.pose.p, 1.0)} m in the ground's frame; components in its own axes"
+        yield [Paragraph(title), Table(place, *action_table(body, size))]
+    off = f"{relative_text(found.residual_force)} and {relative_text(found.residual_moment)} of the largest"
+    yield [Paragraph(f"Balance: forces, and moments about each body's origin, add up to zero within {off}")]
     yield remarks("warning", found.warnings)
 
 
@@ -133,15 +134,6 @@ _COMPONENTS = ("fx [N]", "fy", "fz", "mx [N m]", "my", "mz")
 
 def _cells(acting: Action | FreeBody | JointRow, size: Sizes) -> list[str]:
     return [size.number(x, "N") for x in acting.force] + [size.number(x, "N m") for x in acting.moment]
-
-
-def _body(body: FreeBody, size: Sizes) -> Section:
-    others = [name for name in body.links if name != body.name]
-    fixed = f" with {', '.join(map(printable, others))}" if others else ""
-    mass = f"{number(body.mass)} kg, mass centre {point_text(body.com, 1.0)} m" if body.mass else "no mass"
-    title = f"Body {body.number}, {printable(body.name)}{fixed}: {mass}"
-    where = f"its origin at {point_text(body.pose.p, 1.0)} m in the ground's frame; components in its own axes"
-    return [Paragraph(title), Table(where, *action_table(body, size))]
 
 
 def action_table(body: FreeBody, size: Sizes) -> Content:

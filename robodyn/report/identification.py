@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from math import floor, inf, log10
 from typing import Any
 
-from robodyn.identification.excitation.excite import Excitation, Information, JointSwing
+from robodyn.identification.excitation.excite import Excitation
 from robodyn.identification.excitation.motion import MARGIN
 from robodyn.identification.result import Errors, Identified
 from robodyn.report import document as doc
@@ -24,8 +24,9 @@ def identified_sections(found: Identified) -> Iterator[doc.Section]:
     yield doc.paragraphs(_identified_head(found))
     head = ("relative error", "fitted", "held out", "description, fitted", "description, held out")
     parts = (found.train, found.held_out, found.original_train, found.original_held_out)
-    rows = [("all joints", *(_of(each, None) for each in parts))]
-    rows += [(name, *(_of(each, name) for each in parts)) for name in found.train.joints]
+    rows = [("all joints", *("-" if each is None else _percent(each.relative_error) for each in parts))]
+    for name in found.train.joints:
+        rows.append((name, *("-" if each is None else _percent(each.joints[name]) for each in parts)))
     yield [doc.Table("", head, rows, "||computed - measured|| / ||measured||, in N m")]
     of_motor = ("motor", "viscous", "Coulomb", "offset", "breakaway", "decays with", "load", "rotor")
     names = ("viscous", "coulomb", "offset", "stribeck", "stribeck_velocity", "load", "rotor")
@@ -34,15 +35,19 @@ def identified_sections(found: Identified) -> Iterator[doc.Section]:
         values = [getattr(motor, each) for each in names]
         rows.append((name, *("-" if value is None else figure(value) for value in values)))
     units = "N m s/rad, N m, N m, N m, rad/s, part of the torque through the gear, kg m^2; of slides likewise in m."
-    yield [
-        doc.Table("", of_motor, rows, f"{units} Offset: half of what friction differs by direction, or the sensor's.")
-    ]
-    fit = found.base
+    note = f"{units} Offset: half of what friction differs by direction, or the sensor's."
+    yield [doc.Table("", of_motor, rows, note)]
+    fit, known = found.base, []
     columns = (fit.values.tolist(), fit.standard_errors.tolist(), fit.consistent.tolist())
-    known = [
-        (group, *(_known(each, error) for each in (value, error, after)))
-        for group, value, error, after in zip(fit.base.short_groups, *columns, strict=True)
-    ]
+    for group, value, error, after in zip(fit.base.short_groups, *columns, strict=True):
+        # to a tenth of the first digit of the standard error: further digits tell nothing
+        digits = 1 - floor(log10(error)) if error > 0.0 else 0
+        cells = [group]
+        for each in (value, error, after):
+            text = f"{each * HALF_UP:.{max(digits, 0)}f}" if digits < _DECIMALS else f"{each * HALF_UP:.2g}"
+            text = text if text.strip("-0.") else text.lstrip("-")
+            cells.append(text if error > 0.0 else figure(each, 4))
+        known.append(cells)
     note = "Values by least squares without bounds; errors count that residuals of neighbouring rows are alike."
     yield [doc.Table("", ("base parameter", "value", "standard error", "calibrated"), known, note)]
     if found.unseen:
@@ -63,10 +68,8 @@ def verdict(found: Identified) -> str:
     """Return the errors of the description and of what was found, held out if something is."""
     new, old = found.held_out or found.train, found.original_held_out or found.original_train
     which = "held-out torques" if found.held_out else "torques (none are held out)"
-    return (
-        f"{found.model.name}: {which} within {_percent(new.relative_error)}; "
-        f"by the description {_percent(old.relative_error)}"
-    )
+    within, by = _percent(new.relative_error), _percent(old.relative_error)
+    return f"{found.model.name}: {which} within {within}; by the description {by}"
 
 
 def _identified_head(found: Identified) -> list[str]:
@@ -86,21 +89,6 @@ def _identified_head(found: Identified) -> list[str]:
 
 def _percent(part: float) -> str:
     return f"{100.0 * part:.2f}%"
-
-
-def _of(errors: Errors | None, joint: str | None) -> str:
-    if errors is None:
-        return "-"
-    return _percent(errors.relative_error if joint is None else errors.joints[joint])
-
-
-def _known(value: float, error: float) -> str:
-    """Return a value to a tenth of the first digit of its standard error: further digits tell nothing."""
-    if not error > 0.0:
-        return figure(value, 4)
-    digits = 1 - floor(log10(error))
-    text = f"{value * HALF_UP:.{max(digits, 0)}f}" if digits < _DECIMALS else f"{value * HALF_UP:.2g}"
-    return text if text.strip("-0.") else text.lstrip("-")
 
 
 def identified_json(found: Identified) -> str:
@@ -149,23 +137,32 @@ _PICTURED = 12
 def excitation_sections(found: Excitation) -> Iterator[doc.Section]:
     """Yield how telling the motion is, what each joint does, and each base parameter's predicted standard error."""
     series = found.series
+    verdict = excitation_verdict(found)
     rate = f"{found.motion.shape[1]} rows at {found.rate:.6g} /s"
-    lines = [
-        _shown(found),
-        f"period {series.period:g} s, {series.harmonics} harmonics, {rate}; "
-        "it begins and ends at rest, at its first and last row",
-        _compared(found),
-        "self-collision is not looked at beyond the joints' limits",
-    ]
-    yield doc.paragraphs(lines)
+    rest = "it begins and ends at rest, at its first and last row"
+    length = f"period {series.period:g} s, {series.harmonics} harmonics, {rate}; {rest}"
+    apart = "self-collision is not looked at beyond the joints' limits"
+    yield doc.paragraphs([verdict.headline, length, *verdict.reasons, apart])
+    rows = []
+    for joint in found.joints:
+        names = ("speed", "acceleration", "effort")
+        speed, acceleration, effort = (use(getattr(joint, name), getattr(joint, f"{name}_limit")) for name in names)
+        moves = (f"{joint.least:.3f}", f"{joint.largest:.3f}"), (speed, acceleration)
+        places, used = moves if joint.moves else ((f"{joint.centre:.3f}", "held"), ("-", "-"))
+        unit = "m" if joint.unit == "N" else "rad"
+        rows.append((joint.name, *places, unit, *used, effort, f"{joint.noise:.3g} {joint.unit}"))
     head = ("joint", "from", "to", "unit", "speed", "acceleration", "effort", "noise")
     note = f"Largest magnitudes are of limits; positions keep {100 * MARGIN:.0f}% of the range from theirs."
-    yield [doc.Table("", head, [_joint(joint) for joint in found.joints], note)]
-    rows = zip(found.base.short_groups, found.values.tolist(), found.information.standard_errors.tolist(), strict=True)
+    yield [doc.Table("", head, rows, note)]
+    base, parameters = found.base, []
+    columns = found.values.tolist(), found.information.standard_errors.tolist()
+    for group, value, error in zip(base.short_groups, *columns, strict=True):
+        relative = 100.0 * error / abs(value) if value else inf
+        share = f"{figure(relative, 2)}%" if relative < 1e3 else "-"
+        parameters.append((group, figure(value, 4), figure(error, 2), share))
     title = ("base parameter", "value", "standard error", "relative")
     note = "Values are the description's; errors are those of least squares over all rows of one period, with noise"
-    yield [doc.Table("", title, [_parameter(*row) for row in rows], f"{note} independent from row to row.")]
-    base = found.base
+    yield [doc.Table("", title, parameters, f"{note} independent from row to row.")]
     bodies = Counter(base.names[k].rpartition(".")[0] for k in base.invisible)
     some = ", ".join(f"{name} {amount}" for name, amount in bodies.items())
     hidden = f"{len(base.invisible)} of {len(base.names)} parameters show in no torque: {some}"
@@ -175,7 +172,7 @@ def excitation_sections(found: Excitation) -> Iterator[doc.Section]:
 
 def excitation_page(found: Excitation, pictures: bool = True) -> doc.Document:
     """Return the same as a page, with plots of the joints, and the motion as data."""
-    blocks: list[doc.Block] = [doc.Verdict("good", _shown(found), (_compared(found),))]
+    blocks: list[doc.Block] = [excitation_verdict(found)]
     if pictures:
         from robodyn.report.pictures.simulation import joint_figure
 
@@ -192,36 +189,20 @@ def excitation_page(found: Excitation, pictures: bool = True) -> doc.Document:
     return doc.page(found.model.name, what, blocks, excitation_sections(found), "Motion", files, how)
 
 
-def _shown(found: Excitation) -> str:
-    moving = sum(joint.moves for joint in found.joints)
-    return f"{found.model.name}: a motion of {count(moving, 'joint')} that shows {found.base.rank} base parameters"
-
-
-def _compared(found: Excitation) -> str:
-    own, plain = _words(found.information), _words(found.plain)
+def excitation_verdict(found: Excitation) -> doc.Verdict:
+    """Return how many parameters the motion shows, and how well beside plain waves."""
+    moving = count(sum(joint.moves for joint in found.joints), "joint")
+    own, plain = (
+        f"condition {each.condition:.3g}, log-determinant {each.log_determinant:.1f}"
+        for each in (found.information, found.plain)
+    )
+    beside = f"{own}; plain waves of this period and these limits"
     if found.plain.rank < found.base.rank:
-        return f"{own}; plain waves of this period and these limits show {found.plain.rank} of them"
-    gain = f"standard errors are {figure(found.gain)} times smaller, in the geometric mean"
-    return f"{own}; plain waves of this period and these limits: {plain}; {gain}"
-
-
-def _words(information: Information) -> str:
-    return f"condition {information.condition:.3g}, log-determinant {information.log_determinant:.1f}"
-
-
-def _joint(joint: JointSwing) -> tuple[str, ...]:
-    unit = "m" if joint.unit == "N" else "rad"
-    names = ("speed", "acceleration", "effort")
-    used = [use(getattr(joint, name), getattr(joint, f"{name}_limit")) for name in names]
-    noise = f"{joint.noise:.3g} {joint.unit}"
-    if not joint.moves:
-        return (joint.name, f"{joint.centre:.3f}", "held", unit, "-", "-", used[2], noise)
-    return (joint.name, f"{joint.least:.3f}", f"{joint.largest:.3f}", unit, *used, noise)
-
-
-def _parameter(group: str, value: float, error: float) -> tuple[str, ...]:
-    relative = 100.0 * error / abs(value) if value else inf
-    return (group, figure(value, 4), figure(error, 2), f"{figure(relative, 2)}%" if relative < 1e3 else "-")
+        beside += f" show {found.plain.rank} of them"
+    else:
+        beside += f": {plain}; standard errors are {figure(found.gain)} times smaller, in the geometric mean"
+    shown = f"{found.model.name}: a motion of {moving} that shows {found.base.rank} base parameters"
+    return doc.Verdict("good", shown, (beside,))
 
 
 def excitation_json(found: Excitation) -> str:
@@ -235,19 +216,11 @@ def excitation_json(found: Excitation) -> str:
     return doc.written(
         doc.select(
             found,
-            "robot:model.name period:series.period harmonics:series.harmonics rate rows joints base_parameters rank "
-            "condition log_determinant plain gain invisible warnings:notes",
+            "robot:model.name period:series.period harmonics:series.harmonics rate rows joints base_parameters "
+            "rank:information.rank condition:information.condition? log_determinant:information.log_determinant? "
+            "plain[rank condition? log_determinant?] gain? invisible warnings:notes",
             rows=found.motion.shape[1],
             base_parameters=parameters,
-            **_told(found.information),
-            plain=_told(found.plain),
-            gain=doc.finite(found.gain),
             invisible=[base.names[k] for k in base.invisible],
         )
     )
-
-
-def _told(information: Information) -> dict[str, Any]:
-    """Return numbers, null where not all parameters are shown."""
-    known = {name: doc.finite(getattr(information, name)) for name in ("condition", "log_determinant")}
-    return {"rank": information.rank, **known}

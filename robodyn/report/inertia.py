@@ -19,9 +19,11 @@ from robodyn.support.wording import count
 
 if TYPE_CHECKING:
     from robodyn.checks.check import Checked
+    from robodyn.programs.vectors import Array
     from robodyn.robot.masses.declared import LinkInertia, RobotInertia
     from robodyn.robot.masses.shapes import Comparison, LinkShapes
     from robodyn.solids.mass_properties import Combination
+    from robodyn.solids.mesh.symmetry_search import Axis, Plane
 
 
 AXES = ("x", "y", "z")
@@ -33,32 +35,29 @@ _MOST = 9
 def inertia_sections(parts: Sequence[Part], view: View) -> Iterator[Section]:
     """Yield of each part mass, centre, inertia as the view asks for it, principal moments, errors, warnings."""
     for part in parts:
+        reach = float(np.abs((part.lo, part.hi)).max())
         size = " x ".join(number(x) for x in part.hi - part.lo)
         state = "closed" if part.closed else "not closed"
         yield [Paragraph(f"{printable(part.name)}: {count(part.triangles, 'triangle')}, {state}, {size} m")]
-        yield [amounts(part.body, _reach(part), ", at an assumed density" if part.assumed else "", part.body.area)]
+        yield [amounts(part.body, reach, ", at an assumed density" if part.assumed else "", part.body.area)]
         yield from inertia_tables(part.body, view)
-        yield _symmetry(part)
-        errors = (
+        yield _symmetry(part, reach)
+        lines = [
             f"relative error of the volume: arithmetic {part.arithmetic:.0e} ({part.method}), "
             f"rounding of the file at most {part.rounding:.0e}"
-        )
-        repairs = [
-            f"{step.what}; volume {number(step.volume_before)} to {number(step.volume_after)} m^3"
-            for step in part.repairs
         ]
-        union = [] if part.union is None else [f"holes and overlaps: relative error at most {part.union:.0e}"]
-        more = paragraphs([*union, *_tessellation(part), *part.notes])
-        yield [Paragraph(errors), *remarks("repaired", repairs), *more, *remarks("warning", part.warnings)]
+        repairs = []
+        for step in part.repairs:
+            volumes = f"volume {number(step.volume_before)} to {number(step.volume_after)} m^3"
+            repairs.append(f"{step.what}; {volumes}")
+        if part.union is not None:
+            lines.append(f"holes and overlaps: relative error at most {part.union:.0e}")
+        first, *more = paragraphs([*lines, *_tessellation(part, reach), *part.notes])
+        yield [first, *remarks("repaired", repairs), *more, *remarks("warning", part.warnings)]
 
 
 def amounts(body: MassProperties, reach: float = 0.0, remark: str = "", area: float | None = None) -> Facts:
-    """Return mass, volume, area, density and mass centre as far as they are known.
-
-    Args:
-        reach: beside which a coordinate vanishes [m].
-        remark: behind the mass; area: [m^2] where it is to be told.
-    """
+    """Return mass with a remark, volume, area [m^2], density and mass centre, 0 beside `reach` [m], as far as known."""
     found = (("volume", body.volume, "m^3"), ("area", area, "m^2"), ("density", body.density, "kg/m^3"))
     items = [("mass", f"{number(body.mass)} kg{remark}")]
     items += [(name, f"{number(value)} {unit}") for name, value, unit in found if value is not None]
@@ -78,21 +77,19 @@ def inertia_tables(body: MassProperties, view: View) -> Iterator[Section]:
     yield [moments, *paragraphs([principal.remark] if principal.remark else [])]
 
 
-def _symmetry(part: Part) -> Section:
+def _symmetry(part: Part, reach: float) -> Section:
     """Return planes and axes that hold or nearly do, and products that are 0 by them; nothing if none were sought."""
-    found, reach, rows = part.symmetry, _reach(part), []
+    found, rows = part.symmetry, []
     if found is None:
         return []
-    from robodyn.solids.mesh.symmetry_search import Axis, Plane
-
-    things: list[Plane | Axis] = [*found.planes, *found.axes]
-    for thing in things:
+    things: list[tuple[str, Array, str, Plane | Axis]] = [
+        ("plane", plane.normal, number(plane.offset, reach), plane) for plane in found.planes
+    ]
+    for axis in found.axes:
+        name = "axis of revolution" if axis.fold == inf else f"axis, {axis.fold:.0f}-fold"
+        things.append((name, axis.direction, point_text(axis.point, reach), axis))
+    for name, direction, place, thing in things:
         if thing.verdict != "none":
-            if isinstance(thing, Plane):
-                name, direction, place = "plane", thing.normal, number(thing.offset, reach)
-            else:
-                name = "axis of revolution" if thing.fold == inf else f"axis, {thing.fold:.0f}-fold"
-                direction, place = thing.direction, point_text(thing.point, reach)
             along = ", ".join(f"{x + 0.0:.4g}" for x in direction.round(9))
             rows.append((name, f"({along})", f"{place} m", _short(thing.asymmetry, 1.0), thing.verdict))
     if not rows:
@@ -109,7 +106,7 @@ def _symmetry(part: Part) -> Section:
     return [Table("Symmetry", head, rows[:_MOST]), *paragraphs(lines)]
 
 
-def _tessellation(part: Part) -> Sequence[str]:
+def _tessellation(part: Part, reach: float) -> Sequence[str]:
     """Return how far facets leave the numbers from those of a smooth body; nothing where they were not asked."""
     found, smooth = part.tessellation, part.corrected
     if found is None or smooth is None:
@@ -126,13 +123,9 @@ def _tessellation(part: Part) -> Sequence[str]:
         "tessellation: if facets are meant flat, nothing is missing; if they stand for smooth faces, the volume is off "
         f"by up to {meant[0]}, the inertia by {meant[1]}, the centre of mass by {meant[2]}",
         f"with smooth faces through the corners: volume {number(smooth.volume or 0.0)} m^3, "
-        f"principal moments {moments} kg m^2, centre of mass {point_text(smooth.com, _reach(part))} m",
+        f"principal moments {moments} kg m^2, centre of mass {point_text(smooth.com, reach)} m",
         f"if the corners are on them: volume {volume}; inertia {inertia}; centre of mass {centre}",
     )
-
-
-def _reach(part: Part) -> float:
-    return float(np.abs((part.lo, part.hi)).max())
 
 
 def _short(value: float, scale: float) -> str:
@@ -146,10 +139,6 @@ def _percent(share: float) -> str:
 
 _HEAD = ("mass [kg]", "share [%]")
 _PLACED = tuple(f"{axis} [m]" for axis in AXES)
-_COMPARED = (
-    *("link", "difference [%]", "mass [kg]", "density [kg/m^3]", "centres apart [m]"),
-    *("I_1 ratio", "I_2 ratio", "I_3 ratio", "remarks"),
-)
 
 
 def combination_sections(found: Combination, view: View) -> Iterator[Section]:
@@ -182,13 +171,8 @@ def robot_sections(found: RobotInertia, view: View, checked: Checked) -> Iterato
     at = ", ".join(f"{name} {value:.6g}" for name, value in found.at.items()) or "no joint moves"
     what = f"{found.massive} of {found.count} links with mass, in the frame of the base"
     yield paragraphs([f"{printable(found.file)}: robot '{printable(found.name)}', {what}", f"at {at}"])
-    yield [
-        Table(
-            "Links by mass, with their centres of mass",
-            ("link", *_HEAD, *_PLACED, "slack"),
-            [rows[k] for k in heaviest],
-        )
-    ]
+    head = ("link", *_HEAD, *_PLACED, "slack")
+    yield [Table("Links by mass, with their centres of mass", head, [rows[k] for k in heaviest])]
     yield [amounts(found.body, reach)]
     yield from inertia_tables(found.body, view)
     verdicts = [_physical(validity(found.body), " as a whole"), _checked(checked)]
@@ -214,27 +198,30 @@ def link_shapes_sections(file: str, found: LinkShapes, view: View) -> Iterator[S
 
 def comparison_sections(found: Comparison) -> Iterator[Section]:
     """Yield a table, the most different link first; remarks link by link; what could not be compared, and why."""
-    pairs = [(link, link.difference) for link in found.links if link.difference is not None]
-    rest = [f"{link.name} (line {link.line}): {link.reason}" for link in found.links if link.difference is None]
-    lines = [f"{link.name} (line {link.line}): {text}" for link in found.links for text in link.remarks]
-    what = f"declared inertias against the <{found.kind}> shapes at the declared masses"
-    of = f"{len(pairs)} of {len(found.links)} links"
-    yield [Paragraph(f"{printable(found.file)}: robot '{printable(found.name)}', {what}, {of}")]
-    if pairs:
-        from robodyn.robot.masses.shapes import UNCERTAIN
+    from robodyn.robot.masses.shapes import UNCERTAIN
 
-        rows = []
-        for link, difference in pairs:
-            row = [link.name, f"{100 * difference.inertia:.3g}" if difference.inertia > UNCERTAIN else "0"]
-            row += [number(difference.body.mass), number(difference.density)]
-            row.append(number(difference.distance, float(np.abs(difference.shapes.box).max())))
-            row += map(number, difference.ratios)
-            rows.append([*row, f"{len(link.remarks)} below" if link.remarks else "-"])
+    rows, lines, rest = [], [], []
+    for link in found.links:
+        difference, place = link.difference, f"{link.name} (line {link.line})"
+        lines += [f"{place}: {text}" for text in link.remarks]
+        if difference is None:
+            rest.append(f"{place}: {link.reason}")
+            continue
+        row = [link.name, f"{100 * difference.inertia:.3g}" if difference.inertia > UNCERTAIN else "0"]
+        row += [number(difference.body.mass), number(difference.density)]
+        row.append(number(difference.distance, float(np.abs(difference.shapes.box).max())))
+        row += map(number, difference.ratios)
+        rows.append([*row, f"{len(link.remarks)} below" if link.remarks else "-"])
+    what = f"declared inertias against the <{found.kind}> shapes at the declared masses"
+    of = f"{len(rows)} of {len(found.links)} links"
+    yield [Paragraph(f"{printable(found.file)}: robot '{printable(found.name)}', {what}, {of}")]
+    if rows:
         legend = (
             "difference: |I_declared - I_shapes| / |I_shapes| about the centres of mass; "
             "ratios: declared over shapes' principal moments"
         )
-        yield [Table("", _COMPARED, rows), Paragraph(legend)]
+        head = ["link", "difference [%]", "mass [kg]", "density [kg/m^3]", "centres apart [m]"]
+        yield [Table("", [*head, "I_1 ratio", "I_2 ratio", "I_3 ratio", "remarks"], rows), Paragraph(legend)]
     for title, part in (("Remarks", lines), ("Not compared", rest)):
         yield paragraphs([title, *part] if part else [])
 

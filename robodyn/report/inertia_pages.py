@@ -28,7 +28,7 @@ from robodyn.solids.mass_properties import Part
 if TYPE_CHECKING:
     from robodyn.checks.check import Checked
     from robodyn.robot.masses.declared import LinkInertia, RobotInertia
-    from robodyn.robot.masses.shapes import Comparison, LinkComparison, LinkShapes
+    from robodyn.robot.masses.shapes import Comparison, LinkShapes
     from robodyn.robot.urdf.parts import Description
     from robodyn.solids.mass_properties import Combination
 
@@ -57,7 +57,7 @@ def robot_json(found: RobotInertia, view: View, checked: Checked) -> str:
     from robodyn.report.check import check_data
 
     links = [{**_declared_json(link), "pose": _pose(link.pose), "com_in_base": link.placed.com} for link in found.links]
-    rest = {"validity": validity_data(validity(found.body)), "check": check_data(checked), "links": links}
+    rest = {"validity": _validity(validity(found.body)), "check": check_data(checked), "links": links}
     keys = "validity check links_with_mass:massive links warnings"
     whole = body_data(found.body, view)
     return doc.written({**doc.select(found, "robot:name file at"), **whole, **doc.select(found, keys, **rest)})
@@ -73,18 +73,31 @@ def link_json(robot: str, found: LinkInertia, view: View, checked: Checked) -> s
 
 def link_shapes_json(robot: str, found: LinkShapes, view: View) -> str:
     """Return what the shapes of a link make."""
-    meshes, valid = [part.name for part in found.shapes.parts], validity_data(validity(found.body))
-    of, keys = (
-        doc.select(found, "link:name line geometry:kind"),
-        "validity box:shapes.box meshes warnings:shapes.remarks",
-    )
+    meshes, valid = [part.name for part in found.shapes.parts], _validity(validity(found.body))
+    keys = "validity box:shapes.box meshes warnings:shapes.remarks"
     rest = doc.select(found, keys, validity=valid, meshes=meshes)
+    of = doc.select(found, "link:name line geometry:kind")
     return doc.written({"robot": robot, **of, **body_data(found.body, view), **rest})
 
 
 def comparison_json(found: Comparison) -> str:
     """Return all links, the most different first, then those that could not be compared, with the reason."""
-    links = list(map(_compared, found.links))
+    links = []
+    for link in found.links:
+        declared, difference, derived = link.declared, link.difference, None
+        if difference:
+            meshes = [part_data(part) for part in difference.shapes.parts]
+            derived = {**body_data(difference.body), "box": doc.encode(difference.shapes.box), "meshes": meshes}
+        keys = "shape line size filename file scale xyz:origin.xyz rpy:origin.rpy"
+        one = doc.select(
+            link,
+            "link:name line shapes declared derived difference[density? com_distance:distance com_offset:offset "
+            "moment_ratios:ratios? inertia box_spread:room?] reason remarks",
+            shapes=[doc.select(each.geometry, keys, file=each.path) for each in link.shapes],
+            declared=declared and {**body_data(declared.body), "validity": _validity(declared.validity)},
+            derived=derived,
+        )
+        links.append(one)
     return doc.written(doc.select(found, "robot:name file geometry:kind links", links=links))
 
 
@@ -97,68 +110,40 @@ def body_data(body: MassProperties, view: View = COM) -> dict[str, Any]:
 
 
 def part_data(part: Part, view: View = COM) -> dict[str, Any]:
-    """Return what there is to say of one mesh."""
-    error: dict[str, Any] = {"arithmetic": doc.finite(part.arithmetic), "rounding": doc.finite(part.rounding)}
-    error |= {"tessellation": _tessellation_json(part), "union": part.union}
-    keys = "symmetry box closed repairs error arithmetic:method notes warnings"
-    more = doc.select(part, keys, symmetry=_symmetry_json(part), box=Box(part.lo, part.hi), error=error)
-    return {**doc.select(part, "name triangles"), **body_data(part.body, view), **more}
-
-
-def _symmetry_json(part: Part) -> dict[str, Any] | None:
-    """Return planes, axes and products [kg m^2]; the fold of an axis of revolution is null."""
-    found, density, keys = part.symmetry, part.body.density or 0.0, "axes computed relative zero_by_symmetry:zero"
-    if found is None:
-        return None
-    products = [doc.select(each, keys, computed=-each.residual * density) for each in found.products]
-    keys = "planes[normal offset asymmetry verdict] axes[direction point fold? asymmetry verdict] products"
-    return doc.select(found, keys, products=products)
-
-
-def _tessellation_json(part: Part) -> dict[str, Any] | None:
-    """Return numbers of the mesh beside those of the smooth body.
+    """Return what there is to say of one mesh: planes, axes (the fold of one of revolution is null) and products
+    [kg m^2] of its symmetry; numbers of the mesh beside those of the smooth body.
 
     Bars are relative, of the centre in metres; null where nothing can be said. `bar_corners_on_surface` is that of the
     corrected numbers if the corners lie on the smooth surface, `bar_corrected` wherever they lie.
     """
-    found, smooth = part.tessellation, part.corrected
-    if found is None or smooth is None:
-        return None
-    data: dict[str, Any] = {"volume": {"mesh": part.body.volume}, "inertia": {}, "com": {}}
-    bars = {"bar": found.mesh, "bar_corrected": found.rest, "bar_corners_on_surface": found.on_surface}
-    for name, scale in (("volume", 1.0), ("inertia", 1.0), ("com", part.body.gyration)):
-        data[name]["corrected"], attribute = getattr(smooth, name), "centre" if name == "com" else name
-        data[name] |= {key: doc.finite(scale * getattr(each, attribute)) for key, each in bars.items()}
-    return data
+    symmetry: dict[str, Any] | None = None
+    if part.symmetry is not None:
+        density, keys = part.body.density or 0.0, "axes computed relative zero_by_symmetry:zero"
+        products = [doc.select(each, keys, computed=-each.residual * density) for each in part.symmetry.products]
+        keys = "planes[normal offset asymmetry verdict] axes[direction point fold? asymmetry verdict] products"
+        symmetry = doc.select(part.symmetry, keys, products=products)
+    found, smooth, tessellation = part.tessellation, part.corrected, None
+    if found is not None and smooth is not None:
+        tessellation = {"volume": {"mesh": part.body.volume}, "inertia": {}, "com": {}}
+        bars = {"bar": found.mesh, "bar_corrected": found.rest, "bar_corners_on_surface": found.on_surface}
+        for name, scale in (("volume", 1.0), ("inertia", 1.0), ("com", part.body.gyration)):
+            attribute = "centre" if name == "com" else name
+            own = {key: doc.finite(scale * getattr(each, attribute)) for key, each in bars.items()}
+            tessellation[name] |= {"corrected": getattr(smooth, name), **own}
+    error: dict[str, Any] = {"arithmetic": doc.finite(part.arithmetic), "rounding": doc.finite(part.rounding)}
+    error |= {"tessellation": tessellation, "union": part.union}
+    keys = "symmetry box closed repairs error arithmetic:method notes warnings"
+    more = doc.select(part, keys, symmetry=symmetry, box=Box(part.lo, part.hi), error=error)
+    return {**doc.select(part, "name triangles"), **body_data(part.body, view), **more}
 
 
-def validity_data(found: Validity) -> dict[str, Any]:
-    """Return whether a body can exist, with the margin."""
+def _validity(found: Validity) -> dict[str, Any]:
     return doc.select(found, "physical slack faults", physical=not found.faults)
 
 
 def _declared_json(link: LinkInertia, view: View = COM) -> dict[str, Any]:
-    return {
-        **doc.select(link, "link:name line"),
-        **body_data(link.body, view),
-        "validity": validity_data(link.validity),
-    }
-
-
-def _compared(link: LinkComparison) -> dict[str, Any]:
-    declared, difference, derived = link.declared, link.difference, None
-    if difference:
-        meshes = [part_data(part) for part in difference.shapes.parts]
-        derived = {**body_data(difference.body), "box": doc.encode(difference.shapes.box), "meshes": meshes}
-    keys = "shape line size filename file scale xyz:origin.xyz rpy:origin.rpy"
-    return doc.select(
-        link,
-        "link:name line shapes declared derived difference[density? com_distance:distance com_offset:offset "
-        "moment_ratios:ratios? inertia box_spread:room?] reason remarks",
-        shapes=[doc.select(each.geometry, keys, file=each.path) for each in link.shapes],
-        declared=declared and {**body_data(declared.body), "validity": validity_data(declared.validity)},
-        derived=derived,
-    )
+    own = doc.select(link, "link:name line")
+    return {**own, **body_data(link.body, view), "validity": _validity(link.validity)}
 
 
 def _pose(pose: Sequence[Any]) -> dict[str, Any]:
@@ -176,10 +161,23 @@ def parts_page(outcomes: Sequence[Part | MeshError], view: View, shapes: Sequenc
         shapes: the triangles (m, 3, 3) of each part [m], None for those without a picture.
     """
     parts = [each for each in outcomes if isinstance(each, Part)]
-    failures = [each for each in outcomes if isinstance(each, MeshError)]
+    failures = [f"{each}." for each in outcomes if isinstance(each, MeshError)]
     failed = f"{len(failures)} of {len(outcomes)} meshes failed"
-    blocks: list[doc.Block] = [doc.Verdict("bad", failed, tuple(f"{each}." for each in failures))] if failures else []
-    blocks.append(_verdict(parts))
+    blocks: list[doc.Block] = [doc.Verdict("bad", failed, tuple(failures))] if failures else []
+    open_ones = ", ".join(printable(part.name) for part in parts if not part.closed)
+    doubts = [f"{printable(part.name)}: {text}." for part in parts for text in part.warnings]
+    repairs = [f"{printable(part.name)}: repaired, {step.what}." for part in parts for step in part.repairs]
+    error = max(max(part.arithmetic, part.rounding, part.union or 0.0) for part in parts)
+    reasons = [f"The volume holds within {error:.0e} of itself, for the surface as the file has it.", *repairs, *doubts]
+    if any(part.assumed for part in parts):
+        reasons.append("The density is assumed: --density or --mass says what it is.")
+    level: doc.Level = "bad" if open_ones else "doubtful" if doubts or repairs else "good"
+    headlines = {
+        "bad": f"Not closed, so that the mass is not definite: {open_ones}",
+        "doubtful": "Mass and inertia, with repairs or doubts",
+        "good": f"{'Closed' if len(parts) == 1 else 'All closed'} and without faults",
+    }
+    blocks.append(doc.Verdict(level, headlines[level], tuple(reasons)))
     for k, (part, triangles) in enumerate(zip(parts, shapes, strict=True)):
         blocks += _solid(PurePath(part.name).name, part.body, triangles, f"mesh {k}")
     title = PurePath(parts[0].name).name if len(outcomes) == 1 else "Meshes"
@@ -209,19 +207,16 @@ def robot_page(
     found: RobotInertia, description: Description, view: View, checked: Checked, pictures: bool
 ) -> doc.Document:
     """Return the whole robot, its joints locked."""
-    figures: list[doc.Block] = []
+    first: list[doc.Block] = [_possible(found.body, found.warnings, checked)]
     if pictures:
         from robodyn.report.pictures.robot import robot_figure, shapes_of
         from robodyn.robot.kinematics import configuration
         from robodyn.robot.load import assemble
 
-        model = assemble(description)
+        model, shapes = assemble(description), shapes_of(description)[0]
         q = configuration(model, found.at)
-        figures.append(
-            doc.Gallery((robot_figure(model, q, "", "this configuration", shapes_of(description)[0], "robot"),))
-        )
+        first.append(doc.Gallery((robot_figure(model, q, "", "this configuration", shapes, "robot"),)))
     what = f"Mass properties of the whole robot, {found.massive} of {found.count} links with mass"
-    first = [_possible(found.body, found.warnings, checked), *figures]
     return _page(found.name, what, first, robot_sections(found, view, checked), robot_json(found, view, checked))
 
 
@@ -284,12 +279,7 @@ def _link(description: Description, found: LinkInertia | LinkShapes, pictures: b
 
 
 def _possible(body: MassProperties, doubts: Sequence[str], checked: Checked | None = None) -> doc.Verdict:
-    """Return whether a body can exist; no better than what the check says of its description.
-
-    Args:
-        doubts: what is doubtful about it.
-        checked: what a check found in the description that it is declared in.
-    """
+    """Return whether a body can exist, and what is doubtful; no better than what a check of its description found."""
     faults = validity(body).faults if body.mass or body.S_c.any() else ()
     if checked is not None:
         from robodyn.report.check import check_line, check_verdict
@@ -303,18 +293,3 @@ def _possible(body: MassProperties, doubts: Sequence[str], checked: Checked | No
         return doc.Verdict("bad", "No body can have this mass and inertia", (*faults, *doubts))
     sure = "Physically possible"
     return doc.Verdict("doubtful", f"{sure}, with doubts", tuple(doubts)) if doubts else doc.Verdict("good", sure)
-
-
-def _verdict(parts: Sequence[Part]) -> doc.Verdict:
-    open_ones = ", ".join(printable(part.name) for part in parts if not part.closed)
-    doubts = [f"{printable(part.name)}: {text}." for part in parts for text in part.warnings]
-    repairs = [f"{printable(part.name)}: repaired, {step.what}." for part in parts for step in part.repairs]
-    error = max(max(part.arithmetic, part.rounding, part.union or 0.0) for part in parts)
-    reasons = [f"The volume holds within {error:.0e} of itself, for the surface as the file has it.", *repairs, *doubts]
-    if any(part.assumed for part in parts):
-        reasons.append("The density is assumed: --density or --mass says what it is.")
-    if open_ones:
-        return doc.Verdict("bad", f"Not closed, so that the mass is not definite: {open_ones}", tuple(reasons))
-    if doubts or repairs:
-        return doc.Verdict("doubtful", "Mass and inertia, with repairs or doubts", tuple(reasons))
-    return doc.Verdict("good", f"{'Closed' if len(parts) == 1 else 'All closed'} and without faults", tuple(reasons))

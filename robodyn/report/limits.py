@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from robodyn.loads.result import Result
-from robodyn.report.document import Block, Level, Paragraph, Section, Table, Verdict, paragraphs
-from robodyn.report.table import Content, first_names, is_noise, number, printable
-from robodyn.robot.limits import Coverage, Excess, Reached, Unchecked
+from robodyn.report.document import Level, Paragraph, Section, Table, Verdict, paragraphs, select
+from robodyn.report.table import first_names, is_noise, number, printable
+from robodyn.robot.limits import Coverage, Excess, Reached
 from robodyn.support.caveats import Caveat
 from robodyn.support.floats import ranked, steady
 from robodyn.support.wording import count
@@ -22,12 +22,6 @@ LINES = 15
 """So many limits are named at the top of a page."""
 _NAMES = 4
 """So many joints are named of those that have no limit."""
-
-
-def limits_verdict(result: Simulation) -> Verdict:
-    """Return whether a simulated motion keeps to the limits of the description, as far as that was checked."""
-    nearest = tuple(nearest_limits(result.joints))
-    return verdict_on_limits(len(result.joints), result.exceeded, result.limits, result.caveats, nearest)
 
 
 def verdict_on_limits(
@@ -61,29 +55,24 @@ def verdict_on_limits(
 
 
 def unchecked_words(limits: Sequence[Coverage]) -> tuple[str, ...]:
-    """Return a sentence for each quantity of which joints have no limit."""
+    """Return a sentence for each quantity of which joints have no limit: none is given, 0, or a huge number."""
     lines = []
     for each in limits:
         if each.unchecked:
+            silent = [one.joint for one in each.unchecked if one.given is None]
+            zero = [one.joint for one in each.unchecked if one.given is not None and one.given <= 0.0]
+            huge = {one.joint: one.given for one in each.unchecked if one.given is not None and one.given > 0.0}
+            least = f"{min(huge.values(), default=0.0):g}{' or more' if len(set(huge.values())) > 1 else ''}"
+            words = {"": silent, "0, which means none, for ": zero, f"{least}, which limits nothing, for ": list(huge)}
+            who = "; ".join(f"{why}{first_names(names, _NAMES)}" for why, names in words.items() if names)
             count = f"{len(each.unchecked)} of {len(each.unchecked) + len(each.checked)} joints"
-            who = "; ".join(_without(each.unchecked))
             lines.append(f"{count} have no {each.quantity} limit: not checked ({who}).")
     return tuple(lines)
 
 
-def _without(unchecked: Sequence[Unchecked]) -> Iterator[str]:
-    """Return the joints without a limit: those of which the description says nothing, 0, or a huge number."""
-    silent = [each.joint for each in unchecked if each.given is None]
-    zero = [each.joint for each in unchecked if each.given is not None and each.given <= 0.0]
-    huge = {each.joint: each.given for each in unchecked if each.given is not None and each.given > 0.0}
-    least = f"{min(huge.values(), default=0.0):g}{' or more' if len(set(huge.values())) > 1 else ''}"
-    for names, why in (
-        (silent, ""),
-        (zero, "0, which means none, for "),
-        (list(huge), f"{least}, which limits nothing, for "),
-    ):
-        if names:
-            yield f"{why}{first_names(names, _NAMES)}"
+def limits_data(limits: Sequence[Coverage]) -> dict[str, Any]:
+    """Return by quantity the joints whose limits were checked, and those without, with what is given instead."""
+    return {each.quantity: select(each, "checked unchecked") for each in limits}
 
 
 def shortened(lines: list[str]) -> tuple[str, ...]:
@@ -125,12 +114,9 @@ def offenders_first(result: Result) -> Result:
 def worst_joint(result: Result) -> int | None:
     """Return the joint that uses most of its effort limit; the one with the largest peak where there are none."""
     joints = result.joints
-    if not joints:
-        return None
     limited = [k for k, joint in enumerate(joints) if joint.effort_limit]
-    return ranked(
-        limited or range(len(joints)), key=lambda k: effort_use(joints[k]) if limited else abs(joints[k].peak)
-    )[0]
+    key = (lambda k: effort_use(joints[k])) if limited else (lambda k: abs(joints[k].peak))
+    return next(iter(ranked(limited or range(len(joints)), key)), None)
 
 
 def effort_use(joint: Reached) -> float:
@@ -150,23 +136,16 @@ def nearest_limits(joints: Sequence[Reached]) -> Iterator[str]:
             yield f"Nearest to its limit of {what} is {printable(joint.name)}, at {100 * use(joint):.0f} % of it."
 
 
+def limits_verdict(result: Simulation) -> Verdict:
+    """Return whether a simulated motion keeps to the limits of the description, as far as that was checked."""
+    nearest = tuple(nearest_limits(result.joints))
+    return verdict_on_limits(len(result.joints), result.exceeded, result.limits, result.caveats, nearest)
+
+
 def limits_section(result: Simulation) -> Section:
     """Return the verdict's headline, or a table of what is exceeded, and what could not be checked."""
     exceeded = exceeded_section(result) or [Paragraph(f"{limits_verdict(result).headline}.")]
     return [*exceeded, *paragraphs(unchecked_words(result.limits))]
-
-
-def exceeded_table(exceeded: Sequence[Excess]) -> Content:
-    """Return the limits that are exceeded, joint by joint."""
-    found: dict[str, dict[str, list[str]]] = {}
-    for excess in exceeded:
-        found.setdefault(excess.joint, {}).setdefault(excess.quantity, []).append(
-            f"{excess.value:.6g} {excess.unit}, limit {excess.limit:.6g}"
-        )
-    quantities = [name for name in ("effort", "velocity", "position") if any(name in row for row in found.values())]
-    return ("joint", *quantities), [
-        (joint, *("; ".join(row.get(name, ())) for name in quantities)) for joint, row in found.items()
-    ]
 
 
 def use(value: float, limit: float | None) -> str:
@@ -189,9 +168,19 @@ class _Excess(NamedTuple):
 def torques_verdict(result: Result) -> Verdict:
     """Return the verdict: bad if a limit of robot, motor or gear is exceeded or an accuracy that was asked for is not
     met; doubtful, neutral or good as `verdict_on_limits` has it."""
-    over, sizing = sorted(_exceeded_things(result)), result.sizing
-    doubtful = tuple(caveat.text for caveat in result.caveats)
-    kept, accuracy = _kept(result), result.accuracy
+    over, sizing, unsure = sorted(_exceeded_things(result)), result.sizing, result.uncertainty
+    doubtful, nearest = tuple(caveat.text for caveat in result.caveats), tuple(nearest_limits(result.joints))
+    kept = verdict_on_limits(len(result.joints), (), result.limits, result.caveats, nearest)
+    if not any(each.checked for each in result.limits) and sizing and any(joint.motor for joint in sizing.joints):
+        clauses = ", ".join(caveat.kind for caveat in result.caveats)
+        headline = f"No limit of a motor or gear is exceeded, and the description gives none {clauses}".strip()
+        kept = replace(kept, headline=headline)
+    if unsure is not None and unsure.suffices is not None:
+        from robodyn.report.sizing import probability
+
+        said = f"All limits are kept with {probability(unsure.suffices)}."
+        kept = replace(kept, reasons=(said, *kept.reasons))
+    accuracy = result.accuracy
     unmet = () if accuracy is None or accuracy.met else (f"The accuracy asked for is not met: {accuracy.said}.",)
     if over:
         names = {each.joint for each in over}
@@ -200,7 +189,7 @@ def torques_verdict(result: Result) -> Verdict:
         verb = "asks" if one else "ask"
         does = f"{verb} more than motors, gears or limits bear" if motors else "exceeds its" if one else "exceed their"
         lines = shortened([each.line for each in over])
-        unchecked = [line for line in kept.reasons if line not in (*doubtful, *nearest_limits(result.joints))]
+        unchecked = [line for line in kept.reasons if line not in (*doubtful, *nearest)]
         return Verdict("bad", f"{who} {does}{'' if motors else ' limits'}", (*lines, *unmet, *doubtful, *unchecked))
     if unmet:
         return Verdict("bad", "The accuracy asked for is not met", (*unmet, *kept.reasons))
@@ -221,17 +210,17 @@ def verdict_section(result: Result) -> Section:
 
 
 def exceeded_section(result: Result | Simulation) -> Section:
-    """Return a table of the limits of the description that are exceeded; nothing without."""
+    """Return a table of the limits of the description that are exceeded, joint by joint; nothing without."""
     if not result.exceeded:
         return ()
-    head, rows = exceeded_table(result.exceeded)
-    return [Table(f"LIMITS EXCEEDED by {len(rows)} of {count(len(result.joints), 'joint')}", head, rows)]
-
-
-def accuracy_blocks(result: Result) -> Iterator[Block]:
-    """Yield what became of an accuracy that was asked for."""
-    if result.accuracy:
-        yield Paragraph(f"accuracy: {'' if result.accuracy.met else 'NOT MET: '}{result.accuracy.said}")
+    found: dict[str, dict[str, list[str]]] = {}
+    for excess in result.exceeded:
+        cell = f"{excess.value:.6g} {excess.unit}, limit {excess.limit:.6g}"
+        found.setdefault(excess.joint, {}).setdefault(excess.quantity, []).append(cell)
+    quantities = [name for name in ("effort", "velocity", "position") if any(name in row for row in found.values())]
+    rows = [(joint, *("; ".join(row.get(name, ())) for name in quantities)) for joint, row in found.items()]
+    title = f"LIMITS EXCEEDED by {len(rows)} of {count(len(result.joints), 'joint')}"
+    return [Table(title, ("joint", *quantities), rows)]
 
 
 def _exceeded_things(result: Result) -> Iterator[_Excess]:
@@ -250,19 +239,3 @@ def _exceeded_things(result: Result) -> Iterator[_Excess]:
                 times = each.value / each.limit if each.limit > 0.0 else float("inf")
                 line = f"{printable(joint.name)}: {in_words(each)}."
                 yield _Excess(each.level == "over continuous", -float(steady(times)), joint.name, line)
-
-
-def _kept(result: Result) -> Verdict:
-    nearest, sizing = tuple(nearest_limits(result.joints)), result.sizing
-    verdict = verdict_on_limits(len(result.joints), (), result.limits, result.caveats, nearest)
-    if not any(each.checked for each in result.limits) and sizing and any(joint.motor for joint in sizing.joints):
-        clauses = ", ".join(caveat.kind for caveat in result.caveats)
-        headline = f"No limit of a motor or gear is exceeded, and the description gives none {clauses}".strip()
-        verdict = replace(verdict, headline=headline)
-    unsure = result.uncertainty
-    if unsure is not None and unsure.suffices is not None:
-        from robodyn.report.uncertainty import probability
-
-        said = f"All limits are kept with {probability(unsure.suffices)}."
-        verdict = replace(verdict, reasons=(said, *verdict.reasons))
-    return verdict

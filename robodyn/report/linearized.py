@@ -6,10 +6,9 @@ from cmath import phase
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import ceil, inf, log10, pi
-from typing import Any
 
 from robodyn.equations.linearized.linearize import Linearized
-from robodyn.equations.linearized.modes import Mode, Modes
+from robodyn.equations.linearized.modes import Mode
 from robodyn.equations.ode import units_of
 from robodyn.report import document as doc
 from robodyn.report.limits import exceeded_words
@@ -29,8 +28,8 @@ _PICTURED = 12
 
 
 def linearized_sections(found: Linearized) -> Iterator[doc.Section]:
-    """Yield the state and what holds it, the modes, and the verdict."""
-    verdict = stability(found)
+    """Yield the state and what holds it, the modes, A and B where they are small enough to be read, and the verdict."""
+    verdict, modes = stability(found), found.modes.modes
     how = "an equilibrium" if found.balanced else "the state given"
     sizes = f"{count(len(found.states), 'state')}, {count(len(found.inputs), 'input')}"
     lines = [f"{found.robot}: linear about {how}, {sizes}"]
@@ -45,29 +44,43 @@ def linearized_sections(found: Linearized) -> Iterator[doc.Section]:
         step = f"steps of {found.step:.6g} s, inputs held in between"
         lines.append(f"A and B are those of {step}; modes are those of A before")
     yield doc.paragraphs(lines)
-    yield [doc.Table("State", ("joint", "q", "qd", "drive", "torque added", "unit"), _state(found))]
-    rows = [_row(found, mode) for mode in found.modes.modes]
-    error = max((mode.error for mode in found.modes.modes), default=0.0)
+    yield [_state_table(found)]
+    rows = []
+    for mode in modes:
+        value = f"{0.0 if mode.undecided else mode.real:.4g}" + (f" +- {mode.imag:.4g}i" if mode.oscillates else "")
+        waves = [f"{mode.frequency:.4g}", f"{mode.damping_ratio:.3g}"] if mode.oscillates else ["-", "-"]
+        time = "-" if mode.time_constant == inf else f"{mode.time_constant:.4g}"
+        rows.append([_kind(mode), *waves, time, value, moves(found.model.rates, mode)])
+    error = max((mode.error for mode in modes), default=0.0)
     above = f"1e{ceil(log10(error)):03d}" if error else "0"  # its digits are the processor's
     note = f"Eigenvalues are within {above} /s. What moves: rad or m of each joint per 1 of the first."
-    yield [doc.Table("Modes, the slowest first", _HEAD, rows, note)]
-    yield from _matrices(found)
+    head = ("mode", "frequency [Hz]", "damping ratio", "time constant [s]", "eigenvalue [1/s]", "what moves")
+    yield [doc.Table("Modes, the slowest first", head, rows, note)]
+    if len(found.states) > _PRINTED:
+        yield doc.paragraphs(["A and B are in --out FILE.npz and --format json."])
+    elif found.states:
+        law = "x' = A x + B u" if found.step is None else f"x(t + {found.step:.6g} s) = A x(t) + B u"
+        for name, M, over in (("A", found.A, found.states), ("B", found.B, found.inputs)):
+            half = len(M) // 2
+            scales = [abs(part).max(initial=0.0) for part in (M[:half], M[half:])]
+            cells = [[number(x, scales[k >= half]) for x in row] for k, row in enumerate(M.tolist())]
+            rows = [[state, *row] for state, row in zip(found.states, cells, strict=True)]
+            yield [doc.Table(f"{name} of {law}", ("", *over), rows)]
     yield doc.remarks("warning", found.warnings)
     yield doc.paragraphs([f"{verdict.headline}.", *verdict.reasons])
 
 
-def _matrices(found: Linearized) -> Iterator[doc.Section]:
-    """Yield A and B where they are small enough to be read."""
-    if not found.states or len(found.states) > _PRINTED:
-        yield doc.paragraphs(["A and B are in --out FILE.npz and --format json."] if found.states else [])
-        return
-    law = "x' = A x + B u" if found.step is None else f"x(t + {found.step:.6g} s) = A x(t) + B u"
-    for name, M, over in (("A", found.A, found.states), ("B", found.B, found.inputs)):
-        half = len(M) // 2
-        scales = [abs(part).max(initial=0.0) for part in (M[:half], M[half:])]
-        cells = [[number(x, scales[k >= half]) for x in row] for k, row in enumerate(M.tolist())]
-        rows = [(state, *row) for state, row in zip(found.states, cells, strict=True)]
-        yield [doc.Table(f"{name} of {law}", ("", *over), rows)]
+def _state_table(found: Linearized) -> doc.Table:
+    names, n = found.model.coordinates, len(found.qd)
+    floating, units = len(names) - n, units_of(found.model)
+    base = zip(names[: 7 * bool(floating)], found.q.tolist(), strict=False)
+    rows: list[tuple[str, ...]] = [(name, f"{x:.6g}", "", "", "", "") for name, x in base]
+    largest = float(max(abs(found.held).max(initial=0.0), abs(found.drive).max(initial=0.0)))
+    for k, name in enumerate(found.model.rates):
+        position = "" if k < 6 * bool(floating) else f"{found.q[k + floating]:.6g}"
+        given = (number(float(each[k]), largest) for each in (found.drive, found.held))
+        rows.append((name, position, f"{found.qd[k]:.6g}", *given, units[k]))
+    return doc.Table("State", ("joint", "q", "qd", "drive", "torque added", "unit"), rows)
 
 
 def linearized_page(found: Linearized, pictures: bool = True) -> doc.Document:
@@ -76,14 +89,17 @@ def linearized_page(found: Linearized, pictures: bool = True) -> doc.Document:
     if pictures:
         from robodyn.report.pictures.robot import mode_figure
 
-        modes = found.modes.modes
-        words = [f"{_figures(mode)}: {moves(found.model.rates, mode)}" for mode in modes[:_PICTURED]]
-        shown = [
-            mode_figure(found.model, found.q, mode.shape, said, f"mode {k}")
-            for k, (mode, said) in enumerate(zip(modes, words, strict=False))
-        ]
+        modes, figures = found.modes.modes, []
+        for k, mode in enumerate(modes[:_PICTURED]):
+            what = _kind(mode)
+            if mode.oscillates:
+                what = f"{mode.frequency:.4g} Hz, damping ratio {mode.damping_ratio:.3g}"
+            elif not mode.undecided:
+                what = f"{what}, time constant {mode.time_constant:.4g} s"
+            said = f"{what}: {moves(found.model.rates, mode)}"
+            figures.append(mode_figure(found.model, found.q, mode.shape, said, f"mode {k}"))
         some = [f"The slowest {_PICTURED} of {len(modes)} modes."] if len(modes) > _PICTURED else []
-        blocks += [doc.Heading("Mode shapes"), *doc.paragraphs(some), doc.Gallery(tuple(shown))]
+        blocks += [doc.Heading("Mode shapes"), *doc.paragraphs(some), doc.Gallery(tuple(figures))]
     files, how = [("linear.json", linearized_json(found))], "robodyn linearize --format json prints it"
     what = "Linear equations near a state, and modes"
     return doc.page(found.robot, what, blocks, linearized_sections(found), "Mode", files, how)
@@ -91,66 +107,34 @@ def linearized_page(found: Linearized, pictures: bool = True) -> doc.Document:
 
 def stability(found: Linearized) -> doc.Verdict:
     """Return whether the robot comes back after a small push, and how soon or how fast it goes."""
-    verdict = _stability(found.modes)
+    modes = found.modes.modes
+    if found.modes.verdict == "moving":
+        said = "No verdict on stability: the state moves"
+        verdict = doc.Verdict("neutral", said, ("The modes are those of this instant.",))
+    elif found.modes.verdict == "unstable":
+        fastest = max(modes, key=lambda mode: mode.real).time_constant
+        some = count(sum(mode.real > mode.error for mode in modes), "mode grows", "modes grow")
+        verdict = doc.Verdict("bad", f"Unstable: {some}", (f"The fastest grows by a factor of e in {fastest:.4g} s.",))
+    elif found.modes.verdict == "stable":
+        margin = found.modes.margin
+        assert margin is not None, "there are modes, and all are held"
+        slowest = f"The slowest decays to 1/e in {1 / margin:.4g} s, a margin of {margin:.4g} /s."
+        verdict = doc.Verdict("good", "Stable: every small push dies away", (slowest,))
+    else:
+        free = sum(mode.free for mode in modes)
+        steady = sum(mode.undecided and not mode.free for mode in modes)
+        words = [f"{count(free, 'mode is', 'modes are')} held by nothing"] if free else []
+        words += [f"{count(steady, 'mode is', 'modes are')} not damped within rounding"] if steady else []
+        verdict = doc.Verdict("doubtful", f"Neither stable nor unstable: {' and '.join(words)}")
     if found.exceeded:
         what = "The equilibrium is" if found.balanced else "The state is"
-        lines = tuple(f"{exceeded_words(excess)}" for excess in found.exceeded)
+        lines = map(exceeded_words, found.exceeded)
         apart = verdict.headline[0].lower() + verdict.headline[1:]
-        said = (*lines, f"Without limits: {apart}.", *verdict.reasons)
-        return doc.Verdict("bad", f"{what} beyond limits: the robot cannot stay there", said)
+        reasons = (*lines, f"Without limits: {apart}.", *verdict.reasons)
+        return doc.Verdict("bad", f"{what} beyond limits: the robot cannot stay there", reasons)
     if not found.held.any() or not found.motion.at_rest:
         return verdict
     return replace(verdict, reasons=(*verdict.reasons, "That is so while the torques added stay as they are."))
-
-
-def _stability(modes: Modes) -> doc.Verdict:
-    if modes.verdict == "moving":
-        return doc.Verdict(
-            "neutral", "No verdict on stability: the state moves", ("The modes are those of this instant.",)
-        )
-    if modes.verdict == "unstable":
-        worst = max(modes.modes, key=lambda mode: mode.real)
-        grows = f"The fastest grows by a factor of e in {worst.time_constant:.4g} s."
-        some = sum(mode.real > mode.error for mode in modes.modes)
-        return doc.Verdict("bad", f"Unstable: {count(some, 'mode grows', 'modes grow')}", (grows,))
-    if modes.verdict == "stable":
-        assert modes.margin is not None, "there are modes, and all are held"
-        slowest = f"The slowest decays to 1/e in {1 / modes.margin:.4g} s, a margin of {modes.margin:.4g} /s."
-        return doc.Verdict("good", "Stable: every small push dies away", (slowest,))
-    free = sum(mode.free for mode in modes.modes)
-    steady = sum(mode.undecided and not mode.free for mode in modes.modes)
-    words = [f"{count(free, 'mode is', 'modes are')} held by nothing"] if free else []
-    words += [f"{count(steady, 'mode is', 'modes are')} not damped within rounding"] if steady else []
-    return doc.Verdict("doubtful", f"Neither stable nor unstable: {' and '.join(words)}")
-
-
-def _state(found: Linearized) -> list[tuple[str, ...]]:
-    names, n = found.model.coordinates, len(found.qd)
-    floating = len(names) - n
-    base = zip(names[: 7 * bool(floating)], found.q.tolist(), strict=False)
-    rows: list[tuple[str, ...]] = [(name, f"{x:.6g}", "", "", "", "") for name, x in base]
-    largest = float(max(abs(found.held).max(initial=0.0), abs(found.drive).max(initial=0.0)))
-    units = units_of(found.model)
-    for k, name in enumerate(found.model.rates):
-        position = "" if k < 6 * bool(floating) else f"{found.q[k + floating]:.6g}"
-        given = (number(float(each[k]), largest) for each in (found.drive, found.held))
-        rows.append((name, position, f"{found.qd[k]:.6g}", *given, units[k]))
-    return rows
-
-
-_HEAD = ("mode", "frequency [Hz]", "damping ratio", "time constant [s]", "eigenvalue [1/s]", "what moves")
-
-
-def _row(found: Linearized, mode: Mode) -> tuple[str, ...]:
-    value = f"{0.0 if mode.undecided else mode.real:.4g}" + (f" +- {mode.imag:.4g}i" if mode.oscillates else "")
-    return (
-        _kind(mode),
-        f"{mode.frequency:.4g}" if mode.oscillates else "-",
-        f"{mode.damping_ratio:.3g}" if mode.oscillates else "-",
-        "-" if mode.time_constant == inf else f"{mode.time_constant:.4g}",
-        value,
-        moves(found.model.rates, mode),
-    )
 
 
 def _kind(mode: Mode) -> str:
@@ -162,48 +146,36 @@ def _kind(mode: Mode) -> str:
     return "undecided" if mode.undecided else "grows" if grows else "decays"
 
 
-def _figures(mode: Mode) -> str:
-    if mode.oscillates:
-        return f"{mode.frequency:.4g} Hz, damping ratio {mode.damping_ratio:.3g}"
-    return _kind(mode) if mode.undecided else f"{_kind(mode)}, time constant {mode.time_constant:.4g} s"
-
-
 def moves(names: Sequence[str], mode: Mode) -> str:
     """Return which joints move how much, in step or against each other, those with most kinetic energy first."""
     order = sorted(range(len(names)), key=lambda k: (mode.shape[k] != 1.0, -round(mode.shares[k], 6), k))
     least = _MOVES * max(map(abs, mode.shape))
     shown = [k for k in order if k == order[0] or (abs(mode.shape[k]) >= least and mode.shares[k] > 0)][:_NAMED]
-    words = [f"{names[k]} {abs(mode.shape[k]):.3g}{_phase(mode.shape[k]) if i else ''}" for i, k in enumerate(shown)]
+    words: list[str] = []
+    for k in shown:
+        angle = phase(mode.shape[k]) if words else 0.0
+        how = f" {'ahead' if angle > 0 else 'behind'} by {abs(angle) * 180 / pi:.0f} deg"
+        if abs(angle) <= _SAME * pi or abs(angle) >= (1 - _SAME) * pi:
+            how = " against" if abs(angle) > pi / 2 else ""
+        words.append(f"{names[k]} {abs(mode.shape[k]):.3g}{how}")
     return ", ".join(words) + ("; any mixture with its like" if mode.alike else "")
-
-
-def _phase(entry: complex) -> str:
-    angle = phase(entry)
-    if abs(angle) <= _SAME * pi:
-        return ""
-    if abs(angle) >= (1 - _SAME) * pi:
-        return " against"
-    return f" {'ahead' if angle > 0 else 'behind'} by {abs(angle) * 180 / pi:.0f} deg"
 
 
 def linearized_json(found: Linearized) -> str:
     """Return A and B by rows, the state, and the modes; `stable` is null where it is not decided, see `verdict`."""
-    state = doc.select(found, "is_one:balanced coordinates:model.coordinates q rates:model.rates qd drive added:held")
+    modes = []
+    for mode in found.modes.modes:
+        shape = {"real": [x.real for x in mode.shape], "imag": [x.imag for x in mode.shape]}
+        keys = "frequency damping_ratio time_constant? real imag error free alike shape shares"
+        modes.append(doc.select(mode, keys, shape=shape))
     return doc.written(
         doc.select(
             found,
             "robot states inputs A B step equilibrium modes stable verdict "
             "margin:modes.margin limits_exceeded:exceeded warnings",
-            equilibrium=state,
-            modes=list(map(_mode_json, found.modes.modes)),
+            equilibrium=doc.select(
+                found, "is_one:balanced coordinates:model.coordinates q rates:model.rates qd drive added:held"
+            ),
+            modes=modes,
         )
-    )
-
-
-def _mode_json(mode: Mode) -> dict[str, Any]:
-    return doc.select(
-        mode,
-        "frequency damping_ratio time_constant real imag error free alike shape shares",
-        time_constant=doc.finite(mode.time_constant),
-        shape={"real": [x.real for x in mode.shape], "imag": [x.imag for x in mode.shape]},
     )

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from robodyn.dynamics.regressor import INERTIAL
-from robodyn.identification.faults.compare import Comparison, JointComparison
+from robodyn.identification.faults.compare import Comparison
 from robodyn.identification.faults.faults import DELAY, GAIN, OWN, Fault
 from robodyn.report import document as doc
 from robodyn.report.table import is_noise, number, printable
@@ -27,39 +27,32 @@ def percent(share: float) -> str:
 
 def fault_words(found: Comparison, fault: Fault) -> str:
     """Return what a fault is, with its standard error, and how much it explains of which residuals."""
-    ranked = sorted(range(len(found.joints)), key=lambda j: -fault.shares[j])
-    shares = [
-        f"{percent(fault.shares[j])} at {printable(found.joints[j].name)}" for j in ranked if fault.shares[j] >= _TOLD
-    ]
+    value, error = float(fault.values[0]), float(fault.covariance[0, 0] ** 0.5)
     sure = "explains" if fault.certain else "would explain"
     doubt = "" if fault.certain else " (not told apart from other effects)"
-    j = fault.effect.joint
+    j, kind = fault.effect.joint, fault.effect.kind
     if j is None:
-        of = f"of residuals: {', '.join(shares)}" if shares else "less than 1 % of any residual"
-        return f"{_payload(found, fault)} {sure} {of}{doubt}"
-    what = effect_words(
-        found.joints[j], fault.effect.kind, float(fault.values[0]), float(fault.covariance[0, 0] ** 0.5)
-    )
-    return f"{what} {sure} {percent(fault.shares[j])} of its residual{doubt}"
-
-
-def effect_words(joint: JointComparison, kind: str, value: float, error: float) -> str:
-    """Return an effect of a joint with its standard error."""
-    name, unit, per = printable(joint.name), joint.unit, "rad" if joint.unit == "N m" else "m"
+        order = sorted(range(len(found.joints)), key=lambda j: -fault.shares[j])
+        shares = ((printable(found.joints[j].name), fault.shares[j]) for j in order)
+        told = ", ".join(f"{percent(share)} at {name}" for name, share in shares if share >= _TOLD)
+        of = f"of residuals: {told}" if told else "less than 1 % of any residual"
+        return f"{_payload(found, fault, value, error)} {sure} {of}{doubt}"
+    joint = found.joints[j]
+    unit, per, inertia = ("N m", "rad", "kg m^2") if joint.unit == "N m" else ("N", "m", "kg")
     if kind == "gain":
-        return f"A gain of {bar(1 + value, error)} at {name} (torque constant or gear)"
-    if kind == "delay":
-        return f"A delay of the measured torque of {bar(1e3 * value, 1e3 * error)} ms at {name}"
-    inertia = "kg m^2" if unit == "N m" else "kg"
-    words = {"offset": ("An offset", unit), "viscous": ("Viscous friction", f"{unit} s/{per}")}
-    words |= {"coulomb": ("Coulomb friction", unit), "rotor": ("Rotor inertia", inertia)}
-    title, of = words[kind]
-    return f"{title} of {bar(value, error, joint.measured)} {of} at {name}"
+        what, where = f"A gain of {bar(1 + value, error)}", " (torque constant or gear)"
+    elif kind == "delay":
+        what, where = f"A delay of the measured torque of {bar(1e3 * value, 1e3 * error)} ms", ""
+    else:
+        words = {"offset": ("An offset", unit), "viscous": ("Viscous friction", f"{unit} s/{per}")}
+        words |= {"coulomb": ("Coulomb friction", unit), "rotor": ("Rotor inertia", inertia)}
+        title, of = words[kind]
+        what, where = f"{title} of {bar(value, error, joint.measured)} {of}", ""
+    return f"{what} at {printable(joint.name)}{where} {sure} {percent(fault.shares[j])} of its residual{doubt}"
 
 
 def bar(value: float, error: float, scale: float = 1.0) -> str:
-    """Return a value with its standard error, to two digits of the error; 0 for what is noise beside it, or beside
-    the scale of the quantity."""
+    """Return a value with its standard error, to two digits of the error; 0 for what is noise beside it or `scale`."""
     if is_noise(max(abs(value), error), scale):
         return "0"
     if abs(value) < 0.05 * error:
@@ -70,8 +63,7 @@ def bar(value: float, error: float, scale: float = 1.0) -> str:
     return f"{value:.{digits}f} +- " + (f"{error:.{digits}f}" if error >= 10.0**-digits else f"{error:.0e}")
 
 
-def _payload(found: Comparison, fault: Fault) -> str:
-    m, error = float(fault.values[0]), float(fault.covariance[0, 0] ** 0.5)
+def _payload(found: Comparison, fault: Fault, m: float, error: float) -> str:
     if not 0.0 < 3.0 * error < abs(m):
         return f"A load at {printable(found.load_link)} whose mass cannot be told"
     centre = fault.values[1:4] / m
@@ -95,13 +87,9 @@ def measured_sections(found: Comparison) -> Iterator[doc.Section]:
     """Yield the diagnosis, what is told of each joint, its effects with their standard errors, and notes."""
     verdict = verdict_on(found)
     what = f"{count(len(found.joints), 'joint')} with measured torques, {count(found.samples, 'sample')}"
+    over = f"compared below {found.cutoff:g} Hz over {found.compared:.4g} s"
     yield doc.paragraphs(
-        [
-            f"{found.robot}: {what}, {found.duration:.6g} s, compared below {found.cutoff:g} Hz over "
-            f"{found.compared:.4g} s",
-            f"{verdict.headline}.",
-            *verdict.reasons,
-        ]
+        [f"{found.robot}: {what}, {found.duration:.6g} s, {over}", f"{verdict.headline}.", *verdict.reasons]
     )
     told = [fault for fault in found.faults if fault.shares.max() >= _LEAST]
     lines = [*_gross(found), *(fault_words(found, fault) for fault in told)]
@@ -162,18 +150,15 @@ def verdict_on(found: Comparison) -> doc.Verdict:
         f"{100 * share:.3g} %" if share > _ROUNDED else "0" for share in (found.relative_error, found.left)
     )
     if not any(joint.moves for joint in found.joints):
-        return doc.Verdict(
-            "neutral", f"No joint moves: of the difference of {before} only offsets and weight can be told"
-        )
-    reasons = [*_gross(found)]
+        headline = f"No joint moves: of the difference of {before} only offsets and weight can be told"
+        return doc.Verdict("neutral", headline)
+    reasons = tuple(_gross(found))
+    headline = f"The model differs from the log by {before} of the measured torques"
     if not found.faults and not reasons:
-        return doc.Verdict(
-            "good" if found.relative_error <= _GOOD else "neutral",
-            f"The model differs from the log by {before} of the measured torques; no effect stands out of the noise",
-        )
-    level: doc.Level = "bad" if reasons else "doubtful" if found.relative_error > _GOOD else "good"
-    headline = f"The model differs from the log by {before} of the measured torques, {after} with what is told below"
-    return doc.Verdict(level, headline, tuple(reasons))
+        level: doc.Level = "good" if found.relative_error <= _GOOD else "neutral"
+        return doc.Verdict(level, f"{headline}; no effect stands out of the noise")
+    level = "bad" if reasons else "doubtful" if found.relative_error > _GOOD else "good"
+    return doc.Verdict(level, f"{headline}, {after} with what is told below", reasons)
 
 
 def _gross(found: Comparison) -> Iterator[str]:
@@ -186,44 +171,34 @@ def _gross(found: Comparison) -> Iterator[str]:
 
 def measured_json(found: Comparison) -> str:
     """Return joints, gross faults, and the diagnosis; what cannot be told is null."""
-    names = [joint.name for joint in found.joints]
+    names, joints, diagnosis = [joint.name for joint in found.joints], [], []
+    for joint in found.joints:
+        effects: dict[str, Any] = dict.fromkeys(OWN)
+        for kind, (value, error) in joint.effects.items():
+            effects[kind] = {"value": value + (kind == "gain"), "standard_error": error}
+        keys = "name unit measured_rms:measured computed_rms:computed residual_rms:residual residual_rms_left:left"
+        joints.append(doc.select(joint, f"{keys} relative_error correlation moves effects", effects=effects))
+    for fault in found.faults:
+        j, kind = fault.effect.joint, fault.effect.kind
+        shift = 1.0 if kind == "gain" else 0.0
+        known = zip(INERTIAL if j is None else (kind,), fault.values, np.diag(fault.covariance), strict=True)
+        parameters = [
+            {"name": name, "value": float(value) + shift, "standard_error": float(np.sqrt(square))}
+            for name, value, square in known
+            if square > 0.0
+        ]
+        owner = {"joint": None if j is None else names[j], "link": found.load_link if j is None else None}
+        explains = dict(zip(names, map(float, fault.shares), strict=True))
+        one = {"kind": kind, **owner, "parameters": parameters, "certain": fault.certain, "explains": explains}
+        diagnosis.append({**one, "words": fault_words(found, fault)})
     return doc.written(
         doc.select(
             found,
             "robot file samples duration cutoff compared relative_error relative_error_left:left joints exchanged "
             "reversed diagnosis warnings:notes",
-            joints=[_joint_json(joint) for joint in found.joints],
+            joints=joints,
             exchanged=[[names[j] for j in group] for group in found.channels.exchanged],
             reversed=[names[j] for j in found.channels.reversed],
-            diagnosis=[_fault_json(found, fault) for fault in found.faults],
+            diagnosis=diagnosis,
         )
     )
-
-
-def _joint_json(joint: JointComparison) -> dict[str, Any]:
-    effects: dict[str, Any] = dict.fromkeys(OWN)
-    for kind, (value, error) in joint.effects.items():
-        effects[kind] = {"value": value + (kind == "gain"), "standard_error": error}
-    keys = "name unit measured_rms:measured computed_rms:computed residual_rms:residual residual_rms_left:left"
-    return doc.select(joint, f"{keys} relative_error correlation moves effects", effects=effects)
-
-
-def _fault_json(found: Comparison, fault: Fault) -> dict[str, Any]:
-    j, kind = fault.effect.joint, fault.effect.kind
-    names = INERTIAL if j is None else (kind,)
-    shift = 1.0 if kind == "gain" else 0.0
-    errors = np.sqrt(np.diag(fault.covariance))
-    parameters = [
-        {"name": name, "value": float(value) + shift, "standard_error": float(error)}
-        for name, value, error in zip(names, fault.values, errors, strict=True)
-        if error > 0.0
-    ]
-    return {
-        "kind": kind,
-        "joint": None if j is None else found.joints[j].name,
-        "link": found.load_link if j is None else None,
-        "parameters": parameters,
-        "certain": fault.certain,
-        "explains": {joint.name: float(share) for joint, share in zip(found.joints, fault.shares, strict=True)},
-        "words": fault_words(found, fault),
-    }

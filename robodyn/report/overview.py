@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robodyn.checks.overview import Branch, Meshes, Overview
+from robodyn.checks.overview import Branch, Overview
 from robodyn.programs.vectors import product
 from robodyn.report.check import check_data, check_line
 from robodyn.report.document import Section, Table, paragraphs, select, written
 from robodyn.report.table import axis_text, number, point_text
-from robodyn.robot.urdf.parts import Joint, Limit
+from robodyn.robot.urdf.parts import Limit
 from robodyn.support.wording import count, shown
 
 if TYPE_CHECKING:
@@ -29,6 +29,8 @@ def overview_sections(found: Overview) -> Iterator[Section]:
     """Yield counts and mass, the tree as a table, then meshes, findings and what to run next."""
     branches, merged, kinds = found.branches, found.types.get("fixed", 0), found.types.items()
     joints = ", ".join(f"{amount} {kind}" for kind, amount in kinds)
+    lines = [f"{found.file}: robot {shown(found.name)}", f"links: {len(branches)}, {found.massive} with mass"]
+    lines.append(f"joints: {sum(found.types.values())}{joints and f' ({joints})'}")
     freedoms = f"degrees of freedom: {found.freedoms}"
     if found.base_freedoms:
         freedoms += f", {found.base_freedoms} of them the base's"
@@ -44,21 +46,31 @@ def overview_sections(found: Overview) -> Iterator[Section]:
         where = "where every joint is zero" + (f" or at its limit nearest to zero: {values}" if values else "")
         point = point_text(found.com, float(np.abs(found.com).max()))
         centre = f", centre of mass {point} m in the frame of {shown(found.base)}, {where}"
-    lines = [f"{found.file}: robot {shown(found.name)}", f"links: {len(branches)}, {found.massive} with mass"]
-    lines += [f"joints: {sum(found.types.values())}{joints and f' ({joints})'}", freedoms]
-    yield paragraphs([*lines, f"mass: {number(found.mass)} kg{centre}", *(f"note: {note}" for note in found.notes)])
+    mass = f"mass: {number(found.mass)} kg{centre}"
+    yield paragraphs([*lines, freedoms, mass, *(f"note: {note}" for note in found.notes)])
     deepest = max(branch.depth for branch in branches)
     step = 2 if deepest <= _DEEPEST // 2 else 1
     rows = [_row(branch, min(branch.depth * step, _DEEPEST)) for branch in branches]
     head = ["link", "mass [kg]", "joint", "type", "axis", "lower", "upper", "effort", "velocity", "mimics"]
     kept = [k for k in range(len(head)) if k < 2 or any(row[k] for row in rows)]
     yield [Table("", [head[k] for k in kept], [[row[k] for k in kept] for row in rows])]
-    yield paragraphs([*_meshes(found.meshes), f"check: {check_line(found.checked)}"])
+    meshes = found.meshes
+    missing = len(meshes.missing)
+    lines = (
+        [f"meshes: {meshes.references} in {count(meshes.names, 'file')}, "] if meshes.references else ["meshes: none"]
+    )
+    if meshes.references:
+        lines[0] += f"{missing} not found:" if missing else "all found"
+    for link, geometry in meshes.missing[:_MOST_MISSING]:
+        lines.append(f"  {geometry.filename} (link {shown(link)}, line {geometry.line})")
+    lines += [f"  and {missing - _MOST_MISSING} more"] if missing > _MOST_MISSING else []
+    yield paragraphs([*lines, f"check: {check_line(found.checked)}"])
     if found.next:
         yield paragraphs(["next:", *(f"  {command}" for command in found.next)])
 
 
 def _row(branch: Branch, indent: int) -> list[str]:
+    """Return a link's row; - where a limit is to be expected but not given."""
     mass, joint = "" if branch.mass is None else number(branch.mass), branch.joint
     row = [" " * indent + branch.name, mass]
     if joint is None:
@@ -73,38 +85,16 @@ def _row(branch: Branch, indent: int) -> list[str]:
         factor, offset = joint.mimic.multiplier, joint.mimic.offset
         mimic = joint.mimic.joint + ("" if factor == 1 else f" * {factor:.6g}")
         mimic += f" {'+' if offset > 0 else '-'} {abs(offset):.6g}" if offset else ""
-    return [*row, joint.name, joint.type, axis, *_limits(joint), mimic]
-
-
-def _limits(joint: Joint) -> list[str]:
-    """Return lower, upper, effort and velocity; - where a limit is to be expected but not given."""
-    if joint.type not in ("revolute", "prismatic", "continuous"):
-        return [""] * 4
-    length, effort, speed = _UNITS.get(joint.type, _ANGULAR)
-    limit = joint.limit or Limit()
-    position = ["", ""]
-    if joint.type != "continuous":
-        position = [_with(limit.lower, ""), _with(limit.upper, f" {length}")]
-    return [*position, _with(limit.effort, f" {effort}"), _with(limit.velocity, f" {speed}")]
-
-
-def _with(value: float | None, unit: str) -> str:
-    return "-" if value is None else number(value) + unit
-
-
-def _meshes(meshes: Meshes) -> list[str]:
-    if not meshes.references:
-        return ["meshes: none"]
-    found = f"meshes: {meshes.references} in {count(meshes.names, 'file')}"
-    if not meshes.missing:
-        return [f"{found}, all found"]
-    lines = [
-        f"  {geometry.filename} (link {shown(link)}, line {geometry.line})"
-        for link, geometry in meshes.missing[:_MOST_MISSING]
-    ]
-    rest = len(meshes.missing) - len(lines)
-    lines += [f"  and {rest} more"] if rest else []
-    return [f"{found}, {len(meshes.missing)} not found:", *lines]
+    limits = [""] * 4
+    if joint.type in ("revolute", "prismatic", "continuous"):
+        length, effort, speed = _UNITS.get(joint.type, _ANGULAR)
+        limit = joint.limit or Limit()
+        units = {"lower": "", "upper": f" {length}", "effort": f" {effort}", "velocity": f" {speed}"}
+        values = ((getattr(limit, name), unit) for name, unit in units.items())
+        limits = ["-" if value is None else number(value) + unit for value, unit in values]
+        if joint.type == "continuous":
+            limits[:2] = "", ""
+    return [*row, joint.name, joint.type, axis, *limits, mimic]
 
 
 def overview_json(found: Overview) -> str:

@@ -21,38 +21,67 @@ def scene_toml(model: Model) -> str:
 
     As written it makes no difference. Lines with `#` and no blank behind it are examples, each valid alone.
     """
-    head = _comment(_HEAD.format(name=toml_key(model.name)))
-    gravity = _comment("Gravity in the axes of the ground, m/s^2.") + f"gravity = {_vector(DEFAULT.gravity)}\n"
-    blocks = [_comment(text) + "".join(f"#{line}\n" for line in lines) for text, lines in _sections(model) if lines]
-    blocks = [head, *([_comment(_table(model))] if model.n else []), gravity, *blocks]
+    blocks, rows = [_comment(_HEAD.format(name=toml_key(model.name)))], []
+    for joint in (body.joint for body in model.bodies if body.joint.kind != "fixed"):
+        turn, load = ("m", "N") if joint.kind == "prismatic" else ("rad", "N m")
+        kind = "continuous" if joint.continuous else joint.kind
+        units = (turn, turn, load, f"{turn}/s", f"{load} s/{turn}", load)
+        given = (joint.lower, joint.upper, joint.effort, joint.velocity, joint.damping or None, joint.friction or None)
+        cells = ["-" if value is None else f"{number(value)} {unit}" for value, unit in zip(given, units, strict=True)]
+        follows = f", follows {toml_key(joint.mimics)}" if joint.mimics else ""
+        rows.append((toml_key(joint.name), f"{kind}{follows}", *cells))
+    if model.n:
+        head = ("joint", "type", "lower", "upper", "effort", "velocity", "damping", "friction")
+        blocks.append(_comment(PLAIN.table((head, rows))))
+    blocks.append(_comment("Gravity in the axes of the ground, m/s^2.") + f"gravity = {list(DEFAULT.gravity)}\n")
+    for text, lines in _sections(model):
+        if lines:
+            blocks.append(_comment(text) + "".join(f"#{line}\n" for line in lines))
     return "\n".join(blocks)
 
 
 def _sections(model: Model) -> Iterator[tuple[str, Sequence[str]]]:
+    """Yield what a key means, and examples of it."""
     single = [body.joint for body in model.bodies if body.joint.kind in ("revolute", "prismatic")]
     own = [joint for joint in model.independent if joint.kind != "floating"]
-    tip = toml_string(_tip(model))
-    yield _FRICTION, _of_each("friction", single, lambda each: [("viscous", each.damping), ("coulomb", each.friction)])
+    depth = [0]
+    for body in model.bodies[1:]:
+        depth.append(depth[body.parent] + 1)
+    # the link behind the most joints, the last of them in the file
+    last_link = max(enumerate(model.links), key=lambda each: (depth[model.links[each[1]].body], each[0]))[1]
+    tip = toml_string(last_link)
+    yield _FRICTION, _of_each("friction", single, lambda each: {"viscous": each.damping, "coulomb": each.friction})
     yield _SLIP, ["slip_speed = 0.001"]
-    yield _ROTOR, _of_each("rotor", single, lambda each: [("inertia", each.rotor_inertia), ("gear", each.reduction)])
+    yield _ROTOR, _of_each("rotor", single, lambda each: {"inertia": each.rotor_inertia, "gear": each.reduction})
     if carried := [joint for joint in single if joint.link]:
         last, on = toml_key(carried[-1].name), toml_string(carried[-1].link)
         yield _SPIN, [f"rotor.{last} = {{ inertia = 0.0001, gear = 100.0, axis = [0.0, 0.0, 1.0], on = {on} }}"]
-    yield _MOTOR, _of_each("motor", own, _motor)
+
+    def motor(joint: Joint) -> dict[str, float]:
+        gear = abs(joint.reduction) or 1.0
+        peak, speed = (joint.effort or 0.0) / gear, (joint.velocity or 0.0) * gear
+        peak, speed = peak if peak > 0 else 1.0, speed if speed > 0 else 100.0
+        return {"efficiency": 1.0, "continuous": peak, "peak": peak, "max_speed": speed}
+
+    yield _MOTOR, _of_each("motor", own, motor)
     if len(own) > 1:
         shares = ", ".join(f"{toml_key(joint.name)} = 1.0" for joint in own[-2:])
         yield _COUPLED, [f'coupled = [{{ name = "motor", joints = {{ {shares} }}, inertia = 0.0001, gear = 100.0 }}]']
-    yield _SPRING, _of_each("spring", single, lambda each: [("stiffness", 0.0), ("rest", _rest(each))])
+    yield _SPRING, _of_each("spring", single, lambda each: {"stiffness": 0.0, "rest": _rest(each)})
     yield _PAYLOAD, [f"payload = [{{ link = {tip}, mass = 1.0, com = {_ZERO} }}]"]
     yield _WRENCH, [f'wrench = [{{ link = {tip}, frame = "world", force = {_DOWN}, moment = {_ZERO} }}]']
     yield _FLUID, [f"fluid = {{ density = 1000.0, link = [{{ link = {tip}, volume = 0.001, centre = {_ZERO} }}] }}"]
     yield _BASE, ['base.motion = "moving"']
     yield _INITIAL, [f"initial.q.{toml_key(joint.name)} = {_rest(joint)!r}" for joint in own]
     yield "", [f"initial.qd.{toml_key(joint.name)} = 0.0" for joint in own]
-    yield _DRIVE, _of_each("drive", own, lambda each: [("kp", 100.0), ("kd", 10.0), ("reference", _rest(each))])
+    yield _DRIVE, _of_each("drive", own, lambda each: {"kp": 100.0, "kd": 10.0, "reference": _rest(each)})
     yield _BETWEEN, ['between_rows = "hold"']
     yield _LIMITS, ['joint_limits = "ignore"', "limit_spring = { stiffness = 10000.0, damping = 100.0 }"]
-    yield _LOOP, [_loop(model, own)] if own else []
+    if own:  # the tip is held where it is when a simulation begins
+        at = link_poses(model, configuration(model, {joint.name: _rest(joint) for joint in own}))[last_link].p
+        place = [round(float(x), 12) for x in at]
+        held = f'point = {_ZERO}, to = "ground", to_point = {place}'
+        yield _LOOP, [f'loop = [{{ name = "closure", link = {tip}, {held} }}]']
     yield _BAUMGARTE, ["baumgarte = 10.0"]
     if own:
         last = toml_string(own[-1].name)
@@ -107,34 +136,12 @@ def _comment(text: str) -> str:
     return "".join(f"# {line}".rstrip() + "\n" for line in text.splitlines())
 
 
-def _table(model: Model) -> str:
-    """Return the joints and what the description says of them."""
-    head = ("joint", "type", "lower", "upper", "effort", "velocity", "damping", "friction")
-    return PLAIN.table((head, [_row(body.joint) for body in model.bodies if body.joint.kind != "fixed"]))
-
-
-def _row(joint: Joint) -> tuple[str, ...]:
-    slides = joint.kind == "prismatic"
-    turn, load = ("m", "N") if slides else ("rad", "N m")
-    kind = "continuous" if joint.continuous else joint.kind
-    units = (turn, turn, load, f"{turn}/s", f"{load} s/{turn}", load)
-    given = (joint.lower, joint.upper, joint.effort, joint.velocity, joint.damping or None, joint.friction or None)
-    cells = ["-" if value is None else f"{number(value)} {unit}" for value, unit in zip(given, units, strict=True)]
-    return (toml_key(joint.name), f"{kind}, follows {toml_key(joint.mimics)}" if joint.mimics else kind, *cells)
-
-
-def _of_each(table: str, joints: Sequence[Joint], values: Callable[[Joint], Sequence[tuple[str, float]]]) -> list[str]:
-    return [
-        f"{table}.{toml_key(joint.name)} = {{ {', '.join(f'{key} = {value!r}' for key, value in values(joint))} }}"
-        for joint in joints
-    ]
-
-
-def _motor(joint: Joint) -> list[tuple[str, float]]:
-    gear = abs(joint.reduction) or 1.0
-    peak, speed = (joint.effort or 0.0) / gear, (joint.velocity or 0.0) * gear
-    given = [("efficiency", 1.0), ("continuous", peak if peak > 0 else 1.0), ("peak", peak if peak > 0 else 1.0)]
-    return [*given, ("max_speed", speed if speed > 0 else 100.0)]
+def _of_each(table: str, joints: Sequence[Joint], values: Callable[[Joint], dict[str, float]]) -> list[str]:
+    lines = []
+    for joint in joints:
+        keys = ", ".join(f"{key} = {value!r}" for key, value in values(joint).items())
+        lines.append(f"{table}.{toml_key(joint.name)} = {{ {keys} }}")
+    return lines
 
 
 def _rest(joint: Joint) -> float:
@@ -143,22 +150,3 @@ def _rest(joint: Joint) -> float:
     if lower is not None and upper is not None and lower > upper:
         return 0.0
     return max(lower or 0.0, 0.0) or min(0.0 if upper is None else upper, 0.0)
-
-
-def _loop(model: Model, joints: Sequence[Joint]) -> str:
-    """Return the tip held where it is when a simulation begins."""
-    poses, tip = link_poses(model, configuration(model, {joint.name: _rest(joint) for joint in joints})), _tip(model)
-    link, place = toml_string(tip), _vector([round(float(x), 12) for x in poses[tip].p])
-    return f'loop = [{{ name = "closure", link = {link}, point = {_ZERO}, to = "ground", to_point = {place} }}]'
-
-
-def _tip(model: Model) -> str:
-    """Return the link behind the most joints, the last of them in the file."""
-    depth = [0]
-    for body in model.bodies[1:]:
-        depth.append(depth[body.parent] + 1)
-    return max(enumerate(model.links), key=lambda each: (depth[model.links[each[1]].body], each[0]))[1]
-
-
-def _vector(values: Sequence[float]) -> str:
-    return f"[{', '.join(repr(value) for value in values)}]"

@@ -7,10 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from robodyn.report import document as doc
-from robodyn.report.limits import limits_section, limits_verdict, use
+from robodyn.report.limits import limits_data, limits_section, limits_verdict, use
 from robodyn.report.sizes import MotionSizes, linear, simulation_sizes, sizes, speed_unit
 from robodyn.report.table import drift_text, first_names, gravity_text, moment, number, relative_text
-from robodyn.report.torques_json import limits_data
 from robodyn.simulation.loop_figures import LoopFigures
 from robodyn.simulation.result import Simulation
 from robodyn.support.floats import ranked
@@ -44,22 +43,21 @@ def simulation_sections(result: Simulation, explain: bool = False) -> Iterator[d
     )
     yield from _motion(result, size)
     if result.joints:
-        yield [_limits(result, size)]
+        rows = []
+        for k, joint in zip(result.driven, result.joints, strict=True):
+            load, speed, unit = size.tau[k], size.qd[k], speed_unit(joint.unit)
+            row = [joint.name, f"{number(joint.max_speed, speed)} {unit}"]
+            row += [moment(joint.max_speed_time, joint.max_speed, speed), use(joint.max_speed, joint.velocity_limit)]
+            peak = [f"{number(joint.peak, load)} {joint.unit}", moment(joint.peak_time, joint.peak, load)]
+            rows.append([*row, *(peak if joint.driven else ("-", "-")), use(joint.peak, joint.effort_limit)])
+        head = ("joint", "max speed", "at [s]", "of velocity limit", "drive's peak", "at [s]", "of effort limit")
+        yield [doc.Table("", head, rows)]
     yield doc.paragraphs(_drift(result, size))
     if result.loops:
-        loops = result.loops
-        kept = loops.equations - len(loops.dropped)
-        lines = [f"loops: {count(loops.equations, 'equation')}, {loops.rank} of them independent at the start"]
-        lines[0] += f"; degrees of freedom left: {loops.freedoms}; {loops.stabilised}"
-        if loops.dropped:
-            lines.append(f"left out, for the others imply them: {first_names(loops.dropped, _NAMED)}")
-        if loops.rank < kept:
-            lines.append(f"{kept - loops.rank} depend on the others there: how they share their reactions is arbitrary")
-        yield doc.paragraphs(lines)
-        yield [_loops(result.loops, result.model.reach)]
+        yield from _loops(result.loops, result.model.reach)
     if explain:
-        rows = [(effect.name, "on" if why.active else "off", why.reason) for effect, why in result.effects]
-        yield [doc.Table("Effects", ("effect", "", "why"), rows)]
+        effects = [(effect.name, "on" if why.active else "off", why.reason) for effect, why in result.effects]
+        yield [doc.Table("Effects", ("effect", "", "why"), effects)]
     if result.ended:
         how = 'joint_limits = "spring" or "ignore" in a scene goes on'
         yield [doc.Paragraph(f"ENDED EARLY: {result.ended} ({how})")]
@@ -87,27 +85,12 @@ def _motion(result: Simulation, size: MotionSizes) -> Iterator[doc.Section]:
     yield [doc.Table("", ("speed", "unit", "at the start", "at the end", "largest", "largest acceleration"), rows)]
 
 
-def _limits(result: Simulation, size: MotionSizes) -> doc.Table:
-    rows = []
-    for k, joint in zip(result.driven, result.joints, strict=True):
-        load, speed, unit = size.tau[k], size.qd[k], speed_unit(joint.unit)
-        peak = (f"{number(joint.peak, load)} {joint.unit}", moment(joint.peak_time, joint.peak, load))
-        fastest = f"{number(joint.max_speed, speed)} {unit}", moment(joint.max_speed_time, joint.max_speed, speed)
-        used = use(joint.max_speed, joint.velocity_limit), use(joint.peak, joint.effort_limit)
-        rows.append((joint.name, *fastest, used[0], *(peak if joint.driven else ("-", "-")), used[1]))
-    head = ("joint", "max speed", "at [s]", "of velocity limit", "drive's peak", "at [s]", "of effort limit")
-    return doc.Table("", head, rows)
-
-
 def _drift(result: Simulation, size: MotionSizes) -> Iterator[str]:
     energy, kinetic = result.figures.energy, float(result.figures.kinetic.max())
-    relative = result.energy_drift / kinetic if kinetic else 0.0
+    relative = relative_text(result.energy_drift / kinetic if kinetic else 0.0)
     start, end, work = (number(x, size.energy) for x in (energy[0], energy[-1], result.work[-1]))
-    yield (
-        f"energy: {start} J at the start, {end} J at the end, work {work} J; "
-        f"drift {drift_text(result.energy_drift, size.energy)} J, {relative_text(relative)} of "
-        "the largest kinetic energy"
-    )
+    drift = f"drift {drift_text(result.energy_drift, size.energy)} J, {relative} of the largest kinetic energy"
+    yield f"energy: {start} J at the start, {end} J at the end, work {work} J; {drift}"
     if result.free:
         linear, angular = result.momentum_drift
         most = float(np.abs(result.figures.linear).max())
@@ -118,8 +101,16 @@ def _drift(result: Simulation, size: MotionSizes) -> Iterator[str]:
         )
 
 
-def _loops(loops: LoopFigures, reach: float) -> doc.Table:
-    """Return what each loop carries at most, and how far it comes apart beside the robot's reach [m]."""
+def _loops(loops: LoopFigures, reach: float) -> Iterator[doc.Section]:
+    """Yield ranks, what each loop carries at most, and how far it comes apart beside the robot's reach [m]."""
+    kept = loops.equations - len(loops.dropped)
+    lines = [f"loops: {count(loops.equations, 'equation')}, {loops.rank} of them independent at the start"]
+    lines[0] += f"; degrees of freedom left: {loops.freedoms}; {loops.stabilised}"
+    if loops.dropped:
+        lines.append(f"left out, for the others imply them: {first_names(loops.dropped, _NAMED)}")
+    if loops.rank < kept:
+        lines.append(f"{kept - loops.rank} depend on the others there: how they share their reactions is arbitrary")
+    yield doc.paragraphs(lines)
     force, turning = (np.sqrt(np.square(loops.wrenches[:, :, part]).sum(axis=2)) for part in (slice(3), slice(3, 6)))
     size = sizes(force.ravel().tolist(), turning.ravel().tolist(), reach)
     apart = max(reach, 1.0)
@@ -129,7 +120,7 @@ def _loops(loops: LoopFigures, reach: float) -> doc.Table:
         for name, f, m, gap, slip in zip(*columns, strict=True)
     ]
     head = ("loop", "largest force [N]", "largest moment [N m]", "|phi| [m, rad]", "|phi'| [m/s, rad/s]")
-    return doc.Table("", head, rows)
+    yield [doc.Table("", head, rows)]
 
 
 PLOTTED = 12
@@ -142,46 +133,41 @@ _DRIFT = 1e-3
 def simulation_page(result: Simulation, pictures: bool = True) -> doc.Document:
     """Return how the motion ends and how far it can be trusted, then the motion itself."""
     what = f"Simulated motion: {result.model.n} degrees of freedom, {result.time[-1]:.6g} s, {result.steps} steps"
-    verdicts = [_energy_verdict(result), *([limits_verdict(result)] if result.joints or result.caveats else [])]
-    blocks: list[doc.Block] = [*sorted(verdicts, key=lambda verdict: _WORST_FIRST.index(verdict.level))]
-    if pictures:
-        from robodyn.report.pictures.robot import robot_figure, shapes_of
-
-        assert result.model.description is not None, "it is not a model of bodies alone"
-        shapes, why = shapes_of(result.model.description)
-        figures = [
-            robot_figure(result.model, result.q[row], "", f"{name}, {result.time[row]:.6g} s", shapes, f"picture {row}")
-            for row, name in ((0, "the start"), (-1, "the end"))
-        ]
-        blocks += [
-            *doc.titled("Start and end", [*doc.gallery(figures), *doc.paragraphs([why] if why else [])]),
-            *_plots(result),
-        ]
-    table = doc.csv_text(("time", *result.names), np.column_stack((result.time, result.columns)).tolist())
-    files = [("result.json", simulation_json(result)), ("motion.csv", table)]
-    how = "robodyn simulate --format json and --out write it to a file"
-    return doc.page(result.model.name, what, blocks, simulation_sections(result, explain=True), "Motion", files, how)
-
-
-def _energy_verdict(result: Simulation) -> doc.Verdict:
     kinetic, size = float(result.figures.kinetic.max()), simulation_sizes(result).energy
     relative = result.energy_drift / kinetic if kinetic else 0.0
     energy = (
         f"The energy drifts by {drift_text(result.energy_drift, size)} J, {relative_text(relative)} of the largest "
         f"kinetic energy of {number(kinetic, size)} J."
     )
+    end = f"{result.time[-1]:.6g} s"
+    verdict = doc.Verdict("good", f"The motion ran for its {end}, and its energy balances", (energy,))
     if result.ended:
-        return doc.Verdict("bad", f"The motion ended early, at {result.time[-1]:.6g} s", (result.ended, energy))
-    if relative > _DRIFT:
-        return doc.Verdict("doubtful", "The energy drifts: take shorter steps or a smaller tolerance", (energy,))
-    return doc.Verdict("good", f"The motion ran for its {result.time[-1]:.6g} s, and its energy balances", (energy,))
+        verdict = doc.Verdict("bad", f"The motion ended early, at {end}", (result.ended, energy))
+    elif relative > _DRIFT:
+        verdict = doc.Verdict("doubtful", "The energy drifts: take shorter steps or a smaller tolerance", (energy,))
+    verdicts = [verdict, *([limits_verdict(result)] if result.joints or result.caveats else [])]
+    blocks: list[doc.Block] = [*sorted(verdicts, key=lambda verdict: _WORST_FIRST.index(verdict.level))]
+    if pictures:
+        blocks += _pictures(result)
+    table = doc.csv_text(("time", *result.names), np.column_stack((result.time, result.columns)).tolist())
+    files = [("result.json", simulation_json(result)), ("motion.csv", table)]
+    how = "robodyn simulate --format json and --out write it to a file"
+    return doc.page(result.model.name, what, blocks, simulation_sections(result, explain=True), "Motion", files, how)
 
 
-def _plots(result: Simulation) -> list[doc.Block]:
+def _pictures(result: Simulation) -> Iterator[doc.Block]:
     from robodyn.report.pictures.figures import quiet
+    from robodyn.report.pictures.robot import robot_figure, shapes_of
     from robodyn.report.pictures.simulation import energy_figures, joint_figure
 
     model = result.model
+    assert model.description is not None, "it is not a model of bodies alone"
+    shapes, why = shapes_of(model.description)
+    figures = [
+        robot_figure(model, result.q[row], "", f"{name}, {result.time[row]:.6g} s", shapes, f"picture {row}")
+        for row, name in ((0, "the start"), (-1, "the end"))
+    ]
+    yield from doc.titled("Start and end", [*doc.gallery(figures), *doc.paragraphs([why] if why else [])])
     joints = [joint for joint in model.independent if joint.kind != "floating"]
     travel = {joint.name: float(np.ptp(result.q[:, joint.coordinate])) for joint in joints}
     shown = sorted(ranked(joints, key=lambda joint: travel[joint.name])[:PLOTTED], key=joints.index)
@@ -193,10 +179,9 @@ def _plots(result: Simulation) -> list[doc.Block]:
         if any(each.any() for each in values):
             figures.append(joint_figure(joint.name, joint.kind == "prismatic", result.time, values))
     some = f"The joints that move most, {len(figures)} of {len(joints)}, without plots of zeros; the tables have all."
-    blocks = doc.titled(
-        "Along the motion", [*doc.paragraphs([some] if len(figures) < len(joints) else []), *doc.gallery(figures)]
-    )
-    return [*blocks, *doc.titled("Energy", doc.gallery(energy_figures(result)))]
+    words = doc.paragraphs([some] if len(figures) < len(joints) else [])
+    yield from doc.titled("Along the motion", [*words, *doc.gallery(figures)])
+    yield from doc.titled("Energy", doc.gallery(energy_figures(result)))
 
 
 def simulation_json(result: Simulation) -> str:
@@ -204,32 +189,34 @@ def simulation_json(result: Simulation) -> str:
     from robodyn.simulation.result import deepest, held
     from robodyn.trajectory.columns.signals import COMPONENTS
 
-    energy, accuracy = result.figures.energy, doc.select(result, "target expected:expected_error")
+    model, energy = result.model, result.figures.energy
     spring, loops = None, None
     if result.scene.limit_spring:
-        found = deepest(result.model, result.time, result.q, result.qd)
+        found = deepest(model, result.time, result.q, result.qd)
         spring = found and doc.select(found, "joint:stop.joint.name side:stop.word value:stop.value depth time limits")
     if result.loops:
-        own = result.loops
-        rows = zip(own.names, own.wrenches[-1].tolist(), own.gap.tolist(), own.slip.tolist(), strict=True)
-        closures = [
-            {"name": name, "final": dict(zip(COMPONENTS, wrench, strict=True)), "gap": gap, "slip": slip}
-            for name, wrench, gap, slip in rows
-        ]
+        own, closures = result.loops, []
+        for name, wrench, gap, slip in zip(own.names, own.wrenches[-1].tolist(), own.gap, own.slip, strict=True):
+            final = dict(zip(COMPONENTS, wrench, strict=True))
+            closures.append({"name": name, "final": final, "gap": float(gap), "slip": float(slip)})
         keys = "equations dropped rank freedoms usual_freedoms:usual singular stabilised closures"
         loops = doc.select(own, keys, closures=closures)
-    stopped = held(result.model, result.scene, result.time, result.qd)
+    states = []
+    for row in (0, -1):
+        q = dict(zip(model.coordinates, result.q[row].tolist(), strict=True))
+        states.append({"q": q, "qd": dict(zip(model.rates, result.qd[row].tolist(), strict=True))})
+    stopped = held(model, result.scene, result.time, result.qd)
     drift = dict(zip(("linear", "angular"), result.momentum_drift, strict=True)) if result.free else None
     return doc.written(
         {
-            "robot": result.model.name,
+            "robot": model.name,
             "duration": float(result.time[-1]),
             "gravity": result.scene.gravity,
             "method": {**doc.select(result.method, "name order"), **doc.select(result, "step rtol")},
             **doc.select(result, "steps evaluations executor ended", ended=result.ended or None),
-            **({"accuracy": accuracy} if result.target else {}),
-            "start": _state(result, 0),
-            "final": _state(result, -1),
+            **({"accuracy": doc.select(result, "target expected:expected_error")} if result.target else {}),
+            "start": states[0],
+            "final": states[1],
             "energy": {"start": energy[0], "end": energy[-1], "work": result.work[-1], "drift": result.energy_drift},
             "momentum_drift": drift,
             "loops": loops,
@@ -245,10 +232,3 @@ def simulation_json(result: Simulation) -> str:
             ),
         }
     )
-
-
-def _state(result: Simulation, row: int) -> dict[str, dict[str, float]]:
-    return {
-        "q": dict(zip(result.model.coordinates, result.q[row].tolist(), strict=True)),
-        "qd": dict(zip(result.model.rates, result.qd[row].tolist(), strict=True)),
-    }

@@ -40,12 +40,7 @@ class Sizes(dict[str, float]):
 
 
 def sizes(forces: Iterable[float], moments: Iterable[float], reach: float) -> Sizes:
-    """Return the sizes of forces and moments.
-
-    Args:
-        forces, moments: all of the case, of either sign [N, N m].
-        reach: of the robot [m].
-    """
+    """Return the sizes of all forces [N] and moments [N m] of a case, of either sign, on a robot of this reach [m]."""
     force = max(map(abs, forces), default=0.0)
     return Sizes({"N": force, "N m": max(max(map(abs, moments), default=0.0), force * reach)})
 
@@ -74,9 +69,8 @@ def result_sizes(result: Result) -> Sizes:
 def free_body_sizes(found: FreeBodies) -> Sizes:
     """Return those of the forces and moments on every body of a robot."""
     actions = [action for body in found.bodies for action in body.actions]
-    places = [body.pose.p for body in found.bodies] + [
-        body.pose.p + product(body.pose.R, body.com) for body in found.bodies
-    ]
+    places = [body.pose.p for body in found.bodies]
+    places += [body.pose.p + product(body.pose.R, body.com) for body in found.bodies]
     return sizes(
         (float(np.abs(action.force).max()) for action in actions),
         (float(np.abs(each).max()) for action in actions for each in (action.moment, action.at_origin)),
@@ -97,8 +91,8 @@ class MotionSizes(NamedTuple):
 def simulation_sizes(result: Simulation) -> MotionSizes:
     """Return those along a simulated motion.
 
-    An angle is told beside 1 rad, a length beside the robot's reach; an acceleration also beside the square of the
-    speed, and beside gravity; a load also beside the robot's weight.
+    An angle is told beside 1 rad, a length beside the reach; an acceleration also beside the squared speed and
+    gravity; a load also beside the robot's weight.
     """
     model, figures, reach = result.model, result.figures, result.model.reach
     lengths, sliding = linear(model)

@@ -1,21 +1,23 @@
-"""What motors, gears, bearings, the foundation, loops and contacts bear along a motion."""
+"""What motors, gears, bearings, the foundation, loops and contacts bear along a motion, and how sure that is: error
+bars, which parameters make them, and probabilities of verdicts."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
-from robodyn.loads.constraint_result import Constraints, ContactLoad
-from robodyn.loads.result import Exceeded, JointLoad, JointSizing, MotorLoad, Result, Sizing
-from robodyn.report.document import Facts, Paragraph, Section, Table
-from robodyn.report.sizes import Sizes, result_sizes, speed_unit
+from robodyn.loads.constraint_result import Constraints
+from robodyn.loads.result import Exceeded, JointLoad, MotorLoad, Result, Sizing
+from robodyn.loads.uncertainty_result import Uncertain, UncertainLoad
+from robodyn.report.document import Facts, Paragraph, Section, Table, paragraphs
+from robodyn.report.sizes import result_sizes, speed_unit
 from robodyn.report.table import (
-    Content,
     axis_text,
     first_names,
     is_noise,
     moment,
     number,
     point_text,
+    printable,
 )
 from robodyn.support.wording import count, figure
 
@@ -29,6 +31,7 @@ _WORDS = {
     "velocity": "the joint's speed",
 }
 _WORST = ("over peak", "over continuous", "OK", "no limits")
+_UNKNOWN = "no limits are known"
 _LIMITS = {
     "motor torque": "the peak curve allows",
     "motor speed": "it may have",
@@ -42,14 +45,13 @@ _LIMITS = {
 
 def sizing_sections(result: Result) -> Iterator[Section]:
     """Yield use of joints, motors, bearings, foundation, and a verdict for each joint."""
-    sizing = result.sizing
+    sizing, size = result.sizing, result_sizes(result)
     if sizing is None:
         return
     if sizing.joints:
-        yield [Table("How joints are used", *_use(result, sizing))]
-    size = result_sizes(result)
+        yield [_use(result, sizing)]
     if any(joint.motor for joint in sizing.joints):
-        yield [Table("Motors, torque and speed at their shafts", *_motors(sizing, size))]
+        yield [_motors(result, sizing)]
     if sizing.bearings:
         title = "Bearings: largest loads, parent on child, at the joint's origin"
         rows = []
@@ -65,7 +67,17 @@ def sizing_sections(result: Result) -> Iterator[Section]:
             rows.append((bearing.joint, *axes, *cells[:7], when[0], cells[7], when[1]))
         head = ("joint", "u", "v", "axis a", "fu [N]", "fv", "fa", "mu [N m]", "mv", "ma")
         yield [Table(title, (*head, "radial f", "at [s]", "tilting m", "at [s]"), rows)]
-    yield [Table("Foundation: ground on robot, in the base's axes", *_foundation(sizing, size))]
+    rows = []
+    for load in sizing.foundation:
+        scale, row = size[load.unit], [f"{load.name[0].upper()}{load.name[1:]}"]
+        for value, time, unit in (
+            (load.greatest, load.greatest_time, f" {load.unit}"),
+            (load.least, load.least_time, ""),
+        ):
+            row += [f"{number(value, scale)}{unit}", moment(time, value, scale)]
+        rows.append((*row, number(load.mean, scale)))
+    foundation = ("", "greatest", "at [s]", "least", "at [s]", "mean")
+    yield [Table("Foundation: ground on robot, in the base's axes", foundation, rows)]
     if sizing.joints:
         yield [Paragraph("Verdicts"), verdicts(result.joints, sizing)]
 
@@ -73,17 +85,14 @@ def sizing_sections(result: Result) -> Iterator[Section]:
 def verdicts(loads: Sequence[JointLoad], sizing: Sizing) -> Facts:
     """Return of each joint in plain words everything that it exceeds, or how near it comes to its limits, the worst
     first."""
-    pairs = sorted(zip(loads, sizing.joints, strict=True), key=lambda pair: _WORST.index(pair[1].level))
-    each = [_verdict(load, joint) for load, joint in pairs]
-    return Facts(tuple(line for lines in each for line in lines))
-
-
-def _verdict(load: JointLoad, joint: JointSizing) -> Iterator[tuple[str, str]]:
-    if not joint.exceeded:
-        nearness = ", ".join(_nearness(load, joint.motor))
-        yield joint.name, f"OK: {nearness}" if nearness else "OK" if joint.level == "OK" else "no limits are known"
-    for k, exceeded in enumerate(joint.exceeded):
-        yield "" if k else joint.name, f"{exceeded.level.upper()}: {in_words(exceeded)}"
+    items = []
+    for load, joint in sorted(zip(loads, sizing.joints, strict=True), key=lambda pair: _WORST.index(pair[1].level)):
+        if not joint.exceeded:
+            nearness = ", ".join(_nearness(load, joint.motor))
+            items.append((joint.name, f"OK: {nearness}" if nearness else "OK" if joint.level == "OK" else _UNKNOWN))
+        for k, exceeded in enumerate(joint.exceeded):
+            items.append(("" if k else joint.name, f"{exceeded.level.upper()}: {in_words(exceeded)}"))
+    return Facts(tuple(items))
 
 
 def in_words(exceeded: Exceeded) -> str:
@@ -101,26 +110,23 @@ def in_words(exceeded: Exceeded) -> str:
 
 
 def _nearness(load: JointLoad, motor: MotorLoad | None) -> Iterator[str]:
+    """Yield how much of each limit is used."""
+    uses: list[tuple[float, float | None, str]] = []
     if motor is not None:
-        near = motor.nearest
-        if near is not None:
-            yield f"{_percent(near.torque, near.limit)} of the peak curve at {near.time:.6g} s"
-        if motor.continuous_limit is not None:
-            yield f"{_percent(motor.rms, motor.continuous_limit)} of the continuous torque"
-        if motor.speed_limit is not None:
-            yield f"{_percent(abs(motor.max_speed), motor.speed_limit)} of the motor's speed"
-    if load.effort_limit is not None:
-        yield f"{_percent(abs(load.peak), load.effort_limit)} of the effort limit"
-    if load.velocity_limit is not None:
-        yield f"{_percent(abs(load.max_speed), load.velocity_limit)} of the velocity limit"
+        if motor.nearest is not None:
+            near = motor.nearest
+            uses.append((near.torque, near.limit, f"the peak curve at {near.time:.6g} s"))
+        uses.append((motor.rms, motor.continuous_limit, "the continuous torque"))
+        uses.append((abs(motor.max_speed), motor.speed_limit, "the motor's speed"))
+    uses.append((abs(load.peak), load.effort_limit, "the effort limit"))
+    uses.append((abs(load.max_speed), load.velocity_limit, "the velocity limit"))
+    for value, limit, what in uses:
+        if limit is not None:
+            percent = 100.0 * value / limit if limit > 0 else 0.0
+            yield f"{'<1 %' if 0.0 < percent < 0.5 else f'{percent:.0f} %'} of {what}"
 
 
-def _percent(value: float, limit: float) -> str:
-    percent = 100.0 * value / limit if limit > 0 else 0.0
-    return "<1 %" if 0.0 < percent < 0.5 else f"{percent:.0f} %"
-
-
-def _use(result: Result, sizing: Sizing) -> Content:
+def _use(result: Result, sizing: Sizing) -> Table:
     size = result_sizes(result)
     rows = []
     for joint, load in zip(sizing.joints, result.joints, strict=True):
@@ -132,12 +138,13 @@ def _use(result: Result, sizing: Sizing) -> Content:
         row += [number(load.least_power, size["W"]), f"{number(joint.static_peak, torque)} {joint.unit}"]
         share = f"{number(100 * joint.static_share)} %" if joint.static_share >= 1e-5 else "0 %"
         rows.append((*row, number(joint.static_rms, torque), "-" if is_noise(load.rms, torque) else share))
-    head = ("joint", "duty", "mean speed", "peak in row", "speed then", "max speed at [s]", "torque then")
-    return (*head, "least power [W]", "static peak", "static RMS", "hold share"), rows
+    head = ["joint", "duty", "mean speed", "peak in row", "speed then", "max speed at [s]", "torque then"]
+    head += ["least power [W]", "static peak", "static RMS", "hold share"]
+    return Table("How joints are used", head, rows)
 
 
-def _motors(sizing: Sizing, size: Sizes) -> Content:
-    rows = []
+def _motors(result: Result, sizing: Sizing) -> Table:
+    size, rows = result_sizes(result), []
     for joint in sizing.joints:
         motor = joint.motor
         if motor is None:
@@ -151,21 +158,9 @@ def _motors(sizing: Sizing, size: Sizes) -> Content:
         row += [number(power, size["W"]) for power in (motor.peak_power, motor.least_power)]
         row += [number(work, size["J"]) for work in (motor.work_positive, motor.work_negative)]
         rows.append((*row, "-" if motor.inertia_ratio is None else f"{motor.inertia_ratio:.3g}"))
-    head = ("joint", "gear", "efficiency", "peak", "at [s]", "speed then", "RMS", "max speed", "torque then")
-    return (*head, "mean speed", "peak power [W]", "least", "work [J]", "returned [J]", "inertia ratio"), rows
-
-
-def _foundation(sizing: Sizing, size: Sizes) -> Content:
-    rows = []
-    for load in sizing.foundation:
-        scale = size[load.unit]
-        name = f"{load.name[0].upper()}{load.name[1:]}"
-        greatest, least = (
-            (number(value, scale), moment(time, value, scale))
-            for value, time in ((load.greatest, load.greatest_time), (load.least, load.least_time))
-        )
-        rows.append((name, f"{greatest[0]} {load.unit}", greatest[1], *least, number(load.mean, scale)))
-    return ("", "greatest", "at [s]", "least", "at [s]", "mean"), rows
+    head = ["joint", "gear", "efficiency", "peak", "at [s]", "speed then", "RMS", "max speed", "torque then"]
+    head += ["mean speed", "peak power [W]", "least", "work [J]", "returned [J]", "inertia ratio"]
+    return Table("Motors, torque and speed at their shafts", head, rows)
 
 
 _FINE = 1e3
@@ -175,38 +170,59 @@ _FEW, _NAMED = 3, 8
 _MISSING = {"slip": "would slip", "pull": "had to pull", "tip": "would tip over", "fly": "stands on nothing"}
 
 
-def constraint_tables(result: Result) -> Iterator[tuple[str, Content]]:
-    """Yield titles and tables: loops, contacts, spans without contact forces, what passive joints lack."""
+def constraint_tables(result: Result) -> Iterator[Table]:
+    """Yield tables of loops, contacts, spans without contact forces, what passive joints lack."""
     found, size = result.constraints, result_sizes(result)
     assert found is not None
     if found.loops:
         rows = []
         for loop in found.loops:
-            force, turning = loop.force.value, loop.moment.value
-            row = [loop.name, loop.link, loop.to, loop.kind, size.number(force, "N")]
-            row += [size.moment(loop.force.time, force, "N"), size.number(loop.rms_force, "N")]
+            most, turning = loop.force.value, loop.moment.value
+            row = [loop.name, loop.link, loop.to, loop.kind, size.number(most, "N")]
+            row += [size.moment(loop.force.time, most, "N"), size.number(loop.rms_force, "N")]
             row += [size.number(turning, "N m"), size.number(loop.rms_moment, "N m")]
-            rows.append((*row, "yes" if loop.determined else f"but {', '.join(loop.open)}"))
-        head = ("loop", "on", "by", "kind", "force [N]", "at [s]", "RMS", "moment [N m]", "RMS", "determined")
-        yield "Loops: force and moment on the link", (head, rows)
+            rows.append([*row, "yes" if loop.determined else f"but {', '.join(loop.open)}"])
+        head = ["loop", "on", "by", "kind", "force [N]", "at [s]", "RMS", "moment [N m]", "RMS", "determined"]
+        yield Table("Loops: force and moment on the link", head, rows)
     if found.contacts:
-        yield "Contacts: what the link stands on, while it does", _contact_table(found.contacts, size)
+        rows = []
+        for each in found.contacts:
+            force, used, margin = each.force, each.friction_used, each.margin
+            row = [each.name, f"{100 * each.on:.0f} %", size.number(force.value, "N")]
+            row += [size.moment(force.time, force.value, "N")]
+            row += [f"{size.number(each.least_normal.value, 'N')} to {size.number(each.normal.value, 'N')}"]
+            row += [f"{each.friction:g}", *([f"{100 * used.value:.0f}%", f"{used.time:.4g}"] if used else ["", ""])]
+            row += [f"{1e3 * margin.value:.3g}", f"{margin.time:.4g}"] if margin else ["", ""]
+            rows.append([*row, point_text((1e3 * x for x in each.centre), _FINE) if each.centre else ""])
+        head = ["contact", "on", "force [N]", "at [s]", "along normal [N]", "friction", "of it used", "at [s]"]
+        head += ["margin [mm]", "at [s]", "centre of pressure [mm]"]
+        kept = 11 if any(each.margin for each in found.contacts) else 8
+        yield Table("Contacts: what the link stands on, while it does", head[:kept], [row[:kept] for row in rows])
     if found.missing:
-        span_head = ("from [s]", "to [s]", "the robot", "force missing [N]", "moment missing [N m]")
-        spans = [
-            (f"{x.start:.4g}", f"{x.end:.4g}", _MISSING[x.kind], figure(x.force.value), figure(x.moment.value))
+        rows = [
+            [f"{x.start:.4g}", f"{x.end:.4g}", _MISSING[x.kind], figure(x.force.value), figure(x.moment.value)]
             for x in found.missing
         ]
-        yield "Where no contact forces balance the motion", (span_head, spans)
+        head = ["from [s]", "to [s]", "the robot", "force missing [N]", "moment missing [N m]"]
+        yield Table("Where no contact forces balance the motion", head, rows)
     if found.unbalanced:
-        lacks = [(x.name, f"{figure(x.most.value)} {x.unit}", f"{x.most.time:.4g}") for x in found.unbalanced]
+        rows = [[x.name, f"{figure(x.most.value)} {x.unit}", f"{x.most.time:.4g}"] for x in found.unbalanced]
         title = "What the motion takes at passive joints and nothing gives"
-        yield title, (("joint", "most", "at [s]"), lacks)
+        yield Table(title, ["joint", "most", "at [s]"], rows)
 
 
 def constraint_lines(found: Constraints) -> Iterator[str]:
     """Yield in words: ranks and freedoms, which torques are determined, how others were chosen, the least friction."""
-    yield _ranks(found)
+    names = list(found.determined)
+    who = first_names(names, _FEW) if len(names) <= _FEW else count(len(names), "joint")
+    drives = f"{who} {'drives' if len(names) == 1 else 'drive'}" if names else "no joint drives"
+    if found.equations:
+        over = f", {found.overconstrained} of which others imply" if found.overconstrained else ""
+        freedoms = count(found.freedoms, "degree of freedom", "degrees of freedom")
+        spare = f", {found.redundancy} more than the freedoms that they drive" if found.redundancy else ""
+        yield f"{count(found.equations, 'equation')} of loops{over}; {freedoms}; {drives}{spare}."
+    else:
+        yield f"{drives}." if names else f"{drives[0].upper()}{drives[1:]}."
     open_drives = [name for name, sure in found.determined.items() if not sure]
     if found.determined and not open_drives:
         yield "All torques are determined: no others balance the motion."
@@ -222,40 +238,102 @@ def constraint_lines(found: Constraints) -> Iterator[str]:
     if found.followed:
         yield f"Follow from the loops, for want of columns: {first_names(found.followed, _NAMED)}."
     if found.contacts:
-        if found.least_friction is None:
-            yield "No friction suffices for this motion."
-        elif not found.least_friction:
-            yield "The motion takes no friction."
-        else:
-            yield f"The least friction that suffices, alike at all contacts: {figure(found.least_friction)}."
+        least = found.least_friction
+        some = f"The least friction that suffices, alike at all contacts: {figure(least or 0.0)}."
+        none = "No friction suffices for this motion."
+        yield none if least is None else some if least else "The motion takes no friction."
     if found.beyond_limits is not None:
         since = figure(found.beyond_limits)
         yield f"From {since} s on there are samples at which no contact forces keep the effort limits."
 
 
-def _ranks(found: Constraints) -> str:
-    names = list(found.determined)
-    who = first_names(names, _FEW) if len(names) <= _FEW else count(len(names), "joint")
-    drives = f"{who} {'drives' if len(names) == 1 else 'drive'}" if names else "no joint drives"
-    if not found.equations:
-        return f"{drives[:1].upper()}{drives[1:]}." if not found.determined else f"{drives}."
-    over = f", {found.overconstrained} of which others imply" if found.overconstrained else ""
-    freedoms = "degree of freedom" if found.freedoms == 1 else "degrees of freedom"
-    spare = f", {found.redundancy} more than the freedoms that they drive" if found.redundancy else ""
-    return f"{count(found.equations, 'equation')} of loops{over}; {found.freedoms} {freedoms}; {drives}{spare}."
+_SHOWN = 3
+"""Parameters that are named of each load, with more than `_LEAST` of its variance."""
+_LEAST = 0.01
+_OF_LINKS = {"mass": "mass", "com": "centre of mass", "inertia": "inertia", "friction": "friction"}
 
 
-def _contact_table(contacts: tuple[ContactLoad, ...], size: Sizes) -> Content:
-    rows = []
-    for each in contacts:
-        force, used, margin = each.force, each.friction_used, each.margin
-        row = [each.name, f"{100 * each.on:.0f} %", size.number(force.value, "N")]
-        row += [size.moment(force.time, force.value, "N")]
-        row += [f"{size.number(each.least_normal.value, 'N')} to {size.number(each.normal.value, 'N')}"]
-        row += [f"{each.friction:g}", f"{100 * used.value:.0f}%" if used else "", f"{used.time:.4g}" if used else ""]
-        row += [f"{1e3 * margin.value:.3g}", f"{margin.time:.4g}"] if margin else ["", ""]
-        rows.append([*row, point_text((1e3 * x for x in each.centre), _FINE) if each.centre else ""])
-    head = ["contact", "on", "force [N]", "at [s]", "along normal [N]", "friction", "of it used", "at [s]"]
-    head += ["margin [mm]", "at [s]", "centre of pressure [mm]"]
-    kept = 11 if any(each.margin for each in contacts) else 8
-    return head[:kept], [row[:kept] for row in rows]
+def uncertainty_sections(result: Result) -> Iterator[Section]:
+    """Yield error bars of joints, motors, bearings and the base, what makes them, and how likely limits are kept."""
+    found = result.uncertainty
+    if found is None:
+        return
+    size, groups = result_sizes(result), dict(_groups(found))
+    for title, loads in groups.items():
+        rows = []
+        for name, load in loads:
+            row = [name]
+            for bar, unit in ((load.peak, f" {load.unit}"), (load.rms, "")):
+                error = "0" if is_noise(bar.standard_error, size[load.unit]) else f"{bar.standard_error:.2g}"
+                row += [f"{size.number(bar.value, load.unit)}{unit}", error]
+                row += [f"{size.number(bar.low, load.unit)} to {size.number(bar.high, load.unit)}"]
+            rows.append(row)
+        yield [Table(title, ("", "peak", "std error", "95 %", "RMS", "std error", "95 %"), rows)]
+    if found.joints:
+        ranked = [(each.load.name, ranks(each.load.shares), ranks(each.load.rms_shares)) for each in found.joints]
+        title = "Which parameters matter most, by their share of the variance"
+        yield [Table(title, ("joint", "of the peak", "of the RMS"), ranked)]
+    notes, drawn = [], []
+    for name, load in (each for loads in groups.values() for each in loads):
+        bars = {"peak": load.peak, "RMS": load.rms}
+        drawn += [f"{what} of {printable(name)}" for what, bar in bars.items() if bar.method == "draws"]
+    if drawn:
+        what = (
+            f"By {found.draws} draws of the parameters, for they are not linear in them: {first_names(drawn, _SHOWN)}."
+        )
+        notes.append(f"{what} The other error bars are by derivatives.")
+    if any(name.rpartition(".")[2] not in _OF_LINKS for name in found.parameters):
+        notes.append(
+            "Parameters that the covariance does not name count as sure: what a log did not show, such as most of what "
+            "bearings and the base bear, is less sure than this."
+        )
+    yield paragraphs(notes)
+    chances = []
+    for joint in found.joints:
+        if joint.suffices is not None:
+            limits = [x for x in joint.limits if x.probability < 0.999]
+            unsure = ", ".join(f"{each.quantity} {probability(each.probability)}" for each in limits)
+            each = f"suffices with {probability(joint.suffices)}"
+            chances.append((joint.load.name, f"{each}: {unsure}" if unsure else each))
+    if found.suffices is not None and len(chances) > 1:
+        chances.append(("all joints", f"suffice with {probability(found.suffices)}"))
+    if chances:
+        yield [Paragraph("Limits are kept with these probabilities"), Facts(tuple(chances))]
+
+
+def _groups(found: Uncertain) -> Iterator[tuple[str, list[tuple[str, UncertainLoad]]]]:
+    motors = [each.motor for each in found.joints if each.motor is not None]
+    resultants = [
+        (f"{joint} {load.name}", load)
+        for joint, loads in found.bearings.items()
+        for load in loads
+        if load.name in ("radial", "tilting")
+    ]
+    many = count(len(found.parameters), "uncertain parameter")
+    for title, loads in (
+        (f"Joints: error bars of {many}", [(each.load.name, each.load) for each in found.joints]),
+        ("Motors: error bars", [(load.name, load) for load in motors]),
+        ("Bearings: error bars", resultants),
+        ("Base wrench: error bars", [(load.name, load) for load in found.base]),
+    ):
+        if any(load.shares or load.rms_shares for _, load in loads):
+            yield title, loads
+
+
+def ranks(shares: Mapping[str, float]) -> str:
+    """Return the parameters with most of a variance in words: "mass of forearm 61 %, friction of elbow 30 %"."""
+    most = [(name, share) for name, share in list(shares.items())[:_SHOWN] if share >= _LEAST]
+    return ", ".join(f"{parameter(name)} {100.0 * share:.0f} %" for name, share in most) or "-"
+
+
+def parameter(name: str) -> str:
+    """Return a parameter in words, one of the regressor by its name there."""
+    owner, _, quantity = name.rpartition(".")
+    return printable(f"{_OF_LINKS[quantity]} of {owner}" if quantity in _OF_LINKS else name)
+
+
+def probability(p: float) -> str:
+    """Return a probability in percent, as precisely as it is known."""
+    if not 0.001 < p < 0.999:
+        return "more than 99.9 %" if p > 0.5 else "less than 0.1 %"
+    return f"{100.0 * p:.1f} %" if not 0.01 < p < 0.99 else f"{100.0 * p:.0f} %"

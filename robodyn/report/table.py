@@ -36,7 +36,25 @@ class Page(NamedTuple):
     bold: bool = False
 
     def table(self, content: Content) -> str:
-        return table(*content, self.width, self.bold)
+        """Return rows of text below a header.
+
+        A column in which every cell begins with a number (or is empty or -) is aligned by decimal point, with the unit
+        after it; others begin at the left. Where the columns are wider than the page, the rest of them follow in tables
+        below, each with the first column.
+        """
+        head, rows = content
+        columns = [_column([title, *(row[k] for row in rows)]) for k, title in enumerate(head)]
+        pages: list[list[list[str]]] = [[columns[0]]]
+        for column in columns[1:]:
+            used = sum(_width(other[0]) + _GAP for other in pages[-1])
+            if self.width is not None and used + _width(column[0]) > self.width and len(pages[-1]) > 1:
+                pages.append([columns[0]])
+            pages[-1].append(column)
+        tables = []
+        for page in pages:
+            first, *lines = [(" " * _GAP).join(line).rstrip() for line in zip(*page, strict=True)]
+            tables.append("\n".join([f"\x1b[1m{first}\x1b[0m" if self.bold else first, *lines]) + "\n")
+        return "\n".join(tables)
 
 
 PLAIN = Page()
@@ -107,30 +125,9 @@ def is_numeric(cells: Sequence[str]) -> bool:
     return all(cell in NOTHING or _NUMBER.match(cell) for cell in cells)
 
 
-def table(head: Sequence[str], rows: Sequence[Sequence[str]], width: int | None = None, bold: bool = False) -> str:
-    """Return rows of text below a header.
-
-    A column in which every cell begins with a number (or is empty or -) is aligned by decimal point, with the unit
-    after it; others begin at the left. Where the columns are wider than `width`, the rest of them follow in tables
-    below, each with the first column.
-
-    Args:
-        width: of the page in characters; None for any.
-        bold: emphasise the header as terminals do.
-    """
-    columns = [_column([title, *(row[k] for row in rows)]) for k, title in enumerate(head)]
-    pages: list[list[list[str]]] = [[columns[0]]]
-    for column in columns[1:]:
-        used = sum(_width(other[0]) + _GAP for other in pages[-1])
-        if width is not None and used + _width(column[0]) > width and len(pages[-1]) > 1:
-            pages.append([columns[0]])
-        pages[-1].append(column)
-    return "\n".join(_page(page, bold) for page in pages)
-
-
-def _page(columns: Sequence[Sequence[str]], bold: bool) -> str:
-    first, *lines = [(" " * _GAP).join(line).rstrip() for line in zip(*columns, strict=True)]
-    return "\n".join([f"\x1b[1m{first}\x1b[0m" if bold else first, *lines]) + "\n"
+def numeric_columns(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[bool]:
+    """Return which columns hold nothing but numbers."""
+    return [is_numeric([row[k] for row in rows]) for k in range(len(head))]
 
 
 def _column(cells: Sequence[str]) -> list[str]:

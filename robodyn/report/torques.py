@@ -1,16 +1,17 @@
-"""`torques` of one trajectory or of many: joints, their peaks, base loads, shares of effects, self-checks, limits."""
+"""`torques` of one trajectory or of many: joints, their peaks, base loads, effects, self-checks, limits; and JSON."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 
-from robodyn.loads.result import ComponentLoad, EffectReport, JointLoad, MomentumReport, Result
-from robodyn.report.document import Paragraph, Section, Table, paragraphs, remarks
+from robodyn.loads.result import JointLoad, MomentumReport, Result
+from robodyn.report.document import Block, Paragraph, Section, Table, encode, paragraphs, remarks, select, written
 from robodyn.report.limits import (
-    accuracy_blocks,
     exceeded_section,
+    limits_data,
     offenders_first,
+    torques_verdict,
     unchecked_words,
     use,
     verdict_on_limits,
@@ -38,6 +39,9 @@ if TYPE_CHECKING:
 _NAMED = 6
 
 
+KINDS: tuple[Status, ...] = ("computed", "finished before", "failed")
+
+
 def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]:
     """Yield joints, what makes their peaks, base loads, self-checks, limits exceeded, warnings; not the verdict.
 
@@ -45,6 +49,7 @@ def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]
         explain: add why each effect is on or off, what it costs, and the plan.
     """
     result = offenders_first(result)
+    size = result_sizes(result)
     what = f"{count(len(result.joints), 'joint')}, {count(result.samples, 'sample')}, {result.duration:.6g} s"
     robot = f"{result.robot}: {what}, {gravity_text(result.gravity)}"
     yield paragraphs([robot, *_input_words(result)])
@@ -55,30 +60,31 @@ def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]
         from robodyn.report.sizing import constraint_lines, constraint_tables
 
         yield paragraphs(["Constraints", *constraint_lines(result.constraints)])
-        yield from ([Table(title, *content)] for title, content in constraint_tables(result))
+        yield from ([table] for table in constraint_tables(result))
     if result.derivation:
-        methods, rows = derivation_table(result.derivation, result.samples_suffice)
-        yield [Table(methods, *rows) if rows else Paragraph(methods)]
-    head, wrench = base_table(result)
+        yield [derivation_table(result.derivation, result.samples_suffice)]
+    wrench = []
+    for part in result.base_wrench:
+        unit = "N" if part.name[0] == "f" else "N m"
+        peak = size.amount(part.peak, unit), size.moment(part.peak_time, part.peak, unit)
+        wrench.append((part.name, *peak, size.number(part.rms, unit)))
     beside = ", beside its contacts" if result.constraints and result.constraints.contacts else ""
     title = f"Base wrench: ground on robot{beside}, about the base's origin"
     still = all(rms == "0" for *_, rms in wrench)
-    yield [Paragraph(f"{title}: zero throughout") if still else Table(title, head, wrench)]
+    yield [Paragraph(f"{title}: zero throughout") if still else Table(title, ("", "peak", "at [s]", "RMS"), wrench)]
     if result.momentum:
-        title, rows = momentum_table(result.momentum)
-        yield [Table(title, *rows)]
+        yield [momentum_table(result.momentum)]
     if result.sizing:
         from robodyn.report.sizing import sizing_sections
 
         yield from sizing_sections(result)
     if result.uncertainty:
-        from robodyn.report.uncertainty import uncertainty_sections
+        from robodyn.report.sizing import uncertainty_sections
 
         yield from uncertainty_sections(result)
     if explain:
-        plan = f"{result.operations} operations per sample for the torques; {result.executor}: {result.reason}"
-        yield [Table(f"Effects: {plan}", *effect_table(result))]
-    checks, balance, size = result.checks, result.checks.energy_balance, result_sizes(result)
+        yield [effect_table(result)]
+    checks, balance = result.checks, result.checks.energy_balance
     energies = balance.work, balance.energy_change, balance.residual, abs(balance.quadrature)
     work, stored, residual, sampling = (size.number(each, "J") for each in energies)
     laws = [relative_text(each) for each in (checks.first_law, checks.second_law, checks.power)]
@@ -92,7 +98,8 @@ def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]
     )
     yield paragraphs(lines)
     yield exceeded_section(result)
-    yield [*accuracy_blocks(result)]
+    if result.accuracy:
+        yield [Paragraph(f"accuracy: {'' if result.accuracy.met else 'NOT MET: '}{result.accuracy.said}")]
     yield remarks("warning", result.warnings)
 
 
@@ -131,33 +138,25 @@ def outcome_line(outcome: Outcome) -> str:
 
 
 def batch_sections(batch: Batch) -> Iterator[Section]:
-    """Yield the summary: how many there are of each kind, and the worst of each joint."""
-    kinds: tuple[Status, ...] = ("computed", "finished before", "failed")
-    found = [f"{amount} {kind}" for kind in kinds if (amount := batch.count(kind))]
+    """Yield how many there are of each kind, the worst of each joint, what is in doubt, and the verdict on all."""
+    found = [f"{amount} {kind}" for kind in KINDS if (amount := batch.count(kind))]
     done = [outcome for outcome in batch.outcomes if outcome.status != "failed"]
     yield [Paragraph(f"{batch.robot}: {count(len(batch.outcomes), 'file')}, {', '.join(found)}")]
     if batch.worst:
         yield [Table("The worst of each joint", *worst_table(batch.worst))]
-    if done:
-        yield paragraphs(_limits(done, batch.count("failed")))
-
-
-def _limits(done: Sequence[Outcome], failed: int) -> list[str]:
-    """Return what is in doubt, each with the files that it is about, and last the verdict on the limits of all motions.
-
-    Args:
-        failed: how many files there are beside those that are done.
-    """
-    caveats = {caveat.kind: caveat for outcome in done for caveat in reversed(outcome.caveats)}
-    limits, over = done[0].limits, sum(bool(outcome.exceeded) for outcome in done)
+    if not done:
+        return
+    limits, over, failed = done[0].limits, sum(bool(outcome.exceeded) for outcome in done), batch.count("failed")
     lines = [*unchecked_words(limits)]
+    caveats = {caveat.kind: caveat for outcome in done for caveat in reversed(outcome.caveats)}
     for kind in caveats:
         about = [(x.trajectory, caveat.text) for x in done for caveat in x.caveats if caveat.kind == kind]
         others = f" and {count(len(about) - 1, 'other file')}" if len(about) > 1 else ""
         lines.append(f"warning: {about[0][0]}{others}: {about[0][1]}")
     verdict = verdict_on_limits(len(done[0].joints), (), limits, tuple(caveats.values()))
     said = f"LIMITS EXCEEDED in {count(over, 'file')}" if over else verdict.headline
-    return [*lines, f"{count(failed, 'file')} failed; of the others: {said}" if failed else said + "." * (not over)]
+    last = f"{count(failed, 'file')} failed; of the others: {said}" if failed else said + "." * (not over)
+    yield paragraphs([*lines, last])
 
 
 def worst_table(worst: tuple[Worst, ...]) -> Content:
@@ -206,32 +205,17 @@ def load_table(result: Result) -> Content:
     return by_columns(columns, result.joints)
 
 
-def base_table(result: Result) -> Content:
-    """Return peaks of the base wrench."""
-    size, units = result_sizes(result), {"f": "N", "m": "N m"}
-    columns: Columns[ComponentLoad] = [
-        ("", lambda part: part.name),
-        ("peak", lambda part: size.amount(part.peak, units[part.name[0]])),
-        ("at [s]", lambda part: size.moment(part.peak_time, part.peak, units[part.name[0]])),
-        ("RMS", lambda part: size.number(part.rms, units[part.name[0]])),
-    ]
-    return by_columns(columns, result.base_wrench)
-
-
-def effect_table(result: Result) -> Content:
+def effect_table(result: Result) -> Table:
     """Return which effects are on, what they cost, and why; what each takes beside the others where that is known."""
-    saved = any(effect.saved is not None for effect in result.effects)
-    columns: Columns[EffectReport] = [
-        ("effect", lambda effect: effect.name),
-        ("", lambda effect: "on" if effect.verdict.active else "off"),
-        ("operations alone", lambda effect: str(effect.operations) if effect.verdict.active else ""),
-        (
-            "saved without",
-            lambda effect: "" if effect.saved is None or not effect.verdict.active else str(effect.saved),
-        ),
-        ("why", lambda effect: effect.verdict.reason),
-    ]
-    return by_columns([column for column in columns if saved or column[0] != "saved without"], result.effects)
+    saved, rows = any(effect.saved is not None for effect in result.effects), []
+    for effect in result.effects:
+        on = effect.verdict.active
+        row = [effect.name, "on" if on else "off", str(effect.operations) if on else ""]
+        row += ["" if effect.saved is None or not on else str(effect.saved)] * saved
+        rows.append([*row, effect.verdict.reason])
+    head = ["effect", "", "operations alone", *["saved without"] * saved, "why"]
+    plan = f"{result.operations} operations per sample for the torques; {result.executor}: {result.reason}"
+    return Table(f"Effects: {plan}", head, rows)
 
 
 def share_table(result: Result) -> Content:
@@ -243,10 +227,10 @@ def share_table(result: Result) -> Content:
     joints, size = result.joints, result_sizes(result)
     names = [effect.name for effect in result.effects]
     present = [name for name in names if not all(is_noise(abs(j.shares.get(name, 0.0)), size[j.unit]) for j in joints)]
-    head = ["joint", *present, "sum"]
-    rows = [[joint.name, *(number(joint.shares[name], size[joint.unit]) for name in present)] for joint in joints]
-    for joint, row in zip(joints, rows, strict=True):
-        row.append(f"{number(joint.peak, size[joint.unit])} {joint.unit}")
+    head, rows = ["joint", *present, "sum"], []
+    for joint in joints:
+        shares = (number(joint.shares[name], size[joint.unit]) for name in present)
+        rows.append([joint.name, *shares, f"{number(joint.peak, size[joint.unit])} {joint.unit}"])
     loops = result.constraints is not None and result.constraints.loops
     bars = "error (of accelerations)" if loops else "error (95 %)"
     for title, values in (
@@ -257,16 +241,13 @@ def share_table(result: Result) -> Content:
             head.append(title)
             for row, value in zip(rows, values, strict=True):
                 row.append(value)
-    return tuple(head), [tuple(row) for row in rows]
+    return head, rows
 
 
 def _bar(joint: JointLoad, scale: float) -> str:
     """Return the error bar of the largest torque, empty if that is known to a millionth, or its bar is not known.
 
     Where doubt is more of it than noise, two standard deviations, it is a bound, with the noise beside it.
-
-    Args:
-        scale: what makes the torques, at its largest.
     """
     bar, noise = joint.error_bar, NOISE * joint.uncertainty
     if bar is None or bar <= _KNOWN * abs(joint.peak) or is_noise(bar, scale):
@@ -274,8 +255,8 @@ def _bar(joint: JointLoad, scale: float) -> str:
     return f"+- {bar:.2g}" if bar <= 2.0 * noise else f"within {bar:.2g}" + (f", noise {noise:.2g}" if noise else "")
 
 
-def derivation_table(derivation: Derivation, samples_suffice: bool = True) -> tuple[str, Content | None]:
-    """Return a line that names the methods, and rows for joints with noise in their data; for all if methods differ."""
+def derivation_table(derivation: Derivation, samples_suffice: bool = True) -> Block:
+    """Return a line that names the methods, over joints with noise in their data; over all if methods differ."""
     joints = derivation.joints
     velocity = list(dict.fromkeys(joint.velocity for joint in joints if joint.velocity != "given"))
     acceleration = list(dict.fromkeys(joint.acceleration for joint in joints if joint.acceleration != "given"))
@@ -284,7 +265,7 @@ def derivation_table(derivation: Derivation, samples_suffice: bool = True) -> tu
     shown = [joint for joint in joints if joint.noise or several]
     text = f"Derived: {quantities} by {'these methods' if several else (acceleration or velocity)[0]}"
     if not shown:
-        return f"{text}; {'the data are clean' if samples_suffice else 'the samples are too few'}", None
+        return Paragraph(f"{text}; {'the data are clean' if samples_suffice else 'the samples are too few'}")
     columns: Columns[JointDerivation] = [
         ("joint", lambda joint: joint.name),
         ("method", lambda joint: joint.acceleration if joint.velocity == "given" else joint.velocity),
@@ -293,31 +274,82 @@ def derivation_table(derivation: Derivation, samples_suffice: bool = True) -> tu
         ("grid", lambda joint: f"{joint.quantum:.3g}" if joint.quantum else ""),
         ("noise left", lambda joint: f"{joint.std:.2g}"),
     ]
-    return text, by_columns(columns, shown)
+    return Table(text, *by_columns(columns, shown))
 
 
-def momentum_table(report: MomentumReport) -> tuple[str, Content]:
-    """Return a title that says about what and in which frame, and for each quantity its least and its greatest."""
+def momentum_table(report: MomentumReport) -> Table:
+    """Return for each quantity its least and its greatest; the title says about what and in which frame."""
     from robodyn.dynamics.momenta import GROUND
 
     owner = "the ground" if report.frame == GROUND else printable(report.frame)
-    about = {"origin": "the origin", "com": "the mass centre"}.get(str(report.about)) or "({:g}, {:g}, {:g}) m".format(
-        *report.about
-    )
-    scales: dict[str, float] = {}
-    for row in report.ranges:
-        kind = row.name.partition("_")[0]
-        scales[kind] = max(scales.get(kind, 0.0), abs(row.least), abs(row.greatest))
+    names = {"origin": "the origin", "com": "the mass centre"}
+    about = names.get(str(report.about)) or "({:g}, {:g}, {:g}) m".format(*report.about)
+    kinds = [row.name.partition("_")[0] for row in report.ranges]
+    scales = dict.fromkeys(kinds, 0.0)
+    for kind, row in zip(kinds, report.ranges, strict=True):
+        scales[kind] = max(scales[kind], abs(row.least), abs(row.greatest))
     scales["L"] = max(scales["L"], scales["p"] * scales["com"])  # L also beside p at the mass centre's distance
     scales["T"] = scales["V"] = max(scales["T"], scales["V"])
     rows = []
-    for row in report.ranges:
-        kind = row.name.partition("_")[0]
-        name = f"{row.name} [{_UNITS[kind]}]"
-        least, greatest = (
-            (number(value, scales[kind]), moment(time, value, scales[kind]))
-            for value, time in ((row.least, row.least_time), (row.greatest, row.greatest_time))
-        )
-        rows.append((name, *least, *greatest))
+    for kind, row in zip(kinds, report.ranges, strict=True):
+        cells = [f"{row.name} [{_UNITS[kind]}]"]
+        for value, time in ((row.least, row.least_time), (row.greatest, row.greatest_time)):
+            cells += [number(value, scales[kind]), moment(time, value, scales[kind])]
+        rows.append(cells)
     title = f"Momentum and energy in the frame of {owner}, L about {about}; power is tau . qd"
-    return title, (("", "least", "at [s]", "greatest", "at [s]"), rows)
+    return Table(title, ("", "least", "at [s]", "greatest", "at [s]"), rows)
+
+
+def torques_json(result: Result) -> str:
+    """Return the document of `torques`, with the keys of docs/reference/schemas; units are SI."""
+    effects, sizing = [], None
+    for effect in result.effects:
+        share = {joint.name: joint.shares[effect.name] for joint in result.joints if effect.name in joint.shares}
+        one = select(effect, "name active:verdict.active reason:verdict.reason share operations", share=share)
+        effects.append(one if effect.saved is None else {**one, "operations_saved_without": effect.saved})
+    balance = select(
+        result.checks.energy_balance,
+        "work energy_change residual quadrature_error:quadrature turnover largest_residual:worst consistent",
+    )
+    document = select(
+        result,
+        "robot samples duration gravity joints base_wrench effects checks plan derivatives time_origin:origin held "
+        "limits_exceeded:exceeded limits within_limits verdict doubts:caveats warnings",
+        base_wrench={part.name: select(part, "peak peak_time rms") for part in result.base_wrench},
+        effects=effects,
+        checks=select(result.checks, "energy_balance first_law second_law power samples", energy_balance=balance),
+        plan=select(result, "executor operations reason"),
+        derivatives=result.derivation.joints if result.derivation else [],
+        limits=limits_data(result.limits),
+        verdict=torques_verdict(result),
+    )
+    if result.sizing:
+        bearings = []
+        for bearing in result.sizing.bearings:
+            directions = dict(zip(("u", "v", "axis"), bearing.directions, strict=True))
+            parts = {part.name: _unnamed(part) for part in (*bearing.components, bearing.radial, bearing.tilting)}
+            keys = "joint kind directions components"
+            bearings.append(select(bearing, keys, directions=directions, components=parts))
+        foundation = {load.name: _unnamed(load) for load in result.sizing.foundation}
+        sizing = select(result.sizing, "joints bearings foundation", bearings=bearings, foundation=foundation)
+    optional: dict[str, Any] = {"momentum": result.momentum, "accuracy": result.accuracy, "sizing": sizing}
+    optional |= {"constraints": result.constraints, "uncertainty": result.uncertainty}
+    return written({**document, **{key: part for key, part in optional.items() if part is not None}})
+
+
+def _unnamed(load: object) -> dict[str, Any]:
+    return {key: value for key, value in encode(load).items() if key != "name"}
+
+
+def batch_json(batch: Batch) -> str:
+    """Return `robot`, `files` in the order of the trajectories, the `worst` of each joint, and counts."""
+    files = []
+    for outcome in batch.outcomes:
+        if outcome.status == "failed":
+            files.append(select(outcome, "trajectory status error"))
+        else:
+            every = {key: value for key, value in encode(outcome).items() if key not in ("joints", "error")}
+            files.append({**every, "limits": limits_data(outcome.limits), "within_limits": outcome.within_limits})
+    counts = {kind.replace(" ", "_"): batch.count(kind) for kind in KINDS}
+    keys = "robot files worst computed finished_before failed within_limits"
+    return written(select(batch, keys, files=files, **counts))

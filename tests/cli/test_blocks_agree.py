@@ -15,7 +15,7 @@ import pytest
 from helpers.command_line import ARM, HEADER, ROBOTS
 
 from robodyn.loads.torques import torques
-from robodyn.report.torques_json import torques_json
+from robodyn.report.torques import torques_json
 from robodyn.robot.load import load
 from robodyn.scene.read import load_scene
 from robodyn.scene.scene import DEFAULT

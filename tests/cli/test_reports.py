@@ -12,7 +12,7 @@ from helpers.html_pages import checked
 
 from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Rung, Spread
 from robodyn.report.accuracy import accuracy_page
-from robodyn.report.renderers.html import html
+from robodyn.report.renderers.pages import html
 
 MESHES = ROBOTS / "meshes"
 ARM = str(ROBOTS / "meshed_arm.urdf")

@@ -18,7 +18,7 @@ from helpers.oracles import EPS, worst
 import robodyn
 from robodyn.loads.accumulate import NAMES
 from robodyn.loads.torques import torques
-from robodyn.report.torques_json import torques_json
+from robodyn.report.torques import torques_json
 from robodyn.robot.load import load
 from robodyn.scene.read import load_scene
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import base64
+import json
 import re
 from itertools import product
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -30,13 +30,12 @@ from robodyn.report.document import (
     data_blocks,
 )
 from robodyn.report.pictures.figures import SERIES, plot
-from robodyn.report.renderers import html as html_page
-from robodyn.report.renderers.html import MEANINGS, html
-from robodyn.report.renderers.markdown import escaped, markdown
+from robodyn.report.renderers.pages import _ASSETS as ASSETS
+from robodyn.report.renderers.pages import escaped, html, markdown
 from robodyn.report.torques_page import torques_page
 from robodyn.scene.read import load_scene
 
-ASSETS = Path(html_page.__file__).parent / "assets"
+MEANINGS = json.loads((ASSETS / "meanings.json").read_text(encoding="utf-8"))
 STYLE = (ASSETS / "page.css").read_text(encoding="utf-8")
 PRINT = STYLE.partition("@media print {")[2]
 HOSTILE = '<script>alert(1)</script>"\' onload="x" & | `a` $\\frac{ *b* [c](http://d) --> ]]> @all \x1b[31m'

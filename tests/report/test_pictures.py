@@ -18,8 +18,7 @@ import robodyn
 from robodyn.dynamics.plan import EFFECTS
 from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Rung, Spread
 from robodyn.programs.vectors import product
-from robodyn.report.accuracy import accuracy_page
-from robodyn.report.pictures.accuracy import draw_ladder
+from robodyn.report.accuracy import accuracy_page, draw_ladder
 from robodyn.report.pictures.free_body import (
     COLOURS,
     PAGE,
@@ -32,7 +31,7 @@ from robodyn.report.pictures.free_body import (
     page_drawing,
 )
 from robodyn.report.pictures.robot import PAPER, nearest
-from robodyn.report.renderers.html import html
+from robodyn.report.renderers.pages import html
 from robodyn.report.sizes import free_body_sizes
 from robodyn.solids.mesh.read.load import load_triangles
 

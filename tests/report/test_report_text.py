@@ -20,13 +20,11 @@ from robodyn.report.document import text
 from robodyn.report.equations import free_body_sections
 from robodyn.report.limits import LINES
 from robodyn.report.pictures.free_body import drawings
-from robodyn.report.pictures.torques import share_figures
-from robodyn.report.renderers.html import html
-from robodyn.report.renderers.markdown import markdown
+from robodyn.report.renderers.pages import html, markdown
 from robodyn.report.sizes import result_sizes
 from robodyn.report.table import Page
-from robodyn.report.torques_json import torques_json
-from robodyn.report.torques_page import torques_page
+from robodyn.report.torques import torques_json
+from robodyn.report.torques_page import share_figures, torques_page
 from robodyn.scene.read import load_scene
 from robodyn.simulation.simulate import simulate
 from robodyn.support.wording import shortened

@@ -26,8 +26,8 @@ from robodyn.report.document import (
 )
 from robodyn.report.linearized import moves
 from robodyn.report.measured import bar
-from robodyn.report.table import NEGLIGIBLE, number, printable, table
-from robodyn.report.uncertainty import probability
+from robodyn.report.sizing import probability
+from robodyn.report.table import NEGLIGIBLE, Page, number, printable
 
 ARM, MOTION = str(ROBOTS / "puma560.urdf"), str(ROBOTS / "puma560_sweep.csv")
 SCENE = str(ROBOTS / "puma560_uncertain.toml")
@@ -161,7 +161,7 @@ def test_decimal_points_are_in_line_and_units_behind() -> None:
         ("tip", "0.003 N m", "+- 12.25"),
         ("o", "5 N", "-"),
     ]
-    assert table(("joint", "peak", "noise"), rows).splitlines() == [
+    assert Page().table((("joint", "peak", "noise"), rows)).splitlines() == [
         "joint         peak      noise",
         "waist  -28.64  N m   +- 0.5",
         "z      117.1   N",
@@ -172,7 +172,7 @@ def test_decimal_points_are_in_line_and_units_behind() -> None:
 
 @given(st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=8))
 def test_every_decimal_point_stands_in_one_column(values: list[float]) -> None:
-    lines = table(("", "value"), [("", f"{x:.3f} N m") for x in values]).splitlines()[1:]
+    lines = Page().table((("", "value"), [("", f"{x:.3f} N m") for x in values])).splitlines()[1:]
     assert len({line.index(".") for line in lines}) == 1
     assert [float(line.split()[0]) for line in lines] == [float(f"{x:.3f}") for x in values]
 
@@ -180,7 +180,7 @@ def test_every_decimal_point_stands_in_one_column(values: list[float]) -> None:
 def test_columns_that_do_not_fit_follow_below() -> None:
     rows = [(f"joint {i}", "1.25 N m", "2.5", "3.75", "99% of 5") for i in range(3)]
     head = ("joint", "peak", "RMS", "mean", "of limit")
-    narrow = table(head, rows, width=24)
+    narrow = Page(24).table((head, rows))
     assert max(map(len, narrow.splitlines())) <= 24
     pages = narrow.split("\n\n")
     assert len(pages) > 1
@@ -188,11 +188,11 @@ def test_columns_that_do_not_fit_follow_below() -> None:
         [line.split("  ")[0] for line in page.splitlines()] == ["joint", *(r[0] for r in rows)] for page in pages
     )
     assert sorted(re.findall(r"peak|RMS|mean|of limit", narrow)) == sorted(head[1:])
-    assert table(head, rows, width=200) == table(head, rows)
+    assert Page(200).table((head, rows)) == Page().table((head, rows))
 
 
 def test_wide_and_combining_characters() -> None:
-    lines = table(("name", "x"), [("\u8155", "1.0"), ("e\u0301", "1.0"), ("ab", "1.0")]).splitlines()
+    lines = Page().table((("name", "x"), [("\u8155", "1.0"), ("e\u0301", "1.0"), ("ab", "1.0")])).splitlines()
     assert [line.index("1.0") for line in lines[1:]] == [5, 7, 6]
 
 

@@ -34,7 +34,7 @@ MAY = {
         "read_bytes": "robodyn's own modules",
     },
     "robodyn/support/processes.py": {"open": "the null device", "fdopen": "a stream", "os.fdopen": "a stream"},
-    "robodyn/report/renderers/html.py": {"read_text": "robodyn's own assets"},
+    "robodyn/report/renderers/pages.py": {"read_text": "robodyn's own assets"},
     "robodyn/measure/doctor.py": {"read_text": "/proc/cpuinfo"},
     "robodyn/trajectory/write.py": {"memmap": "a temporary file of its own", "ZipFile": "an output that is open",
                                     "open": "a member of that"},

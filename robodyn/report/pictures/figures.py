@@ -59,12 +59,7 @@ def style(name: str) -> AbstractContextManager[Any]:
 
 
 def plot(width: int, height: int, draw: Callable[[Canvas], None], name: str) -> str:
-    """Return an SVG element of this size [px] for a page.
-
-    Args:
-        draw: puts what is to be seen on a figure.
-        name: no other figure of the page has.
-    """
+    """Return an SVG element of this size [px] for a page, by a name that no other figure of the page has."""
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure as Canvas
 
@@ -80,21 +75,24 @@ def plot(width: int, height: int, draw: Callable[[Canvas], None], name: str) -> 
 
 def _themed(svg: str) -> str:
     """Return the element alone: colours of the page, coordinates to a tenth of a pixel, no names of groups."""
+
+    def shorter(path: re.Match[str]) -> str:
+        return re.sub(r"(?<=\d\.\d)\d+", "", path[0]).replace(".0 ", " ").replace("\n", "").replace(" L", "L")
+
     svg = svg[svg.index("<svg") :]
-    svg = re.sub(r"<!--.*?-->\n?|<metadata>.*?</metadata>|<style.*?</style>", "", svg, flags=re.DOTALL)
-    svg = re.sub(r'<g id="[^"]*"', "<g", svg)
-    svg = re.sub(r' style="image-rendering:[^"]*"', "", svg)
-    svg = re.sub(r'(?<=style=")font: bold ([\d.]+px)[^;"]*', r"font-weight: bold; font-size: \1", svg)
-    svg = re.sub(r'(?<=style=")font: ([\d.]+px)[^;"]*', r"font-size: \1", svg)
+    for pattern, kept in (
+        (r"(?s)<!--.*?-->\n?|<metadata>.*?</metadata>|<style.*?</style>", ""),
+        (r'<g id="[^"]*"', "<g"),
+        (r' style="image-rendering:[^"]*"', ""),
+        (r'(?<=style=")font: bold ([\d.]+px)[^;"]*', r"font-weight: bold; font-size: \1"),
+        (r'(?<=style=")font: ([\d.]+px)[^;"]*', r"font-size: \1"),
+    ):
+        svg = re.sub(pattern, kept, svg)
     svg = re.sub(r'(<svg[^>]*?) width="[\d.]+pt" height="[\d.]+pt"', r"\1", svg, count=1)
-    svg = re.sub(r'(?<= d=")[^"]*', _shorter, svg)
+    svg = re.sub(r'(?<= d=")[^"]*', shorter, svg)
     for colour, name in _NAMES.items():
         svg = svg.replace(colour, f"var(--{name})")
     return svg.strip()
-
-
-def _shorter(path: re.Match[str]) -> str:
-    return re.sub(r"(?<=\d\.\d)\d+", "", path[0]).replace(".0 ", " ").replace("\n", "").replace(" L", "L")
 
 
 def quiet(values: Floats, scale: float) -> Floats:
@@ -108,17 +106,12 @@ def quiet_line(curves: Curves, quantity: str, column: int, scale: float) -> Line
     return time, quiet(values, scale)
 
 
-def few_ticks(axes: Axes, across: int = 5, up: int = 3) -> None:
-    """Set so many numbers along each axis at most."""
-    axes.locator_params("x", nbins=across)
-    axes.locator_params("y", nbins=up)
-
-
 def panel(canvas: Canvas, bottom: float, height: float) -> Axes:
-    """Return axes of this height above the bottom of a figure [px]."""
+    """Return axes of this height above the bottom of a figure [px], with few numbers along them."""
     tall = canvas.get_figheight() * _DOTS
     axes = canvas.add_axes((0.16, bottom / tall, 0.8, height / tall))
-    few_ticks(axes)
+    axes.locator_params("x", nbins=5)
+    axes.locator_params("y", nbins=3)
     return axes
 
 

@@ -14,7 +14,6 @@ from robodyn.programs.vectors import Array, length, product
 from robodyn.report.pictures.robot import PAPER as EYES
 from robodyn.report.sizes import Sizes, free_body_sizes
 from robodyn.report.table import is_noise, number
-from robodyn.support.floats import Floats
 from robodyn.support.wording import shortened
 
 Point = tuple[float, float]
@@ -50,6 +49,9 @@ _ROW = 22
 _LETTERS = 42
 """So many of what an action is and by whom have room in the table."""
 _HEADS = ((24, "symbol"), (134, "action, by"), (400, "force [N]"), (600, "moment [N m]"))
+
+
+_PARTS = {"force": "N", "moment": "N m"}
 NOTES = (
     "Components in body axes; forces and moments add up to zero. Arrows are to scale, but none is too short to see.",
     "Numbered disc: joint. Quartered disc: mass centre. Dashed arrow with two heads: moment, by the right-hand rule.",
@@ -57,43 +59,11 @@ NOTES = (
 )
 
 
-def _component_table(body: FreeBody, top: float, width: float, size: Sizes) -> Iterator[str]:
-    """Yield every action with its components, and what the marks mean, below a line at `top`."""
-    y = top + 34
-    yield f'<line class="line" x1="24" x2="{width - 24}" y1="{top + 12}" y2="{top + 12}" stroke-width="1"/>'
-    for x, head in _HEADS:
-        yield svg_text(x, y, head, 13, "soft")
-    pairs = [(np.abs(action.force).max(), np.abs(action.moment).max()) for action in body.actions]
-    scales = np.max(pairs, axis=0, initial=0.0) if pairs else np.zeros(2)
-    whats = shortened([f"{action.what}, by {action.by}" for action in body.actions], _LETTERS)
-    for action, what in zip(body.actions, whats, strict=True):
-        y += _ROW
-        yield svg_text(24, y, symbols(action, size), 12, None, bold=True, fill=COLOURS[action.kind])
-        cells = [what]
-        for vector, unit, scale in zip((action.force, action.moment), ("N", "N m"), scales, strict=True):
-            cells.append("0" if is_noise(length(vector), size[unit]) else _components(vector, scale))
-        for (x, _), cell in zip(_HEADS[1:], cells, strict=True):
-            yield svg_text(x, y, cell, 12, "ink")
-    for note in NOTES:
-        y += _ROW
-        yield svg_text(24, y, note, 12, "soft")
-
-
 def symbols(action: Action, size: Sizes) -> str:
     """Return the symbols of those of its force and moment that are no noise."""
-    parts = zip((action.force, action.moment), ("N", "N m"), action.symbols, strict=True)
-    shown = (signed(symbol) for vector, unit, symbol in parts if symbol and not is_noise(length(vector), size[unit]))
+    parts = zip(_PARTS.items(), action.symbols, strict=True)
+    shown = (signed(x) for (part, unit), x in parts if x and not is_noise(length(getattr(action, part)), size[unit]))
     return ", ".join(dict.fromkeys(shown)) or "-"
-
-
-def _components(vector: Floats, scale: float) -> str:
-    """Return components with as many decimals as show three or four digits of the largest component on the body."""
-    power = floor(log10(scale))
-    if not -4 <= power < 7:
-        return "({})".format(", ".join(f"{x:.2e}" for x in vector))
-    decimals = max(0, 3 - power) if power >= 0 else 2 - power
-    rounded = [round(x, decimals) for x in vector.tolist()]
-    return "({})".format(", ".join(f"{x:.{decimals}f}" if x else "0" for x in rounded))
 
 
 def signed(symbol: str) -> str:
@@ -155,7 +125,8 @@ def drawings(found: FreeBodies, state: str) -> Iterator[tuple[str, str]]:
 
 
 def drawing(body: FreeBody, title: str, size: Sizes) -> str:
-    """Return the SVG of one body: isometric, seen from (1, 1, 1) of the ground's frame, which stands upright.
+    """Return the SVG of one body: isometric, seen from (1, 1, 1) of the ground's frame, which stands upright; below
+    every action with its components, with as many decimals as show three or four digits of the largest on the body.
 
     Args:
         size: of forces and moments on the robot, beside which noise vanishes.
@@ -164,6 +135,7 @@ def drawing(body: FreeBody, title: str, size: Sizes) -> str:
     title, name = (
         text if len(text) <= most else f"{text[: most - 3]}..." for text, most in ((title, 95), (body.name, 48))
     )
+    line = SHEET.bottom + 12
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}">',
         STYLE,
@@ -171,10 +143,28 @@ def drawing(body: FreeBody, title: str, size: Sizes) -> str:
         svg_text(24, 36, f"Body {body.number}: {name}", 20, "ink", bold=True),
         svg_text(24, 60, title, 13, "soft"),
         *_scene(body, size, SHEET),
-        *_component_table(body, SHEET.bottom, width, size),
-        "</svg>\n",
+        f'<line class="line" x1="24" x2="{width - 24}" y1="{line}" y2="{line}" stroke-width="1"/>',
+        *(svg_text(x, SHEET.bottom + 34, head, 13, "soft") for x, head in _HEADS),
     ]
-    return "\n".join(parts)
+    scales = [max(float(np.abs(getattr(a, part)).max()) for a in body.actions) for part in _PARTS if body.actions]
+    whats = shortened([f"{action.what}, by {action.by}" for action in body.actions], _LETTERS)
+    for row, (action, what) in enumerate(zip(body.actions, whats, strict=True), start=1):
+        y = SHEET.bottom + 34 + row * _ROW
+        parts.append(svg_text(24, y, symbols(action, size), 12, None, bold=True, fill=COLOURS[action.kind]))
+        cells = [what]
+        for (part, unit), scale in zip(_PARTS.items(), scales, strict=True):
+            vector, cell = getattr(action, part), "0"
+            if not is_noise(length(vector), size[unit]):
+                power = floor(log10(scale))
+                decimals = max(0, 3 - power) if power >= 0 else 2 - power
+                form = f".{decimals}f" if -4 <= power < 7 else ".2e"
+                components = (f"{x:{form}}" if form == ".2e" or float(f"{x:{form}}") else "0" for x in vector.tolist())
+                cell = f"({', '.join(components)})"
+            cells.append(cell)
+        parts += [svg_text(x, y, cell, 12, "ink") for (x, _), cell in zip(_HEADS[1:], cells, strict=True)]
+    for row, note in enumerate(NOTES, start=len(body.actions) + 1):
+        parts.append(svg_text(24, SHEET.bottom + 34 + row * _ROW, note, 12, "soft"))
+    return "\n".join([*parts, "</svg>\n"])
 
 
 def page_drawing(body: FreeBody, size: Sizes) -> str:
@@ -189,24 +179,48 @@ def page_drawing(body: FreeBody, size: Sizes) -> str:
 
 
 def _scene(body: FreeBody, size: Sizes, paper: Paper) -> Iterator[str]:
-    """Yield the body, its arrows with their labels, and the axes of ground and body."""
-    points, spots = _layout(body, paper)
-    vectors, (origin, com, *ends) = arrows(body, spots, size), _apart(points)
-    lines = "".join(
-        f"M{points[1][0]:.1f} {points[1][1]:.1f}L{x:.1f} {y:.1f}" for x, y in (points[0], *points[2:], *spots)
-    )
+    """Yield the body, which fits between its arrows, these with their labels, and the axes of ground and body."""
+    places = [np.zeros(3), body.com, *(point for _, point in body.ends)]
+    everything = np.array([on_paper(product(body.pose.R, p)) for p in [*places, *(a.point for a in body.actions)]])
+    low, high = everything.min(axis=0), everything.max(axis=0)
+    room = np.array([paper.width, paper.bottom - paper.top]) - paper.edges
+    scale = min((r / s for r, s in zip(room, high - low, strict=True) if s > 1e-9), default=1.0)
+    centre = np.array([paper.width / 2, (paper.top + paper.bottom) / 2])
+    at = [(float(x), float(y)) for x, y in (everything - (low + high) / 2) * scale + centre]
+    (origin, com, *ends), spots = at[: len(places)], at[len(places) :]
+    lines = "".join(f"M{com[0]:.1f} {com[1]:.1f}L{x:.1f} {y:.1f}" for x, y in (origin, *ends, *spots))
     path = f'd="{lines}" fill="none" stroke-linecap="round" stroke-linejoin="round"'
     yield from (f'<path class="edge" {path} stroke-width="46"/>', f'<path class="body" {path} stroke-width="43"/>')
-    yield from map(_arrow, vectors)
+    vectors = arrows(body, spots, size)
+    for vector in vectors:
+        yield from vector.elements()
     if body.mass:
         x, y = com
         quarters = f"M{x:.1f} {y:.1f}h7a7 7 0 0 0 -7 -7zM{x:.1f} {y:.1f}h-7a7 7 0 0 0 7 7z"
         yield f'<circle class="mark" cx="{x:.1f}" cy="{y:.1f}" r="7" stroke-width="1.5"/>'
         yield f'<path class="ink" d="{quarters}"/>'
-    for (x, y), joint in zip((origin, *ends), (body.number, *(joint for joint, _ in body.ends)), strict=True):
+    marks = [com]  # beside one another where they would coincide
+    for spot, joint in zip((origin, *ends), (body.number, *(joint for joint, _ in body.ends)), strict=True):
+        tries = [(spot[0] + 20 * dx, spot[1] + 20 * dy) for dx, dy in _ASIDE]
+        free = (each for each in tries if all(hypot(each[0] - a, each[1] - b) >= 18 for a, b in marks))
+        marks.append(next(free, tries[0]))
+        x, y = marks[-1]
         yield f'<circle class="mark" cx="{x:.1f}" cy="{y:.1f}" r="9" stroke-width="1.5"/>'
         yield svg_text(x, y + 4.2, str(joint), 12, "ink", anchor="middle")
-    yield from _labels(vectors, paper)
+    taken: list[tuple[float, float, float]] = []
+    for vector in vectors:  # a label stands beyond the tip, below those that are there already
+        label = f"{signed(vector.symbol)} = {number(vector.value)} {vector.unit}"
+        half = 0.32 * _SIZE * len(label)  # rather more than less
+        x = vector.end[0] + (half + 8) * vector.direction[0]
+        x = min(max(x, half + 8), paper.width - half - 8)
+        y = min(max(vector.end[1] + 18 * vector.direction[1], paper.top + 18), paper.bottom - 130)
+        while any(abs(x - there) < half + wide and abs(y - row) < 20 for there, row, wide in taken):
+            y = y + 4 if y < paper.bottom - 8 else paper.top + 18
+        taken.append((x, y, half))
+        if hypot(x - vector.end[0], y - vector.end[1]) > half + 40:
+            far = f'x1="{vector.end[0]:.1f}" y1="{vector.end[1]:.1f}" x2="{x:.1f}" y2="{y - 10:.1f}"'
+            yield f'<line class="line" {far} stroke-width="1" stroke-dasharray="2 3"/>'
+        yield svg_text(x, y + 5, label, _SIZE, None, bold=True, anchor="middle", fill=COLOURS[vector.kind])
     for x, R, name in ((70.0, np.eye(3), "ground"), (190.0, body.pose.R, "body")):
         y = paper.bottom - 58.0
         for k, letter in enumerate("xyz"):
@@ -222,36 +236,13 @@ def on_paper(vector: Array) -> Point:
     return float(right), -float(up)
 
 
-def _layout(body: FreeBody, paper: Paper) -> tuple[list[Point], list[Point]]:
-    """Return origin, mass centre and ends on paper, and where each action is; the body fits between its arrows."""
-    places = [np.zeros(3), body.com, *(point for _, point in body.ends)]
-    everything = np.array([on_paper(product(body.pose.R, p)) for p in [*places, *(a.point for a in body.actions)]])
-    low, high = everything.min(axis=0), everything.max(axis=0)
-    spread = high - low
-    room = np.array([paper.width, paper.bottom - paper.top]) - paper.edges
-    scale = min((r / s for r, s in zip(room, spread, strict=True) if s > 1e-9), default=1.0)
-    centre = np.array([paper.width / 2, (paper.top + paper.bottom) / 2])
-    at = [(float(x), float(y)) for x, y in (everything - (low + high) / 2) * scale + centre]
-    return at[: len(places)], at[len(places) :]
-
-
-def _apart(points: list[Point]) -> list[Point]:
-    """Return where the marks of origin, mass centre and ends go: beside one another where they would coincide."""
-    origin, com, *ends = points
-    taken = [com]
-    for x, y in (origin, *ends):
-        tries = [(x + 20 * dx, y + 20 * dy) for dx, dy in _ASIDE]
-        free = [at for at in tries if all(hypot(at[0] - a, at[1] - b) >= 18 for a, b in taken)]
-        taken.append((free or tries)[0])
-    return [taken[1], com, *taken[2:]]
+_ASIDE = ((0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (2, 0), (-2, 0), (3, 0), (-3, 0))
 
 
 class Arrow(NamedTuple):
-    """A vector on paper.
+    """A vector on paper, of a kind of action, with symbol, value and unit for its label.
 
     Attributes:
-        kind: of the action, which gives the colour.
-        symbol, value, unit: for its label.
         start, end: px; equal for a vector along the line of sight, which then points `towards` the reader or away.
         direction: of unit length.
         turning: a moment, drawn with two heads.
@@ -267,78 +258,50 @@ class Arrow(NamedTuple):
     towards: bool
     turning: bool
 
+    def elements(self) -> Iterator[str]:
+        """Yield the elements of its drawing."""
+        colour = COLOURS[self.kind]
+        (x0, y0), (x1, y1), (dx, dy) = self.start, self.end, self.direction
+        if self.start == self.end:
+            yield f'<circle cx="{x0:.1f}" cy="{y0:.1f}" r="9" fill="none" stroke="{colour}" stroke-width="2.5"/>'
+            dot = f'<circle cx="{x0:.1f}" cy="{y0:.1f}" r="3.5" fill="{colour}"/>'
+            cross = f"M{x0 - 6:.1f} {y0 - 6:.1f}l12 12m0 -12l-12 12"
+            yield dot if self.towards else f'<path d="{cross}" stroke="{colour}" stroke-width="2"/>'
+            return
+        dashes = ' stroke-dasharray="7 4"' if self.turning else ""
+        stem = f"M{x0:.1f} {y0:.1f}L{x1 - 8 * dx:.1f} {y1 - 8 * dy:.1f}"
+        yield f'<path d="{stem}" stroke="{colour}" stroke-width="3"{dashes}/>'
+        for back in (0, 10) if self.turning else (0,):
+            tip, tail = (x1 - back * dx, y1 - back * dy), (x1 - (back + 14) * dx, y1 - (back + 14) * dy)
+            corners = tip, (tail[0] - 6 * dy, tail[1] + 6 * dx), (tail[0] + 6 * dy, tail[1] - 6 * dx)
+            yield f'<polygon points="{" ".join(f"{a:.1f},{b:.1f}" for a, b in corners)}" fill="{colour}"/>'
+
 
 def arrows(body: FreeBody, spots: list[Point], size: Sizes) -> list[Arrow]:
     """Return the arrows of every force and moment that does not vanish beside the largest on the robot.
 
     Args:
         spots: where on paper each action acts.
-        size: of forces and moments, see `free_body_sizes`.
     """
     found: list[Arrow] = []
-    for turning, name, unit in ((False, "force", "N"), (True, "moment", "N m")):
+    for turning, (name, unit) in enumerate(_PARTS.items()):
         amounts = [length(getattr(action, name)) for action in body.actions]
         for action, amount, (x, y) in zip(body.actions, amounts, spots, strict=True):
-            if not is_noise(amount, size[unit]):
-                along = product(body.pose.R, getattr(action, name)) / amount
-                right, down = on_paper(along)
-                long = hypot(right, down) * sqrt(1.5) * max(SHORTEST, LONGEST * amount / max(amounts))
-                flat = long >= _HEAD_ON
-                way = (right / hypot(right, down), down / hypot(right, down)) if flat else (0.0, -1.0)
-                aside = _BESIDE * sum(_alike(other, (x, y), way, flat) for other in found)
-                start = (x - way[1] * aside, y + way[0] * aside)
-                end = (start[0] + long * way[0], start[1] + long * way[1]) if flat else start
-                towards = bool(product(EYES[2], along) > 0)
-                found.append(
-                    Arrow(action.kind, action.symbols[turning], amount, unit, start, end, way, towards, turning)
-                )
+            if is_noise(amount, size[unit]):
+                continue
+            along = product(body.pose.R, getattr(action, name)) / amount
+            right, down = on_paper(along)
+            long = hypot(right, down) * sqrt(1.5) * max(SHORTEST, LONGEST * amount / max(amounts))
+            flat = long >= _HEAD_ON
+            way = (right / hypot(right, down), down / hypot(right, down)) if flat else (0.0, -1.0)
+            aside = 0.0
+            for other in found:  # arrows that leave about the same spot in about the same direction
+                near = hypot(other.start[0] - x, other.start[1] - y) < 3 * _BESIDE
+                cosine = way[0] * other.direction[0] + way[1] * other.direction[1]
+                aside += _BESIDE * (near and flat == (other.start != other.end) and cosine > 0.97)
+            start = (x - way[1] * aside, y + way[0] * aside)
+            end = (start[0] + long * way[0], start[1] + long * way[1]) if flat else start
+            towards = bool(product(EYES[2], along) > 0)
+            symbol = action.symbols[turning]
+            found.append(Arrow(action.kind, symbol, amount, unit, start, end, way, towards, bool(turning)))
     return found
-
-
-def _alike(other: Arrow, spot: Point, way: Point, flat: bool) -> bool:
-    """Return whether an arrow leaves about the same spot in about the same direction."""
-    near = hypot(other.start[0] - spot[0], other.start[1] - spot[1]) < 3 * _BESIDE
-    return (
-        near and flat == (other.start != other.end) and way[0] * other.direction[0] + way[1] * other.direction[1] > 0.97
-    )
-
-
-def _arrow(arrow: Arrow) -> str:
-    colour = COLOURS[arrow.kind]
-    (x0, y0), (x1, y1) = arrow.start, arrow.end
-    if arrow.start == arrow.end:
-        ring = f'<circle cx="{x0:.1f}" cy="{y0:.1f}" r="9" fill="none" stroke="{colour}" stroke-width="2.5"/>'
-        if arrow.towards:
-            return f'{ring}<circle cx="{x0:.1f}" cy="{y0:.1f}" r="3.5" fill="{colour}"/>'
-        cross = f"M{x0 - 6:.1f} {y0 - 6:.1f}l12 12m0 -12l-12 12"
-        return f'{ring}<path d="{cross}" stroke="{colour}" stroke-width="2"/>'
-    dx, dy = arrow.direction
-    dashes = ' stroke-dasharray="7 4"' if arrow.turning else ""
-    stem = f'd="M{x0:.1f} {y0:.1f}L{x1 - 8 * dx:.1f} {y1 - 8 * dy:.1f}" stroke="{colour}" stroke-width="3"'
-    heads = ""
-    for back in (0, 10) if arrow.turning else (0,):
-        tip, tail = (x1 - back * dx, y1 - back * dy), (x1 - (back + 14) * dx, y1 - (back + 14) * dy)
-        corners = tip, (tail[0] - 6 * dy, tail[1] + 6 * dx), (tail[0] + 6 * dy, tail[1] - 6 * dx)
-        heads += f'<polygon points="{" ".join(f"{a:.1f},{b:.1f}" for a, b in corners)}" fill="{colour}"/>'
-    return f"<path {stem}{dashes}/>{heads}"
-
-
-def _labels(vectors: list[Arrow], paper: Paper) -> Iterator[str]:
-    """Yield symbol and size of each arrow beyond its tip, below those that are there already."""
-    taken: list[tuple[float, float, float]] = []
-    for vector in vectors:
-        label = f"{signed(vector.symbol)} = {number(vector.value)} {vector.unit}"
-        half = 0.32 * _SIZE * len(label)  # rather more than less
-        x = vector.end[0] + (half + 8) * vector.direction[0]
-        x = min(max(x, half + 8), paper.width - half - 8)
-        y = min(max(vector.end[1] + 18 * vector.direction[1], paper.top + 18), paper.bottom - 130)
-        while any(abs(x - there) < half + wide and abs(y - at) < 20 for there, at, wide in taken):
-            y = y + 4 if y < paper.bottom - 8 else paper.top + 18
-        taken.append((x, y, half))
-        if hypot(x - vector.end[0], y - vector.end[1]) > half + 40:
-            ends = f'x1="{vector.end[0]:.1f}" y1="{vector.end[1]:.1f}" x2="{x:.1f}" y2="{y - 10:.1f}"'
-            yield f'<line class="line" {ends} stroke-width="1" stroke-dasharray="2 3"/>'
-        yield svg_text(x, y + 5, label, _SIZE, None, bold=True, anchor="middle", fill=COLOURS[vector.kind])
-
-
-_ASIDE = ((0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (2, 0), (-2, 0), (3, 0), (-3, 0))

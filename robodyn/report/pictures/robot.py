@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from robodyn.report.pictures.figures import INK, SERIES, SOFT, plot
 from robodyn.report.table import number, printable
 from robodyn.robot.kinematics import body_poses, link_poses
 from robodyn.robot.model import Model
-from robodyn.robot.urdf.parts import Description, Geometry
+from robodyn.robot.urdf.parts import Description
 from robodyn.solids.inertia.properties import MassProperties
 from robodyn.solids.mesh.read.load import load_triangles
 from robodyn.support.floats import Floats
@@ -43,18 +43,31 @@ Solid = tuple[int, Floats]
 def shapes_of(description: Description) -> tuple[dict[str, Floats], str]:
     """Return the triangles (m, 3, 3) of each link's visual shapes, in its frame [m], and what is said of meshes that
     are not there or cannot be read."""
+    from trimesh import creation
+
     found: dict[str, list[Floats]] = {}
-    missing = list[str]()
-    for link in description.links:
-        for shape in link.geometries:
-            if shape.kind == "visual":
-                triangles = _surface(description, shape)
-                if triangles is None:
-                    missing.append(shape.filename or shape.shape)
-                else:
-                    R, p = rotation_from_rpy(*shape.origin.rpy), np.array(shape.origin.xyz)
-                    found.setdefault(link.name, []).append(product(triangles, R.T) + p)
-    names = list(dict.fromkeys(map(printable, missing)))
+    missing: dict[str, None] = {}
+    every = [(link.name, shape) for link in description.links for shape in link.geometries if shape.kind == "visual"]
+    for name, shape in every:
+        if shape.filename is not None:
+            path = description.search.find(shape.filename)
+            try:
+                triangles = None if path is None else load_triangles(path).array() * np.array(shape.scale)
+            except MeshError:
+                triangles = None
+            if triangles is None:
+                missing[printable(shape.filename)] = None
+                continue
+        elif shape.shape == "box":
+            triangles = np.asarray(creation.box(shape.size).triangles)
+        elif shape.shape == "sphere":
+            triangles = np.asarray(creation.uv_sphere(shape.size[0]).triangles)
+        else:
+            make = creation.cylinder if shape.shape == "cylinder" else creation.capsule
+            triangles = np.asarray(make(radius=shape.size[0], height=shape.size[1]).triangles)
+        R, p = rotation_from_rpy(*shape.origin.rpy), np.array(shape.origin.xyz)
+        found.setdefault(name, []).append(product(triangles, R.T) + p)
+    names = list(missing)
     some = ", ".join(names[:3]) + (" ..." if len(names) > 3 else "")
     words = (
         f"{len(names)} mesh files are not found or cannot be read, and not drawn: {some}. --package-path says where "
@@ -62,33 +75,12 @@ def shapes_of(description: Description) -> tuple[dict[str, Floats], str]:
     return {link: np.concatenate(parts) for link, parts in found.items()}, f"{words}packages are." if names else ""
 
 
-def _surface(description: Description, shape: Geometry) -> Floats | None:
-    """Return the triangles of a shape in its own axes; None of a mesh that cannot be had."""
-    from trimesh import creation
-
-    if shape.filename is not None:
-        path = description.search.find(shape.filename)
-        try:
-            return None if path is None else load_triangles(path).array() * np.array(shape.scale)
-        except MeshError:
-            return None
-    if shape.shape == "box":
-        return np.asarray(creation.box(shape.size).triangles)
-    if shape.shape == "sphere":
-        return np.asarray(creation.uv_sphere(shape.size[0]).triangles)
-    radius, height = shape.size
-    make = creation.cylinder if shape.shape == "cylinder" else creation.capsule
-    return np.asarray(make(radius=radius, height=height).triangles)
-
-
 def robot_figure(model: Model, q: Floats, joint: str, when: str, shapes: dict[str, Floats], name: str) -> Figure:
-    """Return the robot at q in its base's frame, with one joint and what it carries marked.
+    """Return the robot at q in its base's frame: a skeleton, shapes of links, one joint and what it carries marked.
 
     Args:
         joint: the name of the one that is marked; empty for none.
-        when: which pose this is, in words.
-        shapes: of its links; a skeleton is drawn where some have none.
-        name: no other picture of the page has.
+        when: which pose this is, in words; name: no other picture of the page has.
     """
     poses = link_poses(model, q)
     solids = [
@@ -103,16 +95,13 @@ def robot_figure(model: Model, q: Floats, joint: str, when: str, shapes: dict[st
         draw_solids(axes, solids, marked)
         if marked is not None:
             place = product(PAPER, np.asarray(poses[model.bodies[marked].name].p, float))[:2]
-            axes.annotate(
-                printable(joint),
-                xy=place,
-                xytext=(0.03, 0.95),
-                textcoords="axes fraction",
-                color=INK,
-                fontsize=12,
-                fontweight="bold",
-                arrowprops={"arrowstyle": "-", "color": INK},
-            )
+            look: dict[str, Any] = {
+                "color": INK,
+                "fontsize": 12,
+                "fontweight": "bold",
+                "arrowprops": {"arrowstyle": "-", "color": INK},
+            }
+            axes.annotate(printable(joint), xy=place, xytext=(0.03, 0.95), textcoords="axes fraction", **look)
             axes.plot(*place, marker="o", markersize=6, color=INK)
 
     drawn = "" if solids else " as a skeleton, because it has no visual shapes that can be read here"
@@ -148,8 +137,16 @@ def mode_figure(model: Model, q: Floats, shape: Sequence[complex], caption: str,
         shape: (n,) how the joints move; the phase shown is that of the first that moves as much as any.
         name: no other picture of the page has.
     """
-    rest = _bars(model, q)
-    step = _step(model, np.array(shape), float(np.ptp(np.concatenate(rest), axis=0).max()) or 1.0)
+    rest, way = _bars(model, q), np.array(shape)
+    most, size = np.full(model.n, _TURN), float(np.ptp(np.concatenate(rest), axis=0).max()) or 1.0
+    for joint in model.independent:
+        if joint.kind == "prismatic":
+            most[joint.rate] = _SHIFT * size
+        elif joint.kind == "floating":
+            most[joint.rate + 3 : joint.rate + 6] = _SHIFT * size
+    far = np.abs(way) / most
+    first = way[int(np.argmax(far >= far.max() * (1.0 - 1e-6)))]
+    step = (way * np.conj(first)).real / ((abs(first) or 1.0) * (far.max() or 1.0))
     one, other = (_bars(model, np.array(moved(model, q.tolist(), (sign * step).tolist()))) for sign in (1.0, -1.0))
 
     def draw(axes: Axes) -> None:
@@ -227,19 +224,6 @@ def nearest(triangles: Floats, across: int, up: int) -> Array:
         front = z >= depth[at]
         seen[at[front]] = of[front]
     return seen.reshape(up, across)
-
-
-def _step(model: Model, shape: Floats, size: float) -> Floats:
-    """Return how far (n,) each joint goes."""
-    most = np.full(model.n, _TURN)
-    for joint in model.independent:
-        if joint.kind == "prismatic":
-            most[joint.rate] = _SHIFT * size
-        elif joint.kind == "floating":
-            most[joint.rate + 3 : joint.rate + 6] = _SHIFT * size
-    far = np.abs(shape) / most
-    first = shape[int(np.argmax(far >= far.max() * (1.0 - 1e-6)))]
-    return np.asarray((shape * np.conj(first)).real / ((abs(first) or 1.0) * (far.max() or 1.0)))
 
 
 def _bars(model: Model, q: Floats) -> list[Floats]:

@@ -31,7 +31,6 @@ def check_junit(checked: Checked, strict: bool = False) -> str:
     (junit-10.xsd).
 
     Args:
-        checked: what was found.
         strict: warnings fail, too.
     """
     fatal = {Severity.ERROR, Severity.WARNING} if strict else {Severity.ERROR}
@@ -40,9 +39,21 @@ def check_junit(checked: Checked, strict: bool = False) -> str:
         found.setdefault(one.checked, []).append(one)
     suites, failures = [], 0
     for file, findings in found.items():
-        failed = sum(finding.severity in fatal for finding in findings)
-        cases = [_case(finding, fatal) for finding in findings]
+        cases = []
+        for one in findings:
+            place = f"{one.file}:{one.line}:{one.column}"
+            name = _attribute(f"{one.code} {one.name} {one.line}:{one.column}")
+            cause = f"\ncause: {one.cause}" if one.cause else ""
+            also = "".join(f"\nalso: {line}" for line in further(one))
+            said = f"{place}: {one.severity.value}: {one.message}{also}{cause}\nremedy: {one.remedy}"
+            text = escape(code_lines(said), quote=False)  # html's, for those of xml bring a client for HTTP along
+            what = f"<system-out>{text}</system-out>"
+            if one.severity in fatal:
+                what = f'<failure type="{one.code}" message={_attribute(one.message)}>{text}</failure>'
+            head = f'    <testcase name={name} classname={_attribute(one.file)} time="0">'
+            cases.append(f"{head}\n      {what}\n    </testcase>")
         cases = cases or [f'    <testcase name="no findings" classname={_attribute(file)} time="0"/>']
+        failed = sum(one.severity in fatal for one in findings)
         counts = f'tests="{len(cases)}" failures="{failed}" errors="0" time="0"'
         suites += [f"  <testsuite name={_attribute(file)} {counts}>", *cases, "  </testsuite>"]
         failures += failed
@@ -59,21 +70,6 @@ def check_junit(checked: Checked, strict: bool = False) -> str:
     return "\n".join(['<?xml version="1.0" encoding="UTF-8"?>', head, *suites, "</testsuites>\n"])
 
 
-def _case(finding: Finding, fatal: set[Severity]) -> str:
-    place = f"{finding.file}:{finding.line}:{finding.column}"
-    name = f"{finding.code} {finding.name} {finding.line}:{finding.column}"
-    head = f'    <testcase name={_attribute(name)} classname={_attribute(finding.file)} time="0">'
-    cause = f"\ncause: {finding.cause}" if finding.cause else ""
-    also = "".join(f"\nalso: {line}" for line in further(finding))
-    said = f"{place}: {finding.severity.value}: {finding.message}{also}{cause}\nremedy: {finding.remedy}"
-    text = escape(code_lines(said), quote=False)  # html's functions, for those of xml bring a client for HTTP along
-    if finding.severity in fatal:
-        what = f'<failure type="{finding.code}" message={_attribute(finding.message)}>{text}</failure>'
-    else:
-        what = f"<system-out>{text}</system-out>"
-    return f"{head}\n      {what}\n    </testcase>"
-
-
 def _attribute(text: str) -> str:
     return '"{}"'.format(escape(printable(text), quote=False).replace('"', "&quot;"))
 
@@ -84,8 +80,8 @@ COMMANDS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE:
 def check_github(findings: Sequence[Finding], unread: Sequence[Unread] = ()) -> str:
     """Return one line for each finding, `::error file=F,line=L,col=C,title=T::message`, and for each file not read.
 
-    Method: percent, CR and LF are written %25, %0D and %0A, in properties colon and comma %3A and %2C as well, as the
-    runner's own toolkit does (actions/toolkit, packages/core/src/command.ts).
+    Percent, CR and LF are written %25, %0D and %0A, in properties colon and comma %3A and %2C as well, as the runner's
+    own toolkit does (actions/toolkit, packages/core/src/command.ts).
     """
     lines = []
     for finding in findings:
@@ -93,16 +89,16 @@ def check_github(findings: Sequence[Finding], unread: Sequence[Unread] = ()) -> 
         parts = [finding.message + of, *(f"also: {line}" for line in further(finding))]
         parts += [f"cause: {finding.cause}"] if finding.cause else []
         message = "\n".join(map(printable, [*parts, f"remedy: {finding.remedy}"]))
-        place = {"file": _path(finding.file), "line": str(finding.line), "col": str(finding.column)}
-        properties = {**place, "title": f"{finding.code} {finding.name}"}
+        properties = {"file": _path(finding.file), "line": str(finding.line), "col": str(finding.column)}
+        properties["title"] = f"{finding.code} {finding.name}"
         listed = ",".join(f"{key}={_property(value)}" for key, value in properties.items())
         lines.append(f"::{COMMANDS[finding.severity]} {listed}::{_escaped(message)}\n")
-    faults = [f"::error file={_property(_path(each.file))}::{_escaped(each.why)}\n" for each in unread]
-    return "".join([*lines, *faults])
+    lines += [f"::error file={_property(_path(each.file))}::{_escaped(each.why)}\n" for each in unread]
+    return "".join(lines)
 
 
 def _path(file: str) -> str:
-    """Return the path as the repository has it, without `./`; standard input as it is."""
+    """Return the path as the repository has it; standard input as it is."""
     return file if file.startswith("<") else os.path.normpath(file).replace(os.sep, "/")
 
 
@@ -163,19 +159,18 @@ def check_sarif(
         for rule in rules
     ]
     driver = {"name": "robodyn", "version": own, "semanticVersion": own, "rules": explained}
-    invocation: Object = {"executionSuccessful": not unread}
-    if unread:
-        invocation["toolExecutionNotifications"] = [
-            {
-                "level": "error",
-                "message": {"text": each.why},
-                "locations": [{"physicalLocation": {"artifactLocation": _artifact(each.file)}}],
-            }
-            for each in unread
-        ]
-    run: Object = {"tool": {"driver": driver}, "invocations": [invocation], "columnKind": "unicodeCodePoints"}
-    run["results"] = results
+    faults = []
+    for each in unread:
+        place = {"physicalLocation": {"artifactLocation": _artifact(each.file)}}
+        faults.append({"level": "error", "message": {"text": each.why}, "locations": [place]})
+    notified = {"toolExecutionNotifications": faults} if unread else {}
+    run: Object = {"tool": {"driver": driver}, "invocations": [{"executionSuccessful": not unread, **notified}]}
+    run |= {"columnKind": "unicodeCodePoints", "results": results}
     return json.dumps({"$schema": SCHEMA, "version": "2.1.0", "runs": [run]}, indent=2) + "\n"
+
+
+_LINKED = 20
+"""Further places that the message links to."""
 
 
 def _result(finding: Finding, index: dict[str, int], name: str, region: Region) -> Object:
@@ -214,17 +209,9 @@ def _result(finding: Finding, index: dict[str, int], name: str, region: Region) 
     return result
 
 
-_LINKED = 20
-"""Further places that the message links to."""
-
-
 def _location(finding: Finding, region: Region) -> Object:
-    location: Object = {
-        "physicalLocation": {
-            "artifactLocation": _artifact(finding.file),
-            "region": region(finding.file, finding.start, finding.end),
-        }
-    }
+    place = region(finding.file, finding.start, finding.end)
+    location: Object = {"physicalLocation": {"artifactLocation": _artifact(finding.file), "region": place}}
     if finding.subject is not None:
         kind, named = finding.subject.kind, finding.subject.name
         location["logicalLocations"] = [{"name": named, "kind": kind, "fullyQualifiedName": f"{kind}/{named}"}]
@@ -233,6 +220,4 @@ def _location(finding: Finding, region: Region) -> Object:
 
 def _artifact(file: str) -> Object:
     """Return a relative path as it is, an absolute one as file:, standard input as a name."""
-    if os.path.isabs(file):
-        return {"uri": Path(file).as_uri()}
-    return {"uri": quote(os.path.normpath(file).replace(os.sep, "/") if not file.startswith("<") else file)}
+    return {"uri": Path(file).as_uri() if os.path.isabs(file) else quote(_path(file))}

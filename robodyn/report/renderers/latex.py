@@ -2,7 +2,7 @@ r"""The closed form and the DAE form as LaTeX, to be put into a document that us
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from robodyn.equations.closed import Closed, decimal
@@ -26,7 +26,7 @@ ESCAPES = {
 
 def closed_latex(closed: Closed) -> str:
     r"""Return a sentence on coordinates and notation, then M, gravity, Coriolis and all else in `align*`."""
-    n = len(closed.joints)
+    n, sum_text = len(closed.joints), _sum_printer(closed)
     x, y, z = closed.gravity
     entries = {f"M_{{{i + 1}{j + 1}}}": closed.M[i][j] for i in range(n) for j in range(i, n)}
     for effect, share in closed.bias.items():
@@ -45,7 +45,7 @@ def closed_latex(closed: Closed) -> str:
         f"{DIGITS} digits, $c_{{i}} = \\cos q_{{i}}$, $s_{{i}} = \\sin q_{{i}}$, "
         "$c_{ij} = \\cos(q_{i} + q_{j})$, $s_{ij} = \\sin(q_{i} + q_{j})$\n"
         "and so on, $M_{ij} = M_{ji}$, and\n"
-        + _aligned_lines([f"{name} &= {_broken(entry, closed)}" for name, entry in entries.items()])
+        + _aligned_lines([f"{name} &= {sum_text(entry)}" for name, entry in entries.items()])
     )
 
 
@@ -57,37 +57,18 @@ def _part(effect: str, index: str) -> str:
     return name + (f"_{{{index}}}" if index else "")
 
 
-def _broken(expression: Any, closed: Closed) -> str:
-    """Return the expression, a long sum on several lines."""
-    sympy, printer = module(), _printer(len(closed.q))
-    numbered = {
-        old: new
-        for k, pair in enumerate(zip(closed.q, closed.qd, strict=True), 1)
-        for old, new in zip(pair, _symbols(k), strict=True)
-    }
-    sum_of = decimal(expression).xreplace(numbered)
-    lines = [""]
-    for term in printer._as_ordered_terms(sum_of) if isinstance(sum_of, sympy.Add) else [sum_of]:
-        text = printer.doprint(term)
-        if len(lines[-1]) > WIDTH:
-            lines.append("")
-        sign = "" if text.startswith("-") or lines == [""] else "+ "
-        lines[-1] += f"{' ' * bool(lines[-1])}{sign}{text}"
-    return " \\\\\n    &\\quad ".join(lines)
-
-
-def _symbols(k: int) -> tuple[Any, Any]:
-    """Return symbols of coordinate k from 1 and of its rate; sums and products come in the order of joints."""
-    sympy = module()
-    return sympy.Symbol(f"q_{k}", real=True), sympy.Symbol(f"qd_{k}", real=True)
-
-
-def _printer(n: int) -> Any:
+def _sum_printer(closed: Closed) -> Callable[[Any], str]:
+    """Return what writes an expression, a long sum on several lines; sums and products come in the order of joints."""
     from sympy.printing.latex import LatexPrinter
 
-    numbers = {_symbols(k)[0]: k for k in range(1, n + 1)}
-    names = {symbol: f"q_{{{k}}}" for symbol, k in numbers.items()}
-    names |= {_symbols(k)[1]: rf"\dot{{q}}_{{{k}}}" for k in range(1, n + 1)}
+    sympy = module()
+    numbered: dict[Any, Any] = {}
+    numbers: dict[Any, int] = {}
+    names: dict[Any, str] = {}
+    for k, (q, qd) in enumerate(zip(closed.q, closed.qd, strict=True), 1):
+        numbered[q], numbered[qd] = sympy.Symbol(f"q_{k}", real=True), sympy.Symbol(f"qd_{k}", real=True)
+        numbers[numbered[q]] = k
+        names |= {numbered[q]: f"q_{{{k}}}", numbered[qd]: rf"\dot{{q}}_{{{k}}}"}
 
     class Printer(LatexPrinter):  # type: ignore[misc,unused-ignore]
         def _print_Float(self, value: Any) -> str:
@@ -111,7 +92,19 @@ def _printer(n: int) -> Any:
             power = f"^{{{exp}}}" if exp else ""
             return f"\\operatorname{{sgn}}\\left({self._print(call.args[0])}\\right){power}"
 
-    return Printer({"symbol_names": names})
+    printer = Printer({"symbol_names": names})
+
+    def text(expression: Any) -> str:
+        lines, total = [""], decimal(expression).xreplace(numbered)
+        for term in printer._as_ordered_terms(total) if isinstance(total, sympy.Add) else [total]:
+            one = printer.doprint(term)
+            if len(lines[-1]) > WIDTH:
+                lines.append("")
+            sign = "" if one.startswith("-") or lines == [""] else "+ "
+            lines[-1] += f"{' ' * bool(lines[-1])}{sign}{one}"
+        return " \\\\\n    &\\quad ".join(lines)
+
+    return text
 
 
 def escaped(text: str) -> str:
@@ -119,8 +112,6 @@ def escaped(text: str) -> str:
     return "".join(ESCAPES.get(character, character) for character in printable(text))
 
 
-HEAD = r"""% Needs \usepackage{amsmath}.
-"""
 BODIES = r"""
 Body $i$ has the mass $m_i$, the mass centre $c_i$ with the velocity $v_i = \dot{c}_i$, the angular velocity $\omega_i$
 and the inertia matrix $I_i$ about $c_i$. Joint $i$ exerts the force $F_i$ and the moment $M_i$, drives included, on
@@ -178,18 +169,31 @@ def dae_latex(found: Dae) -> str:
     x, y, z = system.scene.gravity
     several = count(counts.bodies, "body", "bodies")
     title = (
+        "% Needs \\usepackage{amsmath}.\n"
         f"The equations of motion of {escaped(system.model.name)}, {several}, in DAE form,\n"
         f"with gravity $g = ({x:g}, {y:g}, {z:g})$\\,m/s$^2$.\n"
     )
     numbered = [(str(i), joint) for i, joint in enumerate(system.joints) if joint.equations]
     numbered += [(str(mimic.body), mimic) for mimic in system.mimics]
     numbered += [(f"L{k}", loop) for k, loop in enumerate(system.loops, 1)]
-    held = []
+    laws, held = [], []
+    for i in range(counts.bodies):
+        forces, moments = [], []
+        for sign, name, moment in acting(found, i):
+            arm = "s" if sign else "r"
+            forces.append(f"{sign}F_{{{name}}}")
+            moments += [f"{sign}M_{{{name}}}"] * moment + [f"{sign}{arm}_{{{name}}} \\times F_{{{name}}}"]
+        weight = [f"m_{{{i}}} g"] if system.inertias[i].m and any(system.scene.gravity) else []
+        if any(body == i for body, _ in system.terms.wrenches):
+            forces.append(f"F^e_{{{i}}}")
+            moments.append(f"M^e_{{{i}}}")
+        spin = f"I_{{{i}}} \\dot{{\\omega}}_{{{i}}} + \\omega_{{{i}}} \\times I_{{{i}}} \\omega_{{{i}}}"
+        laws.append(f"m_{{{i}}} \\dot{{v}}_{{{i}}} &= {_summed(weight + forces)} \\\\\n{spin} &= {_summed(moments)}")
     for name, connection in numbered:
         points, turns = (text.format(f"{{{name}}}") for text in HELD[connection.kind])
         line = f"& \\text{{{escaped(connection.name)}, {connection.kind}}} && {points}"
         held.append(f"{line} && {turns}" if turns else line)
-    parts = [HEAD, title, BODIES, _aligned_lines([_law(found, i) for i in range(counts.bodies)])]
+    parts = [title, BODIES, _aligned_lines(laws)]
     if held:
         six = 6 * counts.bodies
         index = f"Its differentiation index is {counts.index[0]}.\n" if counts.index else ""
@@ -201,20 +205,6 @@ def dae_latex(found: Dae) -> str:
         )
         parts += [f"Constraints:\n{_aligned_lines(held)}{GENERAL}", SADDLE, counted, ELIMINATION]
     return "".join(parts) + (LOOPS if system.loops else "")
-
-
-def _law(found: Dae, i: int) -> str:
-    forces, moments = [], []
-    for sign, name, moment in acting(found, i):
-        forces.append(f"{sign}F_{{{name}}}")
-        arm = "s" if sign else "r"
-        moments += [f"{sign}M_{{{name}}}"] * moment + [f"{sign}{arm}_{{{name}}} \\times F_{{{name}}}"]
-    weight = [f"m_{{{i}}} g"] if found.system.inertias[i].m and any(found.system.scene.gravity) else []
-    if any(body == i for body, _ in found.system.terms.wrenches):
-        forces.append(f"F^e_{{{i}}}")
-        moments.append(f"M^e_{{{i}}}")
-    spin = f"I_{{{i}}} \\dot{{\\omega}}_{{{i}}} + \\omega_{{{i}}} \\times I_{{{i}}} \\omega_{{{i}}}"
-    return f"m_{{{i}}} \\dot{{v}}_{{{i}}} &= {_summed(weight + forces)} \\\\\n{spin} &= {_summed(moments)}"
 
 
 def _summed(terms: Sequence[str]) -> str:
