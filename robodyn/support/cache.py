@@ -87,7 +87,7 @@ class ObjectCache:
         return content
 
     def put(self, key: Key, content: bytes) -> None:
-        """Keep the content under this key, if that can be.
+        """Keep the content under this key, if that can be; files used longest ago and those never finished go.
 
         Unlike `whole_file` this replaces a link or a pipe, as nothing may be written elsewhere.
         """
@@ -105,7 +105,12 @@ class ObjectCache:
                 os.replace(part, path)
             finally:
                 part.unlink(missing_ok=True)
-            _prune(self._folder, self._largest)
+            now, kept = time.time(), 0
+            for file, status in sorted(_files(self._folder), key=lambda file: -file[1].st_mtime):
+                kept += status.st_size
+                if kept > self._largest or (file.suffix == ".part" and now - status.st_mtime > FORGOTTEN):
+                    with suppress(OSError):
+                        file.unlink()
 
     def held(self) -> tuple[int, int]:
         """Return how many files are kept, and their bytes."""
@@ -113,16 +118,6 @@ class ObjectCache:
             sizes = [status.st_size for _, status in _files(self._folder)] if self._folder is not None else []
             return len(sizes), sum(sizes)
         return 0, 0
-
-
-def _prune(folder: Path, largest: int) -> None:
-    """Removes the files used longest ago and those never finished, but nothing that was not written here."""
-    now, kept = time.time(), 0
-    for path, status in sorted(_files(folder), key=lambda file: -file[1].st_mtime):
-        kept += status.st_size
-        if kept > largest or (path.suffix == ".part" and now - status.st_mtime > FORGOTTEN):
-            with suppress(OSError):
-                path.unlink()
 
 
 def _files(folder: Path) -> Iterator[tuple[Path, os.stat_result]]:

@@ -36,14 +36,62 @@ def whole_file(path: str, remedy: str = "nothing was written") -> Iterator[Binar
     Raises:
         InputError: it cannot be written.
     """
+    old, name, lock = None, "", -1
     with cannot_be_written(path, remedy):
-        opened = _opened(path)
+        if "\0" in path:
+            raise OSError(0, "the name has a null character")
+        with suppress(FileNotFoundError):
+            old = os.stat(path)
+        stream = None if old is None else _direct(path, old)
+        target = os.path.realpath(path)
+        if stream is None:
+            remove_abandoned(path)
+        while stream is None:
+            name = f"{target}.{os.urandom(4).hex()}.part"
+            stream = open(name, "xb", opener=None if old is None else partial(os.open, mode=0o600))  # noqa: SIM115
+            if not _WINDOWS:  # it is locked for as long as it has that name
+                lock = os.dup(stream.fileno())
+                _locked(lock)
+                if not os.path.exists(name):  # another process removed it as abandoned before it was locked
+                    stream.close()
+                    os.close(lock)
+                    stream = None
     try:
-        yield opened.stream
+        yield stream
         with cannot_be_written(path, remedy):
-            opened.finish()
+            stream.close()
+            if name and old is not None:
+                for owner in (old.st_uid, -1):  # or the group alone, as far as the user may
+                    with suppress(AttributeError, OSError):
+                        os.chown(name, owner, old.st_gid)
+                        break
+                shutil.copystat(target, name)
+                os.utime(name)
+            if name:
+                os.replace(name, target)
     finally:
-        opened.discard()
+        with suppress(OSError):
+            stream.close()
+        if name:
+            with suppress(OSError):
+                os.unlink(name)
+            with suppress(OSError):
+                os.close(lock)
+
+
+def _direct(path: str, old: os.stat_result) -> BinaryIO | None:
+    """Return a pipe, a device or a standard stream, to which there is nothing but writing; None for a regular file."""
+    if stat.S_ISDIR(old.st_mode):
+        raise IsADirectoryError(0, "is a directory")
+    for number in (1, 2):  # of this process, which a file opened by the name would begin anew
+        with suppress(OSError):
+            if os.path.samestat(os.fstat(number), old):
+                return os.fdopen(os.dup(number), "wb")
+    if not stat.S_ISREG(old.st_mode):
+        return open(path, "wb")
+    if not os.access(path, os.W_OK):
+        raise PermissionError(0, "permission denied")
+    return None
 
 
 @contextmanager
@@ -72,79 +120,6 @@ def remove_abandoned(path: str) -> None:
             with open(part, "r+b") as stream:
                 if _locked(stream.fileno()):
                     os.unlink(part)
-
-
-class _Direct:
-    """A pipe, a device or a standard stream, to which there is nothing but writing."""
-
-    def __init__(self, stream: BinaryIO) -> None:
-        self.stream = stream
-
-    def finish(self) -> None:
-        self.stream.close()
-
-    def discard(self) -> None:
-        with suppress(OSError):
-            self.stream.close()
-
-
-class _Part(_Direct):
-    """A file under a temporary name, locked for as long as it has that name, which it gives up in the end."""
-
-    def __init__(self, target: str, old: os.stat_result | None) -> None:
-        self._target, self._old = target, old
-        self._lock = -1
-        while True:  # until no other process removed it as abandoned before it was locked
-            self._name = f"{target}.{os.urandom(4).hex()}.part"
-            opener = None if old is None else partial(os.open, mode=0o600)
-            super().__init__(open(self._name, "xb", opener=opener))  # noqa: SIM115
-            if _WINDOWS:
-                return
-            self._lock = os.dup(self.stream.fileno())
-            _locked(self._lock)
-            if os.path.exists(self._name):
-                return
-            self.discard()
-
-    def finish(self) -> None:
-        super().finish()
-        if self._old is not None:
-            for owner in (self._old.st_uid, -1):  # or the group alone, as far as the user may
-                with suppress(AttributeError, OSError):
-                    os.chown(self._name, owner, self._old.st_gid)
-                    break
-            shutil.copystat(self._target, self._name)
-            os.utime(self._name)
-        os.replace(self._name, self._target)
-
-    def discard(self) -> None:
-        super().discard()
-        with suppress(OSError):
-            os.unlink(self._name)
-        with suppress(OSError):
-            os.close(self._lock)
-
-
-def _opened(path: str) -> _Direct:
-    """Open what is there to be written to, or a temporary file beside it."""
-    if "\0" in path:
-        raise OSError(0, "the name has a null character")
-    old = None
-    with suppress(FileNotFoundError):
-        old = os.stat(path)
-    if old is not None:
-        if stat.S_ISDIR(old.st_mode):
-            raise IsADirectoryError(0, "is a directory")
-        for number in (1, 2):  # of this process, which a file opened by the name would begin anew
-            with suppress(OSError):
-                if os.path.samestat(os.fstat(number), old):
-                    return _Direct(os.fdopen(os.dup(number), "wb"))
-        if not stat.S_ISREG(old.st_mode):
-            return _Direct(open(path, "wb"))
-        if not os.access(path, os.W_OK):
-            raise PermissionError(0, "permission denied")
-    remove_abandoned(path)
-    return _Part(os.path.realpath(path), old)
 
 
 def _locked(number: int) -> bool:

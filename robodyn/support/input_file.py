@@ -15,6 +15,7 @@ import os
 import re
 import stat
 import sys
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from functools import cache
 from io import BufferedReader
@@ -110,6 +111,8 @@ LFS_POINTER = b"version https://git-lfs.github.com/spec/"
 """How a file begins that stands for another, which Git LFS has not fetched."""
 
 _PART = 1 << 20
+_AT_ONCE = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0)
+"""Opens without waiting for the other end of a pipe; this also never waits for what special files may bring."""
 _DESCRIPTOR = re.compile(r"/dev/(stdin|fd/\d+)|/proc/self/fd/\d+")
 _KINDS = {stat.S_IFIFO: "a pipe", stat.S_IFSOCK: "a socket", stat.S_IFCHR: "a device", stat.S_IFBLK: "a device"}
 
@@ -124,7 +127,7 @@ def open_input(path: str | os.PathLike[str], typed: bool = False) -> BufferedRea
     Raises:
         OSError, ValueError: it cannot be opened, or is a folder, a pipe or a device; this is not the name of a file.
     """
-    stream = open(path, "rb", opener=_at_once)  # noqa: SIM115
+    stream = open(path, "rb", opener=lambda path, flags: os.open(path, flags | _AT_ONCE))  # noqa: SIM115
     try:
         mode = os.fstat(stream.fileno()).st_mode
         if not stat.S_ISREG(mode):
@@ -141,14 +144,14 @@ def open_input(path: str | os.PathLike[str], typed: bool = False) -> BufferedRea
 def read_input(path: str | os.PathLike[str], most: int | None = None, typed: bool = False) -> bytes:
     """Return all bytes of a file, or the first `most`; InputError where all are more than are held in memory."""
     with open_input(path, typed) as stream:
-        return _all_of(stream, os.fspath(path)) if most is None else stream.read(most) or b""
+        return b"".join(_parts(stream, "file_bytes", os.fspath(path))) if most is None else stream.read(most) or b""
 
 
 def read_standard_input() -> bytes:
     """Return all bytes of standard input; InputError where it is closed, or they are more than are held in memory."""
     if sys.stdin is None:
         raise InputError("standard input is closed", remedy="name a file, or pipe one in", file="<stdin>")
-    return _all_of(sys.stdin.buffer, "<stdin>")
+    return b"".join(_parts(sys.stdin.buffer, "file_bytes", "<stdin>"))
 
 
 def parse_json(text: bytes, file: str) -> Any:
@@ -170,12 +173,9 @@ def copied(stream: BinaryIO, file: str) -> BinaryIO:
     """Return a temporary file with all that comes out of a pipe; InputError beyond the limit."""
     import tempfile
 
-    most = limits().stream_bytes
     copy = tempfile.TemporaryFile()  # noqa: SIM115
     try:
-        while part := stream.read(_PART):
-            if copy.tell() + len(part) > most:
-                raise beyond("stream_bytes", "too many bytes", InputError, file=file)
+        for part in _parts(stream, "stream_bytes", file):
             copy.write(part)
     except BaseException:
         copy.close()
@@ -183,17 +183,11 @@ def copied(stream: BinaryIO, file: str) -> BinaryIO:
     return copy
 
 
-def _at_once(path: str, flags: int) -> int:
-    """Open without waiting for the other end of a pipe; this also never waits for what special files may bring."""
-    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0))
-
-
-def _all_of(stream: BinaryIO, file: str) -> bytes:
-    """Return all bytes, read by parts: asked for 1 GiB at once, Python makes the room before it reads."""
-    most, parts, size = limits().file_bytes, [], 0
+def _parts(stream: BinaryIO, limit: str, file: str) -> Iterator[bytes]:
+    """Yield all bytes by parts, up to a limit: asked for 1 GiB at once, Python makes the room before it reads."""
+    most, size = getattr(limits(), limit), 0
     while part := stream.read(_PART):
         size += len(part)
         if size > most:
-            raise beyond("file_bytes", "too many bytes", InputError, file=file)
-        parts.append(part)
-    return b"".join(parts)
+            raise beyond(limit, "too many bytes", InputError, file=file)
+        yield part

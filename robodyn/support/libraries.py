@@ -85,34 +85,29 @@ _FILTERS = threading.Lock()
 """Lists of filters are replaced, not changed: another thread may be going through them."""
 
 
-class _OwnThread(logging.Filter):
-    def __init__(self) -> None:
-        super().__init__()
-        self.messages: list[str] = []
-        self._thread = threading.get_ident()
-
-    def filter(self, record: logging.LogRecord) -> bool:
-        if record.thread != self._thread or record.levelno < logging.WARNING:
-            return True
-        self.messages.append(record.getMessage())
-        return False
-
-
 @contextmanager
 def library_messages(*names: str) -> Iterator[list[str]]:
     """Return what loggers, and those below them, get from this thread as warnings or errors; it goes nowhere else."""
     below = tuple(f"{name}." for name in names)
     known = [name for name in list(logging.root.manager.loggerDict) if name.startswith(below)]
-    own, loggers = _OwnThread(), [logging.getLogger(name) for name in {*names, *known}]
+    loggers = [logging.getLogger(name) for name in {*names, *known}]
+    messages, thread = list[str](), threading.get_ident()
+
+    def of_others(record: logging.LogRecord) -> bool:
+        if record.thread != thread or record.levelno < logging.WARNING:
+            return True
+        messages.append(record.getMessage())
+        return False
+
     with _FILTERS:
         for logger in loggers:
-            logger.filters = [*logger.filters, own]
+            logger.filters = [*logger.filters, of_others]
     try:
-        yield own.messages
+        yield messages
     finally:
         with _FILTERS:
             for logger in loggers:
-                logger.filters = [each for each in logger.filters if each is not own]
+                logger.filters = [each for each in logger.filters if each is not of_others]
 
 
 @contextmanager

@@ -23,6 +23,8 @@ _PATIENCE = 5.0
 """Seconds that a process has to clear up before it is killed."""
 _HEARTBEAT = 1.0
 """Seconds for which an interruption may wait, where waiting for an answer cannot be interrupted (Windows)."""
+_ENDED = object()
+"""What comes in place of an answer when a process has ended."""
 R = TypeVar("R")
 
 
@@ -39,10 +41,6 @@ class Death(NamedTuple):
 class _Raised(NamedTuple):
     error: Exception
     trace: str
-
-
-class _Ended:
-    """What comes in place of an answer when a process has ended."""
 
 
 class _Worker(Generic[R]):
@@ -68,7 +66,7 @@ class _Worker(Generic[R]):
         with suppress(EOFError, OSError, ValueError, pickle.UnpicklingError):
             while True:
                 self._answers.put((self, pickle.load(self.process.stdout)))
-        self._answers.put((self, _Ended))
+        self._answers.put((self, _ENDED))
 
     def end(self) -> int:
         """Let the process clear up and end; return its status."""
@@ -150,7 +148,7 @@ def in_processes(
             number = worker.number
             if isinstance(found, _Raised):
                 raise found.error from RuntimeError(found.trace)
-            if found is _Ended:
+            if found is _ENDED:
                 workers.remove(worker)
                 status = end(worker)
                 if attempts[number] == ATTEMPTS:

@@ -126,21 +126,17 @@ def shortened(names: Sequence[str], most: int) -> list[str]:
 
     Where one place to cut leaves some alike, they are cut elsewhere; what no cut tells apart stays as it is.
     """
-    halves = range(1, most - 3)
-    places = sorted(halves, key=lambda head: (abs(2 * head - (most - 3)), head))
-    found = {name: _cut(name, most, places[0]) for name in names}
-    for place in [*places[1:], None]:
+    found = {name: name for name in names}
+    alike, places = list(found), sorted(range(1, most - 3), key=lambda head: (abs(2 * head - (most - 3)), head))
+    for head in [*places, None]:
+        for name in alike:
+            short = head is None or len(name) <= most
+            found[name] = name if short else f"{name[:head]}...{name[len(name) - (most - 3 - (head or 0)) :]}"
         counts = Counter(found.values())
         alike = [name for name, short in found.items() if counts[short] > 1]
         if not alike:
             break
-        found |= {name: name if place is None else _cut(name, most, place) for name in alike}
     return [found[name] for name in names]
-
-
-def _cut(name: str, most: int, head: int) -> str:
-    """Return the name with at most so many characters, `head` of them before the dots."""
-    return name if len(name) <= most else f"{name[:head]}...{name[len(name) - (most - 3 - head) :]}"
 
 
 def call_of(value: Any) -> str:
