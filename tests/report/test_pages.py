@@ -139,6 +139,7 @@ def test_titles_of_columns_explain_themselves() -> None:
     assert heads & MEANINGS.keys() == titles.keys()
     legends = [each for each in page.all("details") if each.attributes.get("class") == "legend"]
     assert any(MEANINGS["hold share"] in each.text for each in legends), "where there is no pointer to hover"
+    assert any(MEANINGS["hold share"] not in each.text for each in legends), "a table explains its own columns"
 
 
 def test_pictures_take_the_width_that_there_is_and_paper_repeats_heads() -> None:

@@ -44,6 +44,7 @@ def html(document: doc.Document) -> str:
     room.tests["block"] = lambda block, name: type(block).__name__ == name
     assets = ("page.css", "page.js", "meanings.json")  # the last of titles of columns
     style, script, words = ((_ASSETS / name).read_text(encoding="utf-8").strip() for name in assets)
+    meanings = json.loads(words)
     page = room.get_template("page.html.j2").render(
         document=document,
         style=Markup(style),
@@ -51,7 +52,7 @@ def html(document: doc.Document) -> str:
         digest=base64.b64encode(hashlib.sha256(f"\n{script}\n".encode()).digest()).decode(),
         sections=[block.text for block in document.blocks if isinstance(block, doc.Heading)],
         numeric=lambda table: numeric_columns(table.head, table.rows),
-        meanings=json.loads(words),
+        explained=lambda head: {title: meanings[title] for title in head if title in meanings},
         svg=lambda figure: Markup(figure.svg),
     )
     return str(page)
