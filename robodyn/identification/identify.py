@@ -211,7 +211,7 @@ def _worse(fitted: Errors, held: Errors, described: Errors) -> Iterator[str]:
 
 
 def _told_by_description(structure: Structure, theta: Floats) -> Floats:
-    """Return (p,) what a description can say of the parameters: bodies, and of joints viscous and Coulomb friction."""
+    """Return (p,) what a description can say: of bodies, and of joints viscous and Coulomb friction."""
     found = dict(zip(structure.names, theta.tolist(), strict=True))
     for name in structure.names[len(structure.regressor.bodies) :]:
         motor, _, kind = name.rpartition(".")
@@ -262,11 +262,8 @@ def _misfit(
     """Return (joints,) the standard error of predicted torques beside that of the parameters [N m], and a line if
     something is missing in the model.
 
-    Torques in each part of the logs where the other parts were fitted, and in what is held out, stand for other
-    motions: their errors have in them how residuals go along with the motion, and how they differ between the parts.
-
-    Args:
-        theta: (p,) fitted to all parts; sigma: (joints,) by which joints weigh [N m].
+    Each part of the logs where the other parts were fitted, and what is held out, stand for other motions: their errors
+    have in them how residuals go along with the motion, and how they differ between the parts.
     """
     parts = [least_squares(R, z) for R, z in without_one(weighted, range(FOLDS), structure, sigma)]
     off, least = [], np.zeros(len(sigma))

@@ -166,14 +166,11 @@ def left_out(gathered: Gathered, folds: Sequence[int], structure: Structure, sig
 def covariance(moments: Moments, structure: Structure, base: Base, R: Floats, sigma: Floats) -> Floats:
     """Return (r, r) the covariance of base parameters that were fitted to rows with weights 1 / sigma.
 
-    T W T^T with T^T R^T R T = 1 of the columns of the base and W = sum over joints and lags of rho_lag w_lag C_lag:
-    residuals of a joint are taken for stationary, so that their correlation rho at each lag, tapered by Parzen's w,
-    meets the sums C of products of columns at that lag (in coordinates in which the columns are orthonormal).
-    Residuals are smaller than the noise and of another colour, for a part of it was fitted: rho solves the linear
-    equations of what is expected of their products, to the first order (Newey and West 1987 do without).
-
-    Args:
-        R: (k, p) weighted rows of the structure's parameters. sigma: (joints,) of the residuals [N m].
+    T W T^T with T^T R^T R T = 1 of the columns of the base, rows R (k, p), and W = sum over joints and lags of
+    rho_lag w_lag C_lag: residuals are taken for stationary, so that their correlation rho at each lag, tapered by
+    Parzen's w, meets the sums C of products of (orthonormal) columns at that lag. Residuals are smaller than the noise
+    and of another colour, for a part of it was fitted: rho solves the linear equations of what is expected of their
+    products, to the first order (Newey and West 1987 do without).
     """
     unit, lengths = unit_columns(R[:, base.independent])
     _, size, axes = np.linalg.svd(unit, full_matrices=False)
@@ -280,8 +277,7 @@ def with_friction(gathered: Gathered, folds: Sequence[int], plain: Structure) ->
 
 
 def with_possible_loads(structure: Structure, theta: Floats) -> Structure:
-    """Return the structure without friction that would grow against the load, or almost as fast as it; theta: (p,) of
-    least squares."""
+    """Return the structure without friction that would grow against the load, or almost as fast as it."""
     wrong = [k for k, load in structure.loads(theta).items() if not 0.0 < load < _MOST]
     return structure.reshaped({k: replace(structure.shapes[k], load=False) for k in wrong})
 

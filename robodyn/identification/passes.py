@@ -142,13 +142,8 @@ def begun(logs: Sequence[Log], validate: Sequence[Log], scene: Scene, split: flo
 
 
 class First(NamedTuple):
-    """What a first fit tells.
-
-    Attributes:
-        motors: that count; coupled: what those of several joints leave of the squares.
-        values: by column; sigma: (joints,) of residuals [N m].
-        faults: of the logs, for which nothing is written; caveats: of how gravity points, a line.
-    """
+    """What a first fit tells: motors that count, what coupled ones leave of the squares, values by column, sigma
+    (joints,) of residuals [N m], faults of the logs, for which nothing is written, and caveats about gravity."""
 
     run: Run
     motors: list[Motor]
@@ -269,11 +264,8 @@ class Raw:
         self.late = np.zeros(regressor.model.n)
 
     def delays(self) -> Floats:
-        """Return (n,) the delay of each torque that leaves least of it [s]; 0 unless it is clear.
-
-        Each torque some time later is fitted by all columns of its joint, free of other joints, and by dry friction
-        that turns its sign over a displacement.
-        """
+        """Return (n,) the delay of each torque [s] that leaves least of it, fitted by all columns of its joint, free of
+        other joints, and by dry friction that turns its sign over a displacement; 0 unless it is clear."""
         step = self.logs[0].step
         reach = min(_MOST, 0.1 * min(log.stop - log.start for log in self.logs))
         step *= max(1, round(reach / (_SHIFTS * step)))
@@ -298,8 +290,8 @@ class Raw:
         return self.late
 
     def leaning(self, structure: Structure, theta: Floats, sigma: Floats, scene: Scene) -> list[str]:
-        """Return in words how gravity leans beside that of the scene, if both halves of the instants tell it alike. Two
-        angles about axes across gravity are fitted with all parameters, to first order, and anew near the fit."""
+        """Return in words how gravity leans, if both halves of the instants tell it alike. Two angles about axes across
+        gravity are fitted with all parameters, to first order, and anew near the fit."""
         g = np.array(scene.gravity, dtype=float)
         if not g.any():
             return []
@@ -327,10 +319,9 @@ class Raw:
     def misread(self, structure: Structure, sigma: Floats) -> list[str]:
         """Return in words how positions are misread, if the torques tell.
 
-        Of the joints that are explained worst, every position with the other sign, with and without its torque's, and
-        every two exchanged, with and without their torques, are put in the place of those of the log, and base
-        parameters and motors are fitted anew. The best one counts if the squares that it leaves, multiplied over the
-        joints, are less than `_CLEAR` of those as they are. Joints whose positions are quaternions are left out.
+        Of the joints that are explained worst, every position with the other sign, and every two exchanged, with and
+        without their torques, are fitted anew. The best one counts if the squares that it leaves, multiplied over the
+        joints, are less than `_CLEAR` of those as they are.
         """
         model, measured = self.regressor.model, self.regressor.measured
         if model.nq != model.n:
@@ -383,7 +374,6 @@ class Raw:
 
 
 def _until(log: Log, cutoff: float, stop: float) -> Samples:
-    """Return the samples of a log until some time, not more than some hundred thousand."""
     found: list[Samples] = []
     for part in states(log, cutoff):
         found.append(part.cut(slice(0, int(np.searchsorted(part.time, stop))), part.begins))

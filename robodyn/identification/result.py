@@ -46,7 +46,7 @@ class MotorFit:
     """What was found of a motor, joint side.
 
     Attributes:
-        joints: how it turns with joints: {"wrist": 1.0}; of a joint's own motor that joint alone.
+        joints: how it turns with joints; of a joint's own motor {"wrist": 1.0}.
         viscous: N m s/rad; coulomb, offset: half the difference and half the sum of friction forwards and backwards
             [N m]; rotor: reflected inertia [kg m^2]; load: friction as a part of the torque that passes the gear.
         stribeck: torque of breakaway [N m], which decays with `stribeck_velocity` [rad/s].
@@ -187,11 +187,10 @@ def outcome(
 
 
 def covariance(found: Identified) -> Covariance:
-    """Return the calibrated parameters with the covariance of the base parameters, carried by those that name groups.
+    """Return the calibrated parameters with the covariance of the base parameters, carried by those that name groups:
+    the others are taken for known, which changes no torque of a motion that shows no more than the log.
 
-    The others of each group are taken for known, which changes no torque of a motion that shows no more than the log.
-    What the model has not is a constant torque of each joint, unknown by its discrepancy: friction forwards and
-    backwards, and, where that is, of breakaway.
+    What the model has not is a constant torque of each joint, unknown by its discrepancy: friction, also of breakaway.
     """
     loads = {f"{name}.load": found.scene.friction[name].load for name in found.scene.loaded}
     names, theta = (*found.names, *loads), np.append(found.theta, list(loads.values()))
@@ -342,13 +341,10 @@ _LEFT = 1e-3
 def link_inertias(model: Model, described: Floats, theta: Floats) -> tuple[dict[str, MassProperties], list[str]]:
     """Return by link, in its frame, the inertials that give bodies theta, and a line each of what could not stay.
 
-    Of several links fixed to each other the change goes to the one that the joint carries, or, if that has no mass, to
-    the heaviest. The others stay, unless they are more than the body: they are then scaled, masses and inertias alike,
-    so that about half of the body in its narrowest direction is left to the first. Payloads of the scene, which theta
-    and `described` hold both, belong to no link.
-
-    Raises:
-        InputError: what the log shows of a body is less than its payload.
+    Of links fixed to each other the change goes to the one that the joint carries, or, if that has no mass, to the
+    heaviest. The others stay, unless they are more than the body: they are then scaled, so that about half of the body
+    in its narrowest direction is left to the first. Payloads of the scene belong to no link; raise InputError if what
+    the log shows of a body is less than its own.
     """
     bodies, notes = dict[str, MassProperties](), list[str]()
     for k, body in enumerate(model.bodies):
@@ -394,13 +390,8 @@ def _shared(model: Model, k: int, P: Floats) -> tuple[dict[str, MassProperties],
 
 
 def calibrated(model: Model, names: Sequence[str], theta: Floats, scene: Scene = DEFAULT) -> Scene:
-    """Return the scene with the friction and the rotors of theta, which replace what the description says of them.
-
-    What theta does not hold stays: the speed of Stribeck's excess, gears. Joints without friction or rotor, in theta as
-    before, are not named.
-
-    Accuracy: `robodyn.regressor` of it has theta, rotors within 2 eps.
-    """
+    """Return the scene with the friction and the rotors of theta, which replace what the description says of them; what
+    theta does not hold stays. Accuracy: `robodyn.regressor` of it has theta, rotors within 2 eps."""
     found = dict(zip(names, theta.tolist(), strict=True))
     friction, rotors = dict(scene.friction), dict(scene.rotor)
     for _, joint, old in joints_with_friction(model, scene):
@@ -426,8 +417,7 @@ def _friction_found(motor: str, old: Friction, found: dict[str, float]) -> Frict
 
 
 def friction_toml(model: Model, scene: Scene, comment: Sequence[str] = ()) -> str:
-    """Return as TOML what a scene says of friction and rotors, which `robodyn.load_scene` reads back the same; lines of
-    a comment at the top."""
+    """Return as TOML what a scene says of friction and rotors, which `robodyn.load_scene` reads back the same."""
     blocks = ["".join(f"# {line}".rstrip() + "\n" for line in comment)] if comment else []
 
     def add(header: str, entries: Iterable[tuple[str, str]]) -> None:

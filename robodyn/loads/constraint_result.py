@@ -26,8 +26,7 @@ class LoopLoad:
 
     Attributes:
         force, moment: the largest magnitudes [N, N m]; rms_force, rms_moment: over the whole time.
-        determined: whether all parts of its wrench are the only ones that balance the motion; open: those that are not,
-            as their equations are called.
+        determined: whether its wrench is the only one that balances the motion; open: its equations where it is not.
         gap: the largest |phi| [m or rad] of the positions that were given.
     """
 
@@ -49,7 +48,6 @@ class ContactLoad:
     """What one contact bears while it is on.
 
     Attributes:
-        friction: coefficient.
         on: part of the samples in which it touches.
         force: the largest magnitude [N]; normal, least_normal: the largest and the least part along the normal [N].
         friction_used: the most of the available friction that its points use together, `sum |f_t| / (mu sum f_n)`;
@@ -88,8 +86,7 @@ class Missing:
     Attributes:
         kind: "slip" (more friction would do), "pull" (contacts had to pull), "tip" (the robot tips over) or "fly" (no
             contact is on).
-        start, end: first and last time [s].
-        force, moment: the largest magnitudes that are missing [N, N m]; moments about the base's origin.
+        start, end: s; force, moment: largest magnitudes that are missing [N, N m], about the base's origin.
     """
 
     kind: str
@@ -104,12 +101,11 @@ class Constraints:
     """Loops and contacts along a motion.
 
     Attributes:
-        equations, rank: of the loops, and how many of them are independent.
-        freedoms: of the robot with its loops.
-        redundancy: actuators beyond the freedoms that they drive; overconstrained: equations that others imply.
+        equations, rank: of the loops, and how many of them are independent; overconstrained: those that others imply.
+        freedoms: of the robot with its loops; redundancy: actuators beyond the freedoms that they drive.
         undriven: passive joints that move while all drives stand still.
-        determined: by joint that drives, whether its torque is the only one that balances the motion.
-        share: how torques that are not determined were chosen, in words; empty where all are determined.
+        determined: by joint that drives, whether its torque is the only one that balances the motion; share: how the
+            others were chosen, in words.
         unbalanced: at passive joints, and at the base.
         missing: spans without contact forces, the first of them; spans: how many there are.
         singular: times [s] at which loops hold less than elsewhere, of each span the first.

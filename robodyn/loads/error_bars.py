@@ -71,11 +71,9 @@ def carried(
     checks: Checks,
     looped: bool,
 ) -> tuple[Caveat, ...]:
-    """Return what is in doubt about what carries the base, and what carries the robot at floating joints.
-
-    Nothing where the scene says that the base is held, where no wrench is left, where a base that does not move may
-    well be bolted down, and where loops hold the base (`looped`): what they leave is told of its rates.
-    """
+    """Return what is in doubt about what carries the base, and what carries the robot at floating joints: nothing where
+    the scene says that the base is held, where no wrench is left, where a base that does not move may well be bolted
+    down, and where loops hold the base (`looped`): what they leave is told of its rates."""
     weight = model.total_mass * hypot(*scene.gravity)
     least_force = VANISHING * max(weight, checks.largest_force)
     least_moment = VANISHING * max(weight * model.reach, checks.largest_moment)

@@ -52,7 +52,6 @@ class History:
 
     Attributes:
         joints: of each joint speed, torque, power and acceleration; None without joints.
-        base: of each component of the base wrench its load.
         energy: "work done" and "energy stored" since the start [J].
         states: for each joint q, qd, qdd and columns at its peak torque.
         contacts: of each contact the force along its normal [N], and whether it is on; None without contacts.
@@ -128,13 +127,9 @@ class Recorder:
         expected_samples: float,
         touch: tuple[Floats, Floats] | None = None,
     ) -> None:
-        """Take in a block: qd, qdd, tau (joints, N) and base (components, N).
-
-        Args:
-            energy: (2, k) work done and energy stored since the start [J], at these `rows`.
-            expected_samples: how many may come, with these, by how many these are.
-            touch: (contacts, N) forces along their normals [N], and where they are on.
-        """
+        """Take in a block: qd, qdd, tau (joints, N) and base (components, N); energy: (2, k) work done and energy
+        stored since the start [J], at these `rows`; expected_samples: how many may come, with these, by how many these
+        are; touch: (contacts, N) forces along their normals [N], and where they are on."""
         expected_duration = float(time[-1] - time[0]) * expected_samples
         if len(tau):
             self.joints.update(time, (qd, tau, qd * tau, qdd), expected_duration)

@@ -21,13 +21,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ShaftLoad:
-    """Torque [N m], speed [rad/s], power [W] and work [J] of a joint or a motor; N and m/s of a slide.
-
-    Attributes:
-        peak, max_speed: of largest magnitude with its sign, when [s], in which row, and the speed or torque then.
-        rms: over the whole time, dwell included.
-        work_positive, work_negative: done by the actuator and returned to it.
-    """
+    """Torque [N m], speed [rad/s], power [W] and work [J], done by the actuator and returned to it, of a joint or a
+    motor; N and m/s of a slide. Peaks are of largest magnitude with their sign, when [s], in which row, and the speed
+    or torque then; the RMS is over the whole time, dwell included."""
 
     unit: str
     peak: float
@@ -71,12 +67,10 @@ class EnergyBalance:
     """Work of actuators (and of what moves the base) less losses, against the change of stored energy [J].
 
     Attributes:
-        quadrature: estimated error of integrating power over the given samples.
-        turnover: integral of the magnitude of the power.
+        quadrature: estimated error of integrating power over the given samples; quadrature_most: the largest along the
+            motion; scatter: root of the sum of the squares of its parts, which corners may leave of either sign.
+        turnover: integral of the magnitude of the power; stored_most: largest magnitude of the stored energy.
         worst: work less energy change where they differ most along the motion.
-        quadrature_most: the largest estimated error of integration along the motion.
-        scatter: root of the sum of the squares of its parts, which corners of the power may leave of either sign.
-        stored_most: the largest magnitude of the stored energy.
     """
 
     work: float
@@ -110,12 +104,10 @@ class Checks:
     """Self-checks. The laws compare the base wrench of the force recursion with the rate of momentum, relative.
 
     Attributes:
-        first_law: |f - (dP/dt - sum of applied forces)| of the largest force; None if no sample was checked.
-        second_law: the same for moments about the base's origin.
-        power: |tau . qd - losses - dE/dt| of the largest power, at the same samples.
-        samples: how many samples the laws were checked at.
-        largest_force, largest_moment: the largest that balance in the laws there [N, N m]; the moment is at least that
-            of the force at the robot's reach.
+        first_law: |f - (dP/dt - sum of applied forces)| of the largest force; second_law: likewise of moments about the
+            base's origin; power: |tau . qd - losses - dE/dt| of the largest power, at the same samples.
+        largest_force, largest_moment: that balance there [N, N m]; the moment is at least that of the force at the
+            robot's reach.
     """
 
     energy_balance: EnergyBalance
@@ -184,8 +176,7 @@ class EffectReport:
     """An effect, whether it is on and why, and what it costs.
 
     Attributes:
-        operations: per sample, of the recursion with this effect alone.
-        saved: operations per sample that its absence would save; None where it was not asked for.
+        operations: per sample, of the recursion with this effect alone; saved: by its absence, None if not asked for.
     """
 
     name: str
@@ -196,12 +187,8 @@ class EffectReport:
 
 @dataclass(frozen=True)
 class MomentumReport:
-    """Mass centre (com, m), momenta (p, kg m/s; L, kg m^2/s), energies (T, V, J) and power (tau . qd, W).
-
-    Attributes:
-        about: "origin" of the frame, "com", or a point in the frame, which L is about.
-        frame: whose axes and origin count: "ground" or a link.
-    """
+    """Mass centre (com, m), momenta (p, kg m/s; L, kg m^2/s), energies (T, V, J) and power (tau . qd, W); in the axes
+    of a frame, "ground" or a link, L about its "origin", "com", or a point in it."""
 
     about: str | tuple[float, float, float]
     frame: str
@@ -229,11 +216,10 @@ class Exceeded:
     """One limit of a joint that the motion exceeds; all values are magnitudes.
 
     Attributes:
-        quantity: what is too large. RMS motor torque and mean gear torque wear out and heat, the others break or stall.
-        value, limit, unit: at the moment when value / limit is largest.
-        time, row: of that moment [s; from 1]; None for quantities of the whole motion.
+        quantity: RMS motor torque and mean gear torque wear out and heat, the others break or stall.
+        value, limit: at the moment when value / limit is largest; time, row: of that [s; from 1]; seconds: in all. None
+            for quantities of the whole motion.
         speed: of the motor then, or its mean over the motion where the limit depends on it; else None.
-        seconds: how long the limit is exceeded in all; None for quantities of the whole motion.
     """
 
     quantity: Quantity
@@ -351,7 +337,6 @@ class BearingLoad:
     """What the bearing or the guide of a joint transmits from parent to child, at the joint's origin.
 
     Attributes:
-        kind: "revolute" or "prismatic".
         directions: u, v and the joint's axis, orthonormal, in the child link's frame.
         components: the five that the joint cannot give way to: of a hinge fu, fv, fa (along the axis), mu and mv; of a
             slide fu, fv, mu, mv and ma.
@@ -394,12 +379,11 @@ class Result:
 
     Attributes:
         warnings: all of them, those of `caveats` too.
-        limits: which limits the motion could be held against.
-        caveats: what else keeps "No limit is exceeded" from being the whole truth.
+        limits: which limits the motion could be held against; caveats: what else keeps "No limit is exceeded" from
+            being the whole truth.
         origin: the stamp in the table [s] that all times here count from; 0 where these are the stamps.
         held: position [rad or m] of every joint (or coordinate of a floating joint) that was held for want of a column.
-        constraints: what loops and contacts bear; None for a tree that stands on nothing.
-        uncertainty: how sure the figures are where parameters are not; None where the scene does not say so.
+        constraints: of loops and contacts; uncertainty: of the figures, where the scene says it of parameters.
     """
 
     robot: str

@@ -32,12 +32,8 @@ from robodyn.trajectory.motion import Trajectory
 
 
 class Train(NamedTuple):
-    """The way from a motor to its joint.
-
-    Attributes:
-        gear: turns of the motor per turn of the joint (rad/m for a slide); inertia: of the rotor [kg m^2].
-        rotary: whether the motor turns, or pushes a slide without a gear.
-    """
+    """The way from a motor to its joint; gear: turns of the motor per turn of the joint (rad/m for a slide); inertia:
+    of the rotor [kg m^2]; rotary: whether the motor turns, or pushes a slide without a gear."""
 
     motor: Motor
     gear: float
@@ -52,11 +48,8 @@ class Train(NamedTuple):
 
 
 def train_of(joint: Joint, scene: Scene) -> Train | None:
-    """Return the motor and gear that drive a joint; None if the scene says nothing of them.
-
-    Raises:
-        SceneError: the gear ratio of the description is 0, or the rotor's gyroscopic moments count.
-    """
+    """Return the motor and gear that drive a joint; None if the scene says nothing of them; raise SceneError if the
+    gear ratio of the description is 0, or the rotor's gyroscopic moments count."""
     motor = scene.motor.get(joint.name)
     if motor is None:
         return None

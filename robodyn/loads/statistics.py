@@ -24,12 +24,8 @@ FOUNDATION = (*COMPONENTS, "fxy", "mxy")
 
 
 class Greatest:
-    """For each of several columns the sample at which a score is greatest; of ties the first counts.
-
-    Attributes:
-        score: (k,) the greatest; time: (k,) when [s]; row: (k,) of the data, from 1.
-        kept: by name (k,) what else was given of that sample.
-    """
+    """For each of several columns the sample at which a score is greatest, its time [s], its row of the data, from 1,
+    and what else was given of it, by name (k,); of ties the first counts."""
 
     def __init__(self, columns: int) -> None:
         self.score = np.full(columns, -np.inf)
@@ -101,12 +97,8 @@ class Integrals:
 
 
 class ShaftFigures:
-    """Peaks and integrals of torques and speeds, of joints or of motors' shafts.
-
-    Attributes:
-        torque: by its magnitude, with its `value` and the `speed` then.
-        speed: by its magnitude, with its `value` and the `torque` then.
-    """
+    """Peaks and integrals of torques and speeds, of joints or of motors' shafts: by their magnitude, with their `value`
+    and the `speed` or `torque` then."""
 
     def __init__(self, count: int) -> None:
         self.torque, self.speed, self.integrals = Greatest(count), Greatest(count), Integrals()
@@ -144,13 +136,9 @@ class ShaftFigures:
 
 
 class Statistics(ShaftFigures):
-    """Peaks and integrals of joint torques and the base wrench.
-
-    Attributes:
-        least, most: (joints,) between which the largest magnitude is, as far as torques are sure.
-        base: by its magnitude, with its `value`.
-        at_peak: for each joint the state (q, qd, qdd, columns) of its peak torque.
-    """
+    """Peaks and integrals of joint torques and the base wrench; least, most: (joints,) between which the largest
+    magnitude is, as far as torques are sure; at_peak: for each joint the state (q, qd, qdd, columns) of its peak
+    torque."""
 
     def __init__(self, effort: Floats, velocity: Floats) -> None:
         """Args: effort, velocity: (joints,) limits, infinite where there is none."""

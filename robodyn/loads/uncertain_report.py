@@ -25,13 +25,9 @@ NEAR = 1.959963984540054
 
 
 class Drawn(NamedTuple):
-    """A figure.
-
-    Attributes:
-        value: with its sign; error: its standard error to first order; gradient: (m,) of its magnitude by x.
-        parts: (k,) what each parameter adds to its variance, in some unit.
-        curved: (draws,) of its magnitude, where the gradient alone would mislead; else None.
-    """
+    """A figure with its sign, its standard error to first order, the gradient (m,) of its magnitude by x, what each
+    parameter adds to its variance, in some unit (k,), and draws of its magnitude where the gradient alone would
+    mislead. """
 
     value: float
     error: float
@@ -60,11 +56,8 @@ def normal(u: float) -> float:
     return 0.5 * math.erfc(-u / math.sqrt(2.0))
 
 
-class _Limit(NamedTuple):
-    """A limit with what is held against it; kept: (draws,) whether each draw keeps to it."""
-
-    shown: UncertainLimit
-    kept: NDArray[np.bool_]
+_Limit = tuple[UncertainLimit, NDArray[np.bool_]]
+"""A limit, and (draws,) whether each draw keeps to it."""
 
 
 DRAWS, SEED = 20_000, 19
@@ -128,8 +121,8 @@ class Figures:
         return self._mean(figure, 3, cube, slope, share / (share.sum() + TINY))
 
     def _mean(self, figure: Figure, power: int, whole: float, slope: Floats, share: Floats) -> Drawn:
-        """Return the power mean of a figure's magnitude; whole: the mean of the power at all samples; slope: (m,) its
-        derivative. share: of each of some samples, of which the higher orders are."""
+        """Return the power mean of a figure's magnitude; whole, slope (m,): mean of the power at all samples and its
+        derivative; share: of each of some samples, of which the higher orders are."""
         kept = self.of.kept.columns[figure.columns, self.some]
         root, magnitudes = np.cbrt if power == 3 else np.sqrt, _magnitudes(figure, kept)
         size, at = float(root(np.array(whole))), kept[..., 0]
@@ -169,7 +162,7 @@ class Figures:
             kept += limits
             load = self._load(joint.name, at["tau"], joint.unit)
             shaft = self._load(joint.name, at["motor"], motor.unit, motor.peak) if motor else None
-            found.append(UncertainJoint(load, shaft, tuple(limit.shown for limit in limits), _together(limits)))
+            found.append(UncertainJoint(load, shaft, tuple(limit for limit, _ in limits), _together(limits)))
         components: dict[str, list[UncertainLoad]] = {"": []}
         for k, figure in enumerate(self.of.of.figures):
             if figure.name not in DRIVE:
@@ -183,7 +176,7 @@ class Figures:
             base=base,
             bearings={name: tuple(loads) for name, loads in components.items()},
             suffices=_together(kept),
-            lasting=_together([limit for limit in kept if abs(limit.shown.figure.value) <= BEYOND * limit.shown.limit]),
+            lasting=_together([each for each in kept if abs(each[0].figure.value) <= BEYOND * each[0].limit]),
         )
 
     def _load(self, name: str, k: int, unit: str, signed: float = 0.0) -> UncertainLoad:
@@ -225,11 +218,10 @@ class Figures:
             yield self._limit("mean gear torque", self.cubic(i), given.gear_average, joint.unit)
 
     def _limit(self, quantity: str, figure: Drawn, limit: float, unit: str) -> _Limit:
-        shown = UncertainLimit(quantity, figure.bar(), limit, unit, figure.within(limit))
         sizes = figure.curved
         if sizes is None:
             sizes = abs(figure.value) + product(self.x, figure.gradient)
-        return _Limit(shown, sizes <= BEYOND * limit)
+        return UncertainLimit(quantity, figure.bar(), limit, unit, figure.within(limit)), sizes <= BEYOND * limit
 
 
 def _magnitudes(figure: Figure, kept: Floats) -> Callable[[Floats], Floats]:
@@ -255,15 +247,15 @@ def _shares(time: Floats) -> Floats:
 
 def _sure(quantity: str, value: float, limit: float, unit: str) -> _Limit:
     kept = abs(value) <= BEYOND * limit
-    shown = UncertainLimit(quantity, Bar(value, 0.0, value, value, "linear"), limit, unit, float(kept))
-    return _Limit(shown, np.full(DRAWS, kept))
+    sure = Bar(value, 0.0, value, value, "linear")
+    return UncertainLimit(quantity, sure, limit, unit, float(kept)), np.full(DRAWS, kept)
 
 
 def _together(limits: Sequence[_Limit]) -> float | None:
     """Return the probability that all limits are kept: by draws of all of them, for they depend on each other."""
     if not limits:
         return None
-    unsure = [limit for limit in limits if limit.shown.probability < 1.0]
+    unsure = [(limit, kept) for limit, kept in limits if limit.probability < 1.0]
     if len(unsure) < 2:
-        return unsure[0].shown.probability if unsure else 1.0
-    return float(np.logical_and.reduce([limit.kept for limit in unsure]).mean())
+        return unsure[0][0].probability if unsure else 1.0
+    return float(np.logical_and.reduce([kept for _, kept in unsure]).mean())

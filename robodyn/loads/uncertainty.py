@@ -67,12 +67,8 @@ class Figure(NamedTuple):
 
 
 class Quantities:
-    """Functions of the loads of a sample, in columns, and figures made of one or two of them.
-
-    Attributes:
-        joints: names; figures: theirs, then of the base, bearings and motors.
-        rows: the columns but those of motors, as sums of loads.
-    """
+    """Functions of the loads of a sample, in columns, of which `rows` are sums of loads and then come those of motors,
+    and figures made of one or two of them: of joints, then of the base, bearings and motors."""
 
     def __init__(
         self,
@@ -154,6 +150,8 @@ def _bearing(joint: Joint, first: int) -> list[Row]:
 
 ROOM = 4_000_000
 """Numbers of derivatives that are held at a time."""
+GROWING = 0.1
+"""Friction that grows with load more than this may put error bars off by more than 5 %."""
 ROWS = 1024
 """Samples that are kept of the whole motion at the most, evenly spread, and half as many at least."""
 
@@ -189,7 +187,10 @@ class UncertaintyPass:
     ) -> None:
         """Args: rates: entries of tau that are joints; trains: joints with motors; bearings: whether they count."""
         self.model, self.scene, self.rates, self.executor, self.threads = model, scene, rates, executor, threads
-        self.notes = (*misfits(model, scene), *_beyond(scene))
+        self.notes = misfits(model, scene)
+        if names := [name for name in scene.loaded if scene.friction[name].load > GROWING]:  # it may change sides
+            what = f"friction of {', '.join(map(shown, names))} grows with more than {100 * GROWING:.3g} % of the load"
+            self.notes += (f"{what}: where that load is about zero, error bars may be off by more than 5 %",)
         self.found = variations(model, scene)
         self.of = Quantities(model, model.rates[rates], rates, trains, bearings)
         self._m = len(self.found.each)
@@ -252,16 +253,3 @@ class UncertaintyPass:
             np.concatenate((self.kept.columns, news.columns), 1),
             np.concatenate((self.kept.pace, news.pace), 1),
         )
-
-
-GROWING = 0.1
-"""Friction that grows with load more than this may put error bars off by more than 5 %."""
-
-
-def _beyond(scene: Scene) -> tuple[str, ...]:
-    """Return a warning where friction may change sides, which error bars do not follow."""
-    names = [name for name in scene.loaded if scene.friction[name].load > GROWING]
-    if not names:
-        return ()
-    what = f"friction of {', '.join(map(shown, names))} grows with more than {100 * GROWING:.3g} % of the load"
-    return (f"{what}: where that load is about zero, error bars may be off by more than 5 %",)

@@ -33,9 +33,8 @@ class Bar:
 class UncertainLimit:
     """A limit of a joint, and whether the motion keeps to it.
 
-    Attributes:
-        quantity: as `Exceeded.quantity`; "motor torque" as a share of what the peak curve allows then.
-        probability: that the figure's magnitude is within the limit.
+    `quantity` is as `Exceeded.quantity`, "motor torque" as a share of what the peak curve allows then; `probability`
+    that the figure's magnitude is within the limit.
     """
 
     quantity: str
@@ -49,10 +48,8 @@ class UncertainLimit:
 class UncertainLoad:
     """Peak and RMS of a load, of a joint, of its motor, of a component of a bearing's load or of the base wrench.
 
-    Attributes:
-        name: of the joint or the component.
-        shares: by parameter, its share of the variance of the peak, largest first; they add up to 1. Correlated ones
-            share what they make together, and may be negative. rms_shares: likewise.
+    `shares` are by parameter, of the variance of the peak, largest first; they add up to 1. Correlated parameters share
+    what they make together, which may be negative.
     """
 
     name: str
@@ -84,10 +81,9 @@ class Uncertain:
     Attributes:
         parameters: by name the standard deviation of each that varies [SI; of factors as shares].
         draws: of parameters, for figures that are not linear and for probabilities.
-        base: components of the base wrench.
         bearings: by joint, components of its bearing's load and the resultants radial and tilting; {} without sizing.
-        suffices: the probability that all joints keep to all their limits; None without any.
-        lasting: likewise, of the limits that are kept with the parameters as they are given.
+        suffices: the probability that all joints keep to all their limits, None without any; lasting: likewise, of the
+            limits that are kept with the parameters as they are given.
     """
 
     parameters: Mapping[str, float]

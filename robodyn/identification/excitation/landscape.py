@@ -35,13 +35,12 @@ _POSTURES = 200
 
 
 class Programs(NamedTuple):
-    """What is computed of motions (3, N, n) of q, qd and qdd.
+    """What is computed of motions (3, N, n) of q, qd and qdd, for n torques and r columns of the regressor.
 
     Attributes:
-        n, r: how many torques, and columns of the regressor.
         shown: for each torque, which of the columns are not zero in its row whatever the motion: in a tree, few.
-        rows: these entries of the regressor, one torque after another, and the torques.
-        slopes: the derivative of a sum of these, each times a weight of its own, by q, qd and qdd.
+        rows: these entries of the regressor, one torque after another, and the torques; slopes: the derivative of a
+            sum of these, each times a weight of its own, by q, qd and qdd.
     """
 
     n: int
@@ -221,10 +220,8 @@ def on_grid(y: Floats) -> Floats:
 
 
 def _lowest(landscape: Landscape, y: Floats, pressure: float) -> Floats:
-    """Return where the landscape is low, near where the search starts.
-
-    Method: SciPy's L-BFGS-B, some steps at a time, in variables in which the bounds' own second derivative is 1.
-    """
+    """Return where the landscape is low, near where the search starts: by SciPy's L-BFGS-B, some steps at a time, in
+    variables in which the bounds' own second derivative is 1."""
     from scipy.optimize import minimize
 
     least = np.inf

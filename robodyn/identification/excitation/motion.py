@@ -35,13 +35,9 @@ _SMALLER, _LEAST = 0.99, 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Bounds:
-    """Of each entry of q (n,), for a robot whose joints have one each.
-
-    Attributes:
-        middle, half: positions are within `middle +- half`, the margin taken off.
-        speed, acceleration, effort: largest magnitudes; inf where there is none.
-        moving: which joints move, the others are held at `home`; notes: what was assumed, a line each.
-    """
+    """Of each entry of q (n,), for a robot whose joints have one each: positions are within `middle +- half`, the
+    margin taken off; speed, acceleration, effort: largest magnitudes, inf where there is none; moving: which joints
+    move, the others are held at `home`; notes: what was assumed."""
 
     middle: Floats
     half: Floats
@@ -54,14 +50,9 @@ class Bounds:
 
 
 def bounds_of(model: Model, scene: Scene, joints: tuple[str, ...] = (), acceleration: float | None = None) -> Bounds:
-    """Return what motions of these joints, of all if none is named, must keep to.
-
-    Args:
-        acceleration: largest, of every joint [rad/s^2, m/s^2]; None: speed limit over `_SPEEDING`.
-
-    Raises:
-        InputError: the base floats, there is no such joint, or none that can move.
-    """
+    """Return what motions of these joints, of all if none is named, must keep to; acceleration: largest, of every joint
+    [rad/s^2, m/s^2], None: speed limit over `_SPEEDING`. Raise InputError if the base floats, there is no such joint,
+    or none that can move."""
     if model.quaternions:
         what = f'"{model.quaternions[0][0]}" floats: nothing drives it along a motion'
         raise InputError(what, remedy="fix it", file=model.file)

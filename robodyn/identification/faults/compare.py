@@ -86,10 +86,9 @@ def rerouted(evidence: Evidence, right: Channels) -> Evidence:
 def told(rows: Sequence[Floats]) -> Channels:
     """Return which measured torque is that of which joint, and with which sign.
 
-    Each measured torque is correlated with each computed one, with either sign, beside friction and rotor inertia,
-    which cannot be negative. Channels are those for which the product of what is left is least (assignment problem).
-    They differ from those of the log only where they leave less than `_CLEAR` of what the joints' own channels leave
-    with their better signs, and a sign only where it does so beside the other one.
+    Each measured torque is fitted by each computed one, with either sign, beside friction and rotor inertia, which
+    cannot be negative: the product of what is left is least (assignment problem). Channels differ from those of the
+    log only where they leave less than `_CLEAR` of what these leave with better signs, and signs likewise.
 
     Args:
         rows: of each joint (k, 4 + n), or their triangular factor: torques per unit of its viscous friction, Coulomb
@@ -119,11 +118,8 @@ def told(rows: Sequence[Floats]) -> Channels:
 
 
 def magnitudes(rows: Sequence[Floats], names: Sequence[str]) -> list[str]:
-    """Return a line if measured torques are a multiple of the computed ones that masses seldom make.
-
-    Beside friction and rotor inertia the computed torque is fitted with a factor, which counts if it leaves less than
-    `_CLEAR` of what is left without. Rows are those of `told`.
-    """
+    """Return a line if measured torques are a multiple of the computed ones that masses seldom make, which leaves less
+    than `_CLEAR` of what is left without, beside friction and rotor inertia; rows: as `told` has them."""
     far = []
     for j, (each, name) in enumerate(zip(rows, names, strict=True)):
         factor = np.asarray(np.linalg.qr(each, mode="r"))
@@ -297,11 +293,8 @@ def load_body(model: Model) -> str:
 
 
 def evidence_of(log: Log) -> tuple[Evidence, Floats, tuple[int, ...], list[str]]:
-    """Return the evidence of a log, its times (k,), the joints in it as places in `model.rates`, and notes.
-
-    It is of the longest stretch without gaps; joints whose torque is constant in it are left out. Raise TrajectoryError
-    if none varies, or the filter leaves too few samples.
-    """
+    """Return the evidence of the longest stretch of a log without gaps, its times (k,), the joints whose torque varies
+    in it as places in `model.rates`, and notes; raise TrajectoryError if none does, or too few samples are left."""
     parts = [*filtered(log, log.cutoff, lambda samples: _columns(log, samples))]
     time = np.concatenate([np.empty(0), *(part.time for part in parts)])
     steps = np.diff(time)

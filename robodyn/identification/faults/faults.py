@@ -41,10 +41,9 @@ class Evidence:
     """Torques and what may explain their difference, all through the same filter, on an even grid.
 
     Attributes:
-        step: s, of the grid.
-        measured, computed: (k, n) N m.
-        own: (k, n, 3) torque of each joint per unit of its viscous friction, Coulomb friction and rotor inertia.
-        load: (k, n, m) torques per unit of the parameters of a payload.
+        step: s, of the grid; measured, computed: (k, n) N m.
+        own: (k, n, 3) torque of each joint per unit of its viscous friction, Coulomb friction and rotor inertia; load:
+            (k, n, m) torques per unit of the parameters of a payload.
     """
 
     step: float
@@ -104,13 +103,9 @@ class Effect(NamedTuple):
 
 
 class Fit(NamedTuple):
-    """The parameters of some effects, fitted.
-
-    Attributes:
-        theta, covariance: of all parameters, zero of those that are not fitted.
-        told: the places of those that no other column could stand for.
-        residual: (N, n), of weights (n,); scores: the covariance of the columns' products with noise, so weighted.
-    """
+    """The parameters of some effects, fitted: theta, covariance of all, zero of the others; told: those for which no
+    other column could stand; residual (N, n); scores: covariance of the columns' products with noise, by `weights`
+    (n,)."""
 
     theta: Floats
     covariance: Floats
@@ -125,7 +120,7 @@ class Fault:
     """An effect that the model lacks, or a fault of a sensor.
 
     Attributes:
-        certain: whether it is told apart from all other effects; else it is one that would do, with those before it.
+        certain: whether it is told apart from all others; else it would do, with those before it.
         shares: (n,) of each joint's residual, how much it explains beyond those before it, as a sum of squares.
     """
 
@@ -138,14 +133,9 @@ class Fault:
 
 @dataclass(frozen=True)
 class Explained:
-    """What explains the difference of measured and computed torques.
-
-    Attributes:
-        faults: in the order in which each explains most of what is left.
-        theta, covariance: of all parameters with every effect that can be told, be it more than noise or not, else 0.
-        told: the places of those parameters that the log can tell.
-        residual: (N, n) measured less computed torques, after all faults.
-    """
+    """Faults in the order in which each explains most of what is left, and torques (N, n) that all of them leave;
+    theta, covariance: of all parameters that can be told, be they more than noise or not, else 0; told: their
+    places."""
 
     faults: tuple[Fault, ...]
     theta: Floats
@@ -382,11 +372,8 @@ def _told(rows: Floats, places: Sequence[int]) -> frozenset[int]:
 
 
 def _columns(evidence: Evidence, theta: Floats) -> tuple[list[Floats], Floats]:
-    """Return derivatives of the model, for each joint (N, 6 + m), and what the model leaves of the torques (N, n).
-
-    `measured(t + delay) = (1 + gain) (computed + load)(t) + own(t) + offset`; the derivative for the delay is
-    `-d(measured)/dt`, by the model.
-    """
+    """Return derivatives of `measured(t + delay) = (1 + gain) (computed + load)(t) + own(t) + offset`, for each joint
+    (N, 6 + m), that of the delay by the model, and what the model leaves of the torques (N, n)."""
     from scipy.interpolate import make_interp_spline
 
     found, left, inside = [], [], evidence.inside

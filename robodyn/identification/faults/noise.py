@@ -37,15 +37,13 @@ def score_covariance(
 ) -> Floats:
     """Return `sum_st X(s)' C(t - s) X(t)`: the covariance of X' e, for e with the covariance function C of residuals.
 
-    C is estimated from the residuals, tapered by a flat-top window (Politis and Romano, J. Time Series Analysis 16,
-    1995), on the assumption that residuals do not depend on X.
-
-    A fit takes its part of the noise, most where its columns x have their frequencies: with B = (X'X)^-1 and V the
-    covariance of its estimates, the residual's periodogram of each joint lacks `2 x'Bx C - x'Vx`, which is added.
+    C is that of the residuals, tapered by a flat-top window (Politis and Romano, J. Time Series Analysis 16, 1995), as
+    if they did not depend on X. A fit takes its part of the noise, most where its columns x have their frequencies:
+    with B = (X'X)^-1 and V the covariance of its estimates, the residual's periodogram of each joint lacks `2 x'Bx C -
+    x'Vx`, which is added.
 
     Args:
-        columns: for each joint (N, p_j); residual: (N, n).
-        places: of the columns of each joint among all parameters, `size` of them.
+        columns: for each joint (N, p_j), at these places among all `size` parameters; residual: (N, n).
         bread: (size, size) B, zero of what was not fitted; None: residuals are of no fit.
     """
     N, length = len(residual), window_length(residual)

@@ -43,8 +43,7 @@ class Log:
             where an amplifier clips it; infinite where there are none [N m].
         delays: (n,) by which torques are logged late [s]; loud: (n,) standard deviation of their noise as if it were
             white, by second differences; 0 of coarse steps [N m].
-        held: joints without columns, and where.
-        notes: what was assumed and left out, one line each; caveats: about its units and its given rates.
+        held: joints without columns, and where; caveats: about its units and its given rates.
     """
 
     path: str

@@ -62,15 +62,8 @@ def filtered(log: Log, cutoff: float, compute: Callable[[Samples], Floats]) -> I
 
 
 def _windows(parts: Iterable[tuple[bool, Arrays]], length: int, every: int) -> Iterator[tuple[bool, Arrays, int]]:
-    """Yield arrays that begin with what the windows of the next values need of the ones before.
-
-    Args:
-        parts: whether a stretch begins, and arrays of as many rows.
-        length: of a window [rows]; every: rows from one window to the next.
-
-    Yields:
-        Whether these are the first windows of a stretch, the arrays, and the number of whole windows.
-    """
+    """Yield arrays that begin with what windows of so many rows, one `every` so many, need of the ones before: whether
+    these are the first windows of a stretch, the arrays, and the number of whole windows."""
     tail: Arrays | None = None
     first = True
     for begins, arrays in parts:

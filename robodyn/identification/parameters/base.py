@@ -43,8 +43,8 @@ class Base:
     Attributes:
         names: (p,) of the parameters theta; independent: (r,) those that groups are named after, ascending.
         matrix: (r, p) the groups: 1 at each one's own parameter, 0 at those of the others.
-        kept, dropped: how far, as a part of its length, the column nearest to the span of those chosen before it is
-            off it among the chosen, and the farthest among the others: the gap in which the rank was decided.
+        kept, dropped: parts of their lengths by which the nearest of the chosen columns and the farthest of the others
+            are off the span: the gap in which the rank was decided.
         condition: of the columns of `independent` at unit length.
     """
 
@@ -116,10 +116,9 @@ def base_of(R: Floats, names: Sequence[str], tolerance: float = TOLERANCE) -> Ba
     """Return the base parameters of a regressor.
 
     Method: columns at unit length, so that units do not count, then Gram and Schmidt's QR with pivots (Gautier 1991,
-    "Numerical calculation of the base inertial parameters of robots"). Each pivot is the first column, in the order of
-    the parameters, that is at least a thousandth as far from the span of those before as the farthest: parameters of
-    bodies near the base stay, and what hangs on them is added to them, as in the tables of Khalil and Dombre; no
-    rounding turns the choice.
+    "Numerical calculation of the base inertial parameters of robots"). Each pivot is the first column that is at least
+    a thousandth as far from the span of those before as the farthest: parameters of bodies near the base stay, and
+    what hangs on them is added to them, as in the tables of Khalil and Dombre; no rounding turns the choice.
 
     Args:
         R: (k, p) rows of the regressor, or their triangular factor (R^T R = Y^T W Y).
@@ -171,13 +170,8 @@ def _lengths(A: Floats) -> Floats:
 
 
 def structural_base(model: Model, scene: Scene = DEFAULT) -> Base:
-    """Return the base parameters of a model in a scene, from the regressor at random states: Y theta = Y_base beta.
-
-    Args:
-        model: of a tree; scene: its friction and gravity count, its springs, wrenches and fluids do not.
-
-    Raises:
-        SceneError: the scene has loops or contacts.
+    """Return the base parameters of a tree in a scene, whose friction and gravity count, from the regressor at random
+    states; raise SceneError if there are loops or contacts.
 
     Accuracy: `Y[:, independent] matrix` within 1e-10 of the largest entry of each column of Y, at any state.
     """

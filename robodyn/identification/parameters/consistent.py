@@ -45,13 +45,8 @@ class PriorBody:
 
 @dataclass(frozen=True, eq=False)
 class Prior:
-    """Where parameters are drawn to.
-
-    Attributes:
-        described: (p,) values of the description; theta: with bodies that cannot exist replaced by near ones that can.
-        bodies: whose parameters are open. Of the three that a planar joint is made of it is the last.
-        notes: what was replaced, a line each.
-    """
+    """Where parameters are drawn to: `described` (p,), and theta with bodies that cannot exist replaced by near ones
+    that can, which `notes` tell; bodies: whose parameters are open, of the three of a planar joint the last."""
 
     names: tuple[str, ...]
     described: Floats
@@ -61,16 +56,12 @@ class Prior:
 
 
 def prior_of(model: Model, names: Sequence[str], theta: Floats, *, shapes: bool = True) -> Prior:
-    """Return the prior of a description's parameters.
+    """Return the prior of a description's parameters, which `robodyn.regressor` has.
 
     The base and mere frames (bodies without mass, inertia and shapes, if others have some) stay as they are. Another
     body without positive mass gets a thousandth of the robot's mass; second moments about the centre of mass that are
     not positive become a hundredth of the largest; a point gets a tenth of the body's size as radius of gyration.
-
-    Args:
-        names, theta: of `robodyn.regressor`.
-        shapes: whether ellipsoids around the boxes of shapes bound the bodies. They do not bound a body that is already
-            described as larger; which is noted.
+    With `shapes` ellipsoids around their boxes bound the bodies, but those that are already described as larger.
     """
     boxes, notes = body_boxes(model) if shapes else ({}, ())
     sizes = _sizes(model, boxes)
@@ -117,13 +108,10 @@ def _possible(parameters: Floats, size: float, share: float) -> tuple[Floats, st
 
 
 def ellipsoid(box: Box) -> Floats:
-    """Return Q with tr(P Q) = integral of (1 - (x - x_s)^T A (x - x_s)) dm over a body of pseudo-inertia P.
+    """Return Q (4, 4) with tr(P Q) = integral of (1 - (x - x_s)^T A (x - x_s)) dm over a body of pseudo-inertia P.
 
     Positive for every body inside the ellipsoid, which is the smallest around the box: with semi-axes sqrt(3) times
     half its edges (Traversaro and others 2016; Wensing, Kim, Slotine 2018).
-
-    Returns:
-        (4, 4) [[-A, A x_s], [x_s^T A, 1 - x_s^T A x_s]].
     """
     centre, half = (box.lo + box.hi) / 2, (box.hi - box.lo) / 2
     A = 1.0 / (3.0 * np.maximum(half, _THICKNESS * half.max()) ** 2)
@@ -153,10 +141,7 @@ def pseudo_inertia(parameters: ArrayLike) -> Floats:
     Args:
         parameters: (..., 10) m, m c, and Ixx Ixy Ixz Iyy Iyz Izz about the origin [kg, kg m, kg m^2].
 
-    Returns:
-        (..., 4, 4).
-
-    Accuracy: each entry within 2 eps of the largest of its kind; `parameters_of` undoes it likewise.
+    Accuracy: each entry (..., 4, 4) within 2 eps of the largest of its kind; `parameters_of` undoes it likewise.
     """
     m, mx, my, mz, xx, xy, xz, yy, yz, zz = np.moveaxis(np.asarray(parameters, dtype=float), -1, 0)
     half = 0.5 * (xx + yy + zz)
@@ -174,11 +159,8 @@ def parameters_of(P: ArrayLike) -> Floats:
 
 
 def body_boxes(model: Model) -> tuple[dict[str, Box], tuple[str, ...]]:
-    """Return a box around all shapes of each body that has some, along the axes of its frame, and notes.
-
-    The shapes, visual and collision, of all links of a body count. Where one cannot be read the body has no box, since
-    the others do not bound it; which is noted.
-    """
+    """Return a box around all shapes of each body that has some, visual and collision, of all its links, along the axes
+    of its frame; where one cannot be read the body has none, since the others do not bound it, which is noted."""
     description = model.description
     assert description is not None, "models are made of descriptions"
     found: dict[int, list[Box]] = {}

@@ -26,13 +26,9 @@ through the gear that is friction."""
 
 @dataclass(frozen=True, eq=False)
 class Motor:
-    """A motor that turns with a sum of joints' rates, s = direction . qd, and drives them with torques alike.
-
-    Attributes:
-        name: of the joint, or of the motor of several joints; direction: (n,).
-        scale: largest |s| of the motion; stribeck: speeds at which Stribeck's excess may decay, to compare [rad/s].
-        loaded: whether friction that grows with load is compared; of a joint's own motor alone.
-    """
+    """A motor that turns with a sum of joints' rates, s = direction . qd, and drives them with torques alike; scale:
+    largest |s| of the motion; stribeck: speeds at which its excess may decay, to compare [rad/s]; loaded: whether
+    friction that grows with load is compared, of a joint's own motor alone."""
 
     name: str
     direction: Floats
@@ -237,9 +233,8 @@ class Gathered:
     """Factors of the rows [columns, torque] of every joint in every fold.
 
     Attributes:
-        parts: fold -> joint -> factor.
+        parts: fold -> joint -> factor; channels: of each joint the rows for `told` that are fitted without a guess.
         squares: (folds, joints) of the measured torques [N^2 m^2]; described: of the description's residuals.
-        channels: of each joint the rows of `channels.told` that are fitted, if no guess was there.
     """
 
     def __init__(self, folds: int, regressor: RegressorColumns) -> None:
@@ -259,12 +254,18 @@ class Guess:
     sigma: Floats
     moments: Moments
 
+    def weights(self, columns: Sequence[Floats], residuals: Floats, fit: NDArray[np.bool_]) -> Floats:
+        """Return (k, joints) the square roots of Huber's weights; add the rows that are fitted to the moments."""
+        huber = np.minimum(1.0, _OUTLIER / np.maximum(np.abs(residuals) / self.sigma, 1e-300))
+        self.moments.add([each[fit] for each in columns], (residuals * huber)[fit])
+        return np.sqrt(huber)
+
 
 def gather(
     log: Log, cutoff: float, edges: Sequence[float], plain: Gathered, weighted: Gathered, guess: Guess | None = None
 ) -> None:
-    """Add the rows of a log to the factors of their folds; with a first guess to those of Huber's weights, too; edges:
-    times [s] at which a fold ends and the next begins, ascending."""
+    """Add the rows of a log to the factors of their folds, which end at these edges [s], with a first guess to those of
+    Huber's weights, too."""
     regressor = plain.regressor
     if guess is not None:
         guess.moments.restart()
@@ -278,9 +279,7 @@ def gather(
         if guess is not None:
             pairs = zip(parts, regressor.used, strict=True)
             off = np.stack([part[:, :-1] @ guess.values[used] - part[:, -1] for part, used in pairs], axis=1)
-            huber = np.minimum(1.0, _OUTLIER / np.maximum(np.abs(off) / guess.sigma, 1e-300))
-            guess.moments.add([part[fit, :-1] for part in parts], (off * huber)[fit])
-            weights = np.sqrt(huber)
+            weights = guess.weights([part[:, :-1] for part in parts], off, fit)
         else:
             for joint, (j, used) in enumerate(zip(regressor.measured, regressor.used, strict=True)):
                 names = [regressor.names[k] for k in used]
@@ -303,12 +302,8 @@ LAGS = 12
 
 
 class Moments:
-    """Sums of products of rows that are some rows apart.
-
-    Attributes:
-        columns: of each measured joint (2 LAGS + 1, a, a): sum over k of x_k x_(k + lag)^T.
-        residuals: (LAGS + 1, joints) of the residuals; count: rows of each joint.
-    """
+    """Sums of products of rows that are some rows apart: of each measured joint (2 LAGS + 1, a, a) sum over k of
+    x_k x_(k + lag)^T, and (LAGS + 1, joints) of the residuals; count: rows of each joint."""
 
     def __init__(self, regressor: RegressorColumns) -> None:
         widths = [len(used) for used in regressor.used]

@@ -36,11 +36,8 @@ FIRST = 5e4
 
 @dataclass(eq=False)
 class Effort:
-    """Runs of one simulation by methods and steps, with what else `simulate` is given.
-
-    Attributes:
-        left: seconds of work that are left; floor: what the others of the ways that are tried shall find.
-    """
+    """Runs of one simulation by methods and steps, with what else `simulate` is given; left: seconds of work that are
+    left; floor: what the others of the ways that are tried shall find."""
 
     model: Model
     scene: Scene
@@ -66,8 +63,8 @@ class Effort:
         return motion.evaluations * self.cost(motion.method)
 
     def is_stiff(self) -> bool:
-        """Return whether the motion, made as it is without an accuracy, asks for an implicit method; raise InputError
-        if no method can do it."""
+        """Return whether the motion, made without an accuracy, asks for an implicit method; raise InputError if no
+        method can do it."""
         try:
             return self._counted(most=FIRST).method.name == "radau"
         except TooMuchError as error:
@@ -174,12 +171,8 @@ NEAREST = 16
 
 
 class Graze(NamedTuple):
-    """A limit that a motion misses or passes by little.
-
-    Attributes:
-        depth: by how much, rad or m; negative where it misses; time: s, when.
-        error: relative to the largest of the kind (see `MotionError`), at which either could be true.
-    """
+    """A limit that a motion passes by a depth [rad or m], negative where it misses, at a time [s]; error: relative to
+    the largest of the kind (see `MotionError`), at which either could be true."""
 
     stop: Stop
     depth: float

@@ -64,11 +64,9 @@ class MotionError:
 
 
 def between_records(motion: Simulation) -> Callable[[Floats], Floats]:
-    """Return states (N, nq + n) at any times of a motion, by polynomials between those recorded.
-
-    Of degree 7 where steps are of one length; else cubic ones with the slopes of the states, which stay between records
-    that are far apart.
-    """
+    """Return states (N, nq + n) at any times of a motion, by polynomials between those recorded, of degree 7 where
+    steps are of one length; else cubic ones with the slopes of the states, which stay between records that are far
+    apart."""
     from scipy.interpolate import CubicHermiteSpline, make_interp_spline
 
     states = np.hstack((motion.q, motion.qd))
@@ -86,11 +84,9 @@ COMPARED, SAME = 50, 1e-12
 
 
 def apart(coarse: Simulation, fine: Simulation) -> float:
-    """Return how far a motion is from a finer one: at times that both record, up to a limit that ends either.
-
-    Where there are few of these, at those of the coarser, between records of the other. inf where one ends at another
-    limit than the other, or both are too short.
-    """
+    """Return how far a motion is from a finer one, at times that both record, up to a limit that ends either; where
+    there are few of these, at those of the coarser, between records of the other; inf where they end at other limits,
+    or are too short."""
     if coarse.ended.rpartition(" at ")[0] != fine.ended.rpartition(" at ")[0]:
         return inf
     end = min(coarse.time[-1], fine.time[-1])
@@ -131,12 +127,8 @@ CHECKED = 200
 
 @dataclass(frozen=True, eq=False)
 class Reference:
-    """A motion that is known to a bound.
-
-    Attributes:
-        at: states (N, nq + n) at times (N,); error: measures other states.
-        bound, bound_at_end: of the error of `at`, anywhere and at the end, measured like those.
-    """
+    """A motion that is known to a bound; at: states (N, nq + n) at times (N,); error: measures other states, `bound`
+    and `bound_at_end` those of `at`, anywhere and at the end."""
 
     at: Callable[[Floats], Floats]
     error: MotionError
@@ -239,10 +231,8 @@ def simulation_accuracy(
 def _tries(
     a_plan: Plan, run: Run, method: Method, duration: float, reference: Reference
 ) -> tuple[list[tuple[tuple[MethodOptions, float, str], Rung]], list[str]]:
-    """Return a method at ever shorter steps or tolerances as long as that helps, and what failed.
-
-    Of each that gets through what `integrated` is given, and its rung with the time of one run.
-    """
+    """Return a method at ever shorter steps or tolerances as long as that helps (what `integrated` is given, and the
+    rung with the time of one run), and what failed."""
     found: list[tuple[tuple[MethodOptions, float, str], Rung]] = []
     failed: list[str] = []
     why, before, equations = "", inf, Equations(a_plan)

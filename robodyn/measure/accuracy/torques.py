@@ -162,14 +162,11 @@ def _effects(a_plan: Plan, sources: Sources, count: int) -> tuple[EffectPrice, .
 
 
 def derivative_ladder(a_plan: Plan, samples: Trajectory) -> Ladder:
-    """Return torques with accelerations by each scheme against the torques of the motion they were derived from.
+    """Return torques with accelerations by each scheme against the torques of the motion they were derived from; raise
+    InputError if it is too short, or has floating joints and no accelerations.
 
-    Where the accelerations are given, they are forgotten and derived from the positions. Where they are not, a smooth
-    motion like the given one takes its place, with white noise of the size that was found in the data: the truth is
-    known, and the data are as bad.
-
-    Raises:
-        InputError: the motion is too short to be derived, or has floating joints and no accelerations.
+    Where the accelerations are not given, a smooth motion like the given one takes its place, with white noise of the
+    size that was found in the data: the truth is known, and the data are as bad.
     """
     if samples.derivation is None:
         truth, data, against = samples, samples.q, "the velocities and accelerations given"
@@ -196,11 +193,8 @@ def torques(a_plan: Plan, samples: Trajectory) -> Floats:
 
 
 def like(model: Model, samples: Trajectory) -> Trajectory:
-    """Return a motion whose accelerations are splines through the derived ones, and its exact velocities and positions.
-
-    Sampled half-way between the samples, so that no spline through its positions is the motion itself; raise InputError
-    if a joint is floating.
-    """
+    """Return a motion whose accelerations are splines through the derived ones, with its exact velocities and
+    positions, half-way between the samples, so that no spline through its positions is the motion itself."""
     from scipy.interpolate import CubicSpline
 
     if any(joint.kind == "floating" for joint in model.independent):
@@ -234,11 +228,8 @@ EVERY, FEWEST = (1, 2, 4, 8), 32
 
 
 def rate_ladder(a_plan: Plan, samples: Trajectory) -> Ladder:
-    """Return the largest change of a joint's peak torque, relative to the largest peak, where samples are left out.
-
-    Accelerations that the data do not give are derived from the samples that are left. Times are per sample of the
-    data, so they tell what leaving out saves.
-    """
+    """Return the largest change of a joint's peak torque, relative to the largest peak, where samples are left out, and
+    accelerations that are not given derived from what is left. Times are per sample of the data."""
     full = _peaks(a_plan, samples, 1)
     acts = {str(k): partial(_peaks, a_plan, samples, k) for k in EVERY if len(samples) >= FEWEST * k}
     size = a_plan.torques().size
