@@ -27,7 +27,7 @@ NEAR = 1.959963984540054
 class Drawn(NamedTuple):
     """A figure with its sign, its standard error to first order, the gradient (m,) of its magnitude by x, what each
     parameter adds to its variance, in some unit (k,), and draws of its magnitude where the gradient alone would
-    mislead. """
+    mislead."""
 
     value: float
     error: float
