@@ -19,10 +19,8 @@ from robodyn.dynamics.recursions.newton_euler import euler, joint_torques, newto
 from robodyn.errors import InputError
 from robodyn.programs.vectors import ZERO, cross, narrowed, narrowed_all, product
 from robodyn.robot.kinematics import (
-    Acceleration,
     Motion,
     Pose,
-    Velocity,
     Wrench,
     acceleration_of_point,
     accelerations,
@@ -33,7 +31,7 @@ from robodyn.robot.kinematics import (
 from robodyn.robot.model import Model
 from robodyn.scene.fit import refuse_load, refuse_others
 from robodyn.scene.scene import DEFAULT, GROUND, Scene
-from robodyn.solids.inertia.laws import Inertia, about_centre
+from robodyn.solids.inertia.laws import about_centre
 from robodyn.support.floats import Floats
 from robodyn.support.wording import figure, shown
 
@@ -180,20 +178,6 @@ _OF_WRENCHES = {
 }
 
 
-def weight(body: Inertia, pose: Pose, gravity: Floats) -> Action:
-    """m g at the mass centre."""
-    force = body.m * product(pose.R.T, gravity)
-    return Action("weight", "weight", "gravity", ("W", ""), body.centre_of_mass, force, np.zeros(3))
-
-
-def inertial(body: Inertia, moving: Velocity, speeding: Acceleration) -> Action:
-    """-m a_c at the mass centre and -dH_c/dt: what balances the rest, as d'Alembert has it."""
-    c = body.centre_of_mass
-    a_c = acceleration_of_point(speeding.a, c, moving.w, speeding.wd)
-    moment = -euler(about_centre(body.I, body.m, c), moving.w, speeding.wd)
-    return Action("inertial", "inertia", "its motion", ("-ma", "-dH"), c, -(body.m * a_c), moment)
-
-
 def applied_wrenches(effects: tuple[Effect, ...], sample: Sample, scene: Scene) -> list[tuple[int, Action]]:
     """(body, action) of wrenches of the surroundings, loops, contacts and spinning rotors, where they act on links."""
     places = {
@@ -302,9 +286,16 @@ def free_bodies(
     wrenches = narrowed_all(newton_euler(model.parents, joints, terms.inertias, terms.gravity, terms.wrenches))
     torques = {effect.name: effect.add(at_rest(sample), sample, scene).at_joint for effect in a_plan.effects}
     cuts = [cut(i, model, wrench, torques) for i, wrench in enumerate(wrenches)]
+    tau = joint_torques(model, joints, wrenches, terms.at_joint)
     around = applied_wrenches(a_plan.effects, sample, scene)
     bodies = tuple(_cut_free(model, terms, joints, cuts, around))
-    tau = joint_torques(model, joints, wrenches, terms.at_joint)
+    warnings = []
+    slides = {joint.name for joint in model.independent if joint.kind == "prismatic"}
+    for name, value in zip(model.rates, missing.tolist(), strict=True):
+        if value:
+            unit = "N" if name in slides or name[-3:] in ("_vx", "_vy", "_vz") else "N m"
+            taken = f"the motion takes {figure(value)} {unit} there, shown as its drive"
+            warnings.append(f"nothing drives {shown(name)}, and {taken}")
     actions = [action for body in bodies for action in body.actions]
     force = max([np.finfo(float).tiny, *(float(np.abs(action.force).max()) for action in actions)])
     moment = max([np.finfo(float).tiny, *(float(np.abs(action.at_origin).max()) for action in actions)])
@@ -320,17 +311,8 @@ def free_bodies(
         tau=dict(zip(model.rates, map(float, tau), strict=True)),
         residual_force=max(float(np.abs(body.force).max()) for body in bodies) / force,
         residual_moment=max(float(np.abs(body.moment).max()) for body in bodies) / moment,
-        warnings=(*_not_given(model, missing), *model.notes),
+        warnings=(*warnings, *model.notes),
     )
-
-
-def _not_given(model: Model, missing: Floats) -> Iterator[str]:
-    """Yield a sentence on each passive rate at which the motion takes what nothing gives, missing (n,) N m or N."""
-    slides = {joint.name for joint in model.independent if joint.kind == "prismatic"}
-    for name, value in zip(model.rates, missing.tolist(), strict=True):
-        if value:
-            unit = "N" if name in slides or name[-3:] in ("_vx", "_vy", "_vz") else "N m"
-            yield f"nothing drives {shown(name)}, and the motion takes {figure(value)} {unit} there, shown as its drive"
 
 
 def _cut_free(
@@ -340,16 +322,19 @@ def _cut_free(
     moving, speeding = narrowed_all(velocities(parents, joints)), narrowed_all(accelerations(parents, joints))
     where, joints = narrowed_all(poses(parents, joints)), narrowed_all(joints)
     for i, body in enumerate(model.bodies):
-        own = terms.inertias[i]
+        own, c = terms.inertias[i], terms.inertias[i].centre_of_mass
+        acting: list[Action] = []
+        if own.m or np.any(own.I):
+            pull = own.m * product(where[i].R.T, terms.gravity)
+            # -m a_c at the mass centre and -dH_c/dt: what balances the rest, as d'Alembert has it
+            force = -(own.m * acceleration_of_point(speeding[i].a, c, moving[i].w, speeding[i].wd))
+            moment = -euler(about_centre(own.I, own.m, c), moving[i].w, speeding[i].wd)
+            acting.append(Action("weight", "weight", "gravity", ("W", ""), c, pull, np.zeros(3)))
+            acting.append(Action("inertial", "inertia", "its motion", ("-ma", "-dH"), c, force, moment))
+        acting += [*(action for k, action in around if k == i), *at_joint(cuts[i], cuts[i].parent)]
         children = [k for k, parent in enumerate(parents) if parent == i]
-        heavy = bool(own.m or np.any(own.I))
-        acting: list[Action] = [
-            *([weight(own, where[i], terms.gravity), inertial(own, moving[i], speeding[i])] if heavy else []),
-            *(action for k, action in around if k == i),
-            *at_joint(cuts[i], cuts[i].parent),
-        ]
         for k in children:
             acting += at_joint(cuts[k], model.bodies[k].name, joints[k], -1.0)
         ends = tuple((k, joints[k].p) for k in children)
         links = tuple(name for name, frame in model.links.items() if frame.body == i)
-        yield FreeBody(i, body.name, links, float(own.m), own.centre_of_mass, where[i], tuple(acting), ends)
+        yield FreeBody(i, body.name, links, float(own.m), c, where[i], tuple(acting), ends)
