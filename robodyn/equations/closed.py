@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from decimal import Decimal
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,10 +17,10 @@ from robodyn.equations.ode import bias_plan, check_equations, identifiers
 from robodyn.errors import InputError
 from robodyn.programs.program import Program
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
-from robodyn.programs.run.symbolic import DIGITS, expressions, module, number, operations
-from robodyn.programs.scalar import ADD, CONSTANT, COS, DIV, INPUT, MUL, NEG, SIN
+from robodyn.programs.scalar import ADD, CONSTANT, COS, DIV, EXP, INPUT, MUL, NEG, SIGN, SIN, SQRT, SUB
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.support.extras import need
 
 EPS = 2.0**-52
 ROUNDING = 4 * EPS
@@ -71,7 +72,6 @@ def total(a: Polynomial, b: Polynomial, sign: float = 1.0) -> Polynomial:
 
 
 def wave(kind: str, angle: Angle) -> Polynomial:
-    """Return the sine or cosine of a combination of generators."""
     turned, sign = _upright(kind, angle)
     if not turned:
         return constant(1.0) if kind == "cos" else {}
@@ -131,6 +131,8 @@ def _pruned(terms: Polynomial) -> Polynomial:
     return {key: entry for key, entry in terms.items() if abs(entry.value) > ROUNDING * entry.size}
 
 
+DIGITS = 10
+"""Decimals of up to so many digits count as short."""
 SHORT = 16 * 2.0**-52
 """A coefficient this near a short decimal, as a share of itself, is taken to be that decimal."""
 
@@ -146,7 +148,6 @@ class Forms:
         self._rates = {symbol for (source, _), symbol in symbols.items() if source != "q"}
 
     def outputs(self, program: Program) -> list[Polynomial]:
-        """Return the outputs of a program; raise `TooLargeError` when the budget is spent."""
         values: list[Polynomial] = []
         for op, a, b in program.operations:
             if op is INPUT:
@@ -355,3 +356,43 @@ def decimal(expression: Any) -> Any:
     if expression.is_Pow:
         return sympy.Pow(decimal(expression.base), expression.exp)
     return expression.func(*map(decimal, expression.args)) if expression.args else expression
+
+
+def expressions(program: Program, symbols: Symbols) -> list[Any]:
+    """Return the outputs of a program as SymPy expressions of its inputs, which are symbols or expressions."""
+    return program.evaluated(lambda source, column: symbols[source, column], number, operations())
+
+
+def number(value: float) -> Any:
+    """Return a SymPy number: the rational that a short decimal stands for, else a float of 17 digits."""
+    sympy = module()
+    text = repr(float(value))
+    if len(Decimal(text).normalize().as_tuple().digits) <= DIGITS:
+        return sympy.Rational(text)
+    return sympy.Float(float(value), 17)
+
+
+def operations() -> dict[str, Callable[..., Any]]:
+    sympy = module()
+    return {
+        ADD: sympy.Add,
+        MUL: sympy.Mul,
+        SUB: lambda a, b: a - b,
+        DIV: lambda a, b: a / b,
+        NEG: lambda a: -a,
+        SQRT: sympy.sqrt,
+        SIN: sympy.sin,
+        COS: sympy.cos,
+        SIGN: sympy.sign,
+        EXP: sympy.exp,
+    }
+
+
+def module() -> Any:
+    """SymPy; an InputError where it is not installed."""
+    try:
+        import sympy
+    except ImportError:
+        need("closed forms", "sympy")
+        raise
+    return sympy

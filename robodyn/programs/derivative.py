@@ -112,7 +112,6 @@ def _reached(outputs: Iterable[Scalar]) -> list[Traced]:
 
 
 def _partials(node: Traced) -> tuple[Scalar, ...]:
-    """Return the derivative of an operation by each of its operands."""
     op, a, b = node.op, node.a, node.b
     if op is MUL:
         return b, a
@@ -199,10 +198,8 @@ def _parts(x: Any) -> tuple[Scalar, Scalar]:
 
 
 def value_of(x: Any) -> Scalar:
-    """Return the value of a dual; anything else is its own value."""
     return _parts(x)[0]
 
 
 def rate_of(x: Any) -> Scalar:
-    """Return the rate of a dual; anything else is constant."""
     return _parts(x)[1]

@@ -33,13 +33,10 @@ ARITHMETIC = {
 
 
 class Language(NamedTuple):
-    """How operations are written.
+    """How operations are written: what gives a value a name, and each operation.
 
-    Attributes:
-        statement: gives a value a name.
-        forms: each operation.
-        reuses: whether a name can be given again, to another value, when the first is needed no more: in a language of
-            arrays, that frees memory.
+    Where it `reuses` names, one is given to another value when the first is needed no more: of arrays, that frees
+    memory.
     """
 
     statement: str
@@ -48,13 +45,8 @@ class Language(NamedTuple):
 
 
 def statements(program: Program, language: Language) -> tuple[list[str], list[str]]:
-    """Return a statement per operation, in the program's order, and the operand that each output is.
-
-    Inputs are written as `q[0]`, numbers with all their digits.
-
-    Raises:
-        InputError: a constant of the program is not finite.
-    """
+    """Return a statement per operation, in the program's order, and the operand that each output is; inputs are written
+    as `q[0]`, numbers with all their digits. InputError where a constant is not finite."""
     named = [op not in (INPUT, CONSTANT) for op, _, _ in program.operations]
     last = {i: k for k, (_, *operands) in enumerate(program.operations) if named[k] for i in operands}
     last |= dict.fromkeys(program.outputs, len(named))  # which are always needed
@@ -94,23 +86,16 @@ def prototype(name: str, widths: Mapping[str, int], results: Mapping[str, int]) 
 
 
 def c_function(name: str, program: Program, widths: Mapping[str, int], results: Mapping[str, int]) -> str:
-    """Return the function that computes the outputs of a program for one sample.
+    """Return the function that computes the outputs of a program for one sample: C99, <math.h> being included.
 
     The results are written when all of them are known, so they may stand where the inputs do.
 
     Args:
-        name: of the function.
         widths: how many numbers the array of each source has; sources that the program does not use are allowed.
         results: names of the arrays of outputs, and how many outputs go into each.
 
-    Returns:
-        Text that compiles as C99 without warnings, <math.h> being included.
-
-    Raises:
-        InputError: a constant of the program is not finite.
-
-    Accuracy: each operation is rounded once unless the compiler fuses them; the sine, cosine and exponential are the
-    platform's. Within 1e-13 of the largest output that robodyn finds.
+    Accuracy: within 1e-13 of the largest output that robodyn finds: each operation is rounded once unless the compiler
+    fuses them; sine, cosine and exponential are the platform's.
     """
     lines, outputs = statements(program, C)
     inputs = {f"{source}[{column}]" for source, column in program.inputs}
@@ -137,12 +122,9 @@ class Library(NamedTuple):
     """A library whose functions are written.
 
     Attributes:
-        title: its name.
         imports: what a module begins with; sin, cos, exp, sqrt and sign are among them.
-        support: what every function of the module calls.
-        function: the text of a function of arrays, from that of scalars.
+        support: what every function of the module calls; function: that of arrays, from that of scalars.
         batch: how the shapes of arrays begin, which are columns where this is empty.
-        notes: on numbers and derivatives.
     """
 
     title: str
@@ -253,13 +235,8 @@ def python_function(
 ) -> str:
     """Return two functions: `_name` of scalars with the program's operations, and `name` of arrays, which calls it.
 
-    Args:
-        widths: how many numbers the array of each source has.
-        shapes: of the results, whose entries the outputs are, one after another.
-        doc: docstring of the function of arrays.
-
-    Raises:
-        InputError: a constant of the program is not finite.
+    Args: widths: of the array of each source; shapes: of the results, whose entries the outputs are, one after another;
+    doc: docstring of the function of arrays.
     """
     lines, outputs = statements(program, PYTHON)
     scalars = [

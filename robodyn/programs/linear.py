@@ -104,11 +104,10 @@ def _annihilate(a: list[list[float]], v: list[list[float]], p: int, q: int) -> b
 
 
 class Eigen(NamedTuple):
-    """A right_k = value_k right_k and left_k^H A = value_k left_k^H, for the columns of right and left.
+    """A right_k = value_k right_k and left_k^H A = value_k left_k^H, for the unit columns of right and left; values are
+    not sorted.
 
     Attributes:
-        values: (n,), not sorted.
-        right, left: (n, n) unit columns.
         conditions: (n,) |left_k| |right_k| / |left_k^H right_k|: how far a change of the scaled matrix moves value_k.
         size: of the scaled matrix, Frobenius's norm.
     """

@@ -34,7 +34,6 @@ class Program:
 
     @property
     def size(self) -> int:
-        """Operations per sample."""
         return sum(self.counts.values())
 
     @cached_property

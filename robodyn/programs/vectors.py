@@ -58,7 +58,6 @@ sign = _elementary("sign", lambda x: float(x > 0) - float(x < 0))
 
 
 def vector(x: Scalar, y: Scalar, z: Scalar) -> Array:
-    """Return the vector (x, y, z)."""
     return np.array((x, y, z))
 
 
@@ -112,14 +111,12 @@ def total(values: Iterable[Scalar]) -> Scalar:
 
 
 def cross(a: Array, b: Array) -> Array:
-    """Return the cross product a x b."""
     a1, a2, a3 = a
     b1, b2, b3 = b
     return np.array((a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1), dtype=np.result_type(a, b))
 
 
 def skew(a: Array) -> Array:
-    """Return the matrix [a] with [a] b = a x b."""
     x, y, z = a
     return np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)), dtype=np.result_type(a, float))
 

@@ -80,7 +80,6 @@ class Counts:
 
     @property
     def freedom(self) -> int:
-        """6 N - rank G."""
         return 6 * self.bodies - self.rank
 
     @property
@@ -147,12 +146,8 @@ class Reduced:
 
 @dataclass(frozen=True)
 class Step:
-    """One step of the elimination.
-
-    Attributes:
-        title: what is done; formula: what then holds; checks: what was computed twice.
-        error: the largest difference, as a part of `scale`, the largest sum of magnitudes that add up to a number.
-    """
+    """One step of the elimination: what is done, what then holds, what was computed twice, and the largest difference
+    as a part of `scale`, the largest sum of magnitudes that add up to a number."""
 
     title: str
     formula: str
@@ -163,15 +158,9 @@ class Step:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Both forms side by side.
-
-    Attributes:
-        qdd: (n,) of the ODE form.
-        accelerations: the largest difference as a part of the largest acceleration, those of bodies and of free fall
-            among them.
-        forces: as a part of the largest force at a joint, on a body, or that moves one; moments: of the largest moment
-            at a joint, or of that force at the robot's length.
-    """
+    """qdd (n,) of the ODE form, and the largest differences: of accelerations as a part of the largest, those of bodies
+    and of free fall among them; of forces, of the largest at a joint, on a body, or that moves one; of moments, of the
+    largest at a joint, or of that force at the robot's length."""
 
     qdd: Floats
     accelerations: float
@@ -187,8 +176,6 @@ class Dae:
         solution: accelerations and reactions, None where nothing resists some motion.
         qdd: (n,) accelerations of the coordinates; wrenches: what each body's parent exerts on it.
         steps: of the elimination; reduced: what is left; comparison: with the ODE form.
-        warnings: redundant constraints that contradict the others, coordinates beyond their limits, and what the
-            description leaves to be guessed.
     """
 
     system: System
@@ -313,7 +300,7 @@ def independent_rows(rows: Floats, first: int = 0) -> NDArray[np.bool_]:
 
 
 def counted(system: System, rows: Floats, independent: NDArray[np.bool_], left: Reduced) -> Counts:
-    """Return the counts of a system in a state.
+    """Return the counts.
 
     With r independent rows of G and the mass matrix H of the motions that they leave, the coefficients (M, G^T) of
     accelerations and reactions have the rank r + rank H, and together with (G, 0) r more.
@@ -337,8 +324,7 @@ def counted(system: System, rows: Floats, independent: NDArray[np.bool_], left: 
 def solved(found: Matrices, independent: NDArray[np.bool_]) -> Solution:
     """a and reactions of `M a - G^T reactions = f`, `G a = gamma`, redundant rows of G left out: they have none.
 
-    The matrix [[M, G^T], [G, 0]] of (a, -reactions) is symmetric. What the first solution misses is solved for again:
-    so small reactions are as good beside large ones.
+    What the first solution misses is solved for again: so small reactions are as good beside large ones.
     """
     G, n, m = found.G[independent], len(found.f), int(independent.sum())
     K, right = np.block([[found.M, G.T], [G, np.zeros((m, m))]]), np.concatenate((found.f, found.gamma[independent]))

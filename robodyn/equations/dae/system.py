@@ -6,7 +6,7 @@ All functions take any scalar.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import atan2, remainder, tau
 from typing import NamedTuple
@@ -82,8 +82,8 @@ class Place:
     other: int
     point: Array
     to: Array
-    n: Array
-    E: Array
+    n: Array = field(default_factory=lambda: ZERO)
+    E: Array = field(default_factory=lambda: np.zeros((3, 3)))
 
     def _seen(self, at: State) -> tuple[Array, Array, Array]:
         """x from both mass centres, in the ground's axes, and B."""
@@ -188,10 +188,9 @@ def values(equations: Sequence[Equation], at: State) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Connection:
-    """A joint, a mimic rule or a loop's closure, as equations between a body and another.
+    """A joint, a mimic rule ("mimic") or a loop's closure, as equations between a body and another.
 
     Attributes:
-        kind: "fixed", "revolute", "prismatic", "floating", "mimic", "point", "hinge", "weld" or "directions".
         reactions: their names, F for forces and M for moments, each with its direction; equations: one for each.
         free: rates of the joint's own coordinates, f of them; along them act drives, friction, springs and rotors.
     """
@@ -205,24 +204,11 @@ class Connection:
     free: tuple[Equation, ...] = ()
 
 
-class Anchors(NamedTuple):
-    """Two bodies, a point of each from its mass centre in its axes [m], and the turn R from the body's to the other's.
-    Axes that are R apart coincide where the bodies are connected."""
-
-    body: int
-    other: int
-    point: Array
-    to: Array
-    R: Array
-
-    def along(self, n: Array) -> Place:
-        return Place(*self[:4], n, np.zeros((3, 3)))
-
-
 def connect(
     name: str,
     kind: str,
-    anchors: Anchors,
+    held: Place,
+    R: Array,
     axis: Array | None = None,
     along: Sequence[Array] = (),
     free: Sequence[Equation] = (),
@@ -233,9 +219,10 @@ def connect(
     it; "point" holds the points together, a ball joint; "directions" keeps them level along some directions.
 
     Args:
+        held: the points, without a direction; R: turns the body's axes to the other's where they are connected.
         axis: unit vector in the body's axes; along: of "directions", in the other's axes.
     """
-    R, basis, names, last = anchors.R, np.eye(3), "xyz", 2
+    basis, names, last = np.eye(3), "xyz", 2
     if axis is not None and np.abs(axis).max() == 1.0:
         last = int(np.argmax(np.abs(axis)))
     elif axis is not None:  # along any other axis two vectors 1 and 2 with 1 x 2 = a
@@ -247,7 +234,7 @@ def connect(
     if kind == "directions":
         directions = {str(k): n / length(n) for k, n in enumerate(along, 1)}
     reactions = [f"F{which}" for which in directions]
-    equations = [anchors.along(n) for n in directions.values()]
+    equations = [replace(held, n=n) for n in directions.values()]
     turns = {"point": [], "directions": [], "revolute": rest, "hinge": rest}.get(kind, [0, 1, 2])
     for k in turns:
         # For the moment about k = i x j, direction i of the body stays across direction j of the other. Where the body
@@ -256,20 +243,15 @@ def connect(
         reactions.append(f"M{names[k]}")
         kept = j in turns or i not in turns
         a, b = (basis[i], R @ basis[j]) if kept else (basis[j], -R @ basis[i])
-        equations.append(Place(*anchors[:4], ZERO, np.outer(b, a)))
-    return Connection(name, kind, anchors.body, anchors.other, tuple(reactions), tuple(equations), tuple(free))
+        equations.append(replace(held, E=np.outer(b, a)))
+    return Connection(name, kind, held.body, held.other, tuple(reactions), tuple(equations), tuple(free))
 
 
 class Matrices(NamedTuple):
     """`M a = f + G^T reactions` and `G a = gamma`; a is (wd, dv/dt) of each body, 6 N numbers.
 
-    Attributes:
-        M: (6N, 6N) I_c and m 1 of each body, and what rotors add.
-        f: (6N,) -w x I_c w, weight, external wrenches and torques at joints.
-        G, gamma: (m, 6N), (m,) of the constraints.
-        S, sigma: (k, 6N), (k,) the joints' own accelerations are S a + sigma.
-        along: (k,) what acts along the joints' own coordinates, rotors aside [N m or N].
-        armature: (k, k) of rotors, symmetric.
+    The joints' own accelerations are `S a + sigma` (k,); `along` (k,) acts there, rotors aside [N m or N], whose
+    `armature` (k, k) is in M. f: -w x I_c w, weight, external wrenches and torques at joints.
     """
 
     M: Array
@@ -284,13 +266,8 @@ class Matrices(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """A robot taken apart.
-
-    Attributes:
-        sample, terms: the motion without acceleration, and what the scene's effects make of it.
-        joints: of each body; mimics: one equation each; loops: what else connects bodies.
-        rotors: by pairs of bodies, the reflected inertia between their joints [kg m^2 or kg].
-    """
+    """A robot taken apart: its motion without acceleration, what the scene's effects make of it, and the connections, a
+    joint for each body first; `rotors`: by pairs of bodies, the inertia between their joints [kg m^2 or kg]."""
 
     model: Model
     scene: Scene
@@ -458,17 +435,17 @@ def joint_connections(model: Model, centres: Sequence[Array], q: Sequence[Scalar
     found = []
     for i, body in enumerate(model.bodies):
         joint, j, R = body.joint, body.parent, body.joint.R
-        anchors = Anchors(i, j, -centres[i], joint.p - (centres[j] if j >= 0 else ZERO), R)
+        held = Place(i, j, -centres[i], joint.p - (centres[j] if j >= 0 else ZERO))
         if joint.kind == "floating":
-            turns, moves = [Turn(i, j, e, R) for e in IDENTITY], [anchors.along(R @ e) for e in IDENTITY]
+            turns, moves = [Turn(i, j, e, R) for e in IDENTITY], [replace(held, n=R @ e) for e in IDENTITY]
             found.append(Connection(joint.name, "floating", i, j, free=(*turns, *moves)))
         elif joint.kind == "fixed":
-            found.append(connect(joint.name, "fixed", anchors))
+            found.append(connect(joint.name, "fixed", held, R))
         else:
             near = joint.multiplier * q[joint.coordinate] + joint.offset
             turning = joint.kind == "revolute"
-            rate = Turn(i, j, joint.axis, R, near) if turning else anchors.along(R @ joint.axis)
-            found.append(connect(joint.name, joint.kind, anchors, joint.axis, free=(rate,)))
+            rate = Turn(i, j, joint.axis, R, near) if turning else replace(held, n=R @ joint.axis)
+            found.append(connect(joint.name, joint.kind, held, R, joint.axis, free=(rate,)))
     return tuple(found)
 
 
@@ -489,7 +466,7 @@ def _loop_connection(model: Model, centres: Sequence[Array], loop: Loop) -> Conn
         turn = R_o @ rotation_from_rpy(*loop.rpy) @ R.T
     along = [R_o @ np.array(n) for n in loop.directions]
     kind = "directions" if along else loop.kind
-    return connect(loop.name, kind, Anchors(body, other, place, to, turn), axis, along)
+    return connect(loop.name, kind, Place(body, other, place, to), turn, axis, along)
 
 
 def _frame(model: Model, centres: Sequence[Array], link: str, at: Sequence[float]) -> tuple[int, Array, Array]:

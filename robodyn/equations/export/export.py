@@ -144,16 +144,7 @@ def _friction(plan: Plan) -> list[str]:
 
 
 def c_file(plan: Plan, jobs: Sequence[Job]) -> str:
-    """Return functions of a robot in a scene as the text of a C99 file.
-
-    Returns:
-        ASCII text; it includes <math.h> and nothing else, and compiles without warnings as C99 and as C++.
-
-    Raises:
-        InputError: a constant overflows.
-
-    Accuracy: within 1e-13 of robodyn's own results, relative to the largest.
-    """
+    """Return functions of a robot in a scene as the text of a file in C99, which is C++ too: ASCII, <math.h> alone."""
     model, prefix = plan.model, identifier(plan.model.name, "robot").lower()
     theta = list(parameters(plan)) if any(job.name == "regressor" for job in jobs) else []
     heads, bodies = [], []
@@ -198,13 +189,7 @@ def _enumerated(prefix: str, names: Sequence[str]) -> str:
 
 
 def python_file(plan: Plan, jobs: Sequence[Job], library: Library) -> str:
-    """Return functions of a robot in a scene as the text of a module, which imports the library and nothing else.
-
-    Raises:
-        InputError: a constant overflows.
-
-    Accuracy: within 1e-13 of robodyn's own results, relative to the largest.
-    """
+    """Return functions of a robot in a scene as the text of a module, which imports the library and nothing else."""
     signatures, functions = ["Functions:"], []
     for job in jobs:
         signatures.append(f"  {job.name}({', '.join(job.widths)}) -> {', '.join(job.shapes)}: {job.meaning}")

@@ -60,7 +60,6 @@ class Action:
 
     @property
     def at_origin(self) -> Floats:
-        """The moment about the body's origin [N m]."""
         return self.moment + cross(self.point, self.force)
 
 

@@ -95,13 +95,9 @@ class RobotAtRest:
     tied: NDArray[np.bool_]
 
     @cached_property
-    def units(self) -> tuple[str, ...]:
-        return units_of(self.model)
-
-    @cached_property
     def turns(self) -> NDArray[np.bool_]:
         """(n,) whether a rate is a turn, and not a shift."""
-        return np.array([unit != "N" for unit in self.units])
+        return np.array([unit != "N" for unit in units_of(self.model)])
 
     @cached_property
     def lengths(self) -> Floats:
@@ -273,7 +269,7 @@ def equilibrium_near(robot: RobotAtRest, q: Floats) -> Floats:
 
 def _most(robot: RobotAtRest, here: Balance) -> str:
     k = first_largest(here.parts)
-    return f"{abs(here.missing[k]):.3g} {robot.units[k]} at {robot.model.rates[k]}"
+    return f"{abs(here.missing[k]):.3g} {units_of(robot.model)[k]} at {robot.model.rates[k]}"
 
 
 def _by_newton(robot: RobotAtRest, q: Floats, around: float) -> tuple[Floats, Balance]:

@@ -130,14 +130,8 @@ _ROUNDED = 16.0 * float(np.finfo(float).eps)
 
 
 class Split(NamedTuple):
-    """Coordinates x = scale * y, in which rows of `basis` and `rest` together are orthonormal.
-
-    Attributes:
-        scale: (k,) of the coordinates and of their speeds.
-        drift: (r, k) motions without stiffness.
-        basis: (r + s, 2 k) these, and the speeds of the s of them that nothing slows either.
-        rest: what stands across them; A maps the basis onto itself.
-    """
+    """Coordinates x = scale * y (k,); `drift` (r, k): motions without stiffness; `basis` (r + s, 2 k): these, and the
+    speeds of the s of them that nothing slows either; `rest`: what stands across them. A maps the basis onto itself."""
 
     scale: Floats
     drift: Floats

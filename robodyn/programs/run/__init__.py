@@ -1,1 +1,1 @@
-"""Executors of programs: NumPy, machine code (llvm/), double-double, multiprecision, symbolic."""
+"""Executors of programs: NumPy, machine code (llvm/), double-double, multiprecision."""

@@ -191,7 +191,6 @@ def content_of(program: Program, widths: Mapping[str, int], dtype: Any) -> objec
 
 
 def kernel_of(program: Program, widths: Mapping[str, int], dtype: Any = np.float64) -> str:
-    """Return the LLVM IR of a program's kernel."""
     scalar = SCALARS[np.dtype(dtype).name]
     return kernel(program.distinct, program.rows(widths), scalar, LANES[scalar])
 

@@ -107,7 +107,6 @@ class Runner:
         self._counting, self._making = Lock(), Lock()
 
     def __call__(self, sources: Mapping[str, NDArray[Any]], samples: int, *given: Any, **options: Any) -> NDArray[Any]:
-        """Return the values of `run` with the same arguments."""
         return self.run(sources, samples, *given, **options).values
 
     def run(
@@ -187,7 +186,6 @@ class Runner:
             return choice(Work(self.program.size, self._samples + samples, self._runs + 1, blocks))
 
     def _made(self, kind: type) -> str | None:
-        """Make the compiled executor; return what stands against it."""
         if problem := compiler_problem():
             return problem
         from robodyn.programs.run.compiled_blocks import CompiledBlocks

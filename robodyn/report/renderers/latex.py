@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from robodyn.equations.closed import Closed, decimal
+from robodyn.equations.closed import Closed, decimal, module
 from robodyn.equations.dae.dae import Dae
-from robodyn.programs.run.symbolic import module
 from robodyn.report.dae import acting
 from robodyn.report.equations import checked
 from robodyn.report.table import printable

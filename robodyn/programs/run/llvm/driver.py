@@ -285,7 +285,6 @@ def driver(scalar: str, lanes: int) -> str:
 
 
 def _loaded(struct: str, fields: Sequence[str]) -> str:
-    """Loads what a struct of 64-bit fields holds."""
     lines = []
     for k, name in enumerate(fields):
         lines.append(f"  %{name}_at = getelementptr i64, ptr %{struct}, i64 {k}")

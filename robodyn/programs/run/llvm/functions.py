@@ -46,13 +46,11 @@ class Code:
         return f"<{self.lanes} x i1>"
 
     def new(self, instruction: str) -> str:
-        """Return the register that holds the result of an instruction."""
         name = f"%v{len(self.lines)}"
         self.lines.append(f"  {name} = {instruction}")
         return name
 
     def do(self, instruction: str) -> None:
-        """An instruction without a result."""
         self.lines.append(f"  {instruction}")
 
     def constant(self, value: float) -> str:
@@ -62,15 +60,12 @@ class Code:
         return f"splat ({self.scalar} 0x{struct.unpack('<Q', struct.pack('<d', value))[0]:016X})"
 
     def integer(self, value: int) -> str:
-        """Return the same integer, as wide as the scalar, in every lane."""
         return f"splat (i{8 * BYTES[self.scalar]} {value})"
 
     def bits_of(self, value: float) -> str:
-        """Return the bits of a double, as an integer in every lane."""
         return self.integer(struct.unpack("<q", struct.pack("<d", value))[0])
 
     def two(self, instruction: str, a: str, b: str) -> str:
-        """fadd, fsub, fmul or fdiv."""
         return self.new(f"{instruction} {self.vector} {a}, {b}")
 
     def neg(self, a: str) -> str:
@@ -84,7 +79,6 @@ class Code:
         return self.new(f"call {self.vector} {name}({', '.join(f'{self.vector} {x}' for x in arguments)})")
 
     def fma(self, a: str, b: str, c: str) -> str:
-        """a b + c with one rounding."""
         return self.call("fma", a, b, c)
 
     def horner(self, coefficients: tuple[float, ...], x: str) -> str:
@@ -105,11 +99,9 @@ class Code:
         return self.new(f"{instruction} {self.integers} {a}, {b}")
 
     def bits(self, a: str) -> str:
-        """Return the bits of a vector of numbers, as integers."""
         return self.new(f"bitcast {self.vector} {a} to {self.integers}")
 
     def number(self, a: str) -> str:
-        """Return the numbers whose bits these integers are."""
         return self.new(f"bitcast {self.integers} {a} to {self.vector}")
 
     def convert(self, a: str, to: Code) -> str:
@@ -118,7 +110,6 @@ class Code:
         return self.new(f"{instruction} {self.vector} {a} to {to.vector}")
 
     def doubles(self) -> Code:
-        """Code that writes double precision among these lines."""
         return Code("double", self.lanes, self.lines, self.declared)
 
 

@@ -119,7 +119,6 @@ class Writer:
         self.parts = 0
 
     def write(self) -> None:
-        """Writes the whole program; outputs are stored as soon as they are known."""
         program = self.program
         homes: dict[int, list[int]] = defaultdict(list)
         for place, position in enumerate(program.outputs):
@@ -204,7 +203,6 @@ class Writer:
         return code.new(f"bitcast {code.mask} {mask} to i{code.lanes}")
 
     def flag(self) -> None:
-        """Writes the flags of a group, and %some."""
         code, flags = self.code, self.too_large()
         if self.quarters:
             address = code.new(f"getelementptr i{code.lanes}, ptr %flags, i64 %i")

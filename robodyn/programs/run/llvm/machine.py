@@ -84,7 +84,6 @@ def compiler_problem() -> str | None:
 
 
 def one_line(error: Exception) -> str:
-    """Return the beginning of what an error says."""
     return str(error).partition("\n")[0][:120] or type(error).__name__
 
 
@@ -100,7 +99,6 @@ def _target_machine() -> Any:
 
 
 def machine_code(ir: str) -> bytes:
-    """Return the object file of a module of LLVM IR."""
     import llvmlite.binding as llvm
 
     return bytes(_target_machine().emit_object(llvm.parse_assembly(ir)))
@@ -122,9 +120,7 @@ class Function:
         self._call = ctypes.CFUNCTYPE(ctypes.c_int64, *arguments)(self.address)
 
     def address_of(self, name: str) -> int:
-        """Return the address of another function of the same file."""
         return int(self._engine.get_function_address(name))
 
     def __call__(self, *arguments: int) -> int:
-        """Calls it, without Python's lock."""
         return int(self._call(*arguments))

@@ -45,11 +45,7 @@ def sample_kernel(program: Program, widths: Mapping[str, int]) -> str:
 
     There is an argument for every source of `widths`, in this order, and the outputs come last. All inputs are read
     before the first output is written, so the arrays may overlap. The function returns 0, or 1 and writes nothing where
-    an angle is too large to be reduced accurately or is not finite. `arrays` is the same with the addresses of all
-    arrays in one.
-
-    Args:
-        widths: the numbers in the array of each source; the program may leave some alone.
+    an angle is too large to be reduced accurately or is not finite. `arrays` is given the addresses of all in one.
     """
     writer = _Sample(program, widths)
     writer.write()
@@ -70,15 +66,12 @@ def sample_kernel(program: Program, widths: Mapping[str, int]) -> str:
 
 
 class _Sample(Writer):
-    """Writes a program that works on one sample."""
-
     def __init__(self, program: Program, widths: Mapping[str, int]) -> None:
         super().__init__(program, program.rows(widths), Code("double", 1), fused_products(program), False)
         self.results: list[tuple[str, int]] = []
         self.arrays = {source: f"%source{k}" for k, source in enumerate(widths)}
 
     def write(self) -> None:
-        """Writes the program, a way out where angles are too large, and then all results."""
         super().write()
         if self.quarters:
             self.code.lines.append(f"  br i1 {self.too_large()}, label %refused, label %fine\nfine:")

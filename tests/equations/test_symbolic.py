@@ -13,10 +13,10 @@ from helpers.random_programs import random_program
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from robodyn.equations.closed import expressions, number
 from robodyn.equations.ode import identifier, identifiers
 from robodyn.errors import InputError
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
-from robodyn.programs.run.symbolic import expressions, number
 
 
 @pytest.mark.parametrize("seed", range(3))
