@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robodyn.dynamics.arrays import DOUBLE, numbers
+from robodyn.dynamics.arrays import DOUBLE, check_out, numbers
 from robodyn.dynamics.derivatives import forward_derivatives, inverse_derivatives
 from robodyn.dynamics.forward import acceleration_program
 from robodyn.dynamics.inverse import coriolis_program, mass_runner
@@ -192,10 +192,7 @@ class Function:
         result = self._result(sources)
         if out is None:
             return result
-        if not isinstance(out, np.ndarray) or (out.shape, out.dtype) != (self.shape, result.dtype):
-            raise InputError(f"out is no array of float64 of shape {self.shape}")
-        if not out.flags.writeable:
-            raise InputError("out is read-only")
+        check_out(out, self.shape, DOUBLE)
         out[...] = result
         return out
 

@@ -6,9 +6,9 @@ From a model and a scene to numbers:
 2. `loads` gives the terms of a sample to the recursion, `recursions/newton_euler.py` (`forward.py` and the mass matrix
    to those of `recursions/articulated_body.py`), over scalars that are traced: a program without all that is zero.
 3. `runner_of` makes the program ready to run on arrays of samples, which `arrays.py` takes and gives.
-4. Functions of arrays: `inverse.py` (mass and Coriolis matrix too), `forward.py`, `derivatives.py`, `momenta.py`,
-   `kinematics.py`, `regressor.py` (and parameters that are not known well); of one sample: `function.py`.
-   Self-checks of all: `balance.py`.
+4. Functions of arrays: `inverse.py` (mass and Coriolis matrix too), `forward.py`, `derivatives.py`, `kinematics.py`,
+   `regressor.py` (and parameters that are not known well), `momenta.py` (and self-checks by them); of one sample:
+   `function.py`.
 5. What holds a robot: `loops/` closes chains, `contacts/` finds forces inside cones of friction, `constraints/` the
    torques of the drives from both; `initial_state.py` says where a motion begins.
 """

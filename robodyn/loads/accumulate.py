@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.dynamics.arrays import zero_columns, zero_sources
-from robodyn.dynamics.balance import LawResiduals, energy, laws, losses
 from robodyn.dynamics.effects.effect import ZeroColumns
-from robodyn.dynamics.momenta import COLUMNS, View, momentum_runner
+from robodyn.dynamics.momenta import COLUMNS, LawResiduals, View, energy, laws, losses, momentum_runner
 from robodyn.dynamics.plan import Plan, plan, runner_of, torque_runner
 from robodyn.loads.error_bars import ErrorBars
 from robodyn.loads.result import Checks, EnergyBalance, MomentumReport

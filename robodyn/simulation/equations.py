@@ -9,14 +9,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.dynamics.balance import power_lost, stored_energy
 from robodyn.dynamics.effects.effect import Effect, Sample
 from robodyn.dynamics.effects.motors import angular_momentum
 from robodyn.dynamics.effects.rigid_bodies import PAYLOAD
 from robodyn.dynamics.forward import accelerations
 from robodyn.dynamics.initial_state import independent_equations
 from robodyn.dynamics.loops.closure import local_rates, moved, unit
-from robodyn.dynamics.momenta import TotalMomenta, position_rates, total_momenta
+from robodyn.dynamics.momenta import TotalMomenta, position_rates, power_lost, stored_energy, total_momenta
 from robodyn.dynamics.plan import Plan, applied, runner_of
 from robodyn.dynamics.recursions.articulated_body import aligned
 from robodyn.errors import InputError

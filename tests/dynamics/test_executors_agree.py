@@ -9,9 +9,9 @@ from helpers.compiled_programs import bits, needs_compiler
 from helpers.example_robots import real
 from helpers.oracles import EPS, ROBOTS, random_state, robot, worst
 
-from robodyn.dynamics.balance import energy, laws, losses
 from robodyn.dynamics.forward import forward_dynamics
 from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
+from robodyn.dynamics.momenta import energy, laws, losses
 from robodyn.dynamics.plan import Plan
 from robodyn.programs.run.compiled_blocks import CompiledBlocks
 from robodyn.programs.run.numpy_blocks import NumpyBlocks

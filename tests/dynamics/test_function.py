@@ -153,9 +153,9 @@ BAD = {
     "nothing": (lambda a: [None, *a[1:]], {}, "q is no array of numbers"),
     "complex": (lambda a: [a[0] * 1j, *a[1:]], {}, "q is no array of numbers"),
     "ragged": (lambda a: [[[1.0], 2.0], *a[1:]], {}, "q is no array of numbers"),
-    "short out": (lambda a: a, {"out": np.empty(6)}, "out is no array"),
-    "integers out": (lambda a: a, {"out": np.empty(3, int)}, "out is no array"),
-    "list out": (lambda a: a, {"out": [0.0] * 3}, "out is no array"),
+    "short out": (lambda a: a, {"out": np.empty(6)}, "out "),
+    "integers out": (lambda a: a, {"out": np.empty(3, int)}, "out "),
+    "list out": (lambda a: a, {"out": [0.0] * 3}, "out "),
     "read-only out": (lambda a: a, {"out": np.broadcast_to(0.0, (3,))}, "read-only"),
 }
 

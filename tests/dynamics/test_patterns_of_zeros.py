@@ -11,7 +11,7 @@ from helpers.motions import Pieces
 from helpers.oracles import ROBOTS
 
 import robodyn
-from robodyn.dynamics import balance, forward, inverse, plan
+from robodyn.dynamics import forward, inverse, plan
 from robodyn.dynamics import momenta as momentum
 from robodyn.loads import accumulate
 from robodyn.programs import program
@@ -37,7 +37,7 @@ def traced(monkeypatch):
         made.append(given)
         return trace(*given)
 
-    for module in (program, plan, inverse, forward, momentum, balance, robodyn.dynamics.forward):
+    for module in (program, plan, inverse, forward, momentum, robodyn.dynamics.forward):
         if hasattr(module, "trace"):
             monkeypatch.setattr(module, "trace", counted)
     return made

@@ -11,8 +11,8 @@ from helpers.motions import waves
 from helpers.oracles import ROBOTS, random_state, robot, run
 
 import robodyn.dynamics.plan
-from robodyn.dynamics.balance import LawResiduals, laws, losses
 from robodyn.dynamics.inverse import mass_matrix
+from robodyn.dynamics.momenta import LawResiduals, laws, losses
 from robodyn.dynamics.plan import Plan
 from robodyn.dynamics.recursions.newton_euler import newton_euler
 from robodyn.loads.accumulate import EnergyLedger

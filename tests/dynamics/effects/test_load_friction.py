@@ -11,8 +11,8 @@ from helpers.oracles import EPS, frictionless, random_state, worst
 from helpers.small_robots import built, chain, joint, link, random_tree
 
 import robodyn
-from robodyn.dynamics.balance import energy, laws, losses
 from robodyn.dynamics.derivatives import forward_dynamics_derivatives
+from robodyn.dynamics.momenta import energy, laws, losses
 from robodyn.dynamics.plan import plan, runner_of
 from robodyn.equations.free_body.bodies import free_bodies
 from robodyn.errors import InputError, SceneError
