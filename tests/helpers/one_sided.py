@@ -34,36 +34,15 @@ def boy(p: Floats) -> Floats:
     return np.stack([one, other, (x + y + z) * ((x + y + z) ** 3 + 4 * (y - x) * (z - y) * (x - z))], axis=1)
 
 
-def roman(p: Floats) -> Floats:
-    """Steiner's surface."""
-    return np.roll(p, 1, axis=1) * np.roll(p, 2, axis=1)
-
-
-def cross_cap(p: Floats) -> Floats:
-    x, y, z = p.T
-    return np.stack([x * z, y * z, (z**2 - x**2) / 2], axis=1)
-
-
-def projective(image: Callable[[Floats], Floats], turn: Floats | None = None) -> Floats:
-    """The image of half a sphere whose opposite rim points are one: a disk glued to a Moebius strip.
-
-    Args:
-        image: of points of the sphere, the same for opposite ones.
-        turn: (3, 3) of the sphere, so that no edge lies on a line where the image cuts itself.
-    """
-    half = _half_sphere(4)
+def projective(image: Callable[[Floats], Floats]) -> Floats:
+    """The image, the same for opposite points, of half a sphere, turned so that no edge lies where it cuts itself."""
+    half = np.array([((s, 0, 0), (0, t, 0), (0, 0, 1)) for s, t in ((1, 1), (-1, 1), (-1, -1), (1, -1))], float)
+    for _ in range(4):
+        half = quartered(half)
     points = half.reshape(-1, 3).round(12) + 0.0
     lead = np.where(points[:, 2] != 0, points[:, 2], np.where(points[:, 1] != 0, points[:, 1], points[:, 0]))
     points = np.where(lead < 0, -1, 1)[:, None] * points
-    return image(points @ (rotation(3) if turn is None else turn).T).round(12).reshape(-1, 3, 3) + 0.0
-
-
-def _half_sphere(times: int) -> Floats:
-    """The upper half of an octahedron, each triangle cut in four so many times."""
-    found = np.array([((s, 0, 0), (0, t, 0), (0, 0, 1)) for s, t in ((1, 1), (-1, 1), (-1, -1), (1, -1))], float)
-    for _ in range(times):
-        found = quartered(found)
-    return found
+    return image(points @ rotation(3).T).round(12).reshape(-1, 3, 3) + 0.0
 
 
 def seamed(around: int = 60, across: int = 32) -> Floats:
@@ -79,7 +58,4 @@ SURFACES = {
     "Klein bottle of odd counts": klein_bottle(41, 25),
     "Klein bottle without a face": klein_bottle()[1:],
     "Boy": projective(boy),
-    "Boy, edges on axes": projective(boy, np.eye(3)),
-    "Roman": projective(roman),
-    "cross-cap": projective(cross_cap),
 }

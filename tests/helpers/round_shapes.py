@@ -128,17 +128,6 @@ def ico_ball(rng: np.random.Generator, place: float) -> Round:
     return _ball(unit, rng, place)
 
 
-def cube_ball(rng: np.random.Generator, place: float) -> Round:
-    n = int(rng.integers(2, 13))
-    side = np.tan(np.linspace(-1, 1, n + 1) * pi / 4) if rng.random() < 0.5 else np.linspace(-1, 1, n + 1)
-    grid = np.stack([np.ones((n + 1, n + 1)), *np.meshgrid(side, side, indexing="ij")], axis=-1)
-    a, b, c, d = grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]
-    face = np.concatenate([np.stack(t, axis=2).reshape(-1, 3, 3) for t in ((a, b, c), (a, c, d))])
-    half = np.concatenate([np.roll(face, k, axis=2) for k in range(3)])
-    found = np.concatenate([half, -half[:, ::-1]])
-    return _ball(found / np.linalg.norm(found, axis=2, keepdims=True), rng, place)
-
-
 def scattered_ball(rng: np.random.Generator, place: float) -> Round:
     points = rng.normal(size=(int(rng.integers(20, 800)), 3))
     return _ball(hull(points / np.linalg.norm(points, axis=1, keepdims=True)), rng, place)
@@ -200,21 +189,6 @@ def superellipsoid(rng: np.random.Generator, place: float) -> Round:
     return Round(corners * (1 - place + place / depth.mean()), V, np.zeros(3), np.diag((flat, flat, tall) * a**2))
 
 
-def vase(rng: np.random.Generator, place: float) -> Round:
-    """A wavy profile about z between two flat ends."""
-    h, waves, phase, size = np.exp(rng.uniform(0, 1.5)), rng.uniform(0.3, 2), rng.uniform(0, 6), rng.uniform(0.05, 0.5)
-    reach = lambda z: 1 + size * np.sin(2 * pi * waves * z / h + phase)  # noqa: E731
-    u, w = np.polynomial.legendre.leggauss(60)
-    z, w = (u + 1) * h / 2, w * h / 2
-    V, first, along = (pi * (reach(z) ** 2 * z**k) @ w for k in range(3))
-    across = pi / 4 * reach(z) ** 4 @ w
-    rows = np.linspace(0, h, max(ceil(waves * _around(rng)), 3) + 1)
-    profile = np.concatenate([[(0, 0)], np.column_stack([reach(rows), rows]), [(0, h)]])
-    c = first / V
-    S = np.diag((across, across, along - c * first))
-    return Round(_turned(profile, _around(rng), place), V, np.array((0, 0, c)), S)
-
-
 def plate(rng: np.random.Generator, place: float) -> Round:
     w, d = rng.uniform(1.5, 4), rng.uniform(1.2, 2)
     holes = [hole((0.3 * s * w, 0), rng.uniform(0.05, 0.2)) for s in (-1, 1)][: rng.integers(3)]
@@ -239,18 +213,6 @@ def filleted_shaft(rng: np.random.Generator, place: float) -> Round:
     return _revolved(rng, [*profile, line((0.6, 1 + r), (0.6, 3)), line((0.6, 3), (0, 3))], place)
 
 
-def lens(rng: np.random.Generator, place: float) -> Round:
-    """Two caps of balls, or one and a plane, that meet at a sharp rim."""
-    low, high = rng.uniform(15, 80, 2) * (rng.random() < 0.6, 1.0)
-    pieces = [line((0, 0), (1, 0))]
-    if low:
-        reach = 1 / np.sin(np.radians(low))
-        pieces = [arc((0, reach * np.cos(np.radians(low))), reach, -90, low - 90)]
-    reach = 1 / np.sin(np.radians(high))
-    pieces.append(arc((0, -reach * np.cos(np.radians(high))), reach, 90 - high, 90))
-    return _revolved(rng, pieces, place, int(_around(rng) * 90 / high))
-
-
 def tapered_capsule(rng: np.random.Generator, place: float) -> Round:
     """Two balls and the cone that touches both."""
     r, h = rng.uniform(0.2, 0.8), rng.uniform(1, 4)
@@ -259,47 +221,6 @@ def tapered_capsule(rng: np.random.Generator, place: float) -> Round:
     low, high = arc((0, 0), 1.0, -90, turn), arc((0, h), r, turn, 90)
     tangent = np.array((np.cos(lean), np.sin(lean)))
     return _revolved(rng, [low, line(tangent, (0, h) + r * tangent), high], place, _around(rng))
-
-
-def bent_pipe(rng: np.random.Generator, place: float) -> Round:
-    """A part of a torus between two flat ends."""
-    r, span = rng.uniform(0.1, 0.7), rng.uniform(0.5, 5)
-    n, m = max(ceil(_around(rng) * span / (2 * pi)), 2), _around(rng)
-    angle = 2 * pi * np.arange(m) / m
-    reach = r * _out(2 * pi / m, place)
-    along = np.linspace(0, span, n + 1)
-    stretch = np.where((along == 0) | (along == span), 1.0, _out(span / n, place))
-    out = np.outer(stretch, 1 + reach * np.cos(angle))
-    grid = np.stack([out.T * np.cos(along), out.T * np.sin(along), np.outer(reach * np.sin(angle), np.ones(n + 1))], -1)
-    grid = np.transpose(grid, (1, 0, 2))
-    rims = (grid[0], 1), (grid[-1], -1)
-    ends = [np.stack([rim.mean(axis=0) + 0 * rim, rim, np.roll(rim, way, axis=0)], axis=1) for rim, way in rims]
-    u, w = np.polynomial.legendre.leggauss(24)
-    phi, rho, t = (u + 1) * span / 2, (u + 1) * r / 2, 2 * pi * np.arange(48) / 48
-    P, Q, T = np.meshgrid(phi, rho, t, indexing="ij")
-    weight = (1 + Q * np.cos(T)) * Q * np.multiply.outer(np.outer(w * span / 2, w * r / 2), np.full(48, 2 * pi / 48))
-    x = np.stack([(1 + Q * np.cos(T)) * np.cos(P), (1 + Q * np.cos(T)) * np.sin(P), Q * np.sin(T)]).reshape(3, -1)
-    V, first = weight.sum(), x @ weight.ravel()
-    S = (x * weight.ravel()) @ x.T
-    corners = np.concatenate([quads(grid), *ends])[:, ::-1]
-    return Round(corners, V, first / V, S - np.outer(first, first) / V)
-
-
-def cam(rng: np.random.Generator, place: float) -> Round:
-    """A plate with a wavy outline."""
-    lobes, size, h = int(rng.integers(1, 6)), rng.uniform(0.02, 0.15), rng.uniform(0.2, 3)
-    facets = max(_around(rng), 6 * lobes)
-    reach = lambda t: 1 + size * np.cos(lobes * t)  # noqa: E731
-    t = 2 * pi * np.arange(2000) / 2000
-    x, y = reach(t) * np.cos(t), reach(t) * np.sin(t)
-    area, first = (reach(t) ** 2).mean() * pi, np.array([(reach(t) ** 2 * v).mean() * 2 * pi / 3 for v in (x, y)])
-    S = np.zeros((3, 3))
-    S[:2, :2] = [[(reach(t) ** 2 * a * b).mean() * pi / 2 for a in (x, y)] for b in (x, y)]
-    c = np.append(first / area, 0.0)
-    S[2, 2] = area * h**2 / 12
-    t = 2 * pi * (np.arange(facets) + rng.random()) / facets
-    ring_ = _out(2 * pi / facets, place) * np.column_stack([reach(t) * np.cos(t), reach(t) * np.sin(t)])
-    return Round(prism([ring_], h), area * h, c, h * (S - area * np.outer(c, c)))
 
 
 def uneven_ball(rng: np.random.Generator, place: float) -> Round:
@@ -339,14 +260,6 @@ def spool(rng: np.random.Generator, place: float) -> Round:
     return _revolved(rng, profile, place, max(_around(rng), ceil(2.01 * 180 / half)))
 
 
-def ball_on_neck(rng: np.random.Generator, place: float) -> Round:
-    """A ball that a cylinder runs into."""
-    r, h = rng.uniform(0.2, 0.8), rng.uniform(1.2, 3)
-    low = np.degrees(np.arcsin(r)) - 90
-    profile = [line((0, -h), (r, -h)), line((r, -h), (r, -((1 - r**2) ** 0.5))), arc((0, 0), 1.0, low, 90)]
-    return _revolved(rng, profile, place, _around(rng))
-
-
 TUNED: dict[str, Make] = {
     "UV spheres and ellipsoids": uv_ball,
     "cylinders and tubes": cylinder,
@@ -358,21 +271,15 @@ TUNED: dict[str, Make] = {
 TRIED: dict[str, Make] = {
     "tori": torus,
     "icospheres and ellipsoids": ico_ball,
-    "cube spheres and ellipsoids": cube_ball,
     "ellipsoids with scattered corners": scattered_ball,
     "superellipsoids": superellipsoid,
-    "revolved wavy profiles": vase,
     "shafts with fillets and grooves": filleted_shaft,
     "levers and flanges": flange,
-    "half balls and lenses": lens,
-    "bent pipes": bent_pipe,
     "spools": spool,
 }
 HELD_OUT: dict[str, Make] = {
     "tapered capsules": tapered_capsule,
-    "cams": cam,
     "ellipsoids with uneven steps": uneven_ball,
     "elliptic prisms and tubes": elliptic_prism,
-    "balls on necks": ball_on_neck,
 }
 KINDS = TUNED | TRIED | HELD_OUT

@@ -16,17 +16,13 @@ from robodyn.solids.mesh.integrals import integrate
 from robodyn.solids.mesh.read.load import from_array
 from robodyn.solids.mesh.symmetry_search import Symmetry
 
-ROUND = ["cylinder", "thin disc", "tube", "capsule", "ball", "rounded disc", "pulley", "torus", "fat torus"]
+ROUND = ["cylinder", "tube", "capsule", "ball", "rounded disc", "pulley", "torus"]
 PLANES = dict.fromkeys(ROUND, "xyz") | {
     "cone": "xy",
-    "truncated cone": "xy",
     "half ball": "xy",
-    "stepped shaft": "xy",
     "ellipsoid": "xyz",
     "ball of equal triangles": "xyz",
-    "plate with rounded corners": "xyz",
     "plate with a hole": "z",
-    "flange": "xyz",
     "bracket": "z",
     "lever": "yz",
     "rounded box": "xyz",

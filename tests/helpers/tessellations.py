@@ -98,12 +98,6 @@ def quartered(sphere: np.ndarray) -> np.ndarray:
     return unit
 
 
-def scattered(facets: int) -> np.ndarray:
-    """A hull of points that lie anywhere."""
-    points = np.random.default_rng(facets).normal(size=(facets**2 // 2, 3))
-    return hull(points / np.linalg.norm(points, axis=1, keepdims=True))
-
-
 def hull(points: np.ndarray) -> np.ndarray:
     from scipy.spatial import ConvexHull
 

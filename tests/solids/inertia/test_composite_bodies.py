@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from itertools import permutations, product
+from itertools import permutations
 
 import mpmath
 import numpy as np
@@ -152,19 +152,6 @@ def test_every_order_gives_the_same_bits():
         assert other.mass == results[0].mass
         for name in ("com", "S_c", "S_low"):
             np.testing.assert_array_equal(getattr(other, name), getattr(results[0], name))
-
-
-@pytest.mark.parametrize("edges", [(1.0, 2.0, 3.0), (1.0, 1e-6, 1e-6)])
-def test_a_box_is_eight_octants(edges):
-    x, y, z = edges
-    octant = box(x / 2, y / 2, z / 2, density=7.0)
-    signs = product((-1, 1), repeat=3)
-    whole = composite((octant, (IDENTITY, np.array([i * x, j * y, k * z]) / 4)) for i, j, k in signs)
-    expected = box(x, y, z, density=7.0)
-    assert abs(whole.mass - expected.mass) <= 4 * EPS * expected.mass
-    assert abs(whole.volume - expected.volume) <= 4 * EPS * expected.volume
-    assert (np.abs(whole.S_c - expected.S_c) <= 8 * EPS * expected.S_c).all()
-    assert not whole.com.any()
 
 
 def test_a_hole_takes_away_what_its_plug_adds():

@@ -110,7 +110,7 @@ def test_scaled_to_a_mass(seed, mass):
     assert within(scaled.S_exact, body.S_exact * Fraction(mass) / Fraction(body.mass), BITS)
 
 
-@pytest.mark.parametrize("exponent", [-60, -20, 20, 60])
+@pytest.mark.parametrize("exponent", [-60, 60])
 def test_units_change_nothing_but_the_exponent(exponent):
     """No threshold is absolute: 2^-60 or 2^60 metres instead of one."""
     unit = 2.0**exponent
@@ -159,29 +159,6 @@ def test_given_arrays_stay_the_callers_and_kept_ones_are_read_only():
     for kept in (body.S_c, body.S_low, body.com):
         with pytest.raises(ValueError, match="read-only"):
             kept[0] = 5
-
-
-TETRAHEDRON = np.array([(0, 0, 0), (5, 0, 0), (0, 4, 0), (0, 0, 3)])
-
-
-def _integrals(corners):
-    """Volume, integral of x and of x x^T over a tetrahedron, in fractions: V, V sum / 4, V (sum + sums) / 20."""
-    v = exact(corners)
-    a, b, c = v[1:] - v[0]
-    V = abs(np.cross(a, b) @ c) / 6
-    total = v.sum(axis=0)
-    return V, V * total / 4, V * (v.T @ v + np.outer(total, total)) / 20
-
-
-def test_the_tetrahedron_of_mirtich():
-    V, first, second = _integrals(TETRAHEDRON)
-    body = from_integrals(V, first, second, density=1.0)
-    assert (body.mass, body.volume, body.area) == (10, 10, None)
-    assert body.com.tolist() == [1.25, 1.0, 0.75]
-    assert body.inertia.tolist() == [[9.375, 2.5, 1.875], [2.5, 12.75, 1.5], [1.875, 1.5, 15.375]]
-    inside_out = from_integrals(-V, -first, -second, density=1.0)
-    assert (inside_out.mass, inside_out.volume, inside_out.inertia[0, 0]) == (-10, -10, -9.375)
-    assert inside_out.com.tolist() == [1.25, 1.0, 0.75]
 
 
 @given(seeds, st.sampled_from([Fraction(1, 1000), 0.001, 0.0254, 1.0, 1e6]), st.floats(1.0, 2e4))

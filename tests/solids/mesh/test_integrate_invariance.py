@@ -9,14 +9,13 @@ from functools import partial
 import numpy as np
 import pytest
 from helpers import mesh_samples
-from helpers.mesh_oracle import deviation, exact, rational_moments, rotation
+from helpers.mesh_oracle import deviation, rational_moments, rotation
 from helpers.mesh_samples import binary_stl, box, cylinder, flipped, moved, sheet, torus
 
 from robodyn.errors import MeshError
 from robodyn.solids.mass_properties import mass_properties
 from robodyn.solids.mesh.asymmetry import TriangleSet, mirror
-from robodyn.solids.mesh.integrals import integrate, measure, surface, swept
-from robodyn.solids.mesh.kernel import volume_kernel
+from robodyn.solids.mesh.integrals import integrate, measure, surface
 from robodyn.solids.mesh.read.load import load_triangles
 from robodyn.solids.mesh.triangles import BLOCK, ROWS, MemoryTriangles, scaled
 
@@ -62,16 +61,6 @@ def test_the_edge_of_a_block(count, spare):
     assert deviation(found.S, S) <= 4 * EPS
 
 
-def test_layout_of_the_corners_does_not_matter():
-    whole = BODY.astype(np.float32)
-    expected = integrals(whole.astype(np.float64))
-    columns = np.ascontiguousarray(whole.transpose(1, 2, 0)).transpose(2, 0, 1)
-    for array in (whole, columns, whole[::-1].copy()[::-1], np.repeat(whole, 2, axis=0)[::2]):
-        found = integrals(array)
-        assert (found.volume, found.area) == (expected.volume, expected.area)
-        assert (found.S == expected.S).all()
-
-
 def test_a_mesh_is_read_once_and_again_for_finer_arithmetic():
     mesh, plate = Counted(BODY), Counted(moved(box((1, 1, 1e-6)), R=rotation(3)))
     measure(mesh)
@@ -79,25 +68,6 @@ def test_a_mesh_is_read_once_and_again_for_finer_arithmetic():
     assert mesh.reads == 2
     assert integrate(plate).method == "rational"
     assert plate.reads >= 3
-
-
-class Reused(Counted):
-    """Triangles whose blocks are all the same array."""
-
-    def blocks(self, rows=BLOCK):
-        buffer = np.empty((rows, 3, 3))
-        for block in super().blocks(rows):
-            buffer[: len(block)] = block
-            yield buffer[: len(block)]
-
-
-@pytest.mark.parametrize("exactly", [False, True])
-def test_blocks_need_not_outlive_the_next(exactly):
-    array = np.concatenate([BODY, np.tile(moved(box(), (2**20, 0, 0)), (ROWS // 12, 1, 1))])
-    found, expected = integrate(Reused(array), exactly), integrals(array, exactly)
-    assert found.volume == expected.volume
-    assert (found.S == expected.S).all()
-    assert (measure(Reused(array))[0].S == integrals(array).S).all()
 
 
 def test_an_open_surface_is_not_worth_finer_arithmetic():
@@ -125,29 +95,6 @@ def test_beyond_the_range_of_floats(size, how):
 def test_no_triangles():
     with pytest.raises(MeshError, match="body: has no triangles"):
         integrals(np.zeros((0, 3, 3)))
-
-
-SQUARES = slice(11, 17)
-BODIES = {
-    "plate": moved(box((1, 1, 1e-6)), (0.1, 0.2, 0.3), rotation(5)),
-    "several blocks": np.concatenate([cylinder(1, 1, ROWS // 3), moved(box(), (3, 0, 0))]),
-    "noise": np.random.default_rng(7).normal(size=(500, 3, 3)),
-}
-
-
-def exact_perm(array, reference):
-    """Sum of a . |(b - a) x (c - a)| with all products taken as positive, as a fraction."""
-    a = np.abs(exact(array[:, 0]) - exact(reference))
-    e, f = (np.abs(exact(array[:, k]) - exact(array[:, 0])) for k in (1, 2))
-    return sum((a[:, i] * (e[:, i - 2] * f[:, i - 1] + e[:, i - 1] * f[:, i - 2])).sum() for i in range(3))
-
-
-@pytest.mark.parametrize("name", ["plate", "several blocks", "noise"])
-def test_perm_is_a_bound_and_no_wild_one(name):
-    sweep = swept(MemoryTriangles(name, BODIES[name]), volume_kernel)
-    bound, least = sweep.perm(sweep.sums[:, SQUARES]), float(exact_perm(BODIES[name], sweep.reference))
-    assert least <= bound * (1 + 1e-14)
-    assert bound <= 12 * least
 
 
 @pytest.mark.parametrize(("value", "face"), [(np.nan, 0), (np.inf, ROWS - 1), (-np.inf, ROWS + 5)])

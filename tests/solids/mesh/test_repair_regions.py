@@ -12,7 +12,7 @@ from helpers.random_unions import boxes_volume, random_union
 from helpers.repaired_meshes import R, enclosed, repaired, taken, volume
 
 from robodyn.solids.mass_properties import mass_properties
-from robodyn.solids.mesh.columns import Lattice, by_columns, by_winding_numbers, pieces
+from robodyn.solids.mesh.columns import by_columns, by_winding_numbers
 from robodyn.solids.mesh.holes import cap_of, followed
 from robodyn.solids.mesh.indexed import Edges, merged
 from robodyn.solids.mesh.integrals import integrate
@@ -98,24 +98,6 @@ def off(found, expected):
     return float(np.abs(found - expected).max() / np.abs(expected).max())
 
 
-def about(found, reference):
-    """First and second moments about a point."""
-    r = found.reference - reference
-    S = found.S + np.outer(found.first, r) + np.outer(r, found.first) + found.volume * np.outer(r, r)
-    return found.first + found.volume * r, S
-
-
-@pytest.mark.parametrize("body", [box((1, 2, 3)), torus()])
-def test_moments_of_pieces(body):
-    """All of them, of bodies askew and off the origin, within what sums over 20000 columns leave."""
-    body = moved(body, (1, -2, 0.5), R)
-    exact = integrals(body)
-    lattice = Lattice.over(body, np.array((0.36, 0.48, 0.8)), count=20000)
-    found = pieces(lattice.hits(body)).moments(lattice)
-    first, S = about(exact, np.zeros(3))
-    assert off(found, np.block([[S, first[:, None]], [first, np.array(exact.volume)]])) < 4e-4
-
-
 def test_what_counts_once_is_left_to_the_signed_integral():
     for parts in ([box()], [box((4, 4, 4)), flipped(box())], [box(), moved(box(), (1, 0, 0))]):
         assert by_columns(merged(np.concatenate(parts))) is None
@@ -136,7 +118,7 @@ def random_bodies(seed):
     return triangles, integrate(union.triangles) if united else None
 
 
-@pytest.mark.parametrize("seeds", [range(4), pytest.param(range(10, 25), marks=pytest.mark.slow)])
+@pytest.mark.parametrize("seeds", [range(2), pytest.param(range(10, 25), marks=pytest.mark.slow)])
 def test_error_and_error_bar_of_random_overlapping_bodies(seeds):
     """Of 900 such cases the bar held the errors of V and of S in 98.6 %, and the largest error of V was 9e-5."""
     rows = []
@@ -168,6 +150,12 @@ def test_neither_scale_nor_place_matters(scale, offset):
 SMALL = uv_sphere(rings=8, sectors=12)
 
 
+@pytest.fixture(autouse=True)
+def fewer_columns_through_open_surfaces(monkeypatch):
+    """By default there are 4096, which takes seconds."""
+    monkeypatch.setattr("robodyn.solids.mesh.columns._MOST", 512)
+
+
 def by_winding(triangles):
     """The region of an open surface, none of whose holes is filled."""
     mesh = merged(triangles)
@@ -183,17 +171,6 @@ def patches(body):
     """A surface in eight patches by the signs of coordinates, each moved by about 1e-4 at random."""
     rng = np.random.default_rng(0)
     return np.concatenate([moved(body[octants(body) == k], 1e-4 * rng.normal(size=3)) for k in range(8)])
-
-
-def test_two_percent_of_the_faces_missing():
-    whole = moved(torus(2, 0.7, 48, 24), (3, 1, -2), R)
-    kept = np.random.default_rng(5).random(len(whole)) > 0.02
-    found, exact = by_winding(whole[kept]), integrals(whole)
-    assert found.volume == pytest.approx(exact.volume, rel=1e-4)
-    assert found.bar < 2e-3
-    first, S = about(exact, found.reference)
-    assert off(found.S, S) < 1e-4
-    assert found.first == pytest.approx(first, abs=1e-4 * exact.volume * 2)
 
 
 @pytest.mark.parametrize(
@@ -313,7 +290,7 @@ def check(seed):
 
 
 def test_volume_centre_and_inertia():
-    assert sum(check(seed) for seed in (*range(FIRST, FIRST + 16), *FAILED)) <= 2
+    assert sum(check(seed) for seed in (*range(FIRST, FIRST + 4), *FAILED)) <= 2
 
 
 @pytest.mark.slow
@@ -322,8 +299,8 @@ def test_more_of_them(first):
     assert sum(check(seed) for seed in range(first, first + BLOCK)) <= 5
 
 
-@pytest.mark.parametrize("shell", [box(), uv_sphere(0.8), moved(cylinder(0.4, 0.9, 7), R=R)])
-@pytest.mark.parametrize(("order", "inside_out"), [((0, 1, 2), False), ((2, 1, 0), True), ((1, 2, 0), False)])
+@pytest.mark.parametrize("shell", [box(), moved(cylinder(0.4, 0.9, 7), R=R)])
+@pytest.mark.parametrize(("order", "inside_out"), [((0, 1, 2), False), ((2, 1, 0), True)])
 def test_an_insert_that_fills_a_cavity(shell, order, inside_out):
     parts = [box((2, 2, 2)), flipped(shell), shell]
     soup = np.concatenate([parts[k] for k in order])
@@ -363,7 +340,7 @@ def test_cavities_that_overlap_count_once():
 def test_the_reference_itself():
     """Against boxes cut into cells by hand."""
     rng = np.random.default_rng(7)
-    for _ in range(6):
+    for _ in range(2):
         sizes, places = rng.uniform(0.5, 2, (4, 3)), rng.uniform(-1, 1, (4, 3))
         expected = boxes_volume(sizes, places)
         parts = [moved(box(size), place) for size, place in zip(sizes, places, strict=True)]

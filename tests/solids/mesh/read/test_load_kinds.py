@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from helpers.mesh_files import ascii_stl, dae, glb, indexed, obj, off, ply, rows, three_mf
 from helpers.mesh_samples import binary_stl, box, torus
-from helpers.sampled import sampled
 
 from robodyn.errors import MeshError
 from robodyn.solids.mesh.read.load import from_array, load_triangles
@@ -103,7 +102,7 @@ print(read.name, read.count, sum(len(block) for block in read.blocks()), sum(len
 """
 
 
-@pytest.mark.parametrize("kind", sampled(FILES, 3))
+@pytest.mark.parametrize("kind", ["stl", "ply", pytest.param("3mf", marks=pytest.mark.slow)])
 def test_standard_input(kind):
     call = [sys.executable, "-c", READ, *([kind] if kind == "3mf" else [])]
     done = subprocess.run(call, input=FILES[kind], capture_output=True, check=True)

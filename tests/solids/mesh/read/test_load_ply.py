@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from helpers.mesh_files import indexed, ply, rows
-from helpers.mesh_samples import box, corners, torus
+from helpers.mesh_samples import box, corners
 
 from robodyn.errors import MeshError
 from robodyn.solids.mesh.read.load import load_triangles
@@ -41,13 +41,6 @@ def test_polygons_of_different_sizes(encoding, length):
     result = read(ply(POINTS, MIXED, encoding, length=length))
     np.testing.assert_array_equal(result.array(), corners(POINTS, MIXED_TRIANGLES))
     assert "2 of 4 faces have more than three corners: cut into triangles" in result.notes
-
-
-@pytest.mark.parametrize("encoding", ENCODINGS)
-def test_many_blocks_of_text_and_bytes(encoding):
-    ring = torus(rings=90, sectors=50)
-    vertices, faces = indexed(ring)
-    np.testing.assert_array_equal(read(ply(vertices, faces.tolist(), encoding)).array(), corners(vertices, faces))
 
 
 @pytest.mark.parametrize(("encoding", "feed"), [("ascii", "\r"), ("<", "\r\n"), (">", "\r")])

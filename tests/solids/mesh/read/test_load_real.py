@@ -14,7 +14,6 @@ import trimesh
 from helpers.mesh_files import rows
 from helpers.mesh_samples import binary_stl, torus
 
-from robodyn.errors import MeshError
 from robodyn.solids.mesh.read.load import load_triangles
 
 SUFFIXES = (".stl", ".obj", ".dae")
@@ -90,15 +89,6 @@ def test_the_smallest_of_each_robot(path):
 @pytest.mark.parametrize("path", all_meshes()[::4], ids=lambda path: path.name)
 def test_every_fourth(path):
     check(path)
-
-
-def test_cut_short_they_are_refused():
-    for path in small_ones():
-        data = path.read_bytes()
-        kind = path.suffix.lower()[1:]
-        if kind != "obj":
-            with pytest.raises(MeshError):
-                load_triangles(data[: len(data) // 2], file_type=kind)
 
 
 COUNT = 5_000_000

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers.mesh_files import obj, off, rows
-from helpers.mesh_samples import box, corners, torus
+from helpers.mesh_files import obj, rows
+from helpers.mesh_samples import box, corners
 
 from robodyn.errors import MeshError
 from robodyn.solids.mesh.read.load import load_triangles
@@ -40,32 +40,12 @@ def test_negative_indices_count_from_the_vertices_before_the_face():
     np.testing.assert_array_equal(read(text).array(), corners(points, [(0, 1, 2), (3, 2, 0)]))
 
 
-@pytest.mark.slow
-def test_negative_indices_across_chunks_of_the_text():
-    """Each facet stands after its own three vertices: 3 MB of text."""
-    ring = torus(rings=150, sectors=100)
-    lines = [
-        "".join(f"v {x:.17g} {y:.17g} {z:.17g}\n" for x, y, z in triangle) + "f -3 -2 -1\n"
-        for triangle in ring.tolist()
-    ]
-    text = "".join(lines).encode()
-    assert len(text) > 2 << 20
-    np.testing.assert_array_equal(read(text).array(), ring)
-
-
 @pytest.mark.parametrize(
     "vertex", ["v {} {} {} 1.0", "v {} {} {} 0.1 0.2 0.3", "v {} {} {} # 4 5", "  v   {}\t{} {}  \r"]
 )
 def test_weights_colours_and_blanks(vertex):
     text = "\n".join(vertex.format(*point) for point in VERTICES)
     np.testing.assert_array_equal(read(text + "\nf 1 2 5").array(), corners(VERTICES, [(0, 1, 4)]))
-
-
-def test_continued_lines_across_chunks_of_the_text():
-    count = 45_000
-    text = TEXT + "f 1 \\\r\n2 \\\r\n3 # corners\r\n" * count
-    assert len(text) > 1 << 20
-    np.testing.assert_array_equal(read(text).array(), corners(VERTICES, [(0, 1, 2)] * count))
 
 
 def test_other_lines_do_not_matter():
@@ -134,11 +114,6 @@ SQUARE = "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n"
 
 def read_off(text):
     return load_triangles(text.encode() if isinstance(text, str) else text, file_type="off")
-
-
-def test_many_chunks_of_text():
-    ring = torus(rings=90, sectors=50)
-    np.testing.assert_array_equal(rows(read_off(off(ring)).array()), rows(ring))
 
 
 @pytest.mark.parametrize(
