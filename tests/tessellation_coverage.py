@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from pathlib import Path
 
 import numpy as np
 from helpers.markdown_tables import table
-from helpers.round_bars import Errors, errors
 from helpers.round_shapes import KINDS, PLACES, TRIED, TUNED, drawn
+from helpers.tessellation_errors import Errors, errors
 
 ENOUGH = 0.95
 PUBLISHED = range(5000, 5040)
@@ -40,11 +40,14 @@ def coverage(kind: str, seeds: Iterable[int]) -> Coverage:
             found.append(errors(drawn(kind, seed, place)))
     every = [one for found in by_place.values() for one in found]
     return Coverage(
-        np.mean([one.mesh <= 1 for one in every], axis=0),
-        np.mean([one.rest <= 1 for one in every], axis=0),
-        np.mean([one.on_surface <= 1 for one in by_place["on"]], axis=0),
-        float(np.median([one.mesh[0] for one in every])),
-        np.mean([one.unknown for one in every], axis=0),
+        np.mean([one.over(one.found.mesh) <= 1 for one in every], axis=0),
+        np.mean([one.over(one.found.rest) <= 1 for one in every], axis=0),
+        np.mean([one.over(one.found.on_surface) <= 1 for one in by_place["on"]], axis=0),
+        float(np.median([one.over(one.found.mesh)[0] for one in every])),
+        np.mean(
+            [[not np.isfinite(astuple(bars)).all() for bars in (one.found.mesh, one.found.rest)] for one in every],
+            axis=0,
+        ),
     )
 
 
