@@ -138,7 +138,11 @@ def mass_properties(
     Accuracy: centre of mass and inertia of the triangles as given within 1e-12, and within 1e-15 at most offsets and
         shapes; correctly rounded if `exact`.
     """
-    _check(density, mass, shell)
+    if density is not None and mass is not None:
+        raise InputError("both a density and a mass are given", remedy="give one of them")
+    for name, value, in_units in (("density", density, "kg/m^3"), ("mass", mass, "kg"), ("thickness", shell, "m")):
+        if value is not None and not 0 < value < np.inf:
+            raise InputError(f"a {name} of {value:g} {in_units} is not positive and finite")
     if cavities and not repair:
         raise InputError("cavities are told from bodies by repair", remedy="leave out --cavities or --no-repair")
     if isinstance(source, (str, os.PathLike, bytes)):
@@ -214,14 +218,6 @@ def mass_properties(
         warnings=(*warnings, *found.remarks),
         notes=triangles.notes + notes,
     )
-
-
-def _check(density: float | None, mass: float | None, shell: float | None) -> None:
-    if density is not None and mass is not None:
-        raise InputError("both a density and a mass are given", remedy="give one of them")
-    for name, value, unit in (("density", density, "kg/m^3"), ("mass", mass, "kg"), ("thickness", shell, "m")):
-        if value is not None and not 0 < value < np.inf:
-            raise InputError(f"a {name} of {value:g} {unit} is not positive and finite")
 
 
 _FLAT = 1e-12

@@ -102,23 +102,14 @@ class Sweep:
         return np.asarray(self.highs.max(axis=0))
 
     @property
-    def reach(self) -> Floats:
-        """(3,) how far the box reaches from the reference."""
-        return self._reach(self.lo, self.hi)
-
-    def _reach(self, lo: Floats, hi: Floats) -> Floats:
+    def reaches(self) -> Floats:
+        """(blocks, 3) how far the box of each block reaches from the reference."""
         with np.errstate(over="ignore"):
-            return np.maximum(hi - self.reference, self.reference - lo)
+            return np.maximum(self.highs - self.reference, self.reference - self.lows)
 
-    def perm(self, squares: Array) -> float:
-        """At least the sum over the triangles of a . |(b - a) x (c - a)| with all its products taken as positive.
-
-        In each block by its reach and Schwarz's inequality, sum |x y|^2 <= sum x^2 sum y^2, from the sums of the
-        squares (blocks, 6) of the coordinates of b - a and c - a.
-        """
-        e, f = np.sqrt(squares.astype(np.float64)).reshape(-1, 2, 3).swapaxes(0, 1)
-        products = [e[:, i - 2] * f[:, i - 1] + e[:, i - 1] * f[:, i - 2] for i in range(3)]
-        return float((self._reach(self.lows, self.highs) * np.stack(products, axis=1)).sum())
+    @property
+    def reach(self) -> Floats:
+        return np.asarray(self.reaches.max(axis=0))
 
     @property
     def safe(self) -> bool:
@@ -335,7 +326,10 @@ def _refined(triangles: Triangles, first: Sweep, exact: bool, limit: float = LIM
         sweep = swept(triangles, volume_kernel, dtype=np.longdouble, reference=first.reference) if again else first
         sums = sweep.totals(_MOMENTS)
         moments = Moments(sums[0] / 6, sums[1:4] / 24, symmetric(sums[4:10] / 120))
-        perm, eps = sweep.perm(sweep.sums[:, _SQUARES]) / 6, float(np.finfo(sweep.sums.dtype).eps)
+        # perm, at least V with all its products taken as positive: in each block by its reach and Schwarz's inequality
+        e, f = np.sqrt(sweep.sums[:, _SQUARES].astype(np.float64)).reshape(-1, 2, 3).swapaxes(0, 1)
+        products = np.stack([e[:, i - 2] * f[:, i - 1] + e[:, i - 1] * f[:, i - 2] for i in range(3)], axis=1)
+        perm, eps = float((sweep.reaches * products).sum()) / 6, float(np.finfo(sweep.sums.dtype).eps)
         bounds = volume_bound(moments, perm, eps), second_bound(moments, perm, sweep.reach, eps)
         if max(bounds) <= limit:
             return _integrals(triangles, first, moments, method, bounds)

@@ -39,13 +39,18 @@ def without_duplicates(mesh: Indexed) -> tuple[Indexed, Numbers]:
         return mesh, np.ones(sets, np.int64)
     sided = 2 * which + even
     copies = np.bincount(sided, minlength=2 * sets)
-    rows = np.flatnonzero(_few_copies(sided, copies))
+    # some of faces wound alike that are given very often, an odd number of them if they are an odd number
+    few = np.where(copies > _MOST_COPIES, _MOST_COPIES - (copies - _MOST_COPIES) % 2, copies)
+    rows = np.flatnonzero(_ranks(sided, copies) < few[sided])
     rows = rows[~_superfluous(mesh.faces[rows], ~_first_of(sided[rows]), alone=True)]
     if Edges.between(mesh.faces).balance.any():
         copies[:] = 1
     else:
         copies //= np.maximum(np.bincount(sided[rows], minlength=2 * sets), 1)
-        rows = rows[_uncancelled(sided[rows], sets)]
+        count = np.bincount(sided[rows], minlength=2 * sets)
+        ways = count.reshape(-1, 2)
+        pairs = ways.min(axis=1) - (ways[:, 0] == ways[:, 1])  # that cancel, but for the last two
+        rows = rows[_ranks(sided[rows], count) >= pairs[which[rows]]]
     both: Mask = np.logical_and(*(np.bincount(sided[rows], minlength=2 * sets).reshape(-1, 2).T > 0))[which]
     surplus = (copies[1::2] - copies[::2])[which]
     often = np.where(both, np.abs(surplus), copies[sided])
@@ -81,22 +86,6 @@ def _corner_sets(faces: Numbers) -> tuple[Numbers, Mask]:
     turn = (faces.argmin(axis=1)[:, None] + np.arange(3)) % 3
     _, second, third = np.take_along_axis(faces, turn, axis=1).T
     return which, np.less(second, third)
-
-
-def _uncancelled(sided: Numbers, sets: int) -> Mask:
-    """(m,) which faces are left of those between the same corners when opposite ones cancel, but for the last two."""
-    count = np.bincount(sided, minlength=2 * sets)
-    ways = count.reshape(-1, 2)
-    pairs = ways.min(axis=1) - (ways[:, 0] == ways[:, 1])
-    stays: Mask = _ranks(sided, count) >= pairs[sided // 2]
-    return stays
-
-
-def _few_copies(sided: Numbers, count: Numbers) -> Mask:
-    """(m,) some of faces wound alike that are given very often, an odd number of them if they are an odd number."""
-    most = np.where(count > _MOST_COPIES, _MOST_COPIES - (count - _MOST_COPIES) % 2, count)
-    few: Mask = _ranks(sided, count) < most[sided]
-    return few
 
 
 def _ranks(names: Numbers, count: Numbers) -> Numbers:

@@ -115,24 +115,6 @@ def possible_folds(axial: Array) -> list[float]:
     return sorted(found - {1}, reverse=True)
 
 
-def mirror_angles(axial: Array) -> list[float]:
-    """Angles about the axis of the half planes in which a mirror plane through it may lie.
-
-    Seen from such an angle all moments are real: it is the phase of the strongest one, over its frequency.
-    """
-    frequency, phase, _ = _strongest(axial)
-    return [(phase + np.pi * j) / frequency for j in range(frequency)]
-
-
-def half_turn_angles(axial: Array) -> list[float]:
-    """Angles about the axis of the directions normal to it about which half a turn may be a symmetry.
-
-    Seen from such an angle the moments with an even power of z are real, and those with an odd power imaginary.
-    """
-    frequency, phase, power = _strongest(axial)
-    return [(phase + np.pi * (j - power / 2)) / frequency for j in range(frequency)]
-
-
 def _strongest(axial: Array) -> tuple[int, float, int]:
     """Frequency, phase and power of z of the largest moment; frequency 0 of none."""
     size = np.abs(axial)
@@ -341,7 +323,10 @@ class Search:
         if self._ball or any(axis.fold == inf and axis.holds for axis in along):
             return []
         frame, axial = self._about[i]
-        angles = half_turn_angles(axial) + self._rim_angles(i, along)
+        # seen from the axis of a half turn moments with an even power of z are real, those with an odd one imaginary
+        frequency, phase, power = _strongest(axial)
+        angles = [(phase + np.pi * (j - power / 2)) / frequency for j in range(frequency)]
+        angles += self._rim_angles(i, along)
         across = np.array([frame[0] * np.cos(a) + frame[1] * np.sin(a) for a in angles]).reshape(-1, 3)
         return [axis for direction in distinct_lines(across) for axis in self._first(direction, (2.0,))]
 
@@ -385,7 +370,8 @@ class Search:
         normals = [self.special]
         for i in self.lone:
             frame, axial = self._about[i]
-            angles = mirror_angles(axial) + self._rim_angles(i, axes)
+            frequency, phase, _ = _strongest(axial)  # seen from a plane all moments are real
+            angles = [(phase + np.pi * j) / frequency for j in range(frequency)] + self._rim_angles(i, axes)
             normals.append(np.array([frame[1] * np.cos(a) - frame[0] * np.sin(a) for a in angles]).reshape(-1, 3))
         if not any(map(len, normals)) and len(self.lone) == 0 and not self._distinct(0):
             normals.append(swapping_normals(self.body.corners.reshape(-1, 3)))

@@ -161,19 +161,6 @@ def _like(edges: BentEdges) -> Mask:
     return like
 
 
-def _taper(edges: BentEdges) -> tuple[Floats, Floats]:
-    """(k,) what is missing less where facets taper, and the doubt where heights differ.
-
-    Between equal trapezoids of widths w1, w2 lacks l th (w1^2 + w1 w2 + w2^2) / 36, but the rule for heights says
-    l th (w1^2 - w1 w2 + w2^2) / 12.
-    """
-    one, other = edges.areas[edges.triangles]
-    differ = edges.length * edges.angle * (edges.heights[0] - edges.heights[1]) ** 2
-    tapers = edges.flat[edges.triangles].all(axis=0) & (np.abs(one - other) <= _SAME * (one + other))
-    uneven = np.where(_like(edges), np.abs(differ) / 9, 0.0)
-    return np.where(tapers, differ / 18, 0.0), np.where(tapers, uneven / 4, uneven)
-
-
 FINE = radians(40)
 """Facets that meet at a larger angle are too coarse to say how symmetric a body may be that they stand for."""
 
@@ -287,7 +274,12 @@ def _of_smooth(edges: BentEdges, least: float) -> list[tuple[Floats, Floats, Flo
     apex = ((count == 2) & ~edges.flat)[edges.triangles]
     steep = apex & (angle * edges.length > _STEEP * heights)
     wide = steep & (heights > _WIDE * edges.length)
-    less, uneven = _taper(edges)
+    # between equal trapezoids of widths w1, w2 lacks l th (w1^2 + w1 w2 + w2^2) / 36, but the rule for heights says
+    # l th (w1^2 - w1 w2 + w2^2) / 12
+    differ = edges.length * edges.angle * (heights[0] - heights[1]) ** 2
+    tapers = edges.flat[edges.triangles].all(axis=0) & (np.abs(areas[0] - areas[1]) <= _SAME * areas.sum(axis=0))
+    less, uneven = np.where(tapers, differ / 18, 0.0), np.where(_like(edges), np.abs(differ) / 9, 0.0)
+    uneven = np.where(tapers, uneven / 4, uneven)
     missing = np.where(steep, lacking / 3, np.where(alone, lacking / 2, lacking))
     share = np.where(sharp, _SHARP, np.where(alone, _ALONE, _SHARE)) + np.where(wide, _ENDING, 0.0)
     here = np.where(sharp, 0.0, missing.sum(axis=0) - less), (share * size).sum(axis=0) + uneven
