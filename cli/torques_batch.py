@@ -24,7 +24,7 @@ from robodyn.cli.files import STANDARD_INPUT, inputs_of, refuse_foreign, robot_i
 from robodyn.cli.options import Call, refuse_where
 from robodyn.cli.progress import files_done
 from robodyn.cli.screen import answer, complain, show
-from robodyn.errors import InputError, RobodynError
+from robodyn.errors import Caveat, InputError, RobodynError
 from robodyn.loads.accumulate import output_names
 from robodyn.loads.many import Batch, JointPeak, Outcome, Status
 from robodyn.loads.torques import check_uncertain, torques
@@ -37,7 +37,6 @@ from robodyn.robot.model import Model
 from robodyn.scene.read import parse_scenes
 from robodyn.scene.scene import DEFAULT, Payload, Scene
 from robodyn.support.cache import code_digest
-from robodyn.support.caveats import Caveat
 from robodyn.support.extras import need
 from robodyn.support.files import remove_abandoned, write_whole
 from robodyn.support.input_file import open_input, read_input

@@ -1,8 +1,10 @@
-"""The errors that robodyn raises on purpose, each of which prints as one line, and the category of its warnings."""
+"""The errors that robodyn raises on purpose, each of which prints as one line, its warnings, and what makes an answer
+doubtful."""
 
 from __future__ import annotations
 
 import os
+from dataclasses import dataclass, field
 
 
 class RobodynError(Exception):
@@ -76,3 +78,25 @@ class MeshError(InputError):
 
 class RobodynWarning(RuntimeWarning):
     """What users are told that is no error; the command line prints it as one line."""
+
+
+TOO_FEW = "by torques that are not trusted (too few samples)"
+"""The kind of caveat about what is derived from too few samples."""
+
+
+@dataclass(frozen=True)
+class Caveat:
+    """Why "No limit is exceeded" alone would mislead.
+
+    Attributes:
+        kind: how that headline goes on, such as "as long as the base is held (assumed)".
+        text: the warning in full, with the numbers and how to say otherwise; it is among the warnings too.
+    """
+
+    kind: str = field(metadata={"json": "clause"})
+    text: str = field(metadata={"json": "said"})
+
+
+@dataclass(frozen=True)
+class WrongUnits(Caveat):
+    """Why the numbers of a table can hardly be in the units that they are taken in."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from robodyn.dynamics.effects.motors import spins
 from robodyn.dynamics.regressor import INERTIAL
-from robodyn.errors import InputError
+from robodyn.errors import InputError, WrongUnits
 from robodyn.identification.faults.compare import magnitudes, told
 from robodyn.identification.faults.faults import range_basis
 from robodyn.identification.log.log import Log, Samples, joined
@@ -44,7 +44,6 @@ from robodyn.identification.parameters.regressor_columns import (
 from robodyn.programs.vectors import product
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
-from robodyn.support.caveats import WrongUnits
 from robodyn.support.floats import Floats, einsum
 
 FOLDS = 5

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from robodyn.errors import Caveat
 from robodyn.scene.scene import Vector
-from robodyn.support.caveats import Caveat
 from robodyn.support.floats import first_largest
 from robodyn.support.wording import count, figure, shown
 

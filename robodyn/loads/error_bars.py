@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robodyn.dynamics.effects.friction import joints_with_friction
+from robodyn.errors import TOO_FEW, Caveat
 from robodyn.loads.result import Checks, ComponentLoad, EnergyBalance, JointLoad, Sizing
 from robodyn.programs.vectors import length
 from robodyn.robot.base_guess import untouched
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
-from robodyn.support.caveats import TOO_FEW, Caveat
 from robodyn.support.floats import BEYOND, Floats, steady
 from robodyn.support.wording import count, figure, shown
 from robodyn.trajectory.motion import FEW, NOISE, Trajectory

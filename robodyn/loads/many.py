@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
+from robodyn.errors import Caveat
 from robodyn.robot.limits import Coverage, within
-from robodyn.support.caveats import Caveat
 from robodyn.support.floats import ranked
 
 Status = Literal["computed", "finished before", "failed"]

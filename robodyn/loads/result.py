@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 from robodyn.dynamics.effects.effect import Verdict
+from robodyn.errors import TOO_FEW, Caveat
 from robodyn.robot.limits import Coverage, Excess, reached_beyond, within
 from robodyn.scene.scene import Curve, Vector
-from robodyn.support.caveats import TOO_FEW, Caveat
 from robodyn.support.floats import BEYOND
 from robodyn.trajectory.motion import Derivation
 
@@ -163,7 +163,9 @@ class JointLoad(ShaftLoad):
 
     @property
     def exceeded(self) -> tuple[Excess, ...]:
-        place, out = "rad" if self.unit == "N m" else "m", reached_beyond(self)
+        effort = (self.peak, self.effort_limit, self.peak_time, self.seconds_over_effort)
+        velocity = (self.max_speed, self.velocity_limit, self.max_speed_time, self.seconds_over_velocity)
+        place, out = "rad" if self.unit == "N m" else "m", reached_beyond(self.name, self.unit, effort, velocity)
         if self.lower is not None and self.lower - self.q_min > (BEYOND - 1.0) * abs(self.lower):
             out.append(Excess(self.name, "position", self.q_min, self.lower, place))
         if self.upper is not None and self.q_max - self.upper > (BEYOND - 1.0) * abs(self.upper):

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from robodyn.support.caveats import Caveat
+from robodyn.errors import Caveat
 
 Method = Literal["linear", "draws"]
 

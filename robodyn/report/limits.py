@@ -6,16 +6,16 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from robodyn.loads.result import Result
+from robodyn.errors import Caveat
+from robodyn.loads.result import JointLoad, Result
 from robodyn.report.document import Level, Paragraph, Section, Table, Verdict, paragraphs, select
 from robodyn.report.table import first_names, is_noise, number, printable
-from robodyn.robot.limits import Coverage, Excess, Reached
-from robodyn.support.caveats import Caveat
+from robodyn.robot.limits import Coverage, Excess
 from robodyn.support.floats import ranked, steady
 from robodyn.support.wording import count
 
 if TYPE_CHECKING:
-    from robodyn.simulation.result import Simulation
+    from robodyn.simulation.result import JointUse, Simulation
 
 
 LINES = 15
@@ -119,17 +119,17 @@ def worst_joint(result: Result) -> int | None:
     return next(iter(ranked(limited or range(len(joints)), key)), None)
 
 
-def effort_use(joint: Reached) -> float:
+def effort_use(joint: JointLoad | JointUse) -> float:
     """Return |peak| / limit; 0 without a limit."""
     return abs(joint.peak) / joint.effort_limit if joint.effort_limit else 0.0
 
 
-def speed_use(joint: Reached) -> float:
+def speed_use(joint: JointLoad | JointUse) -> float:
     """Return |speed| / limit; 0 without a limit."""
     return abs(joint.max_speed) / joint.velocity_limit if joint.velocity_limit else 0.0
 
 
-def nearest_limits(joints: Sequence[Reached]) -> Iterator[str]:
+def nearest_limits(joints: Sequence[JointLoad | JointUse]) -> Iterator[str]:
     """Return sentences on the joints that come nearest to their limits."""
     for use, what in ((effort_use, "effort"), (speed_use, "speed")):
         for joint in ranked((joint for joint in joints if use(joint)), key=use)[:1]:

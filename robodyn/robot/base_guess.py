@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from collections.abc import Sequence
 
 from robodyn.programs.vectors import length
 from robodyn.robot.kinematics import configuration, link_poses
@@ -26,8 +25,8 @@ def untouched(model: Model) -> str:
     """Return what makes one think that a base is not bolted down, and does not touch anything; empty if nothing does.
 
     Legs are two or more branches of two or more joints that end below all of the base (z up), or that have links called
-    foot, shank and the like. The names of wheels, casters, rotors and flying machines count; names such as base_link or
-    trunk do not. A root called world or ground is bolted down.
+    foot, shank and the like. The names of wheels, casters, rotors and flying machines count. A root called world or
+    ground is bolted down.
     """
     root = _words(model.bodies[0].name)
     if root & GROUNDS and root <= GROUNDS | {"link", "frame"}:
@@ -57,41 +56,28 @@ def _some(names: Sequence[str]) -> str:
     return ", ".join(shown(name) for name in names[:_NAMES]) + more
 
 
-class _Branch(NamedTuple):
-    """What a joint of the base carries: links, and how far below that joint the lowest of them is, of what length."""
-
-    links: Sequence[str]
-    foot: str
-    height: float
-    drop: float
-    length: float
-
-
 def _legs(model: Model) -> list[str]:
-    """Return the links at which legs end, by where they are or else by their names."""
-    branches, base = list(_branches(model)), model.bodies[0].inertia
+    """Return the links at which legs end, the branches of the base, by where they are or else by their names."""
+    base = model.bodies[0].inertia
     own = [frame.p[2] for name, frame in model.links.items() if frame.body == 0 and "footprint" not in _words(name)]
     bottom = float(min(base.mc[2] / base.m, *own, 0.0) if base.m > 0.0 else min(own, default=0.0))
-    below = [each for each in branches if each.drop > 0.5 * each.length and bottom - each.height > 0.25 * each.length]
-    lowest = min((each.height for each in below), default=0.0)
-    level = [each.foot for each in below if each.height < lowest + 0.2 * each.length]
-    if len(level) > 1 and base.m > 0.0:
-        return level
-    named = ([name for name in each.links if _words(name) & LEGS] for each in branches)
-    return [names[-1] for names in named if names]
-
-
-def _branches(model: Model) -> Iterator[_Branch]:
     first, depth, reach = [0], [0], [0.0]
     for i, body in enumerate(model.bodies[1:], 1):
         first.append(first[body.parent] or i)
         depth.append(depth[body.parent] + (body.joint.mimics is None))
         reach.append(reach[body.parent] + (length(body.joint.p) if body.parent else 0.0))
     places = {name: pose.p for name, pose in link_poses(model, configuration(model)).items()}
+    below: list[tuple[str, float, float]] = []
+    named: list[str] = []
     for hip in dict.fromkeys(first[1:]):
         links = [name for name, frame in model.links.items() if first[frame.body] == hip]
         if ends := [name for name in links if depth[model.links[name].body] > 1]:
             foot = min(ends, key=lambda name: places[name][2])
             end, height = model.links[foot], float(places[foot][2])
-            drop = float(model.bodies[hip].joint.p[2]) - height
-            yield _Branch(links, foot, height, drop, reach[end.body] + length(end.p))
+            long, drop = reach[end.body] + length(end.p), float(model.bodies[hip].joint.p[2]) - height
+            if drop > 0.5 * long and bottom - height > 0.25 * long:
+                below.append((foot, height, long))
+            named += [name for name in links if _words(name) & LEGS][-1:]
+    lowest = min((height for _, height, _ in below), default=0.0)
+    level = [foot for foot, height, long in below if height < lowest + 0.2 * long]
+    return level if len(level) > 1 and base.m > 0.0 else named

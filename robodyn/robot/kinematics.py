@@ -50,14 +50,9 @@ def joint_motion(joint: Joint, q: Sequence[Scalar], qd: Sequence[Scalar], qdd: S
     """Return how the joint moves its body relative to the parent body.
 
     Revolute: `R = R_0 rot(axis, q)`, `w = axis qd`, `wd = axis qdd`. Prismatic: `p = p_0 + R_0 axis q`, `v = axis qd`,
-    `a = axis qdd`. Floating: position and quaternion in the parent's axes; its rates are the angular velocity in the
-    body's axes and the rate of the position in the parent's. Fixed: the placement, at rest.
-
-    R and p are arrays of objects even where these are floats, so that NumPy multiplies them in order, without BLAS.
-
-    Args:
-        q, qd, qdd: the values of this joint alone, one each, or 7, 6 and 6 for a floating joint (x y z qx qy qz qw;
-            wx wy wz vx vy vz) [rad or m, and per s and s^2].
+    `a = axis qdd`. Floating: q is x y z qx qy qz qw in the parent's axes; qd wx wy wz vx vy vz, the angular velocity in
+    the body's axes and the rate of the position in the parent's. Fixed: the placement, at rest. R and p are arrays of
+    objects even where these are floats, so that NumPy multiplies them in order, without BLAS.
     """
     R, p = joint.R.astype(object), joint.p.astype(object)
     if joint.kind == "fixed":
@@ -79,11 +74,8 @@ def joint_motion(joint: Joint, q: Sequence[Scalar], qd: Sequence[Scalar], qdd: S
 
 
 def motions(model: Model, q: Sequence[Scalar], qd: Sequence[Scalar], qdd: Sequence[Scalar]) -> list[Motion]:
-    """Return the motion of every joint of the model; mimic joints move by `multiplier q + offset` of their leader.
-
-    Args:
-        q: nq scalars; qd, qdd: n scalars, in the model's order.
-    """
+    """Return the motion of every joint of the model from q (nq scalars), qd and qdd (n); mimic joints move by
+    `multiplier q + offset` of their leader."""
     out = []
     for body in model.bodies:
         joint = body.joint
@@ -131,12 +123,8 @@ def velocities(parents: Sequence[int], motions: Sequence[Motion]) -> list[Veloci
 
 
 def acceleration_of_point(a_p: Array, r: Array, w: Array, wd: Array) -> Array:
-    """Return the acceleration of the body's point at r from p: `a = a_p + wd x r + w x (w x r)`.
-
-    Args:
-        a_p: (3,) acceleration of the point p of the body [m/s^2].
-        r: (3,) from p [m].
-        w, wd: (3,) angular velocity and acceleration [rad/s, rad/s^2].
+    """Return the acceleration of the body's point at r from p, whose acceleration is a_p: `a = a_p + wd x r + w x (w x
+    r)`.
 
     Accuracy: 8 eps (|a_p| + |wd| |r| + |w|^2 |r|).
     """
@@ -214,11 +202,8 @@ def unit_rows(model: Model, states: Floats) -> Floats:
 
 
 def rates(model: Model, values: Values = ()) -> Floats:
-    """Return the velocities or accelerations of the joints, a base that moves being at rest; what is not given is zero.
-
-    Args:
-        values: of all joints in the order of `model.rates`, or of some by name; see `named` [rad or m, per s or s^2].
-    """
+    """Return the velocities or accelerations of the joints, of all in the order of `model.rates` or of some by name
+    [rad or m, per s or s^2]; what is not given, and a base that moves, is zero."""
     given = named(model, values, model.rates[6 if model.floating else 0 :])
     return np.array([given.get(name, 0.0) for name in model.rates])
 

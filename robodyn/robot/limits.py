@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, Protocol
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from robodyn.support.caveats import Caveat
+from robodyn.errors import Caveat
 from robodyn.support.floats import BEYOND, Floats
 
 if TYPE_CHECKING:
@@ -54,68 +54,47 @@ class Coverage:
     unchecked: tuple[Unchecked, ...]
 
 
-class Reached(Protocol):
-    """What a joint reaches along a motion, and its limits: the fields of `JointLoad` of these names."""
-
-    @property
-    def name(self) -> str: ...
-    @property
-    def unit(self) -> str: ...
-    @property
-    def peak(self) -> float: ...
-    @property
-    def peak_time(self) -> float: ...
-    @property
-    def effort_limit(self) -> float | None: ...
-    @property
-    def seconds_over_effort(self) -> float: ...
-    @property
-    def max_speed(self) -> float: ...
-    @property
-    def max_speed_time(self) -> float: ...
-    @property
-    def velocity_limit(self) -> float | None: ...
-    @property
-    def seconds_over_velocity(self) -> float: ...
-
-
 def binding(limit: float | None) -> float | None:
     """Return a limit of effort or velocity, None where there is none: by the practice of URDF 0 means none."""
     return limit if limit is not None and limit > 0.0 else None
 
 
 def coverage(joints: Sequence[Joint]) -> tuple[Coverage, ...]:
-    """Return which joints have limits of effort, velocity and position.
-
-    Limits from MOST_EFFORT and MOST_VELOCITY on limit nothing. A continuous joint needs no limit of position.
-    """
+    """Return which joints have limits of effort, velocity and position: those from MOST_EFFORT and MOST_VELOCITY on
+    limit nothing, and a continuous joint needs none of position."""
     moving = [joint for joint in joints if joint.kind in ("revolute", "prismatic")]
     ranged = {each.name: None if None in (each.lower, each.upper) else 1.0 for each in moving if not each.continuous}
-    return (
-        _split("effort", {joint.name: joint.effort for joint in moving}, MOST_EFFORT),
-        _split("velocity", {joint.name: joint.velocity for joint in moving}, MOST_VELOCITY),
-        _split("position", ranged, np.inf),
+    rows: tuple[tuple[Quantity, Mapping[str, float | None], float], ...] = (
+        ("effort", {joint.name: joint.effort for joint in moving}, MOST_EFFORT),
+        ("velocity", {joint.name: joint.velocity for joint in moving}, MOST_VELOCITY),
+        ("position", ranged, np.inf),
     )
+    found = []
+    for quantity, limits, most in rows:
+        checked = {name: limit for name, limit in limits.items() if limit is not None and 0.0 < limit < most}
+        unchecked = tuple(Unchecked(*each) for each in limits.items() if each[0] not in checked)
+        found.append(Coverage(quantity, tuple(checked), unchecked))
+    return tuple(found)
 
 
-def reached_beyond(joint: Reached) -> list[Excess]:
-    """Return the limits of effort and velocity that a joint exceeds."""
-    speed, out = "rad/s" if joint.unit == "N m" else "m/s", []
-    if joint.effort_limit is not None and abs(joint.peak) > BEYOND * joint.effort_limit:
-        when = (joint.peak_time, joint.seconds_over_effort)
-        out.append(Excess(joint.name, "effort", abs(joint.peak), joint.effort_limit, joint.unit, *when))
-    if joint.velocity_limit is not None and abs(joint.max_speed) > BEYOND * joint.velocity_limit:
-        when = (joint.max_speed_time, joint.seconds_over_velocity)
-        out.append(Excess(joint.name, "velocity", abs(joint.max_speed), joint.velocity_limit, speed, *when))
-    return out
+Reached = tuple[float, float | None, float, float]
+"""What a joint reaches along a motion, its limit, when it is worst and how long it is exceeded [s]."""
+
+
+def reached_beyond(joint: str, unit: str, effort: Reached, velocity: Reached) -> list[Excess]:
+    """Return the limits of effort (in this unit) and velocity that a joint exceeds."""
+    speed = "rad/s" if unit == "N m" else "m/s"
+    rows: tuple[tuple[Quantity, str, Reached], ...] = ("effort", unit, effort), ("velocity", speed, velocity)
+    return [
+        Excess(joint, quantity, abs(value), limit, its, time, seconds)
+        for quantity, its, (value, limit, time, seconds) in rows
+        if limit is not None and abs(value) > BEYOND * limit
+    ]
 
 
 def held_beyond(model: Model, q: Floats, tau: Floats) -> tuple[Excess, ...]:
-    """Return the limits that a robot at rest exceeds: positions, those of joints that mimic others too, and effort.
-
-    Args:
-        q: (nq,); tau: (n,) what holds it there, by rate [N m or N].
-    """
+    """Return the limits that a robot at rest exceeds: positions q (nq,), those of joints that mimic others too, and
+    effort by tau (n,), which holds it there [N m or N]."""
     found = []
     for body in model.bodies:
         joint = body.joint
@@ -133,12 +112,8 @@ def held_beyond(model: Model, q: Floats, tau: Floats) -> tuple[Excess, ...]:
 
 
 def coordinate_ranges(model: Model) -> tuple[Floats, Floats]:
-    """Return between which values of each coordinate all joints that it moves are within their limits.
-
-    Returns:
-        (nq,) least and largest [rad or m], -inf and inf where there is no limit; least > largest where limits of a
-        joint and of one that mimics it exclude each other, or are the wrong way round.
-    """
+    """Return between which values (nq,) of each coordinate all joints that it moves are within their limits [rad or m]:
+    -inf and inf where there is none; least > largest where limits exclude each other, or are the wrong way round."""
     least, largest = np.full(model.nq, -np.inf), np.full(model.nq, np.inf)
     for body in model.bodies:
         joint, k = body.joint, body.joint.coordinate
@@ -157,9 +132,3 @@ def within(exceeded: bool, limits: Sequence[Coverage], caveats: Sequence[Caveat]
     if exceeded:
         return False
     return None if caveats or any(each.unchecked for each in limits) else True
-
-
-def _split(quantity: Quantity, limits: Mapping[str, float | None], most: float) -> Coverage:
-    checked = {name: limit for name, limit in limits.items() if limit is not None and 0.0 < limit < most}
-    unchecked = tuple(Unchecked(*each) for each in limits.items() if each[0] not in checked)
-    return Coverage(quantity, tuple(checked), unchecked)

@@ -59,11 +59,10 @@ def load(
 def assemble(description: Description, *, moving_base: bool = False) -> Model:
     """Return the Model of a description.
 
-    A body is a link that a joint moves, with every link fixed to it: their moments are added in the body's frame, which
-    is exact but for rounding. A planar joint J becomes the slides J_x, J_y and the hinge J_theta about its axis, with
-    massless bodies between. A massless root that carries the robot by one floating joint is the ground, and that joint
-    becomes the moving base. Axes are normalised. Bodies stand in depth-first order. Nothing recurses and the time is
-    linear in the number of links.
+    A body is a link that a joint moves, with every link fixed to it: their moments are added in the body's frame. A
+    planar joint J becomes the slides J_x, J_y and the hinge J_theta about its axis, with massless bodies between. A
+    massless root that carries the robot by one floating joint is the ground, and that joint becomes the moving base.
+    Bodies stand in depth-first order. The time is linear in the number of links.
 
     Args:
         moving_base: give the base six degrees of freedom of its own, as for a floating or a carried robot.
@@ -74,8 +73,13 @@ def assemble(description: Description, *, moving_base: bool = False) -> Model:
     carried: dict[str, list[DescribedJoint]] = {}
     for described in description.joints:
         carried.setdefault(described.parent, []).append(described)
-    base, base_joint = _base(description, carried, moving_base)
-    frames = {base: Frame(0, np.eye(3), np.zeros(3))}
+    still, here = np.eye(3), np.zeros(3)
+    root = next(link for link in description.links if link.name == description.root)
+    base, base_joint = root.name, Joint("base", "floating" if moving_base else "fixed", still, here, here)
+    only = carried.get(base, [])
+    if len(only) == 1 and only[0].type == "floating" and root.inertial is None:
+        base, base_joint = only[0].child, Joint("base", "floating", *placement(only[0].origin), here)
+    frames = {base: Frame(0, still, here)}
     parents, names, joints = [-1], [base], [base_joint]
     waiting = carried.get(base, [])[::-1]
     while waiting:
@@ -87,7 +91,7 @@ def assemble(description: Description, *, moving_base: bool = False) -> Model:
             parents.append(body)
             names.append(described.child)
             joints.append(joint)
-            body, R, p = len(joints) - 1, np.eye(3), np.zeros(3)
+            body, R, p = len(joints) - 1, still, here
         frames[described.child] = Frame(body, R, p)
         waiting += carried.get(described.child, [])[::-1]
     parts: list[list[Inertia]] = [[] for _ in joints]
@@ -101,15 +105,6 @@ def assemble(description: Description, *, moving_base: bool = False) -> Model:
     inertias = [combined(some) for some in parts]
     bodies = tuple(Body(*row) for row in zip(names, parents, joints, inertias, strict=True))
     return Model(description.name, description.file, bodies, frames, _notes(description), description)
-
-
-def _base(description: Description, carried: dict[str, list[DescribedJoint]], moving: bool) -> tuple[str, Joint]:
-    root, axis = description.root, np.zeros(3)
-    first = carried.get(root, [])
-    inertial = next(link.inertial for link in description.links if link.name == root)
-    if len(first) == 1 and first[0].type == "floating" and inertial is None:
-        return first[0].child, Joint("base", "floating", *placement(first[0].origin), axis)
-    return root, Joint("base", "floating" if moving else "fixed", np.eye(3), np.zeros(3), axis)
 
 
 def _notes(description: Description) -> tuple[str, ...]:
@@ -140,11 +135,14 @@ def elementary(described: DescribedJoint, R: Floats, p: Floats) -> list[Joint]:
     axis /= np.abs(axis).max()
     axis = snapped(axis / length(axis))
     if described.type == "planar":
-        first, second = _across(axis)
+        # Two unit vectors make a right-handed frame with the axis: x and y for z, y and z for x, and so on.
+        k = (int(np.argmax(np.abs(axis))) + 1) % 3
         still, here = np.eye(3), np.zeros(3)
+        first = still[k] - axis * axis[k]
+        first = snapped(first / length(first))
         return [
             Joint(f"{described.name}_x", "prismatic", R, p, first),
-            Joint(f"{described.name}_y", "prismatic", still, here, second),
+            Joint(f"{described.name}_y", "prismatic", still, here, snapped(np.cross(axis, first))),
             Joint(f"{described.name}_theta", "revolute", still, here, axis, continuous=True),
         ]
     limit, mimic = described.limit, described.mimic
@@ -167,16 +165,6 @@ def elementary(described: DescribedJoint, R: Floats, p: Floats) -> list[Joint]:
             friction=described.friction,
         )
     ]
-
-
-def _across(normal: Floats) -> tuple[Floats, Floats]:
-    """Return two unit vectors that make a right-handed frame with `normal`: x and y for z, y and z for x, and so on."""
-    k = int(np.argmax(np.abs(normal)))
-    first = np.zeros(3)
-    first[(k + 1) % 3] = 1.0
-    first -= normal * normal[(k + 1) % 3]
-    first = snapped(first / length(first))
-    return first, snapped(np.cross(normal, first))
 
 
 def numbered(joints: list[Joint], description: Description) -> list[Joint]:

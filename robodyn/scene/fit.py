@@ -23,15 +23,8 @@ from robodyn.support.wording import alternatives, shown
 
 
 def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
-    """Raise if the scene names a joint or a link that the robot does not have, or contradicts the robot or itself.
-
-    Args:
-        file: the scene's file, for messages.
-
-    Raises:
-        InputError: as `refuse_others`.
-        SceneError: an unknown name, with the closest valid one; or a base that moves in the scene and not in the model.
-    """
+    """Raise if the scene, of this file, names a joint or a link that the robot does not have, or contradicts the robot
+    or itself: SceneError, of an unknown name with the closest valid one; InputError as `refuse_others`."""
     refuse_others(model, scene)
     joints = [body.joint.name for body in model.bodies if body.joint.kind in ("revolute", "prismatic")]
     independent = [joint.name for joint in model.independent if joint.kind != "floating"]
@@ -261,8 +254,6 @@ def _loop(element: Element, name: str, links: Collection[str], strict: Strict) -
 
 def _rpy(R: Floats) -> Vector:
     """Return roll, pitch and yaw of a rotation; where the pitch is a right angle, one of many.
-
-    Method: the yaw first, whatever it is, and the others of what is left when it is undone.
 
     Accuracy: `rotation_from_rpy` gives the rotation back within 8 eps.
     """

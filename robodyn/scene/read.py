@@ -43,9 +43,8 @@ def load_scene(path: str | os.PathLike[str], *more: str | os.PathLike[str]) -> S
     """Return the scene that a TOML file describes, or several together; docs/reference/scene.md has its keys.
 
     Raises:
-        SceneError: the file cannot be read, is not TOML, has a key that is not understood, lacks one, or has a value of
-            the wrong type or size, or two files give the same key. Whether joints and links exist is asked by
-            `check_scene`.
+        SceneError: a file cannot be read, is not TOML, has a key that is not understood, lacks one, or has a value of
+            the wrong type or size, or two files give the same key. `check_scene` asks whether joints and links exist.
     """
     sources = []
     for each in (path, *more):

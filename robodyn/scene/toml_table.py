@@ -45,7 +45,14 @@ _LINE = re.compile(rf"[ \t]*(\[{{0,2}})[ \t]*({_PART}(?:[ \t]*\.[ \t]*{_PART})*)
 
 def read_toml(data: bytes, file: str) -> dict[str, Any]:
     """Return the tables of TOML text; SceneError with the line if it is none, or beyond a limit."""
-    _check_size(data, file)
+    if len(data) > limits().toml_bytes:
+        raise beyond("toml_bytes", "too many bytes", SceneError, file=file)
+    plain, most = _TEXTS.sub(lambda text: b"_" + b"\n" * text[0].count(b"\n"), data), limits().nesting
+    if plain.count(b".") >= most:  # each part of a dotted key takes memory for all parts before it
+        for piece in _BETWEEN_KEYS.split(plain):
+            if piece.count(b".") >= most:
+                line = plain.count(b"\n", 0, plain.find(piece)) + 1
+                raise beyond("nesting", "a key of too many parts", SceneError, file=file, line=line)
     if sys.version_info >= (3, 11):
         import tomllib
     else:
@@ -57,30 +64,15 @@ def read_toml(data: bytes, file: str) -> dict[str, Any]:
     except RecursionError:
         text = "nested too deeply"
     place = _PLACE.search(text)
-    line = int(place[1]) if place and place[1] else None
-    why = text[: place.start()] if line is not None and place else text
+    at = int(place[1]) if place and place[1] else None
+    why = text[: place.start()] if at is not None and place else text
     remedy = "each key and each [table] stands once" if "twice" in why or "overwrite" in why else None
-    raise SceneError(f"is not TOML: {why[:1].lower()}{why[1:]}", remedy=remedy, file=file, line=line)
-
-
-def _check_size(data: bytes, file: str) -> None:
-    """Raise for more than is read: each part of a dotted key takes memory for all parts before it."""
-    if len(data) > limits().toml_bytes:
-        raise beyond("toml_bytes", "too many bytes", SceneError, file=file)
-    plain, most = _TEXTS.sub(lambda text: b"_" + b"\n" * text[0].count(b"\n"), data), limits().nesting
-    if plain.count(b".") >= most:
-        for piece in _BETWEEN_KEYS.split(plain):
-            if piece.count(b".") >= most:
-                line = plain.count(b"\n", 0, plain.find(piece)) + 1
-                raise beyond("nesting", "a key of too many parts", SceneError, file=file, line=line)
+    raise SceneError(f"is not TOML: {why[:1].lower()}{why[1:]}", remedy=remedy, file=file, line=at)
 
 
 def merged(sources: Sources) -> dict[str, Any]:
-    """Return the tables of several TOML texts as those of one: tables are put together, lists are joined.
-
-    Raises:
-        SceneError: a key stands in two of them; with both places.
-    """
+    """Return the tables of several TOML texts as those of one: tables are put together, lists are joined; SceneError
+    with both places of a key that stands in two of them."""
     whole: dict[str, Any] = {}
     for k, (data, file) in enumerate(sources):
         for path in _put(whole, read_toml(data, file), ()):
@@ -174,11 +166,8 @@ class TomlTable:
         return value
 
     def value(self, key: str, kind: Any, default: Any = ...) -> Any:
-        """Return the value of a key, of this type; a default is not looked at.
-
-        Args:
-            kind: float, str, bool, tuples of these, unions with str (the name of a column) and None, with a `Rule`.
-        """
+        """Return the value of a key, of this type: float, str, bool, tuples of these, unions with str (the name of a
+        column) and None, with a `Rule`; a default is not looked at."""
         value = self.take(key, default)
         return value if value is default else self.converted(key, value, kind)
 
@@ -249,11 +238,8 @@ class TomlTable:
         return TomlTable(values, what, self._sources, (*self._path, key, *number))
 
     def read(self, kind: type[T], /, **given: Any) -> T:
-        """Return a dataclass, each field of which is the key of its name, read by its type; no other key may be left.
-
-        Args:
-            given: fields that have been read in another way.
-        """
+        """Return a dataclass, each field of which is given or the key of its name, read by its type; no other key may
+        be left."""
         for each in fields(kind):  # type: ignore[arg-type]
             if each.name not in given:
                 given[each.name] = self.field(kind, each.name)
@@ -265,9 +251,9 @@ class TomlTable:
         what = f'"{key}" is a key of the whole scene, and below the header of a table it belongs to that table'
         return self.error(what, f"write {key} = ... above the first [table]", key)
 
-    def finish(self, *more: str) -> None:
-        """Raise if a key is left over; `more` are known as well, and not given."""
-        known = [*self._known, *more]
+    def finish(self) -> None:
+        """Raise if a key is left over."""
+        known = self._known
         for key in self.values:
             if key in OF_THE_SCENE and key not in known and self.what != WHOLE:
                 raise self.misplaced(key)

@@ -12,7 +12,7 @@ from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.initial_state import FEW, independent_equations
 from robodyn.dynamics.loops.closed_chain import NOTHING, ClosedChain
 from robodyn.dynamics.plan import Plan, applied, runner_of
-from robodyn.errors import InputError
+from robodyn.errors import Caveat, InputError
 from robodyn.programs.program import trace, traced
 from robodyn.programs.run.stepper import COLUMNS
 from robodyn.programs.scalar import Tape
@@ -20,7 +20,6 @@ from robodyn.programs.vectors import Scalar
 from robodyn.simulation.equations import STATE, Equations, state_runner
 from robodyn.simulation.integrate import Motion
 from robodyn.simulation.table import Signal
-from robodyn.support.caveats import Caveat
 from robodyn.support.floats import Floats
 
 OPEN = 1e-6

@@ -12,6 +12,7 @@ import numpy as np
 
 from robodyn.dynamics.effects.effect import Effect, Verdict
 from robodyn.dynamics.effects.friction import joints_with_friction
+from robodyn.errors import Caveat
 from robodyn.robot.base_guess import untouched
 from robodyn.robot.limits import Coverage, Excess, binding, coverage, reached_beyond, within
 from robodyn.robot.model import Joint, Model
@@ -20,7 +21,6 @@ from robodyn.simulation.equations import is_free
 from robodyn.simulation.events import Limits, Stop
 from robodyn.simulation.loop_figures import LoopFigures
 from robodyn.simulation.methods import Method
-from robodyn.support.caveats import Caveat
 from robodyn.support.floats import BEYOND, Floats, first_largest, ranked
 from robodyn.trajectory.columns.signals import COMPONENTS
 
@@ -123,7 +123,12 @@ class Simulation:
     @property
     def exceeded(self) -> tuple[Excess, ...]:
         """Every limit of speed and effort that the motion exceeds."""
-        return tuple(excess for joint in self.joints for excess in reached_beyond(joint))
+        found: list[Excess] = []
+        for each in self.joints:
+            effort = (each.peak, each.effort_limit, each.peak_time, each.seconds_over_effort)
+            velocity = (each.max_speed, each.velocity_limit, each.max_speed_time, each.seconds_over_velocity)
+            found += reached_beyond(each.name, each.unit, effort, velocity)
+        return tuple(found)
 
     @cached_property
     def limits(self) -> tuple[Coverage, ...]:

@@ -15,14 +15,13 @@ from robodyn.dynamics.effects.friction import joints_with_friction
 from robodyn.dynamics.effects.motors import along, coupled_motors
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.plan import Plan
-from robodyn.errors import InputError
+from robodyn.errors import Caveat, InputError
 from robodyn.programs.vectors import product
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.scene import Friction, Scene
 from robodyn.simulation.integrate import SHORTER, Motion
 from robodyn.simulation.methods import Method, MethodOptions, TooMuchError, method_named
 from robodyn.simulation.result import Figures
-from robodyn.support.caveats import Caveat
 from robodyn.support.floats import Floats, first_largest
 
 SLIP_SPEED = 1e-3

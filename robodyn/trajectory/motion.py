@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from robodyn.support.caveats import Caveat
+from robodyn.errors import Caveat
 from robodyn.support.floats import Floats
 
 NOISE = 2.0

@@ -9,8 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.errors import TrajectoryError
-from robodyn.support.caveats import Caveat, WrongUnits
+from robodyn.errors import Caveat, TrajectoryError, WrongUnits
 from robodyn.trajectory.columns.layout import ABSENT, Layout
 from robodyn.trajectory.columns.signals import ANGLES, EPOCH, RATES, TICKS, Clock, Signal, Signals
 from robodyn.trajectory.motion import FEW, Trajectory

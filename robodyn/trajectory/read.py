@@ -19,12 +19,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robodyn.errors import TrajectoryError
+from robodyn.errors import Caveat, TrajectoryError
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.fit import refuse_others
 from robodyn.scene.scene import DEFAULT as EMPTY
 from robodyn.scene.scene import Scene
-from robodyn.support.caveats import Caveat
 from robodyn.support.floats import Floats
 from robodyn.support.wording import count
 from robodyn.trajectory.columns.layout import ABSENT, Header, listing, resolve

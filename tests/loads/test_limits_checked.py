@@ -10,10 +10,10 @@ import pytest
 from helpers.batch_runs import write_motion
 from helpers.command_line import ARM, motion, run
 
+from robodyn.errors import Caveat
 from robodyn.report.limits import unchecked_words, verdict_on_limits
 from robodyn.robot.limits import Excess, coverage
 from robodyn.robot.load import load
-from robodyn.support.caveats import Caveat
 
 LIMIT = '<limit effort="50" velocity="5" lower="-3" upper="3"/>'
 NO_EFFORT = "2 of 2 joints have no effort limit: not checked (0, which means none, for shoulder, elbow)."

@@ -14,8 +14,8 @@ from helpers.oracles import robot
 from helpers.sampled import sampled
 
 import robodyn
+from robodyn.errors import TOO_FEW
 from robodyn.report.limits import limits_verdict
-from robodyn.support.caveats import TOO_FEW
 
 DURATION = 4.0
 ENOUGH = 0.93

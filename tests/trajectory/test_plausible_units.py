@@ -22,13 +22,13 @@ from helpers.robot_catalogue import FOLDER, belonging, names
 from helpers.sampled import sampled
 
 import robodyn
+from robodyn.errors import Caveat, WrongUnits
 from robodyn.loads.example_motion import example_motion
 from robodyn.report.limits import limits_verdict
 from robodyn.robot.load import load
 from robodyn.robot.model import Model
 from robodyn.scene.read import load_scene
 from robodyn.scene.scene import Scene
-from robodyn.support.caveats import Caveat, WrongUnits
 from robodyn.trajectory.columns.signals import Signal, Signals
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.read import from_arrays, motion, open_trajectory, read_motion, signals

@@ -20,9 +20,8 @@ from robodyn.dynamics.loops.branch import (
     singular,
 )
 from robodyn.dynamics.plan import Plan
-from robodyn.errors import TrajectoryError
+from robodyn.errors import Caveat, TrajectoryError
 from robodyn.programs.linear import pseudo_inverse
-from robodyn.support.caveats import Caveat
 from robodyn.support.floats import Floats, einsum
 
 RATES = ("", "/s", "/s^2")

@@ -12,10 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.errors import TrajectoryError
+from robodyn.errors import Caveat, TrajectoryError
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.support.caveats import Caveat
 from robodyn.support.floats import Floats
 from robodyn.support.input_file import open_input
 from robodyn.trajectory.derivatives.derivative_selection import estimate

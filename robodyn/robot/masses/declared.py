@@ -65,10 +65,7 @@ class RobotInertia:
 
 
 def declared(link: Link, pose: Pose | None = None) -> LinkInertia | None:
-    """Return what stands in a link's <inertial>, in the link's frame: R I R^T about the origin's xyz; None without one.
-
-    Accuracy: that of `MassProperties.placed` for the rotation in floats.
-    """
+    """Return what stands in a link's <inertial>, in the link's frame: R I R^T about the origin's xyz; or None."""
     inertial = link.inertial
     if inertial is None:
         return None
@@ -90,13 +87,11 @@ def robot_inertia(description: Description, at: Values = ()) -> RobotInertia:
     """Return all links as one rigid body in the frame of the base: the composite of their bodies at their poses.
 
     Method: forward kinematics in floats, then the laws in fractions (see `composite`). Links that no body could be are
-    added as declared, with a warning.
+    added as declared, with a warning. `at`: values of all coordinates, or of some by name [rad or m]; the others are
+    zero.
 
-    Args:
-        at: values of all coordinates, or of some by name [rad or m]; the others are zero; mimic joints follow.
-
-    Accuracy: mass correctly rounded; centre of mass and inertia within 1e-14 of the robot's size and largest moment
-        for twenty joints in a row.
+    Accuracy: mass correctly rounded; centre of mass and inertia within 1e-14 of the robot's size and largest moment for
+        twenty joints in a row.
     """
     model = assemble(description)
     q = configuration(model, at)

@@ -407,11 +407,9 @@ def mistake_posterior(given: Given, shapes: Uniform) -> Posterior:
 
 
 def _unexplained(given: Given, shapes: Uniform, size: float, form: float, density: float, place: float) -> Floats:
-    """Return the logarithms of what explains nothing.
-
-    A factor of the tensor, of mass and tensor, of the mass, and of the centre, each of any size; and a tensor, a centre
-    (Cauchy's distribution in space) and both that have nothing to do with the link.
-    """
+    """Return the logarithms of what explains nothing: a factor of the tensor, of mass and tensor, of the mass, and of
+    the centre, each of any size; a tensor, a centre (Cauchy's distribution in space) and both that have nothing to do
+    with the link."""
     away = -2.0 * log(1.0 + float(((given.c - shapes.c) ** 2).sum() / shapes.spread) / 4.0) - log(8.0 * pi**2)
     other, formed, by_factors = _IMPOSSIBLE, -inf, np.zeros(0)
     if form < inf:

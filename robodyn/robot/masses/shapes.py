@@ -87,10 +87,8 @@ def mesh_file(shape: Shape) -> MeshFile | None:
 def shapes_inertia(
     description: Description, shapes: Sequence[Shape], meshes: Mapping[MeshFile, Outcome]
 ) -> ShapesInertia:
-    """Return the composite body of one or more shapes, each at its pose; what they share counts twice.
-
-    Args:
-        meshes: the parts of their `mesh_file`s.
+    """Return the composite body of one or more shapes, each at its pose; what they share counts twice. `meshes` has the
+    parts of their `mesh_file`s.
 
     Raises:
         RobodynError: the file of a mesh is not found, a mesh is no solid, or a length is negative.
@@ -302,10 +300,8 @@ def _difference(given: MassProperties, inertial: Inertial, shapes: ShapesInertia
 
 
 def mistakes_in_words(inertial: Inertial, shapes: MassProperties) -> tuple[str, ...]:
-    """Return the mistake that explains an inertial of positive mass, in words, or those of which one does.
-
-    See `robodyn.robot.masses.mistakes`; shapes are of one density, in the link's frame.
-    """
+    """Return the mistake that explains an inertial of positive mass, in words, or those of which one does; the shapes
+    are of one density, in the link's frame."""
     R, p = placement(inertial.origin)
     if not any(inertial.inertia) or not shapes.volume:
         return ()

@@ -57,10 +57,8 @@ def load_description(
 def read_description(document: Document, view: View | None = None) -> Description:
     """Return links, joints and transmissions of a document, in the order of the file, checked to be one tree.
 
-    Linear in the size of the file, no recursion. Each doubt (negative mass, axis that is no unit vector) is a note.
-
-    Args:
-        view: of the document, where there is one; otherwise each part of it is dropped as soon as its values are taken.
+    Linear in the size of the file. Each doubt (negative mass, axis that is no unit vector) is a note. Without a view of
+    the document each part of one is dropped as soon as its values are taken.
 
     Raises:
         DescriptionError: a name is missing, duplicate or refers to nothing; a number is missing, not finite or not a
@@ -291,7 +289,16 @@ def root_link(links: Mapping[str, Link], joints: Sequence[Joint], strict: Strict
     """Return the name of the one link without a parent, after checking that the joints make a tree of the links."""
     if not links:
         raise strict.error(1, "the robot has no links", "add a <link>")
-    above = _joint_above(links, joints, strict)
+    above: dict[str, Joint] = {}  # the joint that each link but the roots is a child of
+    for joint in joints:
+        for role, link in (("parent", joint.parent), ("child", joint.child)):
+            if link not in links:
+                what = f"the {role} of joint {shown(joint.name)} is link {shown(link)}, which does not exist"
+                raise strict.error(joint.line, what, alternatives(link, links, "links"))
+        other = above.setdefault(joint.child, joint)
+        if other is not joint:
+            what = f"link {shown(joint.child)} is a child of two joints: {shown(other.name)} (line {other.line})"
+            raise strict.error(joint.line, f"{what} and {shown(joint.name)}", "a link has one parent; remove one joint")
     for cycle in cycles({child: joint.parent for child, joint in above.items()}):
         first = min((above[link] for link in cycle), key=lambda joint: joint.line)
         start = cycle.index(first.parent)
@@ -317,21 +324,6 @@ def check_mimics(joints: Mapping[str, Joint], lines: Mapping[str, int], strict: 
     for cycle in cycles(leaders):
         what = f"joints mimic each other in a cycle: {_round(cycle)}"
         raise strict.error(min(lines[name] for name in cycle), what, "let one of them be free")
-
-
-def _joint_above(links: Mapping[str, Link], joints: Iterable[Joint], strict: Strict) -> dict[str, Joint]:
-    """Return for each link but the roots the joint that it is a child of."""
-    above: dict[str, Joint] = {}
-    for joint in joints:
-        for role, link in (("parent", joint.parent), ("child", joint.child)):
-            if link not in links:
-                what = f"the {role} of joint {shown(joint.name)} is link {shown(link)}, which does not exist"
-                raise strict.error(joint.line, what, alternatives(link, links, "links"))
-        first = above.setdefault(joint.child, joint)
-        if first is not joint:
-            what = f"link {shown(joint.child)} is a child of two joints: {shown(first.name)} (line {first.line})"
-            raise strict.error(joint.line, f"{what} and {shown(joint.name)}", "a link has one parent; remove one joint")
-    return above
 
 
 def cycles(successor: Mapping[K, K]) -> Iterator[list[K]]:

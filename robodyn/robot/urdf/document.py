@@ -220,10 +220,7 @@ class Document:
 
 
 def read_document(source: str | os.PathLike[str] | bytes, name: str | None = None) -> Document:
-    """Return the elements and attributes of a URDF file, its path or bytes, with their places.
-
-    Args:
-        name: the file as messages shall show it; by default the path, and `<stdin>` for bytes.
+    """Return the elements and attributes of a URDF file, its path or bytes, with their places; `name` as `read`.
 
     Raises:
         DescriptionError: the file cannot be read, is not XML or not URDF, has a document type, an undeclared
@@ -236,7 +233,11 @@ def read_document(source: str | os.PathLike[str] | bytes, name: str | None = Non
 
 
 def read(source: str | os.PathLike[str] | bytes, name: str | None = None) -> Document:
-    """Return what can be read of a file, with all its faults; DescriptionError where it cannot be opened."""
+    """Return what can be read of a file, with all its faults; DescriptionError where it cannot be opened.
+
+    Args:
+        name: the file as messages shall show it; by default the path, and `<stdin>` for bytes.
+    """
     file, original = read_source(source, name)
     try:
         data, transcoded = as_utf8(original)

@@ -21,11 +21,8 @@ class Edit:
 
 
 def edited(data: bytes, edits: Iterable[Edit], encoding: str) -> bytes:
-    """Return the text with the edits made; what the encoding lacks is written as a character reference.
-
-    Args:
-        edits: that do not touch each other; insertions at one place stand in the order given.
-    """
+    """Return the text with edits made that do not touch each other; insertions at one place stand in the order given.
+    What the encoding lacks is written as a character reference."""
     parts, place = [], 0
     for edit in sorted(edits, key=lambda edit: edit.start):
         parts += [data[place : edit.start], edit.text.encode(encoding, "xmlcharrefreplace")]
@@ -49,11 +46,8 @@ def with_attributes(element: Element, values: Mapping[str, str]) -> Iterator[Edi
 
 
 def with_first_child(element: Element, lines: Sequence[str]) -> Edit:
-    """Return the edit that puts a child before an element's others, indented as they are where each has its own line.
-
-    Args:
-        lines: of the child, with two blanks for each level within it.
-    """
+    """Return the edit that puts a child before an element's others, indented as they are where each has its own line;
+    two blanks for each level within its lines."""
     data, end = element.positions.data, element.span.end
     own = _indent(data, element.start)
     first = None if not element.children else _indent(data, element.children[0].start)

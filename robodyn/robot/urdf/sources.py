@@ -46,8 +46,7 @@ class Search:
         """Return the file that a description means by the name of a mesh; None if there is none on this machine.
 
         A plain name is relative to a folder of the description. `package://NAME/REST` (and Gazebo's `model://`) is REST
-        in the package NAME; see `packages`. `file://` is a path from the root. Nothing is fetched: other schemes have
-        no file.
+        in the package NAME; `file://` is a path from the root. Nothing is fetched.
         """
         return next((path for path in self._candidates(uri) if os.path.isfile(path)), None)
 

@@ -36,14 +36,12 @@ _UNBOUNDED = ("limit", "safety_controller")
 
 
 def parse_numbers(text: str, count: int, tag: str = "") -> tuple[float, ...]:
-    """Return exactly `count` finite numbers of an element with this tag, of a size that `robodyn.support.floats` has.
+    """Return exactly `count` finite numbers of an element with this tag; NumbersError with what is wrong and what to
+    write.
 
     What is next to nothing is 0, but of axes, which are made to unit vectors. Limits may be of any size: they are
     compared, not calculated with. What float() takes beyond URDF (`1_000`, `inf`, `nan`, digits outside ASCII) is
     refused.
-
-    Raises:
-        NumbersError: with what is wrong and what to write.
     """
     return (_parsed_before if len(text) <= _SHORT else _parsed)(text, count, tag)
 

@@ -89,11 +89,8 @@ class Reach:
         return glob.glob(pattern)
 
     def package(self, name: str) -> str:
-        """Return the folder of a package, of which files may be read from then on.
-
-        Raises:
-            RefusedError: it is a folder without package.xml, which is out of reach.
-        """
+        """Return the folder of a package, of which files may be read from then on; refused is one out of reach that has
+        no package.xml."""
         found = self._search.share(name) if self._trusted or _PACKAGE.fullmatch(name) else None
         if found is None:
             raise LookupError(f"the package {shown(name)} is not found")
@@ -157,26 +154,23 @@ def serve() -> None:
     question = json.loads(sys.stdin.buffer.readline())
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
-    threading.Thread(target=_end_with_the_parent, daemon=True).start()
+
+    def end_with_the_parent() -> None:
+        while os.read(0, 1):
+            pass
+        os._exit(1)
+
+    threading.Thread(target=end_with_the_parent, daemon=True).start()
     with answers:
         answers.write(json.dumps(answer(**question)).encode())
-
-
-def _end_with_the_parent() -> None:
-    while os.read(0, 1):
-        pass
-    os._exit(1)
 
 
 def answer(
     path: str, package_paths: Sequence[str], args: Mapping[str, str], trusted: bool, seconds: float
 ) -> dict[str, Any]:
-    """Expand a file in this process, which must have no other work.
-
-    Returns:
-        `text`, `files` and `places` (see `Expansion`), and the names of its `arguments`; or a `problem`, whether it is
-        what was `refused`, and if so the `file`, the `line` and what else helps.
-    """
+    """Expand a file in this process, which must have no other work. Return `text`, `files` and `places` (see
+    `Expansion`) and the names of its `arguments`; or a `problem`, whether it is what was `refused`, and if so `file`,
+    `line` and remedy."""
     given = _Arguments(args)
     sys.setrecursionlimit(_DEEPEST)
     bound(seconds, trusted)
@@ -215,8 +209,7 @@ def answer(
 
 
 def bound(seconds: float, trusted: bool) -> None:
-    """Let this process take so much processor time and memory, and unless it is trusted write no files; the system
-    sees to that whatever becomes of its parent."""
+    """Let this process take so much processor time and memory, and unless it is trusted write no files."""
     for name in [name for name in os.environ if name not in (*VARIABLES, "PWD") and not trusted]:
         del os.environ[name]
     sys.dont_write_bytecode = True
@@ -379,10 +372,8 @@ _NEVER = (
 
 
 def _watch(event: str, arguments: tuple[Any, ...]) -> None:
-    """Raise where Python is about to do what no expansion does, should an expression come through to it.
-
-    To start a process, to reach the network, to write a file, to run code that is no module's.
-    """
+    """Raise where Python is about to do what no expansion does, should an expression come through to it: to start a
+    process, to reach the network, to write a file, to run code that is no module's."""
     wrong = event.startswith(_NEVER) and event not in ("os.listdir", "os.scandir")
     if event == "open":
         _, mode, flags = arguments

@@ -248,12 +248,8 @@ class Evaluator:
         self._steps = 0
 
     def evaluate(self, source: str, names: Mapping[str, Any]) -> Any:
-        """Return the value of an expression.
-
-        Raises:
-            RefusedError: it has what is not allowed, or something in it becomes too large.
-            Exception: what Python raises of it: SyntaxError, NameError, TypeError and so on.
-        """
+        """Return the value of an expression; RefusedError where it has what is not allowed, or something in it becomes
+        too large, and what Python raises of it: SyntaxError, NameError, TypeError and so on."""
         source = source.strip()
         if len(source) > MOST_SOURCE:
             raise RefusedError(f"an expression of more than {MOST_SOURCE} characters")

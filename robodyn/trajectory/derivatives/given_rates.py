@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.support.caveats import Caveat
+from robodyn.errors import Caveat
 from robodyn.support.floats import Floats, median
 from robodyn.support.wording import figure, shown
 from robodyn.trajectory.derivatives.groups import Group, straight
