@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.oracles import robot
+from helpers.sampled import sampled
 from helpers.simulated_robots import pendulum, slide
 
 import robodyn
@@ -24,7 +25,7 @@ CREEP = SLIP * PUSH / np.sqrt(F**2 - PUSH**2)
 FIXED = [method.name for method in METHODS if not (method.adaptive or method.leapfrog or method.keeps_momenta)]
 
 
-@pytest.mark.parametrize("name", [*FIXED, "radau", None])
+@pytest.mark.parametrize("name", [*sampled(FIXED, 3), "radau"])
 def test_a_block_below_breakaway_creeps_and_does_not_chatter(name):
     """From rest: the speed rises to that of the creep and stays; no method's default step lets it swing."""
     found = robodyn.simulate(slide(M), HELD, 0.5, method=name)
@@ -77,7 +78,7 @@ def test_a_step_that_does_not_get_through_is_given_a_number():
     assert caught.value.remedy == "give --step 1e-07, or --method radau"
 
 
-@pytest.mark.parametrize("name", ["euler", "symplectic-euler", "midpoint", "rk4"])
+@pytest.mark.parametrize("name", ["symplectic-euler", "rk4"])
 def test_the_reach_is_the_end_of_stability(name):
     """Of a joint with friction d qd, at a step of 0.98 and 1.02 times the longest."""
     scene = replace(WEIGHTLESS, friction={"j1": Friction(viscous=100.0)}, initial_qd={"j1": 1.0})

@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 from helpers.random_scenes import braked_slide, hanging, swung
+from helpers.sampled import sampled
 from helpers.simulated_robots import slide
 from helpers.small_robots import built, joint, link
 from scipy.integrate import solve_ivp
@@ -18,8 +19,8 @@ from robodyn.measure.accuracy import simulate_within as effort
 from robodyn.measure.accuracy.simulate_within import graze, simulate_within
 from robodyn.scene.scene import Drive, Scene
 
-WAYS = [{}, {"rtol": 1e-6}, {"rtol": 1e-9}, {"method": "radau"}]
-WAYS += [{"method": name} for name in ("verlet", "midpoint", "gauss6")]
+WAYS = [{}, {"rtol": 1e-6}, {"method": "midpoint"}, {"rtol": 1e-9}, {"method": "radau"}]
+WAYS += [{"method": name} for name in ("verlet", "gauss6")]
 
 
 @cache
@@ -35,7 +36,7 @@ def moment_of(start: float, limit: float) -> float:
     return float(found.t_events[0][0])
 
 
-@pytest.mark.parametrize("how", WAYS, ids=str)
+@pytest.mark.parametrize("how", sampled(WAYS, 3), ids=str)
 def test_a_pendulum_reaches_a_limit_just_before_it_turns(how):
     """From -0.5 rad it swings to 0.5; its limit is at 0.49, where it is for a short while of each swing."""
     found = robodyn.simulate(hanging(-1.0, 0.49), Scene(initial_q={"j1": -0.5}), 20.0, **how)
@@ -46,7 +47,7 @@ def test_a_pendulum_reaches_a_limit_just_before_it_turns(how):
     assert f'"j1" reaches its upper limit of 0.49 rad at {found.time[-1]:.6g} s' == found.ended
 
 
-@pytest.mark.parametrize("how", [*WAYS, {"method": "euler"}, {"method": "symplectic-euler"}], ids=str)
+@pytest.mark.parametrize("how", sampled([*WAYS, {"method": "euler"}, {"method": "symplectic-euler"}], 3), ids=str)
 @pytest.mark.parametrize("depth", [1e-3, 1e-7])
 def test_a_limit_that_is_touched_within_one_step(how, depth):
     """A slide braked by a constant force turns `depth` beyond its limit, for much less than a step or for some."""
@@ -97,7 +98,7 @@ def test_the_limit_of_a_joint_that_mimics_another(how):
     assert abs(found.q[-1, 0] - 4.5) <= 1e-12
 
 
-@pytest.mark.parametrize("how", [{}, {"method": "gauss4"}, {"method": "verlet"}, {"rtol": 1e-9}, {"method": "radau"}])
+@pytest.mark.parametrize("how", [{}, {"method": "gauss4"}, {"rtol": 1e-9}])
 def test_a_motion_that_begins_at_a_limit(how):
     """Away from it, it goes on; into it, at speed or by a force, it is over at once."""
     at = Scene(gravity=(0, 0, 0), initial_q={"j1": 9.0})
@@ -119,7 +120,7 @@ def test_numbers_beyond_a_limit_do_not_matter():
     assert abs(found.q[-1, 0] - 9.0) <= 1e-12
 
 
-@pytest.mark.parametrize("seed", [17, 30, 41])
+@pytest.mark.parametrize("seed", sampled([17, 30], 2))
 def test_what_halved_steps_say_covers_the_moment_of_an_early_limit(seed):
     """A limit that is reached within the first whole step, by steps that halving that one does not change."""
     found = swung(np.random.default_rng(seed))
@@ -128,7 +129,7 @@ def test_what_halved_steps_say_covers_the_moment_of_an_early_limit(seed):
     assert abs(motion.time[-1] - found.moment) <= motion.expected_error * found.moment + 1e-15
 
 
-@pytest.mark.parametrize("depth", [1e-6, -1e-6, -1e-11])
+@pytest.mark.parametrize("depth", sampled([1e-6, -1e-11], 2))
 def test_an_accuracy_tells_a_limit_that_is_just_reached_from_one_that_is_just_missed(depth):
     """A pendulum let go at -0.5 rad turns at 0.5: errors have to be below what is left there."""
     model = hanging(-1.0, 0.5 - depth)
@@ -137,6 +138,7 @@ def test_an_accuracy_tells_a_limit_that_is_just_reached_from_one_that_is_just_mi
     assert found.expected_error <= abs(depth)
 
 
+@pytest.mark.slow
 def test_a_limit_that_no_digits_can_tell_is_refused(monkeypatch):
     """Let go at its lower limit, a pendulum comes back to just there."""
     monkeypatch.setattr(effort, "ALLOWED", 2.0)
@@ -152,10 +154,10 @@ def test_how_far_a_joint_would_go_on_beyond_its_limit():
     assert near.depth == pytest.approx(0.1, rel=1e-9)
 
 
-SLOW = [pytest.param(seed, marks=pytest.mark.slow) for seed in range(4, 16)]
+SLOW = [pytest.param(seed, marks=pytest.mark.slow) for seed in range(4, 10)]
 
 
-@pytest.mark.parametrize("seed", [*range(2), *SLOW])
+@pytest.mark.parametrize("seed", [1, *SLOW])
 def test_pendulums_under_random_torques_end_where_scipy_has_them(seed):
     """Rows held or straight between, limits 1e-9 to 0.1 rad beside a turn; as accurate as asked, or refused."""
     rng = np.random.default_rng(seed)

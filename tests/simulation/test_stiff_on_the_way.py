@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.report_text import simulation_text
+from helpers.sampled import sampled
 from helpers.simulated_robots import pendulum, slide, turntable
 
 import robodyn
@@ -110,9 +111,12 @@ def test_a_spring_of_1e8_throws_a_kilogram_back_as_fast_as_it_came() -> None:
     assert found.qd[-1, 0] == pytest.approx(-2.0, rel=KEPT)
     assert limits_verdict(found).headline == "No limit is exceeded"
     assert any("of the energy: those of" in note for note in found.notes)
+    wide = rebound(1e8, 1.0, 2.0, rtol=1e-2)
+    assert [caveat.text.endswith("(give a smaller --rtol)") for caveat in wide.caveats] == [True]
+    assert rebound(1e8, 1.0, 2.0, rtol=1e-9).caveats == ()
 
 
-@pytest.mark.parametrize(("stiffness", "mass", "speed"), drawn(25))
+@pytest.mark.parametrize(("stiffness", "mass", "speed"), sampled([pytest.param(*one) for one in drawn(12)], 4))
 def test_elastic_impacts_are_followed_by_default(stiffness: float, mass: float, speed: float) -> None:
     found = rebound(stiffness, mass, speed)
     assert found.qd[-1, 0] == pytest.approx(-speed, rel=KEPT)
@@ -120,11 +124,11 @@ def test_elastic_impacts_are_followed_by_default(stiffness: float, mass: float, 
     assert found.caveats == ()
 
 
-@pytest.mark.parametrize("method", FIXED)
+@pytest.mark.parametrize("method", sampled(FIXED, 4))
 def test_an_impact_that_is_not_followed_is_never_green(method: str) -> None:
     """With steps of every length, from far too long to short enough."""
     doubted = 0
-    for (stiffness, mass, speed), times in zip(drawn(12, 1), np.geomspace(0.01, 2.0, 12), strict=True):
+    for (stiffness, mass, speed), times in zip(drawn(8, 1), np.geomspace(0.01, 2.0, 8), strict=True):
         try:
             found = rebound(stiffness, mass, speed, method=method, step=float(times * np.sqrt(mass / stiffness)))
         except InputError:  # the steps do not settle
@@ -145,10 +149,3 @@ def test_the_warning_says_by_how_much_and_what_to_do() -> None:
     text = simulation_text(found)
     assert f"warning: {caveat.text}" in text
     assert "by steps that do not keep the energy (ENERGY DRIFTS)" in limits_verdict(found).headline
-    assert abs(rebound(1e8, 1.0, 2.0, step=1e-6).qd[-1, 0] + 2.0) <= 2e-5
-
-
-def test_tolerances_that_are_too_wide_are_said() -> None:
-    found = rebound(1e8, 1.0, 2.0, rtol=1e-2)
-    assert [caveat.text.endswith("(give a smaller --rtol)") for caveat in found.caveats] == [True]
-    assert rebound(1e8, 1.0, 2.0, rtol=1e-9).caveats == ()

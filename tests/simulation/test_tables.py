@@ -35,8 +35,9 @@ def exact_push(m, time, force):
     return np.array([q, qd, work])
 
 
-@pytest.mark.parametrize("executor", ["numpy", "compiled"])
-@pytest.mark.parametrize("name", ["midpoint", "verlet", "rk4", "gauss2", "gauss4", "gauss6"])
+@pytest.mark.parametrize(
+    ("name", "executor"), [("midpoint", "numpy"), ("verlet", "compiled"), ("rk4", "numpy"), ("gauss4", "compiled")]
+)
 def test_a_torque_straight_between_rows(name, executor):
     time = np.array([0.0, 0.1, 0.3, 0.35, 0.6, 1.0])
     force = np.array([1.0, -2.0, 4.0, 4.0, 0.0, 3.0])
@@ -62,7 +63,7 @@ def test_a_torque_that_is_held():
     assert any("torques and wrenches between rows are held until the next" in note for note in found.notes)
 
 
-@pytest.mark.parametrize("name", ["symplectic-euler", "rk4", "gauss4", "dop853"])
+@pytest.mark.parametrize("name", ["symplectic-euler", "rk4", "dop853"])
 def test_references_are_followed_with_their_slopes(name):
     """With the torque of the motion fed forward, an arm on its reference stays on it."""
     model, method = robot("two_link_planar"), method_named(name)

@@ -29,8 +29,7 @@ EPS = np.finfo(np.float64).eps
 ONE = Signals((Signal("a", "angle"),))
 
 
-@pytest.mark.parametrize("count", [6, 97, 1000])
-@pytest.mark.parametrize("jitter", [0.0, 0.3])
+@pytest.mark.parametrize(("count", "jitter"), [(6, 0.3), (97, 0.0), (1000, 0.3)])
 def test_spline_is_that_of_scipy(count: int, jitter: float) -> None:
     rng = np.random.default_rng(count)
     time = (np.arange(count) + rng.uniform(-jitter, jitter, count)) * 0.01
@@ -41,7 +40,7 @@ def test_spline_is_that_of_scipy(count: int, jitter: float) -> None:
     assert np.abs(second - curve(time, 2)).max() <= 2e4 * EPS * np.abs(values).max() / 0.01**2
 
 
-@pytest.mark.parametrize("window", [7, 31, 101])
+@pytest.mark.parametrize("window", [7, 101])
 def test_savitzky_golay_is_that_of_scipy(window: int) -> None:
     values = np.random.default_rng(1).normal(size=300)
     found = differentiate(np.arange(300) * 0.5, values[:, None], savgol(window))
@@ -63,11 +62,10 @@ def least_squares(time: Array, values: Array, row: int, order: int) -> tuple[flo
     return float(rows[1][-1] / rows[1][1]), float(2 * rows[2][-1] / rows[2][2])
 
 
-@pytest.mark.parametrize("far", [0.0, 1e3])
-def test_local_polynomials_are_those_of_rational_arithmetic(far: float) -> None:
+def test_local_polynomials_are_those_of_rational_arithmetic() -> None:
     """In the middle and at the ends; normal equations would miss the second derivative at an end by 1e-7."""
     time = np.sort(np.random.default_rng(2).uniform(0.0, 2.0, 60))
-    values = far + np.sin(3 * time)
+    values = 1e3 + np.sin(3 * time)
     first, second = (rate[:, 0] for rate in differentiate(time, values[:, None], savgol(7)))
     for row, start in ((0, 0), (1, 0), (30, 27), (58, 53), (59, 53)):
         part = slice(start, start + 7)
@@ -76,7 +74,7 @@ def test_local_polynomials_are_those_of_rational_arithmetic(far: float) -> None:
         assert abs(second[row] - expected[1]) <= 1e-11 * np.abs(second).max()
 
 
-@pytest.mark.parametrize("step", [1e-3, 1 / 1024, 0.1, 3.0])
+@pytest.mark.parametrize("step", [1e-3, 3.0])
 def test_equal_spacing_survives_rounding(step: float) -> None:
     for offset in (0.0, 1e3, -7.0):
         time = offset + np.arange(1000) * step
@@ -181,8 +179,7 @@ def test_body_rates_of_a_clean_rotation(jitter: float, flips: bool) -> None:
 @pytest.mark.slow
 def test_implied_deviation_of_body_rates() -> None:
     time = np.arange(1500) / 500
-    Q, _, _ = turn(time)
-    rng = np.random.default_rng(1)
+    Q, rng = turn(time)[0], np.random.default_rng(1)
     runs = [read(columns(time, Q + 1e-5 * rng.normal(size=Q.shape)), "spline") for _ in range(10)]
     spread = np.sqrt(np.stack([run.qdd[:, :3] for run in runs])[:, 100:-100].var(axis=0, ddof=1).mean())
     assert runs[0].derivation is not None

@@ -80,7 +80,6 @@ CLEAN: dict[str, Callable[[Array], Array]] = {
     "ramp of decimals": lambda t: np.round(0.001 * np.arange(len(t)), 3),
     "rest": lambda t: np.full(len(t), 0.7),
     "one step": lambda t: np.where(t > 3.0, 1.0, 0.0),
-    "one small step": lambda t: np.where(t > 3.0, 0.125, 0.0),
     "square wave": lambda t: np.where(t % 2.0 < 1.0, 0.5, -0.5),
     "held samples": lambda t: np.sin(np.floor(t * 5.0) / 5.0),
     "teach points": lambda t: np.random.default_rng(2).uniform(-1, 1, len(t)),
@@ -89,7 +88,7 @@ CLEAN: dict[str, Callable[[Array], Array]] = {
 }
 
 
-@pytest.mark.parametrize("rate", [100, *(pytest.param(rate, marks=pytest.mark.slow) for rate in (50, 1000))])
+@pytest.mark.parametrize("rate", [100, pytest.param(1000, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", CLEAN)
 def test_clean_signals_are_not_smoothed(name: str, rate: int) -> None:
     time = np.arange(10 * rate) / rate
@@ -112,7 +111,7 @@ NOISY = {
 
 
 @pytest.mark.parametrize("rate", [1000, pytest.param(5000, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("name", sampled(NOISY, 3))
+@pytest.mark.parametrize("name", sampled(NOISY, 4))
 def test_noisy_signals_are_smoothed_nearly_as_well_as_can_be(name: str, rate: int) -> None:
     """The window is found without the truth; with the truth one could do better by 60 % at most."""
     time = np.arange(4 * rate) / rate
@@ -130,42 +129,12 @@ def test_noisy_signals_are_smoothed_nearly_as_well_as_can_be(name: str, rate: in
     assert error(result.qdd[:, 0]) < 0.01 * np.abs(truth).max()
 
 
-def test_encoder_of_17_bits_at_1_khz() -> None:
-    """Central differences would be off by 34-38 rad/s^2 rms; the reference's best window reaches 0.005."""
-    time = np.arange(2000) / 1000
-    q = encoder(17)(np.sin(2 * np.pi * time))
-    result, joint = derive(time, q)
-    truth = -4 * np.pi**2 * np.sin(2 * np.pi * time)
-    raw = derive(time, q, "central")[0].qdd[:, 0] - truth
-    assert 30.0 < np.sqrt(np.mean(raw[10:-10] ** 2)) < 40.0
-    assert np.sqrt(np.mean((result.qdd[:, 0] - truth)[60:-60] ** 2)) < 0.015
-    assert joint.quantum == pytest.approx(2 * np.pi / 2**17, rel=1e-6)
-    assert joint.noise == pytest.approx(joint.quantum / np.sqrt(12), rel=0.25)
-
-
 @pytest.mark.parametrize(("size", "jitter"), [(1e-7, 0.2), (1e-3, 0.0)])
 def test_size_of_white_noise(size: float, jitter: float) -> None:
     rng = np.random.default_rng(3)
     time = (np.arange(2000) + rng.uniform(-jitter, jitter, 2000)) / 20.0
     _, joint = derive(time, np.sin(2 * np.pi * time) + size * rng.normal(size=2000))
     assert joint.noise == pytest.approx(size, rel=0.2)
-
-
-@pytest.mark.slow
-def test_implied_deviation_agrees_with_monte_carlo() -> None:
-    """Noisy copies of one motion: the spread of qdd is what was implied, within a factor of 1.25."""
-    time = np.arange(1500) / 500
-    clean = np.sin(2 * np.pi * time)
-    rng = np.random.default_rng(4)
-    for mode in ("savgol", "spline", "central"):
-        runs = [derive(time, clean + 2e-5 * rng.normal(size=1500), mode) for _ in range(20)]
-        methods = {joint.acceleration for _, joint in runs}
-        most = max(methods, key=[joint.acceleration for _, joint in runs].count)
-        chosen = [(result, joint) for result, joint in runs if joint.acceleration == most]
-        assert len(chosen) >= 8
-        found, implied = np.stack([r.qdd[:, 0] for r, _ in chosen]), np.mean([j.std for _, j in chosen])
-        spread = float(np.sqrt(found[:, 200:-200].var(axis=0, ddof=1).mean()))
-        assert 1 / 1.25 < implied / spread < 1.25
 
 
 def test_noise_of_a_fast_small_motion_does_not_erase_it() -> None:
@@ -178,20 +147,18 @@ def test_noise_of_a_fast_small_motion_does_not_erase_it() -> None:
     assert np.std((result.qdd[:, 0] - truth)[60:-60]) < 0.35 * np.std(truth)
 
 
-SIGNALS = Signals((Signal("elbow", "angle"),))
-
-
 @pytest.mark.slow
-def test_implied_noise_of_acceleration_is_that_of_many_noisy_copies() -> None:
+@pytest.mark.parametrize("mode", ["savgol", "spline", "central"])
+def test_implied_noise_of_acceleration_is_that_of_many_noisy_copies(mode: str) -> None:
     places = [0, 5, 20, 300]
     rng, time = np.random.default_rng(7), np.arange(1001) * 1e-3
-    line = 2 * time  # whatever the window, its second derivative is 0, so all of qdd is noise
+    line = 2 * time  # whatever the method, its second derivative is 0, so all of qdd is noise
     scores = []
     for _ in range(80):
-        noisy = (line + 1e-4 * rng.standard_normal(1001))[:, None]
-        trajectory = from_arrays(SIGNALS, time, noisy, reading=Reading("savgol"))
-        assert trajectory.sampling is not None
-        scores.append([trajectory.qdd[-1 - k, 0] / trajectory.sampling.noise[-1 - k, 0] for k in places])
+        result, joint = derive(time, line + 1e-4 * rng.standard_normal(1001), mode)
+        assert result.sampling is not None
+        assert joint.std == pytest.approx(result.sampling.noise[500, 0], rel=1e-9)
+        scores.append([result.qdd[-1 - k, 0] / result.sampling.noise[-1 - k, 0] for k in places])
     for score in np.sqrt(np.mean(np.square(scores), axis=0)):
         assert 1 / 1.25 <= score <= 1.25
 
@@ -222,7 +189,7 @@ def derived(time, q) -> Trajectory:
     return from_arrays(LIMITED, time, q[:, None])
 
 
-@pytest.mark.parametrize("grid", sampled([*GRIDS.values(), 0.0], 3))
+@pytest.mark.parametrize("grid", sampled([*GRIDS.values(), 0.0], 5))
 @pytest.mark.parametrize(("step", "move"), [(1e-3, hard), (1e-2, smooth)])
 def test_speeds_in_a_dwell_are_zero(grid: float, step: float, move) -> None:
     """Of dwells of 0.1 s and of 1 s; before and after it a joint moves but for where it is within its resolution."""
@@ -248,7 +215,7 @@ def test_noise_in_a_dwell_is_no_motion(sigma: float) -> None:
 
 @pytest.mark.parametrize(
     ("grid", "step"),
-    sampled([pytest.param(grid, step) for grid, step in zip(GRIDS.values(), 2 * (1e-3, 1e-2), strict=True)], 3),
+    sampled([pytest.param(grid, step) for grid, step in zip(GRIDS.values(), 2 * (1e-3, 1e-2), strict=True)], 4),
 )
 def test_a_slow_motion_goes_on(grid: float, step: float) -> None:
     """A motion of more than a step of the grid in 100 rows, in one direction or about a turning point."""

@@ -324,7 +324,7 @@ def write(path: Path, columns: dict[str, Array]) -> Path:
 DISTURBED = [(0.2, 1e-5), (0.2, 0.0), (0.0, 1e-5), (0.0, 0.0)]
 """How far stamps are off, of a step, and the noise of positions."""
 CASES = [("csv", "auto", *DISTURBED[2]), ("npz", "auto", *DISTURBED[-1])]
-SLOW = [(suffix, mode, *how) for suffix in ("csv", "parquet") for mode, how in zip(MODES, DISTURBED, strict=True)]
+SLOW = [("parquet", mode, *how) for mode, how in zip(MODES, DISTURBED, strict=True)]
 
 
 @pytest.mark.parametrize(
@@ -348,11 +348,10 @@ def test_blocks_change_nothing(tmp_path: Path, suffix: str, mode: str, jitter: f
         assert (difference <= 3e-11 * np.abs(getattr(whole, name)).max()).all()
 
 
-@pytest.mark.parametrize(("suffix", "rows"), [("csv", 50), ("parquet", 50), ("npz", 7)])
-def test_blocks_shorter_than_the_halo_twice(tmp_path: Path, suffix: str, rows: int) -> None:
-    path = write(tmp_path / f"t.{suffix}", motion(150))
+def test_blocks_shorter_than_the_halo_twice(tmp_path: Path) -> None:
+    path = write(tmp_path / "t.parquet", motion(150))
     whole = read_trajectory(path, SIGNALS)
-    with open_trajectory(path, SIGNALS, block_rows=rows) as reader:
+    with open_trajectory(path, SIGNALS, block_rows=7) as reader:
         first, second = (np.concatenate([block.qdd for block in reader.blocks()]) for _ in range(2))
     assert np.abs(first - whole.qdd).max() <= 1e-12 * np.abs(whole.qdd).max()
     assert first.tobytes() == second.tobytes()
@@ -369,10 +368,7 @@ class CountingTable(ArrayTable):
             yield block
 
 
-BOUNDS = [("auto", 0.0, REACH), ("central", 0.0, REACH), ("auto", 1e-5, 1798)]
-
-
-@pytest.mark.parametrize(("mode", "noise", "halo"), BOUNDS)
+@pytest.mark.parametrize(("mode", "noise", "halo"), [("central", 0.0, REACH), ("auto", 1e-5, 1798)])
 def test_rows_in_flight_are_bounded(mode: str, noise: float, halo: int) -> None:
     """The reader is ahead of what it has delivered by one block and the halo at most, however long the table is."""
     table = CountingTable(None, motion(4_000, noise=noise))
@@ -416,7 +412,7 @@ def pieces(lengths):
     return table
 
 
-@pytest.mark.parametrize("lengths", [[10], [1] * 10, [4, 5, 1]])
+@pytest.mark.parametrize("lengths", [[1] * 10, [4, 5, 1]])
 def test_the_nearest_row(lengths):
     for time, row in ((0.0, 0), (0.24, 0), (0.25, 0), (0.26, 1), (1.5, 3), (2.1, 4), (4.5, 9)):
         table = pieces(lengths)
