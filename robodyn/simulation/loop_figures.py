@@ -10,7 +10,7 @@ import numpy as np
 
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.initial_state import FEW, independent_equations
-from robodyn.dynamics.loops.closed_chain import NOTHING, ClosedChain
+from robodyn.dynamics.loops.closed_chain import NOTHING
 from robodyn.dynamics.plan import Plan, applied, runner_of
 from robodyn.errors import Caveat, InputError
 from robodyn.programs.program import trace, traced
@@ -143,46 +143,21 @@ def start_caveats(plan: Plan, state: Floats) -> tuple[Caveat, ...]:
         return ()
     chain, model = independent_equations(plan), plan.model
     q, qd = state[: model.nq].tolist(), state[model.nq : model.nq + model.n]
-    U, values, V = np.linalg.svd(chain.jacobian(chain.sample(q)))
+    U, values, _ = np.linalg.svd(chain.jacobian(chain.sample(q)))
     rank = int((values > FEW * values.max(initial=0.0)).sum())
-    left, across = U[:, rank:], V[rank:].T  # what the equations do not ask for, and the speeds that they leave
+    left = U[:, rank:]  # what the equations do not ask for
     if not left.shape[1]:
         return ()
-    freedoms, usual = across.shape[1], model.n - chain.count
+    freedoms, usual = model.n - rank, model.n - chain.count
     leave = f"the loops leave {freedoms} degrees of freedom where the motion begins, and {usual} nearby"
-    missed = float(np.abs(_turned(chain, q, qd, left)).max())
+    turned = np.array(chain.equations(chain.sample(q, qd.tolist())).bias, dtype=float) @ left
+    missed = float(np.abs(turned).max())
     if missed > KEPT * max(float(qd @ qd), 1e-300):
         what = f"{leave}: with the speeds given they come apart at {missed:.3g} m/s^2 or rad/s^2, whatever happens"
-        raise InputError(what, remedy=_ways(plan, chain, q, qd, left, across))
+        raise InputError(what, remedy="begin a little away from there, or give all [initial] qd of one way on")
     how = "they follow the speeds given, and errors fall only with the step" if qd.any() else "at rest none is marked"
     said = f"{leave}: ways part there, and which one is taken is assumed ({how}); begin a little away from there"
     return (Caveat("by one of several motions that are possible (assumed)", said),)
-
-
-def _turned(chain: ClosedChain, q: list[float], qd: Floats, left: Floats) -> Floats:
-    """u^T J' qd of each u."""
-    return np.asarray(np.array(chain.equations(chain.sample(q, qd.tolist())).bias, dtype=float) @ left)
-
-
-def _ways(plan: Plan, chain: ClosedChain, q: list[float], qd: Floats, left: Floats, across: Floats) -> str:
-    """A remedy that names the speeds of the ways on, where two numbers and one equation are left."""
-    away = "begin a little away from there"
-    if left.shape[1] != 1 or across.shape[1] != 2:
-        return away
-    a, c, both = (float(_turned(chain, q, across @ x, left)[0]) for x in ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0)))
-    b = both - a - c  # directions (x, y) with a x^2 + b x y + c y^2 = 0
-    square = b * b - 4.0 * a * c
-    big = -0.5 * (b + np.copysign(np.sqrt(max(square, 0.0)), b))
-    lines = [] if square < 0.0 else [(big, a), (c, big)] if big else [(1.0, 0.0)]
-    names = plan.model.rates
-    first = next((names.index(name) for name in plan.scene.initial_qd), int(np.argmax(np.abs(qd))))
-    listed = []
-    for way in (across @ line for line in lines):
-        least = FEW * np.abs(way).max()
-        if abs(way[first]) > least:
-            speeds = np.where(np.abs(way) < least, 0.0, way) * (qd[first] / way[first])
-            listed.append(", ".join(f"{name} = {x:.6g}" for name, x in zip(names, speeds.tolist(), strict=True)))
-    return f"{away}, or give all [initial] qd of one way on: {'; or '.join(listed)}" if listed else away
 
 
 def _passed(plan: Plan, motion: Motion) -> tuple[Singular, ...]:

@@ -44,22 +44,6 @@ class Derivation:
 
     joints: tuple[JointDerivation, ...]
 
-    @property
-    def velocity(self) -> str:
-        return self._methods("velocity")
-
-    @property
-    def acceleration(self) -> str:
-        return self._methods("acceleration")
-
-    def _methods(self, rate: str) -> str:
-        """The method, or the methods with the joints that each served."""
-        served: dict[str, list[str]] = {}
-        for joint in self.joints:
-            served.setdefault(getattr(joint, rate), []).append(joint.name)
-        several = len(served) > 1
-        return "; ".join(f"{method} ({', '.join(names)})" if several else method for method, names in served.items())
-
 
 @dataclass(frozen=True)
 class Sampling:

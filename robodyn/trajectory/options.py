@@ -20,8 +20,7 @@ HoldGiven = str | float | Mapping[str, str | float]
 
 @dataclass(frozen=True)
 class Hold:
-    """Where joints without columns are held: by the name of a joint, or of a coordinate of a floating joint; `every`
-    other one, unless it is None."""
+    """Where joints without columns are held, by the name of a joint or a coordinate; `every` other one if not None."""
 
     every: str | float | None = None
     named: Mapping[str, str | float] = field(default_factory=dict)

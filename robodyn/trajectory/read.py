@@ -258,7 +258,7 @@ class TrajectoryReader:
     """Samples of a table, block by block; also a context manager that closes the file.
 
     Attributes:
-        file: as messages name it, None for arrays; size_bytes: its length; columns: the names in the table.
+        file: as messages name it, None for arrays; size_bytes: its length.
         notes: assumptions made so far; caveats: what makes the units doubtful, by all that has been read.
         missing: joints whose velocities or accelerations are not given; followed: joints that loops tell.
     """
@@ -279,7 +279,7 @@ class TrajectoryReader:
 
             reading = replace(reading, ignore_extra=True, columns=whole_joints(reading.columns, table.names))
         self._table, self._signals, self._rows = table, signals, block_rows
-        self._encoder_error, self.columns = reading.encoder_error, table.names
+        self._encoder_error = reading.encoder_error
         self.file, self.size_bytes = table.file, table.size_bytes
         header = Header(table.names, table.file, table.header_line)
         if header.labels:

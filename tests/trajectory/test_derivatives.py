@@ -106,7 +106,7 @@ def test_turns_of_a_continuous_joint() -> None:
     np.testing.assert_array_equal(turning.q[:, 0], wrapped)
     assert np.abs(turning.qdd - straight.qdd).max() < 1e-7
     assert turning.derivation is not None
-    assert turning.derivation.acceleration == "quintic spline"
+    assert turning.derivation.joints[0].acceleration == "quintic spline"
     fixed = from_arrays(ONE, time, wrapped[:, None], reading=Reading("spline"))
     assert np.abs(fixed.qdd).max() > 6e6
 

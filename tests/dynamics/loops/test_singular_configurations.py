@@ -22,7 +22,7 @@ LEAVE = "the loops leave 2 degrees of freedom where the motion begins, and 1 nea
 WAYS = {"a": 1.0, "b": 1.0, "c": -1.0}, {"a": 1.0, "b": -3.0, "c": -3.0}
 
 
-def test_speeds_that_no_motion_has_are_refused_with_those_that_one_has():
+def test_speeds_that_no_motion_has_are_refused():
     """The energy of a parallelogram that lies flat drifted by 7 % and its motion depended on the step, silently.
 
     With a, b the speeds of the cranks and c that of the bar against its crank, r a + d (a + c) = r b holds the bar's
@@ -31,8 +31,7 @@ def test_speeds_that_no_motion_has_are_refused_with_those_that_one_has():
     model, scene = parallelogram(initial_qd={"a": 1.0})
     with pytest.raises(InputError, match=LEAVE + "with the speeds given they come apart at 0.36 m/s") as caught:
         robodyn.simulate(model, scene, 1.0)
-    both = "a = 1, b = 1, c = -1; or a = 1, b = -3, c = -3"
-    assert caught.value.remedy == f"begin a little away from there, or give all [initial] qd of one way on: {both}"
+    assert caught.value.remedy == "begin a little away from there, or give all [initial] qd of one way on"
 
 
 @pytest.mark.parametrize("speeds", WAYS)
