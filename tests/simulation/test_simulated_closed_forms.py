@@ -66,14 +66,6 @@ def test_friction_stops_a_slide_without_chatter():
     assert found.energy_drift <= 1e-6 * found.figures.kinetic[0]
 
 
-def test_a_fall_ends_at_the_limit():
-    found = robodyn.simulate(slide(axis=(0, 0, 1)), Scene(), 5.0, step=0.01)
-    fall = np.sqrt(18 / G)
-    assert abs(found.time[-1] - fall) <= 1e-14 * fall
-    assert -9.0 <= found.q[-1, 0] <= -9.0 + 1e-12
-    assert found.ended == f'"j1" reaches its lower limit of -9 m at {fall:.6g} s'
-
-
 def test_friction_without_a_slip_speed_is_given_one_and_the_note_says_so():
     scene = Scene(friction={"j1": Friction(forward=3.0, backward=-2.0)}, initial_qd={"j1": 1.5})
     found = robodyn.simulate(slide(), scene, 0.01)

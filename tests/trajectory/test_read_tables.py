@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -18,10 +17,8 @@ from numpy.typing import NDArray
 
 from robodyn.errors import TrajectoryError
 from robodyn.trajectory.columns.signals import Signal, Signals
-from robodyn.trajectory.derivatives.standstill import REACH
-from robodyn.trajectory.formats.table import ArrayTable
 from robodyn.trajectory.options import Reading
-from robodyn.trajectory.read import TrajectoryReader, from_arrays, open_trajectory, row_at
+from robodyn.trajectory.read import from_arrays, open_trajectory, row_at
 from robodyn.trajectory.write import open_writer
 
 ARM = Signals((Signal("a", "angle"), Signal("b", "length")))
@@ -277,8 +274,10 @@ def test_line_of_a_late_row_in_a_large_file(tmp_path: Path, monkeypatch: pytest.
     with pytest.raises(TrajectoryError, match=r"t.csv:14002: column 'q_b': '1x' is not a number"):
         read(tmp_path, Q + "\n".join(rows))
     rows[14_000], rows[13_000] = "14000,1,1", "12999,1,1"
-    with pytest.raises(TrajectoryError, match=r"t.csv:13002: time 12999.0 repeats 12999.0"):
-        read(tmp_path, Q + "\n".join(rows))
+    (tmp_path / "t.csv").write_text(Q + "\n".join(rows))
+    late = pytest.raises(TrajectoryError, match=r"t.csv:13002: time 12999.0 repeats 12999.0")
+    with late, open_trajectory(tmp_path / "t.csv", ARM, block_rows=100) as reader:
+        list(reader.blocks())
 
 
 def test_progress(tmp_path: Path) -> None:
@@ -356,30 +355,6 @@ def test_blocks_shorter_than_the_halo_twice(tmp_path: Path) -> None:
     assert first.tobytes() == second.tobytes()
 
 
-class CountingTable(ArrayTable):
-    """Counts the rows that it has handed out."""
-
-    handed_out = 0
-
-    def blocks(self, columns: Sequence[int], rows: int) -> Iterator[Array]:
-        for block in super().blocks(columns, rows):
-            self.handed_out += len(block)
-            yield block
-
-
-@pytest.mark.parametrize(("mode", "noise", "halo"), [("central", 0.0, REACH), ("auto", 1e-5, 1798)])
-def test_rows_in_flight_are_bounded(mode: str, noise: float, halo: int) -> None:
-    """The reader is ahead of what it has delivered by one block and the halo at most, however long the table is."""
-    table = CountingTable(None, motion(4_000, noise=noise))
-    reader = TrajectoryReader(table, SIGNALS, reading=Reading(mode), block_rows=500)  # type: ignore[arg-type]
-    delivered, ahead = 0, []
-    for block in reader.blocks():
-        ahead.append(table.handed_out - delivered)
-        delivered += len(block)
-    assert delivered == 4_000
-    assert max(ahead) <= 1000 + halo
-
-
 def test_the_method_does_not_depend_on_blocks(tmp_path: Path) -> None:
     """Rest first, then a noisy motion: the method is chosen from all of the file, not from its first block."""
     t = np.arange(9_000) / 1000
@@ -391,18 +366,6 @@ def test_the_method_does_not_depend_on_blocks(tmp_path: Path) -> None:
     assert first.derivation is not None
     assert first.derivation.joints[0].acceleration.startswith("local polynomials")
     assert first.derivation == read_trajectory(path, one).derivation
-
-
-def test_errors_in_late_blocks_name_the_line(tmp_path: Path) -> None:
-    path = write(tmp_path / "t.csv", motion(2500))
-    lines = path.read_text().splitlines()
-    lines[2000] = lines[1999]
-    path.write_text("\n".join(lines))
-    with (
-        open_trajectory(path, SIGNALS, block_rows=100) as reader,
-        pytest.raises(TrajectoryError, match=r"t\.csv:2001: time \S+ repeats"),
-    ):
-        list(reader.blocks())
 
 
 def pieces(lengths):
