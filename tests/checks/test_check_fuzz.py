@@ -73,7 +73,7 @@ def test_a_file_cut_off_anywhere() -> None:
         assert {finding.code for finding in check_one(DATA[:cut])} == {"RD001"}
 
 
-MANY = 1_500
+MANY = 1_100
 """More than Python recurses."""
 STRUCTURE = Options(select=("RD0", "RD1", "RD2"))
 
@@ -123,15 +123,15 @@ def test_large(kind: str) -> None:
 
 
 def test_many_comments_in_a_line() -> None:
-    """Each byte of the line is looked at once: 20 000 comments take a third of a second, not ten."""
+    """Each byte of the line is looked at once: 5000 comments take a tenth of a second, not one."""
     waiver = "<!-- robodyn: allow RD208 known -->"
-    reading = read(f'<robot name="r"><link name="a"/>{waiver * 20_000}<link name="b"/></robot>'.encode())
+    reading = read(f'<robot name="r"><link name="a"/>{waiver * 5_000}<link name="b"/></robot>'.encode())
     given = waivers(Context(reading))
-    assert len(given) == 20_000
+    assert len(given) == 5_000
     assert {reading.data[waiver.start :][:16] for waiver in given} == {b'<link name="a"/>'}
 
 
-@pytest.mark.parametrize("text", ["1 " * 1_000_000, "9" * 1_000_000, "x" * 1_000_000])
+@pytest.mark.parametrize("text", ["1 " * 100_000, "9" * 1_000_000, "x" * 1_000_000])
 def test_a_long_attribute(text: str) -> None:
     (finding,) = [
         f for f in found(f'<link name="a"><inertial><mass value="{text}"/></inertial></link>') if f.code == "RD007"
@@ -254,7 +254,7 @@ def slip(text: str, chance: random.Random) -> str:
 
 
 @needs_urdfdom
-@pytest.mark.parametrize("stem", ["z1", "panda", "a1"])
+@pytest.mark.parametrize("stem", sampled(["z1", "panda", "a1"]))
 def test_random_slips_in_published_robots(tmp_path: Path, stem: str) -> None:
     chance, file, refusals = random.Random(stem), tmp_path / f"{stem}.urdf", 0
     text = re.sub(r"<!--.*?-->", "", path_of(stem).read_text(encoding="utf-8"), flags=re.DOTALL)

@@ -11,7 +11,7 @@ from helpers.sampled import sampled
 from robodyn.checks.check import Options, check_one, select_findings
 from robodyn.checks.rule import Finding
 
-ROBOTS = ("go2", "panda", "z1", "solo12")
+ROBOTS = ("z1", "panda", "go2", "solo12")
 UNITS = {1000.0: "in millimetres", 0.001: "a thousandth of metres"}
 LENGTHS = re.compile(r'<axis\b[^>]*>|\b(xyz|size|radius|length)="([^"]*)"')
 MESH = re.compile(r"<mesh\b[^>]*?/?>")
@@ -37,9 +37,8 @@ def drawn(text: str, times: float) -> str:
 def severe(stem: str, times: float) -> list[Finding]:
     path = path_of(stem)
     text = drawn(path.read_text(encoding="utf-8"), times)
-    return [
-        one for one in select_findings(check_one(text.encode(), name=str(path)), Options()).shown if one.code != "RD403"
-    ]
+    found = select_findings(check_one(text.encode(), name=str(path)), Options()).shown
+    return [one for one in found if one.code != "RD403"]
 
 
 @pytest.mark.parametrize("stem", sampled(ROBOTS, 4))
@@ -52,6 +51,6 @@ def test_it_is_named_once(stem: str, times: float) -> None:
     assert UNITS[times] in found[0].message
 
 
-@pytest.mark.parametrize("times", [0.1, 10.0, 39.37, 100.0])
+@pytest.mark.parametrize("times", sampled([0.1, 10.0, 39.37, 100.0], 4))
 def test_another_factor_is_not_named(times: float) -> None:
-    assert "RD113" not in {one.code for one in severe("panda", times)}
+    assert "RD113" not in {one.code for one in severe("z1", times)}

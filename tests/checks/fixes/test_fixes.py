@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import json
 import re
-import subprocess
-import sys
 from collections import Counter
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache, partial
 from pathlib import Path
@@ -16,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.clean_arm import INERTIA, arm
-from helpers.peers import peer
+from helpers.importers import answers
 from helpers.planted_defects import DEFECTS, SOUND
 from pinned_findings import name_of, published
 
@@ -220,25 +216,6 @@ ROBOTS = {name_of(path): path for path in published() if name_of(path) in FIXABL
 _SHAPES = re.compile(rb"<!--.*?-->|<(visual|collision)\b[^>]*/>|<(visual|collision)\b.*?</\2>", re.DOTALL)
 _ATTRIBUTE = re.compile(r"""([\w:]+)\s*=\s*("[^"]*"|'[^']*')""")
 _WAIVER = re.compile(r"<!-- robodyn: .*? -->")
-READ = """
-import json, os, sys
-if sys.argv[1] == "mujoco":
-    from mujoco import MjModel
-    read = MjModel.from_xml_string
-else:
-    from pinocchio import buildModelFromXML as read
-for text in map(json.loads, sys.stdin):
-    child = os.fork()
-    if not child:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-        try:
-            read(text)
-        except Exception:
-            os._exit(1)
-        os._exit(0)
-    print(os.waitpid(child, 0)[1], flush=True)
-"""
-"""Reads descriptions, one in a line, each in a fork, which may crash, and answers with the statuses that they leave."""
 
 
 @cache
@@ -284,47 +261,26 @@ def assert_idempotent(name: str, unsafe: bool) -> None:
     assert not again.made
 
 
-Loads = Callable[[str, bytes], bool]
-
-
-@pytest.fixture(scope="module")
-def loads(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Loads]:
-    """Whether a program reads a description without its shapes."""
-    with ExitStack() as readers:
-
-        @cache
-        def reader(program: str) -> subprocess.Popen[str]:
-            peer(program)
-            command, folder = [sys.executable, "-I", "-c", READ, program], tmp_path_factory.mktemp(program)
-            pipe, nothing = subprocess.PIPE, subprocess.DEVNULL
-            started = subprocess.Popen(command, cwd=folder, stdin=pipe, stdout=pipe, stderr=nothing, text=True)
-            readers.callback(started.communicate)
-            return started
-
-        @cache
-        def read(program: str, text: bytes) -> bool:
-            to, back = reader(program).stdin, reader(program).stdout
-            assert to
-            assert back
-            print(json.dumps(_SHAPES.sub(b"", text).decode()), file=to, flush=True)
-            return int(back.readline()) == 0
-
-        yield read
-
-
-def assert_loads_as_before(one: Fixed, loads: Loads) -> None:
-    """What loaded loads; and what has no error left that is about more than shapes loads in any case."""
-    errors = [found for found in checked(one.file, one.after) if found.severity is Severity.ERROR]
-    sound = not [found for found in errors if not found.code.startswith(("RD3", "RD6", "RD7"))]
-    for program in ("mujoco", "pinocchio"):
-        assert loads(program, one.after) or not (sound or loads(program, one.before)), program
+def assert_load_as_before(results: Sequence[Fixed], folder: Path) -> None:
+    """What MuJoCo read without shapes it reads; and what has no error left that is about more than shapes in any
+    case."""
+    files = []
+    for k, text in enumerate(text for one in results for text in (one.before, one.after)):
+        files.append(folder / f"{k}.urdf")
+        files[-1].write_bytes(_SHAPES.sub(b"", text))
+    refusals = [answer.refused for answer in answers("mujoco", files)]
+    for one, before, after in zip(results, refusals[::2], refusals[1::2], strict=True):
+        errors = [found.code for found in checked(one.file, one.after) if found.severity is Severity.ERROR]
+        sound = all(code.startswith(("RD3", "RD6", "RD7")) for code in errors)
+        assert after is None or (before is not None and not sound), one.file
 
 
 @pytest.mark.parametrize(
     ("part", "loading"), [(0, False), *(pytest.param(part, True, marks=pytest.mark.slow) for part in range(4))]
 )
-def test_planted_defects(part: int, loading: bool, request: pytest.FixtureRequest) -> None:
+def test_planted_defects(part: int, loading: bool, tmp_path: Path) -> None:
     """What has no fix stays as it is."""
+    mended = []
     for name in list(CORPUS)[part::4]:
         fixes = [one.fix for one in checked(name, CORPUS[name]) if one.fix]
         for unsafe in (False, True):
@@ -334,18 +290,19 @@ def test_planted_defects(part: int, loading: bool, request: pytest.FixtureReques
                 assert_idempotent(name, unsafe)
             else:
                 assert one.after == CORPUS[name]
-            if loading and fixes:
-                assert_loads_as_before(one, request.getfixturevalue("loads"))
+            mended += [one] * bool(fixes)
         assert not [one for one in checked(name, result(name, True).after) if one.fix]
+    if loading:
+        assert_load_as_before(mended, tmp_path)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("unsafe", [False, True])
 @pytest.mark.parametrize("name", ROBOTS)
-def test_robots(name: str, unsafe: bool, loads: Loads, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_robots(name: str, unsafe: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     one = result(name, unsafe)
     assert one.made or not unsafe
     assert_only_values_change(one)
     assert_idempotent(name, unsafe)
-    assert_loads_as_before(one, loads)
+    assert_load_as_before([one], tmp_path)

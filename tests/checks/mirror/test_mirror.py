@@ -119,6 +119,7 @@ def test_limits_change_sides_with_the_axis(right_joint: str, found: set[str]) ->
     assert codes(two_arms(right_joint=right_joint)) == found
 
 
+@pytest.mark.slow
 def test_copied_arms_of_talos_are_found() -> None:
     """Its right arm has the left one's meshes with a negative scale, but the left one's inertials as they are."""
     found = check_one(str(path_of("talos_reduced")), Options(select=("RD313", "RD403")))
