@@ -23,10 +23,9 @@ from statistics import median
 
 from benchmarks.bench_check import cached, times
 from checks.test_check_real_robots import CLEAN
-from helpers.judged import NAMED, VERDICTS, by_check_urdf, by_robodyn, by_simcheck, of_robots
+from helpers.judged import NAMED, VERDICTS, Case, by_check_urdf, by_robodyn, by_simcheck, files, of_robots, real, small
 from helpers.machine import machine
 from helpers.markdown_tables import main, table
-from helpers.planted_everywhere import Case, files, real, small
 from helpers.simcheck import ABSENT, STATIC, Verdict, command, verdicts, version
 from helpers.urdfdom import check_urdf
 from pinned_findings import published

@@ -361,11 +361,6 @@ def test_second_moments_are_clipped_in_their_axes(moments: tuple[float, ...], ke
     assert np.abs(found - turned(kept, 3)).max() <= 16 * EPS * max(moments)
 
 
-@pytest.mark.parametrize("I", [-np.eye(3), np.diag((-3.0, -1.0, -2.0)), np.zeros((3, 3))])
-def test_nothing_is_near(I: Floats) -> None:
-    assert nearest(I) is None
-
-
 def test_what_it_writes_a_body_can_have_and_it_is_said_how_far_it_is() -> None:
     text = HEALTHY.replace('izz="0.0035"', 'izz="0.0085"').encode()
     result = fixed(text, "picker.urdf", check_one, unsafe=True)

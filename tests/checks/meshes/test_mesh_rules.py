@@ -470,10 +470,3 @@ def test_no_corner_lies_farther_than_the_outermost(tmp_path: Path, monkeypatch: 
         assert product(found, direction).max() == pytest.approx(product(corners, direction).max(), rel=1e-15)
     (tmp_path / "part.stl").write_bytes(b"solid")
     assert extremes(tmp_path / "part.stl", "") is None
-
-
-def test_facts_survive_writing() -> None:
-    facts = MeshFacts(triangles=3, lo=(-0.1, 0.0, 1e-17), hi=(0.1, 0.2, 1 / 3), volume=-2e-9, closed=True, inverted=1)
-    assert MeshFacts.loads(facts.dumps()) == facts
-    for data in (b"", b"[]", b"{}", b'{"lo": 1, "hi": 2}', b'{"lo": [], "hi": [], "more": 1}', b"\xff"):
-        assert MeshFacts.loads(data) is None

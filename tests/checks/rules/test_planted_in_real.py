@@ -1,4 +1,4 @@
-"""Each defect planted in a published robot is named by its rule, at its place, and by no other rule."""
+"""Each defect or slip in a published robot is named by its rule, at its place, and by no other rule."""
 
 from __future__ import annotations
 
@@ -6,14 +6,29 @@ import re
 from collections import Counter
 from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 import pytest
 from helpers.example_robots import path_of
+from helpers.planted_ros import (
+    ARMS,
+    FOLLOWERS,
+    FOLLOWING,
+    HEALTHY,
+    NEIGHBOURS,
+    PLANTED,
+    Edit,
+    Planted,
+    Texts,
+    texts_of,
+    write,
+)
+from helpers.planted_slips import FILE, HARMLESS, NAMED, Slip, by_its_rule, outcome, slips
 from helpers.sampled import sampled
 
 from robodyn.checks.catalogue import BY_CODE
-from robodyn.checks.check import check_one
+from robodyn.checks.check import Options, check_one, select_findings
 from robodyn.checks.groups import deduplicate
 from robodyn.checks.rule import Finding
 
@@ -208,3 +223,118 @@ def test_millimetres_in_an_origin_are_named() -> None:
     causes = {plant.robot: [one.cause for one in fresh(plant)] for plant in TREE[:4]}
     x, z = "entry x of its origin is in millimetres", "entry z of its origin is in millimetres"
     assert causes == {"panda": [x], "ur5_robot": [z], "z1": [z], "go2": [z]}
+
+
+CASES = [pytest.param(each, stem, id=f"{each.kind}-{stem}") for each in PLANTED for stem in each.robots]
+SOUND = [
+    *((edit, stem) for edit in HEALTHY for stem in ARMS),
+    *((edit, stem) for edit in FOLLOWING for stem in FOLLOWERS),
+]
+
+
+OPTIONS = Options(ignore=("RD901",))
+"""Without what single programs make of it."""
+
+
+def found(texts: Texts, options: Options = OPTIONS) -> tuple[Finding, ...]:
+    with TemporaryDirectory() as folder:
+        return check_one(str(write(Path(folder), texts)), options)
+
+
+@cache
+def codes(stem: str) -> Counter[str]:
+    return Counter(one.code for one in found(texts_of(stem)))
+
+
+@pytest.mark.parametrize(("planted", "stem"), sampled(CASES, 9))
+def test_found_once_and_nothing_else(planted: Planted, stem: str) -> None:
+    texts = planted.edit(*texts_of(stem))
+    assert texts != texts_of(stem)
+    new = found(texts)
+    assert Counter(one.code for one in new) - codes(stem) == {planted.code: 1}
+
+
+@pytest.mark.parametrize(("edit", "stem"), sampled([pytest.param(*each) for each in SOUND], 6))
+def test_what_is_sound_stays_unfound(edit: Edit, stem: str) -> None:
+    assert not Counter(one.code for one in found(edit(*texts_of(stem)))) - codes(stem)
+
+
+@pytest.mark.parametrize("stem", sampled(NEIGHBOURS.robots, 4))
+def test_neighbours_that_touch(stem: str) -> None:
+    """Where their meshes are is said: what touches is known by these."""
+    options = Options(select=("RD709",), package_path=(str(path_of(stem).parents[4]),))
+    assert not found(texts_of(stem), options)
+    (one,) = found(NEIGHBOURS.edit(*texts_of(stem)), options)
+    assert one.file.endswith(".srdf")
+
+
+def test_each_kind_is_planted_in_three_robots() -> None:
+    kinds = (*PLANTED, NEIGHBOURS)
+    assert len({each.kind for each in kinds}) == len(kinds) >= 40
+    assert all(len(set(each.robots)) >= 3 for each in kinds)
+
+
+UNSEEN = (FILE.parent / "unseen_slips.txt").read_text(encoding="utf-8").splitlines()
+"""Slips that are not named so far; `benchmarks.bench_slips --unseen 1` writes them."""
+ALL = slips()
+
+
+@pytest.mark.parametrize("slip", sampled([slip for slip in ALL if str(slip) not in UNSEEN], 80), ids=str)
+def test_named(slip: Slip) -> None:
+    if slip.group == HARMLESS:
+        assert not outcome(slip).elsewhere
+    else:
+        assert by_its_rule(slip).verdict == NAMED
+
+
+def test_many_kinds_in_three_robots_and_most_named() -> None:
+    kinds = {slip.kind for slip in ALL if slip.group != HARMLESS}
+    robots = {kind: {slip.robot for slip in ALL if slip.kind == kind} for kind in kinds}
+    assert sum(len(each) >= 3 for each in robots.values()) >= 160
+    assert len(UNSEEN) < 0.12 * len(ALL)
+    assert set(UNSEEN) <= {str(slip) for slip in ALL}
+
+
+OTHER_UNIT = ("z1", "panda", "go2", "solo12")
+UNITS = {1000.0: "in millimetres", 0.001: "a thousandth of metres"}
+LENGTHS = re.compile(r'<axis\b[^>]*>|\b(xyz|size|radius|length)="([^"]*)"')
+MESH = re.compile(r"<mesh\b[^>]*?/?>")
+
+
+def drawn(text: str, times: float) -> str:
+    """The description with all its lengths multiplied, but for axes."""
+
+    def scaled(found: re.Match[str]) -> str:
+        if found[1] is None:
+            return found[0]
+        return f'{found[1]}="{" ".join(repr(times * float(number)) for number in found[2].split())}"'
+
+    def mesh(found: re.Match[str]) -> str:
+        given = re.search(r'scale="([^"]*)"', found[0])
+        old = [float(number) for number in given[1].split()] if given else [1.0] * 3
+        scale = f'scale="{" ".join(repr(times * factor) for factor in old)}"'
+        return found[0].replace(given[0], scale) if given else found[0].replace("<mesh", f"<mesh {scale}")
+
+    return MESH.sub(mesh, LENGTHS.sub(scaled, text))
+
+
+def severe(stem: str, times: float) -> list[Finding]:
+    path = path_of(stem)
+    text = drawn(path.read_text(encoding="utf-8"), times)
+    found = select_findings(check_one(text.encode(), name=str(path)), Options()).shown
+    return [one for one in found if one.code != "RD403"]
+
+
+@pytest.mark.parametrize("stem", sampled(OTHER_UNIT, 4))
+@pytest.mark.parametrize("times", UNITS)
+def test_it_is_named_once(stem: str, times: float) -> None:
+    known = {one.code for one in severe(stem, 1.0)}
+    assert "RD113" not in known
+    found = [one for one in severe(stem, times) if one.code not in known]
+    assert [one.code for one in found] == ["RD113"]
+    assert UNITS[times] in found[0].message
+
+
+@pytest.mark.parametrize("times", sampled([0.1, 10.0, 39.37, 100.0], 4))
+def test_another_factor_is_not_named(times: float) -> None:
+    assert "RD113" not in {one.code for one in severe("z1", times)}
