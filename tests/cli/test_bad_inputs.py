@@ -40,11 +40,6 @@ def torques(urdf: str = "arm.urdf", trajectory: str = "arm.csv", *options: str, 
     return run("torques", urdf, trajectory, "--out", "tau.csv", *options, stdin=stdin)
 
 
-def test_good_input_is_not_refused() -> None:
-    assert torques().status == 0
-    assert Path("tau.csv").read_bytes() != OLD
-
-
 DESCRIPTIONS: list[tuple[str, str | bytes, str]] = [
     ("cut off", ARM[:400], r"bad.urdf:\d+: malformed XML: .*cut off"),
     ("empty", "", r"bad.urdf:1: the file is empty"),
@@ -197,7 +192,3 @@ def test_unknown_type_of_table(file: str) -> None:
 def test_rubbish_on_standard_input(data: bytes, pattern: str) -> None:
     refused(torques(trajectory="-", stdin=data), f"<stdin>:.*{pattern}")
     refused(torques(urdf="-", stdin=data), "<stdin>:1: ")
-
-
-def test_standard_input_twice() -> None:
-    refused(torques("-", "-", stdin=GOOD.encode()), "<stdin>: standard input is asked for twice")

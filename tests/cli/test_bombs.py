@@ -49,8 +49,11 @@ def test_tables_beyond_the_usual_limits(name: str, tmp_path: Path, bounded: Comm
     refused(bounded("torques", "arm.urdf", name, cwd=tmp_path), name)
 
 
-@pytest.mark.parametrize("name", TOML)
-@pytest.mark.parametrize("use", ["scene", "settings", "map"])
+USES = [(name, use) for use in ("scene", "settings", "map") for name in TOML]
+OFTEN = [pytest.param(*each, marks=[pytest.mark.slow] * (each[1] != "scene" and each[0] != "keys")) for each in USES]
+
+
+@pytest.mark.parametrize(("name", "use"), OFTEN)
 def test_scenes_and_settings(name: str, use: str, tmp_path: Path, bounded: Command) -> None:
     (tmp_path / ("robodyn.toml" if use == "settings" else "x.toml")).write_bytes(TOML[name])
     if use == "settings":

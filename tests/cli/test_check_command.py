@@ -9,9 +9,6 @@ import pytest
 from helpers.clean_arm import FAMILIES, IDENTITY, arm
 from helpers.command_line import refused, run
 from helpers.planted_defects import HEALTHY
-from helpers.schemas import JUNIT, SARIF, json_schema
-from jsonschema import Draft7Validator
-from lxml import etree
 
 from robodyn.checks.catalogue import RULES
 
@@ -97,24 +94,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def test_sarif(folder: Path) -> None:
-    outcome = run("check", ".", "--format", "sarif")
-    assert (outcome.status, outcome.err) == (1, "")
-    document = json.loads(outcome.out)
-    Draft7Validator(json_schema(SARIF)).validate(document)
-    assert [result["ruleId"] for result in document["runs"][0]["results"]].count("RD502") == 3
-    piped = json.loads(run("check", "-", "--format", "sarif", stdin=AXIS.encode()).out)
-    assert piped["runs"][0]["results"][0]["fixes"]
-
-
-def test_junit(folder: Path) -> None:
-    for strict, failures in (((), "1"), (("--strict",), "5")):
-        outcome = run("check", ".", "--select", OLD, "--format", "junit", *strict)
-        document = etree.fromstring(outcome.out.encode())
-        etree.XMLSchema(etree.fromstring(JUNIT)).assertValid(document)
-        assert (outcome.status, document.get("failures"), document.get("tests")) == (1, failures, "6")
-
-
 def test_settings(folder: Path) -> None:
     (folder / "pyproject.toml").write_text('[tool.robodyn.check.per-file-ignores]\n"both.*" = ["RD208"]\n')
     assert run("check", "both.urdf", "axis.urdf", "--strict", "--ignore", "RD502").status == 0
@@ -152,15 +131,6 @@ def test_fix(folder: Path) -> None:
     assert sorted(path.name for path in folder.iterdir()) == ["axis.urdf", "both.urdf", "clean.urdf", "error.urdf"]
 
 
-def test_what_cannot_be_proven_stays(folder: Path) -> None:
-    outcome = run("check", "error.urdf", "--fix")
-    assert outcome.status == 1
-    assert outcome.err.startswith(
-        "not fixed: error.urdf:28: RD502, joint elbow: divide the axis by its length (the dyn"
-    )
-    assert (folder / "error.urdf").read_text() == ERROR
-
-
 def test_diff(folder: Path) -> None:
     outcome = run("check", "clean.urdf", "axis.urdf", "both.urdf", "--diff")
     assert outcome.status == 1
@@ -194,17 +164,6 @@ def test_a_file_that_cannot_be_written(folder: Path, monkeypatch: pytest.MonkeyP
     assert (outcome.status, outcome.out) == (2, "")
     assert outcome.err == "error: axis.urdf: cannot be written: no space left on device (nothing was written)\n"
     assert (folder / "axis.urdf").read_text() == AXIS
-
-
-def test_expanded_files(folder: Path) -> None:
-    (folder / "arm.xacro").write_text(BOTH.replace("<robot", '<robot xmlns:xacro="http://ros.org/wiki/xacro"'))
-    outcome = run("check", "arm.xacro", "--format", "junit")
-    assert outcome.status == 0
-    assert outcome.err == ""
-    assert '<testsuite name="arm.xacro" tests="2"' in outcome.out
-    sarif = json.loads(run("check", "arm.xacro", "--format", "sarif").out)
-    Draft7Validator(json_schema(SARIF)).validate(sarif)
-    assert run("check", ".", "--format", "json").out.count("arm.xacro") == 0
 
 
 def test_a_mistake_in_the_settings_names_the_file(folder: Path) -> None:

@@ -14,8 +14,7 @@ PUMP = (str(ROBOTS / "crank_slider.urdf"), "--scene", str(ROBOTS / "crank_slider
 
 
 def simulate(*args: str) -> str:
-    text = shown("simulate", *args)
-    return text
+    return shown("simulate", *args)
 
 
 def test_report() -> None:

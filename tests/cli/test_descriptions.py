@@ -101,7 +101,7 @@ def test_a_package_path_that_is_not_there_is_an_error(kind: str, why: str) -> No
         refused(outcome, f"invalid value for '--package-path': '{kind}': {why} (try: robodyn ")
 
 
-@pytest.mark.parametrize("name", ["inertia", "simulate"])
+@pytest.mark.parametrize("name", ["inertia", pytest.param("simulate", marks=pytest.mark.slow)])
 def test_reports_draw_them(name: str) -> None:
     assert called(name, "alone.urdf", "--package-path", "src", "--report", "r.html").status == 0
     assert not re.search("as a skeleton|some meshes are not found", Path("r.html").read_text())
@@ -114,7 +114,9 @@ def test_a_description_from_standard_input_has_its_meshes_in_the_current_folder(
     assert json.loads(outcome.out)["meshes"]["missing"] == []
 
 
-@pytest.mark.parametrize("name", COMMANDS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name not in ("torques", "check"))) for name in COMMANDS]
+)
 def test_xacro_files_are_read_by_every_command(name: str) -> None:
     """What is found is that of the expanded file, with the arguments of the call."""
     Path("src/arm/urdf/heavy.urdf").write_text(MESHED.replace('<mass value="2"/>', '<mass value="7"/>'))
@@ -167,6 +169,7 @@ def test_without_xacrodoc_every_command_names_the_extra(monkeypatch: pytest.Monk
         refused(called(name, "src/arm/urdf/arm.xacro"), line)
 
 
+@pytest.mark.slow
 def test_a_batch_computes_with_the_expanded_file() -> None:
     Path("more.csv").write_text(motion(6))
     for robot, out in (("src/arm/urdf/arm.xacro", "a"), ("src/arm/urdf/heavy.urdf", "b")):

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
-import numpy as np
 import pytest
 from helpers.command_line import Outcome, run
 
@@ -31,17 +29,6 @@ def diagnosed(
     monkeypatch.setattr(doctor, "installed", lambda _: libraries or here())
     monkeypatch.setattr(doctor, "tried_apart", lambda: tried)
     return run("doctor")
-
-
-@pytest.mark.slow
-def test_here_in_full() -> None:
-    outcome = run("doctor", "--format", "json")
-    document = json.loads(outcome.out)
-    assert (outcome.status, outcome.err) == (0 if document["ok"] else 1, "")
-    lines = {line["name"]: line for line in document["lines"]}
-    assert next(line["found"] for line in document["lines"] if line["name"] == "numpy") == np.__version__
-    assert {"robodyn", "Python", "llvmlite", "processor", "cores", "compiled", "cache folder"} <= lines.keys()
-    assert all(set(line) == {"group", "name", "found", "verdict", "remark", "figures"} for line in document["lines"])
 
 
 def test_all_is_well(monkeypatch: pytest.MonkeyPatch) -> None:

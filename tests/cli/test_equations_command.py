@@ -9,11 +9,9 @@ import numpy as np
 import sympy
 from helpers.command_line import ROBOTS, shown
 from helpers.example_robots import path_of
-from helpers.oracles import EPS, worst
 from helpers.small_robots import joint, link, urdf
 
 import robodyn
-from robodyn.equations.free_body.bodies import free_bodies
 
 PUMA, GRIPPER, PLANAR = (str(ROBOTS / f"{name}.urdf") for name in ("puma", "gripper", "two_link_planar"))
 SCENE = ("--scene", str(ROBOTS / "gripper.toml"))
@@ -123,29 +121,6 @@ def test_text_of_the_dae_form():
     assert re.search(r"^2 outer_arm +4\.000 kg +m2 g \+ F2 - F3 +M2 \+ r2 x F2 - M3 - s3 x F3$", text, re.MULTILINE)
     assert re.search(r"^3 quill +outer_arm - spindle +prismatic +-z +1 +5 .* Fx Fy Mx My Mz$", text, re.MULTILINE)
     assert re.search(r"^elbow +-0\.5 +2\.000 +2\.000 +19\.43$", text, re.MULTILINE)
-
-
-def test_what_is_printed_of_reactions_is_what_fbd_prints():
-    """Along the axes that a hinge about z leaves: Fz and the moments across it, turned by the joint's angle."""
-    found = document(SCARA, *STATE)
-    free = free_bodies(robodyn.load(SCARA), found["q"], found["qd"], found["qdd"])
-    for body, row in zip(found["bodies"], free.joints, strict=True):
-        drive = np.zeros(3) if row.drive is None else row.drive * np.array(row.axis)
-        force, moment = (row.force + drive, row.moment) if row.kind == "prismatic" else (row.force, row.moment + drive)
-        assert worst(body["joint_wrench"]["force"], force, 100.0) <= 16 * EPS
-        assert worst(body["joint_wrench"]["moment"], moment, 100.0) <= 16 * EPS
-
-
-def test_json_of_the_dae_form():
-    found = document(SCARA, *STATE)
-    counts = found["counts"]
-    sizes = ("bodies", "positions", "reactions", "equations", "rank", "degrees_of_freedom", "coefficient_size")
-    assert [counts[name] for name in sizes] == [4, 24, 21, 69, 21, 3, 45]
-    assert counts["index"] == {"positions": 3, "velocities": 2, "accelerations": 1}
-    assert counts["coefficient_ranks"] == [24, 24, 45]
-    model = robodyn.load(SCARA)
-    assert worst(found["qdd"], robodyn.forward_dynamics(model, found["q"], found["qd"], found["tau"])) <= 1e-14
-    assert [len(c["equations"]) for c in found["connections"]] == [6, 5, 5, 5]
 
 
 def test_the_document_holds_the_whole_system():

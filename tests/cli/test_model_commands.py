@@ -82,16 +82,6 @@ def test_a_folder_that_cannot_be_made_costs_nothing(tmp_path: Path) -> None:
     assert sorted(path.name for path in folder.iterdir()) == ["00_base.svg", "01_inner_arm.svg"]
 
 
-def test_a_row_in_degrees_is_refused(tmp_path: Path) -> None:
-    table = tmp_path / "degrees.csv"
-    rows = (f"{0.1 * k},{60 * k},{-40 * k},0.1\n" for k in range(4))
-    table.write_text("time,q_shoulder,q_elbow,q_quill\n" + "".join(rows))
-    outcome = run("fbd", SCARA, "--traj", str(table), "--time", "0.2")
-    refused(outcome, "")
-    assert "are the angles degrees?" in outcome.err
-    assert run("fbd", SCARA, "--traj", str(table), "--time", "0.2", "--angle-unit", "deg").status == 0
-
-
 PUMA, PLANAR, PENDULUM = (str(ROBOTS / f"{name}.urdf") for name in ("puma", "two_link_planar", "pendulum"))
 SERVO = (PUMA, "--scene", str(ROBOTS / "puma_servo.toml"))
 

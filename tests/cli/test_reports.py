@@ -59,7 +59,7 @@ def test_page(tmp_path: Path, name: str) -> None:
         assert json.loads(base64.b64decode(data)) == json.loads(outcome.out)
 
 
-@pytest.mark.parametrize("name", ["mesh", "robot", "compare", "check", "linearize", "excite"])
+@pytest.mark.parametrize("name", ["robot", "check"])
 def test_markdown(tmp_path: Path, name: str) -> None:
     call, words, _ = CALLS[name]
     file = tmp_path / "r.md"

@@ -45,18 +45,6 @@ def test_torques_of_the_simulated_motion_are_those_applied(tmp_path: Path) -> No
     assert np.abs(found[:, 1:] - table[:, -2:]).max() <= 1e-13 * np.abs(table[:, -2:]).max()
 
 
-def test_a_free_robot_comes_back_without_loads(tmp_path: Path) -> None:
-    (tmp_path / "tumble.toml").write_text("gravity = [0, 0, 0]\n" + TUMBLE)
-    motion, loads = tmp_path / "motion.csv", tmp_path / "tau.csv"
-    call = (str(ROBOTS / "satellite.urdf"), "--scene", str(tmp_path / "tumble.toml"))
-    text = shown("simulate", *call, "--duration", "1", "--rtol", "1e-12", "--out", str(motion))
-    assert "momentum: drift " in text
-    assert run("torques", call[0], str(motion), *call[1:], "--reactions", "--out", str(loads)).status == 0
-    names, found = rows(loads)
-    scale = 1e-12 * np.abs(found).max()
-    assert all(np.abs(found[:, names.index(f"base_{part}")]).max() <= scale for part in ("fx", "fy", "fz", "mx"))
-
-
 def test_json() -> None:
     document = json.loads(shown("simulate", *SWING, "--duration", "0.1", "--format", "json", "--method", "gauss4"))
     assert document["method"] == {"name": "gauss4", "order": 4, "step": 0.001, "rtol": None}
@@ -136,6 +124,7 @@ def test_drives_follow_a_table(tmp_path: Path) -> None:
     assert np.abs(first[:, places] - second[:, places]).max() <= 5e-6
 
 
+@pytest.mark.slow
 def test_json_of_friction_that_holds_and_springs_at_limits() -> None:
     scene = str(ROBOTS / "puma560_power_cut.toml")
     document = json.loads(

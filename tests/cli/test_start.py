@@ -15,7 +15,6 @@ from helpers.sampled import sampled
 
 STARTED = {
     "fine": ("inertia", str(ROBOTS / "meshes" / "hub.stl")),
-    "findings": ("check", str(ROBOTS / "scara.urdf"), "--strict", "--select", "ALL"),
     "wrong": ("inertia", "no_such.stl"),
 }
 
@@ -44,7 +43,6 @@ def test_threads_are_waited_for():
 
 def test_memory_is_not_taken_apart():
     left = "class Thing:\n    def __del__(self, say=print): say('gone')\nthing = Thing()"
-    assert "gone" in started("main", "--version", before=left).stdout
     assert "gone" not in started("start", "--version", before=left).stdout
 
 
@@ -95,7 +93,7 @@ start()
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs signals")
-@pytest.mark.parametrize("count", sampled([1, *range(8, 60, 7), *range(60, 1200, 90)], 5))
+@pytest.mark.parametrize("count", sampled([1, *range(8, 60, 7), *range(60, 1200, 90)], 3))
 def test_an_interrupt_while_modules_load(count: int) -> None:
     code = PROBE.format(count=count, here=str(Path(__file__).parent))
     call = [sys.executable, "-I", "-c", code, "torques", str(ROBOTS / "scara.urdf"), str(ROBOTS / "none.csv")]

@@ -10,9 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.command_line import ARM, refused, run
-from helpers.example_robots import path_of
-
-import robodyn
 
 GRIPPER = """
   <link name="left"><inertial><mass value="0.1"/>
@@ -67,19 +64,6 @@ def test_held_joints_carry_what_they_would_with_columns() -> None:
     held = document("torques", "arm.urdf", "arm.csv", "--hold", "finger=0.03")
     assert (held.pop("held"), whole.pop("held")) == ({"finger": 0.03}, {})
     assert held == whole
-
-
-def test_a_plan_of_the_arm_of_a_real_robot() -> None:
-    """The seven columns of a Panda without its finger."""
-    robot = path_of("panda")
-    joints = [name for name in robodyn.load(robot).joint_names if "panda_joint" in name]
-    assert len(joints) == 7
-    write("plan.csv", ("time_from_start", *(f"{name}_position" for name in joints)))
-    refused(run("torques", str(robot), "plan.csv"), "plan.csv:1: no position of joint ")
-    found = document("torques", str(robot), "plan.csv", "--hold", "rest")
-    moving = [joint["name"] for joint in found["joints"] if joint["max_speed"]]
-    assert moving == joints
-    assert set(found["held"]) == {joint["name"] for joint in found["joints"]} - set(joints)
 
 
 def test_wherever_a_table_is_read() -> None:

@@ -199,12 +199,3 @@ def test_columns_of_the_file(tmp_path: Path) -> None:
     columns = (found.com, found.linear, found.angular, found.kinetic[:, None], found.potential[:, None])
     assert worst(table[:, 4:-1], np.hstack(columns)) <= 4 * EPS
     assert worst(table[:, -1], np.einsum("ij,ij->i", table[:, 1:4], block.qd)) <= 4 * EPS
-
-
-def test_satellite_floats_with_no_momentum() -> None:
-    call = ("satellite.urdf", "satellite_slew.csv", "--scene", "satellite.toml", "--momentum", "--format", "json")
-    found = json.loads(run("torques", *(str(ROBOTS / x) if "." in x else x for x in call)).out)["momentum"]
-    ranges = {row["name"]: row for row in found["ranges"]}
-    for name in ("p_x", "p_y", "p_z", "L_x", "L_y", "L_z"):
-        assert max(abs(ranges[name]["least"]), abs(ranges[name]["greatest"])) <= 1e-12
-    assert ranges["T"]["greatest"] > 0.01

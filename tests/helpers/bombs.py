@@ -21,8 +21,8 @@ import numpy as np
 from rosbags.rosbag2 import reader
 
 zstd = reader.zstd
-HUGE = 1 << 30
-"""Bytes that a small file expands to."""
+HUGE = 1 << 29
+"""Bytes that a small file expands to, more than refusing one may take."""
 _SERVER = """
 import json, os, resource, sys
 from robodyn.cli import check, info, torques

@@ -47,6 +47,7 @@ TABLES_OF_SCENE = (
 LONG = (
     *("identify", "feet_on_the_ground", "reports", "many_trajectories", "measured_logs", "export", "first_torques"),
     *("closed_chains", "uncertainty", "lint_in_ci", "linearize", "excite", "motor_sizing", "weighing_a_part"),
+    *("mass_properties", "check_descriptions", "derivatives"),
 )
 """Pages whose examples compute for seconds."""
 
@@ -118,7 +119,8 @@ def test_tables_are_up_to_date(name):
     assert TABLES[name] == steady_tables()[name](), ADVICE
 
 
-@pytest.mark.parametrize("name", [pytest.param("accuracy", marks=pytest.mark.slow), "derivatives"])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["accuracy", "derivatives"])
 def test_errors_are_those_measured(name):
     """Words to the letter and numbers to a factor of four: rounding errors differ from one processor to another."""
     if name == "accuracy":

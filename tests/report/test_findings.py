@@ -199,13 +199,6 @@ def _plain(text: str) -> str:
     return text
 
 
-@pytest.mark.parametrize(
-    ("file", "shown"), [("./robots/a.urdf", "robots/a.urdf"), ("a/../b.urdf", "b.urdf"), ("<stdin>", "<stdin>")]
-)
-def test_paths_as_the_repository_has_them(file: str, shown: str) -> None:
-    assert parsed(check_github([finding(file)]).rstrip("\n"))[1]["file"] == shown
-
-
 def test_escapes() -> None:
     line = check_github([finding("a,b:c%0A.urdf", "50 % :: of\r\na, b", cause="100%")])
     assert line == (

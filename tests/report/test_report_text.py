@@ -24,7 +24,7 @@ from robodyn.report.renderers.pages import html, markdown
 from robodyn.report.sizes import result_sizes
 from robodyn.report.table import Page
 from robodyn.report.torques import torques_json
-from robodyn.report.torques_page import share_figures, torques_page
+from robodyn.report.torques_page import torques_page
 from robodyn.scene.read import load_scene
 from robodyn.simulation.simulate import simulate
 from robodyn.support.wording import shortened
@@ -163,13 +163,6 @@ def test_offenders_lead_the_tables_and_none_is_dropped() -> None:
     assert rows[count : 2 * count] == ORDER, "what makes the peaks"
     assert rows[2 * count :] == SIDES[1::2], "the limits that are exceeded, more than the verdict names"
     assert count // 2 > LINES + 1
-
-
-def test_bars_have_every_joint_by_its_whole_name() -> None:
-    texts = [
-        text for each in share_figures(many().joints) for text in re.findall(r"<text[^>]*>([^<]*)</text>", each.svg)
-    ]
-    assert [text for text in texts if text.startswith("hand_")] == SIDES
 
 
 @pytest.mark.parametrize("most", [17, 20, 24])
