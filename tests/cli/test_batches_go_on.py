@@ -61,7 +61,7 @@ def test_an_open_mesh_keeps_its_place_among_elements() -> None:
         (("check", "axis.urdf", "none.urdf"), 2, ["1 file could not be read", "none.urdf: there is no such file"]),
     ],
 )
-@pytest.mark.parametrize("name", ["r.html", "r.md"])
+@pytest.mark.parametrize("name", [pytest.param("r.html", marks=pytest.mark.slow), "r.md"])
 def test_failures_are_on_the_page(call: tuple[str, ...], status: int, words: list[str], name: str) -> None:
     assert run(*call, "--report", name).status == status
     text = Path(name).read_text().replace("\\_", "_")

@@ -29,7 +29,9 @@ def test_within_limits_and_consistent(name: str) -> None:
     within(robot(name))
 
 
-@pytest.mark.parametrize("name", ["panda", "baxter", "talos_left_arm"])
+@pytest.mark.parametrize(
+    "name", ["panda", *(pytest.param(name, marks=pytest.mark.slow) for name in ("baxter", "talos_left_arm"))]
+)
 def test_real_robots(name: str) -> None:
     """Baxter cannot hold its arms level; the gripper of TALOS has more friction than effort, and stands still."""
     within(load(path_of(name)))

@@ -39,7 +39,7 @@ CALLS: dict[str, tuple[tuple[str, ...], str, int]] = {
 }
 
 
-QUICK = ("robot", "compare", "check", "simulate", "linearize")
+QUICK = ("robot", "compare", "check", "simulate")
 NAMES = [pytest.param(name, marks=[pytest.mark.slow] * (name not in QUICK)) for name in CALLS]
 
 

@@ -82,6 +82,7 @@ def test_bold_headers_on_a_terminal() -> None:
     assert plain == run("torques", *SCARA).out
 
 
+@pytest.mark.slow
 def test_plain_text_where_the_terminal_wants_it() -> None:
     shown, _ = on_terminal(command("torques", *SCARA), stdout=True, stderr=False, TERM="dumb")
     assert shown == run("torques", *SCARA).out
@@ -121,6 +122,13 @@ def test_progress_of_many_robots(tmp_path: Path) -> None:
     assert all(f"{k}/12" in shown for k in range(13))
     assert "0:00:00" in shown
     assert piped == run("check", "--format", "json", *files).out
+
+
+@pytest.mark.slow
+def test_progress_of_few_robots_and_of_fixing() -> None:
+    files = [f"{k}.urdf" for k in range(12)]
+    for file in files:
+        Path(file).write_text(ARM)
     assert on_terminal(command("check", *files[:9]), stdout=False, stderr=True)[0] == ""
     shown, _ = on_terminal(command("check", "--fix", *files), stdout=False, stderr=True)
     assert "fixing" in shown
@@ -133,7 +141,7 @@ def test_names_that_the_terminal_cannot_show() -> None:
     assert outcome.out.startswith("\\u8155\\x9b31m: 2 joints")
 
 
-@pytest.mark.parametrize("call", [("scene", "init"), ("export", "--to", "numpy")])
+@pytest.mark.parametrize("call", [("scene", "init"), pytest.param(("export", "--to", "numpy"), marks=pytest.mark.slow)])
 def test_files_are_utf_8_whatever_the_locale(call: tuple[str, ...], tmp_path: Path) -> None:
     (tmp_path / "arm.urdf").write_text(ARM.replace("elbow", "códo"), encoding="utf-8")
     spawned = spawn(*call, "arm.urdf", cwd=tmp_path, PYTHONIOENCODING="latin-1")

@@ -1,8 +1,11 @@
-"""A checkout is installed as its users and its developers install it; the libraries are those of this process."""
+"""A checkout is installed as its users and its developers install it; `.ci/run` runs what the README says; tests ask
+for the programs that `[test]` does not bring."""
 
 from __future__ import annotations
 
+import ast
 import os
+import re
 import subprocess
 import sys
 import tarfile
@@ -107,3 +110,81 @@ def test_pip_installs_a_checkout(options: tuple[str, ...], tmp_path: Path) -> No
         info = called(place / program, *more, "info", str(ROOT / "robots" / "scara.urdf"))
         assert (info.returncode, info.stderr) == (0, "")
         assert "robot 'scara'" in info.stdout
+
+
+RUN = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def bash(code: str) -> list[str]:
+    done = subprocess.run(["bash", "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+    return done.stdout.splitlines()
+
+
+def test_the_commands_of_the_readme_are_run_to_the_letter() -> None:
+    """They are taken from it: one after the other, the first that fails ends them."""
+    written = [line for block in re.findall(r"^```sh\n(.*?)^```$", README, re.M | re.S) for line in block.splitlines()]
+    assert len(written) == 2
+    assert all(line.startswith('pip install ".[') for line in written)
+    found = re.search(r"^ *(sed -n .* README\.md) >\"\$scratch/commands\"$", RUN, re.M)
+    assert found
+    assert bash(found[1]) == [f"{line} || exit 1" for line in written]
+    assert not re.search(r'pip install .*"\.\[test\]"', RUN)
+
+
+def test_what_the_documentation_does_not_run_is_run() -> None:
+    """Its examples leave out what installs, tests and builds."""
+    assert re.search(r'^pip install .*"\.\[[\w,-]+\]"$', RUN, re.M)
+    assert re.search(r"^sphinx-build .*-W", RUN, re.M)
+    assert re.search(r"suite slow pytest .*-m slow", RUN)
+
+
+def test_the_tests_that_are_named_are_there() -> None:
+    found = re.search(r"^numeric=\(.*?\)$", RUN, re.M | re.S)
+    assert found
+    paths = bash(f'{found[0]}\nprintf "%s\\n" "${{numeric[@]}}"')
+    assert len(paths) > 5
+    assert [path for path in paths if not (ROOT / path).exists()] == []
+
+
+TESTS = Path(__file__).parents[1]
+PEERS = {"pinocchio", "mujoco", "pydrake", "idyntree", "casadi", "jax", "torch", "igl"}
+"""Modules that `[test]` does not bring."""
+
+
+def _tops(node: ast.AST) -> set[str]:
+    """Return the packages that a statement imports."""
+    if isinstance(node, ast.Import):
+        return {alias.name.split(".")[0] for alias in node.names}
+    return {(node.module or "").split(".")[0]} if isinstance(node, ast.ImportFrom) else set()
+
+
+def _asked(statement: ast.stmt) -> set[str]:
+    """Return the packages without which a statement skips the test."""
+    calls = [node for node in ast.walk(statement) if isinstance(node, ast.Call)]
+    skips = [call for call in calls if ast.unparse(call.func) in ("peer", "pytest.importorskip")]
+    return {
+        str(ast.literal_eval(call.args[0])).split(".")[0] for call in skips if isinstance(call.args[0], ast.Constant)
+    }
+
+
+def _unasked(body: list[ast.stmt], asked: set[str]) -> list[tuple[int, str]]:
+    """Return (line, package) of the imports before which nothing asked for the package."""
+    found = []
+    for statement in body:
+        found += [(statement.lineno, name) for name in sorted(_tops(statement) & PEERS - asked)]
+        bodies = [getattr(statement, field, []) for field in ("body", "orelse", "finalbody")]
+        bodies += [handler.body for handler in getattr(statement, "handlers", [])]
+        for inner in bodies:
+            found += _unasked(inner, asked)
+        asked = asked | _asked(statement)
+    return found
+
+
+def test_tests_ask_before_they_import() -> None:
+    found = {
+        str(path.relative_to(TESTS)): _unasked(ast.parse(path.read_text()).body, set())
+        for path in TESTS.rglob("*.py")
+        if "benchmarks" not in path.parts
+    }
+    assert {path: imports for path, imports in found.items() if imports} == {}

@@ -18,7 +18,6 @@ TX40 = "tests/data/tx40_log/tx40.urdf tests/data/tx40_log/log.parquet"
 COMMANDS = (
     ("torques", "torques robots/scara.urdf robots/scara_pick_and_place.csv --explain --accuracy 1e-9"),
     ("torques", f"{SWEEP} --scene robots/puma560_sizing.toml --momentum"),
-    ("torques", "torques robots/puma.urdf robots/puma_encoder.csv --sizing"),
     ("torques", f"{SWEEP} --scene robots/puma560_uncertain.toml"),
     ("torques", "torques robots/gripper.urdf robots/gripper_pick.csv --scene robots/gripper.toml"),
     ("torques", "torques robots/crank_slider.urdf robots/crank_slider_turn.csv --scene robots/crank_slider_turn.toml"),
@@ -41,6 +40,7 @@ COMMANDS = (
 )
 
 SLOW = (
+    ("torques", "torques robots/puma.urdf robots/puma_encoder.csv --sizing"),
     ("torques", "torques robots/quadruped.urdf robots/quadruped_trot.csv --scene robots/quadruped_trot.toml"),
     ("linearize", "linearize robots/puma.urdf --scene robots/puma_servo.toml --step 0.01"),
     ("linearize", "linearize robots/puma.urdf --qd 1,2,3"),

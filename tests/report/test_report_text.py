@@ -31,8 +31,6 @@ from robodyn.support.wording import shortened
 
 CASES = [
     ("scara", "scara_pick_and_place", None),
-    ("cylindrical", "cylindrical_transfer", None),
-    ("puma", "puma_encoder", None),
     ("puma560", "puma560_sweep", "puma560_motors"),
     ("gripper", "gripper_pick", "gripper"),
     ("satellite", "satellite_slew", "satellite"),

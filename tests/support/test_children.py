@@ -110,7 +110,7 @@ CALLS = {
 }
 
 
-SLOW = {"doctor", "check r.xacro --trust-xacro"}
+SLOW = {"doctor", "check r.xacro --trust-xacro", "check many"}
 
 
 @pytest.mark.parametrize("call", [pytest.param(call, marks=pytest.mark.slow if call in SLOW else ()) for call in CALLS])
