@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from robodyn.errors import Caveat
 from robodyn.loads.result import JointLoad, Result
@@ -156,19 +156,10 @@ def use(value: float, limit: float | None) -> str:
     return f"{'<1' if 0.0 < percent < 0.5 else f'{percent:.0f}'}% of {limit:g}"
 
 
-class _Excess(NamedTuple):
-    """A limit that is exceeded: of which joint, in words; what wears out comes after what breaks, then by how much."""
-
-    wears: bool
-    times: float
-    joint: str
-    line: str
-
-
 def torques_verdict(result: Result) -> Verdict:
     """Return the verdict: bad if a limit of robot, motor or gear is exceeded or an accuracy that was asked for is not
     met; doubtful, neutral or good as `verdict_on_limits` has it."""
-    over, sizing, unsure = sorted(_exceeded_things(result)), result.sizing, result.uncertainty
+    over, sizing, unsure = _exceeded_things(result), result.sizing, result.uncertainty
     doubtful, nearest = tuple(caveat.text for caveat in result.caveats), tuple(nearest_limits(result.joints))
     kept = verdict_on_limits(len(result.joints), (), result.limits, result.caveats, nearest)
     if not any(each.checked for each in result.limits) and sizing and any(joint.motor for joint in sizing.joints):
@@ -183,12 +174,12 @@ def torques_verdict(result: Result) -> Verdict:
     accuracy = result.accuracy
     unmet = () if accuracy is None or accuracy.met else (f"The accuracy asked for is not met: {accuracy.said}.",)
     if over:
-        names = {each.joint for each in over}
+        names = {joint for joint, _ in over}
         who = f"{len(names)} of {len(result.joints)} joints" if len(result.joints) > 1 else "The joint"
         one, motors = len(names) == 1, sizing is not None and sizing.exceeded
         verb = "asks" if one else "ask"
         does = f"{verb} more than motors, gears or limits bear" if motors else "exceeds its" if one else "exceed their"
-        lines = shortened([each.line for each in over])
+        lines = shortened([line for _, line in over])
         unchecked = [line for line in kept.reasons if line not in (*doubtful, *nearest)]
         return Verdict("bad", f"{who} {does}{'' if motors else ' limits'}", (*lines, *unmet, *doubtful, *unchecked))
     if unmet:
@@ -202,7 +193,7 @@ def verdict_section(result: Result) -> Section:
     if not result.joints and verdict.level == "neutral":
         return ()
     if verdict.level == "bad":
-        more = len({each.line for each in _exceeded_things(result)}) - 1
+        more = len({line for _, line in _exceeded_things(result)}) - 1
         others = f" {count(more, 'more limit is', 'more limits are')} exceeded." if more > 0 else ""
         return paragraphs([f"{verdict.headline}: {verdict.reasons[0]}{others}"])
     shown = (*(caveat.text for caveat in result.caveats), *nearest_limits(result.joints))  # among warnings, and tables
@@ -223,19 +214,21 @@ def exceeded_section(result: Result | Simulation) -> Section:
     return [Table(title, ("joint", *quantities), rows)]
 
 
-def _exceeded_things(result: Result) -> Iterator[_Excess]:
-    """Yield everything that is exceeded, what the description limits and sizing repeats once."""
+def _exceeded_things(result: Result) -> list[tuple[str, str]]:
+    """Return joint and sentence of everything that is exceeded, what the description limits and sizing repeats once;
+    what wears out comes after what breaks, then by how many times the limit it is."""
+    found: list[tuple[bool, float, str, str]] = []
     for excess in result.exceeded:
         beyond, position = abs(excess.value - excess.limit), excess.quantity == "position"
         times = float(steady(1.0 + beyond if position else excess.value / excess.limit))  # [rad, m] beyond a position
-        yield _Excess(False, -times, excess.joint, exceeded_words(excess))
-    if result.sizing is None or not result.sizing.exceeded:
-        return
-    from robodyn.report.sizing import in_words
+        found.append((False, -times, excess.joint, exceeded_words(excess)))
+    if result.sizing is not None and result.sizing.exceeded:
+        from robodyn.report.sizing import in_words
 
-    for joint in result.sizing.joints:
-        for each in joint.exceeded:
-            if each.quantity not in ("effort", "velocity"):
-                times = each.value / each.limit if each.limit > 0.0 else float("inf")
-                line = f"{printable(joint.name)}: {in_words(each)}."
-                yield _Excess(each.level == "over continuous", -float(steady(times)), joint.name, line)
+        for joint in result.sizing.joints:
+            for each in joint.exceeded:
+                if each.quantity not in ("effort", "velocity"):
+                    times = each.value / each.limit if each.limit > 0.0 else float("inf")
+                    line = f"{printable(joint.name)}: {in_words(each)}."
+                    found.append((each.level == "over continuous", -float(steady(times)), joint.name, line))
+    return [(joint, line) for _, _, joint, line in sorted(found)]

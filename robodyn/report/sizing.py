@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from robodyn.loads.constraint_result import Constraints
 from robodyn.loads.result import Exceeded, JointLoad, MotorLoad, Result, Sizing
-from robodyn.loads.uncertainty_result import Uncertain, UncertainLoad
+from robodyn.loads.uncertainty_result import UncertainLoad
 from robodyn.report.document import Facts, Paragraph, Section, Table, paragraphs
 from robodyn.report.sizes import result_sizes, speed_unit
 from robodyn.report.table import (
@@ -251,6 +251,7 @@ _SHOWN = 3
 """Parameters that are named of each load, with more than `_LEAST` of its variance."""
 _LEAST = 0.01
 _OF_LINKS = {"mass": "mass", "com": "centre of mass", "inertia": "inertia", "friction": "friction"}
+_RESULTANTS = ("radial", "tilting")
 
 
 def uncertainty_sections(result: Result) -> Iterator[Section]:
@@ -258,8 +259,21 @@ def uncertainty_sections(result: Result) -> Iterator[Section]:
     found = result.uncertainty
     if found is None:
         return
-    size, groups = result_sizes(result), dict(_groups(found))
+    size, drawn = result_sizes(result), list[str]()
+    motors = [each.motor for each in found.joints if each.motor is not None]
+    resultants = [
+        (joint, load) for joint, loads in found.bearings.items() for load in loads if load.name in _RESULTANTS
+    ]
+    joints = f"Joints: error bars of {count(len(found.parameters), 'uncertain parameter')}"
+    groups: dict[str, list[tuple[str, UncertainLoad]]] = {
+        joints: [(each.load.name, each.load) for each in found.joints],
+        "Motors: error bars": [(load.name, load) for load in motors],
+        "Bearings: error bars": [(f"{joint} {load.name}", load) for joint, load in resultants],
+        "Base wrench: error bars": [(load.name, load) for load in found.base],
+    }
     for title, loads in groups.items():
+        if not any(load.shares or load.rms_shares for _, load in loads):
+            continue
         rows = []
         for name, load in loads:
             row = [name]
@@ -268,15 +282,14 @@ def uncertainty_sections(result: Result) -> Iterator[Section]:
                 row += [f"{size.number(bar.value, load.unit)}{unit}", error]
                 row += [f"{size.number(bar.low, load.unit)} to {size.number(bar.high, load.unit)}"]
             rows.append(row)
+            bars = {"peak": load.peak, "RMS": load.rms}
+            drawn += [f"{what} of {printable(name)}" for what, bar in bars.items() if bar.method == "draws"]
         yield [Table(title, ("", "peak", "std error", "95 %", "RMS", "std error", "95 %"), rows)]
     if found.joints:
         ranked = [(each.load.name, ranks(each.load.shares), ranks(each.load.rms_shares)) for each in found.joints]
         title = "Which parameters matter most, by their share of the variance"
         yield [Table(title, ("joint", "of the peak", "of the RMS"), ranked)]
-    notes, drawn = [], []
-    for name, load in (each for loads in groups.values() for each in loads):
-        bars = {"peak": load.peak, "RMS": load.rms}
-        drawn += [f"{what} of {printable(name)}" for what, bar in bars.items() if bar.method == "draws"]
+    notes = []
     if drawn:
         what = (
             f"By {found.draws} draws of the parameters, for they are not linear in them: {first_names(drawn, _SHOWN)}."
@@ -301,35 +314,14 @@ def uncertainty_sections(result: Result) -> Iterator[Section]:
         yield [Paragraph("Limits are kept with these probabilities"), Facts(tuple(chances))]
 
 
-def _groups(found: Uncertain) -> Iterator[tuple[str, list[tuple[str, UncertainLoad]]]]:
-    motors = [each.motor for each in found.joints if each.motor is not None]
-    resultants = [
-        (f"{joint} {load.name}", load)
-        for joint, loads in found.bearings.items()
-        for load in loads
-        if load.name in ("radial", "tilting")
-    ]
-    many = count(len(found.parameters), "uncertain parameter")
-    for title, loads in (
-        (f"Joints: error bars of {many}", [(each.load.name, each.load) for each in found.joints]),
-        ("Motors: error bars", [(load.name, load) for load in motors]),
-        ("Bearings: error bars", resultants),
-        ("Base wrench: error bars", [(load.name, load) for load in found.base]),
-    ):
-        if any(load.shares or load.rms_shares for _, load in loads):
-            yield title, loads
-
-
 def ranks(shares: Mapping[str, float]) -> str:
     """Return the parameters with most of a variance in words: "mass of forearm 61 %, friction of elbow 30 %"."""
-    most = [(name, share) for name, share in list(shares.items())[:_SHOWN] if share >= _LEAST]
-    return ", ".join(f"{parameter(name)} {100.0 * share:.0f} %" for name, share in most) or "-"
-
-
-def parameter(name: str) -> str:
-    """Return a parameter in words, one of the regressor by its name there."""
-    owner, _, quantity = name.rpartition(".")
-    return printable(f"{_OF_LINKS[quantity]} of {owner}" if quantity in _OF_LINKS else name)
+    words = []
+    for name, share in list(shares.items())[:_SHOWN]:
+        owner, _, quantity = name.rpartition(".")
+        of = f"{_OF_LINKS[quantity]} of {owner}" if quantity in _OF_LINKS else name  # as the regressor has it
+        words += [f"{printable(of)} {100.0 * share:.0f} %"] * (share >= _LEAST)
+    return ", ".join(words) or "-"
 
 
 def probability(p: float) -> str:
