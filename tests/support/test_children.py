@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import json
 import os
 import shutil
@@ -16,55 +15,11 @@ from helpers.command_line import ROBOTS, motion, write_arm
 from robodyn.support.children import run_program
 
 ROOT = Path(__file__).parents[2]
-PLACE = ROOT / "robodyn" / "support" / "children.py"
-STARTERS = {
-    "multiprocessing": None,
-    "subprocess": {"Popen", "run", "call", "check_call", "check_output", "getoutput", "getstatusoutput"},
-    "concurrent.futures": {"ProcessPoolExecutor", "process"},
-    "os": {"system", "popen", "startfile", "fork", "forkpty", "posix_spawn", "posix_spawnp"},
-    "asyncio": {"create_subprocess_exec", "create_subprocess_shell"},
-    "pty": None,
-    "runpy": None,
-}
-"""Modules, and what in them starts processes; None where all of it does."""
 
 
-def starts(tree: ast.AST) -> list[str]:
-    """What starts processes in a module: imports and attributes, by their names."""
-    found = []
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Import):
-            found += [alias.name for alias in node.names if _all_of(alias.name)]
-        elif isinstance(node, ast.ImportFrom):
-            names = {alias.name for alias in node.names}
-            parts = STARTERS.get(node.module or "")
-            found += [f"{node.module}.{name}" for name in names if _all_of(node.module or "") or name in (parts or ())]
-        elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
-            name = node.attr
-            wrong = name in (STARTERS.get(node.value.id) or ()) or (
-                node.value.id == "os" and name.startswith(("exec", "spawn"))
-            )
-            found += [f"{node.value.id}.{name}"] * wrong
-        elif isinstance(node, ast.Constant) and node.value == "multiprocessing":
-            found.append("multiprocessing")
-    return found
-
-
-def _all_of(module: str) -> bool:
-    return any(parts is None and f"{module}.".startswith(f"{name}.") for name, parts in STARTERS.items())
-
-
-def modules() -> list[Path]:
-    return sorted(path for folder in ("robodyn", "cli") for path in (ROOT / folder).rglob("*.py"))
-
-
-def test_one_place_starts_processes() -> None:
-    """And every call of Python has `-I`. Others have of subprocess the names of streams and errors."""
-    found = {path: starts(ast.parse(path.read_text())) for path in modules() if path != PLACE}
-    # what is called on one that has started, `subprocess.Popen[bytes]` in a signature, is no start
-    assert {path.name: names for path, names in found.items() if names} == {}
-    text = PLACE.read_text()
-    assert set(starts(ast.parse(text))) == {"subprocess.Popen", "subprocess.run"}
+def test_every_python_that_is_started_is_isolated() -> None:
+    """Ruff sees to it that no other file starts processes: see `banned-api` in pyproject.toml."""
+    text = (ROOT / "robodyn" / "support" / "children.py").read_text()
     assert text.count("sys.executable") == 1
     assert '["-I", ' in text
 
