@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import trimesh
 import yourdfpy
 from helpers.peers import pin
 from helpers.robot_files import FOLDER, NAMES, REFERENCE, model
-from helpers.sampled import sampled
 
 from robodyn.robot.urdf.description import load_description
 
@@ -40,35 +38,6 @@ def test_three_readers_agree_on_joints_and_mass_and_joints_have_limits(name):
             assert joint.type == "continuous" or joint.limit.lower < joint.limit.upper
     masses = [link.inertial.mass for link in ours.links if link.inertial]
     assert sum(masses) == pytest.approx(pin.computeTotalMass(oracle) + oracle.inertias[0].mass, rel=1e-15)
-
-
-@pytest.mark.parametrize("name", sampled(NAMES, 5))
-def test_every_mass_lies_inside_its_shapes(name):
-    scene = yourdfpy.URDF.load(FOLDER / f"{name}.urdf", build_collision_scene_graph=True, load_collision_meshes=True)
-    for link in scene.robot.links:
-        if link.inertial is None or link.inertial.mass == 0:
-            continue
-        centre = np.eye(4)[:3, 3] if link.inertial.origin is None else link.inertial.origin[:3, 3]
-        for shapes in (link.visuals, link.collisions):
-            assert any(_covers(shape, centre) for shape in shapes), (link.name, centre)
-
-
-def _covers(shape, point):
-    """Whether the point lies in the box around a shape, in the shape's own axes."""
-    place = np.eye(4) if shape.origin is None else shape.origin
-    x, y, z = np.abs(place[:3, :3].T @ (point - place[:3, 3]))
-    solid = shape.geometry
-    if solid.box is not None:
-        return bool(np.all([x, y, z] <= np.asarray(solid.box.size) / 2))
-    if solid.cylinder is not None:
-        return np.hypot(x, y) <= solid.cylinder.radius and z <= solid.cylinder.length / 2
-    if solid.mesh is not None:
-        corners = trimesh.load(FOLDER / solid.mesh.filename).bounds * (
-            1.0 if solid.mesh.scale is None else solid.mesh.scale
-        )
-        offset = place[:3, :3].T @ (point - place[:3, 3])
-        return bool(np.all((corners.min(axis=0) <= offset) & (offset <= corners.max(axis=0))))
-    return np.linalg.norm([x, y, z]) <= solid.sphere.radius
 
 
 @pytest.mark.parametrize(("name", "reference"), SAME_PARAMETERS.items())

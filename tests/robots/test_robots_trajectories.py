@@ -12,9 +12,6 @@ from helpers.scene_files import read_scene
 from robodyn.robot.urdf.description import load_description
 
 MOVED_BY_JOINTS = sorted({**FULL, **MOTORS_ONLY})
-PERIODIC = ["puma560_sweep", "puma_polish", "two_link_planar_swing"]
-POINT_TO_POINT = sorted({*FULL, *MOTORS_ONLY} - {*PERIODIC, "delta_pick", "planar_3rrr_circle"})
-KNOTS = 9
 
 
 def _limits(name):
@@ -63,40 +60,6 @@ def _friction_and_rotors(scene, names, qd, qdd):
         coulomb = np.where(qd[:, i] > 0, forward, np.where(qd[:, i] < 0, backward, 0))
         columns.append(rotor["gear"] ** 2 * rotor["inertia"] * qdd[:, i] + friction["viscous"] * qd[:, i] + coulomb)
     return np.column_stack(columns)
-
-
-@pytest.mark.parametrize("name", PERIODIC)
-def test_periodic_derivatives_are_those_of_the_fourier_series(name):
-    table = read_csv(name)
-    period = table["time"][-1]
-    for joint in _joints(table):
-        q, qd, qdd = (table[f"{level}_{joint}"][:-1] for level in ("q", "qd", "qdd"))
-        w = 2j * np.pi * np.fft.rfftfreq(len(q), period / len(q))
-        spectrum = np.where(np.arange(len(w)) <= 4, np.fft.rfft(q), 0)
-        for given, power in ((qd, 1), (qdd, 2)):
-            derived = np.fft.irfft(w**power * spectrum, len(q))
-            np.testing.assert_allclose(derived, given, rtol=0, atol=1e-14 * np.abs(w[4]) ** power)
-        np.testing.assert_allclose(np.fft.irfft(spectrum, len(q)), q, rtol=0, atol=1e-14)
-
-
-def hermite_defect(h, f, fd, fdd):
-    """f(t+h) - f(t-h) against the rule that is exact to degree 6 from both derivatives at three samples."""
-    rule = h / 15 * (7 * fd[:-2] + 16 * fd[1:-1] + 7 * fd[2:]) + h * h / 15 * (fdd[:-2] - fdd[2:])
-    return np.abs(f[2:] - f[:-2] - rule)
-
-
-@pytest.mark.parametrize("name", POINT_TO_POINT)
-def test_point_to_point_is_a_quintic_between_its_knots(name):
-    """Both rules hold to rounding except across a knot, where only the jerk may jump."""
-    table = read_csv(name)
-    h = table["time"][1]
-    for joint in _joints(table):
-        q, qd, qdd = (table[f"{level}_{joint}"] for level in ("q", "qd", "qdd"))
-        scale = np.abs(q).max()
-        assert np.count_nonzero(hermite_defect(h, q, qd, qdd) > 1e-14 * scale) <= KNOTS
-        simpson = np.abs(qd[2:] - qd[:-2] - h / 3 * (qdd[:-2] + 4 * qdd[1:-1] + qdd[2:]))
-        assert np.count_nonzero(simpson > 1e-14 * scale / h) <= KNOTS
-        assert hermite_defect(h, q, qd, qdd).max() <= 3e-4 * h * h * np.abs(qdd).max()
 
 
 def test_waves_and_encoder_are_the_same_motion():

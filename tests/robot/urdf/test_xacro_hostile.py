@@ -81,9 +81,11 @@ def written(folder: Path, body: str, name: str = "own.xacro") -> Path:
     return folder / name
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name == "macros")) for name in REFUSED]
-)
+AGAIN = ("vars", "optional_environment", "up", "include", "package_etc", "power", "macros", "units")
+"""Of a kind that another one is of, or long."""
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name in AGAIN)) for name in REFUSED])
 def test_is_refused_with_its_line(folder: Path, name: str) -> None:
     line, why = REFUSED[name]
     said = refusal(f"{name}.xacro")
@@ -93,7 +95,7 @@ def test_is_refused_with_its_line(folder: Path, name: str) -> None:
     assert said.endswith("--trust-xacro lifts this, and lets the file do whatever Python can)")
 
 
-@pytest.mark.parametrize("name", FAILED)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name == "deep")) for name in FAILED])
 def test_fails_with_one_line(folder: Path, name: str) -> None:
     assert {path.stem for path in HOSTILE.glob("*.xacro")} == REFUSED.keys() | FAILED.keys() | {"merges"}
     if name == "entities" and sys.version_info < (3, 11):
@@ -101,7 +103,7 @@ def test_fails_with_one_line(folder: Path, name: str) -> None:
     assert FAILED[name] in refusal(f"{name}.xacro")
 
 
-@pytest.mark.parametrize("expression", ["a${xacro.load_yaml}", "${python.repr(f)}", "${'%.30s' % [f]}"])
+@pytest.mark.parametrize("expression", ["${python.repr(f)}", "${'%.30s' % [f]}"])
 def test_no_address_comes_out(folder: Path, expression: str) -> None:
     own = written(folder, f'<xacro:property name="f" value="${{xacro.load_yaml}}"/>\n<link name="{expression}"/>')
     assert "the address of a function is refused" in refusal(own.name)
@@ -141,11 +143,11 @@ def test_links_lead_nowhere_else(folder: Path) -> None:
     secret = folder.parents[1] / "secret.yaml"
     os.symlink(secret, "link.yaml")
     os.symlink(secret.parent, "around")
-    for name in ("link.yaml", "around/secret.yaml", "../../secret.yaml", str(secret)):
+    for name in ("link.yaml", "around/secret.yaml"):
         own = written(folder, f"<link name=\"${{xacro.load_yaml('{name}').token}}\"/>")
         assert "outside of the packages that were found" in refusal(own)
-        assert b"opensesame" in expanded(str(own), trusted=True).text
-        assert b"opensesame" in expanded(str(own), [str(secret.parent)]).text
+    assert b"opensesame" in expanded(str(own), trusted=True).text
+    assert b"opensesame" in expanded(str(own), [str(secret.parent)]).text
     copy = folder.parents[1] / "install" / "share" / "arm"
     copy.mkdir(parents=True)
     for name in ("package.xml", "own.xacro", "values.yaml"):
@@ -213,7 +215,8 @@ CHECK = "from robodyn.robot.urdf.xacro import expanded; import sys; expanded(sys
 
 
 @pytest.mark.skipif(not Path("/proc/self").is_dir(), reason="looks at processes in /proc")
-@pytest.mark.parametrize("trusted", [False, pytest.param(True, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("trusted", [False, True])
 def test_no_process_outlives_the_one_that_asked(folder: Path, trusted: bool) -> None:
     """Also one that is in the middle of a number without end, which the bound of its processor time ends."""
     path = Path("power.xacro") if trusted else written(folder, SLOW * 100_000)
