@@ -28,17 +28,17 @@ from helpers.example_robots import path_of
 from helpers.machine import machine
 from helpers.markdown_tables import main, table
 from helpers.oracles import ROBOTS
-from helpers.series_reference import motion_reference
 from scipy.integrate import solve_ivp
 
 import robodyn
 from robodyn.dynamics.plan import plan
 from robodyn.measure.accuracy.ladder import timed
+from robodyn.measure.accuracy.simulation import motion_reference
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Friction, Scene
 from robodyn.simulation.methods import METHODS, MethodOptions
-from robodyn.simulation.simulate import integrated
+from robodyn.simulation.simulate import integrated, simulate
 
 Run = Callable[[], Any]
 STEPS = 8
@@ -77,7 +77,7 @@ class System:
 
     def reference(self) -> tuple[Any, Any, str]:
         """What is to be observed at the end, the scale of each number, and how that is known."""
-        known = motion_reference(plan(self.model, self.scene), self.duration)
+        known = motion_reference(self.model, self.duration, partial(simulate, self.model, self.scene))
         q, qd = np.split(known.at(np.array([self.duration]))[0], [self.model.nq])
         expected = self.observe(q, qd)
         half = self.model.nq if expected.size == self.model.nq + self.model.n else 9

@@ -19,6 +19,7 @@ PLANAR = (str(ROBOTS / "two_link_planar.urdf"), str(ROBOTS / "two_link_planar_sw
 def _short_ladders(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("robodyn.measure.accuracy.simulation.STEPS", (1.6e-2, 4e-3))
     monkeypatch.setattr("robodyn.measure.accuracy.simulation.TOLERANCES", (1e-4, 1e-8))
+    monkeypatch.setattr("robodyn.measure.accuracy.ladder.SPREAD_BUDGET", 0.0)
 
 
 def test_mesh_as_text() -> None:

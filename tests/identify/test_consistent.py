@@ -106,7 +106,7 @@ def test_every_answer_is_possible_and_certain(noise, strength):
     assert found.error == pytest.approx(0.5 * np.sum((R @ found.theta - z) ** 2), rel=1e-9)
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_descriptions_may_be_far_off(seed):
     """Thirty times too heavy or too light, three times too long or too short, with fewer rows than parameters."""
     rng = np.random.default_rng(seed)
@@ -135,38 +135,6 @@ def test_motions_that_show_little(seed):
     R, z = factor[:, :-1], factor[:, -1]
     fit = consistent_parameters(R, z, prior, 10 ** rng.uniform(-9, -3) * float(z @ z))
     assert fit.gap < 1e-10 * float(z @ z)
-
-
-def divergence(P, P0):
-    """tr(P0^-1 P) - log det(P0^-1 P) - 4."""
-    ratio = np.linalg.solve(P0, P)
-    return np.trace(ratio) - np.linalg.slogdet(ratio)[1] - 4
-
-
-def objective(theta, R, z, prior, strength):
-    """By its definition."""
-    total = 0.5 * np.sum((R @ theta - z) ** 2)
-    for body in prior.bodies:
-        P, P0 = (pseudo_inertia(t[body.columns]) for t in (theta, prior.theta))
-        total += strength * float(divergence((P - MARGIN * P0) / (1 - MARGIN), P0))
-    for k, name in enumerate(prior.names):
-        if name.rpartition(".")[2] in ("viscous", "forward", "backward", "rotor"):
-            unit = max(abs(prior.theta[k]), np.linalg.norm(z) / np.linalg.norm(R[:, k]))
-            total += strength * 0.5 * ((theta[k] - prior.theta[k]) / unit) ** 2
-    return total
-
-
-def test_nothing_near_is_better():
-    R, z, prior, _ = log(0.3)
-    moved = prior.bodies[0]
-    seen = Prior(prior.names, prior.described, prior.theta, tuple(b for b in prior.bodies if b is not moved), ())
-    strength = 1e-3 * (z @ z)
-    best = consistent_parameters(R, z, prior, strength).theta
-    least, rng = objective(best, R, z, seen, strength), np.random.default_rng(2)
-    for step in (1e-2, 1e-4, 1e-6):
-        for _ in range(20):
-            near = best + step * (truth_near(seen, rng) - best)
-            assert objective(near, R, z, seen, strength) >= least - 1e-10 * (z @ z)
 
 
 def by_clarabel(R, z, prior):

@@ -151,7 +151,10 @@ HARD = {
 }
 
 
-@pytest.mark.parametrize("case", HARD)
+SLOW = ("positions exchanged", "positions exchanged, under noise", "a torque in another unit")
+
+
+@pytest.mark.parametrize("case", [pytest.param(case, marks=[pytest.mark.slow] * (case in SLOW)) for case in HARD])
 def test_refused_in_one_line(case, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     make, words = HARD[case]

@@ -55,6 +55,7 @@ def test_what_the_model_has_not_is_told_and_intervals_hold(name):
         assert found.error < found.described
 
 
+@pytest.mark.slow
 def test_nothing_is_told_of_a_clean_log_but_the_gain():
     _, found = log_of("clean")
     assert found.held >= 0.93
@@ -76,9 +77,8 @@ def test_delays_are_found_by_channel():
     assert list(log.found.delays.values()) == pytest.approx(log.late, abs=1e-3)
 
 
-@pytest.mark.parametrize(
-    "name", ["clean", *(pytest.param(name, marks=pytest.mark.slow) for name in ("stiction", "elastic joints"))]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["clean", "stiction", "elastic joints"])
 def test_nothing_is_late_where_nothing_is(name):
     """Dry friction that builds up over a displacement looks late, too."""
     assert not any(log_of(name)[0].found.delays.values())

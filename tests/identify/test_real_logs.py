@@ -60,6 +60,7 @@ def test_a_joint_that_is_held_out_much_worse_is_told():
     assert len(said) == 1, said
 
 
+@pytest.mark.slow
 def test_ur10_last_forty_percent():
     """Plain least squares have 7.79 %; the stock description, without friction, 45 %."""
     urdf = path_of("ur10_robot")

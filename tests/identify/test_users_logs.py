@@ -89,9 +89,10 @@ def test_a_short_log_is_compared_by_default(log):
     ("factors", "said"),
     [
         ({"time": 1e3}, "are the stamps milliseconds?"),
-        pytest.param({"q_": np.degrees(1.0)}, "are these degrees?", marks=pytest.mark.slow),
+        ({"q_": np.degrees(1.0)}, "are these degrees?"),
     ],
 )
+@pytest.mark.slow
 def test_units_that_are_doubtful_are_not_written(factors, said, tmp_path):
     log, out = tx40(tmp_path, factors), tmp_path / "out.urdf"
     outcome = run("identify", TX40, log, "--out", str(out))

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import tracemalloc
 from dataclasses import asdict, replace
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
 from helpers.busy_robot import BUSY_SCENE, busy_robot
 from helpers.command_line import write_arm
-from helpers.compiled_programs import needs_compiler
 from helpers.motions import Pieces, waves
 from helpers.oracles import EPS, robot
 from helpers.small_robots import built, joint, link
@@ -21,7 +19,6 @@ from robodyn.errors import InputError
 from robodyn.loads.accumulate import output_names
 from robodyn.loads.statistics import Extremes, Greatest
 from robodyn.loads.torques import torques
-from robodyn.programs.run import runner
 from robodyn.robot.load import load
 from robodyn.scene.scene import Motor, Rotor, Scene
 from robodyn.trajectory.options import Reading
@@ -86,23 +83,6 @@ def test_sinks_see_every_sample_once():
     assert once[0][1].shape == (SAMPLES, len(output_names(model, True)))
 
 
-@needs_compiler
-def test_motions_before_this_one_change_no_digit(monkeypatch):
-    """Three motions that add up to what is worth machine code, on a model whose machine code is at hand."""
-    monkeypatch.setattr(runner, "START", 5e-4)
-    monkeypatch.setattr(runner, "BUILD", 0.0)
-    model = robot("puma560")
-    trajectory = waves(model, np.linspace(0, 3, 600))
-    found = []
-    for _ in range(3):
-        results = torques(model, trajectory, sinks=[lambda time, loads: found.append(loads)])
-        assert results.executor == "numpy"
-        inverse_dynamics(model, *(getattr(trajectory, name) for name in ("q", "qd", "qdd")), executor="compiled")
-    assert torques(model, Pieces(trajectory, [200] * 3)).executor == "numpy"
-    assert torques(model, waves(model, np.linspace(0, 3, 3000))).executor == "compiled"
-    np.testing.assert_array_equal(found[1:], [found[0]] * 2)
-
-
 def test_a_block_at_rest_between_blocks_that_move():
     """What has moved once does not fold away again; what is on is what is on in any block."""
     model = robot("puma560")
@@ -160,18 +140,6 @@ def test_a_motion_up_to_its_limits_exceeds_none():
     beyond = found(1 + 1e-8)
     assert [excess.quantity for excess in beyond.exceeded] == ["velocity", "position", "position"]
     assert beyond.seconds_over_velocity == pytest.approx(1.0)
-
-
-def test_of_equal_samples_the_first_counts():
-    score = np.array([[1.0, 3.0, 2.0, 3.0, 0.0, 3.0], [-5.0, -4.0, -3.0, -3.0, -3.0, -9.0]])
-    time, values = np.arange(6) / 10, np.arange(12.0).reshape(2, 6)
-    for cuts in ([0, 6], [0, 1, 3, 6], range(7)):
-        found = Greatest(2)
-        for a, b in pairwise(cuts):
-            found.update(time[a:b], a + 1, score[:, a:b], value=values[:, a:b])
-        assert found.score.tolist() == [3, -3]
-        assert (found.row.tolist(), found.time.tolist()) == ([2, 3], [0.1, 0.2])
-        assert found.kept["value"].tolist() == [1, 8]
 
 
 def peak_memory(folder: Path, rows: int) -> int:

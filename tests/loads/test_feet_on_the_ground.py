@@ -163,13 +163,3 @@ def test_history_has_what_feet_press_with_and_when_they_are_on():
         np.testing.assert_array_equal(samples["on"], motion.columns[f"on_{contact.name}"])
         assert samples["normal"].max() == contact.normal.value
         assert not samples["normal"][samples["on"] == 0.0].any()
-
-
-@pytest.mark.slow
-def test_a_thousand_samples_are_all_balanced():
-    walker = WALKERS["TALOS"]
-    scene = walker.scene()
-    found = robodyn.torques(walker.model, walk(walker, 1000, 4, 0.1).trajectory(scene), scene)
-    assert found.constraints.balanced
-    assert max(abs(part.peak) for part in found.base_wrench) <= 1e-10 * 9.81 * walker.model.total_mass
-    assert max(found.checks.first_law, found.checks.second_law, found.checks.power) <= 1e-12

@@ -49,13 +49,6 @@ def test_two_rows_and_explicit_derivatives_are_refused(tmp_path: Path) -> None:
     assert run(*call, "--derivatives", "given").status == 2
 
 
-def test_feet_are_told_by_contacts() -> None:
-    """A robot that hangs by its base is told where its feet would be said."""
-    outcome = run("torques", str(ROBOTS / "quadruped.urdf"), str(ROBOTS / "quadruped_stand.csv"), "--ignore-extra")
-    (line,) = (line for line in outcome.out.splitlines() if "the ground holds the base" in line)
-    assert line.endswith("say where its feet stand ([[contact]])")
-
-
 def test_an_example_is_said_to_be_no_duty_cycle(tmp_path: Path) -> None:
     call = ("torques", str(ROBOTS / "puma560.urdf"), str(tmp_path / "m.csv"), "--example")
     said = "which is no duty cycle and reaches 40 % of the limits of speed: size by the motion that the robot will do"

@@ -9,6 +9,7 @@ import pytest
 from helpers.busy_robot import BUSY_SCENE, busy_robot
 from helpers.motions import waves
 from helpers.oracles import ROBOTS, random_state, robot, run
+from helpers.sampled import sampled
 
 import robodyn.dynamics.plan
 from robodyn.dynamics.inverse import mass_matrix
@@ -36,7 +37,7 @@ EXAMPLES = {
 }
 
 
-@pytest.mark.parametrize("name", EXAMPLES)
+@pytest.mark.parametrize("name", sampled(EXAMPLES, 4))
 def test_hold_on_every_example(name):
     """Tables of robots/ carry rounded columns: energy agrees within its sampling, the laws to rounding."""
     urdf, toml = EXAMPLES[name]

@@ -118,7 +118,7 @@ def test_harmonic_drives_example_against_the_gears_limits():
     assert sized(gear_average=89.0).sizing.joints[0].level == "over continuous"
 
 
-@pytest.mark.parametrize("name", ["puma560", "gripper"])
+@pytest.mark.parametrize("name", ["gripper", pytest.param("puma560", marks=pytest.mark.slow)])
 def test_figures_by_their_definitions(name):
     """Plain NumPy on the whole arrays, with uneven time stamps."""
     model = robot(name)

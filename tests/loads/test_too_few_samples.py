@@ -119,17 +119,6 @@ def test_which_numbers_of_samples_are_too_few_and_that_error_bars_hold(name: str
     assert np.mean(held) >= ENOUGH
 
 
-def test_five_points_are_not_clean_and_not_trusted() -> None:
-    derived, _, _ = both("points by minimum jerk", 5, np.random.default_rng(4))
-    (caveat,) = derived.caveats
-    assert caveat.text.startswith("5 samples over 4 s are too few to derive accelerations: the peak of '")
-    assert caveat.text.endswith("give samples at 100 Hz or more, or give velocities and accelerations")
-    verdict = limits_verdict(derived)
-    assert verdict.level in ("doubtful", "bad")
-    assert derived.within_limits is not True
-    assert not derived.checks.energy_balance.consistent
-
-
 def test_a_pose_that_is_held_needs_no_samples() -> None:
     model = robot("puma560")
     result = robodyn.torques(model, robodyn.motion(model, [0.0, 1.0, 2.0], np.full((3, model.n), 0.4)))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -128,30 +127,6 @@ def test_friction_that_grows_with_load():
     (x, load), bar = (1.1 * G, G), found.joints[0].load.peak
     assert bar.value == pytest.approx(1.1 * G, rel=1e-14)
     assert bar.standard_error == pytest.approx(math.sqrt(0.01 * x * x + 0.0004 * load**2 + 0.0012 * x * load), rel=1e-9)
-
-
-def test_a_covariance_of_loads_and_coupled_motors():
-    """Against motions that are run again, and parts of friction that belong to it."""
-    model = robot("puma560")
-    both = CoupledMotor("both", {"wrist_pitch": 1.0, "flange_roll": -1.0}, 2e-4, 40.0, Friction(0.3, 0.4, -0.4))
-    scene = scene_of(model, coupled=(both,))
-    scene = replace(scene, friction=dict(scene.friction) | {"elbow": Friction(0.5, 1.0, -0.8, load=0.2)})
-    names = ("forearm.m", "forearm.mx", "elbow.load", "elbow.viscous", "both.viscous", "both.forward", "both.rotor")
-    errors = np.array((0.3, 0.05, 0.02, 0.05, 0.05, 0.04, 0.05))
-    rows = np.diag(errors**2) + 0.5 * np.outer(errors, errors) * (1.0 - np.eye(len(names)))
-    regressor = robodyn.regressor(model, *np.zeros((3, model.n)), scene=scene)
-    at = dict(zip(regressor.names, regressor.theta.tolist(), strict=True))
-    known = Covariance(names, np.array([at.get(name, 0.2) for name in names]), rows)
-    scene = replace(scene, uncertainty=Uncertainty(covariance=known))
-    result = robodyn.torques(model, waves(model), scene).uncertainty
-    found, again = result.joints, run_again(model, [waves(model)], scene, 400)
-    for name, bar in bars(result):
-        if name[1] in ("tau", "motor"):
-            sampled = again[name].std(ddof=1)
-            assert bar.standard_error == pytest.approx(sampled, rel=0.05 + 5 / math.sqrt(800), abs=1e-12)
-    shares = {each.load.name: each.load.shares for each in found}
-    assert shares["elbow"]["elbow.load"] > 0.01
-    assert sum(shares["flange_roll"][name] for name in names[4:]) == pytest.approx(1.0, rel=1e-9)
 
 
 def test_friction_of_a_coupled_motor():

@@ -1,27 +1,26 @@
 """Every error bar that a command prints covers the true error in 19 of 20 random cases.
 
 Those of tessellation are in test_tessellation_bars.py, of overlaps and holes in solids/mesh/test_repair_regions.py, of
-simulated motions in test_simulation_ladder.py. What is measured - asymmetry, drift, quartiles - has no bar.
-"""
+simulated motions in test_simulation_ladder.py, of peaks from positions in test_bars_of_motions.py. What is measured -
+asymmetry, drift, quartiles - has no bar."""
 
 from __future__ import annotations
 
-from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 
 import numpy as np
 import pytest
 from helpers import mesh_samples as samples
 from helpers.mesh_oracle import rotation
 from helpers.oracles import robot
-from helpers.series_reference import motion_reference
 from helpers.simulated_robots import pendulum
 from helpers.small_robots import random_tree
 
 import robodyn
 from robodyn.dynamics.plan import plan
 from robodyn.measure.accuracy.simulate_within import simulate_within
-from robodyn.measure.accuracy.simulation import state_errors
+from robodyn.measure.accuracy.simulation import motion_reference, state_errors
 from robodyn.measure.accuracy.torques import arithmetic_within
 from robodyn.programs.run.multiprecision import Multiprecision
 from robodyn.scene.scene import DEFAULT, Scene
@@ -79,41 +78,6 @@ def test_rounding_of_files() -> None:
     assert np.mean(held) >= ENOUGH
 
 
-def test_holes() -> None:
-    """Neighbouring faces missing from tori, balls and cylinders of random proportions."""
-    rng = np.random.default_rng(3)
-    held = []
-    for _ in range(40):
-        solid = [samples.uv_sphere, samples.torus, samples.cylinder][rng.integers(3)]()
-        body = samples.moved(solid * rng.uniform(0.7, 1.4, 3), rng.normal(size=3), rotation(rng.integers(9999)))
-        middle = body.mean(axis=1)
-        nearest = np.argsort(((middle - middle[rng.integers(len(body))]) ** 2).sum(axis=1))
-        found = robodyn.mass_properties(np.delete(body, nearest[: rng.integers(1, 12)], axis=0))
-        whole = robodyn.mass_properties(body)
-        held.append(abs(found.body.volume / whole.body.volume - 1) <= (found.union or 1e-12))
-    assert np.mean(held) >= ENOUGH
-
-
-@counts(4, 20)
-@pytest.mark.parametrize("name", ["puma", "scara"])
-def test_peaks_from_noisy_positions(name: str, count: int) -> None:
-    """White noise and encoders, at two sample rates; peaks anywhere, also near an end."""
-    rng, model, held = np.random.default_rng(4), robot(name), []
-    for k in range(count):
-        time = np.arange(0.0, 2.0, (1 / 200, 1 / 800)[k % 2])
-        q, qd, qdd = random_motion(rng, model.n, time)
-        size = 10.0 ** rng.uniform(-5.5, -3.3)
-        data = q + size * rng.standard_normal(q.shape) if k % 4 < 2 else size * np.round(q / size)
-        given = replace(motion(model, time, data), caveats=())  # positions far beyond the limits are meant
-        found = robodyn.torques(model, given)
-        true = robodyn.inverse_dynamics(model, q, qd, qdd)
-        held += [
-            abs(j.peak - true[j.peak_row - 1, i]) <= j.error_bar for i, j in enumerate(found.joints) if j.error_bar
-        ]
-    assert len(held) >= 2 * count
-    assert np.mean(held) >= ENOUGH
-
-
 def test_what_sampling_explains_of_the_energy() -> None:
     """The residual of exact motions is that of the trapezoidal rule, which the report estimates to a factor of two."""
     rng, held = np.random.default_rng(5), []
@@ -151,11 +115,10 @@ def swinging(rng):
 
 @counts(3, 25)
 def test_simulations_as_accurate_as_asked(count: int) -> None:
-    pytest.importorskip("mpmath")
     rng, held = np.random.default_rng(7), []
     for _ in range(count):
         model, scene, duration = swinging(rng)
         found = simulate_within(model, scene, duration, 10.0 ** rng.uniform(-10, -2))
-        known = motion_reference(plan(model, found.scene), duration)
+        known = motion_reference(model, duration, partial(robodyn.simulate, model, found.scene))
         held.append(state_errors(found, known)[1] <= found.expected_error + 2 * known.bound)
     assert np.mean(held) >= ENOUGH

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from benchmarks.coverage_of_bars import Held, held
 from helpers.motion_classes import JUDGED, NOISES, TUNED, table, trapezoids
-from helpers.oracles import robot
 from helpers.sampled import sampled
 from helpers.small_robots import built, joint, link
 
@@ -86,21 +85,4 @@ def test_bars_of_given_noisy_velocities_hold() -> None:
         found = from_arrays(Signals((Signal("a", "angle"),)), time, q[:, None], noisy[:, None])
         k = surest(found)
         ok.append(abs(found.qdd[k, 0] - qdd[k]) <= found.sampling.off[k, 0])
-    assert np.mean(ok) >= 0.9
-
-
-@pytest.mark.parametrize("rate", [200, pytest.param(1000, marks=pytest.mark.slow)])
-def test_bars_of_an_arm_with_corners_hold(rate: int) -> None:
-    """Three joints move each by their own trapezoids or moves, read by encoders."""
-    model, ok = robot("puma"), []
-    for seed in range(8):
-        kinds = [list(ALL.values())[(seed + k) % len(ALL)] for k in range(model.n)]
-        tables = [table(kind, "encoder", rate, 10 * seed + k) for k, kind in enumerate(kinds)]
-        time = tables[0][0]
-        read = np.column_stack([q for _, q, _ in tables])
-        true = robodyn.inverse_dynamics(
-            model, *(np.column_stack([rates[part] for *_, rates in tables]) for part in range(3))
-        )
-        found = robodyn.torques(model, robodyn.motion(model, time, read))
-        ok += [abs(j.peak - true[j.peak_row - 1, i]) <= j.error_bar for i, j in enumerate(found.joints)]
     assert np.mean(ok) >= 0.9

@@ -46,6 +46,7 @@ def test_scara() -> None:
     assert all(effect.saved >= 0 for effect in found.effects)
 
 
+@pytest.mark.slow
 def test_derived_accelerations_are_measured_on_a_motion_like_the_given_one() -> None:
     """With noise, methods that do not smooth are bad by a lot; the motion like it has the torques of the given one."""
     model = load(ROBOTS / "puma.urdf")
