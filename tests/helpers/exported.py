@@ -34,7 +34,7 @@ CASES = {
     "columns": lambda: (busy_robot(moving_base=True), BUSY_SCENE),
 }
 each_case = pytest.mark.parametrize(
-    "case", ["mimic", "free", "columns", *(pytest.param(case, marks=pytest.mark.slow) for case in ("scara", "puma560"))]
+    "case", ["mimic", "free", *(pytest.param(case, marks=pytest.mark.slow) for case in ("columns", "scara", "puma560"))]
 )
 
 

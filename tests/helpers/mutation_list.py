@@ -353,11 +353,6 @@ MUTATIONS = {
         ("programs/scalar.py", "(op, a, b)", "(op, a)"),
         ("programs/scalar.py", "-(self * -other)", "self * -other"),
     ],
-    "programs/test_linear.py": [
-        ("programs/linear.py", "left.conj() * right", "left * right"),
-        ("programs/linear.py", "right * scale[:, None]", "right"),
-        ("programs/linear.py", "left / scale[:, None]", "left"),
-    ],
     "equations/linearized/test_linearize.py": [
         ("equations/linearized/linearize.py", "given.dq + np.diag(robot.drives.kp)", "given.dq"),
         ("equations/linearized/linearize.py", "given.dqd + np.diag(robot.drives.kd)", "given.dqd"),
@@ -369,6 +364,9 @@ MUTATIONS = {
         ("equations/linearized/linearize.py", "2.0 * out + product(out, out)", "2.0 * out"),
     ],
     "equations/linearized/test_modes.py": [
+        ("programs/linear.py", "left.conj() * right", "left * right"),
+        ("programs/linear.py", "right * scale[:, None]", "right"),
+        ("programs/linear.py", "left / scale[:, None]", "left"),
         (
             "equations/linearized/modes.py",
             "np.maximum(found.weight, np.abs(np.diag(found.stiffness)))",

@@ -80,13 +80,3 @@ def test_a_row_each_its_own_way() -> None:
     program = trace(both)
     inputs = [*(("x", i) for i in range(30)), ("y", 0)]
     assert derivative(program, inputs).size < 8 * program.size
-
-
-def test_second_derivatives() -> None:
-    program = trace(lambda tape: [sin(tape.input("x", 0) * tape.input("x", 1))])
-    inputs = [("x", 0), ("x", 1)]
-    found = Multiprecision(derivative(derivative(program, inputs), inputs), digits=40)({"x": [[0.7, 1.3]]}, 1)[0]
-    x, y = mpmath.mpf(0.7), mpmath.mpf(1.3)
-    s, c = mpmath.sin(x * y), mpmath.cos(x * y)
-    expected = [-y * y * s, c - x * y * s, c - x * y * s, -x * x * s]
-    assert max(abs(a - b) for a, b in zip(found, expected, strict=True)) < 1e-14

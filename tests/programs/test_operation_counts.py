@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 from helpers.example_robots import real
 from helpers.oracles import frictionless, robot
-from helpers.small_robots import body_numbers, built, chain, chain_parts, joint, link
+from helpers.small_robots import chain
 
 from robodyn.dynamics.plan import EFFECTS, Plan
 from robodyn.scene.scene import ExternalWrench, Friction, Payload, Rotor, Scene, Spring
@@ -56,17 +55,6 @@ def test_operations_grow_linearly():
     assert 2 * size(chain(8)) < size(chain(8, skew=True))
     counts = [size(chain(n, skew=True)) for n in (10, 20, 30, 40)]
     assert counts[1] - counts[0] == counts[2] - counts[1] == counts[3] - counts[2]
-
-
-def test_a_full_body_costs_more_than_a_plain_or_a_massless_one():
-    def tip(text):
-        return size(built(*chain_parts(3, skew=True), text, joint("j4", "l3", "l4", xyz=(1, 0, 0), rpy=(1.0, 0, 0))))
-
-    full = tip(link("l4", *body_numbers(np.random.default_rng(0))))
-    plain = tip(link("l4", 1, (0, 0, 0.3), (0.1, 0, 0, 0.2, 0, 0.3)))
-    centred = tip(link("l4", 1, (0, 0, 0), (0.1, 0, 0, 0.1, 0, 0.1)))
-    assert tip(link("l4")) < centred < plain < full
-    assert tip(link("l4")) == size(chain(3, skew=True)), "a massless leaf is free"
 
 
 SCENES = {

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.busy_robot import busy_robot
 from helpers.example_robots import path_of
 from helpers.oracles import EPS, robot, worst
 from helpers.peers import mujoco
@@ -76,23 +75,6 @@ def test_a_joint_that_a_drive_holds():
         assert found.balanced
 
 
-def test_modes_are_what_a_motion_does():
-    """Eigenvalues and shapes of a robot with every effect, drives and mimic joints satisfy z' = A z."""
-    model = busy_robot()
-    scene = Scene(drive={name: Drive(kp=200.0, kd=4.0) for name in model.joint_names})
-    found = linearize(model, scene, equilibrium=True)
-    n, total = model.n, 0
-    for mode in found.modes.modes:
-        value, x = complex(mode.real, mode.imag), np.array(mode.shape)
-        z = np.concatenate((x, value * x))
-        assert np.abs(found.A @ z - value * z).max() <= 1e-12 * np.abs(found.A).max() * np.abs(z).max()
-        total += 2 if mode.oscillates else 1
-    assert total == 2 * n
-    expected = np.linalg.eigvals(found.A)
-    for mode in found.modes.modes:
-        assert np.abs(expected - complex(mode.real, mode.imag)).min() <= mode.error
-
-
 @pytest.mark.parametrize("stem", ["ur5_robot", "anymal"])
 def test_real_robots_with_drives(stem):
     """An equilibrium is found, all modes decay, and LAPACK's eigenvalues lie within the errors."""
@@ -104,20 +86,6 @@ def test_real_robots_with_drives(stem):
     values = np.linalg.eigvals(found.A)
     for mode in found.modes.modes:
         assert np.abs(values - complex(mode.real, mode.imag)).min() <= mode.error
-
-
-def test_two_carts_on_a_spring_swing_against_each_other():
-    """Free along x as a whole: the first moves by -m2 / (m1 + m2) of the stretch, at sqrt(k (1 / m1 + 1 / m2))."""
-    rail = joint("rail", "base", "first", "prismatic", (1, 0, 0))
-    stretch = joint("stretch", "first", "second", "prismatic", (1, 0, 0))
-    first, second = (
-        link(name, mass, (0, 0, 0), (0.1, 0, 0, 0.1, 0, 0.1)) for name, mass in (("first", 3), ("second", 1))
-    )
-    scene = Scene(spring={"stretch": Spring(12.0)}, friction={"stretch": Friction(0.5)})
-    found = linearize(built(link("base"), first, second, rail, stretch), scene).modes.modes
-    assert [mode.free for mode in found] == [True, False]
-    assert found[1].frequency == pytest.approx(np.sqrt(12.0 * 4 / 3) / (2 * np.pi), rel=1e-14)
-    assert np.abs(np.array(found[1].shape) / found[1].shape[1] - [-0.25, 1]).max() <= 4 * EPS
 
 
 @pytest.mark.parametrize("seed", range(2))
@@ -231,17 +199,6 @@ def test_pairs_that_are_as_fast_have_one_order():
         assert [np.sign(mode.real) for mode in modes] == [-1, 1, -1, 1], k
 
 
-def test_stiff_and_soft_together():
-    """A drive of 1e9 beside a spring of 1e-3: the slow mode is found, and its error says how well."""
-    parts = [link("base"), link("a", 1.0, (0, 0, 0), (1, 0, 0, 1, 0, 1)), link("b", 1.0, (0, 0, 0), (1, 0, 0, 1, 0, 1))]
-    parts += [joint("ja", "base", "a", "continuous"), joint("jb", "base", "b", "continuous")]
-    scene = Scene(spring={"ja": Spring(1e-3)}, drive={"jb": Drive(kp=1e9, kd=1e3)})
-    slow, fast = linearize(built(*parts), scene).modes.modes
-    assert slow.imag == pytest.approx(np.sqrt(1e-3), rel=1e-9)
-    assert fast.imag == pytest.approx(np.sqrt(1e9 - 250e3), rel=1e-12)
-    assert abs(slow.imag - np.sqrt(1e-3)) <= slow.error
-
-
 @pytest.mark.parametrize("at", [0.0, 0.3], ids=["an equilibrium", "held by a torque"])
 def test_what_is_soft_because_a_drive_nearly_balances_the_weight(at):
     """A rod on a spring of m g l cos q (1 + 1e-8) swings at 0.0003 rad/s, known to 1e-12, not to 1e-16, of them."""
@@ -349,3 +306,17 @@ def test_equilibria_of_the_lightest_and_the_heaviest_link(mass):
     assert np.abs(np.sin(found.q[0] + found.q[2] - np.pi / 2)) <= 1e-9
     assert found.modes.verdict == "marginal"
     assert all(mode.oscillates for mode in found.modes.modes)
+
+
+def test_two_carts_on_a_spring_swing_against_each_other():
+    """Free along x as a whole: the first moves by -m2 / (m1 + m2) of the stretch, at sqrt(k (1 / m1 + 1 / m2))."""
+    rail = joint("rail", "base", "first", "prismatic", (1, 0, 0))
+    stretch = joint("stretch", "first", "second", "prismatic", (1, 0, 0))
+    first, second = (
+        link(name, mass, (0, 0, 0), (0.1, 0, 0, 0.1, 0, 0.1)) for name, mass in (("first", 3), ("second", 1))
+    )
+    scene = Scene(spring={"stretch": Spring(12.0)}, friction={"stretch": Friction(0.5)})
+    found = linearize(built(link("base"), first, second, rail, stretch), scene).modes.modes
+    assert [mode.free for mode in found] == [True, False]
+    assert found[1].frequency == pytest.approx(np.sqrt(12.0 * 4 / 3) / (2 * np.pi), rel=1e-14)
+    assert np.abs(np.array(found[1].shape) / found[1].shape[1] - [-0.25, 1]).max() <= 4 * EPS

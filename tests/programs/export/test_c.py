@@ -2,35 +2,16 @@
 
 from __future__ import annotations
 
-import random
-
 import numpy as np
 import pytest
 from helpers.c_functions import called, compiled_c, needs_c
 from helpers.compiled_programs import program_of
 from helpers.oracles import worst
-from helpers.random_programs import random_program
 
 from robodyn.errors import InputError
 from robodyn.programs.export import c_function, comment
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
 from robodyn.programs.vectors import cos, exp, sign, sin
-
-
-@needs_c
-def test_random_programs(tmp_path):
-    drawn = [random_program(random.Random(seed), 60) for seed in range(10)]
-    text = "".join(
-        c_function(f"f{k}", program, widths, {"out": len(program.outputs)}) for k, (program, widths) in enumerate(drawn)
-    )
-    library, rng = (
-        compiled_c(f"#include <math.h>\n{text}", tmp_path, "-Wno-missing-prototypes"),
-        np.random.default_rng(0),
-    )
-    for k, (program, widths) in enumerate(drawn):
-        sources = {name: rng.uniform(-2, 2, (20, width)) for name, width in widths.items()}
-        expected = NumpyBlocks(program, widths)(sources, 20)
-        assert worst(called(getattr(library, f"f{k}"), sources.values(), expected.shape[1]), expected) <= 1e-13
 
 
 @needs_c

@@ -11,7 +11,7 @@ from time import sleep
 import numpy as np
 import pytest
 from helpers.array_layouts import LAYOUTS, PROGRAM, WIDTHS, expected, ready, state
-from helpers.compiled_programs import bits, needs_compiler
+from helpers.compiled_programs import bits, needs_compiler, program_of
 from helpers.oracles import EPS, golden_model, random_state, worst
 from helpers.processes import python
 
@@ -205,3 +205,57 @@ def test_other_processors_find_the_same_bits(dtype, monkeypatch):
         for samples in (9, 1000):
             arrays = {name: LAYOUTS[layout](values) for name, values in state(samples, dtype).items()}
             np.testing.assert_array_equal(bits(run(arrays, samples)), bits(ready(dtype)(arrays, samples)))
+
+
+X = np.random.default_rng(5).uniform(-3, 3, (100, 2))
+
+
+def blocks():
+    return CompiledBlocks(program_of(lambda x, y: [x.sin() * y + x, y.cos() / x, x * y, 2.0 * y], 2), {"x": 2})
+
+
+def test_few_results_over_inputs():
+    code = blocks()
+    memory = np.zeros((8, 4))
+    memory[:, :2] = X[:8]
+    expected = code({"x": X[:8]}, 8)
+    assert code({"x": memory[:, :2]}, 8, memory) is memory
+    np.testing.assert_array_equal(memory, expected)
+
+
+@pytest.mark.parametrize("angle", [1e7, np.nan, np.inf])
+def test_few_samples_left_to_numpy(angle):
+    """The others keep their bits, and so do later calls, which find nothing of it in their room."""
+    code = blocks()
+    expected = code({"x": X[:8]}, 8)
+    far = X[:8].copy()
+    far[2, 0] = angle
+    found = code({"x": far}, 8)
+    np.testing.assert_array_equal(found[2], code._fallback({"x": far[2:3]}, 1)[0])
+    np.testing.assert_array_equal(np.delete(found, 2, 0), np.delete(expected, 2, 0))
+    assert not code._rooms
+    np.testing.assert_array_equal(code({"x": X[:1]}, 1), expected[:1])
+    assert len(code._rooms) == 1
+
+
+def test_few_samples_of_many_threads_at_once():
+    """Each has room of its own, and what is left is no more than they were."""
+    code = blocks()
+    expected = code({"x": X}, len(X))
+
+    def work(start):
+        for k in range(60):
+            row = (start + k) % 99
+            if not (code({"x": X[row : row + 1]}, 1) == expected[row]).all():
+                return False
+        return True
+
+    with ThreadPoolExecutor(8) as pool:
+        assert all(pool.map(work, range(8)))
+    assert 1 <= len(code._rooms) <= 8
+
+
+def test_wrong_shapes():
+    for shape in ((3, 2), (4,), (4, 2, 1)):
+        with pytest.raises(ValueError, match=r"x has shape .*, not \(4, 2\)"):
+            blocks()({"x": np.zeros(shape)}, 4)

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from itertools import pairwise
 
 import numpy as np
 import pytest
-from helpers.array_layouts import LAYOUTS, PROGRAM, expected, in_bytes, ready, state
+from helpers.array_layouts import LAYOUTS, PROGRAM, expected, ready, state
 from helpers.compiled_programs import bits, compiled, needs_compiler
-from helpers.oracles import EPS, worst
 
 from robodyn.programs.run import compiled_blocks
 from robodyn.programs.run.compiled_blocks import BLOCK
@@ -64,16 +62,6 @@ def test_output_over_an_input(monkeypatch):
             np.testing.assert_array_equal(bits(out), right)
 
 
-def test_output_over_an_input_of_other_numbers():
-    """Samples that are left to NumPy are read before they are overwritten."""
-    arrays = state(300)
-    table = np.zeros((300, len(PROGRAM.outputs)))
-    arrays["a"] = table.view(table.dtype.newbyteorder())[:, :3]
-    arrays["a"][...] = state(300)["a"]
-    assert ready()(arrays, 300, table) is table
-    np.testing.assert_array_equal(bits(table), bits(expected(state(300))))
-
-
 @pytest.mark.filterwarnings("error")
 def test_numbers_too_large_for_single_precision_warn_as_little_as_others():
     found = compiled(lambda x: [x * 2.0], 1, np.float32)({"x": np.array([[1e300], [-1e300], [3.0]])}, 3)
@@ -102,20 +90,6 @@ def test_no_inputs_no_outputs_no_samples():
     assert ready()(state(0), 0).shape == (0, len(PROGRAM.outputs))
     out = np.empty((0, len(PROGRAM.outputs)))
     assert ready()(state(0), 0, out, 4) is out
-
-
-@pytest.mark.parametrize("inputs", [9, 70])
-@pytest.mark.parametrize("pages", [False, True])
-def test_many_columns(inputs, pages):
-    """As many as are read where they lie, and more; also at distances that share sets of the cache."""
-    run = compiled(lambda *x: [sum(a * b for a, b in pairwise(x)), *x[::-1]], inputs)
-    x = np.random.default_rng(inputs).normal(size=(517, inputs))
-    placed = in_bytes(x, 0, 8192) if pages else np.asfortranarray(x)
-    out = in_bytes(np.zeros((517, inputs + 1)), 0, 8192) if pages else None
-    found = run({"x": placed}, 517, out, 2)
-    np.testing.assert_array_equal(found[:, 1:], x[:, ::-1])
-    assert worst(found[:, 0], (x[:, 1:] * x[:, :-1]).sum(axis=1)) <= 4 * EPS
-    np.testing.assert_array_equal(bits(found), bits(run({"x": x}, 517)))
 
 
 GUARDED = """

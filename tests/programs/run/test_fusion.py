@@ -4,19 +4,15 @@ from __future__ import annotations
 
 import operator
 import random
-from collections import defaultdict
 from fractions import Fraction
 
 import numpy as np
 import pytest
 from helpers.compiled_programs import bits, compiled, needs_compiler, program_of
-from helpers.oracles import golden_model
 
-from robodyn.dynamics.plan import Plan
 from robodyn.programs.run.compiled_blocks import CompiledBlocks, kernel_of
 from robodyn.programs.run.llvm.kernel import fused_products
 from robodyn.programs.scalar import ADD, CONSTANT, INPUT, MUL, SUB
-from robodyn.scene.scene import Scene
 
 INPUTS = 4
 
@@ -66,32 +62,6 @@ def test_which_products_are_fused(name):
     program = program_of(function, INPUTS)
     assert len(fused_products(program)) == fused
     assert counted(program) == (fused, formed)
-
-
-@pytest.mark.parametrize("steps", [5, 40])
-def test_no_product_is_formed_that_sums_take_in(steps):
-    """A product that is taken in is used by sums that take it in, and by nothing else."""
-    several = 0
-    for seed in range(25):
-        program = sums_of_products(seed, steps)
-        taken = fused_products(program)
-        users = defaultdict(list)
-        for k, (op, a, b) in enumerate(program.operations):
-            for operand in (a, b) if op in (ADD, SUB, MUL) else (a,):
-                users[operand].append(k)
-        for product in set(taken.values()):
-            assert program.operations[product][0] is MUL
-            assert product not in program.outputs
-            assert [k for k, of in taken.items() if of == product] == users[product]
-            several += len(users[product]) > 1
-        formed = program.counts.get(MUL, 0) - len(set(taken.values()))
-        assert counted(program) == (len(taken), formed)
-    assert several or steps == 5
-
-
-def test_most_products_of_a_robot_are_fused():
-    program = Plan(golden_model("tree15_bf2_skew0.3"), Scene()).torques()
-    assert len(fused_products(program)) > 0.6 * (program.counts[ADD] + program.counts[SUB])
 
 
 def rounded(exact, dtype):

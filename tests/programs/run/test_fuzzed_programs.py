@@ -56,7 +56,7 @@ def drawn(seed, operations, dtype=np.float64):
 
 
 @each_executor
-@pytest.mark.parametrize("operations", [50, 15, pytest.param(1000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("operations", [50, *(pytest.param(x, marks=pytest.mark.slow) for x in (15, 1000))])
 def test_programs_of_seeds(executor, operations):
     cases = [drawn(seed, operations, format_of(executor)) for seed in range(1 if operations > 50 else SEEDS)]
     errors = [off(executor, *case, samples=1 + 67 * k).ravel() for k, case in enumerate(cases)]
@@ -64,7 +64,7 @@ def test_programs_of_seeds(executor, operations):
     assert np.max(np.concatenate(errors)) <= 5000
 
 
-@each_executor
+@pytest.mark.parametrize("executor", ["numpy", *(pytest.param(x, marks=pytest.mark.slow) for x in [*EXECUTORS][1:])])
 @given(data=st.data())
 def test_programs_that_shrink(executor, data):
     program, widths = data.draw(programs())

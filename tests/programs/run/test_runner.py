@@ -8,17 +8,14 @@ from functools import cache
 import numpy as np
 import pytest
 from helpers.compiled_programs import needs_compiler, program_of
-from hypothesis import given
-from hypothesis import strategies as st
 
 from robodyn.errors import InputError
 from robodyn.programs.run import runner
 from robodyn.programs.run.compiled_blocks import CompiledBlocks
 from robodyn.programs.run.llvm import build, machine
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
-from robodyn.programs.run.runner import BUILD, CALL, COMPILED, NUMPY, RUN, START, Runner, Work, choice, times
+from robodyn.programs.run.runner import BUILD, CALL, COMPILED, NUMPY, RUN, START, Runner, Work, choice
 
-COUNT = st.integers(1, 10**6)
 HUGE = 10**9
 
 
@@ -48,12 +45,6 @@ def run(a_runner, **options):
     return a_runner.run({"x": X.astype(options.get("dtype", np.float64))}, len(X), **options)
 
 
-@st.composite
-def works(draw):
-    runs = draw(st.integers(1, 1000))
-    return Work(draw(COUNT), draw(COUNT) * runs, runs, runs * draw(st.integers(1, 50)))
-
-
 def chosen(work):
     return choice(work).executor
 
@@ -65,22 +56,6 @@ def test_machine_code_from_the_crossing_on():
     last = int((RUN + START + operations * (BUILD - CALL)) / (operations * (NUMPY - COMPILED)))
     assert chosen(work._replace(samples=last - 1)) == "numpy"
     assert chosen(work._replace(samples=last + 2)) == "compiled"
-
-
-@given(work=works(), more=COUNT)
-def test_more_samples_never_turn_machine_code_into_numpy(work, more):
-    larger = work._replace(samples=work.samples + more, blocks=work.blocks + more // 4096)
-    assert (chosen(work), chosen(larger)) != ("compiled", "numpy")
-
-
-def test_small_calls_are_worth_machine_code_in_the_end():
-    """One sample at a time: the time that each call of NumPy takes adds up to that of making the code."""
-    calls = [Work(500, k, k, k) for k in range(1, 2000)]
-    executors = [chosen(work) for work in calls]
-    turn = executors.index("compiled")
-    assert set(executors[turn:]) == {"compiled"}
-    by_numpy, by_code = times(calls[turn])
-    assert by_code < by_numpy < by_code + 500 * (CALL + NUMPY)
 
 
 def test_reasons_name_the_work():
@@ -186,19 +161,6 @@ def test_processor_without_fused_multiply_add(fresh, monkeypatch):
     monkeypatch.setattr(runner, "compiler_problem", machine.compiler_problem.__wrapped__)
     problem = "the processor (sandybridge) has no fused multiply-add"
     _falls_back(made(), problem)
-
-
-@pytest.mark.parametrize(
-    ("features", "triple", "fused"),
-    [
-        ("+fma", "x86_64-pc", True),
-        ("-fma", "x86_64-pc", False),
-        ("+fma4", "x86_64-pc", False),
-        ("", "arm64-apple", True),
-    ],
-)
-def test_fused_multiply_add_by_processor(features, triple, fused):
-    assert machine.Host(triple, "some", features, "0.45", (20,)).fused == fused
 
 
 @needs_compiler
