@@ -74,10 +74,6 @@ class Limits:
         return f"{self.stops[first_largest(-self.room(q))].met('reaches')} at {time:.6g} s"
 
 
-DEGREE = 7
-"""Of the longest dense output, that of DOP853."""
-DOUBT = 1e-3
-"""Of how far a joint moves in a step: extrema of dense outputs this near to a limit are looked at by the method."""
 ASIDE = 0.25
 """Of a step, to both sides of an extremum of the interpolant: there is that of the method."""
 DIP = 8.0 / 27.0
@@ -128,26 +124,6 @@ def lowest_of_cubic(start: float, slope: float, end: float, after: float) -> tup
     below = sqrt(root)
     at = -slope / (b + below) if b > 0.0 else (below - b) / (3.0 * c) if c else 0.0
     return at, start + at * (slope + at * (b + at * c))
-
-
-def dense_touches(limits: Limits, dense: Callable[[Floats], Floats], after: Floats) -> list[Touch]:
-    """Where one step may pass limits, in order of time: `after` it (nq), or at an extremum of its dense output, which
-    tells q (N, nq) at fractions (N,) of the step."""
-    from numpy.polynomial import chebyshev
-
-    found = [Touch(0, int(stop), 1.0) for stop in np.flatnonzero(limits.room(after) < 0.0)]
-
-    def room(x: Floats) -> Floats:
-        return limits.room(dense(0.5 + 0.5 * x))
-
-    series = np.asarray(chebyshev.chebinterpolate(room, DEGREE))  # type: ignore[type-var]
-    spread = np.abs(series[1:]).sum(axis=0)
-    for stop in np.flatnonzero(series[0] < (1.0 + DOUBT) * spread):
-        turns = chebyshev.chebroots(chebyshev.chebder(series[:, stop]))
-        for x in turns.real[(np.abs(turns.imag) < 1e-6) & (np.abs(turns.real) < 1.0)]:
-            if chebyshev.chebval(x, series[:, stop]) < DOUBT * spread[stop]:
-                found.append(Touch(0, int(stop), 0.5 + 0.5 * float(x)))
-    return sorted(found, key=lambda touch: touch.at)
 
 
 def first_passed(touches: Iterable[Touch], room: Callable[[float], Floats], length: float) -> float | None:

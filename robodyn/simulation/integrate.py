@@ -18,7 +18,7 @@ from robodyn.programs.run.runner import EXECUTORS, Work, times
 from robodyn.programs.run.stepper import COLUMNS, SINGLE, CompiledSteps, NumpySteps
 from robodyn.robot.kinematics import unit_rows
 from robodyn.simulation.equations import STATE, Equations, Steps
-from robodyn.simulation.events import Limits, dense_touches, first_passed, hermite_touches
+from robodyn.simulation.events import Limits, Touch, first_passed, hermite_touches
 from robodyn.simulation.methods import Method, TooMuchError
 from robodyn.simulation.table import NEAR, Piece, Signal, pieces
 from robodyn.support.floats import Floats
@@ -180,6 +180,8 @@ MOST_ROWS = 300_000
 """Some minutes of work."""
 LEAST = {"dop853": 14, "radau": 9, "bdf": 6}
 """Evaluations for the steps from one row of a table to the next, at least."""
+PARTS = 8
+"""Of a step, between which its dense output is as good as cubics where limits are looked for."""
 KNOTS = 8
 """Rows of a reference, a smooth spline, that a step may pass over."""
 
@@ -283,8 +285,13 @@ class AdaptiveSteps:
     def limit_within(self, solver: Any, y: Floats, limits: Limits) -> tuple[float, Floats] | None:
         """When, and in what state, the last step of a solver, from y, first reached a limit."""
         begin, length = float(solver.t_old), float(solver.t - solver.t_old)
-        dense = solver.dense_output()
-        touches = dense_touches(limits, lambda part: dense(begin + length * part).T, solver.y)
+        states = solver.dense_output()(np.linspace(begin, solver.t, PARTS + 1)).T
+        states[0], states[-1] = y, solver.y
+        q, qd, _ = np.split(states, [self.model.nq, self.model.nq + self.model.n], axis=1)
+        touches = [
+            Touch(0, touch.stop, (touch.step + touch.at) / PARTS)
+            for touch in hermite_touches(limits, q, qd, np.full(PARTS, length / PARTS))
+        ]
         time = first_passed(touches, lambda time: limits.room(self.after(begin, y, begin + time)), length)
         return None if time is None else (begin + time, self.after(begin, y, begin + time))
 

@@ -320,7 +320,7 @@ MUTATIONS = {
             "max(moments, default=None)",
         ),
         ("simulation/events.py", "np.abs(slope) + np.abs(after)", "np.abs(slope) - np.abs(after)"),
-        ("simulation/events.py", "DOUBT * spread[stop]", "-DOUBT * spread[stop]"),
+        ("simulation/integrate.py", "(touch.step + touch.at) / PARTS", "touch.at / PARTS"),
         (
             "simulation/integrate.py",
             "kept < (len(states) if end is None else end[0])",
