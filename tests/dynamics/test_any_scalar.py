@@ -5,12 +5,11 @@ from __future__ import annotations
 import mpmath
 import numpy as np
 import sympy
-from helpers.oracles import golden_model, random_state, worst
+from helpers.oracles import golden_model, worst
 
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.plan import EFFECTS, applied, loads
 from robodyn.dynamics.recursions.newton_euler import newton_euler
-from robodyn.programs.derivative import Dual
 from robodyn.programs.vectors import vector
 from robodyn.robot.kinematics import REST, joint_motion
 from robodyn.robot.model import Joint
@@ -62,24 +61,3 @@ def test_symbols():
         for q in (q1, q2):
             difference = sympy.rem(difference, sympy.sin(q) ** 2 + sympy.cos(q) ** 2 - 1, sympy.sin(q))
         assert sympy.expand(difference) == 0
-
-
-def test_dual_scalars():
-    """d tau/dt along q + t qd, qd + t qdd at constant qdd, against a central difference with 50 digits."""
-    model = golden_model("puma560_corke")
-    q, qd, qdd = (row[0] for row in random_state(model, np.random.default_rng(4), 1))
-    moving = [Dual(x, rate) for x, rate in zip(q.tolist(), qd.tolist(), strict=True)]
-    turning = [Dual(x, rate) for x, rate in zip(qd.tolist(), qdd.tolist(), strict=True)]
-    found = _tau(model, moving, turning, qdd.tolist(), Scene())
-    with mpmath.workdps(50):
-        h = mpmath.mpf(10) ** -15
-        q, qd, qdd = ([mpmath.mpf(x) for x in row.tolist()] for row in (q, qd, qdd))
-
-        def at(t):
-            position = [x + t * v + t * t * a / 2 for x, v, a in zip(q, qd, qdd, strict=True)]
-            return _tau(model, position, [v + t * a for v, a in zip(qd, qdd, strict=True)], qdd, Scene())
-
-        expected = [float((b - a) / (2 * h)) for a, b in zip(at(-h), at(h), strict=True)]
-        values = [float(x) for x in at(mpmath.mpf(0))]
-    assert worst([x.rate for x in found], expected) <= 1e-14
-    assert worst([x.value for x in found], values) <= 1e-14

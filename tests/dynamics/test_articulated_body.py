@@ -59,15 +59,6 @@ def test_fifty_digits(name, free):
         assert max(abs(a - b) for a, b in zip(found, tau, strict=True)) <= mpmath.mpf(10) ** -45
 
 
-def test_a_free_rigid_body():
-    """Euler's equations: I wd = tau - w x I w, and the origin falls with what a force adds."""
-    model = built(link("body", 2.0, (0, 0, 0), (1, 0, 0, 2, 0, 3)), moving_base=True)
-    q, qd, tau = random_state(model, np.random.default_rng(5), 50)
-    I, w = np.array([1.0, 2.0, 3.0]), qd[:, :3]
-    expected = np.hstack(((tau[:, :3] - np.cross(w, I * w)) / I, tau[:, 3:] / 2.0 + [0, 0, -9.81]))
-    assert worst(forward_dynamics(model, q, qd, tau), expected) <= 8 * EPS
-
-
 def _agrees(model, seed, scene=None):
     """Torques of the accelerations are the torques, within what rounding of M qdd allows."""
     scene = scene or Scene()

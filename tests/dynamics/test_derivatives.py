@@ -8,7 +8,6 @@ from helpers.busy_robot import BUSY_SCENE, EVERY_EFFECT, busy_robot
 from helpers.exact_rates import exact_rates
 from helpers.example_robots import kinds, real
 from helpers.oracles import EPS, ROBOTS, frictionless, random_state, robot, tangent, worst
-from helpers.oracles import ROBOTS as FOLDER
 from helpers.pinocchio_robots import PinocchioRobot
 
 import robodyn
@@ -17,7 +16,6 @@ from robodyn.dynamics.forward import acceleration_program
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError, SceneError
 from robodyn.robot.load import load
-from robodyn.scene.read import load_scene
 from robodyn.scene.scene import ExternalWrench, Friction, Loop, Scene
 
 SAMPLES = 2
@@ -85,31 +83,6 @@ def test_pinocchio(path, moving_base):
     assert worst(found.dqdd, other.mass_matrices(model, q)) <= 1e-12
 
 
-WITH_SCENES = {
-    **dict.fromkeys(("gripper", "puma560_motors", "heavy_top_steady", "cylindrical_fall", "delta"), False),
-    **dict.fromkeys(("satellite_deploy", "quadruped", "double_pendulum_chaos", "puma_polish"), True),
-}
-"""Robots of robots/ and some of their scenes, and whether the base is free."""
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", WITH_SCENES)
-def test_robots_and_scenes(name):
-    path = FOLDER / f"{name}.toml"
-    scene = load_scene(path) if path.exists() else Scene()
-    model = robot(name if (FOLDER / f"{name}.urdf").exists() else name.rpartition("_")[0], WITH_SCENES[name])
-    rng = np.random.default_rng(0)
-    state, columns = random_state(model, rng, 2), {name: rng.uniform(-1, 1, 2) for name in scene.columns}
-    found = inverse_dynamics_derivatives(model, *state, scene=scene, columns=columns)
-    names = ("q", "qd", "qdd")
-    sources = {**dict(zip(names, state, strict=True)), "columns": np.column_stack([*columns.values(), state[1][:, :0]])}
-    program = Plan(model, scene).torques()
-    expected = thirds(exact_rates(program, directions(model, state[0], "qdd"), sources), model.n)
-    tau = robodyn.inverse_dynamics(model, *state, scene=scene, columns=columns)
-    for a, b in zip(found, expected, strict=True):
-        assert worst(a, b, max(np.abs(b).max(), np.abs(tau).max())) <= 32 * EPS
-
-
 def test_a_pendulum():
     """tau = m l^2 qdd + d qd + m g l cos q."""
     model = robot("pendulum")
@@ -160,15 +133,6 @@ def test_shapes_and_out(executor):
     in_32 = inverse_dynamics_derivatives(model, *state, columns=columns, dtype=np.float32, **more)
     assert in_32.dq.dtype == np.float32
     assert max(map(worst, in_32, whole)) <= 1e-5
-
-
-def test_the_threads_agree():
-    model, state, columns = pushed(3000)
-    one, two = (
-        inverse_dynamics_derivatives(model, *state, scene=PUSHED, columns=columns, executor="compiled", threads=k)
-        for k in (1, 2)
-    )
-    assert all((a == b).all() for a, b in zip(one, two, strict=True))
 
 
 def test_refusals():

@@ -46,11 +46,10 @@ def _floating_freely(model, rng, scene):
     return q, qd, qdd
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_internal_torques_change_neither_momentum(seed):
+def test_internal_torques_change_neither_momentum():
     model = robot("satellite", True)
     scene = frictionless(model, gravity=(0.0, 0.0, 0.0))
-    q, qd, qdd = _floating_freely(model, np.random.default_rng(seed), scene)
+    q, qd, qdd = _floating_freely(model, np.random.default_rng(0), scene)
     tau = inverse_dynamics(model, q, qd, qdd, scene=scene)
     assert np.abs(tau[6:]).max() > 0.1
     plan = Plan(model, scene)
@@ -61,29 +60,6 @@ def test_internal_torques_change_neither_momentum(seed):
     assert worst(P_rate, np.zeros(3), np.abs(forces[1:, :3]).max()) <= 2e-14
     reach = 1 + np.abs(q[:3]).max()
     assert worst(H_rate, np.zeros(3), reach * np.abs(forces[1:]).max()) <= 2e-14
-
-
-def test_kinetic_energy_is_half_qd_m_qd():
-    model = busy_robot(True)
-    scene = frictionless(model)
-    (q,), (qd,), (qdd,) = random_state(model, np.random.default_rng(0), 1)
-    whole = total_momenta(model.parents, motions(model, q, qd, qdd), [body.inertia for body in model.bodies])
-    M = mass_matrix(model, q, scene=scene)
-    k = model.rates.index("j2")
-    M[k, k] -= 30**2 * 2e-4
-    assert worst(whole.T, 0.5 * qd @ M @ qd) <= 1e-14
-
-
-def test_eulers_laws_by_dual_numbers():
-    """The force recursion's base wrench is the rate of the momentum recursion's momenta, which share no force."""
-    model = busy_robot(True)
-    (q,), (qd,), (qdd,) = random_state(model, np.random.default_rng(0), 1)
-    plan = Plan(model, WEIGHTLESS)
-    base = run(plan.wrenches(), plan, q, qd, qdd)[0, model.n :]
-    _, (P_rate, H_rate) = _of(model, q, qd, qdd)
-    R, p = poses(model.parents[:1], motions(model, q, qd, qdd)[:1])[0]
-    assert worst(R @ base[:3], P_rate) <= 1e-14
-    assert worst(R @ base[3:] + cross(p, R @ base[:3]), H_rate) <= 1e-14
 
 
 def test_against_pinocchio():

@@ -9,7 +9,6 @@ from helpers.example_robots import KINDS, REFUSED, all_paths, cases, kinds, path
 from helpers.oracles import frictionless, random_state, robot, run, worst
 from helpers.peers import pin
 from helpers.pinocchio_robots import PinocchioRobot
-from helpers.small_robots import body_numbers, built, link
 
 import robodyn
 from robodyn.dynamics.forward import forward_dynamics
@@ -140,22 +139,6 @@ def test_mass_matrix_of_craigs_arm():
     M11, M12, M22 = two_link_planar_masses(q)
     expected = np.moveaxis(np.array([[M11, M12], [M12, M22]]), -1, 0)
     assert worst(mass_matrix(robot("two_link_planar"), q), expected) <= OF_FORMS
-
-
-def test_moment_of_a_free_body_is_eulers():
-    """About its centre of mass tau = I wd + w x I w, and the force m (a - g) does not see the rotation."""
-    rng = np.random.default_rng(5)
-    m, _, six = body_numbers(rng)
-    I = np.zeros((3, 3))
-    I[np.triu_indices(3)] = six
-    I += np.triu(I, 1).T
-    model = built(link("body", m, inertia=six), moving_base=True)
-    q = rng.normal(size=(50, 7))
-    qd, qdd = rng.normal(size=(2, 50, 6))
-    tau = inverse_dynamics(model, q, qd, qdd)
-    w, wd = qd[:, :3], qdd[:, :3]
-    assert worst(tau[:, :3], wd @ I + np.cross(w, w @ I)) <= OF_FORMS
-    assert worst(tau[:, 3:], m * (qdd[:, 3:] + [0, 0, g])) <= OF_FORMS
 
 
 def test_composite_body_rests_on_its_base():

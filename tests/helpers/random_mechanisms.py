@@ -6,16 +6,101 @@ closed to rounding. A draw whose equations are badly conditioned, or of which no
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import scipy.linalg
 from scipy.spatial.transform import Rotation
 
-from helpers.dense_mechanics import Piece, ground, places
-from helpers.mechanisms import Mechanism, kernel
+from helpers.dense_mechanics import Piece, ground, loop_rows, places, text_of, torques_of_masses
 from helpers.small_robots import body_numbers
-from robodyn.scene.scene import GROUND, ExternalWrench, Friction, Loop, Payload, Rotor, Scene, Spring
+from robodyn.robot.load import load
+from robodyn.scene.scene import GROUND, Loop, Scene
+
+
+@dataclass(frozen=True, eq=False)
+class Mechanism:
+    """A tree of pieces with loops, closed at q, and motions on its loops: qd and qdd (states, n)."""
+
+    shape: str
+    drive: str
+    pieces: tuple[Piece, ...]
+    scene: Scene
+    q: np.ndarray
+    qd: np.ndarray
+    qdd: np.ndarray
+
+    @cached_property
+    def text(self):
+        return text_of(self.pieces)
+
+    @cached_property
+    def model(self):
+        return load(self.text)
+
+    @property
+    def n(self):
+        return len(self.pieces)
+
+    @cached_property
+    def passive(self):
+        return np.array([self.scene.actuated is not None and f"j{k}" not in self.scene.actuated for k in range(self.n)])
+
+    def place(self, name, found):
+        return ground(self.n) if name == GROUND else found[int(name[1:])]
+
+    def rows(self, qd):
+        """J, its bias, and by loop the wrenches of its equations; all of them, implied ones too."""
+        found = places(self.pieces, self.q, qd)
+        parts = [loop_rows(each, *(self.place(x, found) for x in (each.link, each.to))) for each in self.scene.loops]
+        return (
+            np.vstack([part[0] for part in parts]),
+            np.concatenate([part[1] for part in parts]),
+            [part[2] for part in parts],
+        )
+
+    def open_torques(self, qd, qdd):
+        """tau of the tree without loops."""
+        found = places(self.pieces, self.q, qd, qdd)
+        each = zip(found, self.pieces, strict=True)
+        return torques_of_masses([(place, piece.mass, piece.com, piece.inertia) for place, piece in each])
+
+    @cached_property
+    def weights(self):
+        return np.array([self.scene.weights.get(f"j{k}", 1.0) for k in np.flatnonzero(~self.passive)], dtype=float)
+
+    def solution(self, qd, qdd):
+        """tau (n,), and by loop the wrench on its link (L, 6), by least weighted torques, dense."""
+        J, _, wrenches = self.rows(qd)
+        tau = self.open_torques(qd, qdd)
+        torques, multipliers = least_torques(J, self.passive, tau, self.weights)
+        found = np.zeros(self.n)
+        found[~self.passive] = torques
+        split = np.split(multipliers, np.cumsum([len(each) for each in wrenches])[:-1])
+        return found, np.array([own @ each for own, each in zip(split, wrenches, strict=True)])
+
+
+def least_torques(J, passive, tau, weights):
+    """Actuated torques with the least weighted squares, and the shortest multipliers with which they balance tau.
+
+    Least squares three times: what passive joints need, what is open for the actuated ones, what is open for both.
+    """
+    A, D, roots = J[:, passive].T, J[:, ~passive].T, np.sqrt(weights)
+    x = scipy.linalg.lstsq(A, tau[passive], cond=1e-9)[0] if A.size else np.zeros(len(J))
+    N = kernel(A)
+    B = D @ N
+    if np.abs(B).max(initial=0.0) > 1e-10 * np.abs(J).max():
+        x = x + N @ scipy.linalg.lstsq(roots[:, None] * B, roots * (tau[~passive] - D @ x), cond=1e-9)[0]
+    torques, rest = tau[~passive] - D @ x, tau.copy()
+    rest[~passive] -= torques
+    return torques, scipy.linalg.lstsq(J.T, rest, cond=1e-9)[0]
+
+
+def kernel(A):
+    """An orthonormal basis of what A maps to nothing, as columns."""
+    return scipy.linalg.null_space(A, rcond=1e-9) if A.size else np.eye(A.shape[1])
+
 
 SHAPES = (
     *("planar point", "planar hinge", "planar weld", "point", "hinge", "weld"),
@@ -133,24 +218,6 @@ def _bennett(rng):
     return pieces, q, [replace(loop, point=point, to_point=tuple(last.at(point)[0]))]
 
 
-def _extras(rng, count):
-    """Friction, rotors, springs, payloads and wrenches, each in some."""
-    names = [f"j{k}" for k in range(count)]
-    some = [[name for name in names if rng.random() < share] for share in rng.choice([0.0, 0.5], 3)]
-    links = [f"l{k}" for k in rng.integers(count, size=2)]
-    spheroid = (0.02, 0.001, 0.002, 0.03, -0.003, 0.025)
-    payloads = (Payload(links[0], rng.uniform(0.2, 2), tuple(rng.uniform(-0.2, 0.2, 3)), spheroid),)
-    parts = [tuple(10 * rng.normal(size=3)), tuple(rng.normal(size=3)), tuple(rng.uniform(-0.3, 0.3, 3))]
-    wrenches = (ExternalWrench(links[1], *parts, frame=("link", "world")[rng.integers(2)]),)
-    return {
-        "friction": {name: Friction(*rng.uniform(0, 1, 2), -rng.uniform(0, 1)) for name in some[0]},
-        "rotor": {name: Rotor(rng.uniform(0, 1e-3), rng.uniform(5, 30)) for name in some[1]},
-        "spring": {name: Spring(rng.uniform(1, 20), rng.uniform(-1, 1)) for name in some[2]},
-        "payloads": payloads if rng.random() < 0.5 else (),
-        "wrenches": wrenches if rng.random() < 0.5 else (),
-    }
-
-
 def _actuated(rng, J, drive):
     """Names of the joints that drive, so many that the passive ones are driven through the loops; None if not found."""
     n, rank = J.shape[1], clear_rank(J)
@@ -202,7 +269,7 @@ def mechanism(seed):
         more = {"actuated": names, "joint_limits": "ignore"}
         if rng.random() < 0.5 and names:
             more |= {"share": "weighted", "weights": {name: float(rng.uniform(0.2, 5)) for name in names}}
-        one = replace(one, scene=Scene(loops=tuple(loops), **more, **_extras(rng, len(q))))
+        one = replace(one, scene=Scene(loops=tuple(loops), **more))
         qd, qdd = _motions(rng, one)
         return replace(one, qd=qd, qdd=qdd)
     raise AssertionError(f"no {shape} of {drive} drives was found for seed {seed}")

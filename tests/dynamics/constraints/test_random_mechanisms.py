@@ -16,10 +16,9 @@ from helpers.random_mechanisms import COUNT, mechanism
 from scipy.spatial.transform import Rotation
 
 import robodyn
-from robodyn.dynamics.constraints.constraint_jacobian import contact_jacobian, loop_jacobian
+from robodyn.dynamics.constraints.constraint_jacobian import contact_jacobian
 from robodyn.dynamics.constraints.solve import constraint_forces
 from robodyn.dynamics.constraints.torque_distribution import structure
-from robodyn.dynamics.loops.closure import moved
 from robodyn.dynamics.plan import plan
 from robodyn.scene.scene import GROUND, Scene
 
@@ -43,7 +42,7 @@ def test_drives_and_loops(seed):
     assert np.abs(got - wrenches).max() <= 1e-10 * np.abs(wrenches).max()
 
 
-@pytest.mark.parametrize("seed", [8, 18, 38])
+@pytest.mark.parametrize("seed", [8, 18])
 def test_loops_that_are_a_little_open(seed):
     """Bennett's linkage off its loop by 1e-7 rad could not move; what is implied is told by how open it is."""
     one = kept(seed)
@@ -99,7 +98,7 @@ class Pinocchio:
         return -np.vstack(parts)[:, self.columns]
 
 
-@pytest.mark.parametrize("seed", [0, 22, 33, 15, 37])
+@pytest.mark.parametrize("seed", [0, 22, 15])
 def test_pinocchio(seed):
     """Its tree (`rnea`) and Jacobians of constraints, of point loops and welds."""
     one = kept(seed)
@@ -114,23 +113,6 @@ def test_pinocchio(seed):
         assert np.abs(peer.torques(*state) - expected).max() <= 1e-13 * np.abs(expected).max()
 
 
-def test_jacobians_of_loops_are_rates_of_their_equations():
-    """On a free base, whose rates turn with it."""
-    model, rng, step = busy_robot(True), np.random.default_rng(4), 1e-6
-    loops = (
-        robodyn.Loop("arm", "l4", (0.1, 0.0, 0.2), "tool", (0.0, 0.1, 0.3), "weld"),
-        robodyn.Loop("leash", "l2", (0.1, 0.2, 0.0), to_point=(0.3, 0.0, 0.1)),
-    )
-    a_plan = plan(model, Scene(loops=loops))
-    q, qd, _ = random_state(model, rng, 1)
-    ahead, behind = (
-        loop_jacobian(a_plan, np.array([moved(model, q[0].tolist(), (sign * step * qd[0]).tolist())])).error
-        for sign in (1, -1)
-    )
-    here = loop_jacobian(a_plan, q)
-    assert worst(np.einsum("nmi,ni->nm", here.J, qd), (ahead - behind) / (2 * step)) <= 1e-8
-
-
 def test_jacobians_of_contacts_are_those_of_their_points():
     model, rng = busy_robot(True), np.random.default_rng(5)
     points = ((0.1, 0.0, 0.2), (-0.1, 0.3, 0.0), (0.2, 0.1, -0.4))
@@ -141,11 +123,9 @@ def test_jacobians_of_contacts_are_those_of_their_points():
         assert worst(found[:, k], robodyn.jacobian(model, q, "tool", point)[:, 3:]) <= 1e-13
 
 
-@pytest.mark.parametrize("samples", [2, 3])
-@pytest.mark.parametrize("name", MIDDLE)
+@pytest.mark.parametrize(("name", "samples"), [(name, 2 + k % 2) for k, name in enumerate(MIDDLE)])
 def test_what_stood_in_memory_is_in_no_torque(name, samples, monkeypatch):
     soil(monkeypatch)
-    for seed in range(2):
-        chain = moving(name, samples, seed)
-        tau = robodyn.inverse_dynamics(chain.model, *chain.state, scene=chain.scene)
-        np.testing.assert_allclose(tau, chain.torques, rtol=0, atol=1e-13 * np.abs(chain.torques).max())
+    chain = moving(name, samples, 0)
+    tau = robodyn.inverse_dynamics(chain.model, *chain.state, scene=chain.scene)
+    np.testing.assert_allclose(tau, chain.torques, rtol=0, atol=1e-13 * np.abs(chain.torques).max())

@@ -44,47 +44,32 @@ def sizes(values):
     return np.sqrt((values.reshape(len(values), -1) ** 2).sum(axis=1))
 
 
-def compare(problem):
-    """The least cost and, where there are no forces, the least residual agree; f as well as its cost defines it."""
-    ours, theirs = contact_forces(problem), conic_forces(problem)
-    weight = np.where(sizes(problem.b) > 0.0, sizes(problem.b), 1.0)
-    assert (ours.feasible == theirs.feasible).all()
-    held = ours.feasible
-    cost, expected = ((x.f**2).sum(axis=(1, 2)) / weight**2 for x in (ours, theirs))
-    assert (np.abs(cost - expected)[held] <= 1e-8 * np.maximum(expected, 1.0)[held]).all()
-    assert (sizes(ours.f - theirs.f)[held] <= 1e-5 * np.maximum(expected, 1.0)[held] ** 0.5 * weight[held]).all()
-    assert (np.abs(sizes(ours.residual) - sizes(theirs.residual)) <= 1e-8 * weight).all()
-
-
 @pytest.mark.parametrize("family", FAMILIES)
-def test_cost_and_residual_are_those_of_clarabel(family):
-    compare(FAMILIES[family](10))
-
-
-@pytest.mark.parametrize("family", FAMILIES)
-def test_forces_that_exist_balance(family):
-    problem = FAMILIES[family](50)
+def test_forces_are_the_optimum(family):
+    """They balance, f is in the cone, s = f - G^T nu in its dual, f . s = 0; Clarabel's cost and residual agree."""
+    problem = FAMILIES[family](60)
     found = contact_forces(problem)
     held, weight = found.feasible, np.maximum(sizes(problem.b), sizes(found.f))
     assert (sizes(found.residual)[held] <= 1e-12 * weight[held]).all()
     total = problem.b[:, 3:] - found.f.sum(axis=1)
     assert (np.abs(total)[held] <= 1e-12 * weight[held, None]).all()
-
-
-@pytest.mark.parametrize("family", FAMILIES)
-def test_conditions_of_the_optimum(family):
-    """f in the cone, s = f - G^T nu in its dual, f . s = 0: nothing else is the least."""
-    problem = FAMILIES[family](200)
-    held = contact_forces(problem).feasible
     cones = scaled(problem)[0].chosen(held)
     f, nu = least_forces(cones)
-    z = np.einsum("ikcn,in->kcn", cones.G.reshape(6, -1, 3, held.sum()), nu)
+    z = np.einsum("ikcn,in->kcn", cones.G.reshape(6, problem.shape[2], 3, held.sum()), nu)
     f, n = f.reshape(z.shape), cones.normals.reshape(z.shape)
     s, size = f - z, np.maximum(1.0, np.abs(nu).max(axis=0))
     (press, along), (lift, across) = parts(f, n), parts(s, n)
     assert (cones.cosine * along - cones.sine * press <= 1e-13 * size).all()
     assert (cones.sine * across - cones.cosine * lift <= 1e-13 * size).all()
     assert (np.abs((f * s).sum(axis=1)) <= 1e-12 * size**2).all()
+    first = slice(0, 10)
+    theirs, size = conic_forces(problem.chosen(first)), np.where(sizes(problem.b) > 0.0, sizes(problem.b), 1.0)[first]
+    ours, held = found.chosen(first), held[first]
+    assert (held == theirs.feasible).all()
+    cost, expected = ((x.f**2).sum(axis=(1, 2)) / size**2 for x in (ours, theirs))
+    assert (np.abs(cost - expected)[held] <= 1e-8 * np.maximum(expected, 1.0)[held]).all()
+    assert (sizes(ours.f - theirs.f)[held] <= 1e-5 * np.maximum(expected, 1.0)[held] ** 0.5 * size[held]).all()
+    assert (np.abs(sizes(ours.residual) - sizes(theirs.residual)) <= 1e-8 * size).all()
 
 
 def parts(f, n):
@@ -95,10 +80,10 @@ def parts(f, n):
 
 def test_the_least_of_what_nothing_balances_is_a_minimum():
     """1/2 |f|^2 + 1/2 |r|^2 / rho rises along every way within the cones, by first order: f - G^T r / rho is dual."""
-    problem = replace(stance(13, 200, 4, push=5.0), active=None)
+    problem = replace(stance(13, 40, 4, push=5.0), active=None)
     found = contact_forces(problem)
     lost, weight = ~found.feasible, sizes(problem.b)
-    assert lost.sum() > 150
+    assert lost.sum() > 30
     r = found.residual / weight[:, None]
     f = found.f / weight[:, None, None]
     s = f - np.einsum("nij,ni->nj", problem.G, r).reshape(f.shape) / 1e-6
@@ -114,20 +99,16 @@ def test_four_feet_carry_a_quarter_each():
         assert np.abs(f - 25.0 * up).max() <= 1e-12 * 100.0
 
 
-@pytest.mark.parametrize("executor", ["numpy", "compiled"])
-def test_results_do_not_depend_on_the_blocks(executor):
-    problem = stance(14, 300, 4)
-    whole = contact_forces(problem, executor).f
-    parts = [contact_forces(problem.chosen(slice(k, k + 37)), executor).f for k in range(0, 300, 37)]
-    assert (np.concatenate(parts) == whole).all()
-
-
-def test_executors_agree():
-    problem = stance(15, 200, 4)
-    ours, theirs = (contact_forces(problem, executor) for executor in ("numpy", "compiled"))
-    held, weight = ours.feasible, sizes(problem.b)
-    assert (held == theirs.feasible).all()
-    assert (sizes(ours.f - theirs.f)[held] <= 1e-9 * weight[held]).all()
+def test_results_depend_neither_on_blocks_nor_on_the_executor():
+    problem, found = stance(14, 100, 4), []
+    for executor in ("numpy", "compiled"):
+        whole = contact_forces(problem, executor)
+        parts = [contact_forces(problem.chosen(slice(k, k + 37)), executor).f for k in range(0, 100, 37)]
+        assert (np.concatenate(parts) == whole.f).all()
+        found.append(whole)
+    ours, theirs = found
+    assert (ours.feasible == theirs.feasible).all()
+    assert (sizes(ours.f - theirs.f) <= 1e-9 * sizes(problem.b))[ours.feasible].all()
 
 
 def test_inactive_points_do_not_push_and_nothing_needs_nothing():
@@ -229,9 +210,9 @@ def test_between_walls_only_friction_carries(lean):
 
 
 def test_the_least_friction_is_that_of_the_worst_sample():
-    problem = feet(3, 5, 2, push=0.2)
+    problem = feet(3, 2, 2, push=0.2)
     mu = least_friction(problem)
-    alone = [least_friction(problem.chosen([k])) for k in range(5)]
+    alone = [least_friction(problem.chosen([k])) for k in range(2)]
     assert mu == pytest.approx(max(alone), rel=1e-5)
     assert least_friction(problem, known=0.5) == 0.5
     assert least_friction(problem.chosen([0]), known=0.5 * alone[0]) == pytest.approx(alone[0], rel=1e-5)
