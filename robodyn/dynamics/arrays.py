@@ -84,7 +84,9 @@ def arrays_of(
     if missing := [name for name in needed if name not in columns]:
         raise InputError(f"the scene needs columns {', '.join(missing)}", remedy="pass them as columns={name: values}")
     extra = {name: numbers(name, columns[name], kind) for name in needed}
-    shape = _common_shape(arrays, extra)
+    shapes = [array.shape[:-1] for array in arrays.values()]
+    shapes += [array.shape for array in extra.values()] if extra else []
+    shape = shapes[0] if shapes.count(shapes[0]) == len(shapes) else _common_shape(shapes, {**arrays, **extra})
     if shape:
         sources = {name: _matrix(array, shape) for name, array in arrays.items()}
     else:
@@ -145,16 +147,11 @@ def check_out(out: object, shape: tuple[int, ...], dtype: DTypeLike) -> None:
         raise InputError(f"out has {found}, not {shape} and {np.dtype(dtype).name}")
 
 
-def _common_shape(given: Mapping[str, Floats], columns: Mapping[str, Floats]) -> tuple[int, ...]:
-    shapes = [array.shape[:-1] for array in given.values()]
-    if columns:
-        shapes += [array.shape for array in columns.values()]
-    if shapes.count(shapes[0]) == len(shapes):
-        return shapes[0]
+def _common_shape(shapes: list[tuple[int, ...]], given: Mapping[str, Floats]) -> tuple[int, ...]:
     try:
         return np.broadcast_shapes(*shapes)
     except ValueError:
-        found = ", ".join(f"{name} {array.shape}" for name, array in (*given.items(), *columns.items()))
+        found = ", ".join(f"{name} {array.shape}" for name, array in given.items())
         raise InputError(f"the shapes do not go together: {found}") from None
 
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from math import ceil, log
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
 from robodyn.dynamics.arrays import arrays_of, results, zero_sources
-from robodyn.dynamics.effects.effect import Sample, Terms
+from robodyn.dynamics.effects.effect import Sample, Terms, ZeroColumns
 from robodyn.dynamics.effects.motors import reflected
 from robodyn.dynamics.inverse import mass_matrix
 from robodyn.dynamics.plan import Plan, applied, plan, ready
@@ -18,6 +19,7 @@ from robodyn.dynamics.recursions.articulated_body import RESIST, aligned, articu
 from robodyn.dynamics.recursions.newton_euler import inertial_wrenches
 from robodyn.errors import InputError
 from robodyn.programs.program import traced
+from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar, sign
 from robodyn.robot.kinematics import Wrench, motions
@@ -141,7 +143,7 @@ def forward_dynamics(
         float32, 1e-5 of the largest entry.
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "tau": tau}, scene, columns or {}, dtype)
-    runner = ready(acceleration_program, plan(model, scene, zero_sources(sources)))
+    runner = acceleration_runner(model, scene, zero_sources(sources))
     qdd = results(runner, sources, shape, (model.n,), out, executor, threads, dtype)
     if np.count_nonzero(np.isfinite(qdd)) != qdd.size:  # name the joint that M resists least
         finite = [np.isfinite(values).all(axis=1) for values in sources.values() if values.size]
@@ -153,3 +155,8 @@ def forward_dynamics(
             why = f"hardly anything resists {weakest} (smallest eigenvalue of M {moments[worst]:.1g})"
             raise InputError(f"sample {k} has no finite accelerations: {why}", remedy=RESIST)
     return qdd
+
+
+@lru_cache(maxsize=16)
+def acceleration_runner(model: Model, scene: Scene, zero_columns: ZeroColumns = frozenset()) -> Runner:
+    return ready(acceleration_program, plan(model, scene, zero_columns))

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from itertools import product
-
 import numpy as np
 import pytest
 from helpers.busy_robot import BUSY_SCENE, EVERY_EFFECT, busy_robot
 from helpers.example_robots import real
 from helpers.oracles import EPS, frictionless, golden_model, random_state, robot, worst
-from helpers.small_robots import built, chain, chain_parts, link, random_tree
+from helpers.small_robots import built, chain_parts, link, random_tree
 
 import robodyn
 from robodyn.dynamics.forward import acceleration_program, forward_dynamics
@@ -107,7 +105,7 @@ def _with_tip(n, skew, ratio):
     return built(*parts)
 
 
-CHAINS = [*product((2, 10), (False, True), (1e-12, 1.0, 1e6)), (10, True, 1e12)]
+CHAINS = [(2, False, 1e6), (10, False, 1e-12), (10, True, 1.0), (10, True, 1e12)]
 
 
 @pytest.mark.parametrize(("n", "skew", "ratio"), [*CHAINS, pytest.param(100, False, 1e-12, marks=pytest.mark.slow)])
@@ -115,23 +113,9 @@ def test_chains_with_a_tip(n, skew, ratio):
     assert _residual(_with_tip(n, skew, ratio), n) <= 1e-14
 
 
-@pytest.mark.parametrize("taper", [10.0**-1.5, 10.0**1.5])
-def test_tapering_chains(taper):
-    """Twelve decades from the first of nine links to the last."""
-    assert _residual(chain(9, True, taper=taper), 42) <= 1e-14
-
-
 @pytest.mark.slow
 def test_a_hundred_joints_of_every_kind():
     assert _residual(random_tree(40, 100, branching=3), 41) <= 1e-14
-
-
-def test_a_straight_chain_moves_as_well_as_a_bent_one():
-    model = chain(20)
-    tau = np.random.default_rng(2).uniform(-3, 3, (10, model.n))
-    qdd = forward_dynamics(model, np.zeros_like(tau), 0.0, tau)
-    called_for = (np.abs(mass_matrix(model, np.zeros(model.n))) @ np.abs(qdd.T)).max()
-    assert worst(inverse_dynamics(model, 0 * tau, 0.0, qdd), tau, called_for) <= 1e-14
 
 
 @pytest.mark.parametrize("scale", [1e-75, 1e75])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers.closed_forms import TORQUES, g, two_link_planar_masses
+from helpers.closed_forms import TORQUES
 from helpers.example_robots import KINDS, REFUSED, all_paths, cases, kinds, path_of
 from helpers.oracles import frictionless, random_state, robot, run, worst
 from helpers.peers import pin
@@ -16,7 +16,6 @@ from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.robot.load import load
-from robodyn.scene.scene import Scene
 
 SAMPLES = 4
 TOLERANCE = 1e-12
@@ -104,18 +103,6 @@ def test_joints_that_nothing_resists_are_named(name, free):
     assert not mass_matrix(model, q)[0, model.rates.index(MASSLESS[name])].any()
 
 
-def test_base_wrench_of_a_fixed_base():
-    path = path_of("panda")
-    model, _, own = _pair(path, False)
-    plan = Plan(model, frictionless(model))
-    base = run(plan.wrenches(), plan, *own)[:, model.n :]
-    still = np.zeros((SAMPLES, 6)), np.zeros((SAMPLES, 6))
-    pose = np.tile([0.0, 0, 0, 0, 0, 0, 1], (SAMPLES, 1))
-    state = [np.hstack(pair) for pair in zip((pose, *still), own, strict=True)]
-    tau = PinocchioRobot(path, free=True).torques(load(path, moving_base=True), *state)
-    assert worst(base, tau[:, [3, 4, 5, 0, 1, 2]]) <= TOLERANCE
-
-
 OF_FORMS = 1e-14
 
 
@@ -132,18 +119,3 @@ def test_torques(name):
     assert worst(tau, np.column_stack(expected)) <= OF_FORMS
     for found, wanted in zip(tau.T, expected, strict=True):
         assert worst(found, wanted) <= OF_FORMS
-
-
-def test_mass_matrix_of_craigs_arm():
-    q = _states(2)[0]
-    M11, M12, M22 = two_link_planar_masses(q)
-    expected = np.moveaxis(np.array([[M11, M12], [M12, M22]]), -1, 0)
-    assert worst(mass_matrix(robot("two_link_planar"), q), expected) <= OF_FORMS
-
-
-def test_composite_body_rests_on_its_base():
-    model = robot("composite")
-    plan = Plan(model, Scene())
-    base = run(plan.wrenches(), plan, np.empty((1, 0)), np.empty((1, 0)), np.empty((1, 0)))[0]
-    m, mc, _ = model.bodies[0].inertia
-    assert worst(base, [0, 0, m * g, mc[1] * g, -mc[0] * g, 0]) <= 1e-15

@@ -26,22 +26,22 @@ def sources(model, state, columns=()):
     }
 
 
-def every(model, joints):
-    """Each load alone: tau, base wrench, and those of the joints."""
-    return [[(k, 1.0)] for k in range(model.n + 6 * (len(model.bodies) if joints else 1))]
+def every(model):
+    """Each load alone: tau and base wrench."""
+    return [[(k, 1.0)] for k in range(model.n + 6)]
 
 
-def derivatives(model, scene, given, joints=False):
+def derivatives(model, scene, given):
     """By x, at x = 0."""
     found = variations(model, scene)
-    runner, count = derivative_runner(plan(model, scene), found, every(model, joints)), len(given["q"])
+    runner, count = derivative_runner(plan(model, scene), found, every(model)), len(given["q"])
     return runner({**given, "x": np.zeros((count, len(found.each)))}, count).reshape(count, -1, len(found.each))
 
 
-def varied(model, scene, given, x, joints=False):
+def varied(model, scene, given, x):
     """Loads of parameters that are off by x (k,)."""
     found, count = variations(model, scene), len(given["q"])
-    runner = varied_runner(plan(model, scene), found, every(model, joints))
+    runner = varied_runner(plan(model, scene), found, every(model))
     return runner({**given, "x": np.tile(x, (count, 1))}, count)
 
 
@@ -107,18 +107,6 @@ def test_derivatives_are_those_of_an_edited_description():
     for k, x in enumerate(np.eye(len(names))):
         loads = (robodyn.inverse_dynamics(edited(sign * x), *state) for sign in (1.0, -1.0))
         assert worst(found[..., k], 0.5 * np.subtract(*loads), np.abs(found).max()) <= 1e-13
-
-
-def test_derivatives_are_differences_of_the_loads():
-    """Loads are linear in x, so that these are exact."""
-    model, rng = robot("scara"), np.random.default_rng(2)
-    given = Uncertainty(Deviation(0.1), Deviation(0.02, relative=False), Deviation(0.2), Deviation(0.3))
-    scene = Scene(uncertainty=given)
-    state = sources(model, random_state(model, rng, SAMPLES))
-    found = derivatives(model, scene, state, joints=True)
-    for k, x in enumerate(np.eye(found.shape[-1])):
-        difference = 0.5 * (varied(model, scene, state, x, joints=True) - varied(model, scene, state, -x, joints=True))
-        assert worst(found[..., k], difference, np.abs(found).max()) <= 1e-13
 
 
 def test_friction_by_a_factor_and_by_a_torque():

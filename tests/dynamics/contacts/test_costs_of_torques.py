@@ -100,15 +100,6 @@ def test_the_least_friction_beside_other_unknowns_does_not_depend_on_torques():
     assert beside == without == pytest.approx(0.3, rel=1e-5)
 
 
-def test_samples_are_each_their_own():
-    problem = stance(18, 12, 3, push=0.3)
-    T = np.random.default_rng(1).normal(size=(12, 4, 9))
-    problem = replace(problem, torques=TorqueTerms(np.ones((12, 4)), T, np.ones(4)))
-    whole = contact_forces(problem)
-    for n in range(12):
-        assert (contact_forces(problem.chosen([n])).f[0] == whole.f[n]).all()
-
-
 def test_without_clarabel_one_line_says_so(monkeypatch):
     monkeypatch.setitem(sys.modules, "clarabel", None)
     with pytest.raises(InputError, match=r"need clarabel.*robodyn\[conic\]"):

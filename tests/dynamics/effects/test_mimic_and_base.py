@@ -49,7 +49,7 @@ def test_a_mimic_of_a_mimic():
     assert (finger.mimics, finger.multiplier, finger.offset) == ("j4", 6.0, 2.0)
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [0])
 def test_moving_base_against_a_free_flyer(seed):
     parts = random_tree_parts(np.random.default_rng(seed), 6)
     model = load(urdf(*parts), moving_base=True)

@@ -13,7 +13,6 @@ from helpers.small_robots import built, chain, joint, link
 
 import robodyn
 from robodyn.dynamics.effects import motors
-from robodyn.dynamics.plan import Plan, runner_of
 from robodyn.equations.dae.dae import dae_at
 from robodyn.errors import SceneError
 from robodyn.identification.result import calibrated, friction_toml
@@ -75,12 +74,6 @@ def test_closed_form_of_a_turntable():
     model, scene = built(*parts), Scene(rotor={"spin": Rotor(2e-3, 50.0, (2.0, 0.0, 0.0))})
     tau = robodyn.inverse_dynamics(model, [0.3, 0.1], [1.5, 4.0], [0.0, 2.0], scene=scene)
     assert worst(tau, [0.0, 2500 * 2e-3 * 2.0]) <= 8 * EPS
-    wrench = runner_of(Plan(model, scene).wrenches(), Plan(model, scene))
-    sources = {"q": [[0.3, 0.1]], "qd": [[1.5, 4.0]], "qdd": [[0.0, 2.0]], "columns": np.empty((1, 0))}
-    values = wrench({name: np.array(each) for name, each in sources.items()}, 1, executor="numpy")[0]
-    c, s = np.cos(0.3), np.sin(0.3)
-    rate, across = 0.1 * 2.0, 0.1 * 1.5 * 4.0
-    assert worst(values[5:], [c * rate - s * across, s * rate + c * across, 0.0]) <= 8 * EPS
 
 
 def test_another_inertia_of_a_rotor_is_its_column_alone():
@@ -187,16 +180,6 @@ def test_closed_form_of_a_wrist(qd, friction):
     assert worst(tau, np.full(2, 0.5 * 5.0 + friction)) <= 8 * EPS
     M = robodyn.mass_matrix(massless_wrist(), [0.1, 0.2], scene=Scene(coupled=(motor,)))
     np.testing.assert_array_equal(M, np.full((2, 2), 0.5))
-
-
-def test_of_one_joint_it_is_its_rotor_and_friction():
-    model = robot("puma560")
-    state = random_state(model, np.random.default_rng(2), SAMPLES)
-    friction = Friction(0.4, 0.5, -0.3)
-    plain = Scene(friction={"elbow": friction}, rotor={"elbow": robodyn.Rotor(1e-4, 50.0)})
-    alone = Scene(friction={"elbow": Friction()}, coupled=(CoupledMotor("m", {"elbow": 1.0}, 1e-4, 50.0, friction),))
-    expected = robodyn.inverse_dynamics(model, *state, scene=plain)
-    assert worst(robodyn.inverse_dynamics(model, *state, scene=alone), expected) <= 1e-15
 
 
 def test_names_must_fit():

@@ -68,27 +68,6 @@ def test_planar_loops_in_an_oblique_plane(kind, left):
     assert len(found.closures[0].equations) == left
 
 
-@pytest.mark.parametrize("kind", ["point", "hinge", "weld"])
-def test_a_free_robot_that_is_tied_to_the_ground(kind):
-    """The momentum recursion's base wrench is what the loop carries, in the ground's axes about the loop's point."""
-    model, scene = spatial_loop(2, kind, moving_base=True, to="ground")
-    rng = np.random.default_rng(3)
-    q, qd = rng.uniform(-1, 1, model.nq), rng.normal(size=model.n)
-    q[3:7] /= np.linalg.norm(q[3:7])
-    qdd, multipliers, _, _ = solved(model, scene, q, qd, np.zeros(model.n))
-    needed = robodyn.inverse_dynamics(model, q, qd, qdd)
-    chain = closed_chain(plan(model, scene))
-    sample = Sample(chain.model, tuple(q.tolist()), tuple(qd.tolist()), (0.0,) * model.n)
-    place, equations = chain.equations(sample).places[0], chain.closures[0].equations
-    force = sum(value * equation.D for value, equation in zip(multipliers, equations, strict=True))
-    scale = np.abs(force).max()
-    assert np.abs(needed[3:6] - force).max() <= 1e-12 * scale
-    power = force @ place.speed.v + sum(
-        value * equation.moment(place.B) @ place.speed.w for value, equation in zip(multipliers, equations, strict=True)
-    )
-    assert needed @ qd == pytest.approx(power, abs=1e-11 * scale)
-
-
 def test_a_loop_with_a_follower_in_it():
     """Two hinges that turn as one, closed to the base by a slide: J and M act on the shared coordinate."""
     more = {"j2": '<mimic joint="j1" multiplier="-1.5" offset="0.4"/>'}
@@ -114,9 +93,8 @@ def test_a_loop_with_a_follower_in_it():
     assert (errors[1] - errors[0]) / (2 * step) == pytest.approx(J[0] @ qd, rel=1e-8)
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_least_change(seed):
-    rng = np.random.default_rng(seed)
+def test_least_change():
+    rng = np.random.default_rng(0)
     A = rng.normal(size=(7, 4)) * (rng.uniform(size=(7, 4)) < 0.6)
     x, b = rng.normal(size=7), rng.normal(size=4)
     rows = [dict(enumerate(row.tolist())) for row in A]
