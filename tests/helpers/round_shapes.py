@@ -13,8 +13,9 @@ from math import ceil, cos, gamma, pi
 
 import numpy as np
 
+from helpers import smooth_solids
 from helpers.mesh_oracle import rotation
-from helpers.plane_curves import Loop, arc, circle, hole, lever, line, pulley_top, quadrature, ring, rounded_disc
+from helpers.plane_curves import Loop, arc, circle, hole, lever, line, pulley_top, ring, rounded_disc
 from helpers.plane_curves import rounded_rectangle as rounded
 from helpers.tessellations import hull, prism, quads, quartered, rounded_corners
 
@@ -83,25 +84,19 @@ def _corners(loop: Loop, facets: int, place: float) -> Floats:
     return points[np.append(True, new)]
 
 
+def _of(solid: smooth_solids.Solid, corners: Floats) -> Round:
+    return Round(corners, solid.volume, solid.com, solid.S)
+
+
 def _revolved(rng: np.random.Generator, profile: Loop, place: float, facets: int | None = None) -> Round:
-    x, y, dy = quadrature(profile)
-    V, first, along = (pi * (x**2 * y**k) @ dy for k in range(3))
-    z = first / V
-    across = pi / 4 * x**4 @ dy
     points = _corners(profile, facets or _around(rng, 4), place)
-    S = np.diag((across, across, along - z * first))
-    return Round(_turned(points, _around(rng), place), V, np.array((0, 0, z)), S)
+    return _of(smooth_solids.revolved("", profile), _turned(points, _around(rng), place))
 
 
 def _extruded(rng: np.random.Generator, outline: Loop, holes: list[Loop], height: float, place: float) -> Round:
-    x, y, dy = (np.concatenate(part) for part in zip(*map(quadrature, (outline, *holes)), strict=True))
-    area, cx, cy = x @ dy, x**2 / 2 @ dy, (x * y) @ dy
-    xx, xy, yy = x**3 / 3 @ dy, (x**2 * y / 2) @ dy, (x * y**2) @ dy
-    c = np.array((cx / area, cy / area, 0.0))
-    S = height * np.array([(xx, xy, 0), (xy, yy, 0), (0, 0, area * height**2 / 12)])
     facets = _around(rng)
     rings = [_corners(loop, facets, place)[:-1] for loop in (outline, *holes)]
-    return Round(prism(rings, height), height * area, c, S - height * area * np.outer(c, c))
+    return _of(smooth_solids.extruded("", outline, holes, height), prism(rings, height))
 
 
 def _ball(unit: Floats, rng: np.random.Generator, place: float) -> Round:
@@ -157,17 +152,8 @@ def capsule(rng: np.random.Generator, place: float) -> Round:
 
 def rounded_box(rng: np.random.Generator, place: float) -> Round:
     inner, r = np.exp(rng.uniform(-1, 1, 3)), np.exp(rng.uniform(-3, 0))
-    V, seconds = 0.0, []
-    u, w = np.polynomial.legendre.leggauss(40)
-    angle, w = (u + 1) * pi / 4, w * pi / 4
-    for i in range(3):
-        b, c = np.delete(inner, i)
-        rho, x = r * np.cos(angle), inner[i] / 2 + r * np.sin(angle)
-        cap = (b * c + 2 * (b + c) * rho + pi * rho**2) * rho * w
-        section = b * c + 2 * (b + c) * r + pi * r**2
-        V = section * inner[i] + 2 * cap.sum()
-        seconds.append(section * inner[i] ** 3 / 12 + 2 * cap @ x**2)
-    return Round(rounded_corners(inner / 2, r, _around(rng, 4)), V, np.zeros(3), np.diag(seconds))
+    solid = smooth_solids.rounded_box("", tuple(inner + 2 * r), r)
+    return _of(solid, rounded_corners(inner / 2, r, _around(rng, 4)))
 
 
 def superellipsoid(rng: np.random.Generator, place: float) -> Round:

@@ -22,11 +22,9 @@ from robodyn.solids.inertia.laws import (
     fraction,
     orthogonal,
     parallel_axis,
-    rotation_law,
 )
 from robodyn.solids.inertia.properties import (
     MassProperties,
-    from_inertia,
     from_integrals,
     from_moments,
     from_surface_integrals,
@@ -60,17 +58,6 @@ def test_parallel_axis_theorem_both_ways(seed, point):
     assert (np.abs(parallel_axis(floats(about_com), m, -d) - floats(about_point)) <= bound).all()
     bound = 16 * EPS * _terms(floats(about_point), m, np.abs(com) + np.abs(point))
     assert (np.abs(about_centre(floats(about_point), m, d) - floats(about_com)) <= bound).all()
-
-
-@given(seeds, rotations)
-def test_rotation_law(seed, R):
-    cloud = random_cloud(seed)
-    I = floats(cloud.inertia(cloud.com))
-    exactly = exact(R) @ exact(I) @ exact(R).T
-    bound = 16 * EPS * (np.abs(R) @ np.abs(I) @ np.abs(R).T)
-    assert (np.abs(rotation_law(I, R) - floats(exactly)) <= bound).all()
-    assert worst(rotation_law(rotation_law(I, R), R.T), I) <= 64 * EPS
-    assert abs(np.trace(rotation_law(I, R)) - np.trace(I)) <= 16 * EPS * np.trace(I)
 
 
 @pytest.mark.parametrize("R", [np.eye(2), np.full((3, 3), np.nan), np.eye(3) + 1e-8])
@@ -192,17 +179,6 @@ def test_a_shell_of_six_faces():
     assert small.com.tolist() == [1.5, 7.0, -0.25]
 
 
-@given(seeds)
-def test_inertia_there_and_back(seed):
-    cloud = random_cloud(seed, size=(1.0, 1e-3, 0.1))
-    body = cloud.properties
-    found = from_inertia(body.mass, body.com, body.inertia)
-    assert worst(found.inertia, body.inertia) <= 2 * EPS
-    assert worst(found.S_c, body.S_c) <= 2 * EPS
-    whole = from_inertia(body.mass, body.com, cloud.inertia(cloud.com))
-    assert within(whole.S_exact, body.S_exact, BITS)
-
-
 @given(seeds, st.tuples(*[st.floats(-2, 2)] * 3).map(np.array))
 def test_moments_there_and_back(seed, p):
     body = random_cloud(seed).properties.placed(IDENTITY, p)
@@ -249,8 +225,6 @@ def test_read_back_to_the_last_bit(unit):
         assert inertial.origin.rpy == (0, 0, 0)
         assert inertial.inertia == tuple(body.inertia[np.triu_indices(3)])
     body = random_cloud(1).properties.placed(rotation_from_rpy(1.0, 0.2, 0.3), ZERO)
-    found, expected = load(_urdf(body)).bodies[0].inertia, body.moments
-    assert found.m == expected.m
-    np.testing.assert_array_equal(found.mc, expected.mc)
-    np.testing.assert_array_equal(found.I, expected.I)
+    found = load(_urdf(body)).bodies[0].inertia
+    assert all(np.array_equal(one, other) for one, other in zip(found, body.moments, strict=True))
     assert np.sign(body.inertia[0, 1]) == -np.sign(body.S_c[0, 1])

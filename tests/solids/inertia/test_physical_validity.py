@@ -166,7 +166,7 @@ def test_tensors_at_the_end_of_the_range():
     assert unphysical(np.diag([2e-320, 2e-320, 2e-320])) is None
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(2))
 def test_slack_against_more_digits(seed):
     rng = np.random.default_rng(seed)
     S = rng.normal(size=(3, 3))

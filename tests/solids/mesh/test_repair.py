@@ -38,14 +38,6 @@ def same_volume(found, expected, k=64):
     assert volume(found) == pytest.approx(expected, rel=k * EPS, abs=0)
 
 
-def test_disjoint_shells_with_overlapping_boxes():
-    ring = moved(torus(major=2.0, minor=0.5), R=R)
-    other = moved(box((0.2, 0.2, 0.2)), (0, 0, 0.1))
-    found = repaired(ring, flipped(other))
-    assert taken(found) == [("orientation", 1)]
-    same_volume(found, volume(repaired(torus())) + 0.2**3)
-
-
 def test_a_body_in_another_wound_alike_is_a_part_of_it_or_a_cavity_if_so_asked():
     found = repaired(box((3, 3, 3)), box())
     assert taken(found) == [("nested", 1)]
@@ -260,14 +252,6 @@ def test_scale(body, scale):
     found = part(wrong)
     holds(found, body * scale)
     assert {"duplicate", "winding"} <= {step.name for step in found.repairs}
-
-
-def test_mixed_winding(body):
-    wrong = body.copy()
-    wrong[::4] = flipped(wrong[::4])
-    found = part(wrong)
-    holds(found, body)
-    assert ("winding", len(body[::4])) in said(found)
 
 
 def cut_ball(ball):
