@@ -81,7 +81,7 @@ each kind in each of three places of the corners, of 6 to 72 facets to a turn in
 mesh, and of the corrected numbers, is none, which counts as holding; and the median of the error over the bar of the
 mesh's volume. The numbers of the estimate were tuned on the first kinds, its rules come of the next ones as well, and
 nothing comes of the held out ones. `python -m tessellation_coverage` in `tests/` writes this page, and
-`tests/measure/accuracy/test_tessellation_bars.py` fails where a share is below 95.
+`tests/solids/mesh/test_tessellation.py` fails where a share is below 95.
 
 {table}"""
 

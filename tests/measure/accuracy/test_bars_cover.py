@@ -1,6 +1,6 @@
 """Every error bar that a command prints covers the true error in 19 of 20 random cases.
 
-Those of tessellation are in test_tessellation_bars.py, of overlaps and holes in solids/mesh/test_repair_regions.py, of
+Those of tessellation are in solids/mesh/test_tessellation.py, of overlaps and holes in test_repair_regions.py there, of
 simulated motions in test_simulation_ladder.py, of peaks from positions in test_bars_of_motions.py. What is measured -
 asymmetry, drift, quartiles - has no bar."""
 

@@ -256,14 +256,6 @@ class Counted:
     records = blocks
 
 
-def test_winding_inwards_changes_the_sign_of_everything():
-    outwards, inwards = integrals(BODY), integrals(flipped(BODY))
-    assert inwards.volume == pytest.approx(-outwards.volume, rel=4 * EPS)
-    assert np.abs(inwards.S + outwards.S).max() <= 4 * EPS * np.abs(outwards.S).max()
-    assert inwards.area == pytest.approx(outwards.area, rel=4 * EPS)
-    assert inwards.bound <= 1e-13
-
-
 @pytest.mark.parametrize(("count", "spare"), [(ROWS, 0), (ROWS - 4, 1), (ROWS + 4, 1)])
 def test_the_edge_of_a_block(count, spare):
     array = np.concatenate([cylinder(0.7, 1.1, count // 4), np.zeros((spare, 3, 3))])

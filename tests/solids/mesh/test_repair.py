@@ -287,8 +287,9 @@ def tube():
 
 
 @pytest.fixture
-def refusal(tmp_path):
+def refusal(tmp_path, monkeypatch):
     """What the command says of a file with these bytes that it refuses, after the name of the file."""
+    monkeypatch.setattr("robodyn.solids.mesh.columns._MOST", 512)  # columns through open surfaces, each of which costs
 
     def of(data, *options, name="part.stl"):
         path = tmp_path / name
@@ -324,8 +325,7 @@ def test_half_open_surfaces_and_sheets(refusal, tmp_path, surface):
         (np.concatenate([box((3, 3, 3)), box()]), "1 shell in another, wound as it is, counted once"),
     ],
 )
-def test_strict_refuses_every_repair(refusal, tmp_path, monkeypatch, mesh, what):
-    monkeypatch.setattr("robodyn.solids.mesh.columns._MOST", 512)  # columns through open surfaces, each of which costs
+def test_strict_refuses_every_repair(refusal, tmp_path, mesh, what):
     message = refusal(binary_stl(mesh), "--strict")
     assert what in message
     assert message.endswith("(--strict refuses what needs repair)")

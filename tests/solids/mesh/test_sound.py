@@ -157,7 +157,8 @@ SURFACES = {
 
 
 @pytest.mark.parametrize("surface", SURFACES.values(), ids=SURFACES)
-def test_as_repair_has_it(surface: np.ndarray) -> None:
+def test_as_repair_has_it(surface: np.ndarray, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("robodyn.solids.mesh.columns._MOST", 512)
     triangles = MemoryTriangles("part", surface)
     found, fixed = gaps(triangles), repair.repair(triangles)
     steps = {step.name: step for step in fixed.steps}

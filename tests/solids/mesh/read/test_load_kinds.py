@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from helpers.command_line import run
 from helpers.mesh_files import ascii_stl, dae, glb, indexed, obj, off, ply, rows, three_mf
-from helpers.mesh_samples import binary_stl, box, flipped, moved, torus
+from helpers.mesh_samples import binary_stl, box, moved, torus
 
 import robodyn
 from robodyn.errors import MeshError
@@ -326,11 +326,3 @@ def test_a_header_that_counts_too_few_triangles_is_a_warning_with_both_numbers(t
     shape = '<visual><geometry><mesh filename="part.stl"/></geometry></visual>'
     robot.write_text(f'<robot name="r"><link name="l">{shape}</link></robot>')
     assert f"may not be whole: {warning}" in run("check", str(robot)).out
-
-
-def test_the_warning_outlives_a_repair():
-    found = robodyn.mass_properties(
-        binary_stl(flipped(torus()), count=len(torus()) - 1), file_type="stl", scale=(1, 1, -2)
-    )
-    assert found.repairs
-    assert "1 are left out" in found.warnings[0]
