@@ -1,4 +1,4 @@
-"""What facets leave out: corrected numbers; bars that hold in 19 of 20 random round solids, and none of what is flat."""
+"""What facets leave out: corrected numbers; bars that hold in 19 of 20 random round solids, none of what is flat."""
 
 from __future__ import annotations
 
