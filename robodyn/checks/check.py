@@ -1,12 +1,12 @@
 """`robodyn check`: rules in, findings out. The map of the room, step by step:
 
 1. Which files: `sources` finds them in folders and patterns, and the descriptions that a mesh or an SRDF belongs to.
-2. How each is checked: `config` reads the settings of its project, `catalogue` has the rules and which are selected.
+2. How each is checked: `sources` reads the settings of its project, `catalogue` has the rules and which are selected.
 3. One file (`check_one`): read as far as it can be, of xacro its expansion (`located` leads back to the macros), into a
    `context`, which derives what rules ask for (its tree, `srdf`, `meshes/`, `bodies/`, `mirror`) once.
 4. The rules (`run_rules`): `rule` says what one is; those of a family are a file in `rules/`. `waivers` allow findings.
 5. What is shown (`select_findings`): of two rules that tell of one defect one, places of one cause together (`groups`).
-6. What may follow: `fixes` are made and proven, `baseline` knows findings of before, `rules/asked` an earlier version.
+6. What may follow: `fixes` are made and proven, `groups` knows findings of before, `rules/asked` an earlier version.
 """
 
 from __future__ import annotations
@@ -21,13 +21,12 @@ from typing import TYPE_CHECKING
 from warnings import warn
 
 from robodyn.checks.catalogue import BY_CODE, CODES, is_selected, rules_for
-from robodyn.checks.config import Config, find_config, read_config
 from robodyn.checks.context import STANDARD, STDIN, Context, Options
 from robodyn.checks.fixes import Fixed, fixed
 from robodyn.checks.groups import deduplicate, grouped, kind_of, places
 from robodyn.checks.rule import HERE, Fault, Finding, Rule, Severity, excerpt
 from robodyn.checks.rules.text import unused_waiver, without_use
-from robodyn.checks.sources import each_in_a_process, files_of, worth_processes
+from robodyn.checks.sources import Config, each_in_a_process, files_of, find_config, read_config, worth_processes
 from robodyn.checks.waivers import waived, waivers
 from robodyn.errors import InputError, NoRobotError, RobodynWarning
 from robodyn.robot.urdf.document import Document, Element, SourcePositions, read

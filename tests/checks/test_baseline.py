@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from helpers.clean_arm import FAMILIES, IDENTITY, INERTIA, arm
 
-from robodyn.checks.baseline import compared, fingerprints, identity, write_baseline
 from robodyn.checks.check import Options, check, check_one
+from robodyn.checks.groups import compared, fingerprints, identity, write_baseline
 from robodyn.checks.rule import Finding
 from robodyn.errors import InputError
 

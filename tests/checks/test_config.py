@@ -26,9 +26,9 @@ from robodyn.checks.check import (
     select_findings,
     tasks_for,
 )
-from robodyn.checks.config import parse_config
 from robodyn.checks.context import Asked, Thresholds
 from robodyn.checks.rule import Severity
+from robodyn.checks.sources import parse_config
 from robodyn.errors import InputError, RobodynWarning
 
 TABLE = "[tool.robodyn.check]\n"

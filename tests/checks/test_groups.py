@@ -8,12 +8,11 @@ from pathlib import Path
 import pytest
 from helpers.clean_arm import IDENTITY, INERTIA, arm
 
-from robodyn.checks.baseline import compared, fingerprints, write_baseline
 from robodyn.checks.catalogue import BY_CODE, CODES, RULES
 from robodyn.checks.check import STANDARD, Options, Task, check_one, fix_task, found_in
 from robodyn.checks.examples import a_shaped_link
 from robodyn.checks.examples import inertia as entries
-from robodyn.checks.groups import deduplicate, grouped, kind_of, places
+from robodyn.checks.groups import compared, deduplicate, fingerprints, grouped, kind_of, places, write_baseline
 from robodyn.checks.rule import Severity
 from robodyn.report.check import further
 

@@ -13,8 +13,7 @@ import numpy as np
 
 from robodyn.checks.bodies.masses import STILL, link_poses, pose, widest
 from robodyn.checks.context import Context, Group
-from robodyn.checks.meshes.facts import MeshFacts
-from robodyn.checks.meshes.files import all_facts, mesh_slips
+from robodyn.checks.meshes.files import MeshFacts, all_facts, mesh_slips
 from robodyn.programs.vectors import length, product
 from robodyn.robot.kinematics import Pose
 from robodyn.robot.masses.mistakes import DOUBTED, PRODUCTS, Given, Posterior, Uniform, mistake_posterior

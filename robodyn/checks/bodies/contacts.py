@@ -14,8 +14,7 @@ from robodyn.checks.bodies.bodies import link_boxes, real_shapes, size_of, solid
 from robodyn.checks.bodies.collision_fit import misfits
 from robodyn.checks.bodies.masses import STILL, behind, pose
 from robodyn.checks.context import Context, Group
-from robodyn.checks.meshes.facts import extremes, spread_out
-from robodyn.checks.meshes.files import all_facts, mesh_names
+from robodyn.checks.meshes.files import all_facts, extremes, mesh_names, spread_out
 from robodyn.checks.srdf import own_srdf
 from robodyn.programs.vectors import length, product, rotation_about
 from robodyn.robot.kinematics import Pose

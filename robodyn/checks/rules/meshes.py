@@ -10,8 +10,7 @@ from pathlib import Path
 from robodyn.checks.context import STDIN
 from robodyn.checks.examples import a_joint, a_link, a_mesh, a_shaped_link, arm
 from robodyn.checks.importers import READS, unread
-from robodyn.checks.meshes.facts import MeshFacts
-from robodyn.checks.meshes.files import MeshName, State, all_facts, mesh_names, mesh_slips, mesh_uses
+from robodyn.checks.meshes.files import MeshFacts, MeshName, State, all_facts, mesh_names, mesh_slips, mesh_uses
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.sources import package_of
 from robodyn.robot.urdf.view import value_span

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from robodyn.checks.baseline import fingerprints
 from robodyn.checks.check import Checked, Unread
+from robodyn.checks.groups import fingerprints
 from robodyn.checks.rule import Finding, Rule, Severity
 from robodyn.report.check import further
 from robodyn.report.document import code_lines

@@ -15,9 +15,8 @@ from robodyn.checks.catalogue import RULES
 from robodyn.checks.check import Options, check_one
 from robodyn.checks.context import Asked
 from robodyn.checks.examples import INERTIA
-from robodyn.checks.meshes import facts as mesh_store
 from robodyn.checks.meshes import files as mesh_files
-from robodyn.checks.meshes.facts import MeshFacts, extremes, facts_of, mesh_facts, spread_out
+from robodyn.checks.meshes.files import MeshFacts, extremes, facts_of, mesh_facts, spread_out
 from robodyn.checks.rule import Finding, Severity
 from robodyn.programs.vectors import product
 from robodyn.robot.urdf.sources import Search
@@ -390,7 +389,7 @@ def computed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[Path]:
         seen.append(path)
         return mesh_facts(path)
 
-    monkeypatch.setattr(mesh_store, "mesh_facts", counted)
+    monkeypatch.setattr(mesh_files, "mesh_facts", counted)
     return seen
 
 
@@ -426,7 +425,7 @@ def test_facts_of_other_code_or_without_a_cache_do_not_count(
 ) -> None:
     path = mesh(tmp_path)
     facts_of([path])
-    monkeypatch.setattr(mesh_store, "maker", lambda: "other code")
+    monkeypatch.setattr(mesh_files, "maker", lambda: "other code")
     assert facts_of([path]) == facts_of([path])
     assert (computed, len(kept(tmp_path))) == ([path, path], 2)
     monkeypatch.setenv("ROBODYN_CACHE", "0")
