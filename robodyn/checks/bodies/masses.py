@@ -105,8 +105,10 @@ def tensors(context: Context) -> Iterator[tuple[LinkView, InertialView, Tensor]]
 def inertia_together(context: Context, links: Iterable[LinkView]) -> Inertia | None:
     """The inertia of links of a rigid group, in the frame of its first link; None where a number cannot be read."""
     poses, found = context.once(link_poses), list[Inertia]()
-    for link in (link for link in links if link.inertial is not None):
-        outer, inner = poses.get(link.name), None if link.inertial is None else pose(link.inertial.origin)
+    for link in links:
+        if link.inertial is None:
+            continue
+        outer, inner = poses.get(link.name), pose(link.inertial.origin)
         if link.mass is None or link.tensor is None or outer is None or inner is None:
             return None
         at = behind(outer, inner)

@@ -53,12 +53,10 @@ class GravityBound(NamedTuple):
 def static_torques(context: Context) -> tuple[StaticTorque, ...]:
     """Return the most that gravity asks of joints whose effort limits it might exceed, by a bound. From stage MODEL on.
 
-    Method: the torque of gravity about a joint is M g u . (a x r), u pointing up, r from the joint to the centre of the
-    mass M that it carries. In the angle of one joint it is a + b cos q + c sin q. So the best angle of one joint within
-    its limits is known in closed form, and going through the joints again and again only ever raises the torque: from
-    STARTS poses up and as many down, until a sweep gains less than 0.1 %, SWEEPS at most. There may be a larger one
-    elsewhere. Joints that others mimic are left out, and stay where they start. Robots on a floating base, and of more
-    than MOST_BODIES bodies, give nothing.
+    Method: in the angle of one joint the torque is a + b cos q + c sin q, so that its best angle within the limits is
+    known, and going through the joints again and again only ever raises the torque: from STARTS poses up and as many
+    down, until a sweep gains less than 0.1 %, SWEEPS at most. There may be a larger one elsewhere. Joints that others
+    mimic stay where they start. Robots on a floating base, and of more than MOST_BODIES bodies, give nothing.
 
     Accuracy: `torque` is that of `bias_forces` at `q` within 1e-12 of the weight at the farthest reach; of 4000 random
         poses none asks for more than 1.02 times as much.
