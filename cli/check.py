@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import click
 
-from robodyn.checks import baseline as baselines
+from robodyn.checks import groups as baselines
 from robodyn.checks.catalogue import RULES, WORDS
 from robodyn.checks.check import Options, Task, check_tasks, fix_task, tasks_for
 from robodyn.checks.context import Asked
