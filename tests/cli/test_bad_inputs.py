@@ -1,4 +1,4 @@
-"""Inputs that are wrong: one line that says where and what, exit status 2, and nothing else."""
+"""Inputs that are wrong: one line that says where and what, exit status 2, and nothing else; rooms have the others."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from unittest import mock
 
 import numpy as np
 import pytest
-from helpers.command_line import ARM, HEADER, Outcome, motion, run, write_arm
+from helpers.command_line import ARM, Outcome, motion, run, write_arm
 
 BINARY = bytes(range(256))
 GOOD = motion(10)
@@ -44,47 +44,23 @@ DESCRIPTIONS: list[tuple[str, str | bytes, str]] = [
     ("cut off", ARM[:400], r"bad.urdf:\d+: malformed XML: .*cut off"),
     ("empty", "", r"bad.urdf:1: the file is empty"),
     ("binary", BINARY, r"bad.urdf:1: this is a binary file"),
-    ("a table", GOOD, r"bad.urdf:1: malformed XML.*<robot>"),
     ("SDF", "<sdf/>", r"bad.urdf:1: the root element is <sdf>.*convert it to URDF"),
-    ("xacro", ARM.replace('"2"', '"${mass}"'), r"bad.urdf:3: .*xacro"),
-    ("entities", f"<!DOCTYPE r [<!ENTITY a 'b'>]>{ARM}", r"bad.urdf:1: .*DOCTYPE"),
-    ("no links", '<robot name="r"/>', r"bad.urdf:1: the robot has no links"),
-    ("cycle", ARM.replace('parent link="base"', 'parent link="fore"'), r"bad.urdf:\d+: .*cycle: 'fore' -> 'upper'"),
-    ("two roots", ARM.replace("<link", '<link name="lost"/><link', 1), r"bad.urdf:2: 2 links have no parent: 'lost'"),
     ("dangling", ARM.replace('child link="fore"', 'child link="for"'), r"bad.urdf:\d+: .*'for'.*did you mean 'fore'"),
     ("same name", ARM.replace('"elbow"', '"shoulder"'), r"bad.urdf:\d+: a second joint 'shoulder'"),
-    ("joint type", ARM.replace("revolute", "revolut", 1), r"bad.urdf:\d+: .*'revolut' \(did you mean 'revolute'\?\)"),
     ("NaN", ARM.replace('"2"', '"nan"'), r"bad.urdf:3: .*not finite: 'nan'"),
     ("1e400", ARM.replace('"2"', '"1e400"'), r"bad.urdf:3: .*not finite: '1e400'"),
-    ("comma", ARM.replace("0.2 0 0", "0.2,0,0"), r"bad.urdf:3: .*comma: '0.2,0,0'"),
-    ("no mass", ARM.replace('<mass value="2"/>', ""), r"bad.urdf:3: .*<mass>"),
     ("too large", ARM.replace("0.2 0 0", "1e200 0 0"), r"bad.urdf:3: 'xyz' .*'upper' is too large: .*SI units"),
 ]
 
 
 TABLES: list[tuple[str, str | bytes, str]] = [
     ("empty", "", r"bad.csv: is empty"),
-    ("blank", "\n\n", r"bad.csv: is empty"),
-    ("header only", HEADER, r"bad.csv: has no rows"),
-    ("no header", GOOD.partition("\n")[2], r"bad.csv:1: no header"),
     ("binary", BINARY, r"bad.csv:1: is binary data"),
-    ("UTF-16", GOOD.encode("utf-16"), r"bad.csv:1: is UTF-16 data"),
     ("NUL in a name", GOOD.replace("q_elbow", "q_el\0bow", 1), r"bad.csv:1: is binary data"),
-    ("latin header", b"time,q_\xe9\n0,0\n", r"bad.csv:1: .*UTF-8"),
     ("NaN", GOOD + "1,nan,0,0,0,0,0\n", r"bad.csv:12: column 'q_shoulder': 'nan' is not finite"),
     ("1e400", GOOD + "1,0,1e400,0,0,0,0\n", r"bad.csv:12: column 'q_elbow': '1e400' is not finite"),
     ("text", GOOD + "1,0,0,fast,0,0,0\n", r"bad.csv:12: column 'qd_shoulder': 'fast' is not a number"),
-    ("empty cell", GOOD + "1,,0,0,0,0,0\n", r"bad.csv:12: column 'q_shoulder' is empty"),
-    ("ragged, short", GOOD + "1,0,0\n", r"bad.csv:12: 3 cells where the header names 7"),
-    ("ragged, long", GOOD + "1,0,0,0,0,0,0,0\n", r"bad.csv:12: 8 cells where the header names 7"),
-    ("same time", f"{GOOD}{LAST}\n", r"bad.csv:12: time 0.09 repeats"),
-    ("time goes back", GOOD + "0.01,0,0,0,0,0,0\n", r"bad.csv:12: time 0.01 is before 0.09"),
-    ("no time", GOOD.replace("time", "when"), r"bad.csv:1: no column of time .*'when'"),
     ("wrong joint", GOOD.replace("q_elbow", "q_elbw", 1), r"bad.csv:1: no position of joint 'elbow' .*mean 'q_elbw'"),
-    ("joint missing", "time,q_elbow\n0,0\n1,0\n", r"bad.csv:1: no position of joint 'shoulder' .*'q_elbow'"),
-    ("extra column", "time,q_shoulder,q_elbow,foo\n0,0,0,1\n", r"bad.csv:1: unknown columns? 'foo' .*--ignore-extra"),
-    ("column twice", GOOD.replace("qd_elbow", "qd_shoulder"), r"bad.csv:1: column 'qd_shoulder' appears twice"),
-    ("nameless", GOOD.replace("qd_elbow", ""), r"bad.csv:1: column 5 of 7 has no name"),
     ("two rows", "time,q_shoulder,q_elbow\n0,0,0\n1,0,0\n", r"bad.csv: has 2 rows, too few"),
     ("stamps coincide", "t,q1,q2\n0,0,0\n1e-300,1,1\n2e-300,3,0\n", r"bad.csv: row 1: the derivative is not finite"),
     ("torque overflows", GOOD + "1,0,0,0,0,1.7e308,1.7e308\n", r"bad.csv: row 11: tau_shoulder overflows"),
@@ -94,14 +70,9 @@ TABLES: list[tuple[str, str | bytes, str]] = [
 
 
 SCENES = [
-    ("not TOML", "gravity = [", r"is not TOML"),
-    ("line", "a = 1\nb = = 2", r"is not TOML: invalid value"),
     ("twice", "[drive]\na = {}\n[drive]\n", r"is not TOML: cannot declare \('drive',\) twice \(each key and"),
     ("binary", BINARY, r"is not TOML"),
     ("nested", "a = " + "[" * 5000, r"is not TOML: nested too deeply"),
-    ("key", "gravty = [0, 0, 0]", r'.*unknown key "gravty" \(valid keys: .*gravity'),
-    ("joint", "[friction]\nelbw = {viscous = 1}", r".*no joint 'elbw'.*did you mean 'elbow'"),
-    ("link", '[[payload]]\nlink = "hand"\nmass = 1', r".*no link 'hand'.*'fore'"),
     ("value", "[friction]\nelbow = {viscous = -1}", r'.*"viscous" is -1'),
     ("NaN", '[[payload]]\nlink = "fore"\nmass = nan', r'.*"mass" is nan'),
     ("long integer", f"gravity = [0, 0, {'9' * 400}]", r'.*"gravity" is 9+, not a finite number'),

@@ -6,6 +6,7 @@ import json
 import re
 
 import numpy as np
+import pytest
 import sympy
 from helpers.command_line import ROBOTS, shown
 from helpers.example_robots import path_of
@@ -162,6 +163,7 @@ def test_mimic_joints_have_an_equation():
     assert "degrees of freedom: 6 x 6 - 33 = 3" in text
 
 
+@pytest.mark.slow
 def test_long_robots_are_cut():
     text = dae(str(path_of("talos_full_v2")))
     assert len(text.splitlines()) < 180

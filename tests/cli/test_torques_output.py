@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import re
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +17,6 @@ from helpers.oracles import EPS, worst
 import robodyn
 from robodyn.loads.accumulate import NAMES
 from robodyn.loads.torques import torques
-from robodyn.report.torques import torques_json
 from robodyn.robot.load import load
 from robodyn.scene.read import load_scene
 
@@ -75,13 +73,6 @@ def test_exceeded_limits_are_data(tmp_path: Path) -> None:
         {"joint": "elbow", "quantity": "velocity", "value": 0.2, "limit": 0.15, "unit": "rad/s", **during},
         {"joint": "elbow", "quantity": "position", "value": 0.2 * 9 / 100, "limit": 0.01, "unit": "rad", **never},
     ]
-
-
-def test_what_json_cannot_say_is_never_written() -> None:
-    result = torques(load(ROBOTS / "scara.urdf"), ROBOTS / "scara_pick_and_place.csv")
-    for value in (math.nan, math.inf):
-        with pytest.raises(ValueError, match="JSON"):
-            torques_json(replace(result, duration=value))
 
 
 BOUNDS = {"effort": "50", "velocity": "5", "lower": "-3", "upper": "3"}
