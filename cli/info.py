@@ -8,7 +8,7 @@ from robodyn.checks.overview import overview
 from robodyn.cli.files import check_names, robot_source
 from robodyn.cli.options import DESCRIPTION, FORMAT, PATH, Call, takes
 from robodyn.cli.screen import answer
-from robodyn.report.overview import overview_json, overview_sections
+from robodyn.report.check import overview_json, overview_sections
 
 
 @click.command("info", short_help="Show a robot at a glance: tree, joints, masses, meshes.")

@@ -11,8 +11,8 @@ import pytest
 
 from robodyn.checks.check import check_one
 from robodyn.checks.overview import overview
+from robodyn.report.check import overview_sections
 from robodyn.report.document import text
-from robodyn.report.overview import overview_sections
 
 LINK = (
     '<link name="link_{i}"><inertial><mass value="{m}"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0"'
