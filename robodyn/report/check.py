@@ -346,8 +346,8 @@ def _row(branch: Branch, indent: int) -> list[str]:
     axis, mimic = "", ""
     if joint.type not in ("fixed", "floating"):
         largest = max(map(abs, joint.axis))
-        length = largest * sqrt(sum((x / largest) ** 2 for x in joint.axis))
-        direction = [x / length for x in joint.axis]
+        norm = largest * sqrt(sum((x / largest) ** 2 for x in joint.axis))
+        direction = [x / norm for x in joint.axis]
         along = sum(map(bool, direction)) <= 1  # a letter stands for an axis of the joint's frame
         axis = axis_text(direction) if along else f"({', '.join(f'{value:.4g}' for value in direction)})"
     if joint.mimic is not None:
