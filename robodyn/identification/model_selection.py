@@ -143,7 +143,7 @@ def least_squares(R: Floats, z: Floats, signed: NDArray[np.bool_] | None = None)
 
 
 def fitted(gathered: Gathered, folds: Sequence[int], structure: Structure) -> tuple[Floats, Floats]:
-    """Return theta (p,) and each joint's sigma by iterated weights: the least of the sum of the logarithms of sigma."""
+    """Return theta (p,) and each joint's sigma by iterated weights: the least sum of logarithms of sigma."""
     rows = np.maximum(counts(gathered, folds), 1.0)
     sigma = np.sqrt(gathered.squares[list(folds)].sum(axis=0) / rows)
     least = np.maximum(_LEAST * sigma, 1e-300)

@@ -150,13 +150,9 @@ def _loads(a_plan: Plan, reactions: bool) -> Runner:
 
 
 class TorqueAccumulator:
-    """Figures gathered over the blocks of a trajectory, one after another.
-
-    Attributes:
-        zero_columns: what has been zero in every block so far, which the program of the loads leaves out.
-        sources: of this, whole sources alone, for programs that motions of other joints share.
-        whole: how many samples there are in all, by the largest estimate so far.
-    """
+    """Figures gathered over the blocks of a trajectory, one after another; zero_columns: what has been zero in every
+    block so far, which the program of the loads leaves out; sources: of this, whole sources alone, for programs that
+    motions of other joints share; whole: how many samples there are in all, by the largest estimate so far."""
 
     def __init__(
         self, model: Model, scene: Scene, options: Options, file: str | None, constraints: ConstraintPass | None

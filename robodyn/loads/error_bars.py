@@ -198,20 +198,14 @@ class ErrorBars:
         return M
 
     def at_peak(self, k: int, state: Mapping[str, Floats], shares: Mapping[str, float]) -> tuple[float, float]:
-        """Return what noise of accelerations does to joint k at its peak, sqrt(sum (M_kj s_j)^2), and what is open.
-
-        That is sqrt(sum (M_kj off_j)^2), of guesses the sum, which nothing exceeds. Way-points may be places of rest,
-        so that all that their derived speeds make of the torque, of which these are the shares, is open too.
-        """
-        off = state["off"]
-        if not off.any():
+        """Return what noise of accelerations does to joint k at its peak, sqrt(sum (M_kj s_j)^2), and what is open
+        where they are guessed: sum |M_kj off_j|, and, as way-points may be places of rest, all that their derived
+        speeds make of the torque, of which these are the shares. """
+        if not state["off"].any():
             return 0.0, 0.0
         M = self.response(state)[k + self.rates.start]
-        noise = length(M * state["noise"])
-        if not self.guessed:
-            return noise, length(M * off)
         of_speed = sum(abs(shares.get(name, 0.0)) for name in ("coriolis", "viscous friction"))
-        return noise, float((np.abs(M) * off).sum()) + of_speed
+        return length(M * state["noise"]), float((np.abs(M) * state["off"]).sum()) + of_speed
 
     def response(self, state: Mapping[str, Floats], own: bool = False) -> Floats:
         """Return (n, n) by how much torques change with accelerations: M, or what `ConstraintPass.response` says; of

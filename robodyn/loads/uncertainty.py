@@ -165,15 +165,9 @@ class Kept(NamedTuple):
 
 
 class UncertaintyPass:
-    """Gathers derivatives by x.
-
-    Attributes:
-        notes: warnings.
-        at: (figures, 2, 1 + m) the columns of the peak of each figure, with their derivatives.
-        integrals: of "square" (figures,), "product" (figures, m), half the derivative of the squares, and of gears the
-            "wear" (gears,), "wear change" (gears, m) and "travel".
-        kept: evenly spread samples.
-    """
+    """Gathers derivatives by x: at the peaks of figures their columns (figures, 2, 1 + m), integrals of "square"
+    (figures,), "product" (figures, m), half the derivative of the squares, and of gears the "wear" (gears,), "wear
+    change" (gears, m) and "travel", and evenly spread samples."""
 
     def __init__(
         self,

@@ -53,13 +53,9 @@ _APART = 1e-5
 
 
 class Information(NamedTuple):
-    """What the torques of a motion tell of the base parameters, `rank` of which it shows.
-
-    Attributes:
-        condition: of the base columns at unit length, rows weighted by 1 / noise.
-        log_determinant: of sum Y^T W Y over the rows, in SI units; -inf where some are not shown.
-        standard_errors: (r,) by least squares, with noise that is independent from row to row.
-    """
+    """What the torques of a motion tell of the base parameters, `rank` of which it shows: the condition of the base
+    columns at unit length, rows weighted by 1 / noise, the log-determinant of sum Y^T W Y, in SI units, and (r,)
+    standard errors by least squares, with noise that is independent from row to row."""
 
     rank: int
     condition: float
@@ -69,13 +65,8 @@ class Information(NamedTuple):
 
 @dataclass(frozen=True)
 class JointSwing:
-    """What a joint does: `centre + sum sine_k sin(k w t) + cosine_k cos(k w t)`.
-
-    Attributes:
-        least, largest, speed, acceleration, effort: reached at any time.
-        bounds: between which it stays: limits of position, less a margin; None if it has no room.
-        noise: standard deviation of its torque, in the unit of torques.
-    """
+    """What a joint does: `centre + sum sine_k sin(k w t) + cosine_k cos(k w t)`; what it reaches at any time; its
+    bounds: limits of position, less a margin, None if it has no room; noise: standard deviation of its torque."""
 
     name: str
     unit: str

@@ -143,13 +143,9 @@ def _fitted(columns: Floats, right: Floats) -> tuple[Floats, float]:
 
 @dataclass(frozen=True)
 class JointComparison:
-    """A joint's measured torque beside the computed one, after the filter.
-
-    Attributes:
-        measured, computed, residual, left: RMS of both, of their difference, and of what the told faults leave of it.
-        correlation: None where one of them is constant.
-        effects: kind -> (value, standard error) of each of `OWN` that the log tells, be it more than noise or not.
-    """
+    """A joint's measured torque beside the computed one, after the filter: RMS of both, of their difference, and of
+    what the told faults leave of it; correlation: None where one is constant; effects: kind -> (value, standard error)
+    of each of `OWN` that the log tells, be it more than noise or not."""
 
     name: str
     unit: str
@@ -182,8 +178,7 @@ class Comparison:
     Attributes:
         samples: rows of the log; compared: seconds that are; cutoff: of the filter [Hz].
         relative_error, left: ||residual|| / ||measured|| over all joints, before and after all that is told.
-        joints: with measured torques that vary; load_link: where a payload is looked for.
-        gross: (n,) of each joint's residual, what `channels` explain.
+        load_link: where a payload is looked for; gross: (n,) of each joint's residual, what `channels` explain.
     """
 
     robot: str

@@ -85,8 +85,8 @@ _TOGETHER = 32
 
 
 def kernel(cutoff: float, step: float) -> Floats:
-    """Return the taps (odd number) of a low-pass filter of even symmetry, hence without phase; they add up to 1;
-    cutoff: where half of the amplitude passes [Hz], below the Nyquist frequency; step: between samples [s]."""
+    """Return the taps (odd number) of a low-pass filter without phase, of which half of the amplitude passes at the
+    cutoff [Hz], for samples a step apart [s]; they add up to 1."""
     half = max(1, round(PERIODS / (cutoff * step)))
     place = np.arange(-half, half + 1)
     window = np.i0(SHAPE * np.sqrt(1.0 - (place / (half + 1)) ** 2))

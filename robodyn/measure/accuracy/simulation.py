@@ -190,8 +190,7 @@ def simulation_accuracy(
     """True errors of a motion by every integrator at several steps, its drift of energy, and what they cost.
 
     Errors are those of positions and speeds, at the end and the largest along the way, relative to the largest angle,
-    length, rate or speed of the motion; each has the bound of the reference added, so none is below the truth. Times
-    are those of the loop, without machine code being made and without the figures that `simulate` reports.
+    length, rate or speed of the motion, the bound of the reference added. Times are those of the loop alone.
 
     Args:
         duration: s; by default 2, or that of the table if it is shorter. A motion that reaches a joint's limit is
