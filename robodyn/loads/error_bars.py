@@ -200,7 +200,7 @@ class ErrorBars:
     def at_peak(self, k: int, state: Mapping[str, Floats], shares: Mapping[str, float]) -> tuple[float, float]:
         """Return what noise of accelerations does to joint k at its peak, sqrt(sum (M_kj s_j)^2), and what is open
         where they are guessed: sum |M_kj off_j|, and, as way-points may be places of rest, all that their derived
-        speeds make of the torque, of which these are the shares. """
+        speeds make of the torque, of which these are the shares."""
         if not state["off"].any():
             return 0.0, 0.0
         M = self.response(state)[k + self.rates.start]
