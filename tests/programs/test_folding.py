@@ -115,6 +115,11 @@ def test_rule(rule):
     assert program.counts == ({} if expected == "x" or isinstance(expected, float) else {expected: 1})
 
 
+def test_signs_move_outward_and_meet():
+    program = trace(lambda tape: [-tape.input("s", 0) * tape.input("s", 1) + sin(-tape.input("s", 2))])
+    assert program.counts == {"mul": 1, "sin": 1, "add": 1, "neg": 1}
+
+
 def test_the_same_operation_is_the_same_node():
     tape = Tape()
     x, y = tape.input("q", 0), tape.input("q", 1)

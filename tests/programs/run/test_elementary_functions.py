@@ -6,7 +6,6 @@ import os
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 
-import mpmath
 import numpy as np
 import pytest
 from helpers.compiled_programs import bits, compiled, needs_compiler
@@ -109,16 +108,6 @@ def test_exponential_out_of_range():
     assert values((exp,), [-745.1332191019411])[0, 0] == 5e-324
     x = [88.72284, 89.0, 1e30, np.inf, -103.98, -200.0, -np.inf, np.nan]
     np.testing.assert_array_equal(values((exp,), x, np.float32)[:, 0], [np.inf] * 4 + [0.0] * 3 + [np.nan])
-
-
-def test_against_many_digits():
-    rng = np.random.default_rng(3)
-    with mpmath.workdps(60):
-        for functions, x in (((sin, cos), angles(rng, 800)), ((exp,), rng.uniform(-708.0, 709.7, 200))):
-            for f, found in zip(functions, values(functions, x).T, strict=True):
-                exact = [getattr(mpmath, f.__name__)(mpmath.mpf(angle)) for angle in x]
-                errors = [abs(mpmath.mpf(a) - b) / np.spacing(abs(float(b))) for a, b in zip(found, exact, strict=True)]
-                assert max(errors) <= ULPS
 
 
 def test_single_precision():

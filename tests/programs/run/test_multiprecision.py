@@ -9,16 +9,12 @@ from fractions import Fraction
 import mpmath
 import numpy as np
 import pytest
-from helpers.oracles import EPS, golden_model, reference, worst
 
-from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.programs.program import trace
 from robodyn.programs.run.multiprecision import Multiprecision
 from robodyn.programs.vectors import cos, exp, sin
-from robodyn.scene.scene import Scene
 
-MODELS = reference("golden_inverse_dynamics")["models"]
 INF, NAN = math.inf, math.nan
 WIDE = mpmath.MPContext()
 WIDE.dps = 300
@@ -28,11 +24,6 @@ def values(function, *inputs, digits=50):
     """What a function of scalars gives for one sample."""
     program = trace(lambda tape: function(*(tape.input("x", i) for i in range(len(inputs)))))
     return Multiprecision(program, digits=digits)({"x": [inputs]}, 1)[0]
-
-
-def torques(model, state, digits=50, gravity=(0.0, 0.0, -9.81)):
-    program = Plan(model, Scene(gravity=tuple(gravity))).torques()
-    return Multiprecision(program, digits=digits)(dict(zip(("q", "qd", "qdd"), state, strict=True)), len(state[0]))
 
 
 def error(found, expected):
@@ -52,16 +43,6 @@ def _series(x, first, step, sign):
 
 
 SERIES = {"exp": (0, 1, 1), "sin": (1, 2, -1), "cos": (0, 2, -1)}
-
-
-@pytest.mark.parametrize("name", [*MODELS][::4])
-def test_golden_torques(name):
-    """The description is read in doubles, which leaves a rounding or two of the largest torque."""
-    model = golden_model(name)
-    for case in MODELS[name]["cases"]:
-        state = [[case[key]] for key in ("q", "qd", "qdd")]
-        tau = torques(model, state, gravity=case["gravity"])[0]
-        assert worst(tau, case["tau"], max(np.abs(case["tau"]).max(), 1e-3)) <= 4 * EPS
 
 
 CORNERS = {

@@ -16,7 +16,7 @@ import platformdirs
 import pytest
 from helpers.processes import environment, python
 
-from robodyn.support.cache import FORGOTTEN, MARK, Key, ObjectCache, cache_folder, in_profile
+from robodyn.support.cache import FORGOTTEN, MARK, Key, ObjectCache, cache_folder
 
 KEY, OTHER = Key("a program", "a machine"), Key("another program", "a machine")
 CONTENT = bytes(range(256)) * 20
@@ -156,14 +156,6 @@ def test_without_owners_only_the_users_own_folder_is_trusted(tmp_path, monkeypat
         ObjectCache(folder).put(KEY, b"new")
         assert ObjectCache(folder).get(KEY) == (b"new" if inside else None)
     assert the_file(shared).read_bytes().endswith(CONTENT)
-
-
-def test_without_a_home_nothing_is_trusted(tmp_path, monkeypatch):
-    def homeless():
-        raise RuntimeError("Could not determine home directory.")
-
-    monkeypatch.setattr(Path, "home", homeless)
-    assert not in_profile(tmp_path)
 
 
 @pytest.mark.parametrize("named", ["0", ""])

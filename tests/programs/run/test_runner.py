@@ -145,16 +145,6 @@ def test_threads_that_cannot_work(executor):
         run(made(), executor=executor, threads=-1)
 
 
-@needs_compiler
-@pytest.mark.parametrize("dtype", [">f8", ">f4"])
-def test_order_of_bytes_makes_no_difference(fresh, dtype):
-    expected = X.astype(dtype), np.dtype(dtype).newbyteorder("=")
-    for executor in ("numpy", "compiled"):
-        found = made()({"x": expected[0]}, len(X), executor=executor, dtype=dtype)
-        native = made()({"x": expected[0].astype(expected[1])}, len(X), executor=executor, dtype=expected[1])
-        np.testing.assert_array_equal(found, native)
-
-
 def test_processor_without_fused_multiply_add(fresh, monkeypatch):
     old = machine.Host("x86_64-unknown-linux-gnu", "sandybridge", "+avx,-fma,-fma4", "0.45", (20,))
     monkeypatch.setattr(machine, "host", lambda: old)
