@@ -144,13 +144,7 @@ def command(
         raise InputError("both a density and a mass are given", remedy="give one of them")
     units = one_each(unit, files, "--unit")
     densities, masses = one_each(density, files, "--density"), one_each(() if whole else mass, files, "--mass")
-    settings = {
-        "file_type": file_type,
-        "shell": shell,
-        "strict": strict,
-        "cavities": cavities,
-        "repair": repair,
-    }
+    settings = {"file_type": file_type, "shell": shell, "strict": strict, "cavities": cavities, "repair": repair}
     settings |= {"symmetry": symmetry, "symmetrize": symmetrize, "tessellation": tessellation, "exact": exact}
     outcomes = _measured(list(zip(files, densities, masses, units, strict=True)), call.accuracy, settings)
     parts = [each for each in outcomes if isinstance(each, Part)]

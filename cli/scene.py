@@ -30,10 +30,7 @@ def command(ctx: click.Context) -> None:
 
 @command.command("init", short_help="Write a scene for a robot, everything in it off.")
 @click.argument("urdf", type=PATH)
-@takes(
-    option("--out FILE", "A new file; default standard output.", SCENE_OUT),
-    DESCRIPTION,
-)
+@takes(option("--out FILE", "A new file; default standard output.", SCENE_OUT), DESCRIPTION)
 def init(call: Call, urdf: str) -> None:
     """Write a scene with the joints and links of a robot, each key explained and switched off.
     As written it changes nothing. A file named - is standard input.

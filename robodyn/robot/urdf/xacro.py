@@ -91,9 +91,7 @@ def _asked(path: str, package_paths: Sequence[str], args: Mapping[str, str], tru
     question = {"path": path, "package_paths": list(package_paths), "args": args, "trusted": trusted}
     environment = {name: os.environ[name] for name in (*VARIABLES, "PWD") if name in os.environ}
     child = start_python(
-        "robodyn.robot.urdf.xacro_child:serve",
-        environment=None if trusted else environment,
-        stderr=subprocess.DEVNULL,
+        "robodyn.robot.urdf.xacro_child:serve", environment=None if trusted else environment, stderr=subprocess.DEVNULL
     )
     asking, child.stdin = child.stdin, None  # open for as long as this process lives, which is how the child knows
     assert asking is not None
