@@ -213,7 +213,7 @@ def test_a_polygon_that_names_few_corners_often(corners):
 
 def test_a_polygon_that_crosses_itself():
     """A star whose fan and caps fold over each other as often as it has corners: few winding numbers are taken."""
-    count = 1500
+    count = 3000
     turn = 6.28 * 0.49 * np.arange(count)
     places = np.stack([np.cos(turn) * (1 + np.arange(count) % 2), np.sin(turn), np.arange(count) % 5], axis=1)
     text = "".join(f"v {x} {y} {z}\n" for x, y, z in places) + f"f {' '.join(map(str, range(1, count + 1)))}\n"
