@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -121,7 +121,12 @@ class Plausibility:
 
     def caveats(self) -> tuple[Caveat, ...]:
         """What is doubtful about the units, each with the option that mends it."""
-        seen, clock = [*self._seen()], self._layout.clock
+        layout, clock, seen = self._layout, self._layout.clock, list[_Seen]()
+        for joint, ((q, *_), (rate, *_)) in zip(self._signals.joints, self._signals.spans.values(), strict=True):
+            if joint.kind != "floating" and (column := layout.q[q]) != ABSENT:
+                done = map(float, (self._least[q], self._greatest[q], self._fastest[rate], self._lasting[rate]))
+                kind, told = self._signals.kinds[joint.name], column in layout.told
+                seen.append(_Seen(joint, kind, layout.names[column], told, *done))
         found = {kind: said for kind in _OTHER if (said := _positions(kind, seen) or self._rates(kind))}
         turning = [x for x in seen if x.kind == "angle" and not x.told and math.isfinite(x.joint.speed)]
         fast = max(turning, key=lambda each: each.use, default=None)
@@ -165,15 +170,6 @@ class Plausibility:
                 told = ", or --angle-unit rad if they are meant so" if kind == "angle" else ""
                 return f"{seen}: are these in {other}, beside {of} in {_SI[kind][0]}? ({option}{told})"
         return ""
-
-    def _seen(self) -> Iterator[_Seen]:
-        layout = self._layout
-        for joint, ((q, *_), (rate, *_)) in zip(self._signals.joints, self._signals.spans.values(), strict=True):
-            column = layout.q[q]
-            if joint.kind != "floating" and column != ABSENT:
-                seen = map(float, (self._least[q], self._greatest[q], self._fastest[rate], self._lasting[rate]))
-                kind = self._signals.kinds[joint.name]
-                yield _Seen(joint, kind, layout.names[column], column in layout.told, *seen)
 
 
 def _positions(kind: str, seen: list[_Seen]) -> str:

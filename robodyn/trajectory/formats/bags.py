@@ -44,7 +44,15 @@ def bag_table(name: str, topic: str | None = None) -> LogTable:
     if not os.path.exists(name):
         raise TrajectoryError("cannot be read: no such file or directory", remedy="check the name", file=name)
     place = _place(name)
-    _check_files(place)
+    files = [place]
+    if place.is_dir():  # whose files are all regular ones, and its metadata plain YAML of moderate size
+        files, metadata = [each for each in place.iterdir() if not each.is_dir()], str(place / METADATA)
+        text = read_input(metadata, limits().yaml_metadata_bytes + 1)
+        if len(text) > limits().yaml_metadata_bytes:
+            raise beyond("yaml_metadata_bytes", "too many bytes", TrajectoryError, file=metadata)
+        yaml_documents(text, metadata)
+    for file in files:
+        vetted(file)
     store = get_typestore(Stores.ROS2_HUMBLE)  # for bags that do not bring the types of messages, as those of SQLite
     for text, kind in ((_INTERFACE, "InterfaceValue"), (_DYNAMIC, "DynamicJointState")):
         store.register(get_types_from_msg(text, f"control_msgs/msg/{kind}"))
@@ -96,19 +104,6 @@ def _chosen(connections: Sequence[Any], topic: str | None, file: str) -> list[An
 
 def _kind(connection: Any) -> str:
     return str(connection.msgtype).rpartition("/")[2]
-
-
-def _check_files(path: Path) -> None:
-    """Raise unless all files of a bag are regular ones, and its metadata is plain YAML of moderate size."""
-    files = [path]
-    if path.is_dir():
-        files = [each for each in path.iterdir() if not each.is_dir()]
-        text = read_input(path / METADATA, limits().yaml_metadata_bytes + 1)
-        if len(text) > limits().yaml_metadata_bytes:
-            raise beyond("yaml_metadata_bytes", "too many bytes", TrajectoryError, file=str(path / METADATA))
-        yaml_documents(text, str(path / METADATA))
-    for file in files:
-        vetted(file)
 
 
 @contextmanager
