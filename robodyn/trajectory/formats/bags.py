@@ -54,8 +54,8 @@ def bag_table(name: str, topic: str | None = None) -> LogTable:
     for file in files:
         vetted(file)
     store = get_typestore(Stores.ROS2_HUMBLE)  # for bags that do not bring the types of messages, as those of SQLite
-    for text, kind in ((_INTERFACE, "InterfaceValue"), (_DYNAMIC, "DynamicJointState")):
-        store.register(get_types_from_msg(text, f"control_msgs/msg/{kind}"))
+    for definition, kind in ((_INTERFACE, "InterfaceValue"), (_DYNAMIC, "DynamicJointState")):
+        store.register(get_types_from_msg(definition, f"control_msgs/msg/{kind}"))
     with decoding("a bag", name), _bounded(place), AnyReader([place], default_typestore=store) as bag:
         chosen = _chosen(bag.connections, topic, name)
         messages = (
