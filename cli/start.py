@@ -5,10 +5,11 @@ from __future__ import annotations
 import atexit
 import gc
 import os
-import signal
 import sys
-from types import FrameType
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
+
+if TYPE_CHECKING:
+    from types import FrameType
 
 ALLOCATIONS = 100_000
 """Objects between two searches for cycles: imports make about as many, none of them garbage."""
@@ -28,6 +29,8 @@ def start() -> NoReturn:
     _import_nothing_from_here()
     status = 0
     try:
+        import signal
+
         if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # else the process shall ignore it
             signal.signal(signal.SIGINT, _interrupt)
         from robodyn.cli.main import main
