@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import re
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -21,6 +22,7 @@ from robodyn.programs.vectors import product
 from robodyn.report.accuracy import accuracy_page, draw_ladder
 from robodyn.report.pictures.free_body import (
     COLOURS,
+    OTHER,
     PAGE,
     PAPERS,
     SHEET,
@@ -30,7 +32,7 @@ from robodyn.report.pictures.free_body import (
     drawings,
     page_drawing,
 )
-from robodyn.report.pictures.robot import PAPER, nearest
+from robodyn.report.pictures.robot import PAPER, draw_solids, nearest
 from robodyn.report.renderers.pages import html
 from robodyn.report.sizes import free_body_sizes
 from robodyn.solids.mesh.read.load import load_triangles
@@ -92,6 +94,11 @@ def test_colours_can_be_read_on_both_papers():
     for paper in PAPERS:
         assert paper in STYLE
         assert [kind for kind, colour in COLOURS.items() if contrast(colour, paper) < 3.0] == []
+    assert min(contrast(OTHER, paper) for paper in PAPERS) >= 3.0
+    body, size = found("scara").bodies[1], free_body_sizes(found("scara"))
+    new = replace(body, actions=(*body.actions[1:], replace(body.actions[0], kind="yet unknown")))
+    assert OTHER in drawing(new, "", size)
+    assert page_drawing(new, size).count("var(--soft)") >= 2
     model = robodyn.load(b'<robot name="a&lt;b"><link name="x"/></robot>')
     (_, svg), *_ = drawings(robodyn.free_bodies(model, []), "<&>")
     assert any("a<b, <&>" in text for *_, text in texts(svg))
@@ -107,6 +114,20 @@ def test_the_long_faces_of_a_bracket_hide_what_is_behind_them() -> None:
     covered = seen[seen >= 0]
     assert len(covered) > 5_000
     assert away[covered].mean() < 0.01
+
+
+def test_thin_triangles_and_those_that_pass_through_one_another_are_drawn() -> None:
+    """Without an area or seen from the edge they make a picture; of two that cross each is seen in half."""
+    triangles = np.random.default_rng(7).uniform(0.0, 40.0, (8, 3, 3))
+    triangles[:2], triangles[2:4, 2] = triangles[0, 0], triangles[2:4, :2].mean(axis=1)
+    triangles[4:6] = product(triangles[4:6] * (0.0, 1.0, 1.0), PAPER)
+    axes = Figure().subplots()
+    draw_solids(axes, [(0, triangles)])
+    assert np.isfinite(axes.images[0].get_array()).all()
+    rising = np.array(((0.0, 0.0, 0.0), (60.0, 0.0, 60.0), (30.0, 60.0, 30.0)))
+    seen = nearest(np.stack((rising, rising * (1.0, 1.0, -1.0) + (0.0, 0.0, 60.0))), 60, 60)
+    assert set(seen[:20, 22:28].flat) == {1}
+    assert set(seen[:20, 32:38].flat) == {0}
 
 
 def ladder(errors: list[float], times: list[float]) -> Accuracy:

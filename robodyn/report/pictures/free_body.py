@@ -35,9 +35,10 @@ COLOURS = {
     "contact forces": "#d9480f",
     "fluid": "#11837f",
 }
-"""By kind of action; each can be read on white and on black."""
+OTHER = "#6d7583"
+"""By kind of action, and of kinds without one; each can be read on white and on black."""
 _OF_PAGE = {"#2b8a3e": "c3", "#9c5fd0": "c4", "#2f7fd6": "c1", "#d6336c": "c6", "#b8680b": "c2", "#11837f": "c5"}
-_OF_PAGE |= {"#d9480f": "c8"}
+_OF_PAGE |= {"#d9480f": "c8", OTHER: "soft"}
 """The colours of a page in their place."""
 LONGEST, SHORTEST = 120.0, 42.0
 """Arrows in pixels; the largest force and the largest moment are the longest."""
@@ -150,7 +151,7 @@ def drawing(body: FreeBody, title: str, size: Sizes) -> str:
     whats = shortened([f"{action.what}, by {action.by}" for action in body.actions], _LETTERS)
     for row, (action, what) in enumerate(zip(body.actions, whats, strict=True), start=1):
         y = SHEET.bottom + 34 + row * _ROW
-        parts.append(svg_text(24, y, symbols(action, size), 12, None, bold=True, fill=COLOURS[action.kind]))
+        parts.append(svg_text(24, y, symbols(action, size), 12, None, bold=True, fill=COLOURS.get(action.kind, OTHER)))
         cells = [what]
         for (part, unit), scale in zip(_PARTS.items(), scales, strict=True):
             vector, cell = getattr(action, part), "0"
@@ -220,7 +221,7 @@ def _scene(body: FreeBody, size: Sizes, paper: Paper) -> Iterator[str]:
         if hypot(x - vector.end[0], y - vector.end[1]) > half + 40:
             far = f'x1="{vector.end[0]:.1f}" y1="{vector.end[1]:.1f}" x2="{x:.1f}" y2="{y - 10:.1f}"'
             yield f'<line class="line" {far} stroke-width="1" stroke-dasharray="2 3"/>'
-        yield svg_text(x, y + 5, label, _SIZE, None, bold=True, anchor="middle", fill=COLOURS[vector.kind])
+        yield svg_text(x, y + 5, label, _SIZE, None, bold=True, anchor="middle", fill=vector.colour)
     for x, R, name in ((70.0, np.eye(3), "ground"), (190.0, body.pose.R, "body")):
         y = paper.bottom - 58.0
         for k, letter in enumerate("xyz"):
@@ -240,7 +241,7 @@ _ASIDE = ((0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (2, 0), (-2, 0), (3, 0), (-3
 
 
 class Arrow(NamedTuple):
-    """A vector on paper, of a kind of action, with symbol, value and unit for its label.
+    """A vector on paper, with symbol, value and unit for its label.
 
     Attributes:
         start, end: px; equal for a vector along the line of sight, which then points `towards` the reader or away.
@@ -248,7 +249,7 @@ class Arrow(NamedTuple):
         turning: a moment, drawn with two heads.
     """
 
-    kind: str
+    colour: str
     symbol: str
     value: float
     unit: str
@@ -260,21 +261,20 @@ class Arrow(NamedTuple):
 
     def elements(self) -> Iterator[str]:
         """Yield the elements of its drawing."""
-        colour = COLOURS[self.kind]
         (x0, y0), (x1, y1), (dx, dy) = self.start, self.end, self.direction
         if self.start == self.end:
-            yield f'<circle cx="{x0:.1f}" cy="{y0:.1f}" r="9" fill="none" stroke="{colour}" stroke-width="2.5"/>'
-            dot = f'<circle cx="{x0:.1f}" cy="{y0:.1f}" r="3.5" fill="{colour}"/>'
+            yield f'<circle cx="{x0:.1f}" cy="{y0:.1f}" r="9" fill="none" stroke="{self.colour}" stroke-width="2.5"/>'
+            dot = f'<circle cx="{x0:.1f}" cy="{y0:.1f}" r="3.5" fill="{self.colour}"/>'
             cross = f"M{x0 - 6:.1f} {y0 - 6:.1f}l12 12m0 -12l-12 12"
-            yield dot if self.towards else f'<path d="{cross}" stroke="{colour}" stroke-width="2"/>'
+            yield dot if self.towards else f'<path d="{cross}" stroke="{self.colour}" stroke-width="2"/>'
             return
         dashes = ' stroke-dasharray="7 4"' if self.turning else ""
         stem = f"M{x0:.1f} {y0:.1f}L{x1 - 8 * dx:.1f} {y1 - 8 * dy:.1f}"
-        yield f'<path d="{stem}" stroke="{colour}" stroke-width="3"{dashes}/>'
+        yield f'<path d="{stem}" stroke="{self.colour}" stroke-width="3"{dashes}/>'
         for back in (0, 10) if self.turning else (0,):
             tip, tail = (x1 - back * dx, y1 - back * dy), (x1 - (back + 14) * dx, y1 - (back + 14) * dy)
             corners = tip, (tail[0] - 6 * dy, tail[1] + 6 * dx), (tail[0] + 6 * dy, tail[1] - 6 * dx)
-            yield f'<polygon points="{" ".join(f"{a:.1f},{b:.1f}" for a, b in corners)}" fill="{colour}"/>'
+            yield f'<polygon points="{" ".join(f"{a:.1f},{b:.1f}" for a, b in corners)}" fill="{self.colour}"/>'
 
 
 def arrows(body: FreeBody, spots: list[Point], size: Sizes) -> list[Arrow]:
@@ -302,6 +302,6 @@ def arrows(body: FreeBody, spots: list[Point], size: Sizes) -> list[Arrow]:
             start = (x - way[1] * aside, y + way[0] * aside)
             end = (start[0] + long * way[0], start[1] + long * way[1]) if flat else start
             towards = bool(product(EYES[2], along) > 0)
-            symbol = action.symbols[turning]
-            found.append(Arrow(action.kind, symbol, amount, unit, start, end, way, towards, bool(turning)))
+            colour, symbol = COLOURS.get(action.kind, OTHER), action.symbols[turning]
+            found.append(Arrow(colour, symbol, amount, unit, start, end, way, towards, bool(turning)))
     return found
