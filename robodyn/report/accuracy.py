@@ -24,11 +24,8 @@ _WHERE = {"end": "error at the end", "way": "along the way", "middle": "error in
 
 
 def accuracy_sections(accuracy: Accuracy, target: float | None = None) -> Iterator[doc.Section]:
-    """Yield errors, times and operations of every method, the front of those worth their time, and prices beside it.
-
-    Args:
-        target: the error for which the quickest method is named.
-    """
+    """Yield errors, times and operations of every method, the front of those worth their time, and prices beside it;
+    the quickest method within the target."""
     for ladder in accuracy.ladders:
         scale, unit = _UNITS[ladder.per]
         per = f" per {ladder.per}" if ladder.per == "sample" else ""
@@ -60,7 +57,7 @@ def accuracy_sections(accuracy: Accuracy, target: float | None = None) -> Iterat
 
 
 def _time(time: Spread, scale: float) -> tuple[str, str]:
-    """Return the median and the quartiles with three digits, and all those before the point."""
+    # three digits, and all those before the point
     scaled = (scale * x for x in (time.median, time.low, time.high))
     median, low, high = (f"{x:.0f}" if x >= 99.95 else f"{x:#.3g}" for x in scaled)
     return median, f"{low} .. {high}"

@@ -136,11 +136,8 @@ def page(
     files: Iterable[tuple[str, str]],
     instead: str,
 ) -> Document:
-    """Return a report: what leads it, then what the text says, then data; tables without a caption get one.
-
-    Args:
-        files: name and text of each; instead: how to get those that are too large.
-    """
+    """Return a report: what leads it, then what the text says, then files (name, text), for large ones how to get them
+    instead; tables without a caption get one."""
     numbers = [
         replace(block, caption=f"{caption}: {block.head[0]}")
         if isinstance(block, Table) and not block.caption

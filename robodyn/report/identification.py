@@ -174,7 +174,7 @@ def excitation_page(found: Excitation, pictures: bool = True) -> doc.Document:
     """Return the same as a page, with plots of the joints, and the motion as data."""
     blocks: list[doc.Block] = [excitation_verdict(found)]
     if pictures:
-        from robodyn.report.pictures.simulation import joint_figure
+        from robodyn.report.pictures.figures import joint_figure
 
         joints = [(k, joint) for k, joint in enumerate(found.joints) if joint.moves]
         shown = [

@@ -155,11 +155,8 @@ _FAR = 0.1
 
 
 def parts_page(outcomes: Sequence[Part | MeshError], view: View, shapes: Sequence[Array | None]) -> doc.Document:
-    """Return what each mesh encloses, and how far the numbers hold; and why meshes failed.
-
-    Args:
-        shapes: the triangles (m, 3, 3) of each part [m], None for those without a picture.
-    """
+    """Return what each mesh encloses, how far the numbers hold, and why meshes failed; with pictures of those that have
+    triangles (m, 3, 3) [m]."""
     parts = [each for each in outcomes if isinstance(each, Part)]
     failures = [f"{each}." for each in outcomes if isinstance(each, MeshError)]
     failed = f"{len(failures)} of {len(outcomes)} meshes failed"
@@ -186,11 +183,7 @@ def parts_page(outcomes: Sequence[Part | MeshError], view: View, shapes: Sequenc
 
 
 def combination_page(found: Combination, view: View, shapes: Sequence[Array | None]) -> doc.Document:
-    """Return meshes as one rigid body.
-
-    Args:
-        shapes: the triangles (m, 3, 3) of each mesh in its own axes [m], None without a picture.
-    """
+    """Return meshes as one rigid body; with a picture of those that have triangles (m, 3, 3) in their own axes [m]."""
     placed = [
         product(triangles, np.asarray(R, dtype=float).T) + np.asarray(p, dtype=float)
         for triangles, (R, p) in zip(shapes, found.poses, strict=True)
@@ -261,7 +254,6 @@ def _page(
 
 
 def _solid(name: str, body: MassProperties, triangles: Array | None, key: str) -> list[doc.Block]:
-    """Return the picture of a body with its centre of mass and principal axes; nothing without triangles."""
     if triangles is None:
         return []
     from robodyn.report.pictures.robot import body_figure

@@ -17,7 +17,6 @@ from robodyn.support.wording import count
 if TYPE_CHECKING:
     from robodyn.simulation.result import JointUse, Simulation
 
-
 LINES = 15
 """So many limits are named at the top of a page."""
 _NAMES = 4
@@ -31,11 +30,8 @@ def verdict_on_limits(
     caveats: Sequence[Caveat] = (),
     nearest: Sequence[str] = (),
 ) -> Verdict:
-    """Return the verdict on so many joints, green only where every limit was checked and nothing is in doubt.
-
-    Args:
-        nearest: remarks on limits that are nearly reached.
-    """
+    """Return the verdict on so many joints, green only where every limit was checked and nothing is in doubt,
+    with remarks on limits that are nearly reached."""
     doubtful = tuple(caveat.text for caveat in caveats)
     over = len({excess.joint for excess in exceeded})
     if over:

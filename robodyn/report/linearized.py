@@ -44,7 +44,15 @@ def linearized_sections(found: Linearized) -> Iterator[doc.Section]:
         step = f"steps of {found.step:.6g} s, inputs held in between"
         lines.append(f"A and B are those of {step}; modes are those of A before")
     yield doc.paragraphs(lines)
-    yield [_state_table(found)]
+    names, n, units = found.model.coordinates, len(found.qd), units_of(found.model)
+    floating = len(names) - n
+    state = [(name, f"{x:.6g}", "", "", "", "") for name, x in zip(names[: 7 * bool(floating)], found.q, strict=False)]
+    largest = float(max(abs(found.held).max(initial=0.0), abs(found.drive).max(initial=0.0)))
+    for k, name in enumerate(found.model.rates):
+        position = "" if k < 6 * bool(floating) else f"{found.q[k + floating]:.6g}"
+        drive, added = (number(float(each[k]), largest) for each in (found.drive, found.held))
+        state.append((name, position, f"{found.qd[k]:.6g}", drive, added, units[k]))
+    yield [doc.Table("State", ("joint", "q", "qd", "drive", "torque added", "unit"), state)]
     rows = []
     for mode in modes:
         value = f"{0.0 if mode.undecided else mode.real:.4g}" + (f" +- {mode.imag:.4g}i" if mode.oscillates else "")
@@ -68,19 +76,6 @@ def linearized_sections(found: Linearized) -> Iterator[doc.Section]:
             yield [doc.Table(f"{name} of {law}", ("", *over), rows)]
     yield doc.remarks("warning", found.warnings)
     yield doc.paragraphs([f"{verdict.headline}.", *verdict.reasons])
-
-
-def _state_table(found: Linearized) -> doc.Table:
-    names, n = found.model.coordinates, len(found.qd)
-    floating, units = len(names) - n, units_of(found.model)
-    base = zip(names[: 7 * bool(floating)], found.q.tolist(), strict=False)
-    rows: list[tuple[str, ...]] = [(name, f"{x:.6g}", "", "", "", "") for name, x in base]
-    largest = float(max(abs(found.held).max(initial=0.0), abs(found.drive).max(initial=0.0)))
-    for k, name in enumerate(found.model.rates):
-        position = "" if k < 6 * bool(floating) else f"{found.q[k + floating]:.6g}"
-        given = (number(float(each[k]), largest) for each in (found.drive, found.held))
-        rows.append((name, position, f"{found.qd[k]:.6g}", *given, units[k]))
-    return doc.Table("State", ("joint", "q", "qd", "drive", "torque added", "unit"), rows)
 
 
 def linearized_page(found: Linearized, pictures: bool = True) -> doc.Document:

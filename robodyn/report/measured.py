@@ -131,7 +131,7 @@ def measured_page(found: Comparison, pictures: bool = True) -> doc.Document:
     """Return the same as a page, with plots of torques, residuals and friction."""
     blocks: list[doc.Block] = [verdict_on(found)]
     if pictures:
-        from robodyn.report.pictures.simulation import friction_figure, torque_figure
+        from robodyn.report.pictures.figures import friction_figure, torque_figure
 
         places = range(len(found.joints))
         what = "What is measured beyond the computed torque and all told effects but friction, over speed."

@@ -41,7 +41,6 @@ def scene_toml(model: Model) -> str:
 
 
 def _sections(model: Model) -> Iterator[tuple[str, Sequence[str]]]:
-    """Yield what a key means, and examples of it."""
     single = [body.joint for body in model.bodies if body.joint.kind in ("revolute", "prismatic")]
     own = [joint for joint in model.independent if joint.kind != "floating"]
     depth = [0]

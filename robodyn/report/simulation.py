@@ -17,18 +17,13 @@ from robodyn.support.wording import count
 
 FREE = "ODE, qdd = M^-1 (tau - bias) by articulated bodies"
 LOOPED = "index-1 DAE, M qdd + bias = tau + J^T lambda, J qdd = -J' qd by M = C C^T and C^-1 J^T = Q R"
-
-
 _NAMED = 8
 """Equations of loops that are named; of more, the number."""
 
 
 def simulation_sections(result: Simulation, explain: bool = False) -> Iterator[doc.Section]:
-    """Yield what was integrated and how, where the motion ends, what it reaches, and what drifted.
-
-    Args:
-        explain: add why each effect is on or off.
-    """
+    """Yield what was integrated and how, where the motion ends, what it reaches, and what drifted; to explain also
+    why each effect is on or off."""
     size = simulation_sizes(result)
     on = [effect.name for effect, why in result.effects if why.active]
     length = f"steps of {result.step:.6g} s" if result.step is not None else f"steps, rtol {result.rtol:.3g}"
@@ -41,7 +36,20 @@ def simulation_sections(result: Simulation, explain: bool = False) -> Iterator[d
             f"method: {method}, {result.steps} {length}, {result.evaluations} evaluations, {result.executor}",
         ]
     )
-    yield from _motion(result, size)
+    lengths, sliding = linear(result.model)
+    floating = (joint.name for joint in result.model.independent if joint.kind == "floating")
+    turns = {f"{name}_{part}" for name in floating for part in ("qx", "qy", "qz", "qw")}
+    rows = []
+    for k, (name, q) in enumerate(zip(result.model.coordinates, result.q.T, strict=True)):
+        unit = "m" if lengths[k] else "" if name in turns else "rad"
+        rows.append([name, unit, *(number(x, size.q[k]) for x in (q[0], q[-1], q.min(), q.max()))])
+    yield [doc.Table("", ("position", "unit", "at the start", "at the end", "least", "largest"), rows)]
+    rows = []
+    for k, (name, qd, qdd) in enumerate(zip(result.model.rates, result.qd.T, result.qdd.T, strict=True)):
+        unit = "m/s" if sliding[k] else "rad/s"
+        speeds = (number(x, size.qd[k]) for x in (qd[0], qd[-1], np.abs(qd).max()))
+        rows.append([name, unit, *speeds, f"{number(np.abs(qdd).max(), size.qdd[k])} {unit}^2"])
+    yield [doc.Table("", ("speed", "unit", "at the start", "at the end", "largest", "largest acceleration"), rows)]
     if result.joints:
         rows = []
         for k, joint in zip(result.driven, result.joints, strict=True):
@@ -65,24 +73,6 @@ def simulation_sections(result: Simulation, explain: bool = False) -> Iterator[d
         yield limits_section(result)
     yield doc.remarks("warning", (caveat.text for caveat in result.caveats))
     yield doc.remarks("note", result.notes)
-
-
-def _motion(result: Simulation, size: MotionSizes) -> Iterator[doc.Section]:
-    """Yield tables of the positions and of the speeds."""
-    lengths, sliding = linear(result.model)
-    floating = (joint.name for joint in result.model.independent if joint.kind == "floating")
-    turns = {f"{name}_{part}" for name in floating for part in ("qx", "qy", "qz", "qw")}
-    rows = []
-    for k, (name, q) in enumerate(zip(result.model.coordinates, result.q.T, strict=True)):
-        unit = "m" if lengths[k] else "" if name in turns else "rad"
-        rows.append((name, unit, *(number(x, size.q[k]) for x in (q[0], q[-1], q.min(), q.max()))))
-    yield [doc.Table("", ("position", "unit", "at the start", "at the end", "least", "largest"), rows)]
-    rows = []
-    for k, (name, qd, qdd) in enumerate(zip(result.model.rates, result.qd.T, result.qdd.T, strict=True)):
-        unit = "m/s" if sliding[k] else "rad/s"
-        speeds = (number(x, size.qd[k]) for x in (qd[0], qd[-1], np.abs(qd).max()))
-        rows.append((name, unit, *speeds, f"{number(np.abs(qdd).max(), size.qdd[k])} {unit}^2"))
-    yield [doc.Table("", ("speed", "unit", "at the start", "at the end", "largest", "largest acceleration"), rows)]
 
 
 def _drift(result: Simulation, size: MotionSizes) -> Iterator[str]:
@@ -156,9 +146,8 @@ def simulation_page(result: Simulation, pictures: bool = True) -> doc.Document:
 
 
 def _pictures(result: Simulation) -> Iterator[doc.Block]:
-    from robodyn.report.pictures.figures import quiet
+    from robodyn.report.pictures.figures import energy_figures, joint_figure, quiet
     from robodyn.report.pictures.robot import robot_figure, shapes_of
-    from robodyn.report.pictures.simulation import energy_figures, joint_figure
 
     model = result.model
     assert model.description is not None, "it is not a model of bodies alone"

@@ -6,41 +6,25 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from robodyn.loads.constraint_result import Constraints
-from robodyn.loads.result import Exceeded, JointLoad, MotorLoad, Result, Sizing
+from robodyn.loads.result import Exceeded, JointLoad, Result, Sizing
 from robodyn.loads.uncertainty_result import UncertainLoad
 from robodyn.report.document import Facts, Paragraph, Section, Table, paragraphs
 from robodyn.report.sizes import result_sizes, speed_unit
-from robodyn.report.table import (
-    axis_text,
-    first_names,
-    is_noise,
-    moment,
-    number,
-    point_text,
-    printable,
-)
+from robodyn.report.table import axis_text, first_names, is_noise, moment, number, point_text, printable
 from robodyn.support.wording import count, figure
 
 _WORDS = {
-    "motor torque": "the motor's torque",
-    "motor speed": "the motor's speed",
-    "RMS motor torque": "the motor's RMS torque",
-    "gear torque": "the gear's torque",
-    "mean gear torque": "the gear's cubic mean torque",
-    "effort": "the joint's torque",
-    "velocity": "the joint's speed",
+    "motor torque": ("the motor's torque", "the peak curve allows"),
+    "motor speed": ("the motor's speed", "it may have"),
+    "RMS motor torque": ("the motor's RMS torque", "the continuous curve allows"),
+    "gear torque": ("the gear's torque", "the gear bears"),
+    "mean gear torque": ("the gear's cubic mean torque", "the gear bears"),
+    "effort": ("the joint's torque", "the description allows"),
+    "velocity": ("the joint's speed", "the description allows"),
 }
+"""Of a quantity what it is, and what limits it."""
 _WORST = ("over peak", "over continuous", "OK", "no limits")
 _UNKNOWN = "no limits are known"
-_LIMITS = {
-    "motor torque": "the peak curve allows",
-    "motor speed": "it may have",
-    "RMS motor torque": "the continuous curve allows",
-    "gear torque": "the gear bears",
-    "mean gear torque": "the gear bears",
-    "effort": "the description allows",
-    "velocity": "the description allows",
-}
 
 
 def sizing_sections(result: Result) -> Iterator[Section]:
@@ -88,7 +72,17 @@ def verdicts(loads: Sequence[JointLoad], sizing: Sizing) -> Facts:
     items = []
     for load, joint in sorted(zip(loads, sizing.joints, strict=True), key=lambda pair: _WORST.index(pair[1].level)):
         if not joint.exceeded:
-            nearness = ", ".join(_nearness(load, joint.motor))
+            uses: list[tuple[float, float | None, str]] = []
+            if (motor := joint.motor) is not None:
+                if (near := motor.nearest) is not None:
+                    uses.append((near.torque, near.limit, f"the peak curve at {near.time:.6g} s"))
+                uses.append((motor.rms, motor.continuous_limit, "the continuous torque"))
+                uses.append((abs(motor.max_speed), motor.speed_limit, "the motor's speed"))
+            uses.append((abs(load.peak), load.effort_limit, "the effort limit"))
+            uses.append((abs(load.max_speed), load.velocity_limit, "the velocity limit"))
+            shares = [(100.0 * x / limit if limit > 0 else 0.0, what) for x, limit, what in uses if limit is not None]
+            used = (f"{'<1' if 0.0 < share < 0.5 else f'{share:.0f}'} % of {what}" for share, what in shares)
+            nearness = ", ".join(used)
             items.append((joint.name, f"OK: {nearness}" if nearness else "OK" if joint.level == "OK" else _UNKNOWN))
         for k, exceeded in enumerate(joint.exceeded):
             items.append(("" if k else joint.name, f"{exceeded.level.upper()}: {in_words(exceeded)}"))
@@ -97,33 +91,16 @@ def verdicts(loads: Sequence[JointLoad], sizing: Sizing) -> Facts:
 
 def in_words(exceeded: Exceeded) -> str:
     """Return what is too large, by how much, when, and for how long."""
-    unit, limit = exceeded.unit, exceeded.limit
-    text = f"{_WORDS[exceeded.quantity]} is {number(exceeded.value)} {unit}, "
+    unit, limit, (what, allowed) = exceeded.unit, exceeded.limit, _WORDS[exceeded.quantity]
+    text = f"{what} is {number(exceeded.value)} {unit}, "
     text += f"{100 * exceeded.excess / limit:.3g} % above the {number(limit)}" if limit > 0 else "above the 0"
-    text += f" {unit} that {_LIMITS[exceeded.quantity]}"
+    text += f" {unit} that {allowed}"
     if exceeded.speed is not None:
         mean = "a mean speed of " if exceeded.time is None else ""
         text += f" at {mean}{number(exceeded.speed)} {'m/s' if unit == 'N' else 'rad/s'}"
     if exceeded.time is not None:
         text += f"; worst at {exceeded.time:.6g} s (row {exceeded.row})"
     return text if exceeded.seconds is None else f"{text}, over for {exceeded.seconds:.3g} s in all"
-
-
-def _nearness(load: JointLoad, motor: MotorLoad | None) -> Iterator[str]:
-    """Yield how much of each limit is used."""
-    uses: list[tuple[float, float | None, str]] = []
-    if motor is not None:
-        if motor.nearest is not None:
-            near = motor.nearest
-            uses.append((near.torque, near.limit, f"the peak curve at {near.time:.6g} s"))
-        uses.append((motor.rms, motor.continuous_limit, "the continuous torque"))
-        uses.append((abs(motor.max_speed), motor.speed_limit, "the motor's speed"))
-    uses.append((abs(load.peak), load.effort_limit, "the effort limit"))
-    uses.append((abs(load.max_speed), load.velocity_limit, "the velocity limit"))
-    for value, limit, what in uses:
-        if limit is not None:
-            percent = 100.0 * value / limit if limit > 0 else 0.0
-            yield f"{'<1 %' if 0.0 < percent < 0.5 else f'{percent:.0f} %'} of {what}"
 
 
 def _use(result: Result, sizing: Sizing) -> Table:

@@ -35,19 +35,13 @@ from robodyn.trajectory.motion import NOISE, Derivation, JointDerivation
 if TYPE_CHECKING:
     from robodyn.loads.many import Batch, Outcome, Status, Worst
 
-
 _NAMED = 6
-
-
 KINDS: tuple[Status, ...] = ("computed", "finished before", "failed")
 
 
 def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]:
-    """Yield joints, what makes their peaks, base loads, self-checks, limits exceeded, warnings; not the verdict.
-
-    Args:
-        explain: add why each effect is on or off, what it costs, and the plan.
-    """
+    """Yield joints, what makes their peaks, base loads, self-checks, limits exceeded, warnings; not the verdict;
+    to explain also why each effect is on or off, what it costs, and the plan."""
     result = offenders_first(result)
     size = result_sizes(result)
     what = f"{count(len(result.joints), 'joint')}, {count(result.samples, 'sample')}, {result.duration:.6g} s"

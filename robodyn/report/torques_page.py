@@ -44,17 +44,12 @@ from robodyn.support.wording import count, shortened
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas
 
-
 PLOTTED = 12
 """Joints that have plots: those beyond limits, and the most loaded of the others up to so many."""
 
 
 def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = True) -> doc.Document:
-    """Return the verdict, the figures that matter most, plots, and all that the text says.
-
-    Args:
-        pictures: with figures, which needs the result's history.
-    """
+    """Return the verdict, the figures that matter most, plots if there is a history, and all that the text says."""
     what = (
         f"Torques along a motion: {count(len(result.joints), 'joint')}, {count(result.samples, 'sample')}, "
         f"{result.duration:.6g} s, {gravity_text(result.gravity)}"
@@ -275,11 +270,7 @@ def share_figures(joints: Sequence[JointLoad]) -> Iterator[doc.Figure]:
 
 
 def contact_figures(contacts: Sequence[ContactLoad], curves: Curves, size: Sizes) -> Iterator[doc.Figure]:
-    """Yield of each contact that is ever on its force along the normal against time, all to one scale.
-
-    Args:
-        curves: of `normal` and `on`, contact by contact.
-    """
+    """Yield of each contact that is ever on its force along the normal against time, all to one scale."""
     top = 1.05 * max((contact.normal.value for contact in contacts), default=0.0)
     for k, contact in enumerate(contacts):
         samples = curves.samples(k)

@@ -19,21 +19,12 @@ from robodyn.support.wording import shortened
 Point = tuple[float, float]
 COLOURS = {
     "weight": "#2b8a3e",
-    "inertial": "#9c5fd0",
-    "reaction": "#2f7fd6",
     "drive": "#d6336c",
-    "viscous friction": "#b8680b",
-    "coulomb friction": "#b8680b",
-    "load friction": "#b8680b",
-    "rotor inertia": "#9c5fd0",
-    "coupled motor": "#9c5fd0",
-    "gyroscopic moment": "#9c5fd0",
-    "joint spring": "#11837f",
-    "limit spring": "#11837f",
-    "external wrench": "#d9480f",
-    "loop forces": "#2f7fd6",
-    "contact forces": "#d9480f",
-    "fluid": "#11837f",
+    **dict.fromkeys(("inertial", "rotor inertia", "coupled motor", "gyroscopic moment"), "#9c5fd0"),
+    **dict.fromkeys(("reaction", "loop forces"), "#2f7fd6"),
+    **dict.fromkeys(("viscous friction", "coulomb friction", "load friction"), "#b8680b"),
+    **dict.fromkeys(("joint spring", "limit spring", "fluid"), "#11837f"),
+    **dict.fromkeys(("external wrench", "contact forces"), "#d9480f"),
 }
 OTHER = "#6d7583"
 """By kind of action, and of kinds without one; each can be read on white and on black."""
@@ -50,8 +41,6 @@ _ROW = 22
 _LETTERS = 42
 """So many of what an action is and by whom have room in the table."""
 _HEADS = ((24, "symbol"), (134, "action, by"), (400, "force [N]"), (600, "moment [N m]"))
-
-
 _PARTS = {"force": "N", "moment": "N m"}
 NOTES = (
     "Components in body axes; forces and moments add up to zero. Arrows are to scale, but none is too short to see.",
@@ -127,11 +116,8 @@ def drawings(found: FreeBodies, state: str) -> Iterator[tuple[str, str]]:
 
 def drawing(body: FreeBody, title: str, size: Sizes) -> str:
     """Return the SVG of one body: isometric, seen from (1, 1, 1) of the ground's frame, which stands upright; below
-    every action with its components, with as many decimals as show three or four digits of the largest on the body.
-
-    Args:
-        size: of forces and moments on the robot, beside which noise vanishes.
-    """
+    every action with its components, with as many decimals as show three or four digits of the largest on the body, but
+    without noise beside the size of those on the robot."""
     width, height = SHEET.width, SHEET.bottom + _ROW * (len(body.actions) + len(NOTES)) + 56
     title, name = (
         text if len(text) <= most else f"{text[: most - 3]}..." for text, most in ((title, 95), (body.name, 48))
@@ -278,11 +264,8 @@ class Arrow(NamedTuple):
 
 
 def arrows(body: FreeBody, spots: list[Point], size: Sizes) -> list[Arrow]:
-    """Return the arrows of every force and moment that does not vanish beside the largest on the robot.
-
-    Args:
-        spots: where on paper each action acts.
-    """
+    """Return the arrows of every force and moment that does not vanish beside the largest on the robot, each at its
+    spot on paper."""
     found: list[Arrow] = []
     for turning, (name, unit) in enumerate(_PARTS.items()):
         amounts = [length(getattr(action, name)) for action in body.actions]

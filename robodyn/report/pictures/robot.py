@@ -76,12 +76,8 @@ def shapes_of(description: Description) -> tuple[dict[str, Floats], str]:
 
 
 def robot_figure(model: Model, q: Floats, joint: str, when: str, shapes: dict[str, Floats], name: str) -> Figure:
-    """Return the robot at q in its base's frame: a skeleton, shapes of links, one joint and what it carries marked.
-
-    Args:
-        joint: the name of the one that is marked; empty for none.
-        when: which pose this is, in words; name: no other picture of the page has.
-    """
+    """Return the robot at q in its base's frame: a skeleton, shapes of links, one joint and what it carries marked;
+    `when` says in words which pose this is, and `name` is that of no other picture of the page."""
     poses = link_poses(model, q)
     solids = [
         (model.links[link].body, product(each, np.asarray(poses[link].R, float).T) + np.asarray(poses[link].p, float))
@@ -131,12 +127,7 @@ def body_figure(name: str, body: MassProperties, triangles: Floats, key: str) ->
 
 def mode_figure(model: Model, q: Floats, shape: Sequence[complex], caption: str, name: str) -> Figure:
     """Return the robot at q as a skeleton, from joint to joint and on to mass centres, and where it is half a period
-    of the mode apart.
-
-    Args:
-        shape: (n,) how the joints move; the phase shown is that of the first that moves as much as any.
-        name: no other picture of the page has.
-    """
+    of the mode apart, at the phase of the first joint that moves as much as any; shape: (n,)."""
     rest, way = _bars(model, q), np.array(shape)
     most, size = np.full(model.n, _TURN), float(np.ptp(np.concatenate(rest), axis=0).max()) or 1.0
     for joint in model.independent:

@@ -28,10 +28,7 @@ def check_junit(checked: Checked, strict: bool = False) -> str:
 
     A file without findings has one test, which passes. Findings in macros that a description includes, or in its SRDF,
     are in its suite; their class is the file that they are in. The format is that of Jenkins' xUnit plugin
-    (junit-10.xsd).
-
-    Args:
-        strict: warnings fail, too.
+    (junit-10.xsd). If strict, warnings fail, too.
     """
     fatal = {Severity.ERROR, Severity.WARNING} if strict else {Severity.ERROR}
     found: dict[str, list[Finding]] = {file: [] for file in checked.files}
@@ -127,9 +124,7 @@ def check_sarif(
     """Return one run with the rules' documentation; of each finding place, link or joint, numbers and fix.
 
     Columns count characters from 1. `partialFingerprints` stay the same when lines move or numbers change.
-
-    Args:
-        reading: from the name of a file to its reading, in whose bytes the findings have their places.
+    `reading` leads from the name of a file to its reading, in whose bytes the findings have their places.
     """
     from importlib.metadata import version
 
