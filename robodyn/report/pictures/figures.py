@@ -68,7 +68,6 @@ def plot(width: int, height: int, draw: Callable[[Canvas], None], name: str) -> 
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure as Canvas
 
-
     with treated_warnings("ignore", "Glyph"), style(name):  # the page's own fonts may have it
         figure = Canvas(figsize=(width / _DOTS, height / _DOTS), dpi=_DOTS, facecolor="none")
         draw(figure)
