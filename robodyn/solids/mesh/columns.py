@@ -194,7 +194,7 @@ _ANGLES = 4e6
 _FEWEST, _MOST = 64, 4096
 """Columns in each direction through an open surface."""
 
-_TOO_MANY = 10
+_TOO_MANY = 6
 """Times as many are not taken; nothing definite is said then."""
 
 _LEVELS = 1 / 2, 1 / 3, 2 / 3
@@ -252,9 +252,13 @@ def by_winding_numbers(mesh: Indexed, caps: Numbers) -> Quadrature | None:
     closed, closing = mesh.corners_with(caps), replace(mesh, faces=caps)
     closed_region = _moments(signed) - _excess(closed)
     by_level = []
-    for direction in DIRECTIONS:
+    for enclosed, direction in zip(closed_region, DIRECTIONS, strict=True):
         beyond = _beyond_caps(closed, closing, direction)
         if beyond is None:
+            return None
+        # a third of this is in the error, with whatever the other directions say
+        volume, wider, narrower = (float(enclosed[3, 3] + each[3, 3]) for each in beyond)
+        if _BRACKET * max(wider - volume, volume - narrower) / len(DIRECTIONS) > LARGEST_BAR * volume:
             return None
         by_level.append(beyond)
     totals, wide, narrow = (closed_region[:, None] + np.array(by_level)).swapaxes(0, 1)

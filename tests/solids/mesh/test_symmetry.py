@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf, pi
+from math import comb, factorial, inf, pi, prod
 
 import numpy as np
 import pytest
@@ -14,7 +14,14 @@ from helpers.symmetry_cases import bodies
 
 from robodyn.errors import MeshError
 from robodyn.solids.inertia.properties import from_integrals
-from robodyn.solids.mesh.asymmetry import CentredBody, TriangleSet, mirror
+from robodyn.solids.mesh.asymmetry import (
+    CentredBody,
+    TriangleSet,
+    axial_moments,
+    central_moments,
+    mirror,
+    sixth_moments,
+)
 from robodyn.solids.mesh.indexed import merged
 from robodyn.solids.mesh.inside import winding_numbers
 from robodyn.solids.mesh.integrals import integrate
@@ -292,3 +299,20 @@ def test_fewer_than_one_verdict_in_a_hundred_is_false():
     assert sum(len(body.holding) for body in given) > 80
     assert sum(len(body.broken) for body in given) > 80
     assert len({body.name for body in given}) > 14
+
+
+def monomial(*powers):
+    """The integral of x^a y^b z^c over the unit tetrahedron at the origin, a! b! c! / (a + b + c + 3)!."""
+    return prod(map(factorial, powers)) / factorial(sum(powers) + 3)
+
+
+def test_moments_of_the_unit_tetrahedron():
+    corner = samples.tetrahedron(((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)))
+    _, third, fourth = central_moments(corner, np.eye(3), 1 / 6).tensors
+    for tensor in (third, fourth, sixth_moments(corner)):
+        for index in np.ndindex(tensor.shape):
+            assert tensor[index] == pytest.approx(monomial(*(index.count(i) for i in range(3))), rel=1e-13)
+    axial = axial_moments(corner, np.eye(3), 1 / 6)
+    for m, k in np.ndindex(8, 3):
+        powers = [comb(m + 1, j) * 1j**j * monomial(m + 1 - j, j, k) for j in range(m + 2)]
+        assert abs(axial[m, k] - (6 * sum(powers) if m + 1 + k <= 8 else 0.0)) <= 1e-14
