@@ -6,7 +6,7 @@ Along a motion any recursion yields the rates of its results on *dual* scalars, 
 from __future__ import annotations
 
 import operator
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
@@ -26,8 +26,8 @@ def jacobian(outputs: Sequence[Scalar], directions: Sequence[Direction]) -> list
     The derivative of `sign` is 0: at its step there is none, and none is made up.
 
     Method: forwards, the rate of every operation along each direction from those of its operands; and backwards, the
-    weight with which each enters an output from those of what uses it. Kept is what needs fewer operations. Griewank,
-    Walther 2008, chapter 3.
+    weight with which each enters an output from those of what uses it. Each row is kept one way, so that all together
+    need few operations. Griewank, Walther 2008, chapters 3 and 15.
 
     Accuracy: as that of the outputs; each operation contributes a few roundings of its own partial derivatives.
     """
@@ -61,7 +61,7 @@ def jacobian(outputs: Sequence[Scalar], directions: Sequence[Direction]) -> list
                 weights[operand] = _combined(((weights[operand], 1.0), (weights[node], partial)))
     columns = [_combined((weights[node], rate) for node, rate in direction.items()) for direction in directions]
     backwards = [[column.get(i, 0.0) for column in columns] for i in range(len(outputs))]
-    return min(forwards, backwards, key=lambda rows: len(_reached(x for row in rows for x in row)))
+    return _fewest(forwards, backwards)
 
 
 def derivative(program: Program, inputs: Sequence[tuple[str, int]]) -> Program:
@@ -139,6 +139,34 @@ def _combined(parts: Iterable[tuple[Mapping[int, Scalar], Scalar]]) -> dict[int,
         for k, x in row.items():
             out[k] = out.get(k, 0.0) + x * factor
     return {k: x for k, x in out.items() if isinstance(x, Traced) or x != 0.0}
+
+
+def _fewest(forwards: list[Row], backwards: list[Row]) -> list[Row]:
+    """Return all rows one way or all the other, then row by row the other way where that saves operations."""
+    rows, count = [*forwards, *backwards], len(forwards)
+    needed: dict[Traced, int] = defaultdict(int)  # bit k: by row k
+    for k, row in enumerate(rows):
+        for x in row:
+            if isinstance(x, Traced):
+                needed[x] |= 1 << k
+    shares: Counter[int] = Counter()  # operations that the same rows need
+    for node in reversed(_reached(needed)):
+        if node.op not in (INPUT, CONSTANT):
+            shares[needed[node]] += 1
+            for operand in (node.a, node.b):
+                if isinstance(operand, Traced):
+                    needed[operand] |= needed[node]
+
+    def size(taken: int) -> int:
+        return sum(operations for users, operations in shares.items() if users & taken)
+
+    one_way = (1 << count) - 1
+    taken, before = min(one_way, one_way << count, key=size), -1
+    while taken != before:
+        before = taken
+        for i in range(count):
+            taken = min(taken, taken ^ (1 << i | 1 << i + count), key=size)
+    return [rows[i + count * (taken >> i + count & 1)] for i in range(count)]
 
 
 class Dual:

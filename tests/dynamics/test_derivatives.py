@@ -170,7 +170,7 @@ def test_branches_do_not_meet():
     entries = robodyn.inverse_dynamics_derivative_entries(model, np.zeros(model.nq), 0.0, 0.0)
     leg = np.array([name[:2] for name in model.joint_names])
     assert (leg[entries.row] == leg[entries.column]).all()
-    assert len(entries.row) == 4 * (9 + 8 + 6)
+    assert len(entries.row) == 4 * (9 + 9 + 6)
 
 
 def exact(model, state, scene, columns):

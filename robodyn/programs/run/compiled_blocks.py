@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import os
 from array import array
+from collections import defaultdict
 from collections.abc import Callable, Mapping
 from ctypes import c_int64, c_void_p
 from functools import cache, cached_property
@@ -71,12 +72,13 @@ class CompiledBlocks:
         self.sources = [source for source in first_row if source]
         self.rows = first_row[""] + len(program.distinct.outputs)
         self.homes = np.array(program.homes, np.int64)
+        self._shared = len(program.homes) > len(program.distinct.outputs)
         self._in_order = np.arange(max(self.widths.values(), default=0), dtype=np.int64)
         self.kernel = built("kernel", content_of(program, widths, dtype), lambda: kernel_of(program, widths, dtype))
         scalar = SCALARS[self.dtype.name]
         self.share, self._lanes = _driver(scalar), LANES[scalar]
         self._few_kernel = _KERNEL(self.kernel.address)
-        self._rooms: list[tuple[Any, ...]] = []
+        self._rooms: defaultdict[int, list[Any]] = defaultdict(list)  # by the number of samples
 
     def __call__(
         self, sources: Mapping[str, Numbers], samples: int, out: Numbers | None = None, threads: int | None = 1
@@ -101,6 +103,8 @@ class CompiledBlocks:
         result = np.empty((outputs, samples), self.dtype).T if out is None else out
         if samples == 0 or outputs == 0:
             return result
+        if samples <= FEW and self._few(sources, samples, result):
+            return result
         arrays = []
         for name in self.sources:
             given = sources[name]
@@ -110,8 +114,6 @@ class CompiledBlocks:
                 with np.errstate(all="ignore"):
                     given = given.astype(self.dtype)
             arrays.append(given)
-        if samples <= FEW and self._few(arrays, samples, result):
-            return result
         target = result
         if out is not None:
             fits = out.dtype == self.dtype and out.flags.behaved and out.shape == (samples, outputs)
@@ -125,29 +127,38 @@ class CompiledBlocks:
             result[...] = target
         return result
 
-    def _few(self, arrays: list[Numbers], samples: int, out: Numbers) -> bool:
-        """Write the results of few samples, unless one is flagged; return whether that is done.
+    def _few(self, sources: Mapping[str, Numbers], samples: int, out: Numbers) -> bool:
+        """Write the results of few samples, unless one is flagged or an array is another; return whether that is done.
 
         One call of the kernel, which keeps Python's lock: to hand it over and get it back may take longer than the
         work. It sees groups of samples as in any other run, so the results are the same to the bit.
         """
+        rooms = self._rooms[samples]
         try:
-            room = self._rooms.pop()  # taken out while it is in use, so that two threads never share it
+            room = rooms.pop()  # taken out while it is in use, so that two threads never share it
         except IndexError:
-            memory, flags = np.zeros((self.rows, FEW), self.dtype), np.zeros(FEW // 8, np.uint8)
-            table = memory.ctypes.data + memory.strides[0] * np.repeat(np.arange(self.rows), 2)  # no memory ahead
-            room = memory, table, flags, c_void_p(table.ctypes.data), c_void_p(flags.ctypes.data)
-        memory, _, _, *places = room
-        start = 0
-        for given in arrays:
-            end = start + given.shape[1]
-            memory[start:end, :samples] = given.T
-            start = end
-        if self._few_kernel(*places, -(-samples // self._lanes)):
+            room = self._room(samples)
+        inputs, outputs, places, _ = room
+        for source, rows, shape in inputs:
+            given = sources[source]
+            if given.shape != shape or given.dtype != self.dtype:
+                return False
+            rows[...] = given
+        if self._few_kernel(*places):
             return False
-        out[...] = memory[start:, :samples].T.take(self.homes, 1)
-        self._rooms.append(room)
+        out[...] = outputs.take(self.homes, 1) if self._shared else outputs
+        rooms.append(room)
         return True
+
+    def _room(self, samples: int) -> tuple[Any, ...]:
+        """Return views of rows for all inputs and outputs of few samples, and what the kernel is told of these."""
+        memory, flags = np.zeros((self.rows, FEW), self.dtype), np.zeros(FEW // 8, np.uint8)
+        table = memory.ctypes.data + memory.strides[0] * np.repeat(np.arange(self.rows), 2)  # no memory ahead
+        places = c_void_p(table.ctypes.data), c_void_p(flags.ctypes.data), -(-samples // self._lanes)
+        first_row = self.program.rows(self.widths)
+        starts = ((source, first_row[source], self.widths[source]) for source in self.sources)
+        inputs = [(source, memory[k : k + width, :samples].T, (samples, width)) for source, k, width in starts]
+        return inputs, memory[first_row[""] :, :samples].T, places, (table, flags)
 
     def _many(self, given: list[Numbers], samples: int, out: Numbers, threads: int) -> NDArray[np.int64]:
         """Write the results of all samples, piece by piece in some threads; return the samples that are flagged."""

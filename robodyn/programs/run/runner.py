@@ -81,6 +81,9 @@ def choice(work: Work) -> Choice:
 PAIRS = "double-double"
 """The name of an executor that is never chosen by itself."""
 
+AS_ASKED = {executor: Choice(executor, "as asked") for executor in (*EXECUTORS, PAIRS)}
+READY = Choice("compiled", "its machine code is ready")
+
 
 class Run(NamedTuple):
     """What a call of a runner yields: values (samples, outputs), the executor that computed them, and why it."""
@@ -147,11 +150,11 @@ class Runner:
             values: NDArray[Any] = double_double(self.program, sources, samples).high  # the results rounded once
             if out is not None:
                 out[...] = values
-            return Run(values if out is None else out, Choice(PAIRS, "as asked"))
+            return Run(values if out is None else out, AS_ASKED[PAIRS])
         if executor not in EXECUTORS:
             remedy = alternatives(str(executor), EXECUTORS, "executors")
             raise InputError(f"there is no executor {executor!r}", remedy=remedy)
-        chosen = self._choice(kind, samples, expected) if executor == "auto" else Choice(executor, "as asked")
+        chosen = self._choice(kind, samples, expected) if executor == "auto" else AS_ASKED[executor]
         if chosen.executor == "compiled" and kind not in self._compiled and (problem := self._made(kind)):
             if executor == "compiled":
                 raise InputError(f"the compiled executor cannot run: {problem}", remedy="choose auto or numpy")
@@ -177,7 +180,7 @@ class Runner:
         if self._problem:
             return Choice("numpy", self._problem)
         if kind in self._compiled and not expected:
-            return Choice("compiled", "its machine code is ready")
+            return READY
         block = self._by_numpy(kind).block
         if expected:
             return choice(Work(self.program.size, expected, 1, -(-expected // block)))

@@ -233,9 +233,9 @@ def test_few_samples_left_to_numpy(angle):
     found = code({"x": far}, 8)
     np.testing.assert_array_equal(found[2], code._fallback({"x": far[2:3]}, 1)[0])
     np.testing.assert_array_equal(np.delete(found, 2, 0), np.delete(expected, 2, 0))
-    assert not code._rooms
-    np.testing.assert_array_equal(code({"x": X[:1]}, 1), expected[:1])
-    assert len(code._rooms) == 1
+    assert not code._rooms[8]
+    np.testing.assert_array_equal(code({"x": X[:8]}, 8), expected)
+    assert len(code._rooms[8]) == 1
 
 
 def test_few_samples_of_many_threads_at_once():
@@ -252,7 +252,7 @@ def test_few_samples_of_many_threads_at_once():
 
     with ThreadPoolExecutor(8) as pool:
         assert all(pool.map(work, range(8)))
-    assert 1 <= len(code._rooms) <= 8
+    assert 1 <= len(code._rooms[1]) <= 8
 
 
 def test_wrong_shapes():
