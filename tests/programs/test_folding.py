@@ -132,10 +132,14 @@ def test_the_same_operation_is_the_same_node():
     assert tape.input("qd", 0) is not x
 
 
-@pytest.mark.parametrize("name", ["tree15_bf2_skew0.3"])
-def test_of_a_robot(name):
+def test_what_no_output_needs_is_pruned():
+    program = trace(lambda tape: [sin(tape.input("q", 1)) * 2.0, tape.input("q", 0) * tape.input("q", 0)][1:])
+    assert (program.counts, program.inputs) == ({"mul": 1}, {("q", 0)})
+
+
+def test_of_a_robot():
     """Operands stand before their operations, nothing is written twice, and everything is used."""
-    program = Plan(golden_model(name), Scene()).wrenches(joints=True)
+    program = Plan(golden_model("tree15_bf2_skew0.3"), Scene()).wrenches(joints=True)
     operations = program.operations
     assert len(set(operations)) == len(operations)
     used = set(program.outputs)

@@ -9,12 +9,16 @@ from fractions import Fraction
 import mpmath
 import numpy as np
 import pytest
+from helpers.oracles import EPS, golden_model, reference, worst
 
+from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.programs.program import trace
 from robodyn.programs.run.multiprecision import Multiprecision
 from robodyn.programs.vectors import cos, exp, sin
+from robodyn.scene.scene import Scene
 
+MODELS = reference("golden_inverse_dynamics")["models"]
 INF, NAN = math.inf, math.nan
 WIDE = mpmath.MPContext()
 WIDE.dps = 300
@@ -42,7 +46,21 @@ def _series(x, first, step, sign):
     return sum(sign**n * x ** (first + step * n) / math.factorial(first + step * n) for n in range(100))
 
 
-SERIES = {"exp": (0, 1, 1), "sin": (1, 2, -1), "cos": (0, 2, -1)}
+def test_power_series_in_fractions():
+    found = values(lambda x: [exp(x), sin(x), cos(x)], -0.3, digits=70)
+    for each, series in zip(found, ((0, 1, 1), (1, 2, -1), (0, 2, -1)), strict=True):
+        assert error(each, _series(Fraction(-0.3), *series)) <= last_digit(70)
+
+
+@pytest.mark.parametrize("name", [*MODELS][::4])
+def test_golden_torques(name):
+    """The description is read in doubles, which leaves a rounding or two of the largest torque."""
+    for case in MODELS[name]["cases"]:
+        program = Plan(golden_model(name), Scene(gravity=tuple(case["gravity"]))).torques()
+        state, largest = {key: [case[key]] for key in ("q", "qd", "qdd")}, max(np.abs(case["tau"]).max(), 1e-3)
+        few, many = (Multiprecision(program, digits=digits)(state, 1)[0] for digits in (30, 50))
+        assert worst(many, case["tau"], largest) <= 4 * EPS
+        assert max(map(error, few, many)) <= 10 * last_digit(30) * largest
 
 
 CORNERS = {
