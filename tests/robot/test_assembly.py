@@ -172,6 +172,8 @@ def test_hostile_names_are_shown_without_effect() -> None:
 
 
 def test_a_scene_is_shown_as_the_call_that_makes_it() -> None:
+    assert repr(robodyn.Scene()) == "Scene()"
+    assert repr(robodyn.Scene(gravity=(0, 0, -1.62))) == "Scene(gravity=(0.0, 0.0, -1.62))"
     names = {name: getattr(robodyn, name) for name in robodyn.__all__} | {"LimitSpring": LimitSpring}
     for path in ROBOTS.glob("*.toml"):
         scene = robodyn.load_scene(path)

@@ -185,7 +185,12 @@ def test_long_cycles_are_named_shortly() -> None:
     assert "'j0' -> 'j1' -> 'j2' -> 'j3' -> 'j4' -> 'j5' -> ... (1000 in all) -> 'j0'" in refused(mimics(1000))
 
 
-@pytest.mark.parametrize("text", [chain, cycle, mimics])
+def one_line_with_useless_transmissions(n: int) -> bytes:
+    useless = "".join(f"<transmission><joint name='j{i}x'/></transmission>" for i in range(n))
+    return chain(n).replace(b"</robot>", useless.encode() + b"</robot>").replace(b"\n", b"")
+
+
+@pytest.mark.parametrize("text", [chain, cycle, mimics, one_line_with_useless_transmissions])
 def test_work_grows_with_the_size(text: Callable[[int], bytes]) -> None:
     def load_or_refuse(data: bytes) -> None:
         with contextlib.suppress(DescriptionError):
