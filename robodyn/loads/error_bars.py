@@ -64,12 +64,7 @@ VANISHING = 0.01
 
 
 def carried(
-    model: Model,
-    scene: Scene,
-    base: Sequence[ComponentLoad],
-    joints: Sequence[JointLoad],
-    checks: Checks,
-    looped: bool,
+    model: Model, scene: Scene, base: Sequence[ComponentLoad], joints: Sequence[JointLoad], checks: Checks, looped: bool
 ) -> tuple[Caveat, ...]:
     """Return what is in doubt about what carries the base, and what carries the robot at floating joints: nothing where
     the scene says that the base is held, where no wrench is left, where a base that does not move may well be bolted

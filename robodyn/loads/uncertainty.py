@@ -71,12 +71,7 @@ class Quantities:
     and figures made of one or two of them: of joints, then of the base, bearings and motors."""
 
     def __init__(
-        self,
-        model: Model,
-        names: Sequence[str],
-        rates: slice,
-        trains: Sequence[tuple[int, Train]],
-        bearings: bool,
+        self, model: Model, names: Sequence[str], rates: slice, trains: Sequence[tuple[int, Train]], bearings: bool
     ) -> None:
         """Args: names: of joints; rates: their entries of tau; trains: the joints that have motors, with those."""
         self.trains, self.joints = tuple(trains), tuple(names)
@@ -144,8 +139,8 @@ def _bearing(joint: Joint, first: int) -> list[Row]:
     turned: list[Row] = [
         [(first + part + k, float(x)) for k, x in enumerate(axis) if x] for part in (0, 3) for axis in frame(joint.axis)
     ]
-    gives_way = 2 if joint.kind == "prismatic" else 5
-    return [*turned[:gives_way], *turned[gives_way + 1 :]]
+    del turned[2 if joint.kind == "prismatic" else 5]  # to which the joint gives way
+    return turned
 
 
 ROOM = 4_000_000
@@ -241,9 +236,6 @@ class UncertaintyPass:
             self.kept = Kept(self.kept.time[::2], self.kept.columns[:, ::2], self.kept.pace[:, ::2])
         rows = np.arange(-self._seen % self._stride, len(time), self._stride)
         columns = np.concatenate((values[:, rows, None], changes[:, rows]), -1)
-        news = Kept(time[rows], columns, np.abs(qd[:, rows]))
-        self.kept = Kept(
-            np.concatenate((self.kept.time, news.time)),
-            np.concatenate((self.kept.columns, news.columns), 1),
-            np.concatenate((self.kept.pace, news.pace), 1),
-        )
+        times = np.concatenate((self.kept.time, time[rows]))
+        pace = np.concatenate((self.kept.pace, np.abs(qd[:, rows])), 1)
+        self.kept = Kept(times, np.concatenate((self.kept.columns, columns), 1), pace)

@@ -1,20 +1,21 @@
 """Time of `robodyn check` per robot: `cd tests && python -m benchmarks.bench_check`.
 
 All robots of example-robot-data, one process, one after the other: every rule with meshes read anew (no cache), with
-meshes known from a cache, and without the rules that need shapes. The first robot of all is checked once before, so
-that imports do not count. `bench_simcheck` holds these times beside another program's.
+meshes known from a cache, and without the rules that need shapes; a first round, with imports, does not count.
+`bench_simcheck` holds these times beside another program's.
 """
 
 from __future__ import annotations
 
-import os
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from statistics import median
 
+import pytest
+from benchmarks.timing import in_turns
 from helpers.example_robots import all_paths
 from helpers.machine import machine
 from helpers.markdown_tables import main, table
@@ -25,44 +26,26 @@ SHAPES = ("RD301", "RD302", "RD303", "RD304", "RD305", "RD6")
 PLAIN = Options(ignore=SHAPES)
 
 
-def times(paths: Sequence[Path], options: Options = STANDARD) -> list[float]:
-    """Seconds for each file."""
+def times(paths: Sequence[Path], cache: str, options: Options = STANDARD) -> list[float]:
+    """Seconds for each file, with the cache in this folder; without one if it is 0."""
     spent = []
-    for path in paths:
-        start = time.perf_counter()
-        check_one(str(path), options)
-        spent.append(time.perf_counter() - start)
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setenv("ROBODYN_CACHE", cache)
+        for path in paths:
+            start = time.perf_counter()
+            check_one(str(path), options)
+            spent.append(time.perf_counter() - start)
     return spent
-
-
-@contextmanager
-def cached(folder: str) -> Iterator[None]:
-    """The cache in another folder; none if it is 0."""
-    before = os.environ.get("ROBODYN_CACHE")
-    os.environ["ROBODYN_CACHE"] = folder
-    try:
-        yield
-    finally:
-        if before is None:
-            del os.environ["ROBODYN_CACHE"]
-        else:
-            os.environ["ROBODYN_CACHE"] = before
 
 
 def in_process(paths: Sequence[Path], turns: int) -> str:
     with tempfile.TemporaryDirectory() as folder:
-        with cached(folder):
-            times(paths)
-        ways = (
-            ("all rules, meshes read anew", "0", STANDARD),
-            ("all rules, meshes known", folder, STANDARD),
-            ("without the rules that need shapes", "0", PLAIN),
-        )
-        found: dict[str, list[list[float]]] = {name: [] for name, *_ in ways}
-        for _ in range(turns):
-            for name, place, options in ways:
-                with cached(place):
-                    found[name].append(times(paths, options))
+        ways = {
+            "all rules, meshes read anew": partial(times, paths, "0"),
+            "all rules, meshes known": partial(times, paths, folder),
+            "without the rules that need shapes": partial(times, paths, "0", PLAIN),
+        }
+        found = in_turns(ways, turns)
     rows = []
     for name, rounds in found.items():
         each = [median(robot) for robot in zip(*rounds, strict=True)]

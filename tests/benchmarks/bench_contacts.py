@@ -28,22 +28,23 @@ ALONE = 200
 """Samples that Clarabel solves."""
 
 
-def trot(samples):
-    """Four point feet, diagonal pairs in turn with some steps on all four."""
+def feet(samples, both, places, weight, friction):
+    """Feet that stand in turn, and all of them for some steps; both: (2, K) which points stand in either half."""
     phase = np.linspace(0.0, 40.0, samples) % 1.0
-    pairs = np.array([(True, False, False, True), (False, True, True, False), (True,) * 4])
-    active = pairs[np.digitize(phase, (0.4, 0.8))]
-    feet = np.array([(x, y, -0.3) for x in (-0.2, 0.2) for y in (-0.15, 0.15)])
-    return motion(np.tile(feet, (samples, 1, 1)), active, 120.0, 0.6)
+    active = np.array([*both, np.ones(len(places), dtype=bool)])[np.digitize(phase, (0.4, 0.8))]
+    return motion(np.tile(places, (samples, 1, 1)), active, weight, friction)
+
+
+def trot(samples):
+    """Four point feet, diagonal pairs in turn."""
+    places = np.array([(x, y, -0.3) for x in (-0.2, 0.2) for y in (-0.15, 0.15)])
+    return feet(samples, [(True, False, False, True), (False, True, True, False)], places, 120.0, 0.6)
 
 
 def walk(samples):
-    """Two feet of four points, one after the other with some steps on both."""
-    phase = np.linspace(0.0, 40.0, samples) % 1.0
-    sides = np.array([(True, False), (False, True), (True, True)])
-    active = np.repeat(sides[np.digitize(phase, (0.4, 0.8))], 4, axis=1)
-    feet = np.array([(x, y, -0.9) for side in (-0.1, 0.1) for x in (-0.1, 0.12) for y in (side - 0.05, side + 0.05)])
-    return motion(np.tile(feet, (samples, 1, 1)), active, 900.0, 0.7)
+    """Two feet of four points."""
+    corners = [(x, y, -0.9) for side in (-0.1, 0.1) for x in (-0.1, 0.12) for y in (side - 0.05, side + 0.05)]
+    return feet(samples, [[True] * 4 + [False] * 4, [False] * 4 + [True] * 4], np.array(corners), 900.0, 0.7)
 
 
 def motion(arms, active, weight, friction):

@@ -14,7 +14,7 @@ from functools import partial
 
 import numpy as np
 import pinocchio as pin
-from benchmarks.pinocchio_runs import bare_description, described, each, nanoseconds, random_sources
+from benchmarks.pinocchio_runs import described, each, nanoseconds, peer_states, random_sources
 from benchmarks.timing import taking_turns
 from helpers.example_robots import path_of
 from helpers.machine import machine
@@ -43,20 +43,10 @@ HEAD = (
 )
 
 
-def sizes(name: str) -> tuple[int, int]:
-    """Operations per sample of both gradients."""
-    a_plan = Plan(*described(ROBOTS[name]))
-    return inverse_derivatives(a_plan).size, forward_derivatives(a_plan).size
-
-
 def peers(model):
     """Pinocchio's three algorithms, each for `CALLS` samples one after another."""
-    other = pin.buildModelFromXML(bare_description(model))
-    data, rng = other.createData(), np.random.default_rng(1)
-    q = [pin.randomConfiguration(other, -np.ones(other.nq), np.ones(other.nq)) for _ in range(CALLS)]
-    v, a = rng.uniform(-1, 1, (2, CALLS, other.nv))
+    other, data, states = peer_states(model, CALLS)
     algorithms = {"ID": pin.rnea, "dID": pin.computeRNEADerivatives, "dFD": pin.computeABADerivatives}
-    states = list(zip(q, v, a, strict=True))
     return {name: each(partial(algorithm, other, data), states) for name, algorithm in algorithms.items()}
 
 
@@ -92,12 +82,12 @@ def row(name: str, samples: int) -> tuple[str, ...]:
         ratio = times[f"Pinocchio {peer}"].least / times[way].least
         return nanoseconds(times[way]), f"{ratio:.1f}"
 
-    first, forward = sizes(name)
+    a_plan = Plan(model, scene)
     return (
         name,
-        *map(str, (n, first)),
+        *map(str, (n, inverse_derivatives(a_plan).size)),
         f"{3 * n * n} ({count})",
-        str(forward),
+        str(forward_derivatives(a_plan).size),
         *pair("ID", "ID"),
         *pair("dID", "dID"),
         *pair("compact", "dID"),

@@ -9,13 +9,11 @@ out; TALOS is its file without hands, for no joint mimics another there.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
-from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from benchmarks.pinocchio_runs import bare_description, described, each, random_sources
+from benchmarks.pinocchio_runs import described, each, peer_states, random_sources
 from benchmarks.timing import taking_turns
 from helpers.example_robots import path_of
 from helpers.machine import machine
@@ -28,19 +26,12 @@ import robodyn
 ROBOTS = {"UR5": "ur5_robot", "ANYmal": "anymal", "TALOS": "talos_reduced"}
 
 
-class Algorithm(NamedTuple):
-    """What is compared: the name of robodyn's function, how many arrays a state is, and Pinocchio's function."""
-
-    name: str
-    arrays: int
-    peer: Callable[..., Any]
-
-
 ALGORITHMS = {
-    "ID": Algorithm("inverse_dynamics", 3, pin.rnea),
-    "FD": Algorithm("forward_dynamics", 3, pin.aba),
-    "M": Algorithm("mass_matrix", 1, pin.crba),
+    "ID": ("inverse_dynamics", 3, pin.rnea),
+    "FD": ("forward_dynamics", 3, pin.aba),
+    "M": ("mass_matrix", 1, pin.crba),
 }
+"""The name of robodyn's function, how many arrays a state is, and Pinocchio's function."""
 HEAD = (
     *("robot", "joints", "", "Pinocchio", "function, `out=`", "ratio", "function", "ratio", "call for arrays", "ratio"),
     "agreement",
@@ -56,8 +47,9 @@ def agreement(name: str, algorithm: str) -> float:
     """The largest difference from Pinocchio's results; of accelerations from the torques that they take there."""
     model, scene = described(ROBOTS[name])
     other, states = PinocchioRobot(path_of(ROBOTS[name])), states_of(name, 5)
-    one = robodyn.function(model, ALGORITHMS[algorithm].name, scene=scene)
-    found = np.array([one(*state[: ALGORITHMS[algorithm].arrays]) for state in states])
+    name, arrays, _ = ALGORITHMS[algorithm]
+    one = robodyn.function(model, name, scene=scene)
+    found = np.array([one(*state[:arrays]) for state in states])
     q, qd, last = map(np.array, zip(*states, strict=True))
     if algorithm == "M":
         return worst(found, other.mass_matrices(model, q))
@@ -69,10 +61,8 @@ def agreement(name: str, algorithm: str) -> float:
 def row(name: str, algorithm: str, calls: int) -> tuple[str, ...]:
     model, scene = described(ROBOTS[name])
     ours, arrays, peer = ALGORITHMS[algorithm]
-    other = pin.buildModelFromXML(bare_description(model))
-    data, rng = other.createData(), np.random.default_rng(1)
-    position = [pin.randomConfiguration(other, -np.ones(other.nq), np.ones(other.nq)) for _ in range(calls)]
-    theirs = [(q, *rng.uniform(-1, 1, (arrays - 1, other.nv))) for q in position]
+    other, data, random = peer_states(model, calls)
+    theirs = [state[:arrays] for state in random]
     states = [state[:arrays] for state in states_of(name, calls)]
     one = robodyn.function(model, ours, scene=scene)
     general = partial(getattr(robodyn, ours), model, scene=scene, executor="compiled")
@@ -84,16 +74,9 @@ def row(name: str, algorithm: str, calls: int) -> tuple[str, ...]:
     }
     times = {way: time.per(calls).least for way, time in taking_turns(acts).items()}
 
-    def pair(way: str) -> tuple[str, str]:
-        return microseconds(times[way]), f"{times[way] / times['Pinocchio']:.2f}"
-
-    peers = microseconds(times["Pinocchio"])
-    head = name, str(model.n), algorithm, peers
-    return (*head, *pair("out"), *pair("function"), *pair("general"), f"{agreement(name, algorithm):.0e}")
-
-
-def microseconds(time: float) -> str:
-    return f"{1e6 * time:.2f} us"
+    base = times.pop("Pinocchio")
+    cells = [cell for time in times.values() for cell in (f"{1e6 * time:.2f} us", f"{time / base:.2f}")]
+    return name, str(model.n), algorithm, f"{1e6 * base:.2f} us", *cells, f"{agreement(name, algorithm):.0e}"
 
 
 def report(calls: int) -> str:

@@ -21,7 +21,8 @@ from functools import partial
 from pathlib import Path
 from statistics import median
 
-from benchmarks.bench_check import cached, times
+from benchmarks.bench_check import times
+from benchmarks.timing import in_turns
 from checks.test_check_real_robots import CLEAN
 from helpers.judged import NAMED, VERDICTS, Case, by_check_urdf, by_robodyn, by_simcheck, files, of_robots, real, small
 from helpers.machine import machine
@@ -130,16 +131,12 @@ def timed(paths: Sequence[Path], turns: int) -> str:
     """Return the time of each program per robot, both in each turn; simcheck's is that which it reports."""
     with tempfile.TemporaryDirectory() as folder:
         ways: dict[str, Callable[[], list[float]]] = {
-            f"{OURS}, meshes known": partial(_times, paths, folder),
-            f"{OURS}, meshes read anew": partial(_times, paths, "0"),
+            f"{OURS}, meshes known": partial(times, paths, folder),
+            f"{OURS}, meshes read anew": partial(times, paths, "0"),
         }
         if command():
             ways[PLAIN] = partial(_seconds, paths, *STATIC)
-        rounds: dict[str, list[list[float]]] = {name: [] for name in ways}
-        _times(paths, folder)
-        for _ in range(turns):
-            for name, way in ways.items():
-                rounds[name].append(way())
+        rounds = in_turns(ways, turns)
     best = {name: [min(robot) for robot in zip(*found, strict=True)] for name, found in rounds.items()}
     base = sum(best[f"{OURS}, meshes read anew"])
     rows = [
@@ -147,11 +144,6 @@ def timed(paths: Sequence[Path], turns: int) -> str:
         for name, each in best.items()
     ]
     return table((f"{len(paths)} robots, one process, best of {turns}", "median", "worst", "ratio of sums"), rows)
-
-
-def _times(paths: Sequence[Path], folder: str) -> list[float]:
-    with cached(folder):
-        return times(paths)
 
 
 def _seconds(paths: Sequence[Path], *options: str) -> list[float]:

@@ -13,12 +13,12 @@ from __future__ import annotations
 import sys
 import tempfile
 from collections.abc import Mapping
+from functools import partial
 from importlib.util import find_spec
 from multiprocessing import get_context
 from pathlib import Path
-from statistics import median
 
-from benchmarks.timing import of_process
+from benchmarks.timing import in_turns, medians_of, of_process
 from helpers.machine import machine
 from helpers.markdown_tables import main, table
 from helpers.mesh_samples import binary_stl, torus
@@ -54,17 +54,12 @@ def write(path: Path, rings: int, sectors: int) -> None:
     path.write_bytes(binary_stl(torus(2.0, 0.5, rings, sectors)))
 
 
-def medians(calls: Mapping[str, tuple[str, ...]], argument: str, turns: int) -> dict[str, tuple[float, float]]:
+def measured(calls: Mapping[str, tuple[str, ...]], argument: str, turns: int) -> dict[str, tuple[float, float]]:
     """Median time [s] and memory [MB] of every process."""
     with tempfile.TemporaryDirectory() as folder:
         commands = {name: [sys.executable, "-c", *call, argument] for name, call in calls.items()}
-        rounds = [
-            {name: of_process(command, PYTHONPYCACHEPREFIX=folder) for name, command in commands.items()}
-            for _ in range(turns + 1)
-        ][1:]
-    return {
-        name: (median(each[name][0] for each in rounds), median(each[name][1] for each in rounds)) for name in calls
-    }
+        started = {name: partial(of_process, command, PYTHONPYCACHEPREFIX=folder) for name, command in commands.items()}
+        return {name: medians_of(found) for name, found in in_turns(started, turns).items()}
 
 
 def of_meshes(turns: int, largest: int) -> str:
@@ -77,7 +72,7 @@ def of_meshes(turns: int, largest: int) -> str:
             writer = get_context("spawn").Process(target=write, args=(path, rings, sectors))
             writer.start()
             writer.join()
-            found = medians(calls, str(path), turns)
+            found = measured(calls, str(path), turns)
             rows = [
                 (f"`{name}`", f"{1e3 * spent:.0f} ms", f"{spent / found[OURS][0]:.2f}", f"{memory:.0f} MB")
                 for name, (spent, memory) in found.items()
@@ -90,7 +85,7 @@ def report(turns: int, meshes: int) -> str:
     if meshes:
         return of_meshes(min(turns, 5), meshes)
     with tempfile.TemporaryDirectory() as folder:
-        found = medians({name: (code,) for name, code in CODES.items()}, f"{folder}/tau.csv", turns)
+        found = measured({name: (code,) for name, code in CODES.items()}, f"{folder}/tau.csv", turns)
     rows = [
         (f"`{name}`", f"{1e3 * time:.0f} ms", f"{time / found[REFERENCE][0]:.2f}") for name, (time, _) in found.items()
     ]

@@ -11,11 +11,11 @@ from __future__ import annotations
 
 import sys
 import tempfile
+from functools import partial
 from pathlib import Path
-from statistics import median
 
 import numpy as np
-from benchmarks.timing import installed, of_process
+from benchmarks.timing import in_turns, installed, medians_of, of_process
 from helpers.machine import machine
 from helpers.markdown_tables import main, table
 from helpers.oracles import ROBOTS, robot
@@ -56,11 +56,8 @@ def measured(title: str, with_rates: bool, rows: int, turns: int) -> tuple[str, 
         size = source.stat().st_size / 1e6
         ours = [installed(), "torques", str(ROBOTS / f"{ROBOT}.urdf"), str(source), "--out", str(target)]
         alone = [sys.executable, "-c", ALONE, str(source), str(target)]
-        of_process(alone)
-        spent = [(of_process(ours), of_process(alone)) for _ in range(turns)]
-    (mine, my_memory), (raw, raw_memory) = (
-        [median(numbers) for numbers in zip(*each, strict=True)] for each in zip(*spent, strict=True)
-    )
+        found = in_turns({"ours": partial(of_process, ours), "alone": partial(of_process, alone)}, turns)
+    (mine, my_memory), (raw, raw_memory) = map(medians_of, found.values())
     times = (f"{mine:.2f} s", f"{raw:.2f} s", f"{mine / raw:.2f}")
     return (title, f"{size:.0f} MB", *times, f"{my_memory:.0f} MB", f"{raw_memory:.0f} MB")
 

@@ -12,11 +12,13 @@ from __future__ import annotations
 import tempfile
 import time
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from statistics import median
 
 import numpy as np
 import polars as pl
+from benchmarks.timing import in_turns
 from helpers.machine import machine
 from helpers.markdown_tables import main, table
 
@@ -69,17 +71,13 @@ def load(path: Path) -> Arrays:
         return dict(archive)
 
 
-def alternately(acts: tuple[Act, Act], turns: int, written: Path) -> tuple[float, ...]:
-    """Median seconds of each; what they have written is removed in between."""
-    spent: tuple[list[float], ...] = ([], [])
-    for _ in range(turns + 1):
-        for act, times in zip(acts, spent, strict=True):
-            for path in written.iterdir():
-                path.unlink()
-            start = time.perf_counter()
-            act()
-            times.append(time.perf_counter() - start)
-    return tuple(median(times[1:]) for times in spent)
+def seconds(act: Act, written: Path) -> float:
+    """Seconds that it takes, once what was written before is removed."""
+    for path in written.iterdir():
+        path.unlink()
+    start = time.perf_counter()
+    act()
+    return time.perf_counter() - start
 
 
 def cases(columns: Arrays, folder: Path) -> Mapping[str, tuple[Act, Act]]:
@@ -119,7 +117,8 @@ def measured(rows: int, turns: int) -> list[tuple[str, ...]]:
         written = Path(folder) / "written"
         written.mkdir()
         for title, acts in cases(columns, Path(folder)).items():
-            mine, theirs = alternately(acts, turns, written)
+            found = in_turns({k: partial(seconds, act, written) for k, act in enumerate(acts)}, turns)
+            mine, theirs = (median(each) for each in found.values())
             times = (f"{1e3 * mine:.0f} ms", f"{1e3 * theirs:.0f} ms", f"{mine / theirs:.2f}")
             shown.append((title, f"{rows} x {len(columns)}", *times))
     return shown

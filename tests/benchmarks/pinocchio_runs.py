@@ -110,6 +110,16 @@ def each(function: Callable[..., Any], states: list[tuple[np.ndarray, ...]]) -> 
     return run
 
 
+def peer_states(model: Model, calls: int) -> tuple[Any, Any, list[tuple[np.ndarray, ...]]]:
+    """Pinocchio's model and data of a robot, and so many random states (q, v, a)."""
+    import pinocchio as pin
+
+    other, rng = pin.buildModelFromXML(bare_description(model)), np.random.default_rng(1)
+    q = [pin.randomConfiguration(other, -np.ones(other.nq), np.ones(other.nq)) for _ in range(calls)]
+    v, a = rng.uniform(-1, 1, (2, calls, other.nv))
+    return other, other.createData(), list(zip(q, v, a, strict=True))
+
+
 def following(model: Model) -> tuple[Floats, Floats]:
     """S (joints, n) and offsets: every joint moves as S q + offset, and torques at the joints make S^T times them."""
     moving = _moving(model)

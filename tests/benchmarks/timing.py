@@ -34,6 +34,7 @@ class Timing:
 
 
 Key = TypeVar("Key", bound=Hashable)
+Found = TypeVar("Found")
 
 BUDGET = 0.8
 """Seconds for which rounds are repeated."""
@@ -43,6 +44,12 @@ ROUNDS = 3
 """So many at least."""
 TURN = 0.005
 """Seconds for which each runs again and again before the next has its turn."""
+
+
+def in_turns(acts: Mapping[Key, Callable[[], Found]], turns: int) -> dict[Key, list[Found]]:
+    """Return what each returns in so many turns, after a first one, which brings code and data to the caches."""
+    rounds = [{name: act() for name, act in acts.items()} for _ in range(turns + 1)][1:]
+    return {name: [found[name] for found in rounds] for name in acts}
 
 
 def taking_turns(acts: Mapping[Key, Callable[[], object]]) -> dict[Key, Timing]:
@@ -92,6 +99,12 @@ def of_process(command: Sequence[str], **variables: str) -> tuple[float, float]:
     if process.returncode:
         raise RuntimeError(f"{command} failed")
     return spent, usage.ru_maxrss / (1 << 20 if sys.platform == "darwin" else 1 << 10)
+
+
+def medians_of(runs: Sequence[tuple[float, float]]) -> tuple[float, float]:
+    """The median of each of the two numbers."""
+    first, second = zip(*runs, strict=True)
+    return median(first), median(second)
 
 
 def installed() -> str:

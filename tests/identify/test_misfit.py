@@ -38,10 +38,7 @@ def log_of(name):
         return log, log.judged(Path(folder) / "log.csv")
 
 
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=[pytest.mark.slow] * (name != QUICK)) for name in TOLD],
-)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name != QUICK)) for name in TOLD])
 def test_what_the_model_has_not_is_told_and_intervals_hold(name):
     """Before, they held in 5 to 50 % of torques; of clipped ones the calibrated file was worse than the description.
 

@@ -99,8 +99,7 @@ def test_noise_sets_the_cutoff():
 
 
 @pytest.mark.parametrize(
-    ("names", "what"),
-    [("q_shoulder,q_elbow", "gives no torque"), ("q_shoulder,q_elbow,tau_shoulder [kW]", "no unit")],
+    ("names", "what"), [("q_shoulder,q_elbow", "gives no torque"), ("q_shoulder,q_elbow,tau_shoulder [kW]", "no unit")]
 )
 def test_logs_that_tell_nothing(names, what, tmp_path):
     rows = np.column_stack([STEP * np.arange(100), swing(STEP * np.arange(100)), np.ones(100)])

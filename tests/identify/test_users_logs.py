@@ -87,10 +87,7 @@ def test_a_short_log_is_compared_by_default(log):
 
 @pytest.mark.parametrize(
     ("factors", "said"),
-    [
-        ({"time": 1e3}, "are the stamps milliseconds?"),
-        ({"q_": np.degrees(1.0)}, "are these degrees?"),
-    ],
+    [({"time": 1e3}, "are the stamps milliseconds?"), ({"q_": np.degrees(1.0)}, "are these degrees?")],
 )
 @pytest.mark.slow
 def test_units_that_are_doubtful_are_not_written(factors, said, tmp_path):

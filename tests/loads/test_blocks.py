@@ -26,10 +26,7 @@ from robodyn.trajectory.read import motion, open_trajectory, signals
 
 SAMPLES = 400
 TIME = np.sort(np.random.default_rng(3).uniform(0, 4, SAMPLES))
-SPLITS = {
-    "ones": [1] * 4 + [SAMPLES - 6] + [1] * 2,
-    "with empty ones": [0, 399, 0, 1, 0],
-}
+SPLITS = {"ones": [1] * 4 + [SAMPLES - 6] + [1] * 2, "with empty ones": [0, 399, 0, 1, 0]}
 
 
 def _busy():

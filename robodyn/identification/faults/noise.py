@@ -29,11 +29,7 @@ def window_length(residual: Floats) -> int:
 
 
 def score_covariance(
-    columns: Sequence[Floats],
-    residual: Floats,
-    places: Sequence[Sequence[int]],
-    size: int,
-    bread: Floats | None = None,
+    columns: Sequence[Floats], residual: Floats, places: Sequence[Sequence[int]], size: int, bread: Floats | None = None
 ) -> Floats:
     """Return `sum_st X(s)' C(t - s) X(t)`: the covariance of X' e, for e with the covariance function C of residuals.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
@@ -125,7 +125,11 @@ class Ladder:
     @property
     def front(self) -> tuple[Rung, ...]:
         """The rungs that no other dominates, by time; the error falls from each to the next."""
-        return front(self.rungs)
+        found: list[Rung] = []
+        for rung in sorted(self.rungs, key=lambda rung: (rung.time.median, rung.error)):
+            if not found or rung.error < found[-1].error:
+                found.append(rung)
+        return tuple(found)
 
     def dominator(self, rung: Rung) -> Rung | None:
         """The cheapest rung of the front that is neither slower nor less accurate; None if the rung is on the front."""
@@ -148,12 +152,3 @@ class Accuracy:
     prices: tuple[Price, ...]
     effects: tuple[EffectPrice, ...] = ()
     notes: tuple[str, ...] = ()
-
-
-def front(rungs: Iterable[Rung]) -> tuple[Rung, ...]:
-    """Return those that are more accurate than all that take no longer, by median time."""
-    found: list[Rung] = []
-    for rung in sorted(rungs, key=lambda rung: (rung.time.median, rung.error)):
-        if not found or rung.error < found[-1].error:
-            found.append(rung)
-    return tuple(found)

@@ -206,7 +206,17 @@ def simulation_accuracy(
     if duration is None:
         duration = DURATION if signal.table is None else min(DURATION, signal.table.duration)
     followed = partial(simulate, model, table=signal.source)
-    duration, notes = _until_limit(partial(followed, scene), duration)
+    notes: list[str] = []
+    try:
+        motion = followed(scene, duration)
+    except InputError:
+        motion = followed(scene, duration, method="radau", rtol=1e-8)
+    if motion.ended:
+        duration = float(f"{BEFORE_LIMIT * motion.time[-1]:.6g}")
+        if duration <= 0.0:
+            remedy = 'write joint_limits = "ignore" in the scene'
+            raise InputError(f"the motion is over at once: {motion.ended}", remedy=remedy)
+        notes.append(f"compared up to {duration:g} s: {motion.ended}")
     a_plan = plan(model, replace(scene, joint_limits="ignore"))
     run = partial(followed, a_plan.scene)
     reference = motion_reference(model, duration, run)
@@ -280,18 +290,3 @@ def state_errors(motion: Simulation, reference: Reference) -> tuple[float, float
     states = np.hstack((motion.q, motion.qd))[some]
     errors = reference.error(states, reference.at(motion.time[some]))
     return float(errors[-1]) + reference.bound_at_end, float(errors.max()) + reference.bound
-
-
-def _until_limit(run: Run, duration: float) -> tuple[float, list[str]]:
-    """Return how long the motion is, up to a joint's limit, and notes about it."""
-    try:
-        motion = run(duration)
-    except InputError:
-        motion = run(duration, method="radau", rtol=1e-8)
-    if not motion.ended:
-        return duration, []
-    until = float(f"{BEFORE_LIMIT * motion.time[-1]:.6g}")
-    if until <= 0.0:
-        remedy = 'write joint_limits = "ignore" in the scene'
-        raise InputError(f"the motion is over at once: {motion.ended}", remedy=remedy)
-    return until, [f"compared up to {until:g} s: {motion.ended}"]

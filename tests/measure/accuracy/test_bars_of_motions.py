@@ -26,7 +26,7 @@ def pooled(cases: list[Held]) -> float:
     return float(np.mean([case.peak for case in cases]))
 
 
-@pytest.mark.parametrize("name", sampled(ALL, 4))
+@pytest.mark.parametrize("name", sampled(["trapezoids", "S-curves", "sines", *reversed(JUDGED)], 3))
 def test_bars_hold_in_every_class_of_motion(name: str) -> None:
     assert pooled([held(ALL[name], noise, 200, seed) for noise in NOISES for seed in range(4)]) >= 0.9
 

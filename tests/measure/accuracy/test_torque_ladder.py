@@ -31,7 +31,7 @@ def test_scara() -> None:
     assert errors["mpmath, 20 digits"] <= 1e-19
     assert errors["double-double"] <= 1e-29
     assert [rung.name.partition(",")[0] for rung in rates.rungs] == [
-        *("every sample", "every 2nd", "every 4th", "every 8th"),
+        *("every sample", "every 2nd", "every 4th", "every 8th")
     ]
     assert rates.rungs[0].error == 0.0 < rates.rungs[1].error
     assert {rung.operations for rung in executors.rungs} == {executors.rungs[0].operations}
