@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from helpers.independent_dynamics import torques_of
 from helpers.oracles import EPS, random_state, reference, run, worst
-from helpers.small_robots import built, chain, joint, link, random_tree, random_tree_parts, urdf
+from helpers.small_robots import body_numbers, built, chain, joint, link, random_tree, random_tree_parts, urdf
 
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
@@ -82,6 +82,24 @@ def test_scales_of_speed(scale):
     q, qd, qdd = random_state(model, np.random.default_rng(44), 10)
     fast = inverse_dynamics(model, q, scale * qd, scale * (scale * qdd), scene=weightless)
     assert worst(fast / scale / scale, inverse_dynamics(model, q, qd, qdd, scene=weightless)) <= 4 * EPS
+
+
+def test_scales_of_mass_and_length():
+    """Masses times s and lengths times r: hinge torques times s r^2, exactly for powers of two."""
+
+    def torques(s, r):
+        rng, parts = np.random.default_rng(45), [link("l0")]
+        for i in range(1, 6):
+            m, com, six = body_numbers(rng)
+            placed = {"xyz": r * rng.uniform(-1, 1, 3), "rpy": rng.uniform(-3, 3, 3)}
+            parts += [
+                link(f"l{i}", s * m, r * com, s * r * r * six),
+                joint(f"j{i}", f"l{i - 1}", f"l{i}", axis=(0.6, 0, 0.8), **placed),
+            ]
+        model = built(*parts)
+        return inverse_dynamics(model, *_states(model, 46), scene=Scene(gravity=(0.0, 0.0, 0.0)))
+
+    np.testing.assert_array_equal(torques(2.0**-60, 2.0**50), 2.0**40 * torques(1.0, 1.0))
 
 
 def test_a_base_a_thousand_kilometres_away():

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from helpers.busy_robot import EVERY_EFFECT, busy_robot
 from helpers.drawn_motions import varied_runner
-from helpers.oracles import random_state, robot, worst
+from helpers.oracles import random_state, robot, run, worst
 from helpers.small_robots import body_numbers, built, joint, link
 
 import robodyn
@@ -27,8 +27,8 @@ def sources(model, state, columns=()):
 
 
 def every(model):
-    """Each load alone: tau and base wrench."""
-    return [[(k, 1.0)] for k in range(model.n + 6)]
+    """Each load alone: tau, base wrench, and those of the joints."""
+    return [[(k, 1.0)] for k in range(model.n + 6 * len(model.bodies))]
 
 
 def derivatives(model, scene, given):
@@ -76,7 +76,7 @@ def arm(numbers):
 def test_derivatives_are_those_of_an_edited_description():
     """Mass with the radii of gyration kept, the centre of mass with the inertia about it kept, the inertia scaled.
 
-    Loads are of second degree in each parameter alone, so that central differences are exact.
+    Loads, at joints too, are of second degree in each parameter alone, so that central differences are exact.
     """
     rng = np.random.default_rng(8)
     numbers = {name: body_numbers(rng) for name in "abcd"}
@@ -89,7 +89,7 @@ def test_derivatives_are_those_of_an_edited_description():
     )
 
     def edited(x):
-        """The arm with parameters that are off by x."""
+        """Loads of the arm with parameters that are off by x."""
         changed, at = {}, 0
         for name, (m, c, I) in numbers.items():
             if name == "a":
@@ -100,13 +100,13 @@ def test_derivatives_are_those_of_an_edited_description():
                 mass = m * (1 + 0.1 * x[at])
                 changed[name] = (mass, c + 0.02 * x[at + 1 : at + 4], I * mass / m * (1 + 0.2 * x[at + 4]))
                 at += 5
-        return arm(changed)
+        plain = plan(arm(changed), Scene())
+        return run(plain.wrenches(joints=True), plain, *state)
 
     state = random_state(model, rng, SAMPLES)
-    found = derivatives(model, scene, sources(model, state))[:, : model.n]
+    found = derivatives(model, scene, sources(model, state))
     for k, x in enumerate(np.eye(len(names))):
-        loads = (robodyn.inverse_dynamics(edited(sign * x), *state) for sign in (1.0, -1.0))
-        assert worst(found[..., k], 0.5 * np.subtract(*loads), np.abs(found).max()) <= 1e-13
+        assert worst(found[..., k], 0.5 * (edited(x) - edited(-x)), np.abs(found).max()) <= 1e-13
 
 
 def test_friction_by_a_factor_and_by_a_torque():
