@@ -83,18 +83,6 @@ def test_pinocchio(path, moving_base):
     assert worst(found.dqdd, other.mass_matrices(model, q)) <= 1e-12
 
 
-def test_a_pendulum():
-    """tau = m l^2 qdd + d qd + m g l cos q."""
-    model = robot("pendulum")
-    q = np.linspace(-3, 3, 7)[:, None]
-    found = inverse_dynamics_derivatives(
-        model, q, 0.0, 0.0, scene=Scene(friction={model.joint_names[0]: Friction(0.3)})
-    )
-    weight = robodyn.inverse_dynamics(model, [[0.0]], 0.0, 0.0, scene=frictionless(model))[0, 0]
-    assert worst(found.dq[:, 0, 0], -weight * np.sin(q[:, 0])) <= 8 * EPS
-    assert (found.dqd == 0.3).all()
-
-
 def test_friction_has_a_slope_where_it_is_smooth():
     model = robot("pendulum")
     (name,) = model.joint_names

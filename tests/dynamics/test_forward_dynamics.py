@@ -113,11 +113,6 @@ def test_chains_with_a_tip(n, skew, ratio):
     assert _residual(_with_tip(n, skew, ratio), n) <= 1e-14
 
 
-@pytest.mark.slow
-def test_a_hundred_joints_of_every_kind():
-    assert _residual(random_tree(40, 100, branching=3), 41) <= 1e-14
-
-
 @pytest.mark.parametrize("scale", [1e-75, 1e75])
 def test_scales_of_torque(scale):
     """At rest without gravity qdd is linear in tau."""

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import mpmath
 import numpy as np
 import pytest
-from helpers.independent_dynamics import torques_of
 from helpers.oracles import EPS, random_state, reference, run, worst
 from helpers.small_robots import body_numbers, built, chain, joint, link, random_tree, random_tree_parts, urdf
 
@@ -14,6 +15,19 @@ from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan, applied, loads
 from robodyn.robot.load import load
 from robodyn.scene.scene import Scene
+from robodyn.solids.inertia.laws import Inertia
+
+
+def _exact(model, *states):
+    """Torques (N, n) and wrenches (N, joints, 2, 3) by the same recursion in 60 digits, and not from rounded sums."""
+    plan, found = Plan(model, Scene()), []
+    with mpmath.workdps(60):
+        for row in zip(*states, strict=True):
+            sample = Sample(model, *(tuple(mpmath.mpf(x) for x in part.tolist()) for part in row))
+            terms = applied(plan.effects, sample, Scene())
+            inertias = tuple(Inertia(*(x * mpmath.mpf(1) for x in body)) for body in terms.inertias)
+            found.append(loads(sample, replace(terms, inertias=inertias)))
+    return (np.array(part, dtype=float) for part in zip(*found, strict=True))
 
 
 def _states(model, seed, scale=1.0):
@@ -25,43 +39,32 @@ def _states(model, seed, scale=1.0):
 def test_chains_against_fifty_digits(n, skew):
     model = chain(n, skew)
     q, qd, qdd = _states(model, n)
-    tau = inverse_dynamics(model, q, qd, qdd)
-    with mpmath.workdps(50):
-        expected = [[float(x) for x in torques_of(model, *row)] for row in zip(q, qd, qdd, strict=True)]
-    assert worst(tau, expected) <= 1e-14
+    assert worst(inverse_dynamics(model, q, qd, qdd), next(_exact(model, q, qd, qdd))) <= 1e-14
 
 
 def test_every_wrench_of_a_long_chain():
-    """All six components at every joint, with the same recursion in 50 digits."""
+    """All six components at every joint."""
     model = chain(40, True)
     q, qd, qdd = _states(model, 99)
     plan = Plan(model, Scene())
-    found = run(plan.wrenches(joints=True), plan, q, qd, qdd)[0, model.n :]
-    with mpmath.workdps(50):
-        exact = Sample(model, *(tuple(mpmath.mpf(x) for x in row[0].tolist()) for row in (q, qd, qdd)))
-        wrenches = loads(exact, applied(plan.effects, exact, Scene())).reactions
-        expected = [float(x) for wrench in wrenches for part in wrench for x in part]
-    found, expected = found.reshape(-1, 2, 3), np.array(expected).reshape(-1, 2, 3)
-    assert worst(found[:, 0], expected[:, 0]) <= 1e-14
-    assert worst(found[:, 1], expected[:, 1]) <= 1e-14
+    found = run(plan.wrenches(joints=True), plan, q, qd, qdd)[:, model.n :].reshape(len(q), -1, 2, 3)
+    _, expected = _exact(model, q, qd, qdd)
+    assert worst(found[:, :, 0], expected[:, :, 0]) <= 1e-14
+    assert worst(found[:, :, 1], expected[:, :, 1]) <= 1e-14
 
 
 @pytest.mark.slow
 def test_a_hundred_joints_of_every_kind_against_fifty_digits():
     model = random_tree(40, 100, branching=3)
-    q, qd, qdd = _states(model, 41)
-    with mpmath.workdps(50):
-        expected = [[float(x) for x in torques_of(model, *row)] for row in zip(q, qd, qdd, strict=True)]
-    assert worst(inverse_dynamics(model, q, qd, qdd), expected) <= 1e-14
+    state = _states(model, 41)
+    assert worst(inverse_dynamics(model, *state), next(_exact(model, *state))) <= 1e-14
 
 
 def test_mass_ratios_of_twenty_four_decades():
     for taper in (1e-3, 1e3):
         model = chain(9, skew=True, taper=taper)
-        q, qd, qdd = _states(model, 42)
-        with mpmath.workdps(60):
-            expected = [[float(x) for x in torques_of(model, *row)] for row in zip(q, qd, qdd, strict=True)]
-        found = inverse_dynamics(model, q, qd, qdd)
+        state = _states(model, 42)
+        found, expected = inverse_dynamics(model, *state), next(_exact(model, *state))
         assert worst(found, expected) <= 1e-14
         if taper < 1:
             assert np.max(np.abs(found - expected) / np.abs(expected)) <= 1e-12

@@ -157,17 +157,6 @@ def test_a_wrench_does_the_work_of_the_jacobian(free):
     assert worst(without - with_it, expected, np.abs(with_it).max()) <= 1e-14
 
 
-def test_velocities_are_rates_of_poses():
-    model, rng, step = robot("puma560"), np.random.default_rng(2), 1e-6
-    q, qd, _ = random_state(model, rng, 4)
-    link = list(model.links)[-1]
-    ahead, here, behind = (robodyn.forward_kinematics(model, q + sign * step * qd, link) for sign in (1, 0, -1))
-    w, v = np.split(np.einsum("kri,ki->kr", robodyn.jacobian(model, q, link), qd), 2, axis=1)
-    assert worst((ahead.p - behind.p) / (2 * step), v) <= 1e-8
-    spin = np.einsum("kij,klj->kil", (ahead.R - behind.R) / (2 * step), here.R)
-    assert worst(np.stack((spin[:, 2, 1], spin[:, 0, 2], spin[:, 1, 0]), -1), w) <= 1e-8
-
-
 def test_what_is_no_link_or_point():
     model = robot("puma560")
     for link, point, says in (("elbo", (0.0, 0.0, 0.0), "no link 'elbo'"), ("forearm", (1.0, 2.0), "is no point")):

@@ -192,12 +192,6 @@ def _rbdl_tree():
     )
 
 
-def _rbdl_chain(n):
-    links = [link(f"l{i}", 1, (1, 0, 0), UNIT) for i in range(n)]
-    joints = [joint(f"j{i}", f"l{i - 1}" if i else "base", f"l{i}", xyz=(float(i > 0), 0, 0)) for i in range(n)]
-    return built(link("base"), *links, *joints)
-
-
 def _rbdl_massless():
     return built(
         link("base"),
@@ -211,13 +205,6 @@ def _rbdl_massless():
 
 
 RBDL = {
-    "single com(1,0,0) axis z": (lambda: _rbdl_chain(1), [0]),
-    "single com(1.5,1,1) I_C=diag(1,2,3)": (
-        lambda: built(link("base"), link("l", 1, (1.5, 1, 1), (1, 0, 0, 2, 0, 3)), joint("j", "base", "l")),
-        [0],
-    ),
-    "double chain x-offset 1": (lambda: _rbdl_chain(2), [0, 0]),
-    "triple chain": (lambda: _rbdl_chain(3), [0, 0, 0]),
     "double 3D: z then y, com2 (0,1,0)": (
         lambda: built(
             link("base"),

@@ -55,9 +55,6 @@ class Structure:
     torque_determined: Mask
     equation_determined: Mask
 
-    def scaled(self, J: Floats) -> Floats:
-        return np.asarray(J * self.equation_scale[:, None] * self.rate_scale)
-
 
 def structure(J: Floats, passive: Mask, noise: float = 0.0) -> Structure:
     """Return what constraints determine along a motion, by the largest ranks at reference samples J (k, m, n).
@@ -187,7 +184,7 @@ def torque_distribution(found: Structure, J: Floats, tau: Floats, weights: Float
         of at most 10, and in proportion to these.
     """
     passive, rank = found.passive, found.rank
-    scaled, forces = found.scaled(J), tau * found.rate_scale
+    scaled, forces = J * found.equation_scale[:, None] * found.rate_scale, tau * found.rate_scale
     A = scaled[:, :, passive].transpose(0, 2, 1)
     left, sizes, right = parts = np.linalg.svd(A)
     kept = sizes[:, :rank] > LOST * found.usual * found.largest

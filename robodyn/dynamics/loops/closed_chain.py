@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -117,11 +117,6 @@ CORRECTIONS = 2
 """Of the positions after each step, with one factorisation: each divides their error by the inverse of the step's."""
 
 
-class Dropped(NamedTuple):
-    closure: Closure
-    equation: Equation
-
-
 Solve = Callable[[Sequence[Scalar], Sequence[Scalar]], tuple[list[Scalar], list[Scalar]]]
 
 
@@ -133,7 +128,7 @@ class ClosedChain:
     model: Model
     scene: Scene
     closures: tuple[Closure, ...]
-    dropped: tuple[Dropped, ...] = ()
+    dropped: tuple[tuple[Closure, Equation], ...] = ()
 
     @property
     def count(self) -> int:
@@ -163,7 +158,7 @@ class ClosedChain:
         for closure in self.closures:
             own = list(enumerate(closure.equations, at))
             closures.append(replace(closure, equations=tuple(equation for k, equation in own if k in rows)))
-            dropped += [Dropped(closure, equation) for k, equation in own if k not in rows]
+            dropped += [(closure, equation) for k, equation in own if k not in rows]
             at += len(own)
         return replace(self, closures=tuple(closures), dropped=tuple(dropped))
 
