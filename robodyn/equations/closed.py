@@ -59,10 +59,6 @@ def constant(value: float) -> Polynomial:
     return {ONE: Coefficient(value, abs(value))} if value else {}
 
 
-def generator(k: int) -> Polynomial:
-    return {Key((k,), "cos", ()): Coefficient(1.0, 1.0)}
-
-
 def total(a: Polynomial, b: Polynomial, sign: float = 1.0) -> Polynomial:
     terms = dict(a)
     for key, (value, size) in b.items():
@@ -222,7 +218,8 @@ class Forms:
         return self._generator(expression)
 
     def _generator(self, expression: Any) -> Polynomial:
-        return generator(self._generators.setdefault(expression, len(self._generators)))
+        k = self._generators.setdefault(expression, len(self._generators))
+        return {Key((k,), "cos", ()): Coefficient(1.0, 1.0)}
 
 
 Symbols = Mapping[tuple[str, int], Any]

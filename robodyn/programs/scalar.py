@@ -10,18 +10,8 @@ from __future__ import annotations
 
 from typing import Any
 
-NEG, ADD, SUB, MUL, DIV, SQRT, SIN, COS, SIGN, EXP = (
-    "neg",
-    "add",
-    "sub",
-    "mul",
-    "div",
-    "sqrt",
-    "sin",
-    "cos",
-    "sign",
-    "exp",
-)
+NEG, ADD, SUB, MUL, DIV = "neg", "add", "sub", "mul", "div"
+SQRT, SIN, COS, SIGN, EXP = "sqrt", "sin", "cos", "sign", "exp"
 INPUT, CONSTANT = "input", "constant"
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from functools import lru_cache, reduce
+from functools import lru_cache
 from typing import Any, TypeVar
 
 import numpy as np
@@ -70,13 +70,11 @@ def product(*factors: Array) -> Any:
     Args:
         factors: (k,), (m, k) or stacks (..., m, k) that NumPy's `@` takes.
     """
-    return reduce(_times, factors)
-
-
-def _times(A: Array, B: Array) -> Any:
-    if A.dtype.hasobject or B.dtype.hasobject:
-        return A @ B
-    return einsum(_SUMS[A.ndim > 1][B.ndim > 1], A, B)
+    A: Any = factors[0]
+    for B in factors[1:]:
+        objects = A.dtype.hasobject or B.dtype.hasobject
+        A = A @ B if objects else einsum(_SUMS[A.ndim > 1][B.ndim > 1], A, B)
+    return A
 
 
 _SUMS = ("j,j->", "j,...jk->...k"), ("...ij,j->...i", "...ij,...jk->...ik")

@@ -20,7 +20,7 @@ from robodyn.dynamics.initial_state import closed_start
 from robodyn.dynamics.inverse import bias_forces, mass_matrix
 from robodyn.dynamics.loops.closed_chain import closed_chain
 from robodyn.dynamics.plan import applied, loads, plan
-from robodyn.equations.dae.system import Matrices, System, state_of, system_at, values, velocities_of
+from robodyn.equations.dae.system import Matrices, System, state_of, system_at, velocities_of
 from robodyn.equations.ode import bias_plan, check_equations
 from robodyn.errors import InputError
 from robodyn.programs.linear import min_norm_solution, null_space
@@ -258,7 +258,8 @@ def dae_at(model: Model, scene: Scene, q: Floats, qd: Floats, tau: Floats) -> Da
     found = system.matrices
     if not all(np.isfinite(part).all() for part in found):
         raise InputError("the equations overflow at this configuration", remedy="smaller numbers", file=model.file)
-    residuals = Residuals(values(system.equations, system.at), found.G @ velocities_of(system.at))
+    apart = np.array([equation.value(system.at) for equation in system.equations], dtype=float)
+    residuals = Residuals(apart, found.G @ velocities_of(system.at))
     # angles count as arcs of the robot's length, and each row has length 1: the rank has then no unit
     rows = found.G * np.tile(np.repeat((1.0 / system.length, 1.0), 3), found.G.shape[1] // 6)
     sizes = np.linalg.norm(rows, axis=1, keepdims=True)

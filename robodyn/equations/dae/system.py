@@ -182,10 +182,6 @@ def drifts(equations: Sequence[Equation], at: State) -> Array:
     return np.array([equation.drift(at) for equation in equations])
 
 
-def values(equations: Sequence[Equation], at: State) -> Floats:
-    return np.array([equation.value(at) for equation in equations], dtype=float)
-
-
 @dataclass(frozen=True, eq=False)
 class Connection:
     """A joint, a mimic rule ("mimic") or a loop's closure, as equations between a body and another.

@@ -87,14 +87,12 @@ class FreeBody:
 
     @property
     def force(self) -> Floats:
-        total: Floats = np.array([action.force for action in self.actions]).sum(axis=0)
-        return total
+        return np.asarray(np.array([action.force for action in self.actions]).sum(axis=0))
 
     @property
     def moment(self) -> Floats:
         """The sum of the moments about the body's origin [N m]."""
-        total: Floats = np.array([action.at_origin for action in self.actions]).sum(axis=0)
-        return total
+        return np.asarray(np.array([action.at_origin for action in self.actions]).sum(axis=0))
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,7 +20,7 @@ from robodyn.programs.run.llvm.build import built
 from robodyn.programs.run.llvm.driver import driver
 from robodyn.programs.run.llvm.kernel import kernel
 from robodyn.programs.run.llvm.machine import Function
-from robodyn.programs.run.numpy_blocks import NumpyBlocks
+from robodyn.programs.run.numpy_blocks import Numbers, NumpyBlocks
 from robodyn.support.threads import cores
 
 if TYPE_CHECKING:
@@ -46,8 +46,6 @@ THREAD_WORK = 1 << 21
 
 LINE = 8
 """Numbers of 64 bits in a line of the cache."""
-
-Numbers = NDArray[np.floating[Any]]
 
 
 class CompiledBlocks:

@@ -107,19 +107,11 @@ def sine(a: Pair, ahead: int = 0) -> Pair:
     return Pair(*(flip * np.where(even, x, y) for x, y in zip(s, c, strict=True)))
 
 
-def cosine(a: Pair) -> Pair:
-    return sine(a, 1)
-
-
 def exponential(a: Pair) -> Pair:
     turns = np.rint(a.high / _LN_2[0])
     total = _polynomial(_reduced(a, turns, _LN_2), _inverse_factorials(0, 1))
     whole = turns.astype(np.int64) if np.ndim(turns) else int(turns)
     return Pair(np.ldexp(total.high, whole), np.ldexp(total.low, whole))
-
-
-def sign(a: Pair) -> Pair:
-    return Pair(np.sign(a.high), 0.0 * a.high)
 
 
 _FUNCTIONS: dict[str, Callable[..., Pair]] = {
@@ -130,9 +122,9 @@ _FUNCTIONS: dict[str, Callable[..., Pair]] = {
     NEG: negated,
     SQRT: root,
     SIN: sine,
-    COS: cosine,
+    COS: lambda a: sine(a, 1),
     EXP: exponential,
-    SIGN: sign,
+    SIGN: lambda a: Pair(np.sign(a.high), 0.0 * a.high),
 }
 
 
