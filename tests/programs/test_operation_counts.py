@@ -7,6 +7,7 @@ from helpers.example_robots import real
 from helpers.oracles import frictionless, robot
 from helpers.small_robots import chain
 
+from robodyn.dynamics.function import KINDS
 from robodyn.dynamics.plan import EFFECTS, Plan
 from robodyn.scene.scene import ExternalWrench, Friction, Payload, Rotor, Scene, Spring
 
@@ -48,6 +49,13 @@ def test_upper_bounds(name):
     assert still < size(model, zero_columns=steady) < whole <= moving
     assert size(model, weightless) <= whole
     assert size(model, weightless, at_rest(model)) == 0
+
+
+def test_rows_of_derivatives_go_the_shorter_way():
+    a_plan = Plan(robot("puma"), Scene())
+    most = {"coriolis_matrix": 289, "inverse_dynamics_derivatives": 674, "forward_dynamics_derivatives": 1093}
+    for kind, count in most.items():
+        assert KINDS[kind].program(a_plan).size <= count
 
 
 def test_operations_grow_linearly():

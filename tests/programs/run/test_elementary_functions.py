@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 
 import numpy as np
@@ -169,11 +167,6 @@ def test_root_and_quotient_are_rounded_once(dtype):
     found = compiled(lambda x, y: [x.sqrt(), x / y], 2, dtype)({"x": x}, len(x))
     with np.errstate(all="ignore"):
         np.testing.assert_array_equal(found, np.column_stack((np.sqrt(x[:, 0]), x[:, 0] / x[:, 1])))
-
-
-def largest_errors(errors, work):
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return np.max(list(pool.map(errors, work)), axis=0)
 
 
 @pytest.mark.slow

@@ -14,7 +14,6 @@ import robodyn
 from robodyn.dynamics.plan import plan
 from robodyn.programs.run import runner
 from robodyn.programs.run.compiled_blocks import CompiledBlocks
-from robodyn.programs.run.numpy_blocks import NumpyBlocks
 from robodyn.programs.run.runner import Choice, Runner
 
 PROGRAM = program_of(lambda x, y: [(x * y + x).sin() * y + x * x, x / (y * y + 1.0)], 2)
@@ -70,34 +69,6 @@ def _at_once(jobs):
 
     with ThreadPoolExecutor(len(jobs)) as pool:
         return list(pool.map(begun, jobs))
-
-
-@needs_compiler
-def test_results_are_those_of_the_executor_that_is_told(monkeypatch):
-    """Threads with samples, sizes and executors of their own; those that leave the choice turn to machine code."""
-    monkeypatch.setattr("robodyn.programs.run.runner.START", 1e-3)
-    a_runner = Runner(PROGRAM, WIDTHS)
-    by = {"numpy": NumpyBlocks(PROGRAM, WIDTHS), "compiled": CompiledBlocks(PROGRAM, WIDTHS)}
-
-    def job(number):
-        def run():
-            rng, wrong, told = np.random.default_rng(number), 0, set()
-            for _ in range(20):
-                samples = int(rng.integers(1, 700))
-                x = rng.normal(size=(samples, 2))
-                executor = str(rng.choice(["auto", "numpy", "compiled"]))
-                found = a_runner.run({"x": x}, samples, executor=executor)
-                told.add((executor, found.choice.executor))
-                wrong += not np.array_equal(found.values, by[found.choice.executor]({"x": x}, samples))
-            return wrong, told
-
-        return run
-
-    found = _at_once([job(number) for number in range(THREADS)])
-    assert [wrong for wrong, _ in found] == [0] * THREADS
-    told = set().union(*(told for _, told in found))
-    assert {("numpy", "numpy"), ("compiled", "compiled"), ("auto", "compiled")} <= told
-    assert not told & {("numpy", "compiled"), ("compiled", "numpy")}
 
 
 @needs_compiler
