@@ -7,14 +7,13 @@ from math import degrees
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.checks.bodies.bodies import other_unit
 from robodyn.checks.bodies.contacts import detached
 from robodyn.checks.examples import INERTIA, arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.checks.rules.ranges import of_numbers
-from robodyn.programs.vectors import arctan2, cross, length, narrowed, product, skew
+from robodyn.programs.vectors import arctan2, length, narrowed, product, skew
 from robodyn.robot.kinematics import body_poses
 from robodyn.robot.model import Joint, Model
 from robodyn.support.floats import Floats, first_largest
@@ -31,6 +30,125 @@ _CONVERGED = 1e-3
 _LEAST_LEVER = 0.05
 _WORTH = 1e-2
 """s; damping that is slower than this on the body's own inertia is of no interest."""
+
+
+class Sweep:
+    """Poses in rows: for each target half of its rows raise its torque, half lower it, all from `starts`.
+
+    The torque of gravity about the joint of body t, divided by g, is y . Rot(a_j, q_j) x in the angle of each joint j
+    that matters, plus a constant, with x in the axes of body j and y in those of the joint. At t and above, x is
+    v = a_t x sum m (c - p_t) and y points up (u). Below t, x is the first moment h = sum m (c - p_j) of what joint j
+    carries and y is w = u x a_t. A row's v is zero beside and below its target, its w beside and above.
+    """
+
+    def __init__(self, model: Model, targets: Sequence[int], low: Floats, high: Floats, free: Floats) -> None:
+        self._bodies, self._low, self._high, self._free = model.bodies, low, high, free
+        self._carried = np.array([body.inertia.m for body in model.bodies])
+        for i in reversed(range(1, len(model.bodies))):
+            self._carried[model.parents[i]] += self._carried[i]
+        self._relevant = around(model.parents, frozenset(targets))
+        self._rows = {t: slice(k * 2 * STARTS, (k + 1) * 2 * STARTS) for k, t in enumerate(targets)}
+        self.q = np.tile(starts(low, high).T, (1, 2 * len(targets)))
+        self._sign = np.tile(np.repeat((1.0, -1.0), STARTS), len(targets))
+        self._up: dict[int, Floats] = {}
+
+    def improve(self) -> Floats:
+        """Give each joint in turn, from the base to the tips, its best position; return (rows,) torque / g before,
+        times the sign that the row is to have; 0 before the first."""
+        x = self._inward()
+        before: Floats = self._sign * self._torques(x)
+        self._outward(x)
+        return before
+
+    def torques(self) -> Floats:
+        """(rows,) torque / g at q."""
+        return self._torques(self._inward())
+
+    def _torques(self, x: Mapping[int, Floats]) -> Floats:
+        torques = np.zeros(self.q.shape[1])
+        for t, up in self._up.items():
+            torques[self._rows[t]] = (up * x[t][:, 1, self._rows[t]]).sum(axis=0)
+        return torques
+
+    def _positions(self, joint: Joint) -> Floats:
+        return np.asarray(joint.multiplier * self.q[joint.coordinate] + joint.offset)
+
+    def _turned(self, joint: Joint, x: Floats, back: float = 1.0) -> Floats:
+        """Rot(a, q) x, or turned back, of (3, 2, rows)."""
+        if joint.kind != "revolute":
+            return x
+        q = self._positions(joint)
+        along = applied(np.outer(joint.axis, joint.axis), x)
+        turned: Floats = along + np.cos(q) * (x - along) + back * np.sin(q) * applied(skew(joint.axis), x)
+        return turned
+
+    def _inward(self) -> dict[int, Floats]:
+        """(3, 2, rows) h and v of the bodies that matter."""
+        x = {i: np.zeros((3, 2, self.q.shape[1])) for i in self._relevant}
+        for i in reversed(self._relevant):
+            body, own = self._bodies[i], x[i]
+            joint, sliding = body.joint, body.joint.kind == "prismatic"
+            own[:, 0] += body.inertia.mc[:, None]
+            if i in self._rows:
+                carried, rows = self._carried[i] * joint.axis[:, None], self._rows[i]
+                own[:, 1, rows] = carried if sliding else product(skew(joint.axis), own[:, 0, rows])
+            if body.parent < 0:
+                continue
+            above = x[body.parent]
+            above += applied(joint.R, self._turned(joint, own))
+            above[:, 0] += self._carried[i] * joint.p[:, None]
+            if sliding:
+                above[:, 0] += self._carried[i] * np.outer(product(joint.R, joint.axis), self._positions(joint))
+        return x
+
+    def _outward(self, x: Mapping[int, Floats]) -> None:
+        """Change q, from the base to the tips, and keep where up is for each target."""
+        ground = np.zeros((3, 2, self.q.shape[1]))
+        ground[2, 0] = 1.0
+        y = {0: ground}
+        for i in self._relevant[1:]:
+            body, joint = self._bodies[i], self._bodies[i].joint
+            here = applied(joint.R.T, y[body.parent])
+            if self._free[joint.coordinate] and joint.mimics is None:
+                self._best(joint, x[i], here)
+            y[i] = own = self._turned(joint, here, back=-1.0)
+            if i in self._rows:
+                self._up[i] = up = own[:, 0, self._rows[i]]
+                if joint.kind == "revolute":
+                    own[:, 1, self._rows[i]] = product(-skew(joint.axis), up)
+
+    def _best(self, joint: Joint, x: Floats, y: Floats) -> None:
+        """Give a joint its best position in every row in which it matters."""
+        low, high, q = self._low[joint.coordinate], self._high[joint.coordinate], self.q[joint.coordinate]
+        if joint.kind == "prismatic":
+            gain = self._sign * product(joint.axis, y[:, 1])
+            q[:] = np.where(gain > 0.0, high, np.where(gain < 0.0, low, q))
+            return
+        # y has up with h and w with v the other way about: v goes with up, h with w
+        across = x - applied(np.outer(joint.axis, joint.axis), x)
+        cosine = self._sign * (y * across[:, ::-1]).sum(axis=(0, 1))
+        sine = self._sign * (y * applied(skew(joint.axis), x)[:, ::-1]).sum(axis=(0, 1))
+        best = low + (arctan2(sine, cosine) - low) % (2.0 * np.pi)
+        at_low, at_high = (cosine * np.cos(end) + sine * np.sin(end) for end in (low, high))
+        best = np.where(best <= high, best, np.where(at_low > at_high, low, high))
+        q[:] = np.where(np.hypot(cosine, sine) > _NOTHING * (self._carried[0] or 1.0), best, q)
+
+
+def applied(A: Floats, x: Floats) -> Floats:
+    """A (3, 3) times each vector of (3, 2, rows)."""
+    return np.asarray(product(A, x.reshape(3, -1)).reshape(x.shape))
+
+
+def around(parents: Sequence[int], targets: frozenset[int]) -> list[int]:
+    """Return the bodies above and below the targets, the targets and the base, parents first."""
+    below, above = set(targets), {0, *targets}
+    for i, parent in enumerate(parents):
+        if parent in below:
+            below.add(i)
+    for i in reversed(range(len(parents))):
+        if i in above:
+            above.add(max(parents[i], 0))
+    return sorted(above | below)
 
 
 class StaticTorque(NamedTuple):
@@ -65,125 +183,32 @@ def static_torques(context: Context) -> tuple[StaticTorque, ...]:
     if len(model.bodies) > MOST_BODIES or any(body.joint.kind == "floating" for body in model.bodies):
         return ()
     followed = {body.joint.coordinate for body in model.bodies if body.joint.mimics is not None}
-    single = [body.joint.mimics is None and body.joint.coordinate not in followed for body in model.bodies]
     bounds = context.once(gravity_bounds)
-    targets = [
-        i
+    joints = {
+        i: body.joint
         for i, body in enumerate(model.bodies)
-        if single[i] and body.joint.effort and 0.0 < body.joint.effort < bounds[body.joint.name].own
-    ]
-    if not targets:
+        if body.joint.mimics is None and body.joint.coordinate not in followed
+        if body.joint.effort and 0.0 < body.joint.effort < bounds[body.joint.name].own
+    }
+    if not joints:
         return ()
     low, high = position_ranges(model)
-    above, found = ancestors(model), []
-    near = above[targets].any(axis=0) | above[:, targets].any(axis=1)
-    free = [i for i in np.flatnonzero(near).tolist() if i and single[i]]
-    torques, poses = worst_poses(model, above, targets, free, low, high)
-    for k, i in enumerate(targets):
-        worst = first_largest(np.abs(torques[k]))
-        matter = [body.joint.coordinate for j, body in enumerate(model.bodies) if j and (above[i, j] or above[j, i])]
-        q = np.clip(np.zeros(model.n), low, high)
-        q[matter] = poses[k, worst, matter]
-        found.append(StaticTorque(model.bodies[i].joint, float(torques[k, worst]), q))
-    return tuple(found)
-
-
-def ancestors(model: Model) -> NDArray[np.bool_]:
-    """(bodies, bodies) whether body j is body i or carries it."""
-    above = np.eye(len(model.bodies), dtype=bool)
-    for i, parent in enumerate(model.parents[1:], 1):
-        above[i] |= above[parent]
-    return above
-
-
-def worst_poses(
-    model: Model, above: NDArray[np.bool_], targets: Sequence[int], free: Sequence[int], low: Floats, high: Floats
-) -> tuple[Floats, Floats]:
-    """(targets, 2 STARTS) torques [N m or N] and (targets, 2 STARTS, n) poses: half of a target's rows start to raise
-    its torque, half to lower it.
-
-    The torque of gravity about joint t, divided by g, is u . v with u up and v = a_t x sum m (c - p_t). Turning a joint
-    at or above t turns v about its axis; one below t turns the first moment sum m (c - p_j) of what it carries, whose
-    product with w = u x a_t is the torque's part. A slide below t moves that along its axis, one above changes nothing.
-    """
-    begin, bodies = starts(low, high), model.bodies
-    q = np.tile(begin.T, (1, 2 * len(targets)))
-    sign = np.tile(np.repeat((1.0, -1.0), STARTS), len(targets))
-    of_row = np.repeat(targets, 2 * STARTS)
-    mass = np.array([body.inertia.m for body in bodies])
-    held, rows = above[:, of_row].astype(float), np.arange(len(of_row))
-    carried = product(above.T.astype(float), mass)
-    slides = np.array([bodies[t].joint.kind == "prismatic" for t in of_row])
-    # (3, 3, bodies, rows): x, y, z of origin, own first moment and joint axis of each body, in the frame of the base
-    placed = np.repeat(at_zero(model)[..., None], len(rows), axis=3)
-    weights = np.stack((np.ones_like(mass), mass, np.zeros_like(mass)))[:, :, None]
-
-    def levers() -> tuple[Floats, Floats]:
-        """(3, rows) v, and the axis of each row's target."""
-        moment = (held * placed[:, 1]).sum(axis=1)
-        origin, axis = placed[:, 0, of_row, rows], placed[:, 2, of_row, rows]
-        return np.where(slides, carried[of_row] * axis, cross(axis, moment - carried[of_row] * origin)), axis
-
-    def sweep() -> None:
-        """Give each free joint in turn, from the base to the tips, its best position."""
-        for i in free:
-            joint, (origin, _, axis) = bodies[i].joint, placed[:, :, i].swapaxes(0, 1)
-            now, least, most = q[joint.coordinate], low[joint.coordinate], high[joint.coordinate]
-            v, of_target = levers()
-            over = above[of_row, i]  # rows whose target joint i carries
-            under = above[i, of_row] & ~over & ~slides
-            w = np.where(under, np.stack((-of_target[1], of_target[0], np.zeros_like(now))), 0.0)
-            if joint.kind == "prismatic":
-                gain = sign * (w * axis).sum(axis=0)
-                best = np.where(gain > 0.0, most, np.where(gain < 0.0, least, now))
-            else:
-                x = np.where(over, v, placed[:, 1, above[:, i]].sum(axis=1) - carried[i] * origin)
-                y = np.where(over, np.array((0.0, 0.0, 1.0))[:, None], w)
-                cosine = sign * ((y * x).sum(axis=0) - (y * axis).sum(axis=0) * (x * axis).sum(axis=0))
-                sine = sign * (y * cross(axis, x)).sum(axis=0)
-                best = best_angle(cosine, sine, now, least, most)
-                best = np.where(np.hypot(cosine, sine) > _NOTHING * (carried[0] or 1.0), best, now)
-            move(joint, i, above[:, i], placed, weights, best - now)
-            q[joint.coordinate] = best
-
-    for i, body in enumerate(bodies[1:], 1):
-        move(body.joint, i, above[:, i], placed, weights, body.joint.multiplier * q[body.joint.coordinate])
-    last = np.full(len(rows), -np.inf)
-    for _ in range(SWEEPS + 1):
-        now = sign * levers()[0][2]
-        sweep()
+    sweep = Sweep(model, [*joints], low, high, np.array([k not in followed for k in range(model.n)]))
+    last = sweep.improve()
+    for _ in range(SWEEPS):
+        now = sweep.improve()
         if (now - last <= _CONVERGED * np.abs(now)).all():
             break
         last = now
-    torques = GRAVITY * levers()[0][2].reshape(len(targets), -1)
-    return torques, q.T.reshape(*torques.shape, model.n)
-
-
-def move(joint: Joint, i: int, part: NDArray[np.bool_], placed: Floats, weights: Floats, by: Floats) -> None:
-    """Turn or shift the part that joint i carries."""
-    origin, _, axis = placed[:, :, i].swapaxes(0, 1).copy()[:, :, None, None]
-    if joint.kind == "prismatic":
-        placed[:, :, part] += weights[:, part] * (by * axis)
-    else:
-        arm = placed[:, :, part] - weights[:, part] * origin
-        along = (arm * axis).sum(axis=0) * axis
-        placed[:, :, part] += (np.cos(by) - 1.0) * (arm - along) + np.sin(by) * cross(axis, arm)
-
-
-def at_zero(model: Model) -> Floats:
-    """(3, 3, bodies) origin [m], own first moment about the base's [kg m], and axis of the joint of each body, at 0."""
-    found = []
-    for body, pose in zip(model.bodies, body_poses(model, np.zeros(model.n)), strict=True):
-        R, p = narrowed(pose.R), narrowed(pose.p)
-        found.append((p, product(R, body.inertia.mc) + body.inertia.m * p, product(R, body.joint.axis)))
-    return np.array(found).T
-
-
-def best_angle(cosine: Floats, sine: Floats, now: Floats, least: float, most: float) -> Floats:
-    """Angles from `least` to `most` at which cosine cos(q - now) + sine sin(q - now) is largest."""
-    best = least + (now + arctan2(sine, cosine) - least) % (2.0 * np.pi)
-    at_least, at_most = (cosine * np.cos(end - now) + sine * np.sin(end - now) for end in (least, most))
-    return np.where(best <= most, best, np.where(at_least > at_most, least, most))
+    torques = GRAVITY * sweep.torques().reshape(len(joints), -1)
+    poses, found = sweep.q.T.reshape(*torques.shape, -1), []
+    for k, (i, joint) in enumerate(joints.items()):
+        worst = first_largest(np.abs(torques[k]))
+        matter = [model.bodies[j].joint.coordinate for j in around(model.parents, frozenset({i}))[1:]]
+        q = np.clip(np.zeros(model.n), low, high)
+        q[matter] = poses[k, worst, matter]
+        found.append(StaticTorque(joint, float(torques[k, worst]), q))
+    return tuple(found)
 
 
 def position_ranges(model: Model) -> tuple[Floats, Floats]:
@@ -212,7 +237,7 @@ def gravity_bounds(context: Context) -> Mapping[str, GravityBound]:
     """What no pose exceeds, by joint, from the sum of the lengths on the way and what turns it. From stage MODEL on."""
     model = context.model
     count = len(model.bodies)
-    carried, reach = np.zeros(count), np.zeros(count)
+    carried, reach, tilt = np.zeros(count), np.zeros(count), _tilts(model)
     bounds = {}
     for i in reversed(range(count)):
         body = model.bodies[i]
@@ -222,12 +247,28 @@ def gravity_bounds(context: Context) -> Mapping[str, GravityBound]:
             reach[i] = max(reach[i], length(body.inertia.mc) / mass)
         lever = 1.0 if joint.kind == "prismatic" else float(reach[i])
         whole = model.total_mass * GRAVITY * max(lever, _LEAST_LEVER)
-        bounds[joint.name] = GravityBound(float(carried[i]) * GRAVITY * lever, whole)
+        bounds[joint.name] = GravityBound(float(carried[i]) * GRAVITY * lever * tilt[i], whole)
         if body.parent >= 0:
             carried[body.parent] += carried[i]
             slide = max(abs(joint.lower or 0.0), abs(joint.upper or 0.0)) if joint.kind == "prismatic" else 0.0
             reach[body.parent] = max(reach[body.parent], length(joint.p) + slide + reach[i])
     return bounds
+
+
+def _tilts(model: Model) -> list[float]:
+    """The most that gravity has of its strength across each hinge's axis or along each slide: 1 above a hinge."""
+    tilts, standing = [], {-1: np.eye(3)}
+    for i, body in enumerate(model.bodies):
+        joint = body.joint
+        if body.parent not in standing:
+            tilts.append(1.0)
+            continue
+        R = product(standing[body.parent], joint.R)
+        along = abs(float(product(R[2], joint.axis)))
+        tilts.append(along if joint.kind == "prismatic" else length(np.cross(R[2], joint.axis)))
+        if joint.kind != "revolute":
+            standing[i] = R
+    return tilts
 
 
 def reflected_inertias(context: Context) -> tuple[tuple[Joint, float], ...]:

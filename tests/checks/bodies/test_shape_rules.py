@@ -12,7 +12,7 @@ import robodyn
 from robodyn.checks.bodies.bodies import bodies
 from robodyn.checks.check import Options, check_one
 from robodyn.checks.context import Context
-from robodyn.checks.examples import a_shaped_link
+from robodyn.checks.examples import INERTIA, a_shaped_link
 from robodyn.checks.rule import Finding, Severity
 from robodyn.checks.rules.loads import (
     gravity_bounds,
@@ -235,6 +235,20 @@ def test_torques_are_those_of_the_recursion_and_no_random_pose_within_limits_ask
         assert most[result.joint.rate] <= 1.02 * abs(result.torque) + 1e-9
     single = [joint for joint in model.independent if not any(b.joint.mimics == joint.name for b in model.bodies)]
     assert all(most[joint.rate] <= bounds[joint.name].own * (1 + 1e-12) + 1e-12 for joint in single)
+
+
+def test_long_rows_of_oblique_hinges_ask_for_no_more_than_the_bound() -> None:
+    """Nor for what is no number: nothing drifts from sweep to sweep."""
+    links, joints = ['<link name="l0"/>'], []
+    for k in range(1, 101):
+        hinge = f'<joint name="j{k}" type="revolute"><parent link="l{k - 1}"/><child link="l{k}"/>'
+        where = '<origin xyz="0.1 0 0.02" rpy="0.1 0.2 0.3"/><limit lower="-2" upper="2" effort="5" velocity="3"/>'
+        links.append(f'<link name="l{k}"><inertial><mass value="1"/>{INERTIA}</inertial></link>')
+        joints.append(f'{hinge}{where}<axis xyz="{("0 0 1", "1 0 0", "0 1 0")[k % 3]}"/></joint>')
+    one = context(f'<robot name="row">{"".join(links + joints)}</robot>')
+    results, bounds = one.once(static_torques), one.once(gravity_bounds)
+    assert len(results) > 90
+    assert all(5.0 < abs(result.torque) <= bounds[result.joint.name].own for result in results[:90])
 
 
 @pytest.mark.parametrize(
