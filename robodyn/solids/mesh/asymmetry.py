@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import comb, pi
 
@@ -224,7 +224,8 @@ class CentredBody:
     @property
     def facets(self) -> float:
         """The volume between facets and the surface they may stand for, as a part of the volume."""
-        return self.line_masses.size / self.volume
+        masses = self.line_masses
+        return float(np.abs(masses.missing[masses.fine]).sum()) / self.volume
 
     @cached_property
     def _set(self) -> TriangleSet:
@@ -232,15 +233,11 @@ class CentredBody:
 
     def same(self, Q: Array) -> bool:
         """Return whether an orthogonal map takes the triangles to each other."""
-        return self.least(Q) <= _SAME and self._set.invariant(Q)
-
-    def least(self, Q: Array) -> float:
-        """Return a lower bound of the asymmetry under an orthogonal map, by moments."""
-        return self.moments.least_asymmetry(Q)
+        return self.moments.least_asymmetry(Q) <= _SAME and self._set.invariant(Q)
 
     def mirrored(self, normal: Array) -> float:
         """vol(A xor M A) / 2V for the mirror image in the plane through the centre, by columns along the normal."""
-        least = max(self.least(mirror(normal)), self.product_bound(normal))
+        least = max(self.moments.least_asymmetry(mirror(normal)), self.product_bound(normal))
 
         def by_columns(count: int) -> float:
             lattice = Lattice.over(self.corners, normal, count=count)
@@ -256,9 +253,10 @@ class CentredBody:
 
         def by_columns(count: int) -> float:
             lattice = Lattice.over(self.corners, oblique, Q, count)
-            return differing_volume(lattice.hits(self.corners), lattice.seen_by(Q).hits(self.corners), lattice.cell)
+            images = replace(lattice, frame=product(lattice.frame, Q))  # its columns go through A as these through Q A
+            return differing_volume(lattice.hits(self.corners), images.hits(self.corners), lattice.cell)
 
-        return self._asymmetry(Q, self.least(Q), by_columns)
+        return self._asymmetry(Q, self.moments.least_asymmetry(Q), by_columns)
 
     def revolved(self, axis: Array) -> float:
         """Return the largest of a few rotations by angles that are far from all simple parts of a turn."""

@@ -69,10 +69,6 @@ class Lattice:
         step = sqrt(width * height / count) or max(width, height) or 1.0
         return cls(frame, corner, step, ceil(height / step) + 1, ceil(width / step) + 2)
 
-    def seen_by(self, Q: Array) -> Lattice:
-        """Return the lattice whose columns go through a body as these go through its image Q x."""
-        return replace(self, frame=product(self.frame, Q))
-
     @property
     def cell(self) -> float:
         """The area that each column stands for."""

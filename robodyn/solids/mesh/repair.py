@@ -119,7 +119,9 @@ def repair(triangles: Triangles, cavities: bool = False) -> Repaired:
     what = f"{many(union.bodies, 'overlapping body', 'overlapping bodies')} united"
     steps.taken(mesh, union.mesh, union.bodies, "union", what)
     mesh, region = _region(union, filling, steps)
-    if (nesting.uneven or shells.tangled) and not Edges.between(given.faces).balance.any():
+    # some have no boundary, but edges of so many faces that their sides cannot be told
+    tangled = len(np.setdiff1d(np.flatnonzero(~shells.closed), shells.rim[:, 0])) > 0
+    if (nesting.uneven or tangled) and not Edges.between(given.faces).balance.any():
         found, volume = as_given(given), mesh.volume(mesh.middle) if region is None else region.volume
         apart = abs(found.volume - volume) / abs(found.volume)
         if apart > _SAME:

@@ -195,11 +195,6 @@ class Shells:
     twisted: int = 0
 
     @property
-    def tangled(self) -> bool:
-        """Whether there are some that have no boundary, but edges of so many faces that their sides cannot be told."""
-        return len(np.setdiff1d(np.flatnonzero(~self.closed), self.rim[:, 0])) > 0
-
-    @property
     def count(self) -> int:
         return len(self.closed)
 

@@ -293,7 +293,7 @@ class Search:
         return not any(self._equal(i, i - k, DISTINCT) for k in (1, 2))
 
     def _promising(self, Q: Array) -> bool:
-        return self.body.least(Q) <= NEAR
+        return self.body.moments.least_asymmetry(Q) <= NEAR
 
     def _axial(self, direction: Array, frame: Floats, axial: Array) -> list[Axis]:
         """Revolution, and the highest finite fold that is not the same but for facets."""

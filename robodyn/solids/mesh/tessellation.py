@@ -194,11 +194,6 @@ class LineMasses:
     doubt: Floats
     fine: Mask
 
-    @property
-    def size(self) -> float:
-        """The volume between fine facets and the surface, whatever its sign."""
-        return float(np.abs(self.missing[self.fine]).sum())
-
 
 def line_masses(corners: Array) -> LineMasses:
     """The volume that facets leave out, as far as angles and heights tell, where corners are on the smooth surface.

@@ -169,7 +169,7 @@ def test_asymmetry_is_not_below_what_products_and_moments_allow(seed):
         integral = abs(across @ body.S @ normal)
         bound = integral / (body.volume * np.abs(points @ across).max() * np.abs(points @ normal).max())
         assert 1e-4 < bound <= body.mirrored(normal)
-        assert 0 < body.least(mirror(normal)) <= body.mirrored(normal)
+        assert 0 < body.moments.least_asymmetry(mirror(normal)) <= body.mirrored(normal)
 
 
 def test_average_with_the_mirror_image_has_no_product_with_the_normal():

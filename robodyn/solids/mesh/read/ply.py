@@ -115,22 +115,30 @@ _WANTED = ("vertex", "face")
 def read_ply(source: Source, scale: float, notes: tuple[str, ...]) -> IndexedTriangles:
     """Return the faces of a PLY, with coordinates of the type that the header names."""
     header = read_header(source)
-    vertex, face = (_only(source, header, name) for name in _WANTED)
+    chosen = []
+    for name in _WANTED:
+        named = [element for element in header.elements if element.name == name]
+        if not named and name == "face":
+            raise source.error("has no element 'face'", remedy="export a mesh of triangles, not a cloud of points")
+        if len(named) != 1:
+            raise source.error(f"has {len(named)} elements {name!r}", remedy="one is needed")
+        chosen += named
+    vertex, face = chosen
     for axis in _AXES:
         if not any(known.name == axis and not known.length for known in vertex.properties):
             raise source.error(f"vertices have no property {axis!r}", remedy="they need numbers x, y and z")
     lists = [known for known in face.properties if known.length]
-    named = [known for known in lists if known.name in _INDICES] or lists
-    if not named:
+    indexed = [known for known in lists if known.name in _INDICES] or lists
+    if not indexed:
         raise source.error("faces have no list of vertex indices", remedy="add property list uchar int vertex_indices")
-    if named[0].type in "fd":
-        raise source.error(f"the indices {named[0].name!r} are of type float", remedy="indices are integers")
+    if indexed[0].type in "fd":
+        raise source.error(f"the indices {indexed[0].name!r} are of type float", remedy="indices are integers")
     found = (_read_text if header.encoding == "ascii" else _read_binary)(source, header)
     single = all(known.type == "f" for known in vertex.properties if known.name in _AXES)
     with np.errstate(over="ignore"):
         columns = [np.asarray(found["vertex"][axis][1]) for axis in _AXES]
         vertices: Corners = np.stack(columns, axis=1).astype(np.float32 if single else np.float64)
-    sizes, corners = map(np.asarray, found["face"][named[0].name])
+    sizes, corners = map(np.asarray, found["face"][indexed[0].name])
     return polygon_triangles(
         source.name,
         vertices,
@@ -140,15 +148,6 @@ def read_ply(source: Source, scale: float, notes: tuple[str, ...]) -> IndexedTri
         scale=scale,
         notes=notes,
     )
-
-
-def _only(source: Source, header: Header, name: str) -> Element:
-    found = [element for element in header.elements if element.name == name]
-    if not found and name == "face":
-        raise source.error("has no element 'face'", remedy="export a mesh of triangles, not a cloud of points")
-    if len(found) != 1:
-        raise source.error(f"has {len(found)} elements {name!r}", remedy="one is needed")
-    return found[0]
 
 
 _Columns = dict[str, tuple[Any, Any]]
