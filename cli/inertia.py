@@ -182,7 +182,7 @@ def command(
         return "".join(
             f"<!-- {str(each).replace('--', '- -')} -->\n"
             if isinstance(each, MeshError)
-            else inertial_element(each.body, "") + "\n"
+            else inertial_element(each.body) + "\n"
             for each in bodies
         )
 

@@ -70,5 +70,5 @@ def robot(
         sections = robot_sections(found, view, checked)
         document = partial(pages.robot_page, found, description, view, checked)
         json = partial(pages.robot_json, found, view, checked)
-    answer(call, sections, document, json=json, urdf=lambda: inertial_element(found.body, "") + "\n")
+    answer(call, sections, document, json=json, urdf=lambda: inertial_element(found.body) + "\n")
     return 0

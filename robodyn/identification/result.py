@@ -288,7 +288,7 @@ def lost_meshes(description: Description, path: str) -> str | None:
 
 
 def _inertial(link: LinkView, body: MassProperties) -> Iterator[Edit]:
-    lines = inertial_element(body, "").splitlines()
+    lines = inertial_element(body).splitlines()
     if link.inertial is None:
         yield with_first_child(link.element, lines)
         return

@@ -301,14 +301,13 @@ def from_integrals(
     density: float,
     reference: ArrayLike = ZERO,
     scale: Scalar = 1.0,
-    area: float | None = None,
 ) -> MassProperties:
     """Return the uniform body over which x - r and (x - r)(x - r)^T have these integrals, r being the reference.
 
     c = r + first / V, S_c = density (second - first first^T / V).
 
     Args:
-        volume, first, second, reference, area: in units of the shape's file, floats of any width or fractions.
+        volume, first, second, reference: in units of the shape's file, floats of any width or fractions.
         density: kg/m^3.
         scale: metres in a unit of the file.
 
@@ -322,8 +321,7 @@ def from_integrals(
     k, V, rho = fraction(scale), fraction(volume), fraction(density)
     com = exact(first) / V
     S = (exact(second) - np.outer(exact(first), com)) * (rho * k**5)
-    surface = None if area is None else fraction(area) * k**2
-    return MassProperties(rho * V * k**3, (com + exact(reference)) * k, S, V * k**3, surface)
+    return MassProperties(rho * V * k**3, (com + exact(reference)) * k, S, V * k**3)
 
 
 def from_surface_integrals(
@@ -351,22 +349,21 @@ def from_surface_integrals(
     return replace(body, volume=surface * t, area=surface)
 
 
-def inertial_element(body: MassProperties, indent: str = "    ") -> str:
+def inertial_element(body: MassProperties) -> str:
     """Return the <inertial> element of a link, about the centre of mass in the axes of the link's frame.
 
     Numbers are the shortest that read back as the same floats; `ixy` and so on are entries of the inertia matrix,
-    -integral of x y dm. Five lines, the last without a line break; children are indented by two more blanks.
+    -integral of x y dm. Five lines, the last without a line break.
     """
     entries = zip(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), body.inertia[np.triu_indices(3)].tolist(), strict=True)
     inertia = " ".join(f'{name}="{entry!r}"' for name, entry in entries)
-    lines = (
-        "<inertial>",
-        f'  <origin xyz="{" ".join(map(repr, body.com.tolist()))}" rpy="0 0 0"/>',
-        f'  <mass value="{body.mass!r}"/>',
-        f"  <inertia {inertia}/>",
-        "</inertial>",
+    return (
+        "<inertial>\n"
+        f'  <origin xyz="{" ".join(map(repr, body.com.tolist()))}" rpy="0 0 0"/>\n'
+        f'  <mass value="{body.mass!r}"/>\n'
+        f"  <inertia {inertia}/>\n"
+        "</inertial>"
     )
-    return "\n".join(indent + line for line in lines)
 
 
 Vector = tuple[float, float, float]
