@@ -149,11 +149,9 @@ _READ = 1 << 16
 
 def inputs_of(ctx: click.Context) -> list[str]:
     """Return the files that a call names to be read."""
-    found: list[str] = []
-    for param in ctx.command.params:
-        if isinstance(param.type, Parsed) and param.type.name == "file" and not isinstance(param.type, Output):
-            found += _names(ctx.params.get(param.name or ""))
-    return found
+    kinds = ((param, param.type) for param in ctx.command.params)
+    inputs = [param for param, kind in kinds if isinstance(kind, Parsed) and not isinstance(kind, Output)]
+    return [name for each in inputs if each.type.name == "file" for name in _names(ctx.params.get(each.name or ""))]
 
 
 def _names(value: object) -> Iterator[str]:

@@ -286,7 +286,6 @@ def _columns(text: str) -> Pairs:
 
 
 def report_form(path: str) -> str:
-    """Return the form of a report by the suffix of its file."""
     suffix = os.path.splitext(path)[1].lower()
     if suffix not in REPORT_FORMS:
         raise InputError("unknown type of report by this suffix", remedy="name it .html or .md", file=path)

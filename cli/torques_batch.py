@@ -187,7 +187,6 @@ def run_job(setup: Setup, job: Job) -> Outcome:
 
 
 def failed(job: Job, text: str) -> Outcome:
-    """Return the outcome of a job that failed."""
     return Outcome(job.name, "failed", error=" ".join(text.split()))
 
 

@@ -19,7 +19,7 @@ from robodyn.robot.load import assemble
 from robodyn.robot.model import Model
 from robodyn.robot.urdf.description import load_description
 from robodyn.robot.urdf.parts import Description, Geometry, Joint
-from robodyn.scene.fit import constraint_count
+from robodyn.scene.fit import constraints
 
 _PACKAGE = re.compile("(package|model)://[^/]")
 
@@ -130,7 +130,7 @@ def overview(
         massive=len(description.massive),
         types=dict(Counter(joint.type for joint in description.joints).most_common()),
         mimics=sum(joint.mimic is not None for joint in description.joints),
-        loops=constraint_count(description),
+        loops=len(constraints(description)),
         freedoms=model.n,
         base_freedoms=6 if model.floating else 0,
         mass=mass,

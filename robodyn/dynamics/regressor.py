@@ -239,7 +239,7 @@ def variations(model: Model, scene: Scene) -> Variations:
     hinges = (body.joint for body in model.bodies if body.joint.kind in ("revolute", "prismatic"))
     frictions = [(joint.name, friction_of(joint, scene)) for joint in hinges]
     for name, has in (*frictions, *((motor.name, motor.friction) for motor in scene.coupled)):
-        own = given.of_joint(name)
+        own = given.joint.get(name, given.friction)
         if own is None or not own.value:
             continue
         share = own.value

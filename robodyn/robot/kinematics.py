@@ -169,7 +169,7 @@ _UNITS = {"revolute": "rad", "prismatic": "m"}
 
 
 def coordinates(model: Model) -> tuple[str, ...]:
-    """Return names of the coordinates that place the links in the base's frame: all but those of a base that moves."""
+    """Return the coordinates that place the links in the base's frame: all but those of a base that moves."""
     return model.coordinates[7 if model.floating else 0 :]
 
 

@@ -67,7 +67,13 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
             raise SceneError(what, remedy="give each motor a name of its own", file=file)
         taken.add(motor.name)
     for loop in scene.loops:
-        _check_loop(loop, model, file)
+        where = f"[[loop]] {shown(loop.name)}"
+        known(where, "link", loop.link, model.links, file)
+        known(where, "link", loop.to, (*model.links, GROUND), file)
+        bodies = {model.links[name].body if name in model.links else -1 for name in (loop.link, loop.to)}
+        if len(bodies) == 1 or (bodies == {-1, 0} and not model.floating):
+            what = f"{where}: no joint moves {shown(loop.link)} against {shown(loop.to)}"
+            raise SceneError(what, remedy="a loop connects links that move against each other", file=file)
     for contact in scene.contacts:
         _check_contact(contact, file)
     if scene.contact_cost.forces <= 0.0:
@@ -120,16 +126,6 @@ def _check_rotors(scene: Scene, model: Model, file: str | None) -> None:
         if rotor.axis is not None and not (any(rotor.axis) and all(isfinite(x) for x in rotor.axis)):
             what = f'{where}: "axis" is {list(rotor.axis)}'
             raise SceneError(what, remedy="give a vector that is not zero", file=file)
-
-
-def _check_loop(loop: Loop, model: Model, file: str | None) -> None:
-    where = f"[[loop]] {shown(loop.name)}"
-    known(where, "link", loop.link, model.links, file)
-    known(where, "link", loop.to, (*model.links, GROUND), file)
-    bodies = {model.links[name].body if name in model.links else -1 for name in (loop.link, loop.to)}
-    if len(bodies) == 1 or (bodies == {-1, 0} and not model.floating):
-        what = f"{where}: no joint moves {shown(loop.link)} against {shown(loop.to)}"
-        raise SceneError(what, remedy="a loop connects links that move against each other", file=file)
 
 
 def _check_contact(contact: Contact, file: str | None) -> None:
@@ -188,8 +184,6 @@ def check_moves(model: Model) -> None:
 
 
 TAG = "constraint"
-AXIS: Vector = (1.0, 0.0, 0.0)
-"""What is taken where there is none, as for a joint."""
 KINDS = {"fixed": "weld", "revolute": "hinge", "continuous": "hinge", "spherical": "point", "ball": "point"}
 """Loops by the type of a constraint."""
 
@@ -207,7 +201,7 @@ def scene_of(model: Model, scene: Scene = DEFAULT) -> Scene:
     own, strict = {loop.name for loop in scene.loops}, Strict(model.file)
     lines: dict[str, int] = {}
     loops = []
-    for element in [] if model.description is None else _elements(model.description):
+    for element in [] if model.description is None else constraints(model.description):
         name = strict.text(element, "name", f"<{TAG}>")
         if name in own:
             continue
@@ -240,7 +234,7 @@ def _loop(element: Element, name: str, links: Collection[str], strict: Strict) -
     for role in ("parent", "child"):
         points.append(_vector(element, f"{role}_origin", "xyz", owner, strict, ZERO))
         turns.append(rotation_from_rpy(*_vector(element, f"{role}_origin", "rpy", owner, strict, ZERO)))
-        axis = _vector(element, f"{role}_axis", "xyz", owner, strict, AXIS)
+        axis = _vector(element, f"{role}_axis", "xyz", owner, strict, (1.0, 0.0, 0.0))
         if kind == "hinge" and not any(axis):
             what = f"<{role}_axis> of {owner} has the length 0, which gives no direction"
             raise strict.error(element.line, what, 'write xyz="0 0 1"')
@@ -262,12 +256,8 @@ def _rpy(R: Floats) -> Vector:
     return atan2(-left[1, 2], left[1, 1]), atan2(-left[2, 0], left[0, 0]), yaw
 
 
-def constraint_count(description: Description) -> int:
-    """Return how many <constraint> elements there are, whatever they say."""
-    return len(_elements(description))
-
-
-def _elements(description: Description) -> list[Element]:
+def constraints(description: Description) -> list[Element]:
+    """Return the <constraint> elements, whatever they say."""
     if b"<" + TAG.encode() not in description.data:
         return []
     return read_document(description.data, description.file).root.findall(TAG)

@@ -232,9 +232,7 @@ def _contact(table: TomlTable) -> parts.Contact:
 
 
 def _fluid(scene: TomlTable) -> dict[str, Any]:
-    fluid = scene.table("fluid", None)
-    if fluid is None:
-        return {"fluid_density": Scene.fluid_density, "fluid_velocity": Scene.fluid_velocity, "immersed": ()}
+    fluid = scene.table("fluid", {"density": Scene.fluid_density})
     density = fluid.value("density", parts.NonNegative)
     velocity = fluid.value("velocity", parts.Vector, Scene.fluid_velocity)
     immersed = tuple(entry.read(parts.Immersed) for entry in fluid.list("link"))

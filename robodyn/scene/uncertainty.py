@@ -97,9 +97,6 @@ class Uncertainty(FrozenValue):
         pairs = (own.mass, self.mass), (own.com, self.com), (own.inertia, self.inertia)
         return LinkUncertainty(*(general if special is None else special for special, general in pairs))
 
-    def of_joint(self, name: str) -> Deviation | None:
-        return self.joint.get(name, self.friction)
-
 
 def covariance_json(known: Covariance) -> bytes:
     """Return the file's content: numbers that read back as the same floats."""

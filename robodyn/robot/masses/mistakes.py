@@ -9,6 +9,7 @@ them apart it is not near enough, and where they do not, any factor near it is a
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -205,8 +206,11 @@ def corrections(given: Given) -> tuple[list[Mistake], Floats]:
     return mistakes, np.stack([np.stack(row, -1) for row in ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))], -2)
 
 
-def _systems() -> Iterator[tuple[tuple[float, float, float], str, float]]:
-    """Yield every set of quantities that may be left in one unit of mass and one of length: factors, words, weight."""
+def _units() -> Iterator[Mistake]:
+    """Yield the units that have the same factors as one: "the mass is 1000 times what the shapes suggest: g?"."""
+    found: defaultdict[tuple[float, float, float], dict[str, float]] = defaultdict(
+        lambda: defaultdict(float)
+    )  # the weight of each reading
     for (mass, long), often in _SYSTEMS.items():
         names = mass, long, f"{mass} {long}^2"
         kg, m = _MASSES[mass], _LENGTHS[long]
@@ -214,20 +218,12 @@ def _systems() -> Iterator[tuple[tuple[float, float, float], str, float]]:
         for factors in product((a, 1.0), (b, 1.0), (c, 1.0)):
             wrong = tuple(k for k, factor in enumerate(factors) if factor != 1.0)
             if wrong:
-                yield factors, " and ".join(names[k] for k in wrong), often * _PARTS[wrong]
+                found[factors][" and ".join(names[k] for k in wrong)] += often * _PARTS[wrong]
     for factor in (1e-3, 1e-6, 1e-9):
-        yield (1.0, 1.0, factor), "converted a second time, or a mesh in other units", 0.5
+        found[1.0, 1.0, factor]["converted a second time, or a mesh in other units"] += 0.5
     for factor in (0.01, 0.1, 10.0, 100.0):
-        yield (1.0, 1.0, factor), "a slipped exponent", 0.05
-    yield (1.0, 25.4, 1.0), "mm for in", 0.1
-
-
-def _units() -> Iterator[Mistake]:
-    """Yield the units that have the same factors as one: "the mass is 1000 times what the shapes suggest: g?"."""
-    found: dict[tuple[float, float, float], dict[str, float]] = {}
-    for factors, reading, weight in _systems():
-        readings = found.setdefault(factors, {})
-        readings[reading] = readings.get(reading, 0.0) + weight
+        found[1.0, 1.0, factor]["a slipped exponent"] += 0.05
+    found[1.0, 25.4, 1.0]["mm for in"] += 0.1
     for factors, readings in found.items():
         amounts = [
             f"the {name} is " + (f"{factor:g} times" if factor > 1.0 else f"1/{1.0 / factor:g} of")

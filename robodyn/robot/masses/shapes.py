@@ -30,8 +30,7 @@ MeshFile = tuple[Path, Vector]
 """A file, and the scale to read it with."""
 
 Outcome = Part | RobodynError
-Tick = Callable[[], object]
-Watch = Callable[[Sequence[Path]], AbstractContextManager[Tick]]
+Watch = Callable[[Sequence[Path]], AbstractContextManager[Callable[[], object]]]
 """What makes, for files that are going to be read, a function to call after each of them."""
 
 

@@ -275,7 +275,6 @@ def _value(places: Collection[Element], tags: Collection[str], owner: str, stric
 
 
 def by_name(given: Iterable[N], kind: str, strict: Strict) -> dict[str, N]:
-    """Return links or joints by name; no name may stand for two."""
     named: dict[str, N] = {}
     for part in given:
         first = named.setdefault(part.name, part)

@@ -24,7 +24,7 @@ _NEWLINE = re.compile(rb"\r\n|\r|\n")
 _TAG = re.compile(rb"<[^ \t\r\n/>]+")
 _ATTRIBUTE = re.compile(rb"""[ \t\r\n]+([^ \t\r\n=>/]+)[ \t\r\n]*=[ \t\r\n]*("[^"]*"|'[^']*')""")
 _BLOCK = 4096
-_ALL_BUT_CONTINUATION = bytes(byte for byte in range(256) if byte & 0xC0 != 0x80)
+_NO_CONTINUATION = bytes(byte for byte in range(256) if byte & 0xC0 != 0x80)
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,8 +44,7 @@ class SourcePositions:
     """
 
     def __init__(self, data: bytes, encoding: str) -> None:
-        self.data = data
-        self.encoding = encoding
+        self.data, self.encoding = data, encoding
 
     def span(self, start: int, end: int) -> Span:
         line = bisect_right(self._line_starts, start)
@@ -66,17 +65,16 @@ class SourcePositions:
         if self.encoding != "utf-8" or self.data.isascii():
             return []
         blocks = range(0, len(self.data), _BLOCK)
-        return list(accumulate((_count_continuations(self.data[i : i + _BLOCK]) for i in blocks), initial=0))
+        return list(
+            accumulate((len(self.data[i : i + _BLOCK].translate(None, _NO_CONTINUATION)) for i in blocks), initial=0)
+        )
 
     def _continuations(self, offset: int) -> int:
         if not self._block_continuations:
             return 0
         block = offset // _BLOCK
-        return self._block_continuations[block] + _count_continuations(self.data[block * _BLOCK : offset])
-
-
-def _count_continuations(data: bytes) -> int:
-    return len(data.translate(None, _ALL_BUT_CONTINUATION))
+        rest = self.data[block * _BLOCK : offset].translate(None, _NO_CONTINUATION)
+        return self._block_continuations[block] + len(rest)
 
 
 @dataclass(frozen=True, slots=True)

@@ -203,8 +203,6 @@ class Part:
 
 
 class InertialView(Part):
-    """<inertial>."""
-
     mass = _number("value", child="mass")
     mass_element = _child("mass", lambda element: element)
     inertia_element = _child("inertia", lambda element: element)
@@ -244,12 +242,10 @@ class GeometryView(Part):
 
     @Kept
     def sizes(self) -> tuple[Numbers, ...]:
-        """The sizes of a primitive."""
         return tuple(numbers(self.shape, name, 3 if name == "size" else 1) for name in SIZES.get(self.tag, ()))
 
     @Kept
     def scale(self) -> Numbers:
-        """The scale of a mesh."""
         return numbers(self.shape, "scale", 3)
 
 

@@ -116,7 +116,6 @@ def binary(kind: type[ast.operator], left: Any, right: Any) -> Any:
 
 
 def check_percent(text: str, values: Any) -> None:
-    """Raise where a format with % writes without bound."""
     if re.search(r"%\([^)]*\(", text):
         raise RefusedError("a format with brackets in a key")
     for found in re.finditer(r"%(?:\([^)]*\))?([^a-zA-Z%]*)", text):
@@ -160,7 +159,7 @@ def _counted(*bounds: Any) -> range:
 
 
 def _rounded(value: Any, digits: Any = None) -> Any:
-    if digits is not None and isinstance(digits, int):
+    if isinstance(digits, int):
         sized(abs(digits), _WIDEST, "a number that is rounded to {} digits")
     return round(value, digits)
 
@@ -235,7 +234,7 @@ _METHODS = {kind: frozenset(names.split()) for kind, names in _NAMED.items()}
 
 
 class Evaluator:
-    """Computes expressions with some functions.
+    """Computes expressions.
 
     Args:
         functions: what stands for each function or type that may be called: itself, or one that is bounded.
