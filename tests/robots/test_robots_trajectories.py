@@ -5,11 +5,13 @@ from __future__ import annotations
 import make_robots
 import numpy as np
 import pytest
-from helpers.robot_files import FOLDER, FULL, MOTORS_ONLY, model, read_csv, stacked, torques
+from helpers.robot_files import FOLDER, FULL, MOTORS_ONLY, read_csv
 from helpers.sampled import sampled
-from helpers.scene_files import read_scene
 
+import robodyn
 from robodyn.robot.urdf.description import load_description
+from robodyn.scene.read import load_scene
+from robodyn.scene.scene import Scene
 
 MOVED_BY_JOINTS = sorted({**FULL, **MOTORS_ONLY})
 
@@ -41,25 +43,12 @@ def test_within_position_and_velocity_limits_and_every_joint_moves(name):
 
 @pytest.mark.parametrize("name", sorted(set(FULL) - {"satellite_slew", "gripper_pick"}))
 def test_within_effort_limits(name):
-    table, limits, robot = read_csv(name), _limits(name), model(FULL[name])
-    names = list(robot.names)[1:]
-    q, qd, qdd = (stacked(table, [f"{level}_{joint}" for joint in names]) for level in ("q", "qd", "qdd"))
-    tau = torques(robot, q, qd, qdd)
-    if name == "puma560_sweep":
-        tau += _friction_and_rotors(read_scene("puma560_motors"), names, qd, qdd)
-    peaks = np.abs(tau).max(axis=0)
-    efforts = np.array([limits[joint].limit.effort for joint in names])
-    assert (peaks <= efforts).all(), dict(zip(names, zip(peaks, efforts, strict=True), strict=True))
-
-
-def _friction_and_rotors(scene, names, qd, qdd):
-    columns = []
-    for i, joint in enumerate(names):
-        rotor, friction = scene["rotor"][joint], scene["friction"][joint]
-        forward, backward = friction["coulomb"]
-        coulomb = np.where(qd[:, i] > 0, forward, np.where(qd[:, i] < 0, backward, 0))
-        columns.append(rotor["gear"] ** 2 * rotor["inertia"] * qdd[:, i] + friction["viscous"] * qd[:, i] + coulomb)
-    return np.column_stack(columns)
+    scene = load_scene(FOLDER / "puma560_motors.toml") if name == "puma560_sweep" else Scene()
+    model = robodyn.load(FOLDER / f"{FULL[name]}.urdf")
+    with robodyn.read_motion(FOLDER / f"{name}.csv", model, scene, ignore_extra=True) as motion:
+        found = robodyn.torques(model, motion, scene)
+    assert [each for each in found.exceeded if each.quantity == "effort"] == []
+    assert all(joint.effort_limit for joint in found.joints)
 
 
 def test_waves_and_encoder_are_the_same_motion():
