@@ -111,7 +111,6 @@ def _progress(stage: str) -> None:
 
 
 def _write(found: Identified, model: Model, outputs: dict[str, str | None]) -> str:
-    """Write what is asked for, after all of it is made; return lines that say so."""
     from robodyn.identification.result import calibrated_urdf, friction_toml, lost_meshes
 
     errors, what = (found.held_out, "held-out") if found.held_out else (found.train, "fitted")

@@ -31,7 +31,6 @@ T = TypeVar("T")
 
 
 def _place(text: str) -> Pose:
-    """Return three or six numbers between commas: where a frame stands, and its roll, pitch and yaw."""
     numbers = finite_numbers(text)
     if len(numbers) not in (3, 6):
         raise ValueError(f"{text!r} is not three or six finite numbers between commas, such as 0,0,0.1")
@@ -204,7 +203,6 @@ def one_each(values: Sequence[T], files: Sequence[str], option: str) -> list[T |
 def _measured(
     rows: Sequence[tuple[str, float | None, float | None, str | None]], accuracy: float | None, how: dict[str, Any]
 ) -> list[Part | MeshError]:
-    """Return the part that each file is, or why it is none; rows are file, density, mass and unit."""
     if accuracy is not None:
         from robodyn.measure.accuracy.meshes import needs_rationals, with_promise
 

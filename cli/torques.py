@@ -212,7 +212,6 @@ def _single(call: Call, urdf: str, trajectory: str, loads: dict[str, Any], examp
 
 
 def _write_example(path: str, model: Model, scene: Scene) -> None:
-    """Write an example motion to a file that is not there yet; warn of limits that no example keeps."""
     from robodyn.loads.example_motion import example_motion, overloaded
     from robodyn.trajectory.write import open_writer
 

@@ -256,7 +256,6 @@ def _outcome(job: Job, status: Status, document: dict[str, Any]) -> Outcome:
 def run_batch(
     call: Call, urdf: str, trajectories: Sequence[str], loads: Mapping[str, Any], jobs: int | None, dask: str | None
 ) -> int:
-    """Return the exit status: 2 if a trajectory failed, 1 if a limit is exceeded and that counts."""
     out = call.out or ""
     refuse_where(
         (call.report, "--report is of one trajectory"),

@@ -227,7 +227,6 @@ class TomlTable:
         return [(name, outer._inner(name, value, named.format(name))) for name, value in outer.values.items()]
 
     def list(self, key: str) -> list[TomlTable]:
-        """Return the tables in the list of a key."""
         values = self.take(key, [])
         if not isinstance(values, list):
             raise self.error(f'"{key}" is not a list of tables', f"write [[{key}]] above each", key)

@@ -79,7 +79,6 @@ class ShapesInertia:
 
 
 def mesh_file(shape: Shape) -> MeshFile | None:
-    """Return the file that has to be read for a shape, if any."""
     return None if shape.path is None else (shape.path, shape.geometry.scale)
 
 

@@ -108,7 +108,6 @@ class Strict:
         return child
 
     def text(self, element: Element, attribute: str, owner: str) -> str:
-        """Return an attribute that must be there and not be empty."""
         return element.get(attribute) or self._missing(element, attribute, owner)
 
     def _missing(self, element: Element, attribute: str, owner: str) -> NoReturn:
@@ -360,7 +359,6 @@ class Shape:
 
 
 def link_named(description: Description, name: str) -> Link:
-    """Return the link of this name; InputError if there is none."""
     links = {link.name: link for link in description.links}
     if name not in links:
         remedy = alternatives(name, links, "links")

@@ -263,8 +263,6 @@ class LimitView(Part):
 
 
 class MimicView(Part):
-    """<mimic>; the multiplier of an absent attribute is 1, the offset 0."""
-
     joint = _text("joint")
     multiplier = _number("multiplier")
     offset = _number("offset")

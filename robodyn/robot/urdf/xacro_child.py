@@ -444,8 +444,6 @@ class Places:
 
 
 class _Marking(ExpatBuilderNS):
-    """Python's builder of documents, which marks each element but xacro's own."""
-
     def __init__(self, number: int) -> None:
         super().__init__()
         self._number = number

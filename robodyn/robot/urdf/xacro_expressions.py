@@ -124,7 +124,6 @@ def check_percent(text: str, values: Any) -> None:
 
 
 def check_fields(text: str, values: list[Any]) -> None:
-    """Raise where str.format takes values apart, or writes without bound."""
     for _, field, specification, _ in Formatter().parse(text):
         if set(field or "") & set(".[") or "{" in (specification or ""):
             raise RefusedError("a format with a dot, a bracket or a format in a field")
@@ -140,7 +139,6 @@ def check_width(specification: str) -> None:
 
 
 def check_growth(text: str, name: str, given: tuple[Any, ...], named: dict[str, Any]) -> None:
-    """Raise where a method would make a text too long."""
     values = [*given, *named.values()]
     if name in ("center", "ljust", "rjust", "zfill"):
         widths = [value for value in values if isinstance(value, int)]
