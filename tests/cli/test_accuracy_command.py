@@ -65,6 +65,7 @@ def test_simulation(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["front.svg"]
 
 
+@pytest.mark.slow
 def test_a_simulation_as_accurate_as_asked() -> None:
     call = ("simulate", PLANAR[0], "--scene", PLANAR[1], "--duration", "0.1", "--accuracy", "1e-7")
     text = shown(*call)

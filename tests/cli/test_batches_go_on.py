@@ -85,7 +85,7 @@ GONE = "there is no such file (check the name)"
 LINE = f"error: none.urdf: {GONE}\n"
 
 
-@pytest.mark.parametrize("apart", [False, True])
+@pytest.mark.parametrize("apart", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_a_file_that_cannot_be_read_stops_no_check(apart: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """Nor where processes work."""
     monkeypatch.setattr("robodyn.checks.check.worth_processes", lambda files: apart)

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from helpers.bombs import FEWER, MOST, TABLES, TOML, WAIVERS, Bounded, Command, bounded_commands, write_bomb
 from helpers.command_line import write_arm
+from helpers.sampled import sampled
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="needs limits of the system")
 
@@ -36,7 +37,7 @@ COUNTED = {"values.yaml", "documents.yaml", "records.mcap", "lines.csv", "publis
 """What is refused only after much of it is counted: by default beyond fewer, some under `slow` beyond the usual."""
 
 
-@pytest.mark.parametrize("name", TABLES)
+@pytest.mark.parametrize("name", sampled(TABLES, 3))
 def test_tables(name: str, tmp_path: Path, bounded: Command) -> None:
     write_bomb(tmp_path / name)
     refused(bounded("torques", "arm.urdf", name, cwd=tmp_path, limits=FEWER if name in COUNTED else ""), name)
@@ -53,7 +54,7 @@ USES = [(name, use) for use in ("scene", "settings", "map") for name in TOML]
 OFTEN = [pytest.param(*each, marks=[pytest.mark.slow] * (each[1] != "scene" and each[0] != "keys")) for each in USES]
 
 
-@pytest.mark.parametrize(("name", "use"), OFTEN)
+@pytest.mark.parametrize(("name", "use"), sampled(OFTEN, 3))
 def test_scenes_and_settings(name: str, use: str, tmp_path: Path, bounded: Command) -> None:
     (tmp_path / ("robodyn.toml" if use == "settings" else "x.toml")).write_bytes(TOML[name])
     if use == "settings":

@@ -51,10 +51,7 @@ def runner(tmp_path: Path) -> Any:
 def test_everything_below_the_folder(runner: Any) -> None:
     status, lines, written = runner(ROBODYN_OPTIONS=f"--select {','.join(FAMILIES)}")
     assert status == 1
-    assert [line.split(",")[0] for line in lines] == [
-        "::error file=more robots/bad.urdf",
-        "::warning file=warned.urdf",
-    ]
+    assert [line.split(",")[0] for line in lines] == ["::error file=more robots/bad.urdf", "::warning file=warned.urdf"]
     assert written["GITHUB_OUTPUT"] == "status=1\n"
     assert "RD501" in written["GITHUB_STEP_SUMMARY"]
     document = json.loads(written["ROBODYN_SARIF"])
@@ -65,7 +62,7 @@ def test_everything_below_the_folder(runner: Any) -> None:
 @pytest.mark.parametrize(
     ("files", "options", "status"),
     [
-        ("clean.urdf\nwarned.urdf\n", "--strict", 1),
+        pytest.param("clean.urdf\nwarned.urdf\n", "--strict", 1, marks=pytest.mark.slow),
         ("*.urdf\n\n  \n", "--strict --ignore RD208", 0),
         ("clean.urdf", "--sctrict", 2),
     ],

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from helpers.command_line import ARM, ROBOTS, Outcome, motion, refused, run
+from helpers.sampled import sampled
 
 from robodyn.robot.urdf.sources import VARIABLES
 
@@ -85,7 +86,7 @@ WAYS = {
 }
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", sampled(WAYS, 3))
 def test_all_commands_find_the_same_meshes(way: str, monkeypatch: pytest.MonkeyPatch) -> None:
     robot, more, variables = WAYS[way]
     for name, value in variables.items():
@@ -93,7 +94,10 @@ def test_all_commands_find_the_same_meshes(way: str, monkeypatch: pytest.MonkeyP
     assert found(robot, *more) == dict.fromkeys(("info", "check", "compare"), way != "nowhere")
 
 
-@pytest.mark.parametrize(("kind", "why"), [("none", "there is no such folder"), ("file", "is a file, not a folder")])
+@pytest.mark.parametrize(
+    ("kind", "why"),
+    [("none", "there is no such folder"), pytest.param("file", "is a file, not a folder", marks=pytest.mark.slow)],
+)
 def test_a_package_path_that_is_not_there_is_an_error(kind: str, why: str) -> None:
     Path("file").touch()
     for name in COMMANDS:
@@ -101,7 +105,8 @@ def test_a_package_path_that_is_not_there_is_an_error(kind: str, why: str) -> No
         refused(outcome, f"invalid value for '--package-path': '{kind}': {why} (try: robodyn ")
 
 
-@pytest.mark.parametrize("name", ["inertia", pytest.param("simulate", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["inertia", "simulate"])
 def test_reports_draw_them(name: str) -> None:
     assert called(name, "alone.urdf", "--package-path", "src", "--report", "r.html").status == 0
     assert not re.search("as a skeleton|some meshes are not found", Path("r.html").read_text())
@@ -114,9 +119,7 @@ def test_a_description_from_standard_input_has_its_meshes_in_the_current_folder(
     assert json.loads(outcome.out)["meshes"]["missing"] == []
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name not in ("torques", "check"))) for name in COMMANDS]
-)
+@pytest.mark.parametrize("name", sampled(COMMANDS, len(COMMANDS)))
 def test_xacro_files_are_read_by_every_command(name: str) -> None:
     """What is found is that of the expanded file, with the arguments of the call."""
     Path("src/arm/urdf/heavy.urdf").write_text(MESHED.replace('<mass value="2"/>', '<mass value="7"/>'))

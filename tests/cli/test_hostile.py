@@ -100,19 +100,10 @@ def test_every_suffix_has_its_commands() -> None:
     assert {os.path.splitext(name)[1] for name in NAMES} <= CALLS.keys()
 
 
+@pytest.mark.parametrize("most", [1, pytest.param(None, marks=pytest.mark.slow)], ids=["first", "all"])
 @pytest.mark.parametrize("name", NAMES)
-def test_the_corpus(name: str) -> None:
-    """By the first command that reads it."""
-    corpus(name, 1)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", NAMES)
-def test_the_corpus_by_all_commands(name: str) -> None:
-    corpus(name)
-
-
-def corpus(name: str, most: int | None = None) -> None:
+def test_the_corpus(name: str, most: int | None) -> None:
+    """By the first command that reads it, and by all."""
     Path(name).write_bytes((HOSTILE / name).read_bytes())
     before = {*os.listdir(), "with_mesh.urdf", "covariance_x.toml", "arm.srdf"}
     for call, outcome in outcomes(name, most):

@@ -13,8 +13,6 @@ from helpers.command_line import refused, run
 from helpers.mesh_samples import binary_stl, box
 from helpers.smooth_solids import solids
 
-from robodyn.robot.urdf.description import load_description
-
 EPS = np.finfo(float).eps
 TETRAHEDRON = [[9.375, 2.5, 1.875], [2.5, 12.75, 1.5], [1.875, 1.5, 15.375]]
 
@@ -60,16 +58,6 @@ def test_about_the_origin_and_in_turned_axes(wedge):
     turned = one_mesh(wedge, "--density", "1", "--about", "0,0,0", *quarter)
     R = np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1]])
     np.testing.assert_allclose(turned["inertia_about"]["matrix"], R.T @ expected @ R, rtol=0, atol=16 * EPS * 60)
-
-
-def test_urdf_reads_back(wedge):
-    text = run("inertia", wedge, "--density", "1", "--format", "urdf").out
-    described = load_description(f'<robot name="r"><link name="a">{text}</link></robot>'.encode())
-    inertial = described.links[0].inertial
-    found = one_mesh(wedge, "--density", "1")
-    I = found["inertia"]
-    assert (inertial.mass, list(inertial.origin.xyz)) == (found["mass"], found["com"])
-    assert inertial.inertia == (I[0][0], I[0][1], I[0][2], I[1][1], I[1][2], I[2][2])
 
 
 def test_text(wedge):

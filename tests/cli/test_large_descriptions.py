@@ -61,10 +61,13 @@ def grows_with_links(work: Callable[[bytes], object], shape: str, kind: str) -> 
     assert not steep
 
 
-@pytest.mark.parametrize(("shape", "kind"), [("star", "fixed"), ("tree", "revolute")])
+@pytest.mark.parametrize(
+    ("shape", "kind"), [("star", "fixed"), pytest.param("tree", "revolute", marks=pytest.mark.slow)]
+)
 def test_check_is_linear_in_the_links(shape: str, kind: str) -> None:
     grows_with_links(check_one, shape, kind)
 
 
+@pytest.mark.slow
 def test_info_is_linear_in_the_links() -> None:
     grows_with_links(lambda data: text(overview_sections(overview(data))), "chain", "revolute")

@@ -13,6 +13,7 @@ from pathlib import Path
 import click
 import pytest
 from helpers.command_line import motion, refused, run, write_arm
+from helpers.sampled import sampled
 
 from robodyn.cli.main import COMMANDS
 from robodyn.cli.options import Output, Parsed
@@ -155,19 +156,22 @@ def test_a_baseline_that_is_none(place: str) -> None:
     assert (outcome.status, outcome.err.count("\n")) == (2, 1)
 
 
-def test_results_are_written_anew() -> None:
+RESULTS = (
+    "torques arm.urdf arm.csv --out tau.csv --report tau.md",
+    "check arm.urdf --baseline new.json --write-baseline",
+    "torques arm.urdf arm.csv --out tau.npz --report tau.html",
+    "torques arm.urdf arm.csv --out tau.parquet",
+    "export arm.urdf --to c --out arm.c",
+    "linearize arm.urdf --out linear.npz",
+    "fbd arm.urdf --svg drawings",
+)
+
+
+@pytest.mark.parametrize("call", sampled(RESULTS, 4))
+def test_results_are_written_anew(call: str) -> None:
     """Whatever the first run has written, the second may replace."""
-    calls = [
-        ("torques", "arm.urdf", "arm.csv", "--out", "tau.csv", "--report", "tau.md"),
-        ("torques", "arm.urdf", "arm.csv", "--out", "tau.npz", "--report", "tau.html"),
-        ("torques", "arm.urdf", "arm.csv", "--out", "tau.parquet"),
-        ("check", "arm.urdf", "--baseline", "new.json", "--write-baseline"),
-        ("export", "arm.urdf", "--to", "c", "--out", "arm.c"),
-        ("linearize", "arm.urdf", "--out", "linear.npz"),
-        ("fbd", "arm.urdf", "--svg", "drawings"),
-    ]
-    for words in calls * 2:
-        outcome = run(*words)
+    for _ in range(2):
+        outcome = run(*call.split())
         assert outcome.status == 0, outcome.err
 
 

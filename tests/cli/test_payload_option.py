@@ -38,6 +38,7 @@ def test_it_is_added_to_those_of_the_scene_and_can_be_repeated() -> None:
     assert run(*TORQUES, *OPTION, "--payload", "upper=1").out == both
 
 
+@pytest.mark.slow
 def test_a_batch_has_it() -> None:
     Path("more.csv").write_text(motion(6))
     assert run("torques", "arm.urdf", "arm.csv", "more.csv", "--out", "a/", "--jobs", "1", *OPTION).status == 0

@@ -39,7 +39,7 @@ CALLS: dict[str, tuple[tuple[str, ...], str, int]] = {
 }
 
 
-QUICK = ("robot", "compare", "check", "simulate")
+QUICK = ("robot", "check")
 NAMES = [pytest.param(name, marks=[pytest.mark.slow] * (name not in QUICK)) for name in CALLS]
 
 
@@ -59,7 +59,7 @@ def test_page(tmp_path: Path, name: str) -> None:
         assert json.loads(base64.b64decode(data)) == json.loads(outcome.out)
 
 
-@pytest.mark.parametrize("name", ["robot", "check"])
+@pytest.mark.parametrize("name", [pytest.param("robot", marks=pytest.mark.slow), "check"])
 def test_markdown(tmp_path: Path, name: str) -> None:
     call, words, _ = CALLS[name]
     file = tmp_path / "r.md"
@@ -108,6 +108,7 @@ def puma(tmp_path_factory: pytest.TempPathFactory):
     return page_of(file)
 
 
+@pytest.mark.slow
 def test_figures(puma) -> None:
     assert puma.all("main")[0].text.split()[:4] == ["No", "limit", "is", "exceeded"]
     captions = [each.text for each in puma.all("figcaption")]

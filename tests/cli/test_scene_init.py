@@ -73,10 +73,11 @@ def test_numbers_are_those_of_the_description() -> None:
         assert f"#friction.{joint.name} = {{ viscous = {joint.damping!r}, coulomb = {joint.friction!r} }}" in text
 
 
-def test_examples_can_be_computed() -> None:
+@pytest.mark.parametrize("first", sampled(range(4)))
+def test_examples_can_be_computed(first: int) -> None:
     """Each of an arm's, alone, by the command that it is for."""
     text = scene_toml(robodyn.load("arm.urdf"))
-    for line in examples(text):
+    for line in examples(text)[first::4]:
         Path("scene.toml").write_text(text.replace(f"\n#{line}\n", f"\n{line}\n"))
         if line.startswith("base") or "elbow" in line:
             continue

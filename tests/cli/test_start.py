@@ -10,13 +10,10 @@ from importlib import import_module
 from pathlib import Path
 
 import pytest
-from helpers.command_line import ROBOTS
+from helpers.command_line import ROBOTS, run
 from helpers.sampled import sampled
 
-STARTED = {
-    "fine": ("inertia", str(ROBOTS / "meshes" / "hub.stl")),
-    "wrong": ("inertia", "no_such.stl"),
-}
+STARTED = {"fine": ("inertia", str(ROBOTS / "meshes" / "hub.stl")), "wrong": ("inertia", "no_such.stl")}
 
 
 def started(function: str, *arguments: str, before: str = "", after: str = "") -> subprocess.CompletedProcess[str]:
@@ -24,29 +21,24 @@ def started(function: str, *arguments: str, before: str = "", after: str = "") -
     return subprocess.run([sys.executable, "-I", "-c", code, *arguments], capture_output=True, text=True, check=False)
 
 
-@pytest.mark.parametrize("call", STARTED)
+@pytest.mark.parametrize("call", [pytest.param("fine", marks=pytest.mark.slow), "wrong"])
 def test_as_main(call):
     mine, plain = started("start", *STARTED[call]), started("main", *STARTED[call])
     assert (mine.returncode, mine.stdout, mine.stderr) == (plain.returncode, plain.stdout, plain.stderr)
     assert mine.stdout or mine.stderr
 
 
-def test_what_is_registered_for_the_end_is_done():
-    before = "import atexit; atexit.register(print, 'registered')"
-    assert started("start", "--version", before=before).stdout.endswith("registered\n")
-
-
-def test_threads_are_waited_for():
+def test_threads_are_waited_for_what_is_registered_is_done_and_memory_is_not_taken_apart():
+    before = "import atexit; atexit.register(print, 'registered')\n"
+    before += "class Thing:\n    def __del__(self, say=print): say('gone')\nthing = Thing()"
     late = "import threading, time; threading.Thread(target=lambda: (time.sleep(0.3), print('late'))).start()"
-    assert "late\n" in started("start", "--version", after=late).stdout
+    out = started("start", "--version", before=before, after=late).stdout
+    assert "late\n" in out
+    assert out.endswith("registered\n")
+    assert "gone" not in out
 
 
-def test_memory_is_not_taken_apart():
-    left = "class Thing:\n    def __del__(self, say=print): say('gone')\nthing = Thing()"
-    assert "gone" not in started("start", "--version", before=left).stdout
-
-
-@pytest.mark.parametrize("isolated", [False, True])
+@pytest.mark.parametrize("isolated", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_as_a_module_of_a_checkout(isolated, tmp_path):
     """Also where it is not installed, with the libraries that it needs in the path."""
     root = Path(__file__).parents[2]
@@ -60,10 +52,10 @@ def test_as_a_module_of_a_checkout(isolated, tmp_path):
     variables = {**os.environ, "PYTHONPATH": path}
     done = subprocess.run(call, capture_output=True, text=True, check=False, cwd=tmp_path, env=variables)
     assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout == started("main", *STARTED["fine"]).stdout
+    assert done.stdout == run(*STARTED["fine"]).out
 
 
-@pytest.mark.parametrize(("value", "shown"), [("1", True), ("0", False)])
+@pytest.mark.parametrize(("value", "shown"), [("1", True), pytest.param("0", False, marks=pytest.mark.slow)])
 def test_a_traceback_is_shown_on_request(value, shown, monkeypatch):
     monkeypatch.setenv("ROBODYN_TRACEBACK", value)
     wrong = started("start", *STARTED["wrong"])
@@ -93,7 +85,7 @@ start()
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs signals")
-@pytest.mark.parametrize("count", sampled([1, *range(8, 60, 7), *range(60, 1200, 90)], 3))
+@pytest.mark.parametrize("count", sampled([1, *range(8, 60, 7), *range(60, 1200, 90)], 8))
 def test_an_interrupt_while_modules_load(count: int) -> None:
     code = PROBE.format(count=count, here=str(Path(__file__).parent))
     call = [sys.executable, "-I", "-c", code, "torques", str(ROBOTS / "scara.urdf"), str(ROBOTS / "none.csv")]

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from helpers.command_line import ARM, ROBOTS, command, motion, run, spawn, write_arm
+from helpers.sampled import sampled
 from helpers.terminals import on_terminal
 
 SCARA = (str(ROBOTS / "scara.urdf"), str(ROBOTS / "scara_pick_and_place.csv"))
@@ -34,7 +35,8 @@ def test_each_file_may_be_standard_input() -> None:
 
 
 @pytest.mark.parametrize(
-    ("stream", "status", "line"), [("stdin", 2, "error: <stdin>: standard input is closed"), ("stdout", 0, "")]
+    ("stream", "status", "line"),
+    [("stdin", 2, "error: <stdin>: standard input is closed"), pytest.param("stdout", 0, "", marks=pytest.mark.slow)],
 )
 def test_closed_stream(stream: str, status: int, line: str) -> None:
     mark = {"stdin": "<&-", "stdout": ">&-"}[stream]
@@ -46,7 +48,10 @@ def test_closed_stream(stream: str, status: int, line: str) -> None:
     assert len(done.stderr.splitlines()) == bool(line)
 
 
-@pytest.mark.parametrize("options", [("--format", "json"), ("--fail-on-limits", "--gravity", "0,0,-9000")])
+@pytest.mark.parametrize(
+    "options",
+    [pytest.param(("--format", "json"), marks=pytest.mark.slow), ("--fail-on-limits", "--gravity", "0,0,-9000")],
+)
 def test_a_reader_that_goes_away_is_no_error(options: tuple[str, ...]) -> None:
     read, write = os.pipe()
     os.close(read)
@@ -62,7 +67,7 @@ INTERRUPTS = {
 }
 
 
-@pytest.mark.parametrize("when", INTERRUPTS)
+@pytest.mark.parametrize("when", sampled(INTERRUPTS))
 def test_interrupt(when: str) -> None:
     code = (
         "import os, signal, time\n"
@@ -88,6 +93,7 @@ def test_plain_text_where_the_terminal_wants_it() -> None:
     assert shown == run("torques", *SCARA).out
 
 
+@pytest.mark.slow
 def test_tables_fit_a_narrow_terminal() -> None:
     shown, _ = on_terminal(command("torques", *SCARA), stdout=True, stderr=False, columns=80, NO_COLOR="1")
     tables = shown.partition("Self-checks")[0].splitlines()
@@ -101,12 +107,14 @@ def with_bar() -> list[str]:
     return [sys.executable, "-c", code, "torques", *SCARA, "--format", "json"]
 
 
+@pytest.mark.slow
 def test_progress_is_shown_on_a_terminal_and_never_on_standard_output() -> None:
     shown, piped = on_terminal(with_bar(), stdout=False, stderr=True)
     assert "reading" in shown
     assert piped == run("torques", *SCARA, "--format", "json").out
 
 
+@pytest.mark.slow
 def test_no_progress_without_a_terminal_nor_for_a_short_file() -> None:
     done = subprocess.run(with_bar(), capture_output=True, check=True)
     assert done.stderr == b""

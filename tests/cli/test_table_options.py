@@ -48,10 +48,10 @@ def document(*args: str) -> dict[str, Any]:
 def test_held_joints_are_in_text_json_and_page() -> None:
     """At rest where the finger that mimics it is within its limits, too."""
     refused(run("torques", "arm.urdf", "arm.csv"), "arm.csv:1: no position of joint 'finger' (--hold rest keeps joints")
-    outcome = run("torques", "arm.urdf", "arm.csv", "--hold", "rest", "--report", "page.html")
+    outcome = run("torques", "arm.urdf", "arm.csv", "--hold", "rest", "--report", "page.md")
     said = "Held still, for want of columns: at 0.01 m finger."
     assert said in outcome.out
-    assert said in Path("page.html").read_text()
+    assert said in Path("page.md").read_text()
     assert document("torques", "arm.urdf", "arm.csv", "--hold", "rest")["held"] == {"finger": 0.01}
 
 
@@ -66,6 +66,7 @@ def test_held_joints_carry_what_they_would_with_columns() -> None:
     assert held == whole
 
 
+@pytest.mark.slow
 def test_wherever_a_table_is_read() -> None:
     options = ("--hold", "rest", "--map", "q_elbow=e")
     write("arm.csv", ("time", "q_shoulder", "e"))
@@ -156,10 +157,10 @@ def test_a_slip_of_units_is_told_by_other_commands() -> None:
 def test_epoch_stamps_are_relative_in_reports_and_as_given_in_tables() -> None:
     """The origin is told once; rows of the output can be joined to those of the input."""
     swing("arm.csv", start=1_700_000_000.0)
-    outcome = run("torques", "arm.urdf", "arm.csv", "--out", "tau.csv", "--report", "page.html")
+    outcome = run("torques", "arm.urdf", "arm.csv", "--out", "tau.csv", "--report", "page.md")
     assert outcome.out.count("1700000000") == 1
     assert "Times count from the first stamp of the table, 1700000000 s.\n" in outcome.out
-    assert Path("page.html").read_text().count("1700000000") == 1
+    assert Path("page.md").read_text().count("1700000000") == 1
     found = document("torques", "arm.urdf", "arm.csv")
     assert found["time_origin"] == 1_700_000_000.0
     assert max(joint["peak_time"] for joint in found["joints"]) < 2.0

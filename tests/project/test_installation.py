@@ -43,10 +43,11 @@ def in_a_checkout(code: str, folder: Path) -> subprocess.CompletedProcess[str]:
 @pytest.mark.parametrize(
     ("module", "arguments", "printed"),
     [
-        (
+        pytest.param(
             "pytest",
             ["tests/cli/test_bad_calls.py", "--collect-only", "-p", "no:cacheprovider"],
             "test_call",
+            marks=pytest.mark.slow,
         ),
         ("robodyn", ["info", "robots/scara.urdf"], "robot 'scara'"),
     ],

@@ -16,19 +16,10 @@ SWEEP = "torques robots/puma560.urdf robots/puma560_sweep.csv"
 TUMBLE = "simulate robots/rigid_body.urdf --scene robots/rigid_body_tumble.toml --duration 0.05"
 TX40 = "tests/data/tx40_log/tx40.urdf tests/data/tx40_log/log.parquet"
 COMMANDS = (
-    ("torques", "torques robots/scara.urdf robots/scara_pick_and_place.csv --explain --accuracy 1e-9"),
-    ("torques", f"{SWEEP} --scene robots/puma560_sizing.toml --momentum"),
-    ("torques", f"{SWEEP} --scene robots/puma560_uncertain.toml"),
     ("torques", "torques robots/gripper.urdf robots/gripper_pick.csv --scene robots/gripper.toml"),
-    ("torques", "torques robots/crank_slider.urdf robots/crank_slider_turn.csv --scene robots/crank_slider_turn.toml"),
-    ("torques_batch", "torques robots/puma.urdf robots/puma_reach.csv robots/puma_polish.csv --out OUT/"),
     ("simulate", "simulate robots/crank_slider.urdf --scene robots/crank_slider_pump.toml --duration 0.1"),
-    ("simulate", TUMBLE),
-    ("simulate", "simulate robots/puma560.urdf --scene robots/puma560_power_cut.toml --duration 0.1"),
     ("inertia", "inertia robots/meshes/torn_block.stl robots/meshes/worn_pad.stl robots/meshes/open_tray.stl"),
-    ("inertia", "inertia robots/meshed_arm.urdf --link forearm --geometry visual"),
     ("inertia_robot", "inertia robots/meshed_arm.urdf --at elbow=0.5"),
-    ("inertia_robot", "inertia robots/meshed_arm.urdf --link forearm"),
     ("inertia_comparison", "inertia robots/meshed_arm.urdf --compare"),
     ("check", "check robots/puma.urdf robots/scara.urdf"),
     ("info", "info robots/gripper.urdf"),
@@ -40,6 +31,15 @@ COMMANDS = (
 )
 
 SLOW = (
+    ("torques_batch", "torques robots/puma.urdf robots/puma_reach.csv robots/puma_polish.csv --out OUT/"),
+    ("torques", "torques robots/scara.urdf robots/scara_pick_and_place.csv --explain --accuracy 1e-9"),
+    ("torques", f"{SWEEP} --scene robots/puma560_sizing.toml --momentum"),
+    ("torques", f"{SWEEP} --scene robots/puma560_uncertain.toml"),
+    ("torques", "torques robots/crank_slider.urdf robots/crank_slider_turn.csv --scene robots/crank_slider_turn.toml"),
+    ("simulate", TUMBLE),
+    ("simulate", "simulate robots/puma560.urdf --scene robots/puma560_power_cut.toml --duration 0.1"),
+    ("inertia", "inertia robots/meshed_arm.urdf --link forearm --geometry visual"),
+    ("inertia_robot", "inertia robots/meshed_arm.urdf --link forearm"),
     ("torques", "torques robots/puma.urdf robots/puma_encoder.csv --sizing"),
     ("torques", "torques robots/quadruped.urdf robots/quadruped_trot.csv --scene robots/quadruped_trot.toml"),
     ("linearize", "linearize robots/puma.urdf --scene robots/puma_servo.toml --step 0.01"),

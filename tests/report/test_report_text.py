@@ -226,14 +226,14 @@ def test_simulations_show_no_noise() -> None:
     assert not TINY.search(text.replace("<1e-12", "")), text
 
 
-@pytest.mark.parametrize("sizing", [False, True])
+@pytest.mark.parametrize("sizing", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_no_text_depends_on_the_last_digit(sizing: bool) -> None:
     """All figures of a motion moved by some units of rounding of the largest of their kind: the same text."""
     model = robot("puma560")
     found = robodyn.torques(model, ROBOTS / "puma560_sweep.csv", sizing=sizing)
     rng, size = np.random.default_rng(1), result_sizes(found)
     shown = torques_text(found, explain=True)
-    for _ in range(5):
+    for _ in range(3):
         joints = tuple(_moved(joint, size, rng) for joint in found.joints)
         base = tuple(
             replace(part, peak=_by_noise(part.peak, size["N" if part.name[0] == "f" else "N m"], rng))

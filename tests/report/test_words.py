@@ -14,16 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.equations.linearized.modes import Mode
-from robodyn.report.document import (
-    Facts,
-    Paragraph,
-    Table,
-    finite,
-    paragraphs,
-    remarks,
-    text,
-    written,
-)
+from robodyn.report.document import Facts, Paragraph, Table, finite, paragraphs, remarks, text, written
 from robodyn.report.linearized import moves
 from robodyn.report.measured import bar
 from robodyn.report.sizing import probability
@@ -35,13 +26,7 @@ SCENE = str(ROBOTS / "puma560_uncertain.toml")
 
 @pytest.mark.parametrize(
     ("p", "said"),
-    [
-        (1.0, "more than 99.9 %"),
-        (0.994, "99.4 %"),
-        (0.5, "50 %"),
-        (0.004, "0.4 %"),
-        (0.0, "less than 0.1 %"),
-    ],
+    [(1.0, "more than 99.9 %"), (0.994, "99.4 %"), (0.5, "50 %"), (0.004, "0.4 %"), (0.0, "less than 0.1 %")],
 )
 def test_probabilities_are_told_as_precisely_as_they_are_known(p, said):
     assert probability(p) == said

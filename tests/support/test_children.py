@@ -65,7 +65,7 @@ CALLS = {
 }
 
 
-SLOW = {"doctor", "check r.xacro --trust-xacro", "check many"}
+SLOW = {"doctor", "check r.xacro --trust-xacro", "check many", "torques arm.urdf a.csv b.csv c.csv --out results"}
 
 
 @pytest.mark.parametrize("call", [pytest.param(call, marks=pytest.mark.slow if call in SLOW else ()) for call in CALLS])
@@ -76,6 +76,7 @@ def test_modules_beside_the_files_are_not_imported(hostile: Path, call: str) -> 
     assert done.returncode == CALLS[call] or CALLS[call] is None, done.stderr
 
 
+@pytest.mark.slow
 def test_nor_are_they_by_python_m(hostile: Path) -> None:
     """But for those that Python itself imports before robodyn, runpy and what it needs."""
     shutil.rmtree(hostile / "robodyn")  # this one is asked for
@@ -149,6 +150,7 @@ def test_of_a_checkout_that_is_the_current_folder_only_robodyn_is_imported(tmp_p
     assert not (tmp_path / "canary").exists()
 
 
+@pytest.mark.slow
 def test_an_installation_of_this_user_works(tmp_path: Path) -> None:
     """With a .pth file there, as an editable one has."""
     base = tmp_path / "base"

@@ -17,12 +17,7 @@ from robodyn.support.threads import processes
 
 @pytest.mark.parametrize(
     ("jobs", "asked", "platform", "expected"),
-    [
-        (1000, None, "linux", 96),
-        (5, None, "linux", 5),
-        (1000, None, "win32", 61),
-        (1000, 200, "win32", 61),
-    ],
+    [(1000, None, "linux", 96), (5, None, "linux", 5), (1000, None, "win32", 61), (1000, 200, "win32", 61)],
 )
 def test_windows_waits_for_61_processes_at_most(monkeypatch, jobs, asked, platform, expected):
     monkeypatch.setattr(workers, "cores", lambda: 96)

@@ -84,6 +84,7 @@ def test_interrupted(whole_group: bool) -> None:
         assert path.read_text().count("\n") == 60_001
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="needs signals")
 def test_processes_that_are_ended_the_hard_way_leave_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     """As under Windows, where what ends a process lets it clear nothing up."""
@@ -101,6 +102,7 @@ def test_processes_that_are_ended_the_hard_way_leave_nothing(monkeypatch: pytest
     ]
 
 
+@pytest.mark.slow
 def test_progress_on_a_terminal() -> None:
     """A bar with the files that are done and the time left, below the lines; nothing of it where nobody looks."""
     pipes = command("torques", "arm.urdf", "runs/*.csv", "--out", "results", "--executor", "numpy")
