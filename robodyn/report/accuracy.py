@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
 _UNITS = {"mesh": (1e3, "ms"), "motion": (1e3, "ms"), "sample": (1e9, "ns")}
 _WHERE = {"end": "error at the end", "way": "along the way", "middle": "error in the middle", "whole": "anywhere"}
+_MARKERS = "osD^v<>Ph*Xd"
+_NO_ERROR = 1e-16
+"""The least error of a ladder without any, for the scale."""
 
 
 def accuracy_sections(accuracy: Accuracy, target: float | None = None) -> Iterator[doc.Section]:
@@ -146,11 +149,6 @@ def accuracy_json(accuracy: Accuracy, target: float | None = None) -> str:
 def doctor_json(lines: tuple[Line, ...]) -> str:
     """Return {"ok": ..., "lines": [{group, name, found, verdict, remark, figures}]}."""
     return doc.written({"ok": healthy(lines), "lines": lines})
-
-
-_MARKERS = "osD^v<>Ph*Xd"
-_NO_ERROR = 1e-16
-"""The least error of a ladder without any, for the scale."""
 
 
 def accuracy_picture(accuracy: Accuracy, target: float | None, form: str) -> bytes:

@@ -19,6 +19,9 @@ from typing import Any, Literal
 from robodyn.report.table import PLAIN, Page, printable
 
 Level = Literal["good", "doubtful", "bad", "neutral"]
+_KINDS = {"json": "application/json", "csv": "text/csv"}
+LARGEST = 400_000
+"""Bytes of a file that a page carries at most."""
 
 
 @dataclass(frozen=True)
@@ -163,11 +166,6 @@ def paragraphs(lines: Iterable[str]) -> list[Block]:
 def code_lines(text: str) -> str:
     """Return lines of a source as they are shown: with control characters escaped."""
     return "\n".join(map(printable, text.split("\n")))
-
-
-_KINDS = {"json": "application/json", "csv": "text/csv"}
-LARGEST = 400_000
-"""Bytes of a file that a page carries at most."""
 
 
 def data_blocks(files: Iterable[tuple[str, str]], instead: str) -> list[Block]:

@@ -15,6 +15,7 @@ from robodyn.report.table import Content, axis_text, gravity_text, number, point
 from robodyn.support.wording import count
 
 DIGITS = 15
+_COMPONENTS = ("fx [N]", "fy", "fz", "mx [N m]", "my", "mz")
 
 
 def ode_sections(ode: Ode) -> Iterator[Section]:
@@ -127,9 +128,6 @@ def free_body_sections(found: FreeBodies, state: str) -> Iterator[Section]:
     off = f"{relative_text(found.residual_force)} and {relative_text(found.residual_moment)} of the largest"
     yield [Paragraph(f"Balance: forces, and moments about each body's origin, add up to zero within {off}")]
     yield remarks("warning", found.warnings)
-
-
-_COMPONENTS = ("fx [N]", "fy", "fz", "mx [N m]", "my", "mz")
 
 
 def _cells(acting: Action | FreeBody | JointRow, size: Sizes) -> list[str]:

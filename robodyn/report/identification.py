@@ -17,6 +17,7 @@ from robodyn.support.wording import count, figure, listed
 
 _DECIMALS = 8
 """From so many on, numbers are written with an exponent."""
+_PICTURED = 12
 
 
 def identified_sections(found: Identified) -> Iterator[doc.Section]:
@@ -129,9 +130,6 @@ def _errors_json(errors: Errors) -> dict[str, Any]:
 
 def _both_json(train: Errors, held_out: Errors | None) -> dict[str, Any]:
     return {"train": _errors_json(train), "held_out": held_out and _errors_json(held_out)}
-
-
-_PICTURED = 12
 
 
 def excitation_sections(found: Excitation) -> Iterator[doc.Section]:

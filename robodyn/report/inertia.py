@@ -30,6 +30,8 @@ AXES = ("x", "y", "z")
 _UNKNOWN = "an unknown amount (facets too coarse)"
 _MOST = 9
 """Planes and axes that are listed; of the others there is a count."""
+_HEAD = ("mass [kg]", "share [%]")
+_PLACED = tuple(f"{axis} [m]" for axis in AXES)
 
 
 def inertia_sections(parts: Sequence[Part], view: View) -> Iterator[Section]:
@@ -135,10 +137,6 @@ def _short(value: float, scale: float) -> str:
 
 def _percent(share: float) -> str:
     return f"{100 * share:.2g} %" if isfinite(share) else _UNKNOWN
-
-
-_HEAD = ("mass [kg]", "share [%]")
-_PLACED = tuple(f"{axis} [m]" for axis in AXES)
 
 
 def combination_sections(found: Combination, view: View) -> Iterator[Section]:

@@ -34,6 +34,8 @@ if TYPE_CHECKING:
 
 
 COM = View()
+_FAR = 0.1
+"""Relative difference of a link from its shapes that is counted."""
 
 
 def inertia_json(outcomes: Sequence[Part | MeshError], view: View) -> str:
@@ -148,10 +150,6 @@ def _declared_json(link: LinkInertia, view: View = COM) -> dict[str, Any]:
 
 def _pose(pose: Sequence[Any]) -> dict[str, Any]:
     return dict(zip(("rotation", "origin"), doc.encode(list(pose)), strict=True))
-
-
-_FAR = 0.1
-"""Relative difference of a link from its shapes that is counted."""
 
 
 def parts_page(outcomes: Sequence[Part | MeshError], view: View, shapes: Sequence[Array | None]) -> doc.Document:

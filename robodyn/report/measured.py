@@ -18,6 +18,11 @@ from robodyn.support.wording import count
 _TOLD = 0.01
 """Of a joint's residual: a share that is named."""
 _DIGITS = 4
+_LEAST = 0.02
+"""Of the residual of a joint: an effect that explains less has no line."""
+_GOOD = 0.05
+_MUCH = 0.5
+_ROUNDED = 1e-9
 
 
 def percent(share: float) -> str:
@@ -74,13 +79,6 @@ def _payload(found: Comparison, fault: Fault, m: float, error: float) -> str:
         bar(float(x), float(e)) if there else "?" for x, e, there in zip(centre, errors, told, strict=True)
     )
     return f"A payload of {bar(m, error)} kg at {printable(found.load_link)}, its centre at ({where}) m,"
-
-
-_LEAST = 0.02
-"""Of the residual of a joint: an effect that explains less has no line."""
-_GOOD = 0.05
-_MUCH = 0.5
-_ROUNDED = 1e-9
 
 
 def measured_sections(found: Comparison) -> Iterator[doc.Section]:

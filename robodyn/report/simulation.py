@@ -19,6 +19,11 @@ FREE = "ODE, qdd = M^-1 (tau - bias) by articulated bodies"
 LOOPED = "index-1 DAE, M qdd + bias = tau + J^T lambda, J qdd = -J' qd by M = C C^T and C^-1 J^T = Q R"
 _NAMED = 8
 """Equations of loops that are named; of more, the number."""
+PLOTTED = 12
+"""Joints that have plots; those that move most where there are more."""
+_WORST_FIRST: tuple[doc.Level, ...] = ("bad", "doubtful", "neutral", "good")
+_DRIFT = 1e-3
+"""Relative to the largest kinetic energy; above it steps are too long."""
 
 
 def simulation_sections(result: Simulation, explain: bool = False) -> Iterator[doc.Section]:
@@ -111,13 +116,6 @@ def _loops(loops: LoopFigures, reach: float) -> Iterator[doc.Section]:
     ]
     head = ("loop", "largest force [N]", "largest moment [N m]", "|phi| [m, rad]", "|phi'| [m/s, rad/s]")
     yield [doc.Table("", head, rows)]
-
-
-PLOTTED = 12
-"""Joints that have plots; those that move most where there are more."""
-_WORST_FIRST: tuple[doc.Level, ...] = ("bad", "doubtful", "neutral", "good")
-_DRIFT = 1e-3
-"""Relative to the largest kinetic energy; above it steps are too long."""
 
 
 def simulation_page(result: Simulation, pictures: bool = True) -> doc.Document:

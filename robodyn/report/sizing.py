@@ -25,6 +25,16 @@ _WORDS = {
 """Of a quantity what it is, and what limits it."""
 _WORST = ("over peak", "over continuous", "OK", "no limits")
 _UNKNOWN = "no limits are known"
+_FINE = 1e3
+"""mm beside which the places of centres of pressure are noise or not."""
+_FEW, _NAMED = 3, 8
+"""Joints that are named instead of counted, and that are named at most."""
+_MISSING = {"slip": "would slip", "pull": "had to pull", "tip": "would tip over", "fly": "stands on nothing"}
+_SHOWN = 3
+"""Parameters that are named of each load, with more than `_LEAST` of its variance."""
+_LEAST = 0.01
+_OF_LINKS = {"mass": "mass", "com": "centre of mass", "inertia": "inertia", "friction": "friction"}
+_RESULTANTS = ("radial", "tilting")
 
 
 def sizing_sections(result: Result) -> Iterator[Section]:
@@ -140,13 +150,6 @@ def _motors(result: Result, sizing: Sizing) -> Table:
     return Table("Motors, torque and speed at their shafts", head, rows)
 
 
-_FINE = 1e3
-"""mm beside which the places of centres of pressure are noise or not."""
-_FEW, _NAMED = 3, 8
-"""Joints that are named instead of counted, and that are named at most."""
-_MISSING = {"slip": "would slip", "pull": "had to pull", "tip": "would tip over", "fly": "stands on nothing"}
-
-
 def constraint_tables(result: Result) -> Iterator[Table]:
     """Yield tables of loops, contacts, spans without contact forces, what passive joints lack."""
     found, size = result.constraints, result_sizes(result)
@@ -222,13 +225,6 @@ def constraint_lines(found: Constraints) -> Iterator[str]:
     if found.beyond_limits is not None:
         since = figure(found.beyond_limits)
         yield f"From {since} s on there are samples at which no contact forces keep the effort limits."
-
-
-_SHOWN = 3
-"""Parameters that are named of each load, with more than `_LEAST` of its variance."""
-_LEAST = 0.01
-_OF_LINKS = {"mass": "mass", "com": "centre of mass", "inertia": "inertia", "friction": "friction"}
-_RESULTANTS = ("radial", "tilting")
 
 
 def uncertainty_sections(result: Result) -> Iterator[Section]:

@@ -37,6 +37,13 @@ if TYPE_CHECKING:
 
 _NAMED = 6
 KINDS: tuple[Status, ...] = ("computed", "finished before", "failed")
+_TAKES = ("coulomb friction", "viscous friction", "load friction", "fluid")
+"""Effects that take energy, which the work in the balance is without."""
+_LISTED = 3
+"""Exceeded limits that a line names."""
+_KNOWN = 1e-6
+"""Of a peak: an error bar that is smaller is left out."""
+_UNITS = {"com": "m", "p": "kg m/s", "L": "kg m^2/s", "T": "J", "V": "J", "power": "W"}
 
 
 def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]:
@@ -97,10 +104,6 @@ def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]
     yield remarks("warning", result.warnings)
 
 
-_TAKES = ("coulomb friction", "viscous friction", "load friction", "fluid")
-"""Effects that take energy, which the work in the balance is without."""
-
-
 def _input_words(result: Result) -> Iterator[str]:
     """Yield what a reader of a report has to know of the table to understand its numbers."""
     if result.origin:
@@ -114,10 +117,6 @@ def _input_words(result: Result) -> Iterator[str]:
             places.setdefault(f"{value:.6g} {units.get(name, floating)}".strip(), []).append(printable(name))
         held = [f"at {place} {first_names(names, _NAMED)}" for place, names in places.items()]
         yield f"Held still, for want of columns: {'; '.join(held)}."
-
-
-_LISTED = 3
-"""Exceeded limits that a line names."""
 
 
 def outcome_line(outcome: Outcome) -> str:
@@ -173,11 +172,6 @@ def worst_table(worst: tuple[Worst, ...]) -> Content:
     if worst[0].level is not None:
         columns += [("verdict", lambda joint: joint.level or ""), ("in", lambda joint: joint.level_in)]
     return by_columns(columns, worst)
-
-
-_KNOWN = 1e-6
-"""Of a peak: an error bar that is smaller is left out."""
-_UNITS = {"com": "m", "p": "kg m/s", "L": "kg m^2/s", "T": "J", "V": "J", "power": "W"}
 
 
 def load_table(result: Result) -> Content:

@@ -30,6 +30,13 @@ SCENES = {
     "bad.toml": "q_elbow = ",
     "odd.toml": "q_elbow = 3",
 }
+TABLES = {
+    "[base]\nmotion = 'fixed'\n": "[base]",
+    "[friction.elbow]\nviscous = 1\n": "[friction] elbow",
+    "[initial]\nq = { elbow = 1 }\n": "[initial]",
+    "[[payload]]\nlink = 'fore'\nmass = 1\n": "[[payload]] number 1",
+}
+NAMES = ("base_link", "arm_1_link", "arm_2_link", "wrist_ft_link", "wrist_ft_tool_link", "Torso")
 
 
 @pytest.fixture(autouse=True)
@@ -333,14 +340,6 @@ def test_a_wrong_scene(text: str) -> None:
     assert WRONG_SCENES[text] in outcome.err
 
 
-TABLES = {
-    "[base]\nmotion = 'fixed'\n": "[base]",
-    "[friction.elbow]\nviscous = 1\n": "[friction] elbow",
-    "[initial]\nq = { elbow = 1 }\n": "[initial]",
-    "[[payload]]\nlink = 'fore'\nmass = 1\n": "[[payload]] number 1",
-}
-
-
 @pytest.mark.parametrize("table", TABLES)
 def test_a_key_of_the_scene_below_a_table_says_where_it_belongs(table: str) -> None:
     parse_scene(f"slip_speed = 1\n{table}".encode())
@@ -358,9 +357,6 @@ def test_rules_are_found_by_words_of_their_titles_first() -> None:
     assert "RD207" in run("rule", "inertia").out
     both = run("rule", "RD207", "mirror")
     assert both.out.startswith("RD207 ")
-
-
-NAMES = ("base_link", "arm_1_link", "arm_2_link", "wrist_ft_link", "wrist_ft_tool_link", "Torso")
 
 
 @pytest.mark.parametrize(

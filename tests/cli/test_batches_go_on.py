@@ -15,6 +15,9 @@ from lxml import etree
 
 GOOD = ("bracket.stl", "cross.stl")
 THREE = ("bracket.stl", "open_tray.stl", "none.stl", "cross.stl")
+MANY = ("axis.urdf", "none.urdf", "clean.urdf", "--select", "RD502")
+GONE = "there is no such file (check the name)"
+LINE = f"error: none.urdf: {GONE}\n"
 
 
 @pytest.fixture(autouse=True)
@@ -78,11 +81,6 @@ def test_meshes_that_all_fail_or_are_one_body() -> None:
     assert (alone.status, alone.out, len(alone.err.splitlines())) == (2, "", 1)
     wrong = run("inertia", *GOOD, "--density", "-1")
     assert (wrong.status, wrong.out, len(wrong.err.splitlines())) == (2, "", 1)
-
-
-MANY = ("axis.urdf", "none.urdf", "clean.urdf", "--select", "RD502")
-GONE = "there is no such file (check the name)"
-LINE = f"error: none.urdf: {GONE}\n"
 
 
 @pytest.mark.parametrize("apart", [False, pytest.param(True, marks=pytest.mark.slow)])

@@ -31,6 +31,9 @@ CASES = [
 """Robot, table, scene, and rows of a block."""
 BY_BLOCK = ("quadrature_error", "samples", "first_law", "second_law", "power", "largest_force", "largest_moment")
 """Keys of the checks that depend on which samples stand together."""
+SHORT, LONG = 20_000, 320_000
+BLOCK_ROWS = 8192
+MEGABYTE = 1 << 20
 
 
 def computed(urdf: Path, table: Path, scene_file: Path | None, block_rows: int) -> tuple[Any, np.ndarray]:
@@ -77,11 +80,6 @@ def test_many_blocks_are_as_one(robot: str, table: str, scene: str | None, block
             assert abs(found[path] - value) <= tolerance * scale, path
         else:
             assert found[path] == value, path
-
-
-SHORT, LONG = 20_000, 320_000
-BLOCK_ROWS = 8192
-MEGABYTE = 1 << 20
 
 
 def write_motion(path: Path, rows: int) -> None:

@@ -12,6 +12,10 @@ from helpers.command_line import write_arm
 from helpers.sampled import sampled
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="needs limits of the system")
+COUNTED = {"values.yaml", "documents.yaml", "records.mcap", "lines.csv", "publishers.json", "values.json"}
+"""What is refused only after much of it is counted: by default beyond fewer, some under `slow` beyond the usual."""
+USES = [(name, use) for use in ("scene", "settings", "map") for name in TOML]
+OFTEN = [pytest.param(*each, marks=[pytest.mark.slow] * (each[1] != "scene" and each[0] != "keys")) for each in USES]
 
 
 @pytest.fixture(autouse=True)
@@ -33,10 +37,6 @@ def refused(outcome: Bounded, name: str) -> None:
     assert outcome.memory < MOST, f"{outcome.memory >> 20} MB: {outcome.err}"
 
 
-COUNTED = {"values.yaml", "documents.yaml", "records.mcap", "lines.csv", "publishers.json", "values.json"}
-"""What is refused only after much of it is counted: by default beyond fewer, some under `slow` beyond the usual."""
-
-
 @pytest.mark.parametrize("name", sampled(TABLES, 3))
 def test_tables(name: str, tmp_path: Path, bounded: Command) -> None:
     write_bomb(tmp_path / name)
@@ -48,10 +48,6 @@ def test_tables(name: str, tmp_path: Path, bounded: Command) -> None:
 def test_tables_beyond_the_usual_limits(name: str, tmp_path: Path, bounded: Command) -> None:
     write_bomb(tmp_path / name)
     refused(bounded("torques", "arm.urdf", name, cwd=tmp_path), name)
-
-
-USES = [(name, use) for use in ("scene", "settings", "map") for name in TOML]
-OFTEN = [pytest.param(*each, marks=[pytest.mark.slow] * (each[1] != "scene" and each[0] != "keys")) for each in USES]
 
 
 @pytest.mark.parametrize(("name", "use"), sampled(OFTEN, 3))

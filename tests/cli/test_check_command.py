@@ -14,6 +14,11 @@ from robodyn.checks.catalogue import RULES
 
 NEGATIVE = HEALTHY.replace('value="3.5"', 'value="-3.5"')
 LONG_AXIS = HEALTHY.replace('xyz="0 0 1"', 'xyz="0 0 2"')
+AXIS = arm(shoulder="0 2 0")
+BOTH = arm(upper=IDENTITY, shoulder="0 2 0")
+ERROR = arm(shoulder="0 0 0", elbow="0 2 0")
+OLD = ",".join(FAMILIES)
+EDIT = '-    <axis xyz="0 2 0"/>\n+    <axis xyz="0.0 1.0 0.0"/>\n'
 
 
 @pytest.fixture
@@ -77,13 +82,6 @@ def test_rules_are_explained_and_listed() -> None:
     for rule, line in zip(RULES, listing, strict=True):
         assert f"{rule.code} {rule.name} (" in everything
         assert line.startswith(rule.code)
-
-
-AXIS = arm(shoulder="0 2 0")
-BOTH = arm(upper=IDENTITY, shoulder="0 2 0")
-ERROR = arm(shoulder="0 0 0", elbow="0 2 0")
-OLD = ",".join(FAMILIES)
-EDIT = '-    <axis xyz="0 2 0"/>\n+    <axis xyz="0.0 1.0 0.0"/>\n'
 
 
 @pytest.fixture

@@ -11,6 +11,15 @@ from helpers.command_line import ROBOTS, refused, run, shown
 
 BARS = (str(ROBOTS / "four_bars.urdf"), "--scene", str(ROBOTS / "four_bars_a02.toml"))
 PUMP = (str(ROBOTS / "crank_slider.urdf"), "--scene", str(ROBOTS / "crank_slider_pump.toml"))
+LOOP = '[[loop]]\nname = "pin"\nlink = "rod"\npoint = [0.3, 0, 0]\nto = "slider"\n'
+WRONG = {
+    LOOP + LOOP: 'scene.toml: the scene: 2 loops and contacts have the name "pin"',
+    LOOP.replace("rod", "bar"): "scene.toml: [[loop]] 'pin': the robot has no link 'bar'",
+    LOOP + 'kind = "hinge"': 'scene.toml:1: [[loop]] number 1: "axis" is missing',
+    LOOP + "to_point = [0, 0, 2]": 'loop "pin" does not close: it is open by ',
+    LOOP + "to_point = [0, 0.1, 0]": 'loop "pin" cannot close: it misses by 0.1 m along y of slider, wherever the joi',
+    LOOP + "[initial]\nq = { main = 3.2 }\n": '"rail" begins at -0.',
+}
 
 
 def simulate(*args: str) -> str:
@@ -91,17 +100,6 @@ def test_a_scene_may_apply_the_wrench_of_a_cut_loop(tmp_path: Path) -> None:
     assert outcome.status == 0, outcome.err
     torques = np.loadtxt(tau, delimiter=",", skiprows=1)[:, 1:]
     assert np.abs(torques - [4.0, 0.0, 0.0]).max() <= 1e-11
-
-
-LOOP = '[[loop]]\nname = "pin"\nlink = "rod"\npoint = [0.3, 0, 0]\nto = "slider"\n'
-WRONG = {
-    LOOP + LOOP: 'scene.toml: the scene: 2 loops and contacts have the name "pin"',
-    LOOP.replace("rod", "bar"): "scene.toml: [[loop]] 'pin': the robot has no link 'bar'",
-    LOOP + 'kind = "hinge"': 'scene.toml:1: [[loop]] number 1: "axis" is missing',
-    LOOP + "to_point = [0, 0, 2]": 'loop "pin" does not close: it is open by ',
-    LOOP + "to_point = [0, 0.1, 0]": 'loop "pin" cannot close: it misses by 0.1 m along y of slider, wherever the joi',
-    LOOP + "[initial]\nq = { main = 3.2 }\n": '"rail" begins at -0.',
-}
 
 
 @pytest.mark.parametrize("scene", WRONG)

@@ -34,6 +34,15 @@ COMMANDS = {
     "info": ("info", "ROBOT"),
     "check": ("check", "ROBOT", "--statistics"),
 }
+WAYS = {
+    "package.xml above": ("src/arm/urdf/arm.urdf", (), {}),
+    "symbolic link": ("link.urdf", (), {}),
+    "--package-path": ("alone.urdf", ("--package-path", "src"), {}),
+    "ROS_PACKAGE_PATH": ("alone.urdf", (), {"ROS_PACKAGE_PATH": "src"}),
+    "AMENT_PREFIX_PATH": ("alone.urdf", (), {"AMENT_PREFIX_PATH": "install/arm"}),
+    "COLCON_PREFIX_PATH": ("alone.urdf", (), {"COLCON_PREFIX_PATH": "install"}),
+    "nowhere": ("alone.urdf", (), {}),
+}
 
 
 @pytest.fixture(autouse=True)
@@ -73,17 +82,6 @@ def found(robot: str, *more: str) -> dict[str, bool]:
         "check": "RD601" not in checked.out,
         "compare": compared["upper"]["difference"] is not None,
     }
-
-
-WAYS = {
-    "package.xml above": ("src/arm/urdf/arm.urdf", (), {}),
-    "symbolic link": ("link.urdf", (), {}),
-    "--package-path": ("alone.urdf", ("--package-path", "src"), {}),
-    "ROS_PACKAGE_PATH": ("alone.urdf", (), {"ROS_PACKAGE_PATH": "src"}),
-    "AMENT_PREFIX_PATH": ("alone.urdf", (), {"AMENT_PREFIX_PATH": "install/arm"}),
-    "COLCON_PREFIX_PATH": ("alone.urdf", (), {"COLCON_PREFIX_PATH": "install"}),
-    "nowhere": ("alone.urdf", (), {}),
-}
 
 
 @pytest.mark.parametrize("way", sampled(WAYS, 3))

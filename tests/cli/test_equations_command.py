@@ -16,6 +16,8 @@ import robodyn
 
 PUMA, GRIPPER, PLANAR = (str(ROBOTS / f"{name}.urdf") for name in ("puma", "gripper", "two_link_planar"))
 SCENE = ("--scene", str(ROBOTS / "gripper.toml"))
+SCARA, GRIPPER, FREE = (str(ROBOTS / f"{name}.urdf") for name in ("scara", "gripper", "rigid_body"))
+STATE = ("--at", "0.3,-0.5,0.05", "--qd", "elbow=2", "--tau", "1,2,-14.7")
 
 
 def test_text():
@@ -78,10 +80,6 @@ def test_closed_text_and_json_say_the_same():
 
 def test_latex():
     assert "M_{12} &= 0.5 c_{2} + 0.4 \\\\\n" in shown("equations", PLANAR, "--form", "closed", "--format", "latex")
-
-
-SCARA, GRIPPER, FREE = (str(ROBOTS / f"{name}.urdf") for name in ("scara", "gripper", "rigid_body"))
-STATE = ("--at", "0.3,-0.5,0.05", "--qd", "elbow=2", "--tau", "1,2,-14.7")
 
 
 def dae(*call):

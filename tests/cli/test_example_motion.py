@@ -19,6 +19,8 @@ from robodyn.robot.load import load
 from robodyn.scene.scene import Friction, Payload, Scene, Spring
 from robodyn.trajectory.read import motion
 
+LIFT = (link("l0"), link("l1", 20.0), joint("lift", "l0", "l1", "prismatic"))
+
 
 def split(model, columns):
     return columns[:, : model.nq], columns[:, model.nq : model.nq + model.n], columns[:, model.nq + model.n :]
@@ -79,9 +81,6 @@ def test_command(tmp_path: Path) -> None:
     again = run(*call, "--example")
     assert (again.status, again.out, file.read_text()) == (2, "", text)
     assert "this one is there already (leave --example out" in again.err
-
-
-LIFT = (link("l0"), link("l1", 20.0), joint("lift", "l0", "l1", "prismatic"))
 
 
 def test_a_load_that_is_too_heavy_is_said(tmp_path: Path) -> None:

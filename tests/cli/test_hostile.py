@@ -51,6 +51,7 @@ CALLS: dict[str, Sequence[tuple[str, ...]]] = {
     ".srdf": [("check", "arm.urdf", "--select", "ALL"), ("check", "X")],
 }
 """By suffix, what reads such a file, X."""
+NAMES = sorted(path.name for path in HOSTILE.iterdir() if path.is_file())
 
 
 def outcomes(name: str, most: int | None = None) -> Iterator[tuple[tuple[str, ...], Outcome]]:
@@ -83,9 +84,6 @@ def fault(outcome: Outcome) -> str:
     if outcome.status == 2 and len(lines) != 1:
         return f"{len(lines)} lines of error: {outcome.err[:300]}"
     return ""
-
-
-NAMES = sorted(path.name for path in HOSTILE.iterdir() if path.is_file())
 
 
 @pytest.fixture(autouse=True)

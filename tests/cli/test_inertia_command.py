@@ -15,6 +15,8 @@ from helpers.smooth_solids import solids
 
 EPS = np.finfo(float).eps
 TETRAHEDRON = [[9.375, 2.5, 1.875], [2.5, 12.75, 1.5], [1.875, 1.5, 15.375]]
+ROBOT = """<robot name="r"><link name="l"><visual><geometry><mesh filename="part.stl" scale="0.1 0.1 0.1"/></geometry>
+</visual></link></robot>"""
 
 
 @pytest.fixture
@@ -104,10 +106,6 @@ def test_a_part_that_looks_like_millimetres(tmp_path):
     (warning,) = one_mesh(str(path))["warnings"]
     assert warning == "the part is 120 m long: if the file is in millimetres, say --unit mm"
     assert one_mesh(str(path), "--unit", "mm")["warnings"] == []
-
-
-ROBOT = """<robot name="r"><link name="l"><visual><geometry><mesh filename="part.stl" scale="0.1 0.1 0.1"/></geometry>
-</visual></link></robot>"""
 
 
 @pytest.fixture

@@ -23,6 +23,20 @@ from robodyn.solids.inertia.solids import box
 
 EPS = np.finfo(float).eps
 ARM = str(ROBOTS / "meshed_arm.urdf")
+CALLS = {
+    "robot": (ARM, "--at", "0.1,-0.2,0.3,4,0.01"),
+    "link": (ARM, "--link", "upper_arm"),
+    "shapes": (ARM, "--link", "hand", "--geometry", "visual"),
+    "collision": (ARM, "--link", "hand", "--geometry", "collision", "--density", "2700"),
+}
+MASS = '<inertial><mass value="{mass}"/><inertia ixx=".02" ixy="0" ixz="0" iyy=".03" iyz="0" izz=".04"/></inertial>'
+ZERO = '<inertial><mass value="0"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>'
+CUBE = '<visual><geometry><box size="0.1 0.1 0.1"/></geometry></visual>'
+HUGE = (
+    '<inertial><mass value="2"/><inertia ixx="0.8" ixy="0" ixz="0" iyy="0.8" iyz="0" izz="0.8"/></inertial>'
+    f'{CUBE}<collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision>'
+)
+"""An inertia of 240 times that of the box."""
 
 
 @pytest.fixture
@@ -46,14 +60,6 @@ def read_back(*call):
     found = load_description(f'<robot name="r"><link name="a">{text}</link></robot>'.encode()).links[0].inertial
     xx, xy, xz, yy, yz, zz = found.inertia
     return found.mass, list(found.origin.xyz), [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
-
-
-CALLS = {
-    "robot": (ARM, "--at", "0.1,-0.2,0.3,4,0.01"),
-    "link": (ARM, "--link", "upper_arm"),
-    "shapes": (ARM, "--link", "hand", "--geometry", "visual"),
-    "collision": (ARM, "--link", "hand", "--geometry", "collision", "--density", "2700"),
-}
 
 
 @pytest.mark.parametrize("call", CALLS.values(), ids=CALLS)
@@ -158,16 +164,6 @@ def test_progress_is_shown_on_a_terminal():
     shown, piped = on_terminal(long, stdout=False, stderr=True)
     assert "measuring" in shown
     assert json.loads(piped) == document(*call)
-
-
-MASS = '<inertial><mass value="{mass}"/><inertia ixx=".02" ixy="0" ixz="0" iyy=".03" iyz="0" izz=".04"/></inertial>'
-ZERO = '<inertial><mass value="0"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>'
-CUBE = '<visual><geometry><box size="0.1 0.1 0.1"/></geometry></visual>'
-HUGE = (
-    '<inertial><mass value="2"/><inertia ixx="0.8" ixy="0" ixz="0" iyy="0.8" iyz="0" izz="0.8"/></inertial>'
-    f'{CUBE}<collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision>'
-)
-"""An inertia of 240 times that of the box."""
 
 
 @pytest.fixture

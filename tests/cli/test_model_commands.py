@@ -18,6 +18,10 @@ from robodyn.programs.vectors import product
 SCARA = str(ROBOTS / "scara.urdf")
 POLISHED = (str(ROBOTS / "puma.urdf"), "--scene", str(ROBOTS / "puma_polish.toml"))
 POLISH = str(ROBOTS / "puma_polish.csv")
+PUMA, PLANAR, PENDULUM = (str(ROBOTS / f"{name}.urdf") for name in ("puma", "two_link_planar", "pendulum"))
+SERVO = (PUMA, "--scene", str(ROBOTS / "puma_servo.toml"))
+QUICK = ("--harmonics", "2", "--rate", "20")
+GRIPPER = str(ROBOTS / "gripper.urdf")
 
 
 def test_fbd() -> None:
@@ -82,10 +86,6 @@ def test_a_folder_that_cannot_be_made_costs_nothing(tmp_path: Path) -> None:
     assert sorted(path.name for path in folder.iterdir()) == ["00_base.svg", "01_inner_arm.svg"]
 
 
-PUMA, PLANAR, PENDULUM = (str(ROBOTS / f"{name}.urdf") for name in ("puma", "two_link_planar", "pendulum"))
-SERVO = (PUMA, "--scene", str(ROBOTS / "puma_servo.toml"))
-
-
 def test_linearize() -> None:
     text = shown("linearize", PLANAR, "--equilibrium", "--at", "-1.5,-0.1")
     assert text.startswith("two_link_planar: linear about an equilibrium, 4 states, 2 inputs\n")
@@ -132,9 +132,6 @@ def test_file_and_document_have_the_same_numbers(tmp_path: Path) -> None:
     assert np.abs(np.sort(np.linalg.eigvals(library.A).real) - np.sort(values)).max() <= 1e-12
 
 
-QUICK = ("--harmonics", "2", "--rate", "20")
-
-
 def test_excite(tmp_path: Path) -> None:
     file = tmp_path / "motion.csv"
     outcome = run("excite", PENDULUM, *QUICK, "--period", "4", "--out", str(file))
@@ -166,9 +163,6 @@ def test_json_of_excite_is_what_the_file_has(tmp_path: Path) -> None:
     assert float(first["q_elbow"]) == pytest.approx(elbow["centre"] + sum(elbow["cosine"]), abs=1e-9)
     assert "shoulder.viscous" in found["invisible"]
     assert found["rank"] == len(found["base_parameters"])
-
-
-GRIPPER = str(ROBOTS / "gripper.urdf")
 
 
 @pytest.mark.parametrize("target", ["c", "torch"])

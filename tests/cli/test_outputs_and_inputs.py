@@ -55,6 +55,15 @@ SUFFIX = {
     "source code": ".c",
     "a picture": ".svg",
 }
+RESULTS = (
+    "torques arm.urdf arm.csv --out tau.csv --report tau.md",
+    "check arm.urdf --baseline new.json --write-baseline",
+    "torques arm.urdf arm.csv --out tau.npz --report tau.html",
+    "torques arm.urdf arm.csv --out tau.parquet",
+    "export arm.urdf --to c --out arm.c",
+    "linearize arm.urdf --out linear.npz",
+    "fbd arm.urdf --svg drawings",
+)
 
 
 def _commands() -> Iterator[tuple[str, click.Command]]:
@@ -154,17 +163,6 @@ def test_a_baseline_that_is_none(place: str) -> None:
     outcome = run("check", "arm.urdf", "--config", "settings.toml", "--baseline", place, "--write-baseline")
     assert everything() == before
     assert (outcome.status, outcome.err.count("\n")) == (2, 1)
-
-
-RESULTS = (
-    "torques arm.urdf arm.csv --out tau.csv --report tau.md",
-    "check arm.urdf --baseline new.json --write-baseline",
-    "torques arm.urdf arm.csv --out tau.npz --report tau.html",
-    "torques arm.urdf arm.csv --out tau.parquet",
-    "export arm.urdf --to c --out arm.c",
-    "linearize arm.urdf --out linear.npz",
-    "fbd arm.urdf --svg drawings",
-)
 
 
 @pytest.mark.parametrize("call", sampled(RESULTS, 4))

@@ -15,6 +15,13 @@ from helpers.example_robots import path_of
 from helpers.processes import python
 from helpers.robot_catalogue import names
 
+WRITTEN = (
+    "torques robots/puma560.urdf robots/puma560_sweep.csv --scene robots/puma560_sizing.toml --reactions --sizing "
+    "--momentum --executor numpy --out OUT/tau.npz",
+    "torques robots/puma.urdf robots/puma_encoder.csv --executor numpy --out OUT/encoder.npz",
+)
+"""Of the second accelerations are derived, which divides rounding by the squared time between samples, 1e-6 here."""
+
 
 def old_processor() -> dict[str, str]:
     """Return what makes NumPy and OpenBLAS do without AVX2 and fused multiply-add, and machine code without AVX-512.
@@ -123,14 +130,6 @@ def _same(one: list[Any], found: list[Any]) -> bool:
     if "json" in one[0] and one[2]:
         return _agree(json.loads(one[2]), json.loads(found[2]))
     return bool(one[2] == found[2])
-
-
-WRITTEN = (
-    "torques robots/puma560.urdf robots/puma560_sweep.csv --scene robots/puma560_sizing.toml --reactions --sizing "
-    "--momentum --executor numpy --out OUT/tau.npz",
-    "torques robots/puma.urdf robots/puma_encoder.csv --executor numpy --out OUT/encoder.npz",
-)
-"""Of the second accelerations are derived, which divides rounding by the squared time between samples, 1e-6 here."""
 
 
 def test_an_old_processor_prints_the_same_and_writes_what_agrees(tmp_path: Path) -> None:

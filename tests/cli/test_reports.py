@@ -41,6 +41,7 @@ CALLS: dict[str, tuple[tuple[str, ...], str, int]] = {
 
 QUICK = ("robot", "check")
 NAMES = [pytest.param(name, marks=[pytest.mark.slow] * (name not in QUICK)) for name in CALLS]
+PUMA = (str(ROBOTS / "puma560.urdf"), str(ROBOTS / "puma560_sweep.csv"))
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -92,9 +93,6 @@ def test_errors_lead_and_the_status_stays(tmp_path: Path) -> None:
     text = " ".join(checked((tmp_path / "r.html").read_text(encoding="utf-8")).all("main")[0].text.split())
     assert text.startswith("1 error: not fit for use as it is")
     assert '<mass value="-2"/>' in text
-
-
-PUMA = (str(ROBOTS / "puma560.urdf"), str(ROBOTS / "puma560_sweep.csv"))
 
 
 def page_of(file: Path):

@@ -14,6 +14,11 @@ from helpers.terminals import on_terminal
 
 SCARA = (str(ROBOTS / "scara.urdf"), str(ROBOTS / "scara_pick_and_place.csv"))
 ESCAPE = "\x1b"
+INTERRUPTS = {
+    "while standard input is copied": "import tempfile; tempfile.TemporaryFile = stop",
+    "between blocks": "from contextlib import nullcontext; from robodyn.cli import progress\n"
+    "progress.watched = lambda _: nullcontext(stop)",
+}
 
 
 @pytest.fixture(autouse=True)
@@ -58,13 +63,6 @@ def test_a_reader_that_goes_away_is_no_error(options: tuple[str, ...]) -> None:
     done = subprocess.run(command("torques", *SCARA, *options), stdout=write, stderr=subprocess.PIPE, check=False)
     os.close(write)
     assert (done.returncode, done.stderr) == (int("--fail-on-limits" in options), b"")
-
-
-INTERRUPTS = {
-    "while standard input is copied": "import tempfile; tempfile.TemporaryFile = stop",
-    "between blocks": "from contextlib import nullcontext; from robodyn.cli import progress\n"
-    "progress.watched = lambda _: nullcontext(stop)",
-}
 
 
 @pytest.mark.parametrize("when", sampled(INTERRUPTS))

@@ -22,6 +22,11 @@ GRIPPER = """
     <limit effort="9" velocity="1" lower="-0.04" upper="-0.01"/><mimic joint="finger" multiplier="-1"/></joint>
 </robot>"""
 """Two fingers, the second of which mimics the first and keeps away from zero."""
+SLIPS = [
+    (1e3, 1.0, "--time-unit ms", "--time-unit s"),
+    (1e9, 1.0, "--time-unit ns", "--time-unit s"),
+    (1.0, 180 / math.pi, "--angle-unit deg", "--angle-unit rad"),
+]
 
 
 @pytest.fixture(autouse=True)
@@ -112,13 +117,6 @@ def swing(path: str, ticks: float = 1.0, parts: float = 1.0, start: float = 0.0)
     q = 0.3 * np.sin(3 * time) * parts
     rows = [f"{(start + t) * ticks!r},{x!r},{-x!r},0.02" for t, x in zip(time.tolist(), q.tolist(), strict=True)]
     Path(path).write_text("\n".join(["time,q_shoulder,q_elbow,q_finger", *rows, ""]))
-
-
-SLIPS = [
-    (1e3, 1.0, "--time-unit ms", "--time-unit s"),
-    (1e9, 1.0, "--time-unit ns", "--time-unit s"),
-    (1.0, 180 / math.pi, "--angle-unit deg", "--angle-unit rad"),
-]
 
 
 @pytest.mark.parametrize(("ticks", "parts", "option", "meant"), SLIPS, ids=["ms", "ns", "deg"])

@@ -26,6 +26,11 @@ CASES = [
     ("puma", "puma_encoder", None),
     ("satellite", "satellite_slew", "satellite"),
 ]
+BOUNDS = {"effort": "50", "velocity": "5", "lower": "-3", "upper": "3"}
+PICK = (str(ROBOTS / "gripper.urdf"), str(ROBOTS / "gripper_pick.csv"), "--scene", str(ROBOTS / "gripper.toml"))
+PARTS = ("fx", "fy", "fz", "mx", "my", "mz")
+Table = dict[str, "np.ndarray[tuple[int], np.dtype[np.float64]]"]
+SCARA = (str(ROBOTS / "scara.urdf"), str(ROBOTS / "scara_pick_and_place.csv"))
 
 
 def files(robot: str, table: str, scene: str | None) -> list[str]:
@@ -76,9 +81,6 @@ def test_exceeded_limits_are_data(tmp_path: Path) -> None:
     ]
 
 
-BOUNDS = {"effort": "50", "velocity": "5", "lower": "-3", "upper": "3"}
-
-
 def outcome_with(folder: Path, *options: str, **limits: str) -> Outcome:
     """Of the arm whose limits are these."""
     text = ARM
@@ -115,11 +117,6 @@ def test_limits_do_not_fail_unless_asked_and_at_a_limit_is_within_it(tmp_path: P
     found = document(str(tmp_path / "arm.urdf"), str(tmp_path / "arm.csv"))["joints"][0]
     assert found["velocity_margin"] == found["velocity_limit"] - abs(found["max_speed"])
     assert math.fsum(found["shares"].values()) == pytest.approx(found["peak"], rel=0, abs=1e-12 * 100)
-
-
-PICK = (str(ROBOTS / "gripper.urdf"), str(ROBOTS / "gripper_pick.csv"), "--scene", str(ROBOTS / "gripper.toml"))
-PARTS = ("fx", "fy", "fz", "mx", "my", "mz")
-Table = dict[str, "np.ndarray[tuple[int], np.dtype[np.float64]]"]
 
 
 @pytest.fixture
@@ -173,9 +170,6 @@ def test_a_result_can_be_read_again_as_extra_columns() -> None:
     for options in ((), ("--ignore-extra",)):
         written("tau.csv", "arm.urdf", "both.csv", *options)
         assert Path("tau.csv").read_bytes() == Path("first.csv").read_bytes()
-
-
-SCARA = (str(ROBOTS / "scara.urdf"), str(ROBOTS / "scara_pick_and_place.csv"))
 
 
 def test_columns_of_the_file(tmp_path: Path) -> None:

@@ -19,6 +19,22 @@ from robodyn.errors import InputError
 from robodyn.support.files import whole_file, write_whole
 from robodyn.trajectory.write import open_writer
 
+STREAM = """
+import sys
+from robodyn.support.files import write_whole
+print("before", flush=True)
+write_whole(sys.argv[1], b"whole\\n")
+print("after")
+"""
+KILLED = """
+import os, signal, sys
+from robodyn.support.files import whole_file
+with whole_file(sys.argv[1]) as stream:
+    stream.write(b"half")
+    stream.flush()
+    os.kill(os.getpid(), int(sys.argv[2]))
+"""
+
 
 def write_table(path: str, data: bytes) -> None:
     """A table by way of its writer; its content does not matter here."""
@@ -105,15 +121,6 @@ def test_a_pipe_is_written_to(tmp_path: Path, write: Write) -> None:
     assert os.listdir(tmp_path) == ["a.csv"]
 
 
-STREAM = """
-import sys
-from robodyn.support.files import write_whole
-print("before", flush=True)
-write_whole(sys.argv[1], b"whole\\n")
-print("after")
-"""
-
-
 @pytest.mark.skipif(not os.path.exists("/dev/stdout"), reason="the system has no /dev/stdout")
 @pytest.mark.parametrize("name", ["/dev/stdout", "link"])
 def test_standard_output_is_written_to_in_its_order(tmp_path: Path, name: str) -> None:
@@ -125,16 +132,6 @@ def test_standard_output_is_written_to_in_its_order(tmp_path: Path, name: str) -
         subprocess.run(call, stdout=out, check=True, cwd=tmp_path)
     assert piped == (tmp_path / "out").read_bytes() == b"before\nwhole\nafter\n"
     assert sorted(os.listdir(tmp_path)) == ["link", "out"]
-
-
-KILLED = """
-import os, signal, sys
-from robodyn.support.files import whole_file
-with whole_file(sys.argv[1]) as stream:
-    stream.write(b"half")
-    stream.flush()
-    os.kill(os.getpid(), int(sys.argv[2]))
-"""
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs signals")

@@ -18,19 +18,22 @@ import pytest
 ROOT = Path(__file__).parents[2]
 LIBRARIES = "numpy", "click", "yourdfpy", "platformdirs"
 CALLS = ["bin/python", "-m", "robodyn"], ["bin/robodyn"]
-
-
-def called(*call: str | Path) -> subprocess.CompletedProcess[str]:
-    kept = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-    return subprocess.run(call, capture_output=True, text=True, check=False, env=kept, cwd="/")
-
-
 NOT_INSTALLED = """
 import sys
 sys.meta_path = [finder for finder in sys.meta_path if "editable" not in repr(finder)]
 sys.path[:] = ["", *(place for place in sys.path if place)]
 """
 """Modules are looked for in the current folder, as `python -m` does, and in no checkout that is installed."""
+RUN = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+TESTS = Path(__file__).parents[1]
+PEERS = {"pinocchio", "mujoco", "pydrake", "idyntree", "casadi", "jax", "torch", "igl"}
+"""Modules that `[test]` does not bring."""
+
+
+def called(*call: str | Path) -> subprocess.CompletedProcess[str]:
+    kept = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    return subprocess.run(call, capture_output=True, text=True, check=False, env=kept, cwd="/")
 
 
 def in_a_checkout(code: str, folder: Path) -> subprocess.CompletedProcess[str]:
@@ -113,10 +116,6 @@ def test_pip_installs_a_checkout(options: tuple[str, ...], tmp_path: Path) -> No
         assert "robot 'scara'" in info.stdout
 
 
-RUN = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
-README = (ROOT / "README.md").read_text(encoding="utf-8")
-
-
 def bash(code: str) -> list[str]:
     done = subprocess.run(["bash", "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
     return done.stdout.splitlines()
@@ -146,11 +145,6 @@ def test_the_tests_that_are_named_are_there() -> None:
     paths = bash(f'{found[0]}\nprintf "%s\\n" "${{numeric[@]}}"')
     assert len(paths) > 5
     assert [path for path in paths if not (ROOT / path).exists()] == []
-
-
-TESTS = Path(__file__).parents[1]
-PEERS = {"pinocchio", "mujoco", "pydrake", "idyntree", "casadi", "jax", "torch", "igl"}
-"""Modules that `[test]` does not bring."""
 
 
 def _tops(node: ast.AST) -> set[str]:

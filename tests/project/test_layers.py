@@ -31,6 +31,9 @@ HEAVY = {
     *("scipy", "polars", "pyarrow", "rich", "yourdfpy", "trimesh", "sympy", "mpmath", "llvmlite", "distributed"),
     *("matplotlib", "jinja2", "casadi", "jax", "torch", "clarabel"),
 }
+LAYER = {area: k for k, areas in enumerate(ORDER) for area in areas}
+SCARA = str(ROOT / "robots" / "scara.urdf")
+TORQUES = f"import robodyn; m = robodyn.load({SCARA!r}); robodyn.inverse_dynamics(m, [.1] * 3, [.2] * 3, [.3] * 3)"
 
 
 def _modules():
@@ -59,9 +62,6 @@ def _folder(module):
 
 def _area(module):
     return module.split(".")[1] if "." in module else None
-
-
-LAYER = {area: k for k, areas in enumerate(ORDER) for area in areas}
 
 
 def test_every_folder_is_installed():
@@ -130,10 +130,6 @@ def _loaded(code):
     command = f"{code}; import sys; print(*sorted({{name.partition('.')[0] for name in sys.modules}}))"
     done = subprocess.run([sys.executable, "-I", "-c", command], capture_output=True, text=True, check=True, cwd=ROOT)
     return set(done.stdout.split())
-
-
-SCARA = str(ROOT / "robots" / "scara.urdf")
-TORQUES = f"import robodyn; m = robodyn.load({SCARA!r}); robodyn.inverse_dynamics(m, [.1] * 3, [.2] * 3, [.3] * 3)"
 
 
 def test_a_fresh_process_loads_no_heavy_module():

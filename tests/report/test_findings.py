@@ -30,6 +30,9 @@ from robodyn.report.renderers.findings import check_github, check_junit, check_s
 from robodyn.robot.urdf.document import read
 
 SCHEMA = etree.XMLSchema(etree.fromstring(JUNIT))
+BAD = arm(upper=IDENTITY, shoulder="0 0 0").encode()
+BOTH = arm(upper=IDENTITY, fore=INERTIA.replace("iyz", 'iyx="0" iyz'), shoulder="0 2 0")
+PLANTED = arm(upper=IDENTITY, shoulder="0 2 0", elbow="0 2 0")
 
 
 def junit(*files: tuple[str, bytes], strict: bool = False) -> etree._Element:
@@ -43,9 +46,6 @@ def junit(*files: tuple[str, bytes], strict: bool = False) -> etree._Element:
     for count in ("tests", "failures", "errors"):
         assert int(document.get(count)) == sum(int(suite.get(count)) for suite in document)
     return document
-
-
-BAD = arm(upper=IDENTITY, shoulder="0 0 0").encode()
 
 
 def test_a_test_for_each_finding_and_one_for_a_clean_file() -> None:
@@ -72,9 +72,6 @@ def test_what_fails_the_check_is_a_failure(strict: bool, failed: list[str]) -> N
 def test_names_that_xml_does_not_take(name: str) -> None:
     junit((name, BAD))
     junit((name, arm().encode()))
-
-
-BOTH = arm(upper=IDENTITY, fore=INERTIA.replace("iyz", 'iyx="0" iyz'), shoulder="0 2 0")
 
 
 def sarif(data: bytes, name: str = "robots/arm.urdf") -> Any:
@@ -277,9 +274,6 @@ def test_few_places_are_listed_in_a_row_and_many_cut() -> None:
     lines = further(places(60, False))
     assert (len(lines), lines[-1]) == (11, "49 more places")
     assert all(len(line) <= 100 for line in further(places(60, True)))
-
-
-PLANTED = arm(upper=IDENTITY, shoulder="0 2 0", elbow="0 2 0")
 
 
 def repaired(data: bytes) -> Fixed:

@@ -53,6 +53,15 @@ SLOW = (
     ("accuracy", "accuracy robots/pendulum.urdf robots/pendulum_a01.toml --duration 1 --target 1e-6"),
     ("doctor", "doctor"),
 )
+SOLE = """
+[base]
+motion = "moving"
+[[contact]]
+name = "sole"
+link = "lf_foot"
+polygon = [[-0.02, -0.02, 0], [0.02, -0.02, 0], [0.02, 0.02, 0], [-0.02, 0.02, 0]]
+"""
+PULLED = (ROOT / "robots" / "five_bar_reach.toml").read_text(encoding="utf-8").replace('"left", "right"', '"left"')
 
 
 def schema(name: str) -> Any:
@@ -66,17 +75,6 @@ def test_documents_are_as_their_schemas_say(name, command, tmp_path, monkeypatch
     monkeypatch.chdir(ROOT)
     outcome = run(*command.replace("OUT", str(tmp_path)).split(), "--format", "json")
     Draft202012Validator(schema(name)).validate(json.loads(outcome.out))
-
-
-SOLE = """
-[base]
-motion = "moving"
-[[contact]]
-name = "sole"
-link = "lf_foot"
-polygon = [[-0.02, -0.02, 0], [0.02, -0.02, 0], [0.02, 0.02, 0], [-0.02, 0.02, 0]]
-"""
-PULLED = (ROOT / "robots" / "five_bar_reach.toml").read_text(encoding="utf-8").replace('"left", "right"', '"left"')
 
 
 @pytest.mark.parametrize(

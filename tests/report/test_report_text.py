@@ -36,6 +36,11 @@ CASES = [
     ("satellite", "satellite_slew", "satellite"),
     ("rigid_body", "rigid_body_flip", "rigid_body"),
 ]
+SIDES = [f"hand_{side}_{finger}_flex_{k}_joint" for side in ("left", "right") for finger in "abcde" for k in range(4)]
+ORDER = [*SIDES[1::2], *SIDES[::2]]
+"""Offenders, then the others, each in the order of the robot."""
+TINY = re.compile(r"\de-(?:1[2-9]|[2-9]\d|\d{3})")
+"""A number that only rounding makes, in cases of newtons and metres."""
 
 
 @cache
@@ -125,9 +130,6 @@ def test_explain_names_every_effect_and_why() -> None:
     assert "Effects:" not in torques_text(data)
 
 
-SIDES = [f"hand_{side}_{finger}_flex_{k}_joint" for side in ("left", "right") for finger in "abcde" for k in range(4)]
-
-
 @cache
 def many() -> Result:
     """Forty joints, every second of which is beyond its limit of effort."""
@@ -149,10 +151,6 @@ def first_column(text: str) -> list[str]:
     return [line.split()[0] for line in lines[start + 1 : start + 1 + len(SIDES)]]
 
 
-ORDER = [*SIDES[1::2], *SIDES[::2]]
-"""Offenders, then the others, each in the order of the robot."""
-
-
 def test_offenders_lead_the_tables_and_none_is_dropped() -> None:
     assert first_column(torques_text(many())) == ORDER
     rows = [each.text for each in page().all("th") if each.attributes["scope"] == "row" and each.text in SIDES]
@@ -171,10 +169,6 @@ def test_shortened_names_differ(most: int) -> None:
     assert found[3:5] == ["arm", "arm"]
     whole = [name for name, short in zip(names, found, strict=True) if short == name]
     assert all(len(short) <= most for short in set(found) - set(whole))
-
-
-TINY = re.compile(r"\de-(?:1[2-9]|[2-9]\d|\d{3})")
-"""A number that only rounding makes, in cases of newtons and metres."""
 
 
 @cache

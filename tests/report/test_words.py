@@ -22,6 +22,11 @@ from robodyn.report.table import NEGLIGIBLE, Page, number, printable
 
 ARM, MOTION = str(ROBOTS / "puma560.urdf"), str(ROBOTS / "puma560_sweep.csv")
 SCENE = str(ROBOTS / "puma560_uncertain.toml")
+LINK = """<link name="{0}"><inertial><origin xyz="0.3 0 0"/><mass value="{1}"/>
+<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>"""
+JOINT = """<joint name="{0}" type="revolute"><parent link="{1}"/><child link="{2}"/><origin rpy="{3:.{digits}f} 0 0"/>
+<axis xyz="0 0 1"/><limit effort="500" velocity="5" lower="-3" upper="3"/></joint>"""
+FINITE = st.floats(allow_nan=False, allow_infinity=False)
 
 
 @pytest.mark.parametrize(
@@ -76,12 +81,6 @@ def test_who_moves_how_much(shape, shares, words):
     assert moves("abc"[: len(shape)], mode) == words
 
 
-LINK = """<link name="{0}"><inertial><origin xyz="0.3 0 0"/><mass value="{1}"/>
-<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>"""
-JOINT = """<joint name="{0}" type="revolute"><parent link="{1}"/><child link="{2}"/><origin rpy="{3:.{digits}f} 0 0"/>
-<axis xyz="0 0 1"/><limit effort="500" velocity="5" lower="-3" upper="3"/></joint>"""
-
-
 @pytest.mark.parametrize(("digits", "mass"), [(9, 1.0), (12, 20.0), (15, 1.0)])
 def test_a_joint_that_does_nothing(digits: int, mass: float, tmp_path: Path) -> None:
     """Its axis is vertical but for the digits of a right angle, and it stands still beside one that moves."""
@@ -107,9 +106,6 @@ def test_a_joint_that_does_nothing(digits: int, mass: float, tmp_path: Path) -> 
 def test_errors_of_nothing_are_zero(scale: float) -> None:
     assert bar(4.2e-13 * scale, 4.2e-13 * scale, scale) == "0"
     assert bar(4.2e-3 * scale, 4.2e-4 * scale, scale) != "0"
-
-
-FINITE = st.floats(allow_nan=False, allow_infinity=False)
 
 
 @pytest.mark.parametrize(

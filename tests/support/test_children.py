@@ -15,6 +15,19 @@ from helpers.command_line import ROBOTS, motion, write_arm
 from robodyn.support.children import run_program
 
 ROOT = Path(__file__).parents[2]
+HOSTILE = "import os; open(os.path.join({folder!r}, 'canary'), 'a').write(__name__ + chr(10))\n"
+NAMES = (
+    *("json", "struct", "numpy", "yaml", "xacro", "site", "pickle", "ast", "click", "signal"),
+    *("subprocess", "trimesh"),
+)
+PACKAGES = ("multiprocessing", "importlib", "encodings", "concurrent", "robodyn", "xml")
+ASK = """
+import json, os, sys
+{before}
+from robodyn.support.children import start_python
+with start_python("helpers.processed:path_and_flags") as child:
+    print(child.communicate()[0].decode())
+"""
 
 
 def test_every_python_that_is_started_is_isolated() -> None:
@@ -22,14 +35,6 @@ def test_every_python_that_is_started_is_isolated() -> None:
     text = (ROOT / "robodyn" / "support" / "children.py").read_text()
     assert text.count("sys.executable") == 1
     assert '["-I", ' in text
-
-
-HOSTILE = "import os; open(os.path.join({folder!r}, 'canary'), 'a').write(__name__ + chr(10))\n"
-NAMES = (
-    *("json", "struct", "numpy", "yaml", "xacro", "site", "pickle", "ast", "click", "signal"),
-    *("subprocess", "trimesh"),
-)
-PACKAGES = ("multiprocessing", "importlib", "encodings", "concurrent", "robodyn", "xml")
 
 
 @pytest.fixture
@@ -99,15 +104,6 @@ def test_git_of_the_current_folder_is_not_run(hostile: Path, monkeypatch: pytest
     with pytest.raises(FileNotFoundError):
         run_program("no-such-program", folder=str(hostile))
     assert not (hostile / "canary").exists()
-
-
-ASK = """
-import json, os, sys
-{before}
-from robodyn.support.children import start_python
-with start_python("helpers.processed:path_and_flags") as child:
-    print(child.communicate()[0].decode())
-"""
 
 
 def children_of(before: str, folder: Path, *flags: str, **variables: str) -> dict[str, object]:

@@ -39,6 +39,8 @@ _CELLS = 300
 """Points that share one of so many parts of the range, about a pixel, are drawn once."""
 Line = tuple[Floats, Floats]
 """Times and values."""
+_POINTS = 1500
+"""Of a line of a log."""
 
 
 def style(name: str) -> AbstractContextManager[Any]:
@@ -150,10 +152,6 @@ def zero_lines(axes: Axes) -> None:
     """Draw the lines of zero behind all else."""
     for line in (axes.axhline, axes.axvline):
         line(0.0, color=SOFT, linewidth=0.8, zorder=1)
-
-
-_POINTS = 1500
-"""Of a line of a log."""
 
 
 def _line(time: Floats, values: Floats) -> Line:

@@ -47,6 +47,7 @@ NOTES = (
     "Numbered disc: joint. Quartered disc: mass centre. Dashed arrow with two heads: moment, by the right-hand rule.",
     "Ring with a dot: towards the reader; with a cross: away.",
 )
+_ASIDE = ((0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (2, 0), (-2, 0), (3, 0), (-3, 0))
 
 
 def symbols(action: Action, size: Sizes) -> str:
@@ -221,9 +222,6 @@ def on_paper(vector: Array) -> Point:
     """Return a vector in ground axes as (right, down)."""
     right, up, _ = product(EYES, vector)
     return float(right), -float(up)
-
-
-_ASIDE = ((0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (2, 0), (-2, 0), (3, 0), (-3, 0))
 
 
 class Arrow(NamedTuple):

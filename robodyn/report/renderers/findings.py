@@ -22,6 +22,14 @@ from robodyn.report.table import printable
 from robodyn.robot.urdf.document import Document, SourcePositions
 from robodyn.support.wording import count
 
+COMMANDS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "notice"}
+SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
+Object = dict[str, Any]
+Region = Callable[[str, int, int], Object]
+"""File, and the bytes [start, end) in it, to a SARIF region."""
+_LINKED = 20
+"""Further places that the message links to."""
+
 
 def check_junit(checked: Checked, strict: bool = False) -> str:
     """Return a suite for each file, in it a test for each finding: failed if it fails the check.
@@ -71,9 +79,6 @@ def _attribute(text: str) -> str:
     return '"{}"'.format(escape(printable(text), quote=False).replace('"', "&quot;"))
 
 
-COMMANDS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "notice"}
-
-
 def check_github(findings: Sequence[Finding], unread: Sequence[Unread] = ()) -> str:
     """Return one line for each finding, `::error file=F,line=L,col=C,title=T::message`, and for each file not read.
 
@@ -107,12 +112,6 @@ def _property(text: str) -> str:
     """Return a property; whatever turns text around or drives a terminal is shown, not done."""
     shown = "".join(letter if letter in "\r\n" else printable(letter) for letter in text)
     return _escaped(shown).replace(":", "%3A").replace(",", "%2C")
-
-
-SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
-Object = dict[str, Any]
-Region = Callable[[str, int, int], Object]
-"""File, and the bytes [start, end) in it, to a SARIF region."""
 
 
 def check_sarif(
@@ -162,10 +161,6 @@ def check_sarif(
     run: Object = {"tool": {"driver": driver}, "invocations": [{"executionSuccessful": not unread, **notified}]}
     run |= {"columnKind": "unicodeCodePoints", "results": results}
     return json.dumps({"$schema": SCHEMA, "version": "2.1.0", "runs": [run]}, indent=2) + "\n"
-
-
-_LINKED = 20
-"""Further places that the message links to."""
 
 
 def _result(finding: Finding, index: dict[str, int], name: str, region: Region) -> Object:

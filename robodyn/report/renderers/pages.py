@@ -16,6 +16,8 @@ from robodyn.report.table import numeric_columns, printable
 from robodyn.support.extras import need
 
 _ASSETS = Path(__file__).parent / "assets"
+_SPECIAL = re.compile(r"([\\`*_{}\[\]<>#|~&@])")
+_SIGNS = {"good": "✅", "doubtful": "⚠️", "bad": "❌", "neutral": "ℹ️"}  # noqa: RUF001
 
 
 def html(document: doc.Document) -> str:
@@ -56,10 +58,6 @@ def html(document: doc.Document) -> str:
         svg=lambda figure: Markup(figure.svg),
     )
     return str(page)
-
-
-_SPECIAL = re.compile(r"([\\`*_{}\[\]<>#|~&@])")
-_SIGNS = {"good": "✅", "doubtful": "⚠️", "bad": "❌", "neutral": "ℹ️"}  # noqa: RUF001
 
 
 def markdown(document: doc.Document) -> str:

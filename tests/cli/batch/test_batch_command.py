@@ -21,6 +21,7 @@ from robodyn.support.cache import code_digest
 from robodyn.support.libraries import version_of
 
 LINES = [f"runs/{name}.csv: 50 samples, 0.49 s -> results/{name}.csv" for name in sorted(NAMES)]
+OTHER = "0.1.0, code 0123456789ab"
 
 
 @pytest.fixture(autouse=True)
@@ -104,9 +105,6 @@ def test_what_has_changed_is_computed_again() -> None:
     assert statuses("--scene", "scene.toml") == [new] * 3
     Path("scene.toml").write_text("gravity = [0, 0, -2]\n")
     assert statuses("--scene", "scene.toml") == [new] * 3
-
-
-OTHER = "0.1.0, code 0123456789ab"
 
 
 def test_what_other_code_has_computed_is_computed_again(monkeypatch: pytest.MonkeyPatch) -> None:
