@@ -37,6 +37,7 @@ def test_mesh_as_json() -> None:
     assert {each["name"] for each in ladder["methods"] if each["dominated_by"] is None} == set(ladder["front"])
 
 
+@pytest.mark.slow
 def test_robot() -> None:
     pytest.importorskip("mpmath")
     text = shown("accuracy", *SCARA)

@@ -176,6 +176,7 @@ def _unasked(body: list[ast.stmt], asked: set[str]) -> list[tuple[int, str]]:
     return found
 
 
+@pytest.mark.slow
 def test_tests_ask_before_they_import() -> None:
     found = {
         str(path.relative_to(TESTS)): _unasked(ast.parse(path.read_text()).body, set())

@@ -61,8 +61,9 @@ def test_a_process_that_dies_is_replaced(deaths: int, children: list[subprocess.
     assert not list(Path("results").glob("*.part"))
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="needs process groups")
-@pytest.mark.parametrize("whole_group", [True, pytest.param(False, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("whole_group", [True, False])
 def test_interrupted(whole_group: bool) -> None:
     """Ctrl-C reaches every process of the terminal, `kill -INT` one; either leaves whole files only."""
     for k in range(4):
