@@ -60,9 +60,7 @@ def torques(
     Blocks of the trajectory go through the traced recursion one after another; integrals are trapezoidal.
 
     Args:
-        model: of `robodyn.load`.
         trajectory: of `robodyn.motion`, or a file, or a reader of `robodyn.read_motion`, which is read to its end.
-        scene: what surrounds the robot.
         reactions: compute the six components of every joint's wrench for the sinks.
         explain: count the operations that the absence of each effect would save.
         sinks: each is called after every block with time (N,), as the trajectory's table gives it, and the columns of

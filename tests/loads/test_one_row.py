@@ -38,12 +38,10 @@ def test_one_row_is_taken_as_rest(name: str, given: tuple[str, ...], tmp_path: P
 
 
 def test_two_rows_and_explicit_derivatives_are_refused(tmp_path: Path) -> None:
-    (tmp_path / "two.csv").write_text("time,q_a\n0,0.1\n1,0.2\n")
-    robot = (ROBOTS / "two_link_planar.urdf").read_text()
-    first = load(str(ROBOTS / "two_link_planar.urdf")).independent[0].name
-    (tmp_path / "r.urdf").write_text(robot)
+    urdf = str(ROBOTS / "two_link_planar.urdf")
+    first = load(urdf).independent[0].name
     (tmp_path / "two.csv").write_text(f"time,q_{first}\n0,0.1\n1,0.2\n")
-    call = ("torques", str(tmp_path / "r.urdf"), str(tmp_path / "two.csv"), "--hold", "rest")
+    call = ("torques", urdf, str(tmp_path / "two.csv"), "--hold", "rest")
     assert "has 2 rows, too few to differentiate" in run(*call).err
     (tmp_path / "two.csv").write_text(f"time,q_{first}\n0,0.1\n")
     assert run(*call, "--derivatives", "given").status == 2
