@@ -15,7 +15,7 @@ from helpers.exact_motions import MOTIONS, course
 from helpers.read_motions import GIVEN, READINGS
 from scipy.stats import binom
 
-DRAWS = 10
+DRAWS = 5
 RISK, KEPT = 1e-3, 0.9
 CLASSES = [*MOTIONS, *READINGS, *GIVEN, "100 Hz", "250 Hz", "500 Hz", "1000 Hz"]
 
