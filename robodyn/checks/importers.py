@@ -203,7 +203,8 @@ def _weightless(context: Context) -> frozenset[str]:
 def _dropped(context: Context) -> list[Found]:
     """Links that are left out and take a joint with them."""
     moved = {name for joint in context.view.joints if joint.moves for name in (joint.parent, joint.child)}
-    return [_part(link) for link in context.tree.links if link.name in moved & _weightless(context)]
+    dropped = moved & _weightless(context)
+    return [_part(link) for link in context.tree.links if link.name in dropped]
 
 
 def _unphysical_groups(context: Context) -> Iterator[Found]:
