@@ -40,7 +40,7 @@ STEPS = (0.001, 0.002, 0.005, 0.01, 0.05, 0.1)
 
 def random_motion(model: Model, rng: np.random.Generator, waypoints: bool) -> tuple[np.ndarray, ...]:
     """Stamps, q, qd, qdd of a sane motion."""
-    rows, step = (int(rng.integers(5, 13)), rng.uniform(0.5, 5)) if waypoints else (300, rng.choice(STEPS))
+    rows, step = (int(rng.integers(5, 13)), rng.uniform(0.5, 5)) if waypoints else (150, rng.choice(STEPS))
     time = np.arange(rows) * step
     q, qd, qdd = (np.zeros((rows, k)) for k in (model.nq, model.n, model.n))
     for joint in model.independent:
