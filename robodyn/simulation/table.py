@@ -55,10 +55,7 @@ Source = str | os.PathLike[str] | Mapping[str, ArrayLike] | Table
 
 
 def read_table(
-    source: Source,
-    scene: Scene,
-    columns: Mapping[str, str] | None = None,
-    time_unit: TimeUnit | None = None,
+    source: Source, scene: Scene, columns: Mapping[str, str] | None = None, time_unit: TimeUnit | None = None
 ) -> Table:
     """The columns that a scene names, of a file that `robodyn torques` reads (`-` is standard input) or of arrays by
     name, `time` among them, or as they have been read already; raises where it names none, or one is wrong.

@@ -90,13 +90,7 @@ def minimum_jerk(rng: np.random.Generator, t: Array) -> Rates:
 def cosine_ramps(rng: np.random.Generator, t: Array) -> Rates:
     """Half a cosine: the acceleration is largest where it jumps."""
     return moves(
-        rng,
-        t,
-        lambda s: (
-            (1 - np.cos(np.pi * s)) / 2,
-            np.pi * np.sin(np.pi * s) / 2,
-            np.pi**2 * np.cos(np.pi * s) / 2,
-        ),
+        rng, t, lambda s: ((1 - np.cos(np.pi * s)) / 2, np.pi * np.sin(np.pi * s) / 2, np.pi**2 * np.cos(np.pi * s) / 2)
     )
 
 

@@ -105,8 +105,7 @@ def exact(last):
 
 
 @pytest.mark.parametrize(
-    ("method", "step", "last"),
-    [("rk4", 1e-2, 100), ("rk4", 1 / 120, 2000), ("gauss6", 0.1, 2000)],
+    ("method", "step", "last"), [("rk4", 1e-2, 100), ("rk4", 1 / 120, 2000), ("gauss6", 0.1, 2000)]
 )
 def test_within_a_millimetre(method, step, last):
     scene = robodyn.load_scene(ROBOTS / "pendulum_a01.toml")

@@ -13,12 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from robodyn.errors import TrajectoryError
 from robodyn.trajectory.columns.signals import Signal, Signals
-from robodyn.trajectory.derivatives.differentiate import (
-    SPLINE,
-    differentiate,
-    equal_spacing,
-    savgol,
-)
+from robodyn.trajectory.derivatives.differentiate import SPLINE, differentiate, equal_spacing, savgol
 from robodyn.trajectory.formats.table import ArrayTable
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.options import Reading

@@ -255,10 +255,7 @@ except InputError as error:
 
 @pytest.mark.parametrize(
     ("path", "more", "output"),
-    [
-        ("-", "2,1\n", "<stdin>:5: 1 cell where the header names 2 columns (repair the row)"),
-        ("/dev/stdin", "", "7.0"),
-    ],
+    [("-", "2,1\n", "<stdin>:5: 1 cell where the header names 2 columns (repair the row)"), ("/dev/stdin", "", "7.0")],
 )
 def test_standard_input_and_pipes(path: str, more: str, output: str) -> None:
     content = f"t a\n0 1\n1 2\n2 4\n{more}"

@@ -69,12 +69,7 @@ def _inner(a: Floats, b: Floats) -> Floats:
 
 
 def at_samples(
-    time: Floats | None,
-    values: Floats,
-    turns: Floats | None,
-    centres: NDArray[np.intp],
-    width: int,
-    degree: int,
+    time: Floats | None, values: Floats, turns: Floats | None, centres: NDArray[np.intp], width: int, degree: int
 ) -> tuple[Floats, Floats, Floats]:
     """Residual and both derivatives (k, c) at rows `centres` (k,) of values (N, c), each by the polynomial of its own
     window alone, which near an end stays inside the table. No time: all are a unit apart.

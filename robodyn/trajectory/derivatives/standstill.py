@@ -97,11 +97,7 @@ class Standstill:
     """The joints of a table, and the resolutions of their positions."""
 
     def __init__(
-        self,
-        signals: Signals,
-        layout: Layout,
-        pieces: Sequence[Trajectory],
-        known: Mapping[int, tuple[float, float]],
+        self, signals: Signals, layout: Layout, pieces: Sequence[Trajectory], known: Mapping[int, tuple[float, float]]
     ) -> None:
         """Pieces stand for the table, without any the first block does; grids' steps and noises of q may be known."""
         self._joints = [
