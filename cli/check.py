@@ -81,6 +81,8 @@ def _fix(tasks: Sequence[Task], unsafe: bool, diff: bool) -> bool:
     option("--write-baseline", "Write today's findings to the file of --baseline."),
     option("--fix", "Edit the files where an edit is right and leaves the dynamics alone."),
     option("--unsafe-fixes", "With --fix or --diff: edits that change the dynamics, too."),
+    option("--expanded-to DIR", "Where xacro files are expanded to, which meshes are relative to.", PATH),
+    option("--including", "Of a xacro file that others include, check those."),
     option("--diff", "Print what --fix would change, and change nothing."),
     READING,
     REPORT,
@@ -101,11 +103,13 @@ def command(
     fix: bool,
     unsafe_fixes: bool,
     diff: bool,
+    expanded_to: str | None,
+    including: bool,
 ) -> int:
     """Find what is wrong with robot descriptions, down to the attribute.
-    A file named - is standard input; a folder means every .urdf below it, or else every .xacro; a .xacro file is
-    expanded first; a mesh or an SRDF means the descriptions of its package that name it, and a .xacro file of macros
-    those that include it.
+    A file named - is standard input; a folder means every .urdf below it and every .xacro that no other includes; a
+    .xacro file is expanded first; a mesh or an SRDF means the descriptions of its package that name it, and a .xacro
+    file of macros those that include it.
     Errors are shown, and what is likely a defect; `--select ALL` shows all.
     The exit status is 1 if an error is found, 2 if a file cannot be read, which stops no other.
     `robodyn rule CODE` explains a finding.
@@ -132,6 +136,8 @@ def command(
         xacro_args=tuple(dict(call.xacro_args).items()),
         trust_xacro=call.trust_xacro,
         asked=Asked(targets or (), against, trajectory, call.reading),
+        expanded_to=expanded_to or "",
+        including=including,
     )
     tasks = tasks_for([robot_source(urdf, expected=False) for urdf in urdfs], chosen, config)
     shown = (fix or diff) and _fix(tasks, unsafe_fixes, diff)

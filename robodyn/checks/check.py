@@ -17,16 +17,26 @@ from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from hashlib import sha256
+from pathlib import Path
 from typing import TYPE_CHECKING
 from warnings import warn
 
 from robodyn.checks.catalogue import BY_CODE, CODES, is_selected, rules_for
 from robodyn.checks.context import STANDARD, STDIN, Context, Options
 from robodyn.checks.fixes import Fixed, fixed
-from robodyn.checks.groups import deduplicate, grouped, kind_of, places
+from robodyn.checks.groups import across_robots, deduplicate, grouped, kind_of, places
 from robodyn.checks.rule import HERE, Fault, Finding, Rule, Severity, excerpt
 from robodyn.checks.rules.text import unused_waiver, without_use
-from robodyn.checks.sources import Config, each_in_a_process, files_of, find_config, read_config, worth_processes
+from robodyn.checks.sources import (
+    Config,
+    defined_beside,
+    each_in_a_process,
+    files_of,
+    find_config,
+    read_config,
+    worth_processes,
+)
 from robodyn.checks.waivers import waived, waivers
 from robodyn.errors import InputError, NoRobotError, RobodynWarning
 from robodyn.robot.urdf.document import Document, Element, SourcePositions, read
@@ -34,6 +44,7 @@ from robodyn.robot.urdf.parts import Description
 from robodyn.robot.urdf.sources import EXPANDED, is_xacro, read_source
 from robodyn.robot.urdf.view import Subject
 from robodyn.support.input_file import read_input
+from robodyn.support.wording import count, listed, listed_paths
 
 if TYPE_CHECKING:
     from robodyn.robot.urdf.xacro import Expansion
@@ -94,7 +105,8 @@ def check(
 
 def tasks_for(sources: Sequence[Source], given: Options = STANDARD, config: str | None = None) -> tuple[Task, ...]:
     """Return the files of the sources, each with its options: those of the call win over those of its project, or are
-    added to them (see `Config.of`). The settings of the file `config` hold for all, by default those above each.
+    added to them (see `Config.of`). The settings of the file `config` hold for all, by default those above each. Of a
+    folder that is named xacro files may read every file.
 
     Raises:
         InputError: nothing matches a source, there is no such rule, or settings are wrong.
@@ -103,10 +115,14 @@ def tasks_for(sources: Sequence[Source], given: Options = STANDARD, config: str 
     fixed = None if config is None else read_config(config)
     known: dict[str, Config | None] = {}
     named = {os.fspath(source) for source in sources}
-    others = replace(given, trust_xacro=False)
-    return tuple(
-        Task(file, _options(file, given if file in named else others, fixed, known)) for file in files_of(sources)
-    )
+    folders = [source for source in named if isinstance(source, str) and os.path.isdir(source)]
+    tasks = []
+    for file in files_of(sources, given.including):
+        options = given if file in named else replace(given, trust_xacro=False)
+        within = [folder for folder in folders if is_xacro(file) and Path(folder) in Path(os.fspath(file)).parents]
+        options = replace(options, package_path=(*options.package_path, *within))
+        tasks.append(Task(file, _options(file, options, fixed, known)))
+    return tuple(tasks)
 
 
 def check_description(description: Description, given: Options = STANDARD) -> Checked:
@@ -169,10 +185,11 @@ class Checked:
 
 @dataclass(frozen=True)
 class Found:
-    """What is shown of the findings in a file, and what is not."""
+    """What is shown of the findings in a file, and what is not; and a digest of its elements with their attributes."""
 
     shown: tuple[Finding, ...]
     hidden: tuple[Finding, ...] = ()
+    content: str = ""
 
 
 @dataclass(frozen=True)
@@ -192,18 +209,31 @@ def check_tasks(tasks: Sequence[Task], done: Callable[[], None] = lambda: None) 
     each. One that cannot be read stops no other; one that describes no robot is skipped, with a warning."""
     shared_out = worth_processes([task.source for task in tasks])
     each = each_in_a_process(_outcome, [(task,) for task in tasks]) if shared_out else map(_outcome, tasks)
-    files, found, hidden, unread = list[str](), list[Finding](), list[Finding](), list[Unread]()
+    found, unread = dict[str, Found](), list[Unread]()
     for task, outcome in zip(tasks, each, strict=True):
         if isinstance(outcome, NoRobotError):
             warn(f"{outcome}: skipped", RobodynWarning, stacklevel=2)
         elif isinstance(outcome, InputError):
             unread.append(Unread(task.name, outcome))
         else:
-            files.append(task.name)
-            found += outcome.shown
-            hidden += outcome.hidden
+            found[task.name] = outcome
         done()
-    return Checked(tuple(files), tuple(found), tuple(unread), tuple(hidden))
+    if any(map(is_xacro, found)):
+        found = _judged_once(found)
+    shown, hidden = ([one for each in found.values() for one in getattr(each, kind)] for kind in ("shown", "hidden"))
+    if any(map(is_xacro, found)):
+        shown, hidden = across_robots(shown), across_robots(hidden)
+    return Checked(tuple(found), tuple(shown), tuple(unread), tuple(hidden))
+
+
+def _judged_once(found: Mapping[str, Found]) -> dict[str, Found]:
+    """Return what was found without that in URDFs which are what xacro files of these expand to."""
+    xacros = {each.content: name for name, each in found.items() if is_xacro(name)}
+    same = {name: xacros[each.content] for name, each in found.items() if each.content in xacros and not is_xacro(name)}
+    if same:
+        what = count(len(same), "URDF is what a xacro file expands to", "URDFs are what xacro files expand to")
+        warn(f"{what}, and judged there: {listed_paths(same)}", RobodynWarning, stacklevel=3)
+    return {name: each for name, each in found.items() if name not in same}
 
 
 def _outcome(task: Task) -> Found | InputError:
@@ -215,7 +245,14 @@ def _outcome(task: Task) -> Found | InputError:
 
 def found_in(source: Source, options: Options = STANDARD, name: str | None = None) -> Found:
     """Return one finding for each cause in one file or its bytes, shown or hidden as is selected."""
-    return select_findings(check_one(source, options, name), options)
+    reading, expansion = _read(source, options, name)
+    return replace(select_findings(_findings(reading, expansion, options), options), content=_digest(reading))
+
+
+def _digest(reading: Document) -> str:
+    elements = [] if reading.robot is None else reading.root.walk()
+    written = [(one.tag, sorted((name, each.value) for name, each in one.attributes.items())) for one in elements]
+    return sha256(repr(written).encode("utf-8", "surrogatepass")).hexdigest()
 
 
 def select_findings(every: Sequence[Finding], options: Options) -> Found:
@@ -228,18 +265,37 @@ def select_findings(every: Sequence[Finding], options: Options) -> Found:
 
 def check_one(source: Source, options: Options = STANDARD, name: str | None = None) -> tuple[Finding, ...]:
     """Return every place that the rules find in one file, or in its expansion, in the order of the text."""
-    expansion = None
-    if isinstance(source, bytes) or not is_xacro(source):
-        reading = read(source, name)
-    else:
-        from robodyn.robot.urdf.xacro import expanded, no_robot
+    return _findings(*_read(source, options, name), options)
 
-        path = os.fspath(source)
-        expansion = expanded(path, options.package_path, dict(options.xacro_args), options.trust_xacro)
-        reading = read(expansion.text, (name or path) + EXPANDED)
-        if reading.robot is not None and not any(part.tag in ("link", "joint") for part in reading.root.children):
-            raise no_robot(path)
-    context = Context(reading, options.thresholds, options.package_path, options.asked, CODES)
+
+def _read(source: Source, options: Options, name: str | None) -> tuple[Document, Expansion | None]:
+    """Return a description as it is read, of a xacro file its expansion. NoRobotError where that has no link and no
+    joint, or hangs on links that another xacro file of the folder or package has."""
+    if isinstance(source, bytes) or not is_xacro(source):
+        return read(source, name), None
+    from robodyn.robot.urdf.xacro import expanded, no_robot
+
+    path = os.fspath(source)
+    expansion = expanded(path, options.package_path, dict(options.xacro_args), options.trust_xacro)
+    reading = read(expansion.text, (name or path) + EXPANDED)
+    parts = [] if reading.robot is None else reading.root.children
+    if reading.robot is not None and not any(part.tag in ("link", "joint") for part in parts):
+        raise no_robot(path)
+    links = {part.get("name") for part in parts if part.tag == "link"}
+    ends = {
+        kind: {end.get("link") for part in parts if part.tag == "joint" for end in part.findall(kind)}
+        for kind in ("parent", "child")
+    }
+    hung_on = sorted(filter(None, ends["parent"] - links))
+    if hung_on and ends["child"] <= links and (other := defined_beside(path, hung_on)) is not None:
+        what = f"it is a part that hangs on {listed(hung_on)} of {os.path.basename(other)}"
+        raise NoRobotError(what, remedy="name the file that includes both", file=path)
+    return reading, expansion
+
+
+def _findings(reading: Document, expansion: Expansion | None, options: Options) -> tuple[Finding, ...]:
+    expanded_to = "" if expansion is None else options.expanded_to
+    context = Context(reading, options.thresholds, options.package_path, options.asked, CODES, expanded_to)
     findings = run_rules(context, rules_for(options.select, options.ignore))
     return findings if expansion is None else tuple(located(findings, reading, expansion))
 

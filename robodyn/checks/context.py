@@ -93,6 +93,8 @@ class Options:
             empty: errors, and what is likely a defect; ignore: of the rules not to run.
         package_path: folders in which `package://` names are looked up first.
         trust_xacro: whether xacro files may do whatever Python can.
+        expanded_to: the folder to which xacro files are expanded, and which their meshes are named from.
+        including: whether of a xacro file that others include those are checked in its place.
         asked: what is asked beyond the files themselves.
     """
 
@@ -103,6 +105,8 @@ class Options:
     xacro_args: tuple[tuple[str, str], ...] = ()
     trust_xacro: bool = False
     asked: Asked = NOTHING
+    expanded_to: str = ""
+    including: bool = False
 
     def __repr__(self) -> str:
         return call_of(self)
@@ -196,6 +200,7 @@ class Context:
     package_path: tuple[str, ...] = ()
     asked: Asked = NOTHING
     codes: tuple[str, ...] = ()
+    expanded_to: str = ""
     _kept: dict[Callable[..., Any], Any] = field(default_factory=dict, repr=False)
 
     def once(self, function: Callable[[Context], T]) -> T:
@@ -208,7 +213,7 @@ class Context:
     @cached_property
     def search(self) -> Search:
         """Where the files are that the description names."""
-        return Search(self.reading.file, self.package_path)
+        return Search(self.reading.file, self.package_path, self.expanded_to)
 
     @cached_property
     def view(self) -> View:

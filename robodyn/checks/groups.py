@@ -53,6 +53,21 @@ def grouped(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     return tuple(replace(one, others=tuple(others)) if others else one for one, *others in together.values())
 
 
+def across_robots(findings: Iterable[Finding]) -> list[Finding]:
+    """Return the findings of several robots with one for each cause in a file that they share, and their names."""
+    shared: dict[tuple[object, ...], Finding] = {}
+    for one in (place for finding in findings for place in finding.places):
+        key = (one.file, one.start, one.end, one.code, one.severity, one.message, one.cause)
+        known = shared.get(key)
+        robots = (one.checked,) if known is None else (*known.robots, one.checked)
+        shared[key] = replace(known or one, robots=tuple(dict.fromkeys(robots)))
+    together = grouped(shared.values())
+    return [
+        replace(one, robots=tuple(dict.fromkeys(robot for place in one.places for robot in place.robots)))
+        for one in together
+    ]
+
+
 def places(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     """Return every place of the findings by itself, file by file and each in the order of its text."""
     files: dict[str, list[Finding]] = {}

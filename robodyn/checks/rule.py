@@ -67,7 +67,8 @@ class Finding:
     `message` names the subject; `line` and `column` (in characters) count from 1, `start` and `end` are bytes.
     `kind` is the message without subject, names and numbers: what findings share that one cause explains. `others` are
     the further places of the same cause in the file, in their order (see `robodyn.checks.groups`). `description` is the
-    file that was checked, where `file` is another one: macros that it includes, or its SRDF.
+    file that was checked, where `file` is another one: macros that it includes, or its SRDF. `robots` are the files
+    that were checked and share it, where xacro files are among them.
     """
 
     code: str
@@ -89,6 +90,7 @@ class Finding:
     kind: str = ""
     others: tuple[Finding, ...] = ()
     description: str | None = None
+    robots: tuple[str, ...] = ()
 
     @property
     def checked(self) -> str:

@@ -27,7 +27,7 @@ from robodyn.scene.scene import Rule
 from robodyn.scene.toml_table import TomlTable, read_toml
 from robodyn.support.input_file import read_input
 from robodyn.support.threads import cores, processes
-from robodyn.support.wording import shown
+from robodyn.support.wording import count, listed_paths, shown
 
 RELATED = (".srdf", ".stl", ".obj", ".dae", ".ply", ".glb", ".gltf")
 """Suffixes of files that belong to descriptions."""
@@ -39,8 +39,8 @@ _MESH = 5_000
 
 
 def related_descriptions(path: str) -> list[str]:
-    """Return the descriptions of the file's package that name a mesh, or whose SRDF this is; of a xacro file that only
-    defines parts those that include it, through others or not, in the packages beside as well. Without a package.xml
+    """Return the descriptions of the file's package that name a mesh, or whose SRDF this is; of a xacro file those that
+    include it, through others or not, in the packages beside as well. Without a package.xml
     above the file they are looked for in its folder, in the one above, and in those in these. NoRobotError for none."""
     if is_xacro(path):
         found = sorted(map(str, _including(Path(path).absolute())))
@@ -67,19 +67,58 @@ def _in_packages(packages: Iterable[Path], path: Path, suffix: str) -> list[Path
 
 
 def _including(parts: Path) -> set[Path]:
-    """Return the xacro files that describe a robot and include this one, or one that does."""
+    """Return the xacro files that describe a robot and include this one, through others or not."""
     home = Search(str(parts)).home
     packages = [] if home is None else [folder.parent for folder in home.parent.glob("*/package.xml")]
-    texts = {file: read_input(file) for file in _in_packages(packages, parts, ".xacro")}
-    found, reached = set[Path](), [parts]
+    above = includers({*_in_packages(packages, parts, ".xacro"), parts})
+    reached = [parts]
     for one in reached:
-        name = re.compile(rb"include[^>]*[\"'/\\]" + re.escape(one.name.encode()) + rb"[\"']")
-        for file in [file for file, text in texts.items() if file not in (*found, *reached) and name.search(text)]:
-            if only_defines(str(file)):
-                reached.append(file)
-            else:
-                found.add(file)
-    return found
+        reached += sorted(above[one].difference(reached))
+    return {file for file in reached[1:] if not above[file] and not only_defines(str(file))}
+
+
+_INCLUDE = re.compile(rb"""<(?:xacro:)?include\s[^>]*?filename\s*=\s*["']([^"'<]+)["']""")
+_FIND = re.compile(r"\$\(find ([^)]*)\)")
+_MOST_SOURCE = 1 << 24
+
+
+def includers(files: Iterable[Path]) -> dict[Path, set[Path]]:
+    """Return of each xacro file those of the files that include it, as far as their texts say: what is computed in a
+    name may be any folder, `$(find NAME)` is one of that name if there is one."""
+    above: dict[Path, set[Path]] = {file: set() for file in files}
+    named: dict[str, list[Path]] = {}
+    for file in above:
+        named.setdefault(file.name, []).append(file)
+    for file in above:
+        with suppress(OSError, ValueError, InputError):  # told when it is checked
+            for written in _INCLUDE.findall(read_input(file, _MOST_SOURCE)):
+                for other in _included(written.decode(errors="replace"), file, named):
+                    if other != file:
+                        above[other].add(file)
+    return above
+
+
+def _included(written: str, by: Path, named: dict[str, list[Path]]) -> list[Path]:
+    alike = named.get(os.path.basename(written), [])
+    if "$" not in written:
+        return [file for file in alike if file == Path(os.path.normpath(by.parent / written))]
+    tail = os.path.normpath(re.split(r"[)}]", written)[-1].lstrip("/"))
+    found = [file for file in alike if file.as_posix().endswith("/" + tail)]
+    package = _FIND.match(written)
+    return [file for file in found if package is not None and package[1] in file.parts] or found
+
+
+def defined_beside(path: str, names: Iterable[str]) -> str | None:
+    """Return the xacro file of the folder or package that has elements of all these names, if one has."""
+    file = Path(path).absolute()
+    home = Search(path).home
+    wanted = [re.compile(rb"<link\s[^>]*?name\s*=\s*[\"']" + re.escape(name.encode()) + rb"[\"']") for name in names]
+    for other in _in_packages([file.parent if home is None else home], file, ".xacro"):
+        with suppress(OSError, ValueError, InputError):
+            text = b"" if other == file else read_input(other, _MOST_SOURCE)
+            if all(one.search(text) for one in wanted):
+                return str(other)
+    return None
 
 
 def _has_srdf(urdf: Path, srdf: Path) -> bool:
@@ -90,18 +129,21 @@ def _has_srdf(urdf: Path, srdf: Path) -> bool:
     return own is not None and os.path.samefile(own, srdf)
 
 
-def files_of(sources: Sequence[str | os.PathLike[str] | bytes]) -> list[str | bytes]:
+def files_of(sources: Sequence[str | os.PathLike[str] | bytes], including: bool = False) -> list[str | bytes]:
     """Return the files in the order given; a folder's and a pattern's in the order of their names; each once.
 
-    Of a folder all .urdf below it; where there is none, all .xacro; of a mesh, an SRDF or a xacro file of macros its
-    `related_descriptions`, with a warning where there are none. A folder or a pattern without a description is an
+    Of a folder all .urdf below it, and all .xacro that no other includes; of a mesh, an SRDF or a xacro file of macros
+    its `related_descriptions`, with a warning where there are none; with `including` also of one that others include.
+    A folder or a pattern without a description is an
     InputError, or a warning where others are named as well.
     """
     found: dict[str | bytes, None] = {}
     errors: list[InputError] = []
     for source in sources:
         try:
-            found.update(dict.fromkeys([source] if isinstance(source, bytes) else _expanded(os.fspath(source))))
+            found.update(
+                dict.fromkeys([source] if isinstance(source, bytes) else _expanded(os.fspath(source), including))
+            )
         except InputError as error:
             errors.append(error)
     fatal = [error for error in errors if not isinstance(error, NoRobotError)]
@@ -112,21 +154,36 @@ def files_of(sources: Sequence[str | os.PathLike[str] | bytes]) -> list[str | by
     return list(found)
 
 
-def _expanded(path: str) -> list[str]:
+def _expanded(path: str, including: bool) -> list[str]:
     if os.path.isdir(path):
-        names = _below(path, ".urdf") or _below(path, ".xacro")
-        if not names:
-            raise InputError("no .urdf and no .xacro in the folder", remedy="check the name", file=path)
-        return [os.path.join(path, name) for name in names]
+        return _in_folder(path)
     if not os.path.isfile(path) and (os.path.exists(path) or not glob.has_magic(path)):
         return [path]
     if os.path.isfile(path):
-        related = path.lower().endswith(RELATED) or (is_xacro(path) and only_defines(path))
-        return related_descriptions(path) if related else [path]
+        if path.lower().endswith(RELATED) or (is_xacro(path) and only_defines(path)):
+            return related_descriptions(path)
+        if including and is_xacro(path):
+            with suppress(NoRobotError):  # no other includes it
+                return related_descriptions(path)
+        return [path]
     names = sorted(glob.iglob(path, recursive=True))
     if not names:
         raise InputError("nothing matches the pattern", remedy="check the name", file=path)
     return names
+
+
+def _in_folder(folder: str) -> list[str]:
+    """Return the .urdf below a folder, and the .xacro that no other includes; of those that others do, or that only
+    define parts, a warning tells."""
+    urdfs, xacros = ([os.path.join(folder, name) for name in _below(folder, suffix)] for suffix in (".urdf", ".xacro"))
+    if not urdfs and not xacros:
+        raise InputError("no .urdf and no .xacro in the folder", remedy="check the name", file=folder)
+    above = includers(Path(file).absolute() for file in xacros)
+    parts = [file for file in xacros if above[Path(file).absolute()] or only_defines(file)]
+    if parts:
+        what = count(len(parts), "xacro file is part of others", "xacro files are parts of others")
+        warn(f"{folder}: {what}, judged where they are included: {listed_paths(parts)}", RobodynWarning, stacklevel=2)
+    return sorted({*urdfs, *xacros}.difference(parts))
 
 
 def _below(folder: str, suffix: str) -> list[str]:

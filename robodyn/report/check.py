@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
@@ -20,7 +19,7 @@ from robodyn.checks.rule import Severity
 from robodyn.report import document as doc
 from robodyn.report.table import axis_text, number, point_text, printable
 from robodyn.robot.urdf.parts import Limit
-from robodyn.support.wording import count, shown
+from robodyn.support.wording import count, listed_paths, relative_path, shown
 
 if TYPE_CHECKING:
     from robodyn.checks.check import Checked
@@ -113,7 +112,7 @@ def short_sections(checked: Checked) -> Iterator[doc.Section]:
         files.setdefault(finding.file, []).append(finding)
     for file, found in files.items():
         ranked = sorted(found, key=lambda one: (order.index(one.severity), one.code))
-        lines = [relative(file)]
+        lines = [relative_path(file)]
         for head, same in groupby(ranked, key=lambda one: f"{one.severity.value} {one.code} {one.name}"):
             lines.append(f"  {head}")
             for one in same:
@@ -126,16 +125,6 @@ def short_sections(checked: Checked) -> Iterator[doc.Section]:
     yield doc.paragraphs(checked_lines(checked))
 
 
-def relative(file: str) -> str:
-    """Return the path from the current folder, where that is shorter."""
-    if file.startswith("<"):
-        return file
-    try:
-        return min(os.path.relpath(file), file, key=len)
-    except ValueError:  # on another drive
-        return file
-
-
 def check_sections(checked: Checked) -> Iterator[doc.Section]:
     """Yield every finding, and at the end how many there are in how many files."""
     for finding in checked.findings:
@@ -143,10 +132,16 @@ def check_sections(checked: Checked) -> Iterator[doc.Section]:
         kind = f"{finding.severity.value} {finding.code} {finding.name}"
         cause = [f"  cause: {finding.cause}"] if finding.cause is not None else []
         fix = [f"  fix: {finding.fix.what} ({_safety(finding.fix)})"] if finding.fix is not None else []
-        lines = [f"{place}: {kind}: {finding.message}", *marked(finding.line, finding.excerpt), *cause]
+        lines = [f"{place}: {kind}: {finding.message}", *marked(finding.line, finding.excerpt), *_of(finding), *cause]
         also = [f"{'        ' if k else '  also: '}{line}" for k, line in enumerate(further(finding))]
         yield doc.paragraphs([*lines, *also, f"  do: {finding.remedy}", *fix])
     yield doc.paragraphs(checked_lines(checked))
+
+
+def _of(finding: Finding) -> list[str]:
+    """The robots that include the file of a finding."""
+    robots = [robot for robot in finding.robots if robot != finding.file]
+    return [f"  in: {listed_paths(robots)}"] if robots else []
 
 
 def _safety(fix: Fix) -> str:
@@ -177,10 +172,9 @@ def check_page(checked: Checked) -> doc.Document:
         ]
         tables[0] = replace(tables[0], caption="How often each rule speaks")
         blocks += [doc.Heading("Rules"), *tables, doc.Paragraph("robodyn rule CODE explains a rule.")]
-    for file in checked.files:
+    for file in dict.fromkeys(finding.file for finding in checked.findings):
         found = [finding for finding in checked.findings if finding.file == file]
-        if found:
-            blocks += [doc.Heading(printable(file)), doc.Findings(tuple(map(_item, found)))]
+        blocks += [doc.Heading(printable(file)), doc.Findings(tuple(map(_item, found)))]
     blocks += doc.data_blocks([("findings.json", check_json(checked))], "robodyn check --format json prints it")
     title = PurePath(checked.files[0]).name if len(checked.files) == 1 else "Robot descriptions"
     return doc.Document(
@@ -193,6 +187,7 @@ def _item(finding: Finding) -> tuple[doc.Level, str, tuple[tuple[str, bool], ...
     lines = [("\n".join(marked(finding.line, finding.excerpt)), True)] if finding.excerpt.text else []
     if finding.others:
         lines.append((f"Also at {'; '.join(further(finding))}.", False))
+    lines += [(f"I{line.strip()[1:]}.", False) for line in _of(finding)]
     if finding.cause is not None:
         lines.append((f"Cause: {finding.cause}.", False))
     lines.append((f"To do: {finding.remedy}.", False))
@@ -277,7 +272,7 @@ def check_json(checked: Checked) -> str:
     """Return {"findings", "unread", "summary"}; places count from 1, edits are byte offsets of the file."""
     subject, bounds, fix = "subject[kind name] message", "measured? bound?", "fix[what safe edits]"
     places = f"places[line column {subject} {bounds} {fix}]"
-    keys = f"file line column code name severity {subject} remedy {bounds} cause {fix} {places}"
+    keys = f"file line column code name severity {subject} remedy {bounds} cause {fix} {places} robots"
     return doc.written(
         {
             "findings": [doc.select(finding, keys) for finding in checked.findings],

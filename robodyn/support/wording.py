@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Sequence
@@ -43,6 +44,22 @@ def listed(names: Collection[str]) -> str:
     """Return the first few names and how many more there are."""
     text = ", ".join(shown(name) for name in islice(names, _MOST_NAMES))
     return text if len(names) <= _MOST_NAMES else f"{text}, ... ({len(names)} in all)"
+
+
+def relative_path(file: str) -> str:
+    """Return the path from the current folder, where that is shorter."""
+    if file.startswith("<"):
+        return file
+    try:
+        return min(os.path.relpath(file), file, key=len)
+    except ValueError:  # on another drive
+        return file
+
+
+def listed_paths(paths: Collection[str]) -> str:
+    """Return the first few paths, from the current folder, and how many more there are."""
+    text = ", ".join(shown_path(relative_path(path)) for path in islice(paths, _MOST_NAMES))
+    return text if len(paths) <= _MOST_NAMES else f"{text}, ... ({len(paths)} in all)"
 
 
 def count(amount: int, noun: str, plural: str = "") -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -11,11 +12,11 @@ from robodyn.checks.context import STDIN
 from robodyn.checks.examples import a_joint, a_link, a_mesh, a_shaped_link, arm
 from robodyn.checks.importers import READS, unread
 from robodyn.checks.meshes.files import MeshFacts, MeshName, State, all_facts, mesh_names, mesh_slips, mesh_uses
-from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
-from robodyn.robot.urdf.sources import package_of
+from robodyn.checks.rule import Context, Fault, Faults, Fix, Severity, rule
+from robodyn.robot.urdf.sources import EXPANDED, home_of, package_name, package_of
 from robodyn.robot.urdf.view import value_span
 from robodyn.support.input_file import open_input
-from robodyn.support.wording import count, figure, listed, shown, shown_path
+from robodyn.support.wording import alternatives, count, figure, nearest, shown, shown_path
 
 
 @rule(
@@ -32,8 +33,9 @@ def mesh_missing(context: Context) -> Faults:
     A mesh that is missing, empty or damaged stops some programs, and leaves others without the shape. `package://` is
     looked for in --package-path, in ROS_PACKAGE_PATH, in AMENT_PREFIX_PATH, in COLCON_PREFIX_PATH, in
     CMAKE_PREFIX_PATH, in the folders above the file, also above the one where a symbolic link leads, and among the
-    other packages of its workspace or repository. Where none of them is known, one remark says so for all meshes.
-    Nothing is fetched.
+    other packages of its workspace or repository; then the rest of the name is tried in the folders above. A package of
+    which nothing is known is a warning, once for all its meshes that are not found; an error where the file's own
+    package or one beside it has a name that differs by a slip. Nothing is fetched.
     """
     for use in mesh_uses(context):
         if not use.geometry.uri:
@@ -45,17 +47,51 @@ def mesh_missing(context: Context) -> Faults:
         elif name.state is State.REMOTE:
             remedy = "save it in the package: few programs fetch meshes"
             yield name.fault("is not on this machine", remedy, Severity.WARNING)
-    unknown = [name for name in names if name.state is State.UNKNOWN]
-    if unknown:
-        packages = dict.fromkeys(package[0] for name in unknown if (package := package_of(name.uri)) is not None)
-        where = f"of the package {listed(list(packages))}" if packages else "beside standard input"
-        what = f"{count(len(unknown), 'mesh is', 'meshes are')} not looked at: nothing is known {where}"
-        remedy = "say where it is with --package-path" if packages else "check the file by its name"
-        yield Fault(unknown[0].uses[0].at, what, remedy, severity=Severity.NOTE, subject=None)
+    yield from _of_strange_packages(context)
     for uri, facts in context.once(all_facts).items():
         name = context.once(mesh_names)[uri]
         if facts.problem is not None and facts.finite:
             yield name.fault(f"cannot be read: {facts.problem}", facts.remedy)
+
+
+def _of_strange_packages(context: Context) -> Faults:
+    """The names in packages of which nothing is known: a fault for each that is meant by another, or hides a mesh."""
+    strange: dict[str, list[MeshName]] = {}
+    for name in context.once(mesh_names).values():
+        package = package_of(name.uri)
+        known = package is None or not package[0] or context.search.share(package[0]) is not None
+        if name.state is State.UNKNOWN or (name.path is not None and not known):
+            strange.setdefault("" if package is None else package[0], []).append(name)
+    neighbours = context.search.neighbours if strange else []
+    for stranger, names in strange.items():
+        at, unseen = names[0].uses[0].at, [name for name in names if name.path is None]
+        unknown = f"nothing is known of the package {shown(stranger)}"
+        meant = _misspelt(stranger, neighbours)
+        if meant is not None:
+            renamed = [name.renamed(name.uri.replace(stranger, meant, 1)) for name in names]
+            fix = Fix(f"write package://{meant}/", tuple(edit for one in renamed for edit in one.edits), safe=True)
+            there = all(context.search.find(name.uri.replace(stranger, meant, 1)) is not None for name in names)
+            remedy = f"did you mean {shown(meant)}?"
+            yield Fault(at, unknown, remedy, subject=None, fix=fix if there else None)
+        elif stranger and unseen:
+            what = f"{count(len(unseen), 'mesh is', 'meshes are')} not looked at: {unknown}"
+            near = nearest(stranger, neighbours)
+            remedies = [alternatives(stranger, near, "packages")] if near else []
+            remedy = " ".join([*remedies, "say where it is with --package-path"])
+            yield Fault(at, what, remedy, severity=Severity.WARNING, subject=None)
+        elif unseen:
+            what = (
+                f"{count(len(unseen), 'mesh is', 'meshes are')} not looked at: nothing is known beside standard input"
+            )
+            yield Fault(at, what, "check the file by its name", severity=Severity.NOTE, subject=None)
+
+
+def _misspelt(package: str, others: Sequence[str]) -> str | None:
+    """The package that a name is a slip of: ur5_description is none of ur3_description."""
+    from difflib import get_close_matches
+
+    digits = re.findall(r"\d", package)
+    return next((one for one in get_close_matches(package, others, 3, 0.9) if re.findall(r"\d", one) == digits), None)
 
 
 def _missing(context: Context, name: MeshName) -> Fault:
@@ -102,7 +138,8 @@ def mesh_path(context: Context) -> Faults:
     r"""Meshes are named within their package.
 
     An absolute path, a `file://` and a name that leads out of the package, which is also the folder with the
-    package.xml above a file, mean a file of one machine. A name with \ between folders is found on Windows alone.
+    package.xml above a file, mean a file of one machine. Most programs find none that is relative to the package or a
+    folder above the file, or whose package has another name. A name with \ between folders is found on Windows alone.
     """
     for name in context.once(mesh_names).values():
         if (why := _why(context, name)) is not None:
@@ -122,9 +159,27 @@ def _why(context: Context, name: MeshName) -> str | None:
         places = [Path(os.path.normpath(folder.absolute() / uri)) for folder in context.search.folders]
         if all(root not in place.parents for place in places):
             return "leads out of this file's package"
-    if "\\" in uri and name.state is State.FOUND:
-        return "has \\ between folders, which Windows alone reads"
-    return None
+    if name.state is not State.FOUND:
+        return None
+    return "has \\ between folders, which Windows alone reads" if "\\" in uri else _found_elsewhere(context, name)
+
+
+def _found_elsewhere(context: Context, name: MeshName) -> str | None:
+    """Why most programs do not find a mesh that is there: it is of another package, or beside another folder."""
+    package, search = package_of(name.uri), context.search
+    assert name.path is not None, "it is found"
+    if package is not None and package[0] and search.share(package[0]) is None:
+        holder = home_of(*name.path.parents)
+        called = None if holder is None else package_name(holder)
+        known = called and _misspelt(package[0], search.neighbours) is None
+        return f"names the package {shown(package[0])}, but is in the package {shown(called or '')}" if known else None
+    relative = "://" not in name.uri and not os.path.isabs(name.uri) and context.reading.file != STDIN
+    if not relative or context.reading.file.endswith(EXPANDED):
+        return None
+    around = [folder for folder in search.around if name.path == folder / name.uri]
+    if not around or name.path in {folder / name.uri for folder in search.folders}:
+        return None
+    return f"is not relative to this file's folder, but to {shown_path(os.path.relpath(around[0], search.folders[0]))}"
 
 
 _REMEDY = "repair it where mass, collision or simulation is computed from it; `robodyn inertia` says what to do"

@@ -20,6 +20,7 @@ VARIABLES = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH", "COLCON_PREFIX_PATH", "CMA
 """The environment variables that say where packages are: the first names folders of packages, the others prefixes of
 installations, whose packages are in share/."""
 _NAME = re.compile(rb"<name>\s*([^<]*?)\s*</name>")
+_PACKAGE = re.compile(r"[\w.+-]{1,255}")
 _MOST_READ = 1 << 16
 _DEEPEST, _MOST_FOLDERS = 4, 20_000
 """How far below a folder packages are looked for, and in how many folders at most."""
@@ -33,26 +34,33 @@ class Search:
         file: of the description, which need not be there: names are relative to its folder, then to the one where a
             symbolic link leads.
         package_paths: packages, or folders of packages, that are looked at first.
+        expanded_to: the folder that the expansion of a xacro file is written to, which names are relative to; empty
+            where that is not known.
     """
 
     file: str
     package_paths: tuple[str, ...] = ()
+    expanded_to: str = ""
     _known: dict[str, Iterator[Path]] = field(default_factory=dict, repr=False)
 
-    def __reduce__(self) -> tuple[type[Search], tuple[str, tuple[str, ...]]]:
-        return Search, (self.file, self.package_paths)
+    def __reduce__(self) -> tuple[type[Search], tuple[str, tuple[str, ...], str]]:
+        return Search, (self.file, self.package_paths, self.expanded_to)
 
     def find(self, uri: str) -> Path | None:
         """Return the file that a description means by the name of a mesh; None if there is none on this machine.
 
-        A plain name is relative to a folder of the description. `package://NAME/REST` (and Gazebo's `model://`) is REST
-        in the package NAME; `file://` is a path from the root. Nothing is fetched.
+        A plain name is relative to a folder of the description or, where it is not there, to its package or a folder
+        above it, up to the repository's. `package://NAME/REST` (and Gazebo's `model://`) is REST in the package NAME
+        or, where that is nowhere, in a folder above; `file://` is a path from the root. Nothing is fetched.
         """
         return next((path for path in self._candidates(uri) if os.path.isfile(path)), None)
 
     @cached_property
     def folders(self) -> tuple[Path, ...]:
-        """The folder in which the description is named, and the one where it is, if a symbolic link leads there."""
+        """The folder in which the description is named, and the one where it is, if a symbolic link leads there; for
+        one that is expanded somewhere else that folder."""
+        if self.expanded_to:
+            return (Path(self.expanded_to),)
         file = self.file.removesuffix(EXPANDED)
         named, real = Path(file).parent, Path(os.path.realpath(file)).parent
         return (named,) if real == named.absolute() else (named, real)
@@ -82,19 +90,29 @@ class Search:
 
     @property
     def knows_packages(self) -> bool:
-        """Whether anything says where packages are."""
-        return bool(self.package_paths or self.home or any(map(listed, VARIABLES)))
+        """Whether the call or the environment says where packages are."""
+        return bool(self.package_paths or any(map(listed, VARIABLES)))
+
+    @property
+    def neighbours(self) -> list[str]:
+        """The names of the description's package and of those beside it."""
+        folders = [] if self.home is None else [self.home, *_folders_in(self.home.parent)]
+        return list(dict.fromkeys(filter(None, map(package_name, folders))))
 
     def _candidates(self, uri: str) -> Iterator[Path]:
         scheme, separator, rest = uri.partition("://")
         package = package_of(uri)
         if not separator:
             yield from (folder / uri for folder in self.folders)
+            if uri and not os.path.isabs(uri):
+                yield from (folder / uri for folder in self.around)
         elif scheme == "file":
             path = rest if rest.startswith("/") else rest[rest.find("/") :]
             yield from (Path(path), Path(unquote(path)))
         elif package is not None and package[0]:
             yield from (folder / package[1] for folder in self.packages(package[0]))
+            if _PACKAGE.fullmatch(package[0]) and not any(map(os.path.isdir, self.packages(package[0]))):
+                yield from (folder / package[1] for folder in (*self.folders, *self.around))
 
     def _possible(self, name: str) -> Iterator[Path]:
         for path in map(Path, (*self.package_paths, *listed(VARIABLES[0]))):
@@ -109,6 +127,18 @@ class Search:
         workspace = next((path for path in self._above() if path.name == "src" or (path / ".git").exists()), None)
         if workspace is not None:
             yield from (path for path in _below(workspace, name) if package_name(path) is not None)
+
+    @cached_property
+    def around(self) -> tuple[Path, ...]:
+        """The package of the description, and the folders above it up to the repository, four at most."""
+        found = [] if self.home is None else [self.home]
+        for above in Path(os.path.abspath(self.file.removesuffix(EXPANDED))).parent.parents[:_DEEPEST]:
+            if above.parent == above:
+                break
+            found.append(above)
+            if (above / ".git").exists():
+                break
+        return tuple(dict.fromkeys(found))
 
     def _above(self) -> Iterator[Path]:
         for folder in (*self.folders, *self._entered):

@@ -105,7 +105,7 @@ def test_where_meshes_are(package: Path, uri: str, expected: list[tuple[str, Sev
     assert all(one.line == 2 for one in results)
 
 
-def test_nothing_known_of_the_package_is_one_remark(
+def test_nothing_known_of_the_package_is_one_warning(
     package: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """So is a mesh that is used several times; the package path leads to it."""
@@ -120,9 +120,9 @@ def test_nothing_known_of_the_package_is_one_remark(
     text = described(*(f"package://arm_description/meshes/{k}.stl" for k in range(5)))
     file = saved(tmp_path, text)
     (remark,) = findings(file)
-    assert (remark.code, remark.severity) == ("RD601", I)
+    assert (remark.code, remark.severity) == ("RD601", W)
     assert remark.message == "5 meshes are not looked at: nothing is known of the package 'arm_description'"
-    assert found(text.encode()) == [("RD601", I)]
+    assert found(text.encode()) == [("RD601", W)]
     assert found(file, Options(package_path=(str(tmp_path),))) == [("RD601", E)] * 5
     twice = findings(saved(tmp_path, described("none.stl", "none.stl", "none.stl")))
     assert [one.message for one in twice] == ["link 'l0': the mesh 'none.stl' is not there (and 2 more places)"]

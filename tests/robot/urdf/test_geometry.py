@@ -195,4 +195,4 @@ def test_the_folder_entered_through_a_symbolic_link(tmp_path: Path, monkeypatch:
     assert found is not None
     assert found.samefile(real)
     monkeypatch.setenv("PWD", str(tmp_path))
-    assert Search("urdf/r.urdf").find(URI) is None
+    assert Search("urdf/r.urdf").share("arm") is None
