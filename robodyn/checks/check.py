@@ -119,7 +119,8 @@ def tasks_for(sources: Sequence[Source], given: Options = STANDARD, config: str 
     tasks = []
     for file in files_of(sources, given.including):
         options = given if file in named else replace(given, trust_xacro=False)
-        within = [folder for folder in folders if is_xacro(file) and Path(folder) in Path(os.fspath(file)).parents]
+        above = Path(file).parents if isinstance(file, str) and is_xacro(file) else ()
+        within = [folder for folder in folders if Path(folder) in above]
         options = replace(options, package_path=(*options.package_path, *within))
         tasks.append(Task(file, _options(file, options, fixed, known)))
     return tuple(tasks)
