@@ -47,6 +47,7 @@ OPTIONAL = (
     Library("sympy", "sympy", "equations in closed form", "symbolic"),
     Library("xacrodoc", "xacrodoc", "xacro files", "xacro"),
     Library("clarabel", "clarabel", "contact forces that cost torques or are bounded by them", "conic"),
+    Library("pygls", "pygls", "`lsp`, for editors", "lsp"),
     Library("rosbags", "rosbags", "ROS bags", "ros"),
     Library("pyyaml", "yaml", "messages of ROS as YAML", "ros"),
     Library("distributed", "distributed", "`torques --dask`", "dask"),

@@ -1,0 +1,152 @@
+"""`robodyn lsp` answers a client over standard streams: findings of what is typed, their fixes, and hovers."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("pygls")
+
+from helpers.clean_arm import arm
+from helpers.command_line import command
+from lsprotocol import types as lsp
+from pygls.lsp.client import LanguageClient
+from pygls.uris import from_fs_path
+
+ROBOTS = Path(__file__).parents[2] / "robots"
+
+
+class Editor:
+    """A client that has one file open."""
+
+    def __init__(self, client: LanguageClient, path: Path) -> None:
+        self.client, self.uri, self.number = client, from_fs_path(str(path)) or "", 0
+        self.told: asyncio.Queue[lsp.PublishDiagnosticsParams] = asyncio.Queue()
+
+        @client.feature(lsp.TEXT_DOCUMENT_PUBLISH_DIAGNOSTICS)
+        def told(given: lsp.PublishDiagnosticsParams) -> None:
+            self.told.put_nowait(given)
+
+    async def open(self, text: str) -> list[lsp.Diagnostic]:
+        await self.client.initialize_async(lsp.InitializeParams(lsp.ClientCapabilities()))
+        self.client.initialized(lsp.InitializedParams())
+        item = lsp.TextDocumentItem(self.uri, "xml", self.number, text)
+        self.client.text_document_did_open(lsp.DidOpenTextDocumentParams(item))
+        return await self.diagnostics()
+
+    async def change(self, text: str) -> list[lsp.Diagnostic]:
+        self.number += 1
+        whole = lsp.TextDocumentContentChangeWholeDocument(text)
+        version = lsp.VersionedTextDocumentIdentifier(self.number, self.uri)
+        self.client.text_document_did_change(lsp.DidChangeTextDocumentParams(version, [whole]))
+        return await self.diagnostics()
+
+    async def diagnostics(self) -> list[lsp.Diagnostic]:
+        told = await asyncio.wait_for(self.told.get(), 60)
+        return list(told.diagnostics) if told.uri == self.uri else await self.diagnostics()
+
+    async def hover(self, text: str, words: str) -> str:
+        line = next(k for k, each in enumerate(text.split("\n")) if words in each)
+        at = lsp.Position(line, text.split("\n")[line].index(words))
+        params = lsp.HoverParams(lsp.TextDocumentIdentifier(self.uri), at)
+        found: Any = await self.client.text_document_hover_async(params)
+        return "" if found is None else found.contents.value
+
+    async def fixes(self, at: lsp.Range) -> list[lsp.CodeAction]:
+        document, context = lsp.TextDocumentIdentifier(self.uri), lsp.CodeActionContext([])
+        return await self.client.text_document_code_action_async(lsp.CodeActionParams(document, at, context)) or []
+
+
+def edit(path: Path, session: Callable[[Editor], Awaitable[None]]) -> None:
+    """Run what an editor does with a server of its own."""
+
+    async def served() -> None:
+        client = LanguageClient("editor", "1")
+        await client.start_io(*command("lsp"))
+        try:
+            await session(Editor(client, path))
+            await client.shutdown_async(None)
+        finally:
+            client.exit(None)
+            await client.stop()
+
+    asyncio.run(served())
+
+
+def test_findings_follow_the_text_that_is_typed(tmp_path: Path) -> None:
+    """Which need not be saved; at the attribute, in the units of the editor; XML that is cut off is one error."""
+    sound = arm()
+    wrong = sound.replace("<limit", "<!-- ä 😀 --><limit", 1).replace('lower="-2"', 'lower="3"', 1)
+
+    async def session(editor: Editor) -> None:
+        assert await editor.open(sound) == []
+        (one,) = await editor.change(wrong)
+        assert (one.code, one.severity, one.source) == ("RD503", lsp.DiagnosticSeverity.Error, "robodyn")
+        line = wrong.split("\n")[one.range.start.line]
+        units = line.encode("utf-16-le")
+        assert units[2 * one.range.start.character : 2 * one.range.end.character].decode("utf-16-le") == "3"
+        (broken,) = await editor.change(wrong[:200])
+        assert broken.code == "RD001"
+        assert await editor.change(sound) == []
+
+    edit(tmp_path / "arm.urdf", session)
+
+
+def test_a_fix_is_offered_and_right(tmp_path: Path) -> None:
+    wrong = arm().replace('axis xyz="0 1 0"', 'axis xyz="0 2 0"', 1)
+
+    async def session(editor: Editor) -> None:
+        (one,) = await editor.open(wrong)
+        (fix,) = await editor.fixes(one.range)
+        assert fix.is_preferred
+        assert fix.edit is not None
+        ((uri, (change,)),) = (fix.edit.changes or {}).items()
+        lines = wrong.split("\n")
+        at, line = change.range, lines[change.range.start.line]
+        lines[at.start.line] = line[: at.start.character] + change.new_text + line[at.end.character :]
+        assert uri == editor.uri
+        assert await editor.change("\n".join(lines)) == []
+
+    edit(tmp_path / "arm.urdf", session)
+
+
+def test_hovers_compute() -> None:
+    """Scara: what hangs on the elbow, and what holds its slide up."""
+    path = ROBOTS / "scara.urdf"
+    text = path.read_text()
+
+    async def session(editor: Editor) -> None:
+        await editor.open(text)
+        said = await editor.hover(text, '<joint name="elbow"')
+        print(said)
+        assert said.startswith("**joint elbow**, at rest with all joints at zero\n\nthe drive holds 0 N m")
+        assert "the bearings carry " in said
+        said = await editor.hover(text, '<link name="')
+        print(said)
+        assert said.startswith("**link ")
+
+    edit(path, session)
+
+
+def test_xacro_is_checked_as_it_is_saved(tmp_path: Path) -> None:
+    path = tmp_path / "arm.urdf.xacro"
+    text = (
+        arm()
+        .replace("<robot", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"', 1)
+        .replace('lower="-2"', 'lower="${1 + 2}"', 1)
+    )
+    path.write_text(text)
+
+    async def session(editor: Editor) -> None:
+        (one,) = await editor.open(text)
+        assert one.code == "RD503"
+        assert text.split("\n")[one.range.start.line][one.range.start.character :].startswith("${1 + 2}")
+        path.write_text(text + "<")
+        (one,) = await editor.change(text + "<")
+        assert "xacro cannot expand it" in one.message
+
+    edit(path, session)
