@@ -370,6 +370,8 @@ def mesh_slips(context: Context) -> Mapping[GeometryView, UnitSlip]:
                     how = f"a scale of {sizes[0]:g} is for a file in kilometres"
                     found[use.geometry] = UnitSlip(name, sizes[0], 1e3, how)
                 continue
+            if is_ground(use.geometry, context):
+                continue
             mistaken = _mistaken(side, twin(use.link, use.geometry.kind), around)
             if mistaken is None and sizes[0] > 0 and _UNEVEN[0] <= sizes[-1] / sizes[0] <= _UNEVEN[1]:
                 mistaken = sizes[-1] / sizes[0], "its scale differs by a factor of 1000 between axes"
@@ -385,6 +387,17 @@ def longest(geometry: GeometryView, context: Context) -> float | None:
     if known is None or known.problem is not None or scale is None or not all(scale):
         return None
     return max(abs(factor) * (hi - lo) for factor, lo, hi in zip(scale, known.lo, known.hi, strict=True))
+
+
+_FLAT = 1e-2
+
+
+def is_ground(geometry: GeometryView, context: Context) -> bool:
+    """Whether a mesh is as long as no part is, and flat: a floor, or what stands on one."""
+    known = context.once(all_facts)[geometry.uri]
+    scale = geometry.scale.or_default(1.0, 1.0, 1.0) or (1.0, 1.0, 1.0)
+    sides = sorted(abs(factor) * (hi - lo) for factor, lo, hi in zip(scale, known.lo, known.hi, strict=True))
+    return sides[2] > _LONGEST and sides[0] <= _FLAT * sides[1]
 
 
 def _mistaken(side: float, twin: float | None, reach: float) -> tuple[float, str] | None:

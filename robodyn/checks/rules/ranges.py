@@ -83,7 +83,7 @@ def degrees(context: Context) -> Faults:
 
     An rpy of 90 is a turn by 90 rad, that is 14 turns and 117 degrees. A limit of 180 is none. A joint that does turn
     more than once between its limits is the exception. The ends of a range, with the soft limits, are turned into
-    radians together, where all of them are round in degrees, or not at all.
+    radians together, where all of them are round in degrees, or not at all; a range that is round is an error.
     """
     view = context.view
     inertials = [link.inertial for link in view.links if link.inertial is not None]
@@ -119,7 +119,8 @@ def _range(joint: JointView, limit: LimitView, endless: float) -> Faults:
         soft = [numbers(safety, f"soft_{name}_limit", 1) for name in ("lower", "upper")]
         ends = [end for end in (limit.lower, limit.upper, *soft) if end.given]
         cause, fix = _in_degrees(ends)
-    yield Fault(farther.span, what, remedy, abs(largest), 2 * pi, cause=cause, fix=fix)
+    severity = None if cause is None else Severity.ERROR
+    yield Fault(farther.span, what, remedy, abs(largest), 2 * pi, cause=cause, fix=fix, severity=severity)
 
 
 def _what(angles: Numbers, largest: float) -> str:
@@ -206,8 +207,9 @@ _SPEED_GAP, _SPEED_BAND = 8.0, 2.0
 _EFFORT_GAP, _EFFORT_BAND = 100.0, 3.0
 _ROUND, _SLOWEST = 5.0, 45.0
 """Speeds in degrees are multiples of 5, and of a whole robot not below 45."""
-_LONG, _REACHES = 5.0, 20.0
-"""A slide of more metres, which is as many times as long as the robot's longest offset, is in millimetres."""
+_LONG, _TRACK, _REACHES = 5.0, 50.0, 20.0
+"""A slide of more metres (a track, which is what moves first, of more), which is as many times as long as the robot's
+longest offset, is in millimetres."""
 
 
 class LimitSlip(NamedTuple):
@@ -265,11 +267,13 @@ def _efforts(context: Context) -> Iterator[LimitSlip]:
 
 
 def _slides(context: Context) -> Iterator[LimitSlip]:
-    bound = max(_LONG, _REACHES * reach(context))
+    far = _REACHES * reach(context)
+    children = {joint.child for joint in context.view.joints if joint.moves}
     why = f"the robot's longest offset between joints is {reach(context):.3g} m"
     for joint in context.view.joints:
         if joint.type != "prismatic" or joint.limit is None:
             continue
+        bound = max(_LONG if joint.parent in children else _TRACK, far)
         for end in (joint.limit.lower, joint.limit.upper):
             if end.value is not None and bound < abs(end.value) <= context.thresholds.most_range:
                 yield LimitSlip(end, 1e3, "mm", "m", why)
@@ -309,11 +313,11 @@ def limit_unit(context: Context) -> Faults:
     """Limits are in rad/s, N m, m and m/s.
 
     A speed of 120 is 120 rad/s, 1146 turns a minute: at a joint, deg/s were meant. Reported are turning joints of which
-    the speed is at least 8 times that of all others and among theirs when it is divided by 57.3, or all of which have
-    round speeds from 45 on, and one of which turns within a range; efforts at least 100 times those of all others and
-    among theirs when they are divided by 1000, which are N mm; and slides of more than 5 m that are 20 times the
-    robot's longest offset between joints, or as fast per second, which are in mm. Powers of ten and all nines are
-    stand-ins, and left to RD803.
+    the speed is at least 8 times that of all others and among theirs when it is divided by 57.3, or all of which
+    have round speeds from 45 on, and one of which turns within a range; efforts at least 100 times those of all
+    others and among theirs when they are divided by 1000, which are N mm; and slides of more than 5 m, first ones
+    of more than 50 m, that are 20 times the robot's longest offset between joints, or as fast per second, which are
+    in mm. Powers of ten and all nines are stand-ins, and left to RD803.
     """
     for slip in context.once(limit_slips):
         name, value = slip.numbers.attribute, slip.numbers.value

@@ -25,17 +25,19 @@ def shape_size(context: Context) -> Faults:
     """Sizes and scales of shapes are positive.
 
     A box, cylinder, sphere or capsule without size, or a mesh with a scale of zero, is refused by MuJoCo and Drake and
-    dropped by others. One or three negative scales make a mirror image, whose faces look inwards unless the program
-    turns them: MuJoCo, Drake and trimesh do, and have its volume right; Pinocchio 4.1 has a negative volume and inertia
-    of the shape. So this is a warning in a <collision>, and a remark where the mesh is only a <visual>, or stands
-    unmirrored in the robot, too. Two negative scales are half a turn, right in all four, and a remark.
+    dropped by others; one of size zero that is only seen is a remark. One or three negative scales make a mirror image,
+    whose faces look inwards unless the program turns them: MuJoCo, Drake and trimesh do, and have its volume right;
+    Pinocchio 4.1 has a negative volume and inertia of the shape. So this is a warning in a <collision>, and a remark
+    where the mesh is only a <visual>, or stands unmirrored in the robot, too. Two negative scales are half a turn,
+    right in all four, and a remark.
     """
     for geometry in (geometry for link in context.view.links for geometry in link.geometries):
         for size in geometry.sizes:
             if size.values is not None and min(size.values) <= 0:
                 what = f"the {size.attribute} of the <{geometry.kind}> {geometry.tag} is {_shown(size.values)}"
                 remedy = "write the size in metres, or remove the shape"
-                yield Fault(size.span, f"{what}, not positive", remedy, min(size.values), 0.0)
+                severity = Severity.NOTE if geometry.kind == "visual" and min(size.values) == 0 else None
+                yield Fault(size.span, f"{what}, not positive", remedy, min(size.values), 0.0, severity=severity)
     scaled: dict[tuple[str, tuple[float, ...]], list[MeshUse]] = {}
     for use in mesh_uses(context):
         scale = use.geometry.scale.or_default(1.0, 1.0, 1.0)

@@ -218,6 +218,10 @@ def _refusal(name: str) -> str | None:
     return "USD takes letters, digits and _ only, and renames it" if not name.startswith("__") else None
 
 
+_NEVER = 20.0
+"""A gap that no robot has between its parts [m]."""
+
+
 @rule(
     "RD111",
     Severity.WARNING,
@@ -231,7 +235,7 @@ def detached_part(context: Context) -> Faults:
     Where the shapes of nine of ten other joints' children touch those of their parents, a child far from its parent has
     the wrong one, or its origin has millimetres in an entry, or a sign or digit too many. The gap is that between the
     boxes around the shapes, each joint at 0 or at its limit next to 0; it is reported where it is more than a tenth of
-    the larger part and 1 cm, of parts that are fixed half the larger part and 5 cm.
+    the larger part and 1 cm, of parts that are fixed half the larger part and 5 cm. A gap of 20 m is an error.
     """
     for name, (contact, bound) in context.once(detached).items():
         joint = context.view.joint[name]
@@ -239,7 +243,8 @@ def detached_part(context: Context) -> Faults:
         what = f"its parts do not meet: the shapes {below} are {contact.gap:.3g} m from those of '{contact.above}'"
         remedy = "check the parent link, and the unit and signs of the origin"
         at = joint.name_span if joint.origin.element is None else joint.origin.xyz.span
-        yield Fault(at, what, remedy, contact.gap, bound, cause=too_large(context, joint))
+        severity = Severity.ERROR if contact.gap > _NEVER else None
+        yield Fault(at, what, remedy, contact.gap, bound, cause=too_large(context, joint), severity=severity)
 
 
 _SAME_PLACE = 1e-6
