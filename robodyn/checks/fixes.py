@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from itertools import pairwise
 
-from robodyn.checks.rule import Edit, Finding, Fix
+from robodyn.checks.rule import Edit, Finding, Fix, Severity
 from robodyn.errors import InputError
 from robodyn.robot.urdf.document import read
 from robodyn.robot.urdf.edits import edited
@@ -78,8 +78,9 @@ def fixed(data: bytes, file: str, check: Check, *, unsafe: bool = False) -> Fixe
     """Return the text with its fixes made: bytes that no fix names stay as they are.
 
     Safe fixes come first, proven to leave the dynamics alone by inverse dynamics before and after, all together or else
-    each by itself; one without proof is not made. Unsafe ones follow, if wanted, and it is computed what they change.
-    Then `check` looks at the text again, until nothing is left.
+    each by itself; one without proof is not made. Unsafe ones follow, if wanted, but for those after which the same
+    link or joint has an error or a warning, and it is computed what they change. Then `check` looks at the text
+    again, until nothing is left.
     """
     reading = read(data, file)
     if reading.data != data:
@@ -91,7 +92,8 @@ def fixed(data: bytes, file: str, check: Check, *, unsafe: bool = False) -> Fixe
         text, safe, refused = _safely(text, together(findings, True), reading.encoding)
         made += safe
         if unsafe and text == before:
-            pairs = together(findings, False)
+            pairs, others = _healing(text, findings, check, reading.encoding)
+            refused += others
             text = _edited(text, pairs, reading.encoding)
             try:
                 change = change_of_dynamics(before, text) if pairs else None
@@ -121,6 +123,19 @@ def _safely(text: bytes, pairs: Pairs, encoding: str) -> tuple[bytes, list[Made]
             after = candidate
             proven.append(pair)
     return after, [Made(*pair) for pair in proven], refused
+
+
+def _healing(text: bytes, findings: tuple[Finding, ...], check: Check, encoding: str) -> tuple[Pairs, list[Refused]]:
+    """Return the unsafe fixes that leave no error and no warning about the same link or joint, and the others."""
+    healing, refused = list[tuple[Finding, Fix]](), list[Refused]()
+    for finding, fix in together(findings, False):
+        after = check(_edited(text, [(finding, fix)], encoding))
+        left = [one for one in after if one.subject == finding.subject and one.severity is not Severity.NOTE]
+        if finding.subject is None or not left:
+            healing.append((finding, fix))
+        else:
+            refused.append(Refused(finding, fix, f"it would leave {left[0].code}: {left[0].what}"))
+    return healing, refused
 
 
 def _edited(text: bytes, pairs: Pairs, encoding: str) -> bytes:

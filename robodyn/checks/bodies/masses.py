@@ -14,7 +14,6 @@ from robodyn.programs.vectors import IDENTITY, ZERO, product, rotation_from_rpy
 from robodyn.robot.kinematics import Pose
 from robodyn.robot.urdf.view import InertialView, LinkView, OriginView
 from robodyn.solids.inertia.laws import Inertia, combined, inertia_of, symmetric
-from robodyn.support.floats import Floats
 
 Tensor = tuple[float, ...]
 """ixx, ixy, ixz, iyy, iyz, izz [kg m^2]."""
@@ -24,8 +23,6 @@ POINT = 1e-6
 _ROUNDING = 2e-15
 STILL = Pose(IDENTITY, ZERO)
 """The pose of a link in its own frame."""
-_LEAST = 1e-6
-"""Of the largest second moment: the least that is left, well above what rounding and the programs' bounds take."""
 
 
 def pose(origin: OriginView) -> Pose | None:
@@ -136,20 +133,3 @@ def widest(tensor: Tensor) -> int:
     excess = {k: tensor[k] ** 2 - tensor[i] * tensor[j] for k, (i, j) in pairs.items()}
     worst = max(excess, key=lambda k: excess[k])
     return worst if excess[worst] > 0 else max(diagonal, key=lambda k: diagonal[k])
-
-
-def nearest(I: Floats) -> Floats | None:
-    """Return (3, 3) I' = tr(S') 1 - S', S' being the positive definite matrix nearest to S = tr(I) 1 / 2 - I [kg m^2].
-
-    Method: the eigenvalues of S, the second moments along the principal axes, are clipped at `_LEAST` of the largest,
-    which is the nearest in the Frobenius norm (Higham 1988; of the pseudo-inertia of Wensing 2018, mass and centre of
-    mass being kept). With them all sums of two, the principal moments of inertia, are positive and obey the triangle
-    inequality. None where no second moment is positive: nothing is near that a body can have.
-    """
-    moments, axes = np.linalg.eigh(np.trace(I) / 2.0 * np.eye(3) - I)
-    if not moments[-1] > 0.0:
-        return None
-    kept = np.maximum(moments, _LEAST * moments[-1])
-    S = product(axes * kept, axes.T)
-    found: Floats = kept.sum() * np.eye(3) - (S + S.T) / 2.0
-    return found

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import floor, log10
 
 import numpy as np
 
-from robodyn.checks.bodies.bodies import bodies, given, shaped, weighed
-from robodyn.checks.bodies.masses import Tensor, broken_law, nearest
+from robodyn.checks.bodies.bodies import Body, bodies, given, shaped, weighed
+from robodyn.checks.bodies.masses import Tensor, broken_law
 from robodyn.checks.examples import IMAGE, SHAPED_INERTIA, a_shaped_link, inertia, two_arms
 from robodyn.checks.mirror import Pair, link_inertia, pairs
 from robodyn.checks.rule import Context, Edit, Fault, Faults, Fix, Severity, Stage, rule
@@ -23,7 +22,6 @@ from robodyn.robot.masses.mistakes import (
     Mistake,
     Posterior,
     corrections,
-    relative,
 )
 from robodyn.robot.urdf.parts import INERTIA
 from robodyn.robot.urdf.view import LinkView
@@ -122,7 +120,7 @@ def _explained(
 
 def explained(context: Context, fault: Fault, link: LinkView) -> Fault:
     """Return the fault of a link's tensor that no body has, with its cause and the fix for it; where nothing explains
-    it alone, with what may, and the nearest that a body can have, unless that goes beyond the link's shapes."""
+    it alone, with what may; where there is at most one such cause, with the tensor of its twin or its shapes."""
     cause, said = context.once(causes).get(link.name), given(link)
     if cause is not None:
         return replace(fault, cause=f"{cause.what} ({cause.code})", fix=cause.fix)
@@ -135,13 +133,25 @@ def explained(context: Context, fault: Fault, link: LinkView) -> Fault:
         may_be = [one.what for one in verdict.causes]
     if verdict is not None or len(may_be) <= _MOST_LISTED:
         fault = replace(fault, cause=one_of(may_be))
-    near = nearest(said.tensor)
-    if near is None or not _allowed(context, link, near):
-        return fault
-    what = f"the nearest one that a body can have, {figure(100 * relative(near, said.tensor), 2)} % away"
-    known = _DIGITS - 1 - floor(log10(np.abs(near).max()))  # decimals below the largest entry's digits are rounding
-    near = np.array([[round(entry, known) for entry in row] for row in near.tolist()])
-    return replace(fault, fix=_fix(link, _entries(near, said), what))
+    return fault if len(may_be) > 1 else replace(fault, fix=_of_another(context, link, said))
+
+
+def _of_another(context: Context, link: LinkView, said: Given) -> Fix | None:
+    """The tensor to write where it is not known what went wrong: the mirror image of the twin's or, where the one that
+    stands there is farther from it than it is large, that of the link's shapes at its mass."""
+    for pair in context.once(pairs):
+        twin = pair.turned if pair.left.name == link.name else pair
+        left = twin.left.inertial
+        if twin.right.name != link.name or left is None or not left.mass > 0 or twin.left.name in context.once(causes):
+            continue
+        image = said.mass / left.mass * product(said.R.T, twin.reflected(left)[1], said.R)
+        if _allowed(context, link, image):
+            return _fix(link, _entries(image, said), f"the mirror image of that of '{twin.left.name}'")
+    away = _from_shapes(context, link, said.tensor)
+    if away is None or away <= _BEYOND:
+        return None
+    uniform = context.once(shaped)[link.name].solid.along(said.R).inertia(said.mass)
+    return _fix(link, _entries(uniform, said), "that of its shapes, uniform, of its mass")
 
 
 def faults(context: Context, code: str) -> Iterator[Fault]:
@@ -271,7 +281,19 @@ def unit_slip(context: Context) -> Faults:
         else:
             what, remedy = one_of([one.what for one in verdict.either]) or "", "see which it is, and correct it"
             severity = Severity.WARNING
-        yield Fault(at, what, remedy, factors[wrong[0]], 1.0, severity=severity, subject=body.link.subject)
+        fix = _in_si(body, factors) if verdict.named else None
+        yield Fault(at, what, remedy, factors[wrong[0]], 1.0, severity=severity, subject=body.link.subject, fix=fix)
+
+
+def _in_si(body: Body, factors: Sequence[float]) -> Fix:
+    """Mass, centre and inertia of a link divided by what their units are too large by."""
+    inertial, edits = body.inertial, list[Edit]()
+    for quantity, factor in zip(QUANTITIES, factors, strict=True):
+        given = {"mass": [inertial.mass], "inertia": list(inertial.entries)}.get(quantity, [inertial.origin.xyz])
+        for numbers in given if factor != 1 else ():
+            values = " ".join(repr(float(f"{value / factor:.15g}")) for value in numbers.values or ())
+            edits += [Edit(numbers.span.start, numbers.span.end, values)] if values else []
+    return Fix("write kg, m and kg m^2", tuple(edits), safe=False)
 
 
 @rule("RD306", Severity.WARNING, good=two_arms(), bad=(IMAGE, inertia("0.02 0.004 -0.002 0.03 0.003 0.025")))

@@ -336,10 +336,11 @@ def not_positive_definite(context: Context) -> Faults:
     """The inertia matrix is positive definite.
 
     A principal moment of inertia is a sum of mass times distance squared. With one that is zero or negative simulations
-    gain energy from nothing. The principal moments are the eigenvalues of the matrix: large products make one negative
-    although the diagonal is positive. Where no cause explains the tensor, the unsafe fix is the nearest that a body can
-    have. Traversaro, Brossette, Escande, Nori, Identification of fully physical consistent inertial parameters (IROS
-    2016).
+    gain energy from nothing. The principal moments are the eigenvalues of the matrix: large products make one
+    negative although the diagonal is positive. Where no cause explains the tensor, the unsafe fix is the mirror
+    image of its twin's or, where it is farther from that of the link's shapes than that is large, the tensor of
+    these. Traversaro, Brossette, Escande, Nori, Identification of fully physical consistent inertial parameters
+    (IROS 2016).
     """
     for link, inertial, tensor in tensors(context):
         if broken_law(tensor, context.thresholds) != "RD206":
@@ -366,9 +367,10 @@ def triangle_inequality(context: Context) -> Faults:
     """The largest principal moment is no greater than the sum of the other two.
 
     I_1 + I_2 - I_3 is twice the second moment of the mass along the third axis, a sum of mass times distance squared,
-    and so never negative. The law holds for the principal moments, in every axes; the diagonal says too little. Where
-    no cause explains the tensor, the unsafe fix is the nearest that a body can have. Wensing, Kim, Slotine, Linear
-    matrix inequalities for physically consistent inertial parameter identification (RA-L 2018).
+    and so never negative. The law holds for the principal moments, in every axes; the diagonal says too little.
+    Where no cause explains the tensor, the unsafe fix is the mirror image of its twin's or, where it is farther
+    from that of the link's shapes than that is large, the tensor of these. Wensing, Kim, Slotine, Linear matrix
+    inequalities for physically consistent inertial parameter identification (RA-L 2018).
     """
     for link, inertial, tensor in tensors(context):
         if broken_law(tensor, context.thresholds) != "RD207":

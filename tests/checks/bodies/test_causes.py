@@ -10,23 +10,22 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from helpers.example_robots import path_of
-from helpers.planted_defects import HEALTHY
 from helpers.sampled import sampled
 
 from robodyn.checks.bodies import contacts
 from robodyn.checks.bodies.contacts import Hull, depth, overlaps, rest
-from robodyn.checks.bodies.masses import nearest
 from robodyn.checks.catalogue import BY_CODE
 from robodyn.checks.check import Options, check_one, found_in
 from robodyn.checks.context import Context
-from robodyn.checks.examples import ORIGIN, two_arms
-from robodyn.checks.fixes import fixed
+from robodyn.checks.examples import ORIGIN, a_shaped_link, two_arms
+from robodyn.checks.fixes import Fixed, fixed
 from robodyn.checks.rules.inertia_mistakes import Cause, causes
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.robot.kinematics import Pose
 from robodyn.robot.masses.mistakes import UPPER
 from robodyn.robot.urdf.document import read, read_document
-from robodyn.solids.inertia.laws import inertia_matrix, parallel_axis
+from robodyn.robot.urdf.parts import INERTIA
+from robodyn.solids.inertia.laws import inertia_matrix, parallel_axis, symmetric
 from robodyn.support.floats import Floats
 
 C = np.array((0.1, -0.05, 0.2))
@@ -183,19 +182,6 @@ def test_that_a_correction_is_possible_is_no_evidence(stem: str, words: str) -> 
     assert all(cause.startswith(("one of these: ", "it may be that ")) for cause in said)
 
 
-@pytest.mark.parametrize("beyond", [False, True])
-def test_the_nearest_tensor_is_no_fix_where_it_is_beyond_the_shapes(beyond: bool) -> None:
-    """A negative moment of a bar, and the same beside products that only a body ten times as thick can have."""
-    wrong = np.diag((-0.001, 0.168, 0.168)) + (0.3 * (np.eye(3)[[1, 0, 2]] - np.diag((0, 0, 1))) if beyond else 0.0)
-    inertial = f'<inertial><origin xyz="0.5 0 0"/><mass value="2"/>{entries(wrong)}</inertial>'
-    (one,) = [
-        one
-        for one in check_one(f'<robot name="r"><link name="bar">{inertial}{BOX}</link></robot>'.encode())
-        if one.code in ("RD206", "RD207")
-    ]
-    assert (one.fix is None) == beyond
-
-
 def test_a_fix_leaves_nothing_to_find() -> None:
     """TALOS's arm and gripper have products of the wrong sign, by their meshes."""
     path = path_of("talos_left_arm")
@@ -333,39 +319,58 @@ def test_pairs_of_links_are_compared_a_bounded_number_of_times(monkeypatch):
     assert calls["depth"] <= contacts._MOST_PAIRS < MANY**2
 
 
-EPS = 2.0**-52
+def with_tensor(text: str, name: str, tensor: str) -> bytes:
+    """The description with other moments of one link."""
+    at = text.index("<inertia ", text.index(f'<link name="{name}"'))
+    return (text[:at] + tensor + text[text.index("/>", at) + 2 :]).encode()
 
 
-def inertia(S: Floats) -> Floats:
-    return np.trace(S) * np.eye(3) - S
+def tensor_of(data: bytes, name: str) -> Floats:
+    link = Context(read(data)).view.link[name]
+    assert link.tensor is not None
+    return symmetric(link.tensor)
 
 
-def turned(moments: tuple[float, ...], seed: int) -> Floats:
-    """An inertia with these second moments along turned axes."""
-    axes, _ = np.linalg.qr(np.random.default_rng(seed).standard_normal((3, 3)))
-    return inertia((axes * moments) @ axes.T)
+def unsafely_fixed(data: bytes) -> Fixed:
+    return fixed(data, "arm.urdf", check_one, unsafe=True)
 
 
-@pytest.mark.parametrize(
-    ("moments", "kept"),
-    [
-        ((2.5, 2.5, -1.5), (2.5, 2.5, 2.5e-6)),
-        ((3.0, -1.0, 0.0), (3.0, 3e-6, 3e-6)),
-        ((4.0, 2.0, 1.0), (4.0, 2.0, 1.0)),
-        ((4e-9, 2e-9, -1e-9), (4e-9, 2e-9, 4e-15)),
-    ],
-)
-def test_second_moments_are_clipped_in_their_axes(moments: tuple[float, ...], kept: tuple[float, ...]) -> None:
-    found = nearest(turned(moments, 3))
-    assert found is not None
-    assert np.abs(found - turned(kept, 3)).max() <= 16 * EPS * max(moments)
+def test_an_impossible_tensor_becomes_the_mirror_image_of_its_twins() -> None:
+    text = two_arms()
+    names = [link.name for link in Context(read(text.encode())).view.links]
+    left, right = (next(name for name in names if side in name) for side in ("left", "right"))
+    broken = with_tensor(text, right, '<inertia ixx="0.7" ixy="0.3" ixz="0.1" iyy="0.02" iyz="-0.2" izz="0.05"/>')
+    result = unsafely_fixed(broken)
+    assert [made.fix.what for made in result.made] == [f"correct the inertia: the mirror image of that of '{left}'"]
+    assert np.allclose(tensor_of(result.after, right), tensor_of(text.encode(), right), rtol=1e-9)
 
 
-def test_what_it_writes_a_body_can_have_and_it_is_said_how_far_it_is() -> None:
-    text = HEALTHY.replace('izz="0.0035"', 'izz="0.0085"').encode()
-    result = fixed(text, "picker.urdf", check_one, unsafe=True)
-    (made,) = result.made
-    assert made.fix.what == "correct the inertia: the nearest one that a body can have, 11 % away"
-    assert made.change is not None
-    assert not {one.code for one in check_one(result.after)} & {"RD206", "RD207"}
-    assert fixed(text, "picker.urdf", check_one).after == text
+def test_without_a_twin_it_becomes_that_of_the_shapes_where_it_is_far_from_them() -> None:
+    bar = '<inertial><origin xyz="0.5 0 0"/><mass value="2"/>{}</inertial>'
+    for moments, written in (((-5.0, 7.0, 9.0), True), ((-0.001, 0.168, 0.168), False)):
+        link = bar.format(entries(np.diag(moments)))
+        data = f'<robot name="r"><link name="bar">{link}{BOX}</link></robot>'.encode()
+        what = [made.fix.what for made in unsafely_fixed(data).made]
+        assert what == ["correct the inertia: that of its shapes, uniform, of its mass"] * written
+        if written:
+            assert not {one.code for one in check_one(unsafely_fixed(data).after)} & {"RD206", "RD207", "RD301"}
+
+
+def test_units_are_written_in_si() -> None:
+    """What was in g m^2 has the tensor that it had before to 15 digits."""
+    sound = a_shaped_link()
+    link = next(one for one in Context(read(sound.encode())).view.links if one.tensor)
+    assert link.tensor is not None
+    tensor = " ".join(f'{name}="{1000 * value!r}"' for name, value in zip(INERTIA, link.tensor, strict=True))
+    result = unsafely_fixed(with_tensor(sound, link.name, f"<inertia {tensor}/>"))
+    assert [made.finding.code for made in result.made] == ["RD305"]
+    assert np.allclose(tensor_of(result.after, link.name), symmetric(link.tensor), rtol=1e-14)
+
+
+def test_a_fix_that_would_leave_another_finding_of_the_link_is_refused() -> None:
+    """The mirror image is no help where the masses differ as well."""
+    text = two_arms().replace('0.2"/><mass value="2"/>', '0.2"/><mass value="3"/>').replace('"3"', '"2"', 1)
+    broken = '<inertia ixx="0.7" ixy="0.3" ixz="0.1" iyy="0.02" iyz="-0.2" izz="0.05"/>'
+    result = unsafely_fixed(with_tensor(text, "right_arm", broken))
+    assert result.made == ()
+    assert ["it would leave RD401" in one.why for one in result.refused] == [True]
