@@ -279,6 +279,7 @@ DEFECTS = tuple(
         ("RD505", '<limit lower="0" upper="0.05" effort="20" velocity="0.25"/>', ""),
         ("RD505", f'name="shoulder" {_TO_LIMIT}', f'name="@shoulder" {_TO_LIMIT.replace(_SHOULDER, "")}'),
         ("RD506", 'effort="40"', 'effort="@0"'),
+        ("RD506", _GRIP, _GRIP.replace('"25"', '"@0.001"')),
         ("RD506", 'effort="40"', 'effort="@-40"'),
         ("RD506", 'effort="40"', 'effort="@1e9"'),
         ("RD506", 'velocity="2.5"', 'velocity="@0"'),
@@ -358,8 +359,13 @@ DEFECTS = tuple(
             _LENS + _CONTROL.format(_RANGE),
         ),
         ("RD705", _LENS, _LENS + _CONTROL.format("").replace('roll"', 'roll" mimic="@true"')),
-        ("RD701", _LENS, _LENS + '<gazebo><plugin name="p">@<jointName>rol</jointName></plugin></gazebo>'),
-        ("RD801", 'effort="40"', 'effort="@0.001"'),
+        ("RD701", _LENS, _LENS + "<gazebo>@<plugin/></gazebo>"),
+        (
+            "RD701",
+            _LENS,
+            _LENS + '<gazebo><plugin name="p" filename="p.so">@<jointName>rol</jointName></plugin></gazebo>',
+        ),
+        ("RD801", 'effort="40"', 'effort="@0.03"'),
         ("RD803", 'effort="120"', 'effort="@95000"'),
         ("RD804", 'damping="0.4"', 'damping="@4000"'),
     )

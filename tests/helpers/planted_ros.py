@@ -151,7 +151,7 @@ def limited(attribute: str) -> Edit:
 
 def plugin(tag: str, name: str) -> str:
     """A plugin of Gazebo that names a joint or a link."""
-    return f'<gazebo><plugin name="p"><{tag}>{name}</{tag}></plugin></gazebo>'
+    return f'<gazebo><plugin name="p" filename="p.so"><{tag}>{name}</{tag}></plugin></gazebo>'
 
 
 def material(inside: str, name: str = ' name="planted"') -> str:

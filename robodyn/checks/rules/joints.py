@@ -61,13 +61,17 @@ def no_limit(context: Context) -> Faults:
             yield Fault(joint.name_span, f"a {joint.type} joint without <limit>", remedy)
 
 
+_FEW, _FEEBLE = 3, 1000.0
+
+
 @rule("RD506", Severity.WARNING, good=arm(), bad=('"30"', '"0"'), explains=("RD901",))
 def effort_velocity(context: Context) -> Faults:
     """Effort and velocity limits are positive and those of a machine.
 
     URDF asks for both wherever there is a <limit>: urdfdom refuses a file in which one is missing, also that of a fixed
     joint. With a limit of 0 some simulators never move the joint, and others do not limit it. 1e9 is a stand-in that
-    nothing can be sized against: a remark; an effort in N mm is RD515's.
+    nothing can be sized against: a remark; an effort in N mm is RD515's. One joint of four or more with a thousandth of
+    the effort of all others has lost its digits.
     """
     limits, of_another_unit = context.thresholds, context.once(of_numbers)
     for joint in context.view.joints:
@@ -86,6 +90,15 @@ def effort_velocity(context: Context) -> Faults:
             else:
                 what, kind = f"{numbers.attribute} is {value:g}, not positive", "a limit that is not positive"
                 yield Fault(numbers.span, what, remedy, value, 0.0, kind=kind)
+    efforts = [joint.limit.effort for joint in context.view.joints if joint.moves and joint.limit is not None]
+    positive = sorted(
+        (effort for effort in efforts if (effort.value or 0.0) > 0), key=lambda effort: effort.value or 0.0
+    )
+    if len(positive) > _FEW:
+        least, others = positive[0].value or 0.0, positive[1].value or 0.0
+        if least * _FEEBLE <= others < limits.most_effort:
+            what = f"effort is {least:g}, and that of every other joint {others:g} or more"
+            yield Fault(positive[0].span, what, "write what the drive can do", least, others)
 
 
 @rule(

@@ -39,7 +39,7 @@ def names_nothing(context: Context) -> Faults:
     that its plugins name (jointName, mimicJoint, bodyName and so on; no frames, which others may publish), and the SRDF
     of the same name (or the only one for this robot) beside the file or in a folder config or srdf. Collisions of links
     that do not exist, and an SRDF of another name, which may belong to a variant of the robot, are warnings.
-    root_joint, as Pinocchio calls a free base, is understood.
+    root_joint, as Pinocchio calls a free base, is understood. A plugin of Gazebo names its library.
     """
     view = context.view
     both = {**view.link, **view.joint}
@@ -57,6 +57,9 @@ def names_nothing(context: Context) -> Faults:
             )
             subject = Subject(owner.tag, owner.get("name") or owner.get("reference") or "")
             yield Fault(at, what, remedies[used.name], subject=subject)
+        for plugin in owner.walk() if owner.tag == "gazebo" else ():
+            if plugin.tag == "plugin" and not plugin.get("filename"):
+                yield Fault(plugin.span, "a <plugin> names no library", 'write filename="lib....so"', subject=None)
     yield from _in_srdf(context)
 
 
@@ -253,7 +256,8 @@ def controlled_joint(context: Context) -> Faults:
     offered: dict[tuple[str, str, str], Element] = {}
     for control in context.view.root.findall("ros2_control"):
         hardware = control.find("hardware")
-        if hardware is not None and hardware.find("plugin") is None:
+        plugin = None if hardware is None else hardware.find("plugin")
+        if hardware is not None and (plugin is None or not plugin.text.strip()):
             what, remedy = "<hardware> names no plugin", "write <plugin>package/Class</plugin>"
             yield Fault(hardware.span, what, remedy, subject=Subject("ros2_control", control.get("name") or ""))
     for part in controlled(context.view):
