@@ -78,8 +78,8 @@ def fixed(data: bytes, file: str, check: Check, *, unsafe: bool = False) -> Fixe
     """Return the text with its fixes made: bytes that no fix names stay as they are.
 
     Safe fixes come first, proven to leave the dynamics alone by inverse dynamics before and after, all together or else
-    each by itself; one without proof is not made. Unsafe ones follow, if wanted, but for those after which the same
-    link or joint has an error or a warning, and it is computed what they change. Then `check` looks at the text
+    each by itself; one without proof is not made. Unsafe ones follow, if wanted, but of inertias those after
+    which the link has another error or warning, and it is computed what they change. Then `check` looks at the text
     again, until nothing is left.
     """
     reading = read(data, file)
@@ -126,12 +126,13 @@ def _safely(text: bytes, pairs: Pairs, encoding: str) -> tuple[bytes, list[Made]
 
 
 def _healing(text: bytes, findings: tuple[Finding, ...], check: Check, encoding: str) -> tuple[Pairs, list[Refused]]:
-    """Return the unsafe fixes that leave no error and no warning about the same link or joint, and the others."""
+    """Return the unsafe fixes, but of masses and inertias those that leave an error or a warning about the link; and
+    these."""
     healing, refused = list[tuple[Finding, Fix]](), list[Refused]()
     for finding, fix in together(findings, False):
         after = check(_edited(text, [(finding, fix)], encoding))
         left = [one for one in after if one.subject == finding.subject and one.severity is not Severity.NOTE]
-        if finding.subject is None or not left:
+        if not finding.code.startswith(("RD2", "RD3")) or not left:
             healing.append((finding, fix))
         else:
             refused.append(Refused(finding, fix, f"it would leave {left[0].code}: {left[0].what}"))
