@@ -83,8 +83,7 @@ def severity_of_zero(context: Context, link: LinkView) -> Severity | None:
     group = None if tree is None else tree.group[link.name]
     if group is None or group.joint is None or group.mass != 0:
         return None
-    drawn = any(geometry.shape is not None for member in group.links for geometry in member.geometries)
-    return Severity.WARNING if context.once(carried_masses)[group] > 0 and not drawn else Severity.ERROR
+    return Severity.WARNING if context.once(carried_masses)[group] > 0 else Severity.ERROR
 
 
 def is_a_point(link: LinkView) -> bool:

@@ -45,9 +45,8 @@ def mass_not_positive(context: Context) -> Faults:
     """Masses are positive.
 
     No body has a negative mass, and one of zero mass that moves takes on any acceleration. A zero counts only where the
-    whole rigid group (links joined by fixed joints) has no mass; it is a warning where the group has no shape and
-    carries on to one that has mass, as in a universal joint: MuJoCo refuses such a group, and Gazebo drops it and
-    all that it carries.
+    whole rigid group (links joined by fixed joints) has no mass; it is a warning where the group carries on to one that
+    has mass, as in a universal joint: MuJoCo refuses such a group, and Gazebo drops it and all that it carries.
     """
     for link in context.view.links:
         if link.inertial is None or link.mass is None or link.mass > 0:

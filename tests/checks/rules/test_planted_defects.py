@@ -100,7 +100,7 @@ _SOFT = 'soft_lower_limit="-2.85" soft_upper_limit="2.75"'
 @pytest.mark.parametrize(
     ("defect", "severity"),
     [
-        (('<mass value="3.5"/>', '<mass value="0"/>'), ("RD201", E)),
+        (('<mass value="3.5"/>', '<mass value="0"/>'), ("RD201", W)),
         (('<mass value="3.5"/>', '<mass value="-0.1"/>'), ("RD201", E)),
         (('<inertia ixx="4e-4" ixy="0" ixz="0" iyy="5e-4" iyz="0" izz="6e-4"/>', _ZERO), ("RD204", N)),
         (('<inertia ixx="0.05" ixy="0" ixz="0" iyy="0.06" iyz="0" izz="0.07"/>', _ZERO), ("RD204", W)),
