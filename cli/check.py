@@ -15,7 +15,18 @@ from robodyn.checks.check import Options, Task, check_tasks, fix_task, tasks_for
 from robodyn.checks.context import Asked
 from robodyn.checks.rule import Severity
 from robodyn.cli.files import STANDARD_INPUT, check_names, robot_source
-from robodyn.cli.options import DESCRIPTION, PATH, READING, REPORT, Call, Parsed, option, refuse_where, takes
+from robodyn.cli.options import (
+    DESCRIPTION,
+    FOLDER_THERE,
+    PATH,
+    READING,
+    REPORT,
+    Call,
+    Parsed,
+    option,
+    refuse_where,
+    takes,
+)
 from robodyn.cli.progress import robots_done
 from robodyn.cli.screen import answer, complain, show, write_report
 from robodyn.errors import InputError
@@ -81,7 +92,7 @@ def _fix(tasks: Sequence[Task], unsafe: bool, diff: bool) -> bool:
     option("--write-baseline", "Write today's findings to the file of --baseline."),
     option("--fix", "Edit the files where an edit is right and leaves the dynamics alone."),
     option("--unsafe-fixes", "With --fix or --diff: edits that change the dynamics, too."),
-    option("--expanded-to DIR", "Where xacro files are expanded to, which meshes are relative to.", PATH),
+    option("--expanded-to DIR", "Where xacro files are expanded to, which meshes are relative to.", FOLDER_THERE),
     option("--including", "Of a xacro file that others include, check those."),
     option("--diff", "Print what --fix would change, and change nothing."),
     READING,

@@ -302,17 +302,12 @@ def _report(path: str) -> str:
     return path
 
 
-PATH, FOLDER = Parsed("file"), Parsed("dir")
+PATH, FOLDER, FOLDER_THERE = Parsed("file"), Parsed("dir"), Parsed("dir", _folder)
 TABLE_OUT, SCENE_OUT = Output("a table"), Output("a scene that was identified")
 URDF_OUT, COVARIANCE_OUT = Output("a calibrated description"), Output("a covariance")
 POSITIVE, POINT, VALUES = Parsed("number", _positive), Parsed("point", _point), Parsed("at", _at)
 DESCRIPTION = together(
-    option(
-        "--package-path DIR*",
-        "Where packages are looked for first; repeatable.",
-        Parsed("dir", _folder),
-        "package_paths",
-    ),
+    option("--package-path DIR*", "Where packages are looked for first; repeatable.", FOLDER_THERE, "package_paths"),
     option(
         "--xacro-arg NAME:=VALUE*",
         "An argument of a .xacro file; repeatable.",

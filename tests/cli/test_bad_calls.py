@@ -67,7 +67,7 @@ CALLS: dict[str, str] = {
     # commands and options
     "torqes": "there is no command 'torqes'; did you mean 'torques'? (try: robodyn --help)",
     "zebra": "there is no command 'zebra'; commands: 'torques', 'simulate', 'inertia', 'check', 'fbd', 'equations', "
-    "'linearize', 'export', ... (15 in all) (try: robodyn --help)",
+    "'linearize', 'export', ... (16 in all) (try: robodyn --help)",
     "--verson": "no such option '--verson'; did you mean '--version'? (try: robodyn --help)",
     "torques": "missing argument 'URDF' (try: robodyn torques --help)",
     "torques arm.urdf": "missing argument 'TRAJECTORY...' (try: robodyn torques --help)",

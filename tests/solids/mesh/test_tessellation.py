@@ -70,6 +70,11 @@ def test_pose_and_winding_do_not_matter():
     assert (other.mesh.inertia, other.rest.inertia) == pytest.approx((found.mesh.inertia, found.rest.inertia), rel=1e-9)
 
 
+def lacking_of(found):
+    """The volume between fine facets and the surface, whatever its sign."""
+    return float(np.abs(found.missing[found.fine]).sum())
+
+
 def named(name):
     (solid,) = [solid for solid in solids() if solid.name == name]
     return solid
@@ -87,7 +92,7 @@ def test_sharp_bodies_stand_for_themselves():
 def test_prism_lacks_what_its_polygon_does_of_the_circle(sectors):
     lacking = (pi - sectors / 2 * sin(2 * pi / sectors)) * 3.0
     found = line_masses(samples.cylinder(1.0, 3.0, sectors))
-    assert found.size == pytest.approx(lacking, rel=(2 * pi / sectors) ** 2 / 10)
+    assert lacking_of(found) == pytest.approx(lacking, rel=(2 * pi / sectors) ** 2 / 10)
     assert len(found.missing) == sectors
 
 
@@ -97,7 +102,7 @@ def test_float32_files_are_told_the_same():
     placed = samples.moved(body, (0.5, -1.0, 2.0), any_rotation(2)).astype(np.float32).astype(float)
     wanted = line_masses(body)
     found = line_masses(placed)
-    assert found.size == pytest.approx(wanted.size, rel=1e-3)
+    assert lacking_of(found) == pytest.approx(lacking_of(wanted), rel=1e-3)
     assert found.doubt.sum() == pytest.approx(wanted.doubt.sum(), rel=1e-3)
 
 
