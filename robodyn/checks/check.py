@@ -210,31 +210,31 @@ def check_tasks(tasks: Sequence[Task], done: Callable[[], None] = lambda: None) 
     each. One that cannot be read stops no other; one that describes no robot is skipped, with a warning."""
     shared_out = worth_processes([task.source for task in tasks])
     each = each_in_a_process(_outcome, [(task,) for task in tasks]) if shared_out else map(_outcome, tasks)
-    found, unread = dict[str, Found](), list[Unread]()
+    found, unread = list[tuple[str, Found]](), list[Unread]()
     for task, outcome in zip(tasks, each, strict=True):
         if isinstance(outcome, NoRobotError):
             warn(f"{outcome}: skipped", RobodynWarning, stacklevel=2)
         elif isinstance(outcome, InputError):
             unread.append(Unread(task.name, outcome))
         else:
-            found[task.name] = outcome
+            found.append((task.name, outcome))
         done()
-    if any(map(is_xacro, found)):
-        found = _judged_once(found)
-    shown, hidden = ([one for each in found.values() for one in getattr(each, kind)] for kind in ("shown", "hidden"))
-    if any(map(is_xacro, found)):
+    several = any(is_xacro(name) for name, _ in found)
+    found = _judged_once(found) if several else found
+    shown, hidden = ([one for _, each in found for one in getattr(each, kind)] for kind in ("shown", "hidden"))
+    if several:
         shown, hidden = across_robots(shown), across_robots(hidden)
-    return Checked(tuple(found), tuple(shown), tuple(unread), tuple(hidden))
+    return Checked(tuple(name for name, _ in found), tuple(shown), tuple(unread), tuple(hidden))
 
 
-def _judged_once(found: Mapping[str, Found]) -> dict[str, Found]:
+def _judged_once(found: list[tuple[str, Found]]) -> list[tuple[str, Found]]:
     """Return what was found without that in URDFs which are what xacro files of these expand to."""
-    xacros = {each.content: name for name, each in found.items() if is_xacro(name)}
-    same = {name: xacros[each.content] for name, each in found.items() if each.content in xacros and not is_xacro(name)}
+    xacros = {each.content for name, each in found if is_xacro(name)}
+    same = [name for name, each in found if each.content in xacros and not is_xacro(name)]
     if same:
         what = count(len(same), "URDF is what a xacro file expands to", "URDFs are what xacro files expand to")
         warn(f"{what}, and judged there: {listed_paths(same)}", RobodynWarning, stacklevel=3)
-    return {name: each for name, each in found.items() if name not in same}
+    return [(name, each) for name, each in found if name not in same]
 
 
 def _outcome(task: Task) -> Found | InputError:
@@ -269,6 +269,10 @@ def check_one(source: Source, options: Options = STANDARD, name: str | None = No
     return _findings(*_read(source, options, name), options)
 
 
+_MOST_HUNG_ON = 16
+"""Links of others that a part may hang on."""
+
+
 def _read(source: Source, options: Options, name: str | None) -> tuple[Document, Expansion | None]:
     """Return a description as it is read, of a xacro file its expansion. NoRobotError where that has no link and no
     joint, or hangs on links that another xacro file of the folder or package has."""
@@ -288,7 +292,11 @@ def _read(source: Source, options: Options, name: str | None) -> tuple[Document,
         for kind in ("parent", "child")
     }
     hung_on = sorted(filter(None, ends["parent"] - links))
-    if hung_on and ends["child"] <= links and (other := defined_beside(path, hung_on)) is not None:
+    if (
+        0 < len(hung_on) <= _MOST_HUNG_ON
+        and ends["child"] <= links
+        and (other := defined_beside(path, hung_on)) is not None
+    ):
         what = f"it is a part that hangs on {listed(hung_on)} of {os.path.basename(other)}"
         raise NoRobotError(what, remedy="name the file that includes both", file=path)
     return reading, expansion

@@ -40,8 +40,8 @@ _MESH = 5_000
 
 def related_descriptions(path: str) -> list[str]:
     """Return the descriptions of the file's package that name a mesh, or whose SRDF this is; of a xacro file those that
-    include it, through others or not, in the packages beside as well. Without a package.xml
-    above the file they are looked for in its folder, in the one above, and in those in these. NoRobotError for none."""
+    include it, through others or not, in the packages beside as well. Without a package.xml above the file they are
+    looked for in its folder, in the one above, and in those in these. NoRobotError for none."""
     if is_xacro(path):
         found = sorted(map(str, _including(Path(path).absolute())))
         if not found:
@@ -77,7 +77,7 @@ def _including(parts: Path) -> set[Path]:
     return {file for file in reached[1:] if not above[file] and not only_defines(str(file))}
 
 
-_INCLUDE = re.compile(rb"""<(?:xacro:)?include\s[^>]*?filename\s*=\s*["']([^"'<]+)["']""")
+_INCLUDE = re.compile(rb"""<(?:xacro:)?include\s[^<>]*?filename\s*=\s*["']([^"'<]+)["']""")
 _FIND = re.compile(r"\$\(find ([^)]*)\)")
 _MOST_SOURCE = 1 << 24
 
@@ -112,7 +112,7 @@ def defined_beside(path: str, names: Iterable[str]) -> str | None:
     """Return the xacro file of the folder or package that has elements of all these names, if one has."""
     file = Path(path).absolute()
     home = Search(path).home
-    wanted = [re.compile(rb"<link\s[^>]*?name\s*=\s*[\"']" + re.escape(name.encode()) + rb"[\"']") for name in names]
+    wanted = [re.compile(rb"<link\s[^<>]*?name\s*=\s*[\"']" + re.escape(name.encode()) + rb"[\"']") for name in names]
     for other in _in_packages([file.parent if home is None else home], file, ".xacro"):
         with suppress(OSError, ValueError, InputError):
             text = b"" if other == file else read_input(other, _MOST_SOURCE)
@@ -134,8 +134,7 @@ def files_of(sources: Sequence[str | os.PathLike[str] | bytes], including: bool 
 
     Of a folder all .urdf below it, and all .xacro that no other includes; of a mesh, an SRDF or a xacro file of macros
     its `related_descriptions`, with a warning where there are none; with `including` also of one that others include.
-    A folder or a pattern without a description is an
-    InputError, or a warning where others are named as well.
+    A folder or a pattern without a description is an InputError, or a warning where others are named as well.
     """
     found: dict[str | bytes, None] = {}
     errors: list[InputError] = []

@@ -167,3 +167,18 @@ def test_which_files_include_which(tmp_path: Path, written: str, includes: bool)
     a.write_text(f'{HEAD}<xacro:include\n  filename="{written}"/></robot>')
     b.write_text(f'{HEAD}<xacro:include filename="b.xacro"/></robot>')
     assert includers([a, b]) == {a: set(), b: {a} if includes else set()}
+
+
+def test_tags_without_end_take_linear_time(tmp_path: Path) -> None:
+    """Squared, half a million of them would take hours."""
+    file = tmp_path / "a.xacro"
+    file.write_text("<xacro:include " * 500_000)
+    assert includers([file]) == {file: set()}
+
+
+def test_texts_without_a_file_are_judged_each(package: Path) -> None:
+    """Beside xacro files, too."""
+    wrong = b'<robot name="r"><link name="a"/><link name="a"/></robot>'
+    found = check_tasks(tasks_for([wrong, wrong.replace(b'"a"', b'"b"'), str(package / "xacro" / "bare.urdf.xacro")]))
+    said = [one.message.split("'")[1] for each in found.findings for one in each.places if one.code == "RD105"]
+    assert said == ["a", "b"]
