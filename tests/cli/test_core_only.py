@@ -53,6 +53,7 @@ NEEDS = {
     "inertia meshes/bracket.stl --report {out}/part.html": "report",
     "check scara.urdf --report {out}/check.html": "report",
     "equations two_link_planar.urdf --form closed": "symbolic",
+    "lsp": "lsp",
     "accuracy meshes/hub.stl --plot {out}/front.svg": "report",
     "accuracy scara.urdf scara_pick_and_place.csv": "exact",
 }
@@ -98,7 +99,7 @@ def outcomes(folder: Path) -> dict[str, Outcome]:
 
 
 def test_no_command_is_left_out() -> None:
-    assert {call.split()[0] for call in WORKS} == set(COMMANDS)
+    assert {call.split()[0] for call in (*WORKS, *NEEDS)} == set(COMMANDS)
 
 
 @pytest.mark.parametrize("call", WORKS)

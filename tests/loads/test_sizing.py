@@ -18,6 +18,7 @@ from robodyn.dynamics.plan import Plan
 from robodyn.errors import SceneError
 from robodyn.loads.accumulate import quadrature_errors
 from robodyn.loads.sizing import allowed, frame
+from robodyn.loads.statistics import Integrals
 from robodyn.loads.torques import torques
 from robodyn.scene.scene import Friction, Motor, Rotor, Scene
 from robodyn.support.floats import first_largest
@@ -195,6 +196,15 @@ def test_quadrature_error_of_a_parabola():
     assert abs(abs(quadrature_errors(np.diff(x), x**2).sum()) - error) <= 1e-15
     assert not quadrature_errors(np.diff(x), 3 * x + 1).any()
     assert len(quadrature_errors(np.empty(0), np.ones(1))) == 0
+
+
+def test_integrals_over_uneven_steps():
+    rng = np.random.default_rng(5)
+    time, values = np.sort(rng.uniform(0, 9, 50)), rng.normal(size=(3, 50))
+    integrals = Integrals()
+    for start, stop in ((0, 1), (1, 20), (20, 21), (21, 50)):
+        integrals.update(time[start:stop], {"x": values[:, start:stop]})
+    assert worst(integrals.totals["x"], trapezoid(values, time, axis=1)) <= 8 * EPS
 
 
 @pytest.mark.parametrize("G", [20.0, -20.0])

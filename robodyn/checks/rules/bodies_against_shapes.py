@@ -118,7 +118,6 @@ _NEAR = 0.3
     Stage.TREE,
     good=a_shaped_link(),
     bad=('"0 0 0.12"', '"0 0 0.5"'),
-    explains=("RD403",),
 )
 def centre_outside_shapes(context: Context) -> Faults:
     """The centre of mass lies within the shapes of the link and what is fixed to it.

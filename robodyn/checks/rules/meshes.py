@@ -182,8 +182,6 @@ def _found_elsewhere(context: Context, name: MeshName) -> str | None:
     return f"is not relative to this file's folder, but to {shown_path(os.path.relpath(around[0], search.folders[0]))}"
 
 
-_QUARTER = 0.25
-"""Of the surface of a mesh: what collides without it collides with another body."""
 _REMEDY = "repair it where mass, collision or simulation is computed from it; `robodyn inertia` says what to do"
 
 
@@ -192,13 +190,13 @@ def mesh_surface(context: Context) -> Faults:
     """Meshes are closed, wound outwards, free of overlaps, and their coordinates are numbers.
 
     Mass and signed distance need a surface that encloses a volume. Reported are coordinates that are no numbers; shells
-    wound inwards that are no cavities; STL files that hold more triangles than their header counts; surfaces with one
-    side only; faces wound against their neighbours; open edges, by the boundary chain; and shells that reach into
-    another, as far as a few points of each show. The last is a remark; the three before it are a warning where a link
-    takes its mass from the mesh, being a <collision> of one without <inertial>, or where a quarter of the surface of a
-    <collision> is missing, and remarks otherwise. Of an open surface it is said, with the numbers that `robodyn
-    inertia` goes by, whether its gaps are small enough to be filled, a remark then, or what is missing. The bad example
-    stands beside a file `open.stl`, a box without lid; the good one beside `closed.stl`.
+    wound inwards that are no cavities; STL files that hold more triangles than their header counts; surfaces with
+    one side only; faces wound against their neighbours; open edges, by the boundary chain; and shells that reach
+    into another, as far as a few points of each show. The last is a remark; the three before it are a warning where
+    a link takes its mass from the mesh, being a <collision> of one without <inertial>, and remarks otherwise. Of an
+    open surface it is said, with the numbers that `robodyn inertia` goes by, whether its gaps are small enough to
+    be filled, a remark then, or what is missing. The bad example stands beside a file `open.stl`, a box without
+    lid; the good one beside `closed.stl`.
     """
     for uri, facts in context.once(all_facts).items():
         name = context.once(mesh_names)[uri]
@@ -226,8 +224,6 @@ def _wrong(facts: MeshFacts, name: MeshName) -> tuple[str, Severity] | None:
         if facts.left:
             share = figure(100 * facts.missing, 2)
             what = f"is not closed: {share} % of its surface is missing, in gaps that are too large to be filled"
-            seen_only = not any(use.geometry.kind == "collision" for use in name.uses)
-            severity = severity if facts.missing < _QUARTER or seen_only else Severity.WARNING
         elif facts.mended:
             what = f"is open by small gaps only ({facts.mended}): filled, it encloses a volume"
         severity = severity if facts.left or facts.mended is None else Severity.NOTE
