@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import asyncio
-import codecs
-import math
 import re
 from bisect import bisect_right
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from robodyn.checks.check import check_tasks, found_in, tasks_for
 from robodyn.checks.context import Context
-from robodyn.checks.fixes import change_of_dynamics, unproven
+from robodyn.checks.fixes import Made, healing, unproven
 from robodyn.checks.groups import places
 from robodyn.checks.rule import Finding, Severity
 from robodyn.errors import InputError, RobodynError
@@ -33,68 +32,62 @@ if TYPE_CHECKING:
 _PAUSE = 0.03
 """Seconds without a further change after which a text is checked."""
 _LEVELS = {Severity.ERROR: 1, Severity.WARNING: 2, Severity.NOTE: 3}
-_DECLARED = re.compile(r"""<\?xml[^>]*encoding\s*=\s*["']([\w.-]+)["']""")
+_DECLARED = re.compile(r"""<\?xml[^>]*encoding\s*=\s*["'](iso-8859-1|us-ascii|windows-1252)["']""", re.IGNORECASE)
 
 
 @dataclass
 class Text:
-    """A text as it is in the editor, and in the bytes of its encoding, of which findings tell.
-
-    Attributes:
-        number: of its changes; found: what was found in this text, by place.
-    """
+    """A text as it is in the editor, and in the bytes of its encoding, of which findings tell; what was found in it, by
+    place."""
 
     path: str
     source: str
-    number: int
-    found: list[Finding] = field(default_factory=list)
+    found: tuple[Finding, ...] = ()
 
-    @property
+    @cached_property
     def codec(self) -> str:
         declared = _DECLARED.match(self.source)
-        try:
-            return "utf-8" if declared is None else codecs.lookup(declared[1]).name
-        except LookupError:
-            return "utf-8"
+        return "utf-8" if declared is None else declared[1].lower()
 
-    @property
+    @cached_property
     def data(self) -> bytes:
-        return self.source.encode(self.codec, "surrogatepass" if self.codec == "utf-8" else "xmlcharrefreplace")
+        return self.source.encode(self.codec, "replace")
 
-    def place(self, data: bytes, offset: int) -> tuple[int, int]:
+    @cached_property
+    def lines(self) -> list[str]:
+        return [f"{line}\n" for line in self.source.split("\n")]
+
+    def place(self, offset: int) -> tuple[int, int]:
         """Return line and character, from 0, of a byte."""
-        before = data[:offset].decode(self.codec, "replace")
+        before = self.data[:offset].decode(self.codec, "replace")
         return before.count("\n"), len(before) - before.rfind("\n") - 1
 
     def offset(self, line: int, character: int) -> int:
         """Return the byte at a line and character, from 0."""
-        lines = self.source.split("\n")
-        before = "\n".join([*lines[:line], lines[line][:character] if line < len(lines) else ""])
+        before = "".join([*self.lines[:line], *(each[:character] for each in self.lines[line : line + 1])])
         return len(before.encode(self.codec, "replace"))
+
+    def check(self, data: bytes) -> tuple[Finding, ...]:
+        """Return every place of what is found in bytes that stand in this one's place."""
+        (task,) = tasks_for([self.path])
+        return places(found_in(data, task.options, self.path).shown)
 
 
 def check_text(text: Text) -> dict[str, list[Finding] | InputError]:
     """Return by file what a check finds: of a URDF in the text as it is typed, of a xacro file in what is saved."""
     try:
-        tasks = tasks_for([text.path])
-        if not is_xacro(text.path):
-            found = found_in(text.data, tasks[0].options, text.path)
-            every = places(found.shown)
-        else:
-            checked = check_tasks(tasks)
+        if is_xacro(text.path):
+            checked = check_tasks(tasks_for([text.path]))
             for unread in checked.unread:
                 raise unread.error
             every = places(checked.findings)
+        else:
+            every = text.check(text.data)
     except InputError as error:
         return {text.path: error}
-    text.found = [one for one in every if one.file == text.path]
-    files: dict[str, list[Finding] | InputError] = {text.path: text.found}
-    for one in every:
-        if one.file != text.path:
-            others = files.setdefault(one.file, [])
-            assert isinstance(others, list), "only the text itself has an error"
-            others.append(one)
-    return files
+    text.found = tuple(one for one in every if one.file == text.path)
+    others = dict.fromkeys(one.file for one in every if one.file != text.path)
+    return {text.path: list(text.found), **{file: [one for one in every if one.file == file] for file in others}}
 
 
 def hover_text(text: Text, offset: int) -> str | None:
@@ -165,8 +158,8 @@ class Session:
         self.turn = asyncio.Lock()
 
     def text(self, uri: str) -> Text:
-        document, known = self.server.workspace.get_text_document(uri), self.texts.get(uri)
-        self.texts[uri] = Text(document.path, document.source, 0 if known is None else known.number + 1)
+        document = self.server.workspace.get_text_document(uri)
+        self.texts[uri] = Text(document.path, document.source)
         return self.texts[uri]
 
     async def check(self, uri: str) -> None:
@@ -196,7 +189,7 @@ class Session:
                 diagnostics = [lsp.Diagnostic(at, found.sentence, lsp.DiagnosticSeverity.Error, source="robodyn")]
             else:
                 if file != text.path:
-                    of = Text(file, read_input(file).decode("utf-8", "replace"), 0)
+                    of = Text(file, read_input(file).decode("utf-8", "replace"))
                 diagnostics = [self.diagnostic(of, one) for one in found]
             self.server.text_document_publish_diagnostics(lsp.PublishDiagnosticsParams(place, diagnostics))
 
@@ -216,19 +209,16 @@ class Session:
         """Return bytes [start, end) in the units of the editor."""
         from lsprotocol import types as lsp
 
-        data = text.data
-        points = lsp.Range(*(lsp.Position(*text.place(data, offset)) for offset in (start, end)))
-        codec = self.server.workspace.position_codec
-        return codec.range_to_client_units(text.source.splitlines(True), points)
+        points = lsp.Range(*(lsp.Position(*text.place(offset)) for offset in (start, end)))
+        return self.server.workspace.position_codec.range_to_client_units(text.lines, points)
 
     def offset(self, text: Text, at: lsp.Position) -> int:
         """Return the byte at a position in the units of the editor."""
-        codec = self.server.workspace.position_codec
-        point = codec.position_from_client_units(text.source.splitlines(True), at)
+        point = self.server.workspace.position_codec.position_from_client_units(text.lines, at)
         return text.offset(point.line, point.character)
 
     def fixes(self, uri: str, at: lsp.Range) -> list[lsp.CodeAction]:
-        """Return the fixes of findings in a range that are proven to leave the dynamics, or say what they change."""
+        """Return the fixes that `robodyn check --fix --unsafe-fixes` makes of the findings in a range."""
         from lsprotocol import types as lsp
 
         text, actions = self.texts[uri], []
@@ -237,13 +227,17 @@ class Session:
             fix = finding.fix
             if fix is None or finding.end < start or finding.start > end:
                 continue
-            after = edited(text.data, fix.edits, text.codec)
-            if fix.safe and unproven(text.data, after) is not None:
+            made = [Made(finding, fix)]
+            if not fix.safe:
+                made, _ = healing(text.data, (finding,), text.check, text.codec)
+            elif unproven(text.data, edited(text.data, fix.edits, text.codec)) is not None:
+                continue
+            if not made:
                 continue
             edits = [lsp.TextEdit(self.range(text, one.start, one.end), one.text) for one in fix.edits]
             actions.append(
                 lsp.CodeAction(
-                    fix.what if fix.safe else f"{fix.what} ({_change(text.data, after)})",
+                    f"{fix.what} ({made[0].effect})",
                     kind=lsp.CodeActionKind.QuickFix,
                     diagnostics=[self.diagnostic(text, finding)],
                     is_preferred=fix.safe,
@@ -251,15 +245,6 @@ class Session:
                 )
             )
         return actions
-
-
-def _change(before: bytes, after: bytes) -> str:
-    try:
-        change = change_of_dynamics(before, after)
-    except InputError:
-        return "changes the dynamics"
-    share = f" by up to {figure(100 * change)} %" if math.isfinite(change) else ""
-    return f"changes the torques{share}"
 
 
 def served() -> LanguageServer:

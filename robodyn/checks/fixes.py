@@ -53,6 +53,14 @@ class Made:
     fix: Fix
     change: float | None = None
 
+    @property
+    def effect(self) -> str:
+        if self.fix.safe:
+            return "safe: the dynamics stay as they are"
+        if self.change is None:
+            return "unsafe: by how much the torques change cannot be computed"
+        return f"unsafe: torques change by up to {100 * self.change:.3g} % of the largest"
+
 
 @dataclass(frozen=True)
 class Refused:
@@ -92,14 +100,10 @@ def fixed(data: bytes, file: str, check: Check, *, unsafe: bool = False) -> Fixe
         text, safe, refused = _safely(text, together(findings, True), reading.encoding)
         made += safe
         if unsafe and text == before:
-            pairs, others = _healing(text, findings, check, reading.encoding)
+            unsafely, others = healing(text, findings, check, reading.encoding)
             refused += others
-            text = _edited(text, pairs, reading.encoding)
-            try:
-                change = change_of_dynamics(before, text) if pairs else None
-            except InputError:
-                change = None
-            made += [Made(*pair, change) for pair in pairs]
+            text = _edited(text, [(one.finding, one.fix) for one in unsafely], reading.encoding)
+            made += unsafely
         if text == before:
             return Fixed(file, data, text, tuple(made), tuple(refused))
     why = f"the fixes do not settle in {ROUNDS} rounds"
@@ -125,18 +129,23 @@ def _safely(text: bytes, pairs: Pairs, encoding: str) -> tuple[bytes, list[Made]
     return after, [Made(*pair) for pair in proven], refused
 
 
-def _healing(text: bytes, findings: tuple[Finding, ...], check: Check, encoding: str) -> tuple[Pairs, list[Refused]]:
-    """Return the unsafe fixes, but of masses and inertias those that leave an error or a warning about the link; and
-    these."""
-    healing, refused = list[tuple[Finding, Fix]](), list[Refused]()
-    for finding, fix in together(findings, False):
-        after = check(_edited(text, [(finding, fix)], encoding))
-        left = [one for one in after if one.subject == finding.subject and one.severity is not Severity.NOTE]
-        if not finding.code.startswith(("RD2", "RD3")) or not left:
-            healing.append((finding, fix))
+def healing(text: bytes, findings: Iterable[Finding], check: Check, encoding: str) -> tuple[list[Made], list[Refused]]:
+    """Return the unsafe fixes that may be made together, and what they change; and those of masses and inertias after
+    which the link has an error or a warning."""
+    pairs, kept, refused = together(findings, False), list[tuple[Finding, Fix]](), list[Refused]()
+    after = check(_edited(text, pairs, encoding)) if pairs else ()
+    left = {one.subject: one for one in after if one.severity is not Severity.NOTE}
+    for finding, fix in pairs:
+        worst = left.get(finding.subject) if finding.code.startswith(("RD2", "RD3")) else None
+        if worst is None:
+            kept.append((finding, fix))
         else:
-            refused.append(Refused(finding, fix, f"it would leave {left[0].code}: {left[0].what}"))
-    return healing, refused
+            refused.append(Refused(finding, fix, f"it would leave {worst.code}: {worst.what}"))
+    try:
+        change = change_of_dynamics(text, _edited(text, kept, encoding)) if kept else None
+    except InputError:
+        change = None
+    return [Made(*pair, change) for pair in kept], refused
 
 
 def _edited(text: bytes, pairs: Pairs, encoding: str) -> bytes:

@@ -212,15 +212,7 @@ def fix_lines(files: Iterable[Fixed], did: str) -> list[str]:
     """Return a line for each fix that was made, `did` it being said how, and for each that was not, with the reason."""
     lines = []
     for fixed in files:
-        told = []
-        for one in fixed.made:
-            if one.fix.safe:
-                kind = "safe: the dynamics stay as they are"
-            elif one.change is None:
-                kind = "unsafe: by how much the torques change cannot be computed"
-            else:
-                kind = f"unsafe: torques change by up to {100 * one.change:.3g} % of the largest"
-            told.append((did, one.finding, one.fix, kind))
+        told = [(did, one.finding, one.fix, one.effect) for one in fixed.made]
         told += [("not fixed", one.finding, one.fix, one.why) for one in fixed.refused]
         for how, finding, fix, why in told:
             subject = f", {finding.subject.kind} {finding.subject.name}" if finding.subject else ""

@@ -132,6 +132,14 @@ def test_meshes_are_relative_to_where_the_expansion_is_written(package: Path, tm
     assert run("check", str(robot), "--select", "RD6", "--expanded-to", str(elsewhere)).status == 0
 
 
+def test_packages_are_those_of_the_file_wherever_it_is_expanded_to(package: Path, tmp_path: Path) -> None:
+    (tmp_path / "elsewhere").mkdir()
+    main = package / "xacro" / "main.xacro"
+    main.write_text(main.read_text().replace("./meshes/", "package://arm/meshes/"))
+    robot = str(package / "xacro" / "bare.urdf.xacro")
+    assert run("check", robot, "--select", "RD6", "--expanded-to", str(tmp_path / "elsewhere")).status == 0
+
+
 def test_a_urdf_names_meshes_relative_to_itself(package: Path) -> None:
     """What is found from the package or a folder above only, most programs do not find."""
     (package / "urdf").mkdir()

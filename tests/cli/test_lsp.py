@@ -80,7 +80,7 @@ def edit(path: Path, session: Callable[[Editor], Awaitable[None]]) -> None:
 def test_findings_follow_the_text_that_is_typed(tmp_path: Path) -> None:
     """Which need not be saved; at the attribute, in the units of the editor; XML that is cut off is one error."""
     sound = arm()
-    wrong = sound.replace("<limit", "<!-- ä 😀 --><limit", 1).replace('lower="-2"', 'lower="3"', 1)
+    wrong = sound.replace("<limit", "<!-- ä 😀 \u2028 --><limit", 1).replace('lower="-2"', 'lower="3"', 1)
 
     async def session(editor: Editor) -> None:
         assert await editor.open(sound) == []

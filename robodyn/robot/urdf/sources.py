@@ -57,10 +57,7 @@ class Search:
 
     @cached_property
     def folders(self) -> tuple[Path, ...]:
-        """The folder in which the description is named, and the one where it is, if a symbolic link leads there; for
-        one that is expanded somewhere else that folder."""
-        if self.expanded_to:
-            return (Path(self.expanded_to),)
+        """The folder in which the description is named, and the one where it is, if a symbolic link leads there."""
         file = self.file.removesuffix(EXPANDED)
         named, real = Path(file).parent, Path(os.path.realpath(file)).parent
         return (named,) if real == named.absolute() else (named, real)
@@ -103,7 +100,7 @@ class Search:
         scheme, separator, rest = uri.partition("://")
         package = package_of(uri)
         if not separator:
-            yield from (folder / uri for folder in self.folders)
+            yield from (folder / uri for folder in ((Path(self.expanded_to),) if self.expanded_to else self.folders))
             if uri and not os.path.isabs(uri):
                 yield from (folder / uri for folder in self.around)
         elif scheme == "file":
