@@ -112,13 +112,7 @@ _NEAR = 0.3
 """Of its distance from the middle of the shapes: as far from it a centre may be whose sign was wrong."""
 
 
-@rule(
-    "RD302",
-    Severity.WARNING,
-    Stage.TREE,
-    good=a_shaped_link(),
-    bad=('"0 0 0.12"', '"0 0 0.5"'),
-)
+@rule("RD302", Severity.WARNING, Stage.TREE, good=a_shaped_link(), bad=('"0 0 0.12"', '"0 0 0.5"'))
 def centre_outside_shapes(context: Context) -> Faults:
     """The centre of mass lies within the shapes of the link and what is fixed to it.
 
