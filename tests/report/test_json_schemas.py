@@ -21,7 +21,7 @@ COMMANDS = (
     ("inertia", "inertia robots/meshes/torn_block.stl robots/meshes/worn_pad.stl robots/meshes/open_tray.stl"),
     ("inertia_robot", "inertia robots/meshed_arm.urdf --at elbow=0.5"),
     ("inertia_comparison", "inertia robots/meshed_arm.urdf --compare"),
-    ("check", "check robots/puma.urdf robots/scara.urdf"),
+    ("check", "check robots/puma560.urdf robots/scara.urdf"),
     ("info", "info robots/gripper.urdf"),
     ("fbd", "fbd robots/scara.urdf --at 0.3,-0.5,0.05 --qdd elbow=2"),
     ("equations", "equations robots/puma560.urdf"),
