@@ -1,23 +1,41 @@
-"""Write every trajectory of robots/: `python tests/make_robots.py [FOLDER]`, by default into robots/ itself.
+"""Write the trajectories of robots/ that joints or feet lead: `python tests/make_robots.py [FOLDER]`, by default into
+robots/ itself.
 
 Everything is computed to 30 digits and rounded once, so the files come out the same, bit for bit, on every machine.
+satellite_slew.csv and rigid_body_flip.csv are solutions of the equations of motion, to rounding:
+tests/robots/test_robots_free_motion.py holds them to the conservation laws and to elliptic functions.
 """
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from functools import cache, partial
 from pathlib import Path
 
-from helpers import constrained_tables
-from helpers.free_motions import attitudes, tumble
-from helpers.robot_motions import Motion, State, exact, fourier, quintic
-from helpers.robot_tables import Table, base, joints, times
-from helpers.satellite_motion import Satellite
+from helpers import quadruped_motion
+from helpers.jets import Jet
+from helpers.parallel_motions import delta_motors, planar_motors
+from helpers.quadruped_motion import Gait
+from helpers.robot_motions import Motion, fourier, quintic
 from mpmath import mp, mpf
 
 ENCODER_STEPS = 2**17
 ZERO = 1e-20
+Table = dict[str, list[mpf]]
+
+
+def times(count: int, rate: int) -> list[mpf]:
+    return [mpf(k) / rate for k in range(count)]
+
+
+def joints(clock: list[mpf], motions: Mapping[str, Motion]) -> Table:
+    """time, then q_, qd_ and qdd_ of every joint."""
+    table = {"time": clock}
+    for level, name in enumerate(("q", "qd", "qdd")):
+        for joint, motion in motions.items():
+            table[f"{name}_{joint}"] = [motion(t)[level] for t in clock]
+    return table
 
 
 def scara_pick_and_place() -> Table:
@@ -155,28 +173,70 @@ def gripper_pick() -> Table:
     )
 
 
-def satellite_slew() -> Table:
-    """The arrays turn from rest to rest, by different angles; the bus answers so that no momentum arises."""
-    arrays = {
-        "left_array": quintic((0, 0), (1, 0), (13, 2.8), (15, 2.8), (19, 2.2)),
-        "right_array": quintic((0, 0.4), (3, 0.4), (17, 2.9)),
-    }
-    bus = [exact(6.8, -0.5, 0.4), exact(-0.5, 5, -0.3), exact(0.4, -0.3, 8.2)]
-    satellite = Satellite(mpf(60), exact(0.05, -0.02, 0.1), bus, mpf(20), exact(8, 0.5, 8.4), arm=mpf("1.5"))
-    clock = times(401, 20)
-
-    def motion(t: mpf) -> list[State]:
-        return [array(t) for array in arrays.values()]
-
-    turning = attitudes(lambda t: satellite.rates(motion(t))[0], clock)
-    states = [satellite.state(attitude, motion(t)) for attitude, t in zip(turning, clock, strict=True)]
-    return joints(clock, arrays) | base(states)
+def crank_slider_turn() -> Table:
+    """Two turns of the crank in 2 s, from rest to rest."""
+    return joints(times(401, 200), {"main": quintic((0, 0), (2, 12.566370614359172))})
 
 
-def rigid_body_flip() -> Table:
-    """The Dzhanibekov flip: turned about the middle axis, a little disturbed, over one period of 55.06 s."""
-    clock = times(443, 8)
-    return {"time": clock} | base(tumble(exact(1, 2, 3), exact(0.001, 1, 0.001), clock[1], len(clock)))
+def four_bar_lift() -> Table:
+    """From upright over to the right, rest, and to the left, within 60 degrees of upright."""
+    return joints(
+        times(301, 100),
+        {"left": quintic((0, 0), (0.9, 1), (1.2, 1), (2.4, -0.9), (2.5, -0.9), (2.9, -0.6))},
+    )
+
+
+def five_bar_reach() -> Table:
+    """In between the motors, out to the right and home, with stops."""
+    return joints(
+        times(301, 200),
+        {
+            "left": quintic((0, 0), (0.3, 0.5), (0.5, 0.5), (0.9, -0.3), (1.1, -0.3), (1.4, 0)),
+            "right": quintic((0, 0), (0.35, 0.3), (0.5, 0.3), (0.95, -0.5), (1.1, -0.5), (1.4, 0)),
+        },
+    )
+
+
+def delta_pick() -> Table:
+    """Down, hold, up and across, down, hold, up and home, in 1.2 s."""
+    x = quintic((0, 0), (0.25, 0.11), (0.5, 0.11), (0.8, -0.1), (1, -0.1), (1.2, 0))
+    y = quintic((0, 0), (0.25, -0.04), (0.5, -0.04), (0.8, 0.07), (1, 0.07), (1.2, 0))
+    z = quintic(
+        *((0, -0.4), (0.2, -0.44), (0.3, -0.44), (0.45, -0.39), (0.7, -0.39)),
+        *((0.85, -0.44), (0.95, -0.44), (1.15, -0.4)),
+    )
+
+    @cache
+    def motors(t: mpf) -> list[Jet]:
+        return delta_motors((Jet(*x(t)), Jet(*y(t)), Jet(*z(t))))
+
+    return joints(times(301, 250), {f"motor_{k + 1}": _one(motors, k) for k in range(3)})
+
+
+def planar_3rrr_circle() -> Table:
+    """The platform goes round in 1 s, and turns to and fro."""
+    x, y = fourier(0, 1, (0.05, 0)), fourier(0.01, 1, (0, 0.05))
+    turn = fourier(0, 1, (0.15, 0), (0, 0.1))
+
+    @cache
+    def motors(t: mpf) -> list[Jet]:
+        return planar_motors((Jet(*x(t)), Jet(*y(t))), Jet(*turn(t)))
+
+    return joints(times(251, 250), {f"motor_{k + 1}": _one(motors, k) for k in range(3)})
+
+
+def _one(motors: Callable[[mpf], list[Jet]], k: int) -> Motion:
+    def motion(t: mpf) -> tuple[mpf, mpf, mpf]:
+        q = motors(t)[k]
+        return q.x, q.v, q.a
+
+    return motion
+
+
+def _walked(gait: Gait, rate: int) -> Table:
+    """201 rows."""
+    found = [gait(Jet(t, mpf(1))) for t in times(201, rate)]
+    return {"time": times(201, rate)} | {name: [mpf(row[name]) for row in found] for name in found[0]}
 
 
 TRAJECTORIES: dict[str, Callable[[], Table]] = {
@@ -192,10 +252,15 @@ TRAJECTORIES: dict[str, Callable[[], Table]] = {
         two_link_planar_swing,
         two_link_spatial_slew,
         gripper_pick,
-        satellite_slew,
-        rigid_body_flip,
-        *constrained_tables.EVERY,
+        crank_slider_turn,
+        four_bar_lift,
+        five_bar_reach,
+        delta_pick,
+        planar_3rrr_circle,
     )
+} | {
+    f"quadruped_{gait.__name__}.csv": partial(_walked, gait, rate)
+    for gait, rate in ((quadruped_motion.stand, 100), (quadruped_motion.crouch, 100), (quadruped_motion.trot, 200))
 }
 
 
