@@ -24,7 +24,6 @@ from robodyn.support.wording import alternatives
 ARM = ("torques", "arm.urdf", "arm.csv")
 SCENES = {
     "scene.toml": "gravity = [0, 0, -1.6]\n",
-    "columns.toml": '[[wrench]]\nlink = "forearm"\nforce = ["fx", 0, 0]\n',
     "tilt.toml": "[drive]\nwaist = { torque = 5 }\n",
     "loop.toml": '[[loop]]\nname = "pin"\nlink = "no"\n',
     "bad.toml": "q_elbow = ",
@@ -70,7 +69,6 @@ CALLS: dict[str, str] = {
     "'linearize', 'export', ... (16 in all) (try: robodyn --help)",
     "--verson": "no such option '--verson'; did you mean '--version'? (try: robodyn --help)",
     "torques": "missing argument 'URDF' (try: robodyn torques --help)",
-    "torques arm.urdf": "missing argument 'TRAJECTORY...' (try: robodyn torques --help)",
     "torques arm.urdf arm.csv --gravty 0,0,0": "no such option '--gravty'; did you mean '--gravity'? (try: robodyn tor",
     "torques arm.urdf arm.csv --gravity": "option '--gravity' requires an argument",
     "torques arm.urdf arm.csv --format xml": "invalid value for '--format': 'xml' is not one of 'text', 'json'",
@@ -92,23 +90,19 @@ CALLS: dict[str, str] = {
     "accuracy part.stl --plot front.bmp": "front.bmp: unknown type of picture by this suffix",
     "accuracy part.stl --plot part.stl": "part.stl: the output would overwrite an input",
     "linearize arm.urdf --out linear.csv": "linear.csv: is no .npz file (--out FILE.npz)",
-    "linearize arm.urdf --out no/linear.npz": "no/linear.npz: cannot be written: no such file or directory (",
     "export arm.urdf --to c --out no/f.c": "no/f.c: cannot be written: no such file or directory (name another file)",
     "export arm.urdf --to c --out .": ".: cannot be written: is a directory (name another file)",
     "export arm.urdf --to torch --out torch.py": f"torch.py: {HIDES} torch, which it or what ",
     "export arm.urdf --to jax --out NumPy.py": f"NumPy.py: {HIDES} numpy, which it or what ",
     "export arm.urdf --to casadi --out platform.py": f"platform.py: {HIDES} platform, which ",
-    "scene init arm.urdf --out no/s.toml": "no/s.toml: ",
     # files of another kind, or none
     "torques arm.csv arm.urdf": SWAPPED + ORDER,
     "accuracy arm.csv arm.urdf": SWAPPED + "robodyn accuracy MESH|URDF TRAJECTORY|URDF SCENE.toml)",
     "torques arm.urdf arm.urdf": "arm.urdf: this is a robot description, and a table is expected here (the order: ",
     "torques arm.urdf scene.toml": "scene.toml: this is a scene, and a table is expected here (the order: ",
-    "torques scene.toml arm.csv": "scene.toml: this is a scene, and a robot description is expected here (the order: ",
     "torques part.stl arm.csv": "part.stl: this is a mesh, and a robot description is expected here (the order: ",
     "torques arm.urdf arm.csv --scene arm.urdf": "arm.urdf: this is a robot description, and a scene is expected here "
     "(robodyn scene init URDF writes one)",
-    "info arm.csv": "arm.csv: this is a table, and a robot description is expected here (the order: robodyn info URDF)",
     "simulate arm.urdf scene.toml": "got unexpected extra argument (scene.toml); did you mean --scene scene.toml? (",
     "fbd arm.urdf arm.csv": "got unexpected extra argument (arm.csv); did you mean --traj arm.csv? (try: ",
     "info arm.urdf scene.toml": "got unexpected extra argument (scene.toml) (try: robodyn info --help)",
@@ -117,13 +111,10 @@ CALLS: dict[str, str] = {
     "info .": ".: this is a folder, not a file (give a URDF file)",
     "accuracy arm.urdf no.csv": "no.csv: cannot be read",
     "check - -": "<stdin>: standard input is asked for twice",
-    "torques - - --measured": "<stdin>: ",
     "torques arm.urdf - --measured": "<stdin>: a log is read several times, and standard input only once (name a file)",
     "identify arm.urdf -": "<stdin>: a log is read several times, and standard input only once (name a file)",
     "torques arm.urdf - --accuracy 1e-9": "<stdin>: --accuracy reads the trajectory twice (name a file)",
     "accuracy arm.urdf": KINDS,
-    "accuracy part.stl arm.urdf arm.csv": KINDS,
-    f"equations {PUMP}": f"robots/crank_slider_pump.toml: {TREES}",
     f"accuracy robots/crank_slider.urdf arm.csv {PUMP.partition(' ')[2]}": f"robots/crank_slider_pump.toml: {TREES}",
     f"export {PUMP} --to c": f"robots/crank_slider_pump.toml: {TREES}",
     f"excite {PUMP}": f"robots/crank_slider_pump.toml: {TREES[:22]}",
@@ -131,7 +122,7 @@ CALLS: dict[str, str] = {
     **{
         f"torques arm.urdf arm.csv --gravity {shlex.quote(vector)}": "invalid value for '--gravity': "
         f"{vector!r} is not three finite numbers"
-        for vector in ("1,2", "1,2,3,4", "a,b,c", "nan,0,0", "1e400,0,0", "", "1_0,0,0", "0 0 9")
+        for vector in ("1,2", "nan,0,0", "1e400,0,0", "", "1_0,0,0", "0 0 9")
     },
     "torques arm.urdf arm.csv --gravity 0,0,1e308": "arm.csv: row 1: base_fx overflows",
     "inertia part.stl --about tool0": POINT.format("tool0") + "; --link takes the name of a link (",
@@ -158,14 +149,13 @@ CALLS: dict[str, str] = {
     "fbd arm.urdf --qd 1": "arm.urdf: 1 value for 2 coordinates (in the order: 'shoulder', 'elbow')",
     "equations arm.urdf --at '1;2'": "invalid value for '--at': '1;2' is neither numbers",
     "linearize arm.urdf --at 1,1e400": "invalid value for '--at'",
-    "inertia arm.urdf --at =1": "invalid value for '--at'",
     "inertia robots/meshed_arm.urdf --at right_finger_slide=1": "robots/meshed_arm.urdf: no joint 'right_finger_slide' "
     "to set (it follows 'finger_slide')",
     "inertia arm.urdf --link Fore": "arm.urdf: there is no link 'Fore' (did you mean 'fore'?)",
     "torques arm.urdf arm.csv --payload for=1": "--payload: the robot has no link 'for' (did you mean 'fore'?)",
     **{
         f"torques arm.urdf arm.csv --payload {value}": f"invalid value for '--payload': '{value}' {PAYLOAD}"
-        for value in ("fore", "=1", "fore=x", "fore=0", "fore=nan", "fore=1@0,0", "fore=1,2,3,4")
+        for value in ("fore", "=1", "fore=0", "fore=nan", "fore=1@0,0")
     },
     # columns and joints of tables
     "torques arm.urdf arm.csv --map q_elbow": "invalid value for '--map': 'q_elbow' is not OURS=THEIRS, nor a file: ",
@@ -187,17 +177,14 @@ CALLS: dict[str, str] = {
     "inertia arm.urdf part.stl": "a URDF stands alone: one robot at a time, and no meshes beside it",
     "inertia part.stl --at 1": "--at is not for meshes one by one, but for a URDF (try: ",
     "inertia part.stl --place 0,0,0": "--place is not for meshes one by one, but for meshes with --combine (try: ",
-    "inertia part.stl --combine --link x": "--link is not for --combine",
     "inertia part.stl --density 1 --density 2": "--density is given 2 times for 1 mesh (give it once, or once for",
     "inertia part.stl part.stl --combine --place 0,0,0": "1 places for 2 meshes (give one for each mesh, in order)",
     "accuracy part.stl --gravity 0,0,1": "--scene, --payload, --gravity, --package-path, --xacro-arg and --trust-xacro "
     "are for robots",
-    "accuracy part.stl --payload a=1": "--scene, --payload, ",
     "accuracy part.stl --map a=b": "--map is for the trajectory of a robot",
     f"accuracy {PLANAR} --scene robots/two_link_planar_swing_down.toml": "the scene is given twice",
     "accuracy arm.urdf arm.csv --duration 1": "--duration and --traj are for a URDF and a scene",
     "torques arm.urdf arm.csv --about com": "--about goes with --momentum (try: robodyn torques --help)",
-    "torques arm.urdf arm.csv --frame base": "--frame goes with --momentum (try: robodyn torques --help)",
     "torques arm.urdf arm.csv --measured --sizing": "--sizing does not go with --measured",
     "torques arm.urdf arm.csv more.csv --measured": "--measured compares one log",
     "torques arm.urdf arm.csv --cutoff 5": "--cutoff goes with --measured",
@@ -205,7 +192,6 @@ CALLS: dict[str, str] = {
     "simulate arm.urdf --traj arm.csv": "no scene says what the columns of arm.csv drive (give --scene FILE.toml, with "
     'e.g. drive.elbow = { kp = 100, kd = 10, reference = "q_elbow" })',
     "fbd arm.urdf --at 0,0 --hold rest": "--hold goes with --traj",
-    "fbd arm.urdf --time 1": "--time goes with --traj (try: robodyn fbd --help)",
     "fbd arm.urdf --traj x.csv": "--traj needs --time (try: robodyn fbd --help)",
     "fbd arm.urdf --traj x.csv --time 1 --at 1,2": "--traj says all of the state: leave out --at, ",
     "fbd arm.urdf --traj arm.csv --time 99": "arm.csv: time 99 s is outside the motion (it lasts from 0 s to ",
@@ -219,12 +205,10 @@ CALLS: dict[str, str] = {
     "equations robots/rigid_body.urdf --form closed": "robots/rigid_body.urdf: a floating joint has no closed form",
     f"equations {SERVO}": "the scene's wrenches name columns of a trajectory: ",
     "linearize arm.urdf --qd 1,2 --equilibrium": "an equilibrium is at rest (leave out the speeds, or do not look for",
-    "linearize robots/puma.urdf --scene columns.toml": "the scene's wrenches name columns of a trajectory: ",
     "linearize robots/puma.urdf --scene tilt.toml --equilibrium": "there is no equilibrium: 5 N m at waist stay "
     "unbalanced at every ",
     "linearize robots/puma.urdf --scene loop.toml": "loop.toml: [[loop]] 'pin': the robot has no link 'no' (links: ",
     "export arm.urdf --to c --what torqes": "there is no function 'torqes' to export (did you mean 'torques'?)",
-    "export arm.urdf --to c --what ,": "there is no function '' to export (functions: ",
     # many trajectories
     "torques arm.urdf arm.csv more.csv": "many trajectories need --out FOLDER for their results (try: robodyn torques ",
     "torques arm.urdf arm.csv more.csv --out arm.urdf": "arm.urdf: is a file, many trajectories need a folder (give --",
@@ -232,13 +216,11 @@ CALLS: dict[str, str] = {
     "torques arm.urdf arm.csv more.csv --out r --report r.html": "--report is of one trajectory",
     "torques arm.urdf *.txt --out r": "*.txt: no file fits this pattern",
     "torques - arm.csv more.csv --out r": "<stdin>: standard input serves one trajectory (name files",
-    "torques arm.urdf arm.csv - --out r": "<stdin>: standard input serves one trajectory",
+    "torques arm.urdf arm.xlsx": "arm.xlsx: unknown type of table by this suffix (suffixes: .csv",
     "torques arm.urdf arm.csv arm.urdf --out r": "arm.urdf: unknown type of table by this suffix (suffixes: .csv",
     "torques arm.urdf arm.csv --jobs 2": "--jobs goes with many trajectories: give several, or --out FOLDER/ (try: ",
-    "torques arm.urdf arm.csv --dask tcp://x:1": "--dask goes with many trajectories: give several, or --out FOLDER/",
     "torques arm.urdf arm.csv more.csv --out r --jobs 0": "invalid value for '--jobs': 0 is less than 1",
     "torques arm.urdf arm.csv more.csv --out r --momentum --frame hnad": "arm.urdf: no frame 'hnad'",
-    "torques amr.urdf arm.csv more.csv --out r": "amr.urdf: ",
     # rules and settings of check
     "check arm.urdf --select RD2xx": f"there is no rule 'RD2XX' (RD2 means RD201 to {LAST_RD2})",
     "check arm.urdf --select inertia": f"there is no rule 'inertia' {RULES}",
@@ -252,9 +234,7 @@ CALLS: dict[str, str] = {
     "check arm.urdf --unsafe-fixes": "--unsafe-fixes needs --fix or --diff (try: robodyn check --help)",
     "check - --fix": "--fix cannot edit standard input; --diff shows the edit (try: robodyn check --help)",
     "check arm.urdf --statistics --format json": "--statistics is text; leave --format out (try: ",
-    "check arm.urdf --config no.toml": "no.toml: cannot be read: no such file or directory",
     "check arm.urdf --config arm.urdf": "arm.urdf:1: is not TOML: ",
-    "check no.xacro": "no.xacro: there is no such file (check the name)",
 }
 
 

@@ -13,7 +13,6 @@ from helpers.command_line import ARM, Outcome, motion, run, write_arm
 
 BINARY = bytes(range(256))
 GOOD = motion(10)
-LAST = GOOD.splitlines()[-1]
 OLD = b"time,tau_old\n0,1\n"
 
 
@@ -43,25 +42,14 @@ def torques(urdf: str = "arm.urdf", trajectory: str = "arm.csv", *options: str, 
 DESCRIPTIONS: list[tuple[str, str | bytes, str]] = [
     ("cut off", ARM[:400], r"bad.urdf:\d+: malformed XML: .*cut off"),
     ("empty", "", r"bad.urdf:1: the file is empty"),
-    ("binary", BINARY, r"bad.urdf:1: this is a binary file"),
     ("SDF", "<sdf/>", r"bad.urdf:1: the root element is <sdf>.*convert it to URDF"),
-    ("dangling", ARM.replace('child link="fore"', 'child link="for"'), r"bad.urdf:\d+: .*'for'.*did you mean 'fore'"),
     ("same name", ARM.replace('"elbow"', '"shoulder"'), r"bad.urdf:\d+: a second joint 'shoulder'"),
-    ("NaN", ARM.replace('"2"', '"nan"'), r"bad.urdf:3: .*not finite: 'nan'"),
-    ("1e400", ARM.replace('"2"', '"1e400"'), r"bad.urdf:3: .*not finite: '1e400'"),
-    ("too large", ARM.replace("0.2 0 0", "1e200 0 0"), r"bad.urdf:3: 'xyz' .*'upper' is too large: .*SI units"),
 ]
 
 
 TABLES: list[tuple[str, str | bytes, str]] = [
-    ("empty", "", r"bad.csv: is empty"),
-    ("binary", BINARY, r"bad.csv:1: is binary data"),
     ("NUL in a name", GOOD.replace("q_elbow", "q_el\0bow", 1), r"bad.csv:1: is binary data"),
-    ("NaN", GOOD + "1,nan,0,0,0,0,0\n", r"bad.csv:12: column 'q_shoulder': 'nan' is not finite"),
     ("1e400", GOOD + "1,0,1e400,0,0,0,0\n", r"bad.csv:12: column 'q_elbow': '1e400' is not finite"),
-    ("text", GOOD + "1,0,0,fast,0,0,0\n", r"bad.csv:12: column 'qd_shoulder': 'fast' is not a number"),
-    ("wrong joint", GOOD.replace("q_elbow", "q_elbw", 1), r"bad.csv:1: no position of joint 'elbow' .*mean 'q_elbw'"),
-    ("two rows", "time,q_shoulder,q_elbow\n0,0,0\n1,0,0\n", r"bad.csv: has 2 rows, too few"),
     ("stamps coincide", "t,q1,q2\n0,0,0\n1e-300,1,1\n2e-300,3,0\n", r"bad.csv: row 1: the derivative is not finite"),
     ("torque overflows", GOOD + "1,0,0,0,0,1.7e308,1.7e308\n", r"bad.csv: row 11: tau_shoulder overflows"),
     ("speed overflows", GOOD + "1,0,0,1e300,1e300,0,0\n", r"bad.csv: row 11: tau_shoulder overflows"),
@@ -132,29 +120,15 @@ def test_no_permission(file: str, suffix: str) -> None:
     refused(outcome, rf"{re.escape(file)}: .*(?i:permission)")
 
 
-@pytest.mark.parametrize(
-    ("arrays", "pattern"),
-    [
-        ({"time": np.array([1, 2], dtype=object), "q": np.zeros((2, 2))}, "bad.npz: .*bject arrays"),
-        ({"time": np.arange(3.0), "q": np.zeros((2, 2))}, "bad.npz: .*'time' has 3 rows.* 2"),
-        ({"q": np.zeros((2, 2))}, "bad.npz: no column of time"),
-    ],
-)
-def test_arrays(arrays: dict[str, np.ndarray], pattern: str) -> None:
-    np.savez("bad.npz", **arrays)  # type: ignore[arg-type]
-    refused(torques(trajectory="bad.npz"), pattern)
+def test_arrays() -> None:
+    np.savez("bad.npz", time=np.arange(3.0), q=np.zeros((2, 2)))
+    refused(torques(trajectory="bad.npz"), "bad.npz: .*'time' has 3 rows.* 2")
 
 
-@pytest.mark.parametrize("file", ["bad.parquet", "bad.npz"])
-@pytest.mark.parametrize("data", [b"", BINARY, b"PAR1junkPAR1", b"PK\x03\x04junk"])
+@pytest.mark.parametrize(("file", "data"), [("bad.parquet", b"PAR1junkPAR1"), ("bad.npz", b"PK\x03\x04junk")])
 def test_damaged_table(file: str, data: bytes) -> None:
     Path(file).write_bytes(data)
     refused(torques(trajectory=file), f"{file}: ")
-
-
-@pytest.mark.parametrize("file", ["arm.xlsx", "arm"])
-def test_unknown_type_of_table(file: str) -> None:
-    refused(torques(trajectory=file), f"{file}: unknown type of table .*\\.csv")
 
 
 @pytest.mark.parametrize(

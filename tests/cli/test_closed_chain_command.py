@@ -81,27 +81,6 @@ def test_torques_of_a_simulation_with_its_own_scene(tmp_path: Path) -> None:
     assert np.abs(found[:, 2:] - given[:, -6:]).max() <= 1e-13 * np.abs(given[:, -6:]).max()
 
 
-def test_a_scene_may_apply_the_wrench_of_a_cut_loop(tmp_path: Path) -> None:
-    """The open tree then needs the torques that drove the chain."""
-    out, both, cut, tau = (tmp_path / name for name in ("pump.csv", "both.csv", "cut.toml", "tau.csv"))
-    simulate(*PUMP, "--duration", "0.1", "--out", str(out))
-    names, table = out.read_text().splitlines()[0], np.loadtxt(out, delimiter=",", skiprows=1)
-    ours = [f"{part}_wrist_pin" for part in ("fx", "fy", "fz", "mx", "my", "mz")]
-    theirs = [f"{name}_on_slider" for name in ours]
-    np.savetxt(
-        both, np.hstack((table, -table[:, -6:])), "%.17g", ",", header=f"{names},{','.join(theirs)}", comments=""
-    )
-    scene = Path(PUMP[2]).read_text().partition("[[loop]]")[0]
-    for link, point, columns in (("rod", [0.3, 0, 0], ours), ("slider", [0, 0, 0], theirs)):
-        scene += f'[[wrench]]\nlink = "{link}"\npoint = {point}\nframe = "world"\n'
-        scene += f"force = {columns[:3]}\nmoment = {columns[3:]}\n"
-    cut.write_text(scene)
-    outcome = run("torques", PUMP[0], str(both), "--scene", str(cut), "--out", str(tau))
-    assert outcome.status == 0, outcome.err
-    torques = np.loadtxt(tau, delimiter=",", skiprows=1)[:, 1:]
-    assert np.abs(torques - [4.0, 0.0, 0.0]).max() <= 1e-11
-
-
 @pytest.mark.parametrize("scene", WRONG)
 def test_loops_that_cannot_be(scene: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)

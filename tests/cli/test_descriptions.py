@@ -103,13 +103,6 @@ def test_a_package_path_that_is_not_there_is_an_error(kind: str, why: str) -> No
         refused(outcome, f"invalid value for '--package-path': '{kind}': {why} (try: robodyn ")
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["inertia", "simulate"])
-def test_reports_draw_them(name: str) -> None:
-    assert called(name, "alone.urdf", "--package-path", "src", "--report", "r.html").status == 0
-    assert not re.search("as a skeleton|some meshes are not found", Path("r.html").read_text())
-
-
 def test_a_description_from_standard_input_has_its_meshes_in_the_current_folder() -> None:
     Path("beside.stl").write_bytes(Path("src/arm/meshes/m.stl").read_bytes())
     text = MESHED.replace("package://arm/meshes/m.stl", "beside.stl").encode()

@@ -174,22 +174,6 @@ def test_average(tmp_path):
     assert "symmetrize: no plane and no axis holds, nothing was changed" in none["notes"]
 
 
-def test_tessellation_as_data(tmp_path):
-    exact = solid("capsule")
-    found = one_mesh(saved(tmp_path, exact.mesh(24)), "--density", "1")
-    tessellation = found["error"]["tessellation"]
-    volume, inertia = tessellation["volume"], tessellation["inertia"]
-    assert volume["mesh"] == found["volume"]
-    off = abs(found["volume"] / exact.volume - 1)
-    assert 0.01 < off <= volume["bar"] < 1.5 * off
-    assert abs(volume["corrected"] / exact.volume - 1) < min(volume["bar_corrected"], off / 20)
-    I = np.trace(exact.S) * np.eye(3) - exact.S
-    raw, corrected = (
-        np.abs(np.array(matrix) - I).max() / I.max() for matrix in (found["inertia"], inertia["corrected"])
-    )
-    assert corrected < min(inertia["bar_corrected"], raw / 20) < raw <= inertia["bar"]
-
-
 def test_only_small_meshes_are_asked_unless_told(lever, monkeypatch):
     monkeypatch.setattr("robodyn.solids.mass_properties.SYMMETRY_TRIANGLES", 100)
     monkeypatch.setattr("robodyn.solids.mass_properties.TESSELLATION_TRIANGLES", 100)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import json
 import math
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +12,6 @@ import pytest
 from helpers import mesh_samples
 from helpers.command_line import ROBOTS, run, shown
 from helpers.html_pages import checked
-from helpers.terminals import on_terminal
 
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.robot.masses.declared import robot_inertia
@@ -156,16 +154,6 @@ def test_combined_text_and_mass_of_the_whole(boxes):
     assert document(*boxes, "--combine", "--mass", "3", "--mass", "1")["combined"]["mass"] == 4
 
 
-@pytest.mark.slow
-def test_progress_is_shown_on_a_terminal():
-    call = (ARM, "--compare")
-    code = "import robodyn.cli.progress as p; p.LONG_MESHES = 0; from robodyn.cli.main import main; main()"
-    long = [sys.executable, "-c", code, "inertia", *call, "--format", "json"]
-    shown, piped = on_terminal(long, stdout=False, stderr=True)
-    assert "measuring" in shown
-    assert json.loads(piped) == document(*call)
-
-
 @pytest.fixture
 def unfit(tmp_path: Path) -> str:
     """A robot whose whole is possible, whose hand is not; two links have an <inertial> without mass."""
@@ -213,10 +201,3 @@ def test_the_page_of_an_unfit_robot_is_not_green(unfit: str, tmp_path: Path) -> 
     assert "Physically possible" not in verdict.text
     assert "2 of 5 links with mass" in page.source
     assert "links: 5, 2 with mass\n" in run("info", unfit).out
-
-
-def test_a_fit_robot_is_possible(tmp_path: Path) -> None:
-    report = tmp_path / "r.md"
-    out = run("inertia", chain(tmp_path / "one.urdf", {"one": MASS.format(mass=1)}), "--report", str(report)).out
-    assert "check: nothing found\n" in out
-    assert "**✅ Physically possible**" in report.read_text(encoding="utf-8")

@@ -24,8 +24,6 @@ def test_script(shell: str, part: str, monkeypatch: pytest.MonkeyPatch) -> None:
     ("words", "completed"),
     [
         ("robodyn in", ["plain,inertia", "plain,info"]),
-        ("robodyn info rob", ["file,rob"]),
-        ("robodyn simulate robot.urdf --scene sc", ["file,sc"]),
         ("robodyn check --package-path mod", ["dir,mod"]),
         ("robodyn zebra --f", []),
         ("robodyn linearize robots/puma.urdf --eq", ["plain,--equilibrium"]),

@@ -10,7 +10,6 @@ import pytest
 from helpers.command_line import ROBOTS, refused, run, shown, write_arm
 
 SWING = (str(ROBOTS / "two_link_planar.urdf"), "--scene", str(ROBOTS / "two_link_planar_swing_down.toml"))
-TUMBLE = '[initial]\nqd = { base_wx = 0.1, base_wy = 0.3, left_array = 0.05 }\n[base]\nmotion = "moving"\n'
 
 
 def rows(path: Path) -> tuple[list[str], np.ndarray]:

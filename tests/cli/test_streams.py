@@ -86,13 +86,9 @@ def test_bold_headers_on_a_terminal() -> None:
 
 
 @pytest.mark.slow
-def test_plain_text_where_the_terminal_wants_it() -> None:
+def test_plain_text_where_the_terminal_wants_it_and_tables_that_fit() -> None:
     shown, _ = on_terminal(command("torques", *SCARA), stdout=True, stderr=False, TERM="dumb")
     assert shown == run("torques", *SCARA).out
-
-
-@pytest.mark.slow
-def test_tables_fit_a_narrow_terminal() -> None:
     shown, _ = on_terminal(command("torques", *SCARA), stdout=True, stderr=False, columns=80, NO_COLOR="1")
     tables = shown.partition("Self-checks")[0].splitlines()
     assert max(map(len, tables)) <= 80

@@ -219,7 +219,7 @@ def test_an_owner_that_cannot_be_kept_is_no_error(tmp_path: Path, monkeypatch: p
     assert (mode(path), path.read_bytes()) == (0o600, b"new")
 
 
-@pytest.mark.parametrize("name", ["none/a.urdf", "", "a\0b", "folder", "loop"])
+@pytest.mark.parametrize("name", ["none/a.urdf", "", "a\0b", "folder", "loop", "x" * 300])
 def test_what_cannot_be_written(tmp_path: Path, name: str) -> None:
     (tmp_path / "folder").mkdir()
     (tmp_path / "loop").symlink_to("loop")

@@ -1,7 +1,6 @@
-"""Value, first and second rate of a quantity that depends on time, for mpmath's numbers and for arrays of floats.
+"""Value, first and second rate of quantities that depend on time, by the rules of differentiation: no step is chosen.
 
-Sums, products and functions follow the rules of differentiation, so rates are as exact as the arithmetic: no step is
-chosen. A number is a quantity that does not change.
+A number is a quantity that does not change.
 """
 
 from __future__ import annotations
@@ -10,10 +9,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from mpmath import mp, mpf
 
 Number = Any
-"""mpf, float or an array of floats."""
+"""A float or an array of floats."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,33 +66,18 @@ def jet(value: Jet | Number) -> Jet:
     return value if isinstance(value, Jet) else Jet(value)
 
 
-def library(x: Number) -> Any:
-    """mpmath or NumPy, whichever knows this number."""
-    return mp if isinstance(x, mpf) else np
-
-
-def pi(x: Number) -> Number:
-    """pi as exact as this number."""
-    return +mp.pi if isinstance(x, mpf) else np.pi
-
-
-def like(x: Number, value: float) -> Number:
-    """The number as it is written, as exact as x: 0.1 is one tenth."""
-    return mpf(str(value)) if isinstance(x, mpf) else value
-
-
 def sin(u: Jet) -> Jet:
-    s, c = library(u.x).sin(u.x), library(u.x).cos(u.x)
+    s, c = np.sin(u.x), np.cos(u.x)
     return Jet(s, c * u.v, c * u.a - s * u.v * u.v)
 
 
 def cos(u: Jet) -> Jet:
-    s, c = library(u.x).sin(u.x), library(u.x).cos(u.x)
+    s, c = np.sin(u.x), np.cos(u.x)
     return Jet(c, -s * u.v, -s * u.a - c * u.v * u.v)
 
 
 def sqrt(u: Jet) -> Jet:
-    x = library(u.x).sqrt(u.x)
+    x = np.sqrt(u.x)
     v = u.v / (2 * x)
     return Jet(x, v, (u.a - 2 * v * v) / (2 * x))
 
@@ -102,11 +85,9 @@ def sqrt(u: Jet) -> Jet:
 def atan2(y: Jet | Number, x: Jet | Number) -> Jet:
     """The angle of (x, y): with r^2 = x^2 + y^2 its rate is (x y' - y x') / r^2."""
     y, x = jet(y), jet(x)
-    lib = library(x.x + y.x)
-    angle = (lib.atan2 if lib is mp else lib.arctan2)(y.x, x.x)
     turn = Jet(x.x * y.v - y.x * x.v, x.x * y.a - y.x * x.a)
     rate = turn / Jet(x.x * x.x + y.x * y.x, 2 * (x.x * x.v + y.x * y.v))
-    return Jet(angle, rate.x, rate.v)
+    return Jet(np.arctan2(y.x, x.x), rate.x, rate.v)
 
 
 def acos(c: Jet) -> Jet:

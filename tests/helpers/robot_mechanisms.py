@@ -7,11 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from helpers.jets import Jet, atan2, cos, dot, jet, rotated, sin, sqrt
-from helpers.parallel_motions import delta_motors, planar_motors
+from helpers.jets import Jet, Triple, acos, atan2, cos, dot, jet, rotated, sin, sqrt
 from helpers.virtual_work import Moving, Place
 
 G = 9.81
+REST = 0.9272952180016122
+"""acos((0.32 - 0.08) / 0.4)"""
 TILTED = 4.905
 """Of gravity, down the tilted table of the 3-RRR [m/s^2]."""
 HALF_PI, TURN = 1.5707963267948966, 2.0943951023931953
@@ -95,14 +96,34 @@ def delta(u: Sequence[Jet]) -> Place:
     return Place(joints, ("motor_1", "motor_2", "motor_3"), moving, V)
 
 
+def delta_motors(place: Triple) -> list[Jet]:
+    """Return how far each arm is lowered where the platform's centre is at `place`.
+
+    In the axes of the leg, with x less the motors' radius and plus the platform's, `|(x - r cos th, y, z + r sin th)| =
+    l` is `x cos th - z sin th = (x^2 + y^2 + z^2 + r^2 - l^2) / (2 r)`.
+    """
+    x, y, z = place
+    found = []
+    for k in range(3):
+        out, across = rotated(-k * TURN, (x, y))
+        out = out - 0.1
+        reach = dot((out, across, z), (out, across, z)) + (0.2**2 - 0.5**2)
+        found.append(atan2(-z, out) - acos(reach / 0.4 / sqrt(out * out + z * z)))
+    return found
+
+
 def planar_3rrr(u: Sequence[Jet]) -> Place:
     """From the platform's shift and turn."""
     x, y, turn = u
     joints, moving = {}, [Moving(0.8, (x, y)), Moving(0.8 * 0.1**2 / 2, (turn,))]
     V = 0.8 * TILTED * y
-    for k, q in enumerate(planar_motors((x, y), turn)):
+    for k in range(3):
         leg = HALF_PI + k * TURN
         base, pin = rotated(leg, (0.32, 0.0)), rotated(turn + leg, (0.08, 0.0))
+        # arm and rod are equally long, so the arm stands off the line from motor to pin by acos(d / (2 l))
+        to_pin = rotated(-leg, (pin[0] + x, pin[1] + y))
+        across, d = to_pin[1], to_pin[0] - 0.32
+        q = atan2(-across, -d) - acos(sqrt(d * d + across * across) / 0.4) + REST
         a = q + (leg + ARM)
         elbow = (base[0] + 0.2 * cos(a), base[1] + 0.2 * sin(a))
         along = (pin[0] + x - elbow[0], pin[1] + y - elbow[1])

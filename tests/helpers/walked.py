@@ -7,9 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from helpers.peers import pin
-from helpers.quadruped_motion import LEGS
 from helpers.robot_files import stacked
 
+LEGS = ("lf", "rf", "lh", "rh")
+FEET = (0.19, 0.11)
+"""Place of the front left foot that stands [m]."""
 Table = dict[str, np.ndarray]
 
 

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 from helpers.command_line import ROBOTS, run
 from helpers.peers import pin
-from helpers.quadruped_motion import FEET, LEGS
 from helpers.robot_files import model, read_csv, read_table
-from helpers.walked import base_wrenches, feet_places, standing
+from helpers.walked import FEET, LEGS, base_wrenches, feet_places, standing
 
 MOTIONS = ("quadruped_stand", "quadruped_trot")
 WEIGHT = 10 * 9.81

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from helpers.peers import pin
-from helpers.quadruped_motion import LEGS
 from helpers.robot_files import model, read_csv
-from helpers.walked import standing, states
+from helpers.walked import LEGS, standing, states
 
 MOTIONS = ("quadruped_stand", "quadruped_crouch", "quadruped_trot")
 EPS = np.finfo(float).eps
@@ -28,7 +27,7 @@ def test_feet_that_stand_stay_where_they_are(robot, name):
         pin.forwardKinematics(robot, data, *row)
         pin.updateFramePlacements(robot, data)
         for leg, stands in enumerate(on):
-            frame = robot.getFrameId(f"{[*LEGS][leg]}_foot")
+            frame = robot.getFrameId(f"{LEGS[leg]}_foot")
             place = data.oMf[frame].translation.copy()
             if not stands:
                 assert place[2] >= -10 * EPS
