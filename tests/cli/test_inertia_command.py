@@ -11,7 +11,7 @@ from helpers import mesh_samples
 from helpers import mesh_samples as samples
 from helpers.command_line import refused, run
 from helpers.mesh_samples import binary_stl, box
-from helpers.smooth_solids import solids
+from helpers.round_shapes import SOLIDS
 
 EPS = np.finfo(float).eps
 TETRAHEDRON = [[9.375, 2.5, 1.875], [2.5, 12.75, 1.5], [1.875, 1.5, 15.375]]
@@ -133,12 +133,7 @@ def test_both_readings_of_a_mesh(files):
 @pytest.fixture
 def lever(tmp_path):
     """Planes y = 0 and z = 0; in float32, so that they hold but for rounding."""
-    return saved(tmp_path, solid("lever").mesh(32))
-
-
-def solid(name):
-    (found,) = [one for one in solids() if one.name == name]
-    return found
+    return saved(tmp_path, SOLIDS["lever"](32).corners)
 
 
 def saved(folder, corners):

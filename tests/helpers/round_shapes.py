@@ -1,4 +1,4 @@
-"""Round solids of random kind, proportions, coarseness and pose, with their exact moments.
+"""Round solids with their exact moments: named ones, and random ones of random proportions, coarseness and pose.
 
 Corners lie on the surface, outside of it so that facets touch it, or between; facets of arcs take 60 degrees at most.
 Kinds are split: the numbers of the estimate are tuned on `TUNED`, its rules come of `TRIED` as well, and nothing comes
@@ -9,17 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from math import ceil, cos, gamma, pi
 
 import numpy as np
 
-from helpers import smooth_solids
+from helpers import mesh_samples as samples
 from helpers.mesh_oracle import rotation
-from helpers.plane_curves import Loop, arc, circle, hole, lever, line, pulley_top, ring, rounded_disc
-from helpers.plane_curves import rounded_rectangle as rounded
-from helpers.tessellations import hull, prism, quads, quartered, rounded_corners
+from helpers.tessellations import hull, icosphere, prism, quads, rounded_corners
 
 Floats = np.ndarray
+Loop = list[tuple]
+"""Pieces of a curve in a plane: ("line", start, end) or ("arc", centre, radius, from angle, to angle)."""
 PLACES = {"on": 0.0, "between": 0.5, "outside": 1.0}
 """Where corners are, from on the surface to where facets touch it."""
 
@@ -39,31 +40,75 @@ class Round:
         return Round(self.corners @ R.T + p, self.volume, R @ self.com + p, R @ self.S @ R.T)
 
 
-Make = Callable[[np.random.Generator, float], Round]
+def line(start: tuple, end: tuple) -> tuple:
+    return ("line", np.asarray(start, float), np.asarray(end, float))
 
 
-def drawn(kind: str, seed: int, place: str) -> Round:
-    """The solid of a kind that this number stands for."""
-    rng = np.random.default_rng([seed, sum(map(ord, kind))])
-    return KINDS[kind](rng, PLACES[place]).placed(rng)
+def arc(centre: tuple, radius: float, start: float, end: float) -> tuple:
+    return ("arc", np.asarray(centre, float), radius, np.radians(start), np.radians(end))
 
 
-def _around(rng: np.random.Generator, least: int = 6) -> int:
-    """Facets of a turn: as often few as many."""
-    return int(np.exp(rng.uniform(np.log(least), np.log(72))))
+def point(piece: tuple, t: float) -> Floats:
+    if piece[0] == "line":
+        return piece[1] + t * (piece[2] - piece[1])
+    angle = piece[3] + t * (piece[4] - piece[3])
+    return piece[1] + piece[2] * np.array((np.cos(angle), np.sin(angle)))
+
+
+def ring(points: list, closed: bool = True) -> Loop:
+    """Straight lines from point to point, and back to the first if closed."""
+    return [line(a, b) for a, b in pairwise([*points, points[0]] if closed else points)]
+
+
+def hole(centre: tuple, radius: float) -> Loop:
+    return [arc(centre, radius, 0, -360)]
+
+
+def rounded_disc(radius: float, height: float, r: float) -> Loop:
+    h, R = height / 2, radius - r
+    low, high = arc((R, -h + r), r, -90, 0), arc((R, h - r), r, 0, 90)
+    return [line((0, -h), (R, -h)), low, line((radius, -h + r), (radius, h - r)), high, line((R, h), (0, h))]
+
+
+PULLEY = [
+    *ring([(0.5, -1), (2, -1), (2, -0.8)], False),
+    arc((2, 0), 0.8, -90, -270),
+    *ring([(2, 0.8), (2, 1), (0.5, 1), (0.5, -1)], False),
+]
+
+
+def rounded_rectangle(width: float, depth: float, r: float) -> Loop:
+    x, y = width / 2 - r, depth / 2 - r
+    corners = [(x, -y, -90), (x, y, 0), (-x, y, 90), (-x, -y, 180)]
+    arcs = [arc((a, b), r, start, start + 90) for a, b, start in corners]
+    lines = [line(point(arcs[i], 1.0), point(arcs[(i + 1) % 4], 0.0)) for i in range(4)]
+    return [piece for pair in zip(arcs, lines, strict=True) for piece in pair]
+
+
+def lever() -> Loop:
+    """A large and a small eye joined by their common tangents."""
+    lean = np.degrees(np.arccos(0.6 / 4))
+    large, small = arc((0, 0), 1.0, lean, 360 - lean), arc((4, 0), 0.4, -lean, lean)
+    return [large, line(point(large, 1), point(small, 0)), small, line(point(small, 1), point(large, 0))]
+
+
+def quadrature(loop: Loop) -> tuple[Floats, Floats, Floats]:
+    """Points x, y along a curve, and dy with weights, for integrals that are exact to rounding."""
+    u, w = np.polynomial.legendre.leggauss(60)
+    t, w = (u + 1) / 2, w / 2
+    x, y, dy = [], [], []
+    for piece in loop:
+        points = np.array([point(piece, s) for s in t])
+        x.append(points[:, 0])
+        y.append(points[:, 1])
+        rate = piece[2][1] - piece[1][1] if piece[0] == "line" else (points[:, 0] - piece[1][0]) * (piece[4] - piece[3])
+        dy.append(w * rate)
+    return np.concatenate(x), np.concatenate(y), np.concatenate(dy)
 
 
 def _out(angle: float, place: float) -> float:
     """Factor on the radius of corners that are so many radians apart."""
     return 1 - place + place / cos(angle / 2)
-
-
-def _turned(points: Floats, sectors: int, place: float) -> Floats:
-    """About z; points (n, 2) of a profile upwards along the outside."""
-    angle = 2 * pi * np.arange(sectors) / sectors
-    reach = np.where(np.abs(points[:, 0]) < 1e-12, 0.0, points[:, 0]) * _out(2 * pi / sectors, place)
-    x, y = (np.outer(reach, part) for part in (np.cos(angle), np.sin(angle)))
-    return quads(np.stack([x, y, np.broadcast_to(points[:, 1:], x.shape)], axis=-1) + 0.0)
 
 
 def _corners(loop: Loop, facets: int, place: float) -> Floats:
@@ -84,29 +129,114 @@ def _corners(loop: Loop, facets: int, place: float) -> Floats:
     return points[np.append(True, new)]
 
 
-def _of(solid: smooth_solids.Solid, corners: Floats) -> Round:
-    return Round(corners, solid.volume, solid.com, solid.S)
+def _turned(points: Floats, sectors: int, place: float) -> Floats:
+    """About z; points (n, 2) of a profile upwards along the outside."""
+    angle = 2 * pi * np.arange(sectors) / sectors
+    reach = np.where(np.abs(points[:, 0]) < 1e-12, 0.0, points[:, 0]) * _out(2 * pi / sectors, place)
+    x, y = (np.outer(reach, part) for part in (np.cos(angle), np.sin(angle)))
+    return quads(np.stack([x, y, np.broadcast_to(points[:, 1:], x.shape)], axis=-1) + 0.0)
+
+
+def revolved(profile: Loop, facets: int, sectors: int, place: float = 0.0) -> Round:
+    """About z: the profile (r, z) goes upwards along the outside, from the axis to the axis or around."""
+    x, y, dy = quadrature(profile)
+    V, first, along = (pi * (x**2 * y**k) @ dy for k in range(3))
+    across, z = pi / 4 * x**4 @ dy, first / V
+    corners = _turned(_corners(profile, facets, place), sectors, place)
+    return Round(corners, V, np.array((0, 0, z)), np.diag((across, across, along - z * first)))
+
+
+def extruded(outline: Loop, holes: list[Loop], height: float, facets: int, place: float = 0.0) -> Round:
+    """Along z, centred there: the outline goes counter-clockwise, the holes clockwise."""
+    x, y, dy = (np.concatenate(part) for part in zip(*map(quadrature, (outline, *holes)), strict=True))
+    area, cx, cy = x @ dy, x**2 / 2 @ dy, (x * y) @ dy
+    xx, xy, yy = x**3 / 3 @ dy, (x**2 * y / 2) @ dy, (x * y**2) @ dy
+    c, V = np.array((cx / area, cy / area, 0.0)), height * area
+    S = height * np.array([(xx, xy, 0), (xy, yy, 0), (0, 0, area * height**2 / 12)])
+    rings = [_corners(loop, facets, place)[:-1] for loop in (outline, *holes)]
+    return Round(prism(rings, height), V, c, S - V * np.outer(c, c))
+
+
+def rounded_box(inner: Floats, r: float, facets: int) -> Round:
+    """All points within r of a box."""
+    V, seconds = 0.0, []
+    u, w = np.polynomial.legendre.leggauss(40)
+    angle, w = (u + 1) * pi / 4, w * pi / 4
+    for i in range(3):
+        b, c = np.delete(inner, i)
+        rho, x = r * np.cos(angle), inner[i] / 2 + r * np.sin(angle)
+        cap = (b * c + 2 * (b + c) * rho + pi * rho**2) * rho * w
+        section = b * c + 2 * (b + c) * r + pi * r**2
+        V = section * inner[i] + 2 * cap.sum()
+        seconds.append(section * inner[i] ** 3 / 12 + 2 * cap @ x**2)
+    return Round(rounded_corners(inner / 2, r, facets), V, np.zeros(3), np.diag(seconds))
+
+
+def ellipsoid(unit: Floats, semi_axes: tuple[float, float, float]) -> Round:
+    """From triangles on the unit sphere."""
+    a = np.asarray(semi_axes)
+    V = 4 / 3 * pi * a.prod()
+    return Round(unit * a, V, np.zeros(3), V / 5 * np.diag(a**2))
+
+
+def _profile(*pieces: tuple) -> Callable[[int], Round]:
+    return lambda n: revolved(list(pieces), n, n)
+
+
+BRACKET = [
+    arc((0.8, 0.8), 0.8, 180, 270),
+    *ring([(0.8, 0), (3, 0), (3, 1), (1.4, 1)], False),
+    arc((1.4, 1.4), 0.4, 270, 180),
+    *ring([(1, 1.4), (1, 3), (0, 3), (0, 0.8)], False),
+]
+"""An L with a fillet within and a rounded heel without."""
+SOLIDS: dict[str, Callable[[int], Round]] = {
+    "cylinder": _profile(*ring([(0, -1), (1, -1), (1, 1), (0, 1)], False)),
+    "tube": _profile(*ring([(0.7, -1), (1, -1), (1, 1), (0.7, 1)])),
+    "cone": _profile(*ring([(0, 0), (1, 0), (0, 2)], False)),
+    "capsule": _profile(arc((0, -1), 0.5, -90, 0), line((0.5, -1), (0.5, 1)), arc((0, 1), 0.5, 0, 90)),
+    "half ball": _profile(line((0, 0), (1, 0)), arc((0, 0), 1, 0, 90)),
+    "ball": _profile(arc((0, 0), 1, -90, 90)),
+    "rounded disc": _profile(*rounded_disc(2.0, 1.0, 0.25)),
+    "pulley": _profile(*PULLEY),
+    "torus": _profile(arc((2, 0), 0.5, -180, 180)),
+    "ellipsoid": lambda n: ellipsoid(samples.uv_sphere(1.0, max(n // 2, 4), n), (3, 2, 1)),
+    "ball of equal triangles": lambda n: ellipsoid(icosphere(max(int(np.log2(n / 5)), 1)), (1, 1, 1)),
+    "plate with a hole": lambda n: extruded(
+        ring([(-2, -1), (2, -1), (2, 1), (-2, 1)]), [hole((0.7, 0.2), 0.5)], 0.4, n
+    ),
+    "bracket": lambda n: extruded(BRACKET, [hole((0.5, 2.3), 0.25), hole((2.3, 0.5), 0.25)], 0.6, n),
+    "lever": lambda n: extruded(lever(), [hole((0, 0), 0.5), hole((4, 0), 0.2)], 0.5, n),
+    "rounded box": lambda n: rounded_box(np.array((1.5, 1.0, 0.5)), 0.25, n),
+    "box with small fillets": lambda n: rounded_box(np.array((1.9, 1.4, 0.9)), 0.05, n),
+}
+"""Round, filleted and drilled parts by the number of facets of a full turn, every corner on the surface."""
+
+Make = Callable[[np.random.Generator, float], Round]
+
+
+def drawn(kind: str, seed: int, place: str) -> Round:
+    """The solid of a kind that this number stands for."""
+    rng = np.random.default_rng([seed, sum(map(ord, kind))])
+    return KINDS[kind](rng, PLACES[place]).placed(rng)
+
+
+def _around(rng: np.random.Generator, least: int = 6) -> int:
+    """Facets of a turn: as often few as many."""
+    return int(np.exp(rng.uniform(np.log(least), np.log(72))))
 
 
 def _revolved(rng: np.random.Generator, profile: Loop, place: float, facets: int | None = None) -> Round:
-    points = _corners(profile, facets or _around(rng, 4), place)
-    return _of(smooth_solids.revolved("", profile), _turned(points, _around(rng), place))
-
-
-def _extruded(rng: np.random.Generator, outline: Loop, holes: list[Loop], height: float, place: float) -> Round:
-    facets = _around(rng)
-    rings = [_corners(loop, facets, place)[:-1] for loop in (outline, *holes)]
-    return _of(smooth_solids.extruded("", outline, holes, height), prism(rings, height))
+    facets = facets or _around(rng, 4)
+    return revolved(profile, facets, _around(rng), place)
 
 
 def _ball(unit: Floats, rng: np.random.Generator, place: float) -> Round:
-    """An ellipsoid, from triangles on the unit sphere."""
     p, q, r = unit.transpose(1, 0, 2)
     normal = np.cross(q - p, r - p)
     depth = (np.einsum("ij,ij->i", normal, p) / np.linalg.norm(normal, axis=1)).mean()
     a = np.exp(rng.uniform(0, 1.1, 3)) if rng.random() < 0.7 else np.ones(3)
-    V = 4 / 3 * pi * a.prod()
-    return Round(unit * (1 - place + place / depth) * a, V, np.zeros(3), V / 5 * np.diag(a**2))
+    return ellipsoid(unit * (1 - place + place / depth), a)
 
 
 def uv_ball(rng: np.random.Generator, place: float) -> Round:
@@ -115,11 +245,7 @@ def uv_ball(rng: np.random.Generator, place: float) -> Round:
 
 
 def ico_ball(rng: np.random.Generator, place: float) -> Round:
-    golden = (1 + 5**0.5) / 2
-    points = np.array([(s, t * golden, 0) for s in (-1, 1) for t in (-1, 1)], float)
-    unit = hull(np.concatenate([np.roll(points, k, axis=1) for k in range(3)]) / np.linalg.norm(points[0]))
-    for _ in range(int(rng.integers(4))):
-        unit = quartered(unit)
+    unit = icosphere(int(rng.integers(4)))
     return _ball(unit, rng, place)
 
 
@@ -150,10 +276,9 @@ def capsule(rng: np.random.Generator, place: float) -> Round:
     return _revolved(rng, profile, place, _around(rng))
 
 
-def rounded_box(rng: np.random.Generator, place: float) -> Round:
+def rounded_block(rng: np.random.Generator, place: float) -> Round:
     inner, r = np.exp(rng.uniform(-1, 1, 3)), np.exp(rng.uniform(-3, 0))
-    solid = smooth_solids.rounded_box("", tuple(inner + 2 * r), r)
-    return _of(solid, rounded_corners(inner / 2, r, _around(rng, 4)))
+    return rounded_box(inner, r, _around(rng, 4))
 
 
 def superellipsoid(rng: np.random.Generator, place: float) -> Round:
@@ -178,20 +303,22 @@ def superellipsoid(rng: np.random.Generator, place: float) -> Round:
 def plate(rng: np.random.Generator, place: float) -> Round:
     w, d = rng.uniform(1.5, 4), rng.uniform(1.2, 2)
     holes = [hole((0.3 * s * w, 0), rng.uniform(0.05, 0.2)) for s in (-1, 1)][: rng.integers(3)]
-    return _extruded(rng, rounded(w, d, rng.uniform(0.05, 0.5)), holes, rng.uniform(0.1, 2), place)
+    outline, height = rounded_rectangle(w, d, rng.uniform(0.05, 0.5)), rng.uniform(0.1, 2)
+    return extruded(outline, holes, height, _around(rng), place)
 
 
 def flange(rng: np.random.Generator, place: float) -> Round:
     if rng.random() < 0.5:
-        return _extruded(rng, lever(), [hole((0, 0), 0.5), hole((4, 0), 0.2)], rng.uniform(0.2, 2), place)
+        height = rng.uniform(0.2, 2)
+        return extruded(lever(), [hole((0, 0), 0.5), hole((4, 0), 0.2)], height, _around(rng), place)
     holes = [hole((0, 0), rng.uniform(0.3, 0.9)), *(hole((1.4 * s, 0), rng.uniform(0.1, 0.35)) for s in (1, -1))]
-    return _extruded(rng, circle((0, 0), 2), holes, rng.uniform(0.2, 3), place)
+    height = rng.uniform(0.2, 3)
+    return extruded([arc((0, 0), 2, 0, 360)], holes, height, _around(rng), place)
 
 
 def filleted_shaft(rng: np.random.Generator, place: float) -> Round:
     if rng.random() < 0.3:
-        profile = [*ring([(0.5, -1), (2, -1), (2, -0.8)], False), arc((2, 0), 0.8, -90, -270), *pulley_top()]
-        return _revolved(rng, profile, place, _around(rng))
+        return _revolved(rng, PULLEY, place, _around(rng))
     if rng.random() < 0.5:
         return _revolved(rng, rounded_disc(rng.uniform(1, 3), 1.0, rng.uniform(0.05, 0.45)), place)
     r = rng.uniform(0.1, 0.5)
@@ -251,7 +378,7 @@ TUNED: dict[str, Make] = {
     "cylinders and tubes": cylinder,
     "cones and truncated cones": cone,
     "capsules": capsule,
-    "rounded boxes": rounded_box,
+    "rounded boxes": rounded_block,
     "plates with rounded corners and holes": plate,
 }
 TRIED: dict[str, Make] = {

@@ -48,8 +48,3 @@ def extrusion(outline, height, hub=(0.0, 0.0)):
 def cavity(centre, sizes):
     """The walls of a box-shaped hole."""
     return samples.moved(samples.flipped(samples.box(sizes)), centre)
-
-
-def any_rotation(seed):
-    Q, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
-    return Q * np.linalg.det(Q)

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from helpers.round_shapes import Round
-from helpers.smooth_solids import Solid, solids
 from robodyn.solids.inertia.laws import inertia_matrix
 from robodyn.solids.mesh.asymmetry import CentredBody
 from robodyn.solids.mesh.integrals import Integrals, integrate
@@ -52,18 +50,6 @@ def _true(found: Integrals, solid: Round, fixed_mass: bool) -> np.ndarray:
     size = _largest(solid.S)
     centre = np.linalg.norm(found.reference + arm - solid.com) / (size / solid.volume) ** 0.5
     return np.array([abs(found.volume / solid.volume - 1), _largest(S - solid.S) / size, centre])
-
-
-def case(solid: Solid, facets: int, seed: int, fixed_mass: bool = False) -> Errors:
-    """Of a solid in any pose."""
-    whole = Round(solid.mesh(facets), solid.volume, solid.com, solid.S)
-    return errors(whole.placed(np.random.default_rng(seed)), fixed_mass)
-
-
-def cases(resolutions: tuple[int, ...], fixed_mass: bool = False) -> Iterator[Errors]:
-    for solid in solids():
-        for facets in resolutions:
-            yield case(solid, facets, 0, fixed_mass)
 
 
 def _largest(S: np.ndarray) -> float:

@@ -5,30 +5,11 @@ Each takes the number of facets of a full turn.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import ceil, pi
 
 import numpy as np
 
 from helpers import mesh_samples as samples
-from helpers.plane_curves import Loop, corners_of, point
-
-
-def turned_profile(profile: Loop) -> Callable[[int], np.ndarray]:
-    def mesh(facets: int) -> np.ndarray:
-        points = corners_of(profile, facets)
-        end = point(profile[-1], 1.0)
-        if np.linalg.norm(end - points[0]) > 1e-9:
-            points = np.concatenate([points, [end]])
-        else:
-            points = np.concatenate([points, points[:1]])
-        points[np.abs(points[:, 0]) < 1e-12, 0] = 0.0
-        angle = 2 * pi * np.arange(facets) / facets
-        x, y = (np.outer(points[:, 0], part) for part in (np.cos(angle), np.sin(angle)))
-        z = np.broadcast_to(points[:, 1:], x.shape)
-        return quads(np.stack([x, y, z], axis=-1) + 0.0)
-
-    return mesh
 
 
 def quads(grid: np.ndarray) -> np.ndarray:
@@ -79,12 +60,11 @@ def rounded_corners(half: np.ndarray, r: float, facets: int) -> np.ndarray:
     return np.concatenate([quads(flat), *ends])
 
 
-def icosphere(facets: int) -> np.ndarray:
-    golden = (1 + 5**0.5) / 2
-    points = np.array([(s, t * golden, 0) for s in (-1, 1) for t in (-1, 1)], float)
-    points = np.concatenate([points, np.roll(points, 1, axis=1), np.roll(points, 2, axis=1)])
-    found = hull(points / np.linalg.norm(points[0]))
-    for _ in range(max(int(np.log2(facets / 5)), 1)):
+def icosphere(times: int) -> np.ndarray:
+    """An icosahedron on the unit sphere, each triangle cut in four so many times."""
+    points = np.array([(s, t * (1 + 5**0.5) / 2, 0) for s in (-1, 1) for t in (-1, 1)], float)
+    found = hull(np.concatenate([np.roll(points, k, axis=1) for k in range(3)]) / np.linalg.norm(points[0]))
+    for _ in range(times):
         found = quartered(found)
     return found
 

@@ -8,7 +8,6 @@ from helpers.oracles import EPS, worst
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robodyn.dynamics.recursions.newton_euler import euler
 from robodyn.programs.vectors import (
     cross,
     rotation_about,
@@ -18,7 +17,6 @@ from robodyn.programs.vectors import (
     skew,
     snapped,
 )
-from robodyn.solids.inertia.laws import inertia_of
 
 angles = st.one_of(st.floats(-10, 10), st.sampled_from([k * np.pi / 2 for k in range(-8, 9)]), st.floats(-1e-12, 1e-12))
 components = st.floats(-1, 1).filter(lambda x: x == 0 or abs(x) > 1e-6)
@@ -87,21 +85,3 @@ def test_cross_and_skew_and_turns_about_coordinate_axes():
     a, b = np.random.default_rng(1).normal(size=(2, 3))
     assert worst(cross(a, b), skew(a) @ b) <= EPS
     assert worst(cross(a, b), np.cross(a, b)) <= EPS
-
-
-def test_a_displaced_inertia_and_eulers_equations():
-    rng = np.random.default_rng(2)
-    m, spread, (c, p, w, wd) = 2.3, rng.normal(size=(3, 3)), rng.normal(size=(4, 3))
-    I, R = spread @ spread.T, rotation_about(np.array([0.6, 0, 0.8]), 0.7)
-    found, exact = inertia_of(m, c, I, R, p), np.vectorize(mpmath.mpf, otypes=[object])
-    with mpmath.workdps(40):
-        r = exact(R) @ exact(c) + exact(p)
-        about = exact(R) @ exact(I) @ exact(R.T) + m * (r @ r * np.eye(3) - np.outer(r, r))
-        push = exact(I) @ exact(wd) + skew(exact(w)) @ (exact(I) @ exact(w))
-    lengths = np.abs(R) @ np.abs(c) + np.abs(p)
-    magnitude = np.abs(R) @ np.abs(I) @ np.abs(R.T) + m * (lengths @ lengths * np.eye(3) + np.outer(lengths, lengths))
-    assert (np.abs(found.I - about) <= 16 * EPS * magnitude).all()
-    assert (np.abs(found.mc - m * r) <= 16 * EPS * m * lengths).all()
-    assert found.m == m
-    bound = 8 * EPS * np.linalg.norm(I, 2) * (np.linalg.norm(wd) + np.linalg.norm(w) ** 2)
-    assert np.abs(euler(I, w, wd) - push).max() <= bound

@@ -18,8 +18,6 @@ from helpers.processes import python
 from robodyn.dynamics.plan import Plan
 from robodyn.programs.run import compiled_blocks
 from robodyn.programs.run.compiled_blocks import BLOCK, CompiledBlocks
-from robodyn.programs.run.llvm import build, machine
-from robodyn.programs.run.llvm.machine import host
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
 from robodyn.scene.scene import Scene
 
@@ -64,18 +62,6 @@ def test_any_layout_and_thread_count(layout, busy_threads):
         right = bits(expected(arrays))
         for threads in (1, 3):
             np.testing.assert_array_equal(bits(ready()(arrays, samples, None, threads)), right)
-
-
-@pytest.mark.parametrize("value", [np.nan, np.inf, 1e300])
-@pytest.mark.parametrize("source", "ab")
-def test_one_sample_leaves_the_others(source, value):
-    for at in (0, 127, 299):
-        calm = {name: np.clip(np.nan_to_num(x, nan=1.0), -9, 9) for name, x in state(300).items()}
-        right = expected(calm)
-        calm[source][at] = value
-        found = ready()(calm, 300)
-        np.testing.assert_array_equal(bits(np.delete(found, at, axis=0)), bits(np.delete(right, at, axis=0)))
-        assert (found[at] != right[at]).any()
 
 
 def test_single_precision(busy_threads):
@@ -191,36 +177,11 @@ def test_a_robot_in_blocks_and_at_once(most_streams, monkeypatch):
     np.testing.assert_array_equal(bits(run(turned, samples, None, 2)[::-1]), bits(found))
 
 
-@pytest.mark.parametrize("dtype", [np.float64, np.float32])
-def test_other_processors_find_the_same_bits(dtype, monkeypatch):
-    """Code for vectors of half the length: an executor made as if on an older processor."""
-    if "+avx2" not in host().features:
-        pytest.skip("code for AVX2 does not run here")
-    older = host()._replace(cpu="haswell", features="+avx2,+fma")
-    for module in (machine, build):
-        monkeypatch.setattr(module, "host", lambda: older)
-    monkeypatch.setattr(compiled_blocks, "_driver", compiled_blocks._driver.__wrapped__)
-    run = CompiledBlocks(PROGRAM, WIDTHS, dtype)
-    for layout in ("columns", "rows", "backwards"):
-        for samples in (9, 1000):
-            arrays = {name: LAYOUTS[layout](values) for name, values in state(samples, dtype).items()}
-            np.testing.assert_array_equal(bits(run(arrays, samples)), bits(ready(dtype)(arrays, samples)))
-
-
 X = np.random.default_rng(5).uniform(-3, 3, (100, 2))
 
 
 def blocks():
     return CompiledBlocks(program_of(lambda x, y: [x.sin() * y + x, y.cos() / x, x * y, 2.0 * y], 2), {"x": 2})
-
-
-def test_few_results_over_inputs():
-    code = blocks()
-    memory = np.zeros((8, 4))
-    memory[:, :2] = X[:8]
-    expected = code({"x": X[:8]}, 8)
-    assert code({"x": memory[:, :2]}, 8, memory) is memory
-    np.testing.assert_array_equal(memory, expected)
 
 
 @pytest.mark.parametrize("angle", [1e7, np.nan, np.inf])
@@ -253,9 +214,3 @@ def test_few_samples_of_many_threads_at_once():
     with ThreadPoolExecutor(8) as pool:
         assert all(pool.map(work, range(8)))
     assert 1 <= len(code._rooms[1]) <= 8
-
-
-def test_wrong_shapes():
-    for shape in ((3, 2), (4,), (4, 2, 1)):
-        with pytest.raises(ValueError, match=r"x has shape .*, not \(4, 2\)"):
-            blocks()({"x": np.zeros(shape)}, 4)

@@ -8,7 +8,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from helpers.compiled_programs import bits, compiled, needs_compiler, program_of
+from helpers.compiled_programs import bits, needs_compiler, program_of
 
 from robodyn.programs.run.compiled_blocks import CompiledBlocks, kernel_of
 from robodyn.programs.run.llvm.kernel import fused_products
@@ -96,32 +96,13 @@ def numbers(count, dtype, seed):
     return x
 
 
-FORMS = {
-    "x y + z": (lambda x, y, z, w: [x * y + z], lambda x, y, z: x * y + z),
-    "z + x y": (lambda x, y, z, w: [z + x * y], lambda x, y, z: x * y + z),
-    "x y - z": (lambda x, y, z, w: [x * y - z], lambda x, y, z: x * y - z),
-    "z - x y": (lambda x, y, z, w: [z - x * y], lambda x, y, z: z - x * y),
-    "-x y - z": (lambda x, y, z, w: [-(x * y) - z], lambda x, y, z: -(x * y) - z),
-}
-
-
 @needs_compiler
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])
-@pytest.mark.parametrize("form", FORMS)
-def test_each_form_is_rounded_once(form, dtype):
-    function, exact = FORMS[form]
-    x = numbers(200, dtype, 1)
-    found = compiled(function, INPUTS, dtype)({"x": x}, len(x))[:, 0]
-    expected = [rounded(exact(*(Fraction(float(number)) for number in row[:3])), dtype) for row in x]
-    np.testing.assert_array_equal(found, expected)
-    assert np.count_nonzero(found != exact(*x[:, :3].T)) > 60
-
-
-@needs_compiler
-@pytest.mark.parametrize("dtype", [np.float64, np.float32])
-def test_random_sums_of_products_to_the_bit(dtype):
-    for seed in range(24):
-        program = sums_of_products(seed, seed % 12 + 1)
-        x = numbers(3, dtype, seed)
-        found = CompiledBlocks(program, {"x": INPUTS}, dtype)({"x": x}, 3)
+def test_sums_of_products_to_the_bit(dtype):
+    given = [
+        program_of(FUSED[name][0], INPUTS) for name in FUSED if name not in ("no product", "a product under a root")
+    ]
+    for seed, program in enumerate([*given, *(sums_of_products(seed, seed % 12 + 1) for seed in range(12))]):
+        x = numbers(37, dtype, seed)
+        found = CompiledBlocks(program, {"x": INPUTS}, dtype)({"x": x}, len(x))
         np.testing.assert_array_equal(found, [once_rounded(program, row, dtype) for row in x])

@@ -37,13 +37,6 @@ def results(program=PROGRAM, widths=2, dtype=np.float64):
     return CompiledBlocks(program, {"x": widths}, dtype)({"x": X.astype(dtype)}, len(X))
 
 
-def test_program_is_compiled_once(built):
-    first = results()
-    assert built.count("kernel") == 1
-    np.testing.assert_array_equal(results(), first)
-    assert built.count("kernel") == 1
-
-
 @pytest.mark.parametrize("size", [0, 1000])
 def test_damaged_machine_code_is_made_again(built, tmp_path, size):
     first = results()

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from helpers.array_layouts import LAYOUTS
-from helpers.oracles import EPS, golden_model, random_state, worst
-from helpers.program_values import evaluated
+from helpers.oracles import golden_model, random_state
 
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.plan import Plan
@@ -23,26 +22,6 @@ PROGRAM = Plan(MODEL, Scene()).torques()
 
 def _state(samples, seed=8):
     return dict(zip(WIDTHS, random_state(MODEL, np.random.default_rng(seed), samples), strict=True))
-
-
-def _one_by_one(state, samples):
-    runner = NumpyBlocks(PROGRAM, WIDTHS)
-    return np.concatenate([runner({k: v[i : i + 1] for k, v in state.items()}, 1) for i in range(samples)])
-
-
-def test_agrees_with_the_simplest_executor():
-    state = _state(40)
-    found = NumpyBlocks(PROGRAM, WIDTHS)(state, 40)
-    expected = [evaluated(PROGRAM, {k: v[i] for k, v in state.items()}) for i in range(40)]
-    assert worst(found, expected) <= 8 * EPS
-
-
-@pytest.mark.parametrize("block", [1, 7, 99, 100, 101])
-def test_block_size_changes_no_bit(block):
-    state = _state(100)
-    runner = NumpyBlocks(PROGRAM, WIDTHS)
-    runner.block = block
-    np.testing.assert_array_equal(runner(state, 100), _one_by_one(state, 100))
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import errno
 import os
-import random
-import shutil
 import stat
 import subprocess
 import sys
@@ -79,17 +77,8 @@ def test_damaged_files_are_ignored_and_written_again(objects, tmp_path, damage):
     put_again(objects)
 
 
-def test_file_of_another_key_is_ignored_and_written_again(objects, tmp_path):
-    mine = the_file(tmp_path)
-    objects.put(OTHER, CONTENT[:100])
-    (others,) = set(files(tmp_path)) - {mine}
-    shutil.copy(others, mine)
-    put_again(objects)
-
-
 REPLACEMENTS = {
     "a folder": Path.mkdir,
-    "a dangling link": lambda path: path.symlink_to("nowhere"),
     "a link to itself": lambda path: path.symlink_to(path.name),
     "a pipe": os.mkfifo,
     "a device": lambda path: path.symlink_to("/dev/zero"),
@@ -110,24 +99,20 @@ def test_what_is_no_file_is_ignored(objects, tmp_path, replacement):
 
 @posix
 @pytest.mark.parametrize("mode", [0o602, 0o620])
-def test_files_that_others_may_write_to_are_ignored(objects, tmp_path, mode):
+def test_what_others_may_write_to_is_ignored(objects, tmp_path, mode):
     the_file(tmp_path).chmod(mode)
     put_again(objects)
-
-
-def _open_folder(mode):
-    return lambda folder, monkeypatch: the_file(folder).parent.chmod(mode)
-
-
-def _other_user(folder, monkeypatch):
-    monkeypatch.setattr(os, "getuid", lambda: folder.stat().st_uid + 1)
+    before = the_file(tmp_path).read_bytes()
+    the_file(tmp_path).parent.chmod(mode | 0o100)
+    assert objects.get(KEY) is None
+    objects.put(KEY, b"new")
+    assert the_file(tmp_path).read_bytes() == before
 
 
 @posix
-@pytest.mark.parametrize("change", [_open_folder(0o702), _open_folder(0o720), _open_folder(0o1777), _other_user])
-def test_folders_of_others_or_that_others_may_write_to_are_ignored(objects, tmp_path, monkeypatch, change):
+def test_folders_of_others_are_ignored(objects, tmp_path, monkeypatch):
     before = the_file(tmp_path).read_bytes()
-    change(tmp_path, monkeypatch)
+    monkeypatch.setattr(os, "getuid", lambda: tmp_path.stat().st_uid + 1)
     assert objects.get(KEY) is None
     objects.put(KEY, b"new")
     assert the_file(tmp_path).read_bytes() == before
@@ -193,31 +178,17 @@ def _refuses(*_, **__):
     raise RuntimeError("could not determine the home directory")
 
 
-@pytest.mark.parametrize("answer", [_refuses, lambda *_, **__: "~/.cache/robodyn", lambda *_, **__: "relative"])
+@pytest.mark.parametrize("answer", [_refuses, lambda *_, **__: "~/.cache/robodyn"])
 def test_user_without_a_home_keeps_nothing(monkeypatch, answer):
     monkeypatch.delenv("ROBODYN_CACHE")
     monkeypatch.setattr(platformdirs, "user_cache_dir", answer)
     assert cache_folder() is None
 
 
-def _loop(path):
-    path.symlink_to(path)
-    return path
-
-
-NOWHERE = {
-    "a file": lambda folder: Path(__file__),
-    "below a file": lambda folder: Path(__file__) / "below",
-    "name too long": lambda folder: folder / ("x" * 300),
-    "a link to itself": lambda folder: _loop(folder / "loop"),
-    "where nobody may write": lambda folder: Path("/proc/robodyn"),
-}
-
-
 @posix
-@pytest.mark.parametrize("place", NOWHERE)
-def test_folder_that_cannot_be(place, tmp_path):
-    objects = ObjectCache(NOWHERE[place](tmp_path))
+@pytest.mark.parametrize("folder", [Path(__file__), Path(__file__) / "below", Path("x" * 300), Path("/proc/robodyn")])
+def test_folder_that_cannot_be(folder):
+    objects = ObjectCache(folder)
     objects.put(KEY, CONTENT)
     assert objects.get(KEY) is None
 
@@ -252,13 +223,6 @@ def test_files_used_longest_ago_go_first(tmp_path):
     assert objects.get(KEY) == CONTENT
 
 
-def test_file_larger_than_all_that_may_be_kept(tmp_path):
-    objects = ObjectCache(tmp_path, largest=1000)
-    objects.put(KEY, CONTENT)
-    assert objects.get(KEY) is None
-    assert not files(tmp_path)
-
-
 def test_files_of_the_user_are_never_removed(tmp_path):
     """Whatever folder the user names, and whatever else lies there."""
     objects = ObjectCache(tmp_path, largest=0)
@@ -272,42 +236,6 @@ def test_files_of_the_user_are_never_removed(tmp_path):
     assert [path for path in mine if path.exists()] == mine
 
 
-WRITER = """
-import sys
-from pathlib import Path
-from robodyn.support.cache import Key, ObjectCache
-objects, contents = ObjectCache(Path(sys.argv[1])), [bytes([k]) * 2_000_000 for k in range(4)]
-print("ready", flush=True)
-while True:
-    for content in contents:
-        objects.put(Key("a program", "a machine"), content)
-"""
-
-
-@pytest.mark.skipif(os.name == "nt", reason="a file that is open elsewhere is not replaced there")
-def test_process_killed_while_it_writes(tmp_path):
-    objects = ObjectCache(tmp_path)
-    chance = random.Random(5)
-    torn = 0
-    for _ in range(5):
-        child = subprocess.Popen(
-            [sys.executable, "-c", WRITER, str(tmp_path)], stdout=subprocess.PIPE, env=environment()
-        )
-        with child:
-            assert child.stdout.readline() == b"ready\n"
-            time.sleep(chance.uniform(0.0, 0.01))
-            child.kill()
-        whole = [path for path in files(tmp_path) if path.suffix != ".part"]
-        content = objects.get(KEY)
-        assert content is None if not whole else len(set(content)) == 1 and len(content) == 2_000_000
-        torn += len(files(tmp_path)) - len(whole)
-    assert torn > 0, "no process was killed while it wrote"
-    for path in tmp_path.rglob("*.part"):
-        os.utime(path, (time.time() - 2 * FORGOTTEN,) * 2)
-    objects.put(KEY, b"new")
-    assert not list(tmp_path.rglob("*.part"))
-
-
 BUILDER = """
 import hashlib
 import numpy as np
@@ -319,17 +247,10 @@ print(hashlib.sha256(run({"x": x}, len(x)).tobytes()).hexdigest())
 """
 
 
-SMALL_FILES = (
-    "import resource, sys; sys.dont_write_bytecode = True; "
-    "resource.setrlimit(resource.RLIMIT_FSIZE, (100, resource.RLIM_INFINITY))"
-)
-"""As on a disk that fills up: no file grows beyond 100 bytes."""
-
-
 def test_many_processes_at_once(tmp_path):
     pytest.importorskip("llvmlite")
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "env": environment(ROBODYN_CACHE=tmp_path)}
-    children = [subprocess.Popen([sys.executable, "-c", BUILDER], text=True, **pipes) for _ in range(4)]
+    children = [subprocess.Popen([sys.executable, "-c", BUILDER], text=True, **pipes) for _ in range(3)]
     ends = [(*child.communicate(), child.returncode) for child in children]
     assert set(ends) == {(ends[0][0], "", 0)}
     assert len(ends[0][0]) == 65
@@ -337,18 +258,16 @@ def test_many_processes_at_once(tmp_path):
 
 
 def test_nothing_is_lost_or_said_where_nothing_can_be_kept(tmp_path):
-    """No folder, no home, or a disk that is full."""
+    """No home, or a disk that is full: no file grows beyond 100 bytes."""
     pytest.importorskip("llvmlite")
-    expected = python(BUILDER, ROBODYN_CACHE=tmp_path / "kept").stdout
-    (tmp_path / "file").touch()
-    homeless = {"ROBODYN_CACHE": None, "XDG_CACHE_HOME": None, "HOME": "/proc"}
-    for changes in ({"ROBODYN_CACHE": tmp_path / "file"}, homeless):
-        done = python(BUILDER, **changes)
-        assert (done.stdout, done.stderr) == (expected, "")
+    homeless = python(BUILDER, ROBODYN_CACHE=None, XDG_CACHE_HOME=None, HOME="/proc")
+    assert (len(homeless.stdout), homeless.stderr) == (65, "")
     if os.name != "nt":
-        done = python(SMALL_FILES + BUILDER, ROBODYN_CACHE=tmp_path / "full")
-        assert (done.stdout, done.stderr) == (expected, "")
-        assert not files(tmp_path / "full")
+        small = "import resource, sys; sys.dont_write_bytecode = True; "
+        small += "resource.setrlimit(resource.RLIMIT_FSIZE, (100, resource.RLIM_INFINITY))"
+        done = python(small + BUILDER, ROBODYN_CACHE=tmp_path)
+        assert (done.stdout, done.stderr) == (homeless.stdout, "")
+        assert not files(tmp_path)
 
 
 @pytest.mark.parametrize("failure", [OSError(errno.ENOSPC, "No space left on device"), KeyboardInterrupt()])

@@ -69,14 +69,6 @@ def test_reasons_name_the_work():
     assert choice(Work(444, 10**7, 1, 1)) == ("compiled", "10000000 samples of 444 operations are worth machine code")
 
 
-def test_little_work_is_done_by_numpy_and_much_by_machine_code(fresh):
-    little, asked = run(made()), run(made(), executor="numpy", expected=HUGE)
-    for found in (little, asked):
-        np.testing.assert_array_equal(found.values, BY_NUMPY)
-    assert little.choice == ("numpy", "little work, and it starts at once")
-    assert asked.choice == ("numpy", "as asked")
-
-
 @needs_compiler
 def test_much_work_is_done_by_machine_code(fresh):
     found = run(made(), expected=HUGE)
@@ -116,13 +108,6 @@ def test_announced_work_is_done_the_same_way_whatever_came_before(fresh, expecte
     np.testing.assert_array_equal(found.values, first.values)
     assert found.choice == first.choice
     assert found.choice.executor == ("compiled" if expected == HUGE else "numpy")
-
-
-def test_announced_work_is_done_the_same_way_in_every_block(fresh):
-    """The last block may be of one sample, which as the size of all blocks would be worth machine code."""
-    a_runner = made()
-    choices = [a_runner.run({"x": X[:rows]}, rows, expected=20_000).choice for rows in (50, 50, 1)]
-    assert [choice.executor for choice in choices] == ["numpy"] * 3
 
 
 @pytest.mark.parametrize(

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from itertools import product
-
 import numpy as np
 import pytest
+import trimesh
 from helpers.mesh_oracle import rotation
-from helpers.mesh_samples import box, cylinder, flipped, moved, sheet, tetrahedron, torus, uv_sphere
-from helpers.random_unions import boxes_volume, random_union
+from helpers.mesh_samples import box, cone, cylinder, flipped, moved, torus, uv_sphere
 from helpers.repaired_meshes import R, enclosed, repaired, taken, volume
+from manifold3d import Manifold, Mesh64, OpType
 
 from robodyn.solids.mass_properties import mass_properties
 from robodyn.solids.mesh.columns import by_columns, by_winding_numbers
@@ -203,7 +202,7 @@ def test_patches_that_nearly_meet():
     assert found.remarks == ()
 
 
-@pytest.mark.parametrize(("inverted", "inner"), [(False, False), (False, True), (True, False)])
+@pytest.mark.parametrize(("inverted", "inner"), [(False, False), (True, False)])
 def test_patches_around_a_cavity_or_a_body_wound_as_they_are(inverted, inner):
     ball, cube = patches(SMALL), moved(box((0.5, 0.5, 0.5)), (0.1, 0.1, 0.1))
     found = repaired(flipped(ball) if inverted else ball, flipped(cube) if inner else cube)
@@ -211,12 +210,6 @@ def test_patches_around_a_cavity_or_a_body_wound_as_they_are(inverted, inner):
     assert found.quadrature.volume == pytest.approx(enclosed(SMALL) - 0.125 * hollow, rel=2e-4)
     assert ("orientation", 9 * inverted) in [*taken(found), ("orientation", 0)]
     assert (("nested", 1) in taken(found)) == (not hollow)
-
-
-def test_patches_wound_inwards_beside_a_body():
-    found = repaired(flipped(patches(SMALL)), moved(box(), (4, 0, 0)))
-    assert taken(found) == [("orientation", 8), ("winding numbers", 8)]
-    assert found.quadrature.volume == pytest.approx(enclosed(SMALL) + 1, rel=1e-4)
 
 
 def test_what_overlaps_an_open_body_counts_once():
@@ -238,53 +231,72 @@ def test_patches_without_a_common_winding_enclose_nothing_definite():
     assert "too large to be filled" in found.remarks[0]
 
 
-@pytest.mark.parametrize(
-    ("body", "missing"),
-    [
-        (sheet(), 0.5),
-        (tetrahedron()[1:], 0.2676),
-        (cylinder(1, 2, 12)[np.abs(cylinder(1, 2, 12).mean(axis=1)[:, 2]) < 0.9], 0.326),
-    ],
-)
-def test_half_open_surfaces_and_sheets_enclose_nothing_definite(body, missing):
-    given = MemoryTriangles("part", moved(body, (1, 2, 3), R))
-    found = repair(given)
-    assert (found.steps, found.quadrature, found.closed) == ((), None, False)
-    assert found.triangles is given
-    gaps = 2 if missing == 0.326 else 1
-    what = f"{gaps} gap{'s' * (gaps > 1)} too large to be filled: {100 * missing:.0f} % of their surface is missing"
-    assert found.remarks == (what,)
+def primitive(rng, size):
+    """A convex body about the origin, about so large, with some coordinates that others share."""
+    a, b, c = 0.25 * size * rng.integers(2, 6, 3)
+    rings, sectors = int(rng.integers(4, 12)), int(rng.integers(5, 24))
+    kinds = box((2 * a, 2 * b, 2 * c)), uv_sphere(a, rings, sectors), cylinder(a, 2 * b, sectors), cone(a, b, sectors)
+    return kinds[rng.integers(4)]
 
 
-FIRST, BLOCK = 100_000, 50
-FAILED = (101_562, 102_545, 102_784, 102_845)
-"""In these cavities that cross were once filled without a word."""
+def within(rng, shell):
+    centre = np.unique(shell.reshape(-1, 3), axis=0).mean(axis=0)
+    return (shell - centre) * rng.uniform(0.4, 0.9) + centre
 
 
-def check(seed):
-    """Whether the union was flagged; it must be right otherwise."""
-    given = random_union(seed)
-    found = mass_properties(given.soup, density=1.0)
-    volume = abs(found.body.volume - given.volume) / given.volume
-    if found.union is not None:
-        assert volume <= found.union, (seed, given.kinds)
-        return True
-    inertia = np.trace(found.body.S_c) * np.eye(3) - found.body.S_c
-    size = np.ptp(given.soup.reshape(-1, 3), axis=0).max()
-    centre = np.abs(found.body.com - given.com).max() / size
-    moments = np.abs(inertia - given.inertia).max() / np.abs(given.inertia).max()
-    assert max(volume, centre, moments) < 1e-10, (seed, given.kinds, volume, centre, moments)
-    return False
+def random_union(rng):
+    """Triangles of hollow, filled, nested, crossing, touching, doubled and inverted bodies, and their true union.
+
+    A body is its shell and perhaps its cavity, both wound outwards.
+    """
+    bodies = [[primitive(rng, 2.0)]]
+    for kind in rng.choice(["hollow", "insert", "across", "within", "touching"], rng.integers(1, 5)):
+        body = bodies[rng.integers(len(bodies))]
+        wall = body[-1]
+        turned = primitive(rng, rng.uniform(0.2, 1.5)) @ rotation(int(rng.integers(1000))).T
+        if kind == "hollow" and len(body) == 1:
+            body.append(within(rng, body[0]))
+        elif kind == "insert" and len(body) == 2:
+            bodies.append([wall.copy(), within(rng, wall)][: rng.integers(1, 3)])
+        elif kind == "across":
+            shell = moved(turned, wall[rng.integers(len(wall)), 0] + rng.normal(size=3) * 0.05)
+            bodies.append([shell, within(rng, shell)][: rng.integers(1, 3)])
+        elif kind == "within":
+            bodies.append([within(rng, wall)])
+        elif kind == "touching":
+            bodies.append([moved(wall, (np.ptp(wall[:, :, 0]), 0, 0))])
+    parts = [np.concatenate([shell, *map(flipped, cavity)]) for shell, *cavity in bodies]
+    bodies.append([moved(primitive(rng, 1.0), (20, 0, 0))])
+    parts += [flipped(bodies[-1][0]), parts[rng.integers(len(parts))].copy()][: rng.integers(1, 3)]
+    solids = [solid(shell) - solid(cavity[0]) if cavity else solid(shell) for shell, *cavity in bodies]
+    truth = Manifold.batch_boolean(solids, OpType.Add).to_mesh64()
+    return rng.permutation(np.concatenate(parts)), trimesh.Trimesh(
+        np.array(truth.vert_properties)[:, :3], np.array(truth.tri_verts, np.int64), process=False
+    )
 
 
-def test_volume_centre_and_inertia():
-    assert sum(check(seed) for seed in (*range(FIRST, FIRST + 4), *FAILED)) <= 2
+def solid(shell):
+    points, faces = np.unique(shell.reshape(-1, 3) + 0.0, axis=0, return_inverse=True)
+    found = Manifold(Mesh64(points, faces.reshape(-1, 3).astype(np.uint64)))
+    assert found.volume() > 0
+    return found
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("first", range(FIRST, FIRST + 1200, BLOCK))
-def test_more_of_them(first):
-    assert sum(check(seed) for seed in range(first, first + BLOCK)) <= 5
+@pytest.mark.parametrize("first", [0, *(pytest.param(k, marks=pytest.mark.slow) for k in range(50, 650, 50))])
+def test_random_unions_are_right_or_flagged(first):
+    """Cavities that cross were once filled without a word."""
+    flagged = 0
+    for seed in range(first, first + (50 if first else 6)):
+        soup, truth = random_union(np.random.default_rng(seed))
+        found = mass_properties(soup, density=1.0)
+        volume = abs(found.body.volume / truth.volume - 1)
+        if found.union is not None:
+            assert volume <= found.union, seed
+            flagged += 1
+        else:
+            assert max(volume, off(found.body.inertia, truth.moment_inertia)) < 1e-10, seed
+            assert np.abs(found.body.com - truth.center_mass).max() < 1e-10 * np.ptp(soup), seed
+    assert flagged <= 5
 
 
 @pytest.mark.parametrize("shell", [box(), moved(cylinder(0.4, 0.9, 7), R=R)])
@@ -323,15 +335,3 @@ def test_cavities_that_overlap_count_once():
     cavities = [flipped(moved(box(), (x, 0.1 * x, 0))) for x in (0.0, 0.5)]
     found = repaired(box((4, 4, 4)), *cavities)
     assert volume(found) == pytest.approx(64 - (2 - 0.5 * 0.95), rel=1e-12)
-
-
-def test_the_reference_itself():
-    """Against boxes cut into cells by hand."""
-    rng = np.random.default_rng(7)
-    for _ in range(2):
-        sizes, places = rng.uniform(0.5, 2, (4, 3)), rng.uniform(-1, 1, (4, 3))
-        expected = boxes_volume(sizes, places)
-        parts = [moved(box(size), place) for size, place in zip(sizes, places, strict=True)]
-        assert volume(repaired(*parts)) == pytest.approx(expected, rel=1e-12)
-    corners = list(product((0.0, 1.0), repeat=3))
-    assert boxes_volume(np.ones((8, 3)), np.array(corners)) == pytest.approx(8)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers.command_line import ROBOTS, run
+from helpers.command_line import run
 from helpers.mesh_oracle import rotation
 from helpers.mesh_samples import binary_stl, box, cylinder, flipped, moved, sheet, torus, uv_sphere
 from helpers.one_sided import SURFACES, klein_bottle
@@ -14,11 +14,9 @@ from robodyn.errors import MeshError
 from robodyn.solids.mass_properties import is_sound, mass_properties
 from robodyn.solids.mesh import repair
 from robodyn.solids.mesh.holes import Gaps, gaps
-from robodyn.solids.mesh.indexed import merged
 from robodyn.solids.mesh.inside import may_cross, shell_faults
 from robodyn.solids.mesh.integrals import measure
-from robodyn.solids.mesh.read.load import from_array, load_triangles
-from robodyn.solids.mesh.shells import wound
+from robodyn.solids.mesh.read.load import from_array
 from robodyn.solids.mesh.triangles import MemoryTriangles
 
 
@@ -74,14 +72,6 @@ def test_sound_and_doubtful_surfaces(name):
     if name in SOUND:
         found = repair.repair(given)
         assert (found.steps, found.remarks, found.closed, found.quadrature) == ((), (), True, None)
-
-
-@pytest.mark.parametrize("path", sorted((ROBOTS / "meshes").glob("*.stl")), ids=lambda path: path.stem)
-def test_what_is_sound_needs_no_repair(path):
-    triangles = load_triangles(path)
-    found = repair.repair(triangles)
-    shells, _ = wound(merged(triangles.array()))
-    assert sound(triangles) == (not found.steps and not found.remarks and shells.count == 1)
 
 
 REASON = "form surfaces with one side only, like a Moebius strip or a Klein bottle"
@@ -175,10 +165,6 @@ def test_one_sided_ones_are_told_where_repair_refuses_them() -> None:
     assert gaps(triangles) == Gaps(one_sided=len(klein_bottle()) - 1)
     with pytest.raises(MeshError, match="one side only"):
         repair.repair(triangles)
-
-
-def test_nothing_is_left_of_faces_without_area() -> None:
-    assert gaps(MemoryTriangles("part", np.zeros((2, 3, 3)))) == Gaps()
 
 
 @pytest.mark.parametrize("rows", [10, 50])

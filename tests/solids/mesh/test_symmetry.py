@@ -7,10 +7,11 @@ from math import comb, factorial, inf, pi, prod
 import numpy as np
 import pytest
 from helpers import mesh_samples as samples
-from helpers.mesh_samples import box, flipped, tetrahedron, torus, uv_sphere
+from helpers.mesh_oracle import rotation
+from helpers.mesh_samples import box
 from helpers.point_groups import axes, body, group, planes
-from helpers.symmetric_bodies import any_rotation, bracket, cavity, extrusion, found, pinwheel, verdicts
-from helpers.symmetry_cases import bodies
+from helpers.round_shapes import SOLIDS
+from helpers.symmetric_bodies import bracket, cavity, extrusion, found, pinwheel, verdicts
 
 from robodyn.errors import MeshError
 from robodyn.solids.inertia.properties import from_integrals
@@ -22,11 +23,10 @@ from robodyn.solids.mesh.asymmetry import (
     mirror,
     sixth_moments,
 )
-from robodyn.solids.mesh.indexed import merged
-from robodyn.solids.mesh.inside import winding_numbers
 from robodyn.solids.mesh.integrals import integrate
 from robodyn.solids.mesh.read.load import from_array
 from robodyn.solids.mesh.symmetry import symmetrized
+from robodyn.solids.mesh.symmetry_search import Symmetry
 from robodyn.support.floats import first_largest
 
 
@@ -40,11 +40,11 @@ def test_box_has_three_exact_planes_through_its_centre():
 
 
 def test_angle_bracket_has_one_plane_in_any_pose_and_a_tetrahedron_none():
-    R = any_rotation(2)
+    R = rotation(2)
     given = found(samples.moved(bracket(), (100.0, -300.0, 50.0), R))
     assert verdicts(given.planes) == ["exact", "none", "none"]
     np.testing.assert_allclose(np.abs(given.planes[0].normal @ R), (0, 0, 1), atol=1e-11)
-    askew = found(samples.moved(bracket(), (0.1, 0.2, 0.3), any_rotation(1)).astype(np.float32)).planes[0]
+    askew = found(samples.moved(bracket(), (0.1, 0.2, 0.3), rotation(1)).astype(np.float32)).planes[0]
     assert (askew.verdict, 0 < askew.asymmetry < 1e-6) == ("exact", True)
     planes = found(samples.tetrahedron()).planes
     assert verdicts(planes) == ["none"] * 3
@@ -85,19 +85,15 @@ def test_score_is_the_symmetric_difference_about_the_plane_that_is_reported():
 @pytest.mark.parametrize("body", [samples.box((1, 2, 3)), samples.cylinder(height=3.0, sectors=5)])
 def test_normals_and_axes_point_to_their_largest_component(body):
     """The first of ties: whichever sign an eigenvector or an angle came with."""
-    symmetry = found(samples.moved(body, (1.0, 2.0, 3.0), any_rotation(3)))
+    symmetry = found(samples.moved(body, (1.0, 2.0, 3.0), rotation(3)))
     listed = [*(plane.normal for plane in symmetry.planes), *(axis.direction for axis in symmetry.axes)]
     listed += [plane.normal for plane in found(body).planes]
     assert len(listed) > 3
     assert all(line[first_largest(np.abs(line))] > 0 for line in listed)
 
 
-def listed(corners):
-    return [(axis.fold, axis.verdict) for axis in found(corners).axes]
-
-
 def test_cube_has_thirteen_axes_and_nine_planes():
-    R = any_rotation(2)
+    R = rotation(2)
     cube = found(samples.moved(samples.box(), R=R))
     folds = [(axis.fold, axis.verdict) for axis in cube.axes]
     assert sorted(folds) == [(2, "exact")] * 6 + [(3, "exact")] * 4 + [(4, "exact")] * 3
@@ -105,14 +101,6 @@ def test_cube_has_thirteen_axes_and_nine_planes():
     assert [product.zero for product in cube.products] == [True] * 3
     directions = np.sort([np.round(np.abs(plane.normal @ R) * 2**0.5, 9) ** 2 for plane in cube.planes], axis=1)
     assert sorted(map(tuple, directions.round(6))) == sorted([(0, 0, 2)] * 3 + [(0, 1, 1)] * 6)
-
-
-@pytest.mark.parametrize("sectors", [3, 4, 7])
-def test_prism_has_the_fold_of_its_polygon_and_is_not_round(sectors):
-    verdict = found(samples.cylinder(height=3.0, sectors=sectors))
-    axes = [(axis.fold, axis.verdict) for axis in verdict.axes]
-    assert axes == [(sectors, "exact")] + [(2.0, "exact")] * sectors
-    assert verdicts(verdict.planes) == ["exact"] * (sectors + 1)
 
 
 @pytest.mark.parametrize("sectors", [24, 77])
@@ -128,14 +116,6 @@ def test_ball_is_round_about_two_axes():
     axes = found(samples.uv_sphere(rings=24, sectors=48)).axes
     assert [axis.fold for axis in axes] == [48, inf, inf]
     assert [axis.verdict for axis in axes] == ["exact", "within tessellation", "within tessellation"]
-
-
-def test_half_turn_without_planes():
-    one = samples.moved(samples.box((1.0, 0.5, 0.3)), (0.2, 1.0, 1.0), any_rotation(7))
-    other = samples.moved(one, R=np.diag([1.0, -1.0, -1.0]))
-    body = np.concatenate([one, other])
-    assert listed(body) == [(2, "exact")]
-    assert all(plane.verdict == "none" for plane in found(body).planes)
 
 
 def zeros(corners):
@@ -154,27 +134,13 @@ def test_axis_of_any_fold_does_so_too():
 
 
 def test_askew_body_has_planes_but_no_product_that_is_zero():
-    assert zeros(samples.moved(samples.box((1, 2, 3)), R=any_rotation(2))) == []
+    assert zeros(samples.moved(samples.box((1, 2, 3)), R=rotation(2))) == []
     assert zeros(samples.tetrahedron()) == []
-
-
-@pytest.mark.parametrize("seed", [0])
-def test_asymmetry_is_not_below_what_products_and_moments_allow(seed):
-    triangles = from_array(samples.moved(bracket(), R=any_rotation(seed)))
-    body = CentredBody.of(triangles, integrate(triangles))
-    for normal in any_rotation(seed + 10):
-        across = np.eye(3)[0] - normal[0] * normal
-        across /= np.linalg.norm(across)
-        points = body.corners.reshape(-1, 3)
-        integral = abs(across @ body.S @ normal)
-        bound = integral / (body.volume * np.abs(points @ across).max() * np.abs(points @ normal).max())
-        assert 1e-4 < bound <= body.mirrored(normal)
-        assert 0 < body.moments.least_asymmetry(mirror(normal)) <= body.mirrored(normal)
 
 
 def test_average_with_the_mirror_image_has_no_product_with_the_normal():
     """A hole off the plane moves the centre, which goes back."""
-    R = any_rotation(5)
+    R = rotation(5)
     whole = samples.moved(bracket(), (1.0, 2.0, 3.0), R)
     hole = samples.moved(cavity((0.5, 0.5, 0.4), (0.3, 0.2, 0.1)), (1.0, 2.0, 3.0), R)
     given = properties(np.concatenate([whole, hole]))
@@ -208,16 +174,6 @@ def test_normals_of_a_float32_file_lie_along_the_axes():
     assert average.S_c[0, 2] == average.S_c[1, 2] == 0 < abs(average.S_c[0, 1])
 
 
-@pytest.mark.parametrize("body", [box(), torus(0.6, 0.3), uv_sphere(0.7, 32, 64), tetrahedron() / 5 - 0.2])
-def test_a_closed_surface_from_within_and_from_outside(body):
-    points = np.random.default_rng(0).normal(size=(300, 3))
-    points = points[(np.linalg.norm(points[:, None] - merged(body).vertices, axis=2) > 1e-2).all(axis=1)]
-    found = winding_numbers(points, merged(body))
-    assert np.abs(found - np.rint(found)).max() < 1e-12
-    assert set(np.rint(found)) == {0, 1}
-    np.testing.assert_allclose(winding_numbers(points, merged(flipped(body))), -found, rtol=0, atol=1e-12)
-
-
 MIRROR = np.diag([1.0, 1.0, -1.0])
 
 
@@ -234,7 +190,7 @@ def test_a_corner_moved_by_a_millionth_or_a_triangle_twice_makes_it_another():
 AXIAL = ["C", "Cv", "Ch", "D", "Dh", "Dd", "S"]
 REGULAR = ["T", "Td", "Th", "O", "Oh", "I", "Ih"]
 GROUPS = [(name, 2 + k % 2) for k, name in enumerate(AXIAL)] + [("T", 1), ("Td", 1)]
-FURTHER = [(name, n) for n in (4, 5, 7) for name in AXIAL] + [(name, 1) for name in REGULAR]
+FURTHER = [(name, n) for n in (4, 5) for name in AXIAL] + [(name, 1) for name in REGULAR]
 ALMOST = [(name, 3) for name in AXIAL] + [(name, 1) for name in REGULAR]
 
 
@@ -284,21 +240,57 @@ def test_every_element_is_found_where_it_is_near(name: str, n: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("noise", [1e-9, 1e-5])
 @pytest.mark.parametrize(("name", "n"), ALMOST)
-def test_every_element_of_a_group_is_found_where_it_is_near(name: str, n: int, noise: float) -> None:
-    all_found(name, n, noise, seed=1, within=max(1e-4, min(0.05, 1e3 * noise)))
+def test_every_element_of_a_group_is_found_where_it_is_near(name: str, n: int) -> None:
+    all_found(name, n, 1e-5, seed=1, within=0.01)
+
+
+PLANES = dict.fromkeys(["cylinder", "tube", "capsule", "ball", "rounded disc", "pulley", "torus"], "xyz") | {
+    "cone": "xy",
+    "half ball": "xy",
+    "ellipsoid": "xyz",
+    "ball of equal triangles": "xyz",
+    "plate with a hole": "z",
+    "bracket": "z",
+    "lever": "yz",
+    "rounded box": "xyz",
+    "box with small fillets": "xyz",
+}
+
+
+def lacking(corners: np.ndarray) -> float:
+    """What facets leave out, as a part of the volume."""
+    triangles = from_array(corners)
+    return CentredBody.of(triangles, integrate(triangles)).facets
+
+
+def holds(verdict: Symmetry, normal: np.ndarray) -> bool:
+    """A plane near this normal holds, or an axis of revolution in that plane, or two such axes: a ball."""
+    near = any(same(plane.normal, normal, 0.02) for plane in verdict.planes if plane.holds)
+    lines = [axis.direction for axis in verdict.axes if axis.holds and axis.fold == inf]
+    return near or len(lines) > 1 or any(abs(line @ normal) < 0.02 for line in lines)
 
 
 @pytest.mark.slow
-def test_fewer_than_one_verdict_in_a_hundred_is_false():
-    given = list(bodies(100))
-    wrong, told = (sum(part) for part in zip(*(body.false_verdicts() for body in given), strict=True))
-    assert told == 300
-    assert wrong < 0.01 * told
-    assert sum(len(body.holding) for body in given) > 80
-    assert sum(len(body.broken) for body in given) > 80
-    assert len({body.name for body in given}) > 14
+def test_fewer_than_one_verdict_in_a_hundred_is_false() -> None:
+    """In any pose and size; every other one with a box off the planes, clearly larger than what facets leave out."""
+    rng = np.random.default_rng(0)
+    wrong = []
+    for k, name in enumerate(4 * [*PLANES]):
+        turn = k // len(PLANES)
+        facets, planes = int(rng.integers(16, 49)), PLANES[name]
+        while lacking(corners := SOLIDS[name](facets).corners) > 4e-3:
+            facets *= 2
+        if (k + turn) % 2:
+            share = max(4.0 * lacking(corners), 10 ** rng.uniform(-4, -2))
+            edge = (share * integrate(from_array(corners)).volume) ** (1 / 3)
+            place = corners.max(axis=(0, 1)) + edge * rng.uniform(0.6, 1.5, 3)
+            corners, planes = np.concatenate([corners, samples.moved(box((edge, edge, edge)), place)]), ""
+        R = rotation(k)
+        placed = samples.moved(corners, rng.normal(size=3), R) * 10.0 ** rng.uniform(-3, 3)
+        verdict = found(placed.astype(np.float32).astype(float) if turn < 2 else placed)
+        wrong += [holds(verdict, R[:, i]) != (axis in planes) for i, axis in enumerate("xyz")]
+    assert np.mean(wrong) < 0.01
 
 
 def monomial(*powers):

@@ -113,12 +113,6 @@ def test_standard_input(kind):
     assert (done.stdout.split(), done.stderr) == ([b"<stdin>", b"12", b"12", b"12"], b"")
 
 
-def test_standard_input_that_is_closed(monkeypatch):
-    monkeypatch.setattr(sys, "stdin", None)
-    with pytest.raises(MeshError, match=r"^<stdin>: standard input is closed"):
-        load_triangles("-")
-
-
 @pytest.mark.skipif(not os.path.isdir("/dev/fd"), reason="the system has no names for descriptors")
 def test_a_pipe_that_was_typed_is_read_once_and_used_twice():
     """As `<(zcat part.stl.gz)` of shells is."""
@@ -220,11 +214,6 @@ def test_a_binary_file_is_never_in_memory_as_a_whole(tmp_path):
     assert peak < 1 << 20 < path.stat().st_size // 14
 
 
-@pytest.mark.parametrize("header", [b"solid exported by a program", b"solid x facet normal", b"\xff" * 80])
-def test_the_size_tells_binary_from_text(header):
-    assert stl(binary_stl(box(), header)).count == 12
-
-
 def test_bytes_after_the_last_triangle_are_noted():
     read = stl(binary_stl(box(), extra=b"12345"))
     assert read.count == 12
@@ -305,12 +294,6 @@ def test_the_digits_of_a_text_tell_how_far_it_is_rounded(number, bits):
     assert found.significand == bits
     written = np.array([float(number % value) for value in RING.ravel()]).reshape(RING.shape)
     np.testing.assert_array_equal(found.array(), written)
-
-
-def test_several_solids_are_taken_together():
-    read = stl(ascii_stl(box()) + ascii_stl(RING))
-    np.testing.assert_array_equal(read.array(), np.concatenate([box(), RING]))
-    assert "2 solids are taken together" in read.notes
 
 
 def test_a_header_that_counts_too_few_triangles_is_a_warning_with_both_numbers(tmp_path):
