@@ -9,9 +9,8 @@ import pytest
 from helpers import mesh_samples as samples
 from helpers.mesh_oracle import rotation
 from helpers.mesh_samples import box
-from helpers.point_groups import axes, body, group, planes
 from helpers.round_shapes import SOLIDS
-from helpers.symmetric_bodies import bracket, cavity, extrusion, found, pinwheel, verdicts
+from helpers.symmetric_bodies import axes, body, bracket, cavity, extrusion, found, group, pinwheel, planes, verdicts
 
 from robodyn.errors import MeshError
 from robodyn.solids.inertia.properties import from_integrals
