@@ -6,7 +6,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from helpers import motion_classes
 from robodyn.identification.log.log import Samples
 from robodyn.identification.log.rows import convolved, decimation, kernel
 from robodyn.identification.model_selection import Structure, covariance, fitted, joint_motors, system
@@ -56,8 +55,21 @@ def coloured(rng, shape, memory=0.9):
 
 def trapezoids(rng, time, joints):
     """Speeds that are trapezoids, with rests: accelerations jump."""
-    found = [motion_classes.trapezoids(rng, time) for _ in range(joints)]
-    return tuple(np.stack([each[k] for each in found], axis=1) for k in range(3))
+    found = np.zeros((3, len(time), joints))
+    for j in range(joints):
+        parts, sign = [], 1.0
+        while sum(duration for duration, _ in parts) <= time[-1]:
+            a, ramp, cruise = rng.uniform(2, 20) * sign, rng.uniform(0.06, 0.3), rng.uniform(0, 0.3)
+            rest = rng.uniform(0, 0.3) * (rng.random() < 0.7)
+            parts += [(ramp, a), (cruise, 0.0), (ramp, -a), (rest + 1e-9, 0.0)]
+            sign = -sign if rng.random() < 0.8 else sign
+        h, a = np.array(parts).T
+        start, v = (np.concatenate(([0.0], np.cumsum(x)[:-1])) for x in (h, h * a))
+        q = np.concatenate(([0.0], np.cumsum(h * v + 0.5 * a * h * h)[:-1]))
+        k = np.searchsorted(start, time, side="right") - 1
+        t = time - start[k]
+        found[:, :, j] = q[k] + v[k] * t + 0.5 * a[k] * t * t, v[k] + a[k] * t, a[k]
+    return tuple(found)
 
 
 MOTORS = {"viscous": 0.5, "coulomb": 0.8, "offset": 0.1, "rotor": 0.02}
