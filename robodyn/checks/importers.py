@@ -1,25 +1,22 @@
-"""What other programs do to descriptions: MuJoCo and Drake run, and a table of facts about links, joints and shapes.
+"""What other programs do to descriptions: a table of facts about links, joints and shapes.
 
-Each row was learnt by running the program or from what it documents. The table is not complete: what is refused for how
-it is written, for meshes, materials or transmissions, the program itself tells where it is installed; see `verdict_of`.
+Each row was learnt by running the program or from what it documents; of MuJoCo and Drake they hold for every version
+that was run. The table is not complete: what is refused for how it is written, for meshes, materials or transmissions,
+and what is changed, the program itself tells where it is installed; see `robodyn.checks.imported`.
 """
 
 from __future__ import annotations
 
-import json
 import re
-import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from enum import IntEnum
 from math import hypot
 from os.path import splitext
-from pathlib import Path
 from typing import NamedTuple
 
 from robodyn.checks.bodies.masses import inertia_together, principal_moments
 from robodyn.checks.context import Context
 from robodyn.checks.meshes.files import MeshUse, mesh_names
-from robodyn.checks.rule import Fault, Severity
 from robodyn.robot.masses.mistakes import UPPER
 from robodyn.robot.urdf.document import Span
 from robodyn.robot.urdf.parts import WITH_AXIS, WITH_RANGE
@@ -32,7 +29,6 @@ _ROUNDING = 1e-15
 _LEAST_GAZEBO = 1e-6
 """kg."""
 _LIMITED = ("revolute", "continuous", "prismatic")
-_FREEDOM = {"fixed": 0, "planar": 3, "floating": 6}
 
 
 class Verdict(IntEnum):
@@ -68,8 +64,8 @@ class Reads(NamedTuple):
 
 
 READS: Mapping[str, Reads] = {
-    "mujoco": Reads((".stl", ".obj", ".msh"), "rejects the file", "MuJoCo 4.0, run", ("collision",)),
-    "drake": Reads((".obj", ".gltf", ".vtk"), "rejects the file", "Drake 1.51, run", ("collision",)),
+    "mujoco": Reads((".stl", ".obj", ".msh"), "rejects the file", "MuJoCo 2.3, 3.1 and 4.0, run", ("collision",)),
+    "drake": Reads((".obj", ".gltf", ".vtk"), "rejects the file", "Drake 1.30 and 1.51, run", ("collision",)),
     "gz": Reads((".stl", ".dae", ".obj", ".gltf", ".glb", ".fbx"), "leaves the shape out", "gz-common 6, MeshManager"),
 }
 
@@ -169,23 +165,9 @@ def _massless(context: Context) -> Iterator[Found]:
             yield _part(group.links[0])
 
 
-def _unlimited(limit: LimitView) -> bool:
-    lower, upper = limit.lower.value, limit.upper.value
-    return (limit.lower.given or limit.upper.given) and (lower is None or upper is None or not lower < upper)
-
-
 def _turned(limit: LimitView) -> bool:
     lower, upper = limit.lower.value, limit.upper.value
     return lower is not None and upper is not None and lower > upper
-
-
-def _mimic_leader(context: Context) -> Iterator[Found]:
-    """Mimic joints whose leader is not there, is the joint itself, or has other degrees of freedom."""
-    for joint in context.view.joints:
-        if joint.mimic is not None:
-            leader = context.view.joint.get(joint.mimic.joint)
-            if leader is None or leader is joint or _FREEDOM.get(leader.type, 1) != _FREEDOM.get(joint.type, 1):
-                yield joint.mimic.element.span, named(joint)
 
 
 def _weightless(context: Context) -> frozenset[str]:
@@ -236,7 +218,7 @@ _REFUSED_TENSOR = _inertials(_unphysical)
 _INCOMPLETE = _inertials(
     lambda _, link: link.inertial and None in (link.inertial.inertia_element, link.inertial.mass_element)
 )
-_MUJOCO, _DRAKE = "MuJoCo 4.0, run; its XML reference, compiler", "Drake 1.51, run"
+_MUJOCO, _DRAKE = "MuJoCo 2.3, 3.1 and 4.0, run", "Drake 1.30 and 1.51, run"
 _GAZEBO, _KDL = "sdformat 12.3 with urdfdom 3.0, run", "kdl_parser.cpp"
 _ISAAC = "Isaac Sim 5, URDF importer and its ImportConfig"
 _TABLE: Mapping[tuple[str, Verdict, str], Mapping[str, Find]] = {
@@ -259,22 +241,22 @@ _TABLE: Mapping[tuple[str, Verdict, str], Mapping[str, Find]] = {
             "visual", "", lambda context, _: _compiler(context).get("discardvisual", "true") == "true"
         ),
         "makes the root a part of the world, without its mass": _HEAVY_ROOT,
-        "ignores limits unless lower < upper, both given": _limits(WITH_RANGE, _unlimited),
-        "makes mimic a soft equality constraint": _MIMIC,
+        "ignores limits where lower > upper": _limits(WITH_RANGE, _turned),
+        "does not make mimic exact": _MIMIC,
     },
     ("drake", Verdict.REJECTS, _DRAKE): {
         "requires lower <= upper": _limits(_LIMITED, _turned),
-        "requires a velocity that is not negative, and ends the process otherwise": _limits(
-            _LIMITED, lambda limit: (limit.velocity.value or 0.0) < 0
-        ),
+        "requires a velocity that is not negative": _limits(_LIMITED, lambda limit: (limit.velocity.value or 0.0) < 0),
         "requires an axis of 1e-8 or more": _axis_shorter_than(1e-8),
         "requires damping that is not negative": _joints(
             lambda joint: joint.type in _LIMITED and (joint.damping.value or 0.0) < 0
         ),
-        "requires mimic and another joint as leader, with equal degrees of freedom": _mimic_leader,
         "requires a name of the robot": _nameless,
     },
     ("drake", Verdict.ALTERS, _DRAKE): {
+        "takes 1 kg where <inertial> has no <mass>, or a negative one": _inertials(
+            lambda _, link: link.mass is None or link.mass < 0
+        ),
         "ignores joint friction": _joints(lambda joint: joint.friction.value),
         "lets the root float unless it is called world": _root(lambda link: link.name != "world"),
         "leaves the child of a floating joint free of its parent": _joints(lambda joint: joint.type == "floating"),
@@ -320,100 +302,3 @@ FACTS = tuple(
     for does, find in column.items()
 )
 """The table, row by row: what a program does, and where to find that."""
-
-INSTALLABLE = "mujoco", "drake"
-"""Programs that can be run: targets, and the packages to install."""
-_PACKAGE = re.compile(rb"(?:package|model)://([^/\"']+)/")
-PATIENCE = 60.0
-"""s."""
-
-
-def answer(context: Context, target: str) -> tuple[str | None, str | None]:
-    """The version of an installable program, None where it is not installed, and why it refuses a file, None where it
-    does not: read in a process of its own, which is killed after 60 s. A description that is not the file itself, such
-    as expanded xacro, is handed over in a temporary folder."""
-    import subprocess
-    from importlib.metadata import PackageNotFoundError, version
-    from tempfile import TemporaryDirectory
-
-    from robodyn.support.children import start_python
-    from robodyn.support.input_file import read_input
-
-    try:
-        installed = version(target)
-    except PackageNotFoundError:
-        return None, None
-    names = {name.decode(errors="replace") for name in _PACKAGE.findall(context.reading.data)}
-    shares = {name: context.search.share(name) for name in sorted(names)}
-    packages = {name: str(share.resolve()) for name, share in shares.items() if share is not None}
-    with TemporaryDirectory() as folder:
-        file = Path(context.reading.file).resolve()
-        if not file.is_file() or read_input(file) != context.reading.data:
-            file = Path(folder) / "robot.urdf"
-            file.write_bytes(context.reading.data)
-        arguments = target, str(file), json.dumps(packages)
-        child = start_python(f"{__name__}:serve", *arguments, folder=folder, stderr=subprocess.DEVNULL)
-        try:
-            said, _ = child.communicate(timeout=PATIENCE)
-        except subprocess.TimeoutExpired:
-            return installed, f"it is not done after {PATIENCE:g} s"
-        finally:
-            child.kill()
-            child.communicate()
-    if child.returncode:
-        return installed, f"its process ended with status {child.returncode}"
-    return installed, json.loads(said.splitlines()[-1])
-
-
-def serve(target: str, file: str, packages: str) -> None:
-    """Read a file, and write as the last line of JSON why it is refused; null where it is not."""
-    said = None
-    try:
-        if target == "mujoco":
-            import mujoco
-
-            mujoco.MjModel.from_xml_path(file)
-        else:
-            from pydrake.multibody.parsing import Parser
-            from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
-            from pydrake.systems.framework import DiagramBuilder
-
-            builder = DiagramBuilder()
-            plant, _ = AddMultibodyPlantSceneGraph(builder, 0.0)
-            parser = Parser(plant)
-            for name, folder in json.loads(packages).items():
-                parser.package_map().Add(name, Path(folder))
-            parser.AddModels(Path(file))
-            plant.Finalize()
-            builder.Build().CreateDefaultContext()
-    except Exception as error:
-        said = " ".join(str(error).split())
-    sys.stdout.write(f"\n{json.dumps(said)}\n")
-
-
-_MOST = 3
-_LONGEST = 300
-_SAYS = {Verdict.LOADS: "loads it as it is", Verdict.ALTERS: "loads it with changes", Verdict.REJECTS: "rejects it"}
-
-
-def verdict_of(context: Context, target: str) -> Fault:
-    """What a program makes of a file, by its own answer and the facts with the worst verdict. From stage TREE on.
-    Installed programs reject what they do reject; what else they do, and what others do, the table tells."""
-    version, refusal = answer(context, target) if target in INSTALLABLE else (None, None)
-    taken = version is not None and refusal is None
-    facts = [fact for fact in FACTS if fact.target == target and not (taken and fact.verdict is Verdict.REJECTS)]
-    counted = [(fact, found) for fact in facts if (found := list(fact.find(context)))]
-    worst = max((fact.verdict for fact, _ in counted), default=Verdict.LOADS)
-    verdict = worst if refusal is None else Verdict.REJECTS
-    shown = [(fact, found) for fact, found in counted if fact.verdict is verdict]
-    reasons = [] if refusal is None else [f'it says "{refusal[:_LONGEST]}"']
-    for fact, found in shown:
-        more = f" and {len(found) - _MOST} more" if len(found) > _MOST else ""
-        reasons.append(f"it {fact.does} ({', '.join(each for _, each in found[:_MOST])}{more})")
-    what = f"{target} {_SAYS[verdict]}" + (f": {'; '.join(reasons)}" if reasons else "")
-    known = [f"known from {'; '.join(dict.fromkeys(fact.source for fact, _ in shown))}"] if shown else []
-    if target in INSTALLABLE:
-        known.insert(0, f"run in version {version}" if version else "not run, since it is not installed")
-    at = shown[0][1][0][0] if shown else context.view.root.span
-    severity = Severity.ERROR if verdict is Verdict.REJECTS else Severity.NOTE
-    return Fault(at, what, "; ".join(known) or "nothing to do", subject=None, severity=severity)

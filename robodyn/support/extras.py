@@ -48,6 +48,8 @@ OPTIONAL = (
     Library("xacrodoc", "xacrodoc", "xacro files", "xacro"),
     Library("clarabel", "clarabel", "contact forces that cost torques or are bounded by them", "conic"),
     Library("pygls", "pygls", "`lsp`, for editors", "lsp"),
+    Library("mujoco", "mujoco", "what MuJoCo changes, by `check --target`", "importers"),
+    Library("drake", "pydrake", "what Drake changes, by `check --target`", "importers"),
     Library("rosbags", "rosbags", "ROS bags", "ros"),
     Library("pyyaml", "yaml", "messages of ROS as YAML", "ros"),
     Library("distributed", "distributed", "`torques --dask`", "dask"),

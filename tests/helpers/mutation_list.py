@@ -22,7 +22,9 @@ MUTATIONS = {
         ("checks/importers.py", "lower > upper", "lower < upper"),
         ("checks/importers.py", "abs(whole) <= _LEAST_GAZEBO", "False"),
         ("checks/importers.py", "small + middle < (1.0 - 2.0 * _ROUNDING) * large", "False"),
-        ("checks/importers.py", "leader is None", "False"),
+        ("checks/imported.py", "os.dup2(2, 1)", "pass"),
+        ("checks/imported.py", "model.body_inertia[k] @", "model.body_inertia[k][::-1] @"),
+        ("checks/bodies/masses.py", "behind(behind(back, outer), inner)", "behind(outer, inner)"),
     ],
     "checks/test_config.py": [
         ("checks/catalogue.py", "not select or DEFAULT in select", "not select"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 from math import fsum, sqrt
 
@@ -99,16 +99,20 @@ def tensors(context: Context) -> Iterator[tuple[LinkView, InertialView, Tensor]]
             yield link, link.inertial, link.tensor
 
 
-def inertia_together(context: Context, links: Iterable[LinkView]) -> Inertia | None:
-    """The inertia of links of a rigid group, in the frame of its first link; None where a number cannot be read."""
+def inertia_together(context: Context, links: Sequence[LinkView]) -> Inertia | None:
+    """The inertia of links of a rigid group, in the frame of the first; None where a number cannot be read."""
     poses, found = context.once(link_poses), list[Inertia]()
+    own = poses.get(links[0].name)
+    if own is None:
+        return None
+    back = Pose(own.R.T, -product(own.R.T, own.p))
     for link in links:
         if link.inertial is None:
             continue
         outer, inner = poses.get(link.name), pose(link.inertial.origin)
         if link.mass is None or link.tensor is None or outer is None or inner is None:
             return None
-        at = behind(outer, inner)
+        at = behind(behind(back, outer), inner)
         found.append(inertia_of(link.mass, ZERO, symmetric(link.tensor), at.R, at.p))
     return combined(found)
 

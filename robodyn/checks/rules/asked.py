@@ -11,7 +11,8 @@ import numpy as np
 
 from robodyn.checks.context import TARGETS
 from robodyn.checks.examples import a_joint, a_link, arm
-from robodyn.checks.importers import FACTS, INSTALLABLE, Verdict, named, verdict_of
+from robodyn.checks.imported import INSTALLABLE, verdict_of
+from robodyn.checks.importers import FACTS, Verdict, named
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.errors import DescriptionError, InputError
 from robodyn.programs.vectors import length
@@ -71,9 +72,11 @@ _KNOWN = "\n".join(f"{fact.target} {fact.verdict.name.lower()}: it {fact.does} [
     Stage.TREE,
     explanation=f"""For each program asked for ({", ".join(TARGETS)}) its verdict: loads, alters, or rejects and why. A
 rejection by a program that is asked for is an error, all else a remark. {" and ".join(INSTALLABLE)} are run where they
-are installed, in a process of their own, and what they say is given; what they alter, and what others do, is looked up
-in a table. Without being asked nothing is run, and only what the table knows {" and ".join(INSTALLABLE)} to reject is
-reported where no other rule tells of the same link or joint why. Of meshes RD601 and RD607 tell. The table:
+are installed (extra `importers`), in a process of their own, and their version is given, and why they refuse the file,
+or what they hold otherwise: masses, centres, inertias, limits, links fused or dropped, shapes left out. What others do,
+and these where they are not installed, is looked up in a table of what holds for all versions. Without being asked
+nothing is run, and only what the table knows {" and ".join(INSTALLABLE)} to reject is reported where no other rule
+tells of the same link or joint why. Of meshes RD601 and RD607 tell. The table:
 {_KNOWN}""",
     good=arm(more=a_link("cross") + a_joint("pitch", "upper", "cross") + _TOOL),
     bad=arm(more=a_link("cross", "") + a_joint("pitch", "upper", "cross") + _TOOL),
