@@ -9,11 +9,13 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from benchmarks.audit_robots import CONDEMNS, errors_of
+from benchmarks.witness import condemns, witness
 from helpers.robot_catalogue import FOLDER, names
 from helpers.sampled import sampled
 from pinned_findings import counts, name_of, pinned, published
 
-from robodyn.checks.check import check_one
+from robodyn.checks.check import Checked, check_one
 from robodyn.checks.rule import Finding, Severity
 
 CLEAN = ("go2", "g1_29dof_rev_1_0", "g1_29dof_with_hand_rev_1_0", "solo12", "xarm7", "kinova", "jvrc1")
@@ -63,3 +65,16 @@ def test_known_defects(stem: str, code: str) -> None:
 @pytest.mark.parametrize("name", sampled(names(), 3))
 def test_our_robots_have_no_errors_but_those_that_they_waive(name: str) -> None:
     assert [finding for finding in found(FOLDER / f"{name}.urdf") if finding.severity is Severity.ERROR] == []
+
+
+ACCUSED = [
+    path for path in published() if any(key.endswith("ERROR") and key[:5] in CONDEMNS for key in PINNED[name_of(path)])
+]
+
+
+@pytest.mark.parametrize("path", sampled(ACCUSED, 5), ids=name_of)
+def test_every_error_has_a_witness(path: Path, tmp_path: Path) -> None:
+    folder = next(up for up in path.parents if up.name in ("example-robot-data", "iCub", "share"))
+    errors = [*errors_of("", folder, Checked((str(path),), found(path)), tmp_path)]
+    assert errors
+    assert not [error for error in errors if not condemns(error, witness(error))]

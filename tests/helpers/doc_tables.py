@@ -33,7 +33,7 @@ TIMED = {
     "precision": "bench_work_precision",
     "meshes": "bench_startup --meshes 5000000",
     "check": "bench_check",
-    "findings": "bench_findings",
+    "audit": "audit_robots",
     "slips": "bench_slips",
     "simcheck": "bench_simcheck",
     "iftomm": "bench_iftomm",
