@@ -20,7 +20,7 @@ from helpers.plain_dynamics import (
     plain_tree,
     plain_turntable,
 )
-from helpers.random_scenes import momentum_of, passing_of, pushed_slide
+from helpers.random_scenes import momentum_of, pushed_slide, swung
 
 from robodyn.errors import InputError
 from robodyn.measure.accuracy import simulate_within as effort
@@ -116,13 +116,18 @@ def pushed(rng) -> Outcome:
 
 
 def stopped(rng) -> Outcome:
-    """When a slide that is pushed to and fro reaches its limit, if it does, or ends without, in closed form."""
-    each, target = passing_of(rng), log(rng, -8, -2)
+    """When a pendulum that a table drives reaches its limit, if it does, or where it ends without."""
+    each, target = swung(rng), log(rng, -8, -2)
     found = asked(each.model, each.scene, None, target, table=each.table)
     if found is None:
         return Outcome(None, target, 0.0, str(each))
-    end = each.table["time"][-1] if each.moment is None else each.moment
-    off = abs(float(found.time[-1]) - end) / end if bool(found.ended) == (each.moment is not None) else np.inf
+    if bool(found.ended) != (each.moment is not None):
+        off = np.inf
+    elif each.moment is None:
+        ends = np.abs([found.q[-1, 0], found.qd[-1, 0]] - each.end)
+        off = float((ends / [np.abs(found.q).max(), np.abs(found.qd).max()]).max())
+    else:
+        off = abs(float(found.time[-1]) - each.moment) / each.moment
     return Outcome(off, target, found.expected_error, str(each))
 
 
@@ -155,7 +160,7 @@ CLASSES = {
     "driven": Class("pendulums under drives, soft to stiff", 34, smooth(driven, precise)),
     "chaotic": Class("double pendulums let go high, 2 to 30 s", 40, smooth(chaotic, in_long_doubles)),
     "pushed": Class("forces of tables, held or straight between rows", 31, pushed),
-    "stopped": Class("forces of tables that push a slide to its limit, or nearly", 31, stopped),
+    "stopped": Class("torques of tables that swing a pendulum to its limit, or nearly", 31, stopped),
     "robots": Class("trees of three skew joints that rub and are driven", 8, smooth(robots, precise)),
 }
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
+from scipy.interpolate import BPoly
+from scipy.signal import lfilter
 
 from robodyn.identification.log.log import Samples
 from robodyn.identification.log.rows import convolved, decimation, kernel
@@ -26,19 +26,18 @@ def waves(rng, time, joints, scale=1.0):
     return q, qd, qdd
 
 
+def between(knots, places, still=2):
+    """A curve through places at knots, at each of which so many derivatives vanish."""
+    return BPoly.from_derivatives(knots, np.column_stack([places, np.zeros((len(places), still))]))
+
+
 def quintics(rng, time, joints, scale=1.0):
     """Moves from point to point, each joint in its own time, without rests."""
-    q, qd, qdd = np.zeros((3, len(time), joints))
-    for j in range(joints):
+    curves = []
+    for _ in range(joints):
         knots = np.cumsum(np.concatenate([[time[0]], rng.uniform(0.6, 1.6, int(2.0 * (time[-1] - time[0])) + 4)]))
-        places = scale * rng.uniform(-1.0, 1.0, len(knots))
-        for (a, b), (x, y) in zip(pairwise(knots), pairwise(places), strict=True):
-            own = (time >= a) & (time < b)
-            s, T = (time[own] - a) / (b - a), b - a
-            q[own, j] = x + (y - x) * s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
-            qd[own, j] = (y - x) * 30.0 * s * s * (1.0 - s) ** 2 / T
-            qdd[own, j] = (y - x) * 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / T**2
-    return q, qd, qdd
+        curves.append(between(knots, scale * rng.uniform(-1.0, 1.0, len(knots))))
+    return tuple(np.stack([curve(time, k) for curve in curves], axis=1) for k in range(3))
 
 
 def white(rng, shape):
@@ -47,8 +46,6 @@ def white(rng, shape):
 
 def coloured(rng, shape, memory=0.9):
     """Of unit variance: each sample keeps a part of the one before."""
-    from scipy.signal import lfilter
-
     steps = np.sqrt(1.0 - memory * memory) * rng.standard_normal((shape[0] + 100, shape[1]))
     return lfilter([1.0], [1.0, -memory], steps, axis=0)[100:]
 
@@ -143,9 +140,11 @@ class Bench:
             yield self.fit(self.clean + convolved(disturbed, self.taps, self.every))
 
 
-def write_log(path, model, time, q, tau, qd=None, qdd=None):
-    """Write a table of a log as CSV, with the velocities and accelerations that are given."""
-    parts = [("q", q), ("qd", qd), ("qdd", qdd), ("tau", tau)]
-    names = ["time", *(f"{kind}_{name}" for kind, values in parts if values is not None for name in model.rates)]
-    rows = np.column_stack([time, *(values for _, values in parts if values is not None)])
-    np.savetxt(path, rows, delimiter=",", header=",".join(names), comments="", fmt="%.17g")
+def write_log(path, model, time, q, tau, qd=None, qdd=None, left_out=()):
+    """Write a table of a log as CSV, with the velocities and accelerations that are given, without some joints."""
+    parts = [
+        (kind, values) for kind, values in (("q", q), ("qd", qd), ("qdd", qdd), ("tau", tau)) if values is not None
+    ]
+    columns = {f"{kind}_{n}": x[:, j] for kind, x in parts for j, n in enumerate(model.rates) if n not in left_out}
+    rows = np.column_stack([time, *columns.values()])
+    np.savetxt(path, rows, delimiter=",", header=",".join(["time", *columns]), comments="", fmt="%.17g")

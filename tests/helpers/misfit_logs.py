@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -11,15 +10,17 @@ from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
 import robodyn
-from helpers.identified_logs import waves, write_log
+from helpers.identified_logs import between, waves, write_log
 from helpers.oracles import ROBOTS
 from helpers.verdicts import with_bodies
-from robodyn.dynamics.regressor import INERTIAL, regressor
+from robodyn.dynamics.regressor import regressor
 from robodyn.identification.identify import identify
 from robodyn.identification.log.log import read_log
 from robodyn.identification.result import covariance
+from robodyn.robot.model import Body, Model
 from robodyn.scene.scene import Friction, Rotor, Scene
 from robodyn.scene.uncertainty import Covariance
+from robodyn.solids.inertia.laws import Inertia
 
 Array = NDArray[np.float64]
 States = tuple[Array, Array, Array]
@@ -67,8 +68,6 @@ CLASSES = {
     "stiction": Misfit(presliding=0.003),
     "a joint that is not in the log": Misfit(missing=True),
 }
-WAY = np.polynomial.Polynomial([0.0] * 5 + [126.0, -420.0, 540.0, -315.0, 70.0])
-"""From 0 to 1 with four derivatives that vanish at both ends."""
 TUNED, JUDGED = range(100, 104), range(200, 206)
 """Seeds: what is tuned on the first is published of the others."""
 
@@ -79,7 +78,7 @@ class Judged(NamedTuple):
     Attributes:
         held: share of intervals of torques that hold the truth, over instants and joints; joints: by joint.
         error, described: relative errors of the calibrated and the given model on the new motion.
-        held_out: as `identify` tells it; written: whether files are; said: warnings.
+        held_out: as `identify` tells it; said: warnings.
     """
 
     held: float
@@ -87,7 +86,6 @@ class Judged(NamedTuple):
     error: float
     described: float
     held_out: float
-    written: bool
     said: tuple[str, ...]
 
 
@@ -95,16 +93,10 @@ def moves(rng: np.random.Generator, time: Array, joints: int) -> States:
     """Two moves of each joint at a time, from point to point, so that they hardly rest, where friction is anything."""
     found = np.zeros((3, len(time), joints))
     for j in [*range(joints)] * 2:
-        knots = np.cumsum(
-            [time[0] - rng.uniform(0.0, 2.0), *rng.uniform(0.8, 2.0, int(2.0 * (time[-1] - time[0])) + 6)]
-        )
-        places = rng.uniform(-0.5, 0.5, len(knots))
-        for a, b, x, y in zip(knots, knots[1:], places, places[1:], strict=False):
-            own = (time >= a) & (time < b)
-            s = (time[own] - a) / (b - a)
-            found[0, own, j] += x + (y - x) * WAY(s)
-            for k in (1, 2):
-                found[k, own, j] += (y - x) * WAY.deriv(k)(s) / (b - a) ** k
+        lasts = rng.uniform(0.8, 2.0, int(2.0 * (time[-1] - time[0])) + 6)
+        knots = np.cumsum([time[0] - rng.uniform(0.0, 2.0), *lasts])
+        curve = between(knots, rng.uniform(-0.5, 0.5, len(knots)), still=4)
+        found[:, :, j] += [curve(time, k) for k in range(3)]
     return found[0], found[1], found[2]
 
 
@@ -114,11 +106,11 @@ class MisfitLog:
     def __init__(self, misfit: Misfit, seed: int, samples: int = SAMPLES) -> None:
         self.misfit, self.rng = misfit, np.random.default_rng(seed)
         self.model = robodyn.load(ROBOTS / "puma560.urdf")
-        self.true = self._true()
-        self.scene = motors = robodyn.load_scene(ROBOTS / "puma560_motors.toml")
+        self.true = replace(self.model, bodies=(self.model.bodies[0], *map(self._other, self.model.bodies[1:])))
+        self.scene = robodyn.load_scene(ROBOTS / "puma560_motors.toml")
         self.scale = {name: self.rng.uniform(0.7, 1.3) for name in self.model.rates}
-        self.rotor = {name: Rotor(rotor.inertia * self.scale[name], rotor.gear) for name, rotor in motors.rotor.items()}
-        self.friction = motors.friction
+        rotors = self.scene.rotor.items()
+        self.rotor = {name: Rotor(rotor.inertia * self.scale[name], rotor.gear) for name, rotor in rotors}
         lean = np.radians(misfit.tilt)
         way = self.rng.uniform(0.0, 2.0 * np.pi)
         self.gravity = 9.81 * np.array([np.sin(lean) * np.cos(way), np.sin(lean) * np.sin(way), -np.cos(lean)])
@@ -128,63 +120,48 @@ class MisfitLog:
         self.late = misfit.late * own
         self.tau = self._measured()
 
-    def _true(self):
-        zero = np.zeros(self.model.n)
-        found = regressor(self.model, zero, zero, zero, scene=Scene())
-        at, theta = {name: k for k, name in enumerate(found.names)}, found.theta.copy()
-        for body in self.model.bodies[1:]:
-            m, x, y, z, *moments = theta[[at[f"{body.name}.{kind}"] for kind in INERTIAL]]
-            part, off = self.rng.uniform(0.7, 1.3), self.rng.uniform(-0.02, 0.02, 3)
-            first = np.array([x, y, z])
-            new = part * (first + m * off)
-            c, d = (first / m, first / m + off) if m else (np.zeros(3), np.zeros(3))
-            shift = m * ((d @ d) * np.eye(3) - np.outer(d, d) - (c @ c) * np.eye(3) + np.outer(c, c))
-            inertia = part * (np.array(moments) + shift[np.triu_indices(3)])
-            theta[[at[f"{body.name}.{kind}"] for kind in INERTIAL]] = [part * m, *new, *inertia]
-        return with_bodies(self.model, found.names, theta)
-
-    def _friction(self, part: float) -> dict[str, Friction]:
-        own = {name: part * self.scale[name] for name in self.model.rates}
-        kept = 0.0 if self.misfit.presliding else 1.0
-        return {
-            name: Friction(f.viscous * own[name], kept * f.forward * own[name], kept * f.backward * own[name])
-            for name, f in self.friction.items()
-        }
+    def _other(self, body: Body) -> Body:
+        part, off = self.rng.uniform(0.7, 1.3), self.rng.uniform(-0.02, 0.02, 3)
+        m, mc, I = body.inertia
+        c = mc / (m or 1.0)
+        d = c + off
+        shift = (d @ d - c @ c) * np.eye(3) - np.outer(d, d) + np.outer(c, c)
+        return replace(body, inertia=Inertia(part * m, part * m * d, part * (I + m * shift)))
 
     def _rigid(self, states: States, part: float) -> Array:
-        scene = Scene(gravity=tuple(self.gravity), friction=self._friction(part), rotor=self.rotor)
+        """Torques with this part of the friction."""
+        kept = 0.0 if self.misfit.presliding else 1.0
+        friction = {}
+        for name, f in self.scene.friction.items():
+            own = part * self.scale[name]
+            friction[name] = Friction(f.viscous * own, kept * f.forward * own, kept * f.backward * own)
+        scene = Scene(gravity=tuple(self.gravity), friction=friction, rotor=self.rotor)
         return robodyn.inverse_dynamics(self.true, *states, scene=scene)
 
     def torques(self, time: Array, states: States, begun: float = 1e9) -> Array:
-        """Torques of the robot as it is.
-
-        Args:
-            begun: s since it began to warm up.
-        """
+        """Torques of the robot as it is; `begun`: s since it began to warm up."""
         warm = 1.0 + (self.misfit.drift - 1.0) * np.exp(-(begun + time) / 10.0)
-        cold = self._rigid(states, 1.0)
-        bare = self._rigid(states, 0.0)
+        rubbing, bare = self._rigid(states, 1.0), self._rigid(states, 0.0)
+        rubbing -= bare
         if self.misfit.bend:
             states = self._bent(time, states, bare)
-            cold, bare = (each + self._bare(states) - bare for each in (cold, bare))
-        tau = bare + warm[:, None] * (cold - bare)
+            bare = self._rigid(states, 0.0)
+        tau = bare + warm[:, None] * rubbing
         return tau + self._presliding(states) if self.misfit.presliding else tau
-
-    def _bare(self, states: States) -> Array:
-        return self._rigid(states, 0.0)
 
     def _bent(self, time: Array, states: States, tau: Array) -> States:
         """Angles of links where motors have those of the log: behind springs that bend under what the links need."""
-        largest = np.abs(tau).max(axis=0)
-        q = states[0] - self.misfit.bend * tau / largest
+        q = states[0] - self.misfit.bend * tau / np.abs(tau).max(axis=0)
         spline = make_interp_spline(time, q, k=5)
         return q, spline.derivative()(time), spline.derivative(2)(time)
 
     def _presliding(self, states: States) -> Array:
         """Dry friction that follows the displacement before it slides: dz/dq = 1 - z sign(qd)."""
         z, found = np.zeros(self.model.n), np.empty_like(states[0])
-        forward = np.array([self.friction[name].forward * self.scale[name] for name in self.model.rates])
-        backward = np.array([self.friction[name].backward * self.scale[name] for name in self.model.rates])
+        forward, backward = (
+            np.array([getattr(self.scene.friction[name], way) * self.scale[name] for name in self.model.rates])
+            for way in ("forward", "backward")
+        )
         moved = np.diff(states[0], axis=0, prepend=states[0][:1])
         for k, dq in enumerate(moved):
             sign = np.sign(dq)
@@ -204,61 +181,48 @@ class MisfitLog:
             tau = np.round(tau / (self.misfit.step * largest)) * self.misfit.step * largest
         return tau
 
-    def write(self, path) -> None:
-        write_log(path, self.model, self.time, self.states[0], self.tau)
-        if self.misfit.missing:
-            names = path.read_text().partition("\n")[0].split(",")
-            keep = [k for k, name in enumerate(names) if not name.endswith(f"_{MISSING}")]
-            rows = np.loadtxt(path, delimiter=",", skiprows=1, usecols=keep)
-            header = ",".join(names[k] for k in keep)
-            np.savetxt(path, rows, delimiter=",", header=header, comments="", fmt="%.17g")
-
-    def judged(self, path, **options) -> Judged:
+    def judged(self, path) -> Judged:
         """Identify the log, written to a path; judge intervals of torques on a new motion."""
-        self.write(path)
-        found = identify([read_log(str(path), self.model, self.scene)], self.scene, **options)
+        left_out = (MISSING,) if self.misfit.missing else ()
+        write_log(path, self.model, self.time, self.states[0], self.tau, left_out=left_out)
+        self.found = found = identify([read_log(str(path), self.model, self.scene)], self.scene)
         time = 0.02 * np.arange(1000)
         states = moves(self.rng, time, self.model.n)
         true = self.torques(time, states)
         calibrated = with_bodies(self.model, found.names, found.theta)
-        scene = found.scene.changed(tuple(self.gravity))
+        scene, described = (each.changed(tuple(self.gravity)) for each in (found.scene, self.scene))
         off = robodyn.inverse_dynamics(calibrated, *states, scene=scene) - true
-        self.args = calibrated, scene, states
-        deviation = self._deviation(*self.args, covariance(found))
-        plain = robodyn.inverse_dynamics(self.model, *states, scene=self.scene.changed(tuple(self.gravity))) - true
-        inside = np.abs(off) <= LEVEL * deviation
+        plain = robodyn.inverse_dynamics(self.model, *states, scene=described) - true
+        inside = np.abs(off) <= LEVEL * _deviation(calibrated, scene, states, covariance(found))
         size = np.linalg.norm(true)
-        errors = found.held_out or found.train
-        self.off, self.deviation, self.true_torques, self.found = off, deviation, true, found
         return Judged(
             float(inside.mean()),
             inside.mean(axis=0).tolist(),
             float(np.linalg.norm(off) / size),
             float(np.linalg.norm(plain) / size),
-            errors.relative_error,
-            found.better and found.explains and not found.faults,
+            (found.held_out or found.train).relative_error,
             found.warnings,
         )
 
-    @staticmethod
-    def _deviation(model, scene: Scene, states: States, known: Covariance) -> Array:
-        """Standard errors of torques, of which those by friction under load are by differences."""
-        at = regressor(model, *states, scene=scene)
-        columns = []
-        for name in known.parameters:
-            joint, _, kind = name.rpartition(".")
-            if kind == "load":
-                own = scene.friction[joint]
-                ends = (replace(own, load=own.load + h) for h in (1e-4, -1e-4))
-                scenes = (replace(scene, friction={**scene.friction, joint: each}) for each in ends)
-                more, less = (robodyn.inverse_dynamics(model, *states, scene=each) for each in scenes)
-                columns.append((more - less) / 2e-4)
-            else:
-                columns.append(at.Y[:, :, at.names.index(name)])
-        Y = np.stack(columns, axis=2)
-        return np.sqrt(np.einsum("kia,ab,kib->ki", Y, known.covariance, Y, optimize=True))
+
+def _deviation(model: Model, scene: Scene, states: States, known: Covariance) -> Array:
+    """Standard errors of torques, of which those by friction under load are by differences."""
+    at = regressor(model, *states, scene=scene)
+    columns = []
+    for name in known.parameters:
+        joint, _, kind = name.rpartition(".")
+        if kind == "load":
+            own = scene.friction[joint]
+            ends = (replace(own, load=own.load + h) for h in (1e-4, -1e-4))
+            scenes = (replace(scene, friction={**scene.friction, joint: each}) for each in ends)
+            more, less = (robodyn.inverse_dynamics(model, *states, scene=each) for each in scenes)
+            columns.append((more - less) / 2e-4)
+        else:
+            columns.append(at.Y[:, :, at.names.index(name)])
+    Y = np.stack(columns, axis=2)
+    return np.sqrt(np.einsum("kia,ab,kib->ki", Y, known.covariance, Y, optimize=True))
 
 
-def judged(name: str, seed: int, path, samples: int = SAMPLES, make: Callable[..., MisfitLog] = MisfitLog) -> Judged:
+def judged(name: str, seed: int, path, samples: int = SAMPLES) -> Judged:
     """Judge a log of a class."""
-    return make(CLASSES[name], seed, samples).judged(path)
+    return MisfitLog(CLASSES[name], seed, samples).judged(path)

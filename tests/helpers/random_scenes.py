@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -77,14 +77,13 @@ def momentum_of(pushed: Pushed) -> tuple[float, float]:
     if pushed.scene.between_rows == "hold":
         ends = np.minimum(np.append(time[1:], np.inf), pushed.duration)
         parts = (force * (ends - time))[inside]
+        sizes = np.abs(parts)
     else:
         last = np.interp(pushed.duration, time, force)
         time, force = np.append(time[inside], pushed.duration), np.append(force[inside], last)
         parts = np.diff(time) * 0.5 * (force[1:] + force[:-1])
-        return float(parts.sum()) / pushed.mass, float(
-            (np.diff(time) * np.maximum(*np.abs([force[1:], force[:-1]]))).sum()
-        ) / pushed.mass
-    return float(parts.sum()) / pushed.mass, float(np.abs(parts).sum()) / pushed.mass
+        sizes = np.diff(time) * np.maximum(*np.abs([force[1:], force[:-1]]))
+    return float(parts.sum()) / pushed.mass, float(sizes.sum()) / pushed.mass
 
 
 def hanging(lower: float, upper: float) -> Model:
@@ -105,52 +104,6 @@ def braked_slide(depth: float) -> tuple[Model, Scene, float, float]:
     return slide(1.0), scene, turn, float(np.sqrt(2.0 * abs(depth) / a))
 
 
-class Passing(NamedTuple):
-    """A slide with limits that forces of a table push to and fro, and when it first passes one [s], if it does."""
-
-    model: Model
-    scene: Scene
-    table: dict[str, Floats]
-    step: float
-    moment: float | None
-
-
-def passing_of(rng: np.random.Generator) -> Passing:
-    """Return a slide whose upper limit is a little below or above the highest place that it comes to."""
-    time = np.concatenate(([0.0], np.cumsum(rng.uniform(0.003, 0.3, 12))))
-    force = rng.normal(size=13) * 10.0
-    q, qd = 0.0, float(rng.normal())
-    tops: list[tuple[float, float]] = []
-    arcs = []
-    for begin, length, a in zip(time, np.diff(time), force, strict=False):
-        arcs.append((float(begin), float(length), q, qd, float(a)))
-        at = -qd / a
-        if a < 0.0 < at < length:
-            tops.append((begin + at, q + 0.5 * qd * at))
-        q, qd = q + qd * length + 0.5 * a * length**2, qd + a * length
-    highest = max([top for _, top in tops] + [arc[2] for arc in arcs] + [q])
-    size = max(abs(highest), 1e-3)
-    limit = highest - size * float(rng.choice([-1.0, 1.0])) * 10.0 ** float(rng.uniform(-5, -1))
-    limit = float(max(limit, 1e-6))
-    moments = [begin + t for begin, length, x, v, a in arcs for t in _passed(x, v, a, limit, length)]
-    slider = joint("j1", "l0", "l1", "prismatic", (1, 0, 0)).replace('upper="9"', f'upper="{limit!r}"')
-    model = built(link("l0"), link("l1", 1.0), slider.replace('lower="-9"', 'lower="-1000"'))
-    drive = {"j1": Drive(torque="push")}
-    scene = Scene(gravity=(0, 0, 0), drive=drive, between_rows="hold", initial_qd={"j1": arcs[0][3]})
-    step = float(10.0 ** rng.uniform(-3, -0.5))
-    return Passing(model, scene, {"time": time, "push": force}, step, min(moments, default=None))
-
-
-def _passed(x: float, v: float, a: float, limit: float, length: float) -> list[float]:
-    """Return when x + v t + a t^2 / 2 rises through a limit within [0, length]."""
-    root = v * v - 2.0 * a * (x - limit)
-    if root < 0.0 or x > limit:
-        return []
-    below = v + np.sqrt(root)  # the earlier root of a falling arc, the later one of a rising one
-    at = 2.0 * (limit - x) / below if below > 0.0 else np.inf
-    return [at] if 0.0 <= at <= length else []
-
-
 class Swung(NamedTuple):
     """A pendulum with limits whose hinge a column drives, the end of its motion (q, qd), and when a limit ends it."""
 
@@ -168,55 +121,38 @@ def swung(rng: np.random.Generator) -> Swung:
     torque = rng.normal(size=len(time)) * 10.0 ** rng.uniform(-2, 1)
     between = ("linear", "hold")[rng.integers(2)]
     start, speed = float(rng.uniform(-1.0, 1.0)), float(rng.normal())
-    arcs = _arcs(time, torque, between == "hold", np.array([start, speed]))
-    tops = [top for arc in arcs for top in _tops(*arc)]
-    chosen = tops[int(rng.integers(len(tops)))][1]
+    parts = [*_monotone_parts(time, torque, between == "hold", (start, speed))]
+    chosen = float(parts[int(rng.integers(len(parts)))].high)
     limit = max(chosen + float(rng.choice([-1.0, 1.0])) * 10.0 ** float(rng.uniform(-9, -1)), start + 1e-3)
-    moment = next((at for arc in arcs if (at := _first_at(*arc, limit)) is not None), None)
+    passed = next((part for part in parts if part.low < limit < part.high), None)
+    moment = passed and float(brentq(lambda t: passed.at(t)[0] - limit, passed.begin, passed.end, xtol=1e-15))
     scene = Scene(
         initial_q={"j1": start}, initial_qd={"j1": speed}, drive={"j1": Drive(torque="push")}, between_rows=between
     )
     table = {"time": time, "push": torque}
-    return Swung(hanging(-1000.0, float(limit)), scene, table, np.asarray(arcs[-1][2](time[-1])), moment)
+    return Swung(hanging(-1000.0, float(limit)), scene, table, parts[-1].at(time[-1]), moment)
 
 
-Arc = tuple[float, float, Callable[[float], Floats]]
+class _Part(NamedTuple):
+    """A part of a motion in which an angle grows or falls, from `low` to `high`; `at` returns it and its rate."""
+
+    begin: float
+    end: float
+    low: float
+    high: float
+    at: Callable[[float], Floats]
 
 
-def _arcs(time: Floats, torque: Floats, held: bool, state: Floats) -> list[Arc]:
-    """Return from when, until when and how a pendulum of 1 kg at 1 m moves between rows."""
-    arcs: list[Arc] = []
+def _monotone_parts(time: Floats, torque: Floats, held: bool, state: Iterable[float]) -> Iterator[_Part]:
+    """Yield how a pendulum of 1 kg at 1 m moves between rows."""
     for begin, end, a, b in zip(time[:-1], time[1:], torque[:-1], torque[1:], strict=True):
         slope = 0.0 if held else (b - a) / (end - begin)
 
         def rates(t: float, y: Floats, begin: float = begin, a: float = a, slope: float = slope) -> list[float]:
             return [y[1], -9.81 * np.sin(y[0]) + a + slope * (t - begin)]
 
-        found = solve_ivp(
-            rates, (begin, end), state, "DOP853", rtol=1e-13, atol=1e-14, max_step=0.02, dense_output=True
-        )
-        arcs.append((float(begin), float(end), found.sol))
+        how = {"rtol": 1e-13, "atol": 1e-14, "max_step": 0.02, "dense_output": True, "events": lambda _, y: y[1]}
+        found = solve_ivp(rates, (begin, end), state, "DOP853", **how)
+        for low, high in pairwise([begin, *found.t_events[0], end]):
+            yield _Part(float(low), float(high), float(found.sol(low)[0]), float(found.sol(high)[0]), found.sol)
         state = found.y[:, -1]
-    return arcs
-
-
-def _turns(begin: float, end: float, at: Callable[[float], Floats]) -> list[float]:
-    """Return where an arc changes its direction, with both of its ends."""
-    times = np.linspace(begin, end, max(int((end - begin) / 1e-3), 8))
-    speeds = at(times)[1]
-    inner = [
-        brentq(lambda t: at(t)[1], *times[k : k + 2], xtol=1e-15) for k in np.flatnonzero(np.diff(np.sign(speeds)))
-    ]
-    return [begin, *inner, end]
-
-
-def _tops(begin: float, end: float, at: Callable[[float], Floats]) -> list[tuple[float, float]]:
-    return [(t, float(at(t)[0])) for t in _turns(begin, end, at)]
-
-
-def _first_at(begin: float, end: float, at: Callable[[float], Floats], limit: float) -> float | None:
-    turns = _turns(begin, end, at)
-    for low, high in pairwise(turns):
-        if at(low)[0] < limit < at(high)[0]:
-            return float(brentq(lambda t: at(t)[0] - limit, low, high, xtol=1e-15))
-    return None

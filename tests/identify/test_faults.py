@@ -10,9 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.command_line import ROBOTS, run
-from helpers.faulty_logs import Bench
-from helpers.identified_logs import write_log
-from helpers.random_faulty_logs import OTHERS, Draw
+from helpers.faulty_logs import OTHERS, Bench, Draw
+from helpers.identified_logs import waves, write_log
 
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.identification.faults.compare import channels, evidence_of, rerouted
@@ -137,9 +136,6 @@ def test_what_a_payload_may_explain_is_no_certain_rotor():
     assert not any(fault.certain for fault in found.faults)
 
 
-FAR = 4.5
-
-
 def judged(folder, seeds, **kinds):
     return [Draw(seed, **kinds).judged(folder / "log.parquet") for seed in seeds]
 
@@ -147,7 +143,7 @@ def judged(folder, seeds, **kinds):
 def test_a_few_logs_of_a_small_robot(tmp_path):
     found = judged(tmp_path, range(9001, 9009), robots=("puma",), longest=8.0)
     off = np.abs(np.concatenate([each.off + each.rest for each in found]))
-    assert off.max() < FAR
+    assert off.max() < SIGMAS
     assert np.mean(off < 1.96) > 0.85
     assert [each.missed for each in found] == [[]] * len(found)
 
@@ -177,15 +173,10 @@ def log_of(seed: int, file: Path) -> tuple[str, ...]:
     (file.parent / "true.urdf").write_text(text)
     true = load(str(file.parent / "true.urdf"))
     time = np.arange(0.0, 6.0, 0.004)
-    w, phase = rng.uniform(1.0, 6.0, (3, true.n)), rng.uniform(0.0, 6.0, (3, true.n))
-    angle = time[:, None, None] * w + phase
-    q, qd, qdd = (0.2 * x.sum(axis=1) for x in (np.sin(angle), w * np.cos(angle), -w * w * np.sin(angle)))
-    names = [joint.name for joint in true.independent]
-    scene = Scene(friction={names[0]: Friction(2.0, 1.0, -1.0)})
-    tau = inverse_dynamics(true, q, qd, qdd, scene=scene)
+    states = waves(rng, time, true.n)
+    tau = inverse_dynamics(true, *states, scene=Scene(friction={true.rates[0]: Friction(2.0, 1.0, -1.0)}))
     tau += 0.002 * np.abs(tau).max(axis=0) * rng.standard_normal(tau.shape)
-    head = ",".join(["time", *(f"{kind}_{name}" for kind in ("q", "qd", "qdd", "tau") for name in names)])
-    np.savetxt(file, np.column_stack((time, q, qd, qdd, tau)), delimiter=",", header=head, comments="")
+    write_log(file, true, time, states[0], tau, *states[1:])
     return ("torques", str(ROBOT), str(file), "--measured")
 
 

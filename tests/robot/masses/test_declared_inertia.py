@@ -1,4 +1,4 @@
-"""What a description declares: of a link by the rotation law, of the whole robot against sums by hand and Pinocchio."""
+"""What a description declares: of a link by the rotation law, of the whole robot against Pinocchio."""
 
 from __future__ import annotations
 
@@ -42,52 +42,31 @@ def solids():
     return [box(*size, mass=mass) for size, mass in zip(SIZES, MASSES, strict=True)]
 
 
+def boxes_text():
+    tensors = np.array([np.diag(solid.inertia) for solid in solids()]).tolist()
+    texts = [f'<inertia ixx="{x!r}" ixy="0" ixz="0" iyy="{y!r}" iyz="0" izz="{z!r}"/>' for x, y, z in tensors]
+    return BOXES.format(*texts).encode()
+
+
 def boxes():
-    tensors = [np.diag(solid.inertia) for solid in solids()]
-    texts = [
-        f'<inertia ixx="{x!r}" ixy="0" ixz="0" iyy="{y!r}" iyz="0" izz="{z!r}"/>'
-        for x, y, z in np.array(tensors).tolist()
-    ]
-    return load_description(BOXES.format(*texts).encode())
+    return load_description(boxes_text())
 
 
 def normwise(found, expected, limit):
     np.testing.assert_allclose(found, expected, rtol=0, atol=limit * np.abs(expected).max())
 
 
-def by_hand(turn, slide):
-    """The boxes at their places, from matrices written out, summed in floats: m, c, I about c."""
-    Rz, Rx = rotation_from_rpy(0, 0, 0.5 + turn), rotation_from_rpy(-2 * turn + 0.25, 0, 0)
-    upper = (Rz, np.array([0, 0, 0.3]))
-    fore = (Rz, upper[1] + Rz @ [0.4, slide, 0])
-    tip = (Rz @ Rx, fore[1] + Rz @ [0.1, 0, 0])
-    frames = ((np.eye(3), np.zeros(3)), upper, fore, tip)
-    centres = ((0, 0, 0.1), (0.2, 0, 0), (0.1, 0, 0.02), (0, 0.05, 0))
-    own = (np.eye(3), rotation_from_rpy(0.1, 0.2, 0.3), np.eye(3), np.eye(3))
-    points = [R @ centre + p for (R, p), centre in zip(frames, centres, strict=True)]
-    m, c = sum(MASSES), sum(mass * x for mass, x in zip(MASSES, points, strict=True)) / sum(MASSES)
-    I = np.zeros((3, 3))
-    for solid, (R, _), turned, x in zip(solids(), frames, own, points, strict=True):
-        d = x - c
-        I += R @ turned @ solid.inertia @ turned.T @ R.T + solid.mass * (d @ d * np.eye(3) - np.outer(d, d))
-    return m, c, I
-
-
-@pytest.mark.parametrize(("turn", "slide"), [(0.0, 0.0), (-0.3, 0.15)])
-def test_a_robot_of_boxes_by_hand(turn, slide):
-    m, c, I = by_hand(turn, slide)
-    for at in ([slide, turn], {"turn": turn, "slide": slide}):
-        found = robot_inertia(boxes(), at)
-        assert found.body.mass == m
-        normwise(found.body.com, c, 8 * EPS)
-        normwise(found.body.inertia, I, 16 * EPS)
-        assert found.at == {"slide": slide, "turn": turn}
-        assert found.count == 5
-        assert [link.name for link in found.links] == ["base", "upper", "fore", "tip"]
-        assert found.warnings == ()
-        whole = sum((link.placed for link in found.links[1:]), found.links[0].placed)
-        normwise(whole.inertia, found.body.inertia, 4 * EPS)
-        normwise(whole.com, found.body.com, 4 * EPS)
+def test_positions_by_order_and_by_name_and_what_links_say():
+    found, again = (robot_inertia(boxes(), at) for at in ([0.15, -0.3], {"turn": -0.3, "slide": 0.15}))
+    assert found.body.inertia.tolist() == again.body.inertia.tolist()
+    assert found.body.mass == 6.5
+    assert found.at == again.at == {"slide": 0.15, "turn": -0.3}
+    assert found.count == 5
+    assert [link.name for link in found.links] == ["base", "upper", "fore", "tip"]
+    assert found.warnings == ()
+    whole = sum((link.placed for link in found.links[1:]), found.links[0].placed)
+    normwise(whole.inertia, found.body.inertia, 4 * EPS)
+    normwise(whole.com, found.body.com, 4 * EPS)
 
 
 def test_a_link_is_turned_by_its_origin():
@@ -99,16 +78,16 @@ def test_a_link_is_turned_by_its_origin():
     assert found.validity.slack == pytest.approx(2 * 0.05**2 / (0.4**2 + 0.1**2), rel=16 * EPS)
 
 
-def path(name):
-    return ROBOTS / f"{name}.urdf" if name in OWN else path_of(name)
+def source(name):
+    return boxes_text() if name == "boxes" else ROBOTS / f"{name}.urdf" if name in OWN else path_of(name)
 
 
 @pytest.mark.parametrize(
-    "name", [*OWN[:2], *(pytest.param(name, marks=pytest.mark.slow) for name in (*OWN[2:], *REAL))]
+    "name", ["boxes", *OWN[:2], *(pytest.param(name, marks=pytest.mark.slow) for name in (*OWN[2:], *REAL))]
 )
 def test_pinocchio_agrees_at_random_configurations(name):
-    description = load_description(path(name))
-    model, theirs = assemble(description), PinocchioRobot(path(name), free=True)
+    description = load_description(source(name))
+    model, theirs = assemble(description), PinocchioRobot(source(name), free=True)
     rng = np.random.default_rng(7)
     for q in rng.uniform(-2, 2, (3, model.nq)):
         position, *_ = theirs.state(model, q, np.zeros(model.n), np.zeros(model.n))
