@@ -67,7 +67,7 @@ def test_exact_logs_give_exact_base_parameters(name, tmp_path):
     robot = ROBOTS / f"{name}.urdf"
     names = robodyn.load(robot).rates
     scene = Scene(friction=friction(robodyn.load(robot), 0.5, 0.8, -0.6), rotor={each: Rotor(0.03) for each in names})
-    model, _, _ = logged(tmp_path / "log.csv", robot, waves, scene, np.random.default_rng(1))
+    model, _, _ = logged(tmp_path / "log.csv", robot, waves, scene, np.random.default_rng(1), time=TIME[:1000])
     found = identify([read_log(str(tmp_path / "log.csv"), model)])
     assert off_truth(found, scene) < 1e-10
 
@@ -116,7 +116,7 @@ def test_friction_that_grows_with_load(tmp_path, monkeypatch):
     model = robodyn.load(robot)
     some = {name: Friction(0.5, 1.0, -1.0, load=0.1) for name in model.rates[1:]}
     scene = Scene(friction={**friction(model, 0.5, 1.0, -1.0), **some})
-    logged("log.csv", robot, waves, scene, np.random.default_rng(5), noise=0.01)
+    logged("log.csv", robot, waves, scene, np.random.default_rng(5), noise=0.01, time=TIME[:1600])
     outputs = ("--out", "found.urdf", "--scene-out", "found.toml", "--covariance", "found.json")
     done = run("identify", str(robot), "log.csv", *outputs)
     assert done.status == 0, done.err

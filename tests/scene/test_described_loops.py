@@ -108,7 +108,7 @@ def test_commands_close_what_the_description_closes(tmp_path):
     (tmp_path / "open.urdf").write_bytes(model.description.data)
     results = []
     for robot, surroundings in ((file, "rest.toml"), (tmp_path / "open.urdf", "whole.toml")):
-        options = ["--scene", str(tmp_path / surroundings), "--duration", "0.1", "--format", "json"]
+        options = ["--scene", str(tmp_path / surroundings), "--duration", "0.02", "--format", "json"]
         outcome = run("simulate", str(robot), *options)
         assert (outcome.status, outcome.err) == (0, "")
         results.append(json.loads(outcome.out))

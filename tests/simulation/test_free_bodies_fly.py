@@ -38,18 +38,17 @@ def test_dzhanibekov(method, time):
     assert np.abs(found.qd[-1, :3] - expected).max() <= BOUND[method]
 
 
-@pytest.mark.parametrize("method", ["gauss6", "radau"])
-def test_a_free_cylinder_precesses(method):
+def test_a_free_cylinder_precesses():
     """w turns about the axis at s = (I - J) / I w_z; the body about H at |H| / I and back about its axis at s."""
     time, (I, J) = 5.0, (CYLINDER["I"], CYLINDER["J"])
     w0 = np.array(CYLINDER["w0"], dtype=float)
-    found = robodyn.simulate(body(I, I, J), turning(w0), time, method=method, **EVERY[method])
-    assert np.abs(found.qd[-1, :3] - np.array(CYLINDER["w_body(t)"]["5"], dtype=float)).max() <= BOUND[method]
+    found = robodyn.simulate(body(I, I, J), turning(w0), time, method="gauss6", **EVERY["gauss6"])
+    assert np.abs(found.qd[-1, :3] - np.array(CYLINDER["w_body(t)"]["5"], dtype=float)).max() <= BOUND["gauss6"]
     H, s = np.array([I, I, J]) * w0, float(CYLINDER["body_rate_s=(I-J)/I*wz"])
     size = np.linalg.norm(H)
     assert abs(size / I - float(CYLINDER["precession_rate_H/I"])) <= 1e-14
     expected = rotation_about(H / size, size / I * time) @ rotation_about(np.array([0.0, 0.0, 1.0]), s * time)
-    assert np.abs(rotation_from_quaternion(*found.q[-1, 3:]) - expected).max() <= BOUND[method]
+    assert np.abs(rotation_from_quaternion(*found.q[-1, 3:]) - expected).max() <= BOUND["gauss6"]
 
 
 @pytest.mark.parametrize("method", sampled(["dop853", "radau", "rk4-momenta"]))

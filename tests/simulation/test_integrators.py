@@ -48,7 +48,7 @@ def test_order(method, settled):
 @pytest.mark.parametrize("method", ADAPTIVE, ids=lambda method: method.name)
 def test_tolerance(method, settled):
     model, scene = tumbling()
-    for rtol in (1e-6, 1e-9):
+    for rtol in (1e-5, 1e-8):
         found = robodyn.simulate(model, scene, 0.5, method=method.name, rtol=rtol)
         assert np.abs([*found.q[-1], *found.qd[-1], found.work[-1]] - settled).max() <= 100 * rtol
 
@@ -164,23 +164,12 @@ def test_energy_of_a_double_pendulum(method, steps):
     assert parts[0] <= {"gauss2": 4e-4, "gauss4": 2e-7, "gauss6": 2e-10}[method]
 
 
-FLOATING = {
-    "rigid_body": {"base_wx": 1e-3, "base_wy": 1.0, "base_wz": 1e-3},
-    "satellite": {"base_wx": 0.1, "base_wy": 0.3, "base_wz": -0.05, "base_vx": 0.2, "left_array": 0.05},
-}
-
-
-STEADY = [pytest.param("rk4-momenta", name, MANY, marks=pytest.mark.slow) for name in FLOATING]
-OTHER = pytest.param("gauss6", "rigid_body", 10 * FEW, marks=pytest.mark.slow)
-
-
-@pytest.mark.parametrize(("method", "name", "steps"), [("rk4-momenta", "rigid_body", 5 * FEW), *STEADY, OTHER])
-def test_momenta_of_free_robots(method, name, steps):
-    scene = Scene(gravity=(0, 0, 0), initial_qd=FLOATING[name], joint_limits="ignore")
-    model = robot(name, moving_base=name == "satellite")
-    found = robodyn.simulate(model, scene, steps * 0.02, method=method, step=0.02)
-    assert found.steps == steps
+@pytest.mark.slow
+def test_momenta_of_a_free_robot_over_a_million_steps():
+    speeds = {"base_wx": 0.1, "base_wy": 0.3, "base_wz": -0.05, "base_vx": 0.2, "left_array": 0.05}
+    scene, model = Scene(gravity=(0, 0, 0), initial_qd=speeds, joint_limits="ignore"), robot("satellite", True)
+    found = robodyn.simulate(model, scene, MANY * 0.02, method="rk4-momenta", step=0.02)
+    assert found.steps == MANY
     linear, angular = found.momentum_drift
-    bound = 1e-14 if method == "rk4-momenta" else 1e-12
-    assert linear <= bound * max(np.abs(found.figures.linear).max(), 1e-300)
-    assert angular <= bound * np.abs(found.figures.angular).max()
+    assert linear <= 1e-14 * np.abs(found.figures.linear).max()
+    assert angular <= 1e-14 * np.abs(found.figures.angular).max()

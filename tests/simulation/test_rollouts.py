@@ -18,8 +18,7 @@ from robodyn.simulation.methods import method_named
 from robodyn.simulation.rollouts import TOGETHER, rollouts
 
 
-@pytest.mark.parametrize("executor", ["numpy", "compiled"])
-@pytest.mark.parametrize("count", [8, TOGETHER + 5])
+@pytest.mark.parametrize(("count", "executor"), [(8, "compiled"), (TOGETHER + 5, "numpy")])
 def test_each_is_what_it_is_alone(count, executor):
     model, scene = tumbling()
     q, qd, _ = random_state(model, np.random.default_rng(3), count)

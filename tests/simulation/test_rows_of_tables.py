@@ -31,10 +31,12 @@ WAYS = [*QUICK, *(pytest.param(how, marks=pytest.mark.slow) for how in SLOW)]
 def test_no_pulse_is_passed_over(between, table, impulse, how):
     """Pulses shorter than a step, and one that is longer than any other step of a quick method."""
     slow = "radau" in how.values() or "rtol" in how
-    part = 0.1 if slow and len(table["time"]) > 5 else 1.0  # they take their time for each row
+    part = 0.02 if slow and len(table["time"]) > 5 else 1.0  # they take their time for each row
     found = robodyn.simulate(slide(1.0), replace(PUSHED, between_rows=between), part, table=table, **how)
     first = how.get("method") in ("euler", "symplectic-euler") and between == "linear"  # they take a step's first force
     assert abs(found.qd[-1, 0] - part * impulse) <= (1.5 if first else 1e-8)
+    said = "torques and wrenches between rows are held until the next"
+    assert any(said in note for note in found.notes) == (between == "hold")
 
 
 @pytest.mark.slow

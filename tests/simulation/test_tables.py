@@ -53,16 +53,6 @@ def test_a_torque_straight_between_rows(name, executor):
         assert np.abs(end(found) - expected).max() <= 2e-3
 
 
-def test_a_torque_that_is_held():
-    time, force = np.array([0.0, 0.1, 0.3, 0.6, 1.0]), np.array([1.0, -2.0, 4.0, 0.5, 99.0])
-    held = replace(PUSHED, between_rows="hold")
-    impulse = force[:-1] @ np.diff(time)
-    for how in ({"step": 0.05}, {"step": 0.1, "method": "verlet"}, {"rtol": 1e-11}):
-        found = robodyn.simulate(slide(2.0), held, table={"time": time, "push": force}, **how)
-        assert abs(found.qd[-1, 0] - impulse / 2.0) <= 1e-7, how
-    assert any("torques and wrenches between rows are held until the next" in note for note in found.notes)
-
-
 @pytest.mark.parametrize("name", ["symplectic-euler", "rk4", "dop853"])
 def test_references_are_followed_with_their_slopes(name):
     """With the torque of the motion fed forward, an arm on its reference stays on it."""
@@ -81,7 +71,7 @@ def test_references_are_followed_with_their_slopes(name):
     table = {"time": TIME + 5.0, "v1": qd[:, 0]}
     table |= {f"{kind}_{joint}": x[:, i] for kind, x in (("q", q), ("tau", tau)) for i, joint in enumerate(joints)}
     how = {"rtol": 1e-8} if method.adaptive else {"step": 2e-3}
-    found = robodyn.simulate(model, scene, 1.5, table=table, method=name, **how)
+    found = robodyn.simulate(model, scene, 0.5, table=table, method=name, **how)
     expected = np.column_stack([0.3 * np.sin(3 * found.time) - 0.2, 0.5 * np.cos(2 * found.time)])
     assert np.abs(found.q - expected).max() <= (2e-3 if method.order == 1 else 1e-4)
     assert found.q[0].tolist() == q[0].tolist()
