@@ -15,11 +15,11 @@ from robodyn.scene.scene import DEFAULT
 
 
 def waves(rng, time, joints, scale=1.0):
-    """Four sines of each joint up to 1.2 Hz."""
+    """Four sines of each joint up to 1.2 Hz; each joint may have a scale of its own."""
     q, qd, qdd = np.zeros((3, len(time), joints))
-    for j in range(joints):
+    for j, size in enumerate(np.broadcast_to(scale, joints)):
         for w in 2.0 * np.pi * rng.uniform(0.1, 1.2, 4):
-            a, p = scale * rng.uniform(0.1, 0.5) / (1.0 + w / 3.0), rng.uniform(0.0, 6.28)
+            a, p = size * rng.uniform(0.1, 0.5) / (1.0 + w / 3.0), rng.uniform(0.0, 6.28)
             q[:, j] += a * np.sin(w * time + p)
             qd[:, j] += a * w * np.cos(w * time + p)
             qdd[:, j] -= a * w * w * np.sin(w * time + p)

@@ -193,7 +193,7 @@ class MisfitLog:
         scene, described = (each.changed(tuple(self.gravity)) for each in (found.scene, self.scene))
         off = robodyn.inverse_dynamics(calibrated, *states, scene=scene) - true
         plain = robodyn.inverse_dynamics(self.model, *states, scene=described) - true
-        inside = np.abs(off) <= LEVEL * _deviation(calibrated, scene, states, covariance(found))
+        inside = np.abs(off) <= LEVEL * deviation(calibrated, scene, states, covariance(found))
         size = np.linalg.norm(true)
         return Judged(
             float(inside.mean()),
@@ -205,7 +205,7 @@ class MisfitLog:
         )
 
 
-def _deviation(model: Model, scene: Scene, states: States, known: Covariance) -> Array:
+def deviation(model: Model, scene: Scene, states: States, known: Covariance) -> Array:
     """Standard errors of torques, of which those by friction under load are by differences."""
     at = regressor(model, *states, scene=scene)
     columns = []

@@ -5,24 +5,19 @@ Tuned on sines and on point-to-point moves of other seeds; trapezoids are told o
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-from helpers.example_robots import path_of
+from helpers.faulty_logs import robot
 from helpers.identified_logs import Bench, coloured, quintics, trapezoids, waves, white, write_log
-from helpers.identified_logs import white as white_noise
-from helpers.oracles import ROBOTS
-from helpers.verdicts import Verdicts
+from helpers.misfit_logs import deviation
+from helpers.verdicts import Verdicts, with_bodies
 
 import robodyn
-from robodyn.dynamics.regressor import regressor
 from robodyn.identification.identify import identify
 from robodyn.identification.log.log import read_log
 from robodyn.identification.result import covariance
 from robodyn.scene.scene import Friction, Scene
 
-SEEDS = ("two_link_spatial", "scara", "puma560")
 LEVEL = 1.96
 
 
@@ -45,22 +40,21 @@ def held(bench, noise, count, motion):
 
 def test_a_few_logs_of_a_small_robot():
     """Twenty-five logs: parameters of one log are held or not together, which makes 2 % of the share chance."""
-    bench = Bench(robodyn.load(ROBOTS / "two_link_spatial.urdf"), waves, 21)
-    parameters, torques, _, bias = held(bench, white_noise, 25, quintics)
+    bench = Bench(robot("two_link_spatial"), waves, 21)
+    parameters, torques, _, bias = held(bench, white, 25, quintics)
     assert 0.90 <= parameters <= 0.99
     assert 0.90 <= torques <= 0.99
     assert bias.max() < 4.0
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [*SEEDS[:2], "ur5_robot"])
+@pytest.mark.parametrize("name", ["two_link_spatial", "scara", "ur5_robot"])
 def test_intervals_hold_the_truth(name):
     """Torques' noise is white or lies below 4 Hz, inside of the filter's band of 6 Hz."""
-    path = ROBOTS / f"{name}.urdf" if name in SEEDS else Path(path_of(name))
-    found, logs = [], 50 if name in SEEDS[:2] else 15
+    found, logs = [], 15 if name == "ur5_robot" else 50
     for seed, (motion, other) in enumerate(((waves, quintics), (quintics, waves), (trapezoids, waves))):
-        bench = Bench(robodyn.load(path), motion, 30 + seed)
-        found += [held(bench, noise, logs, other) for noise in (white_noise, coloured)]
+        bench = Bench(robot(name), motion, 30 + seed)
+        found += [held(bench, noise, logs, other) for noise in (white, coloured)]
     parameters, torques, peaks, bias = zip(*found, strict=True)
     assert 0.93 <= np.mean(parameters) <= 0.97
     assert 0.93 <= np.mean(torques) <= 0.97
@@ -74,39 +68,25 @@ def test_the_whole_of_identify_with_noisy_positions(tmp_path):
 
     These are drawn to the description, so that their intervals are wide.
     """
-    model = robodyn.load(ROBOTS / "two_link_spatial.urdf")
+    model = robot("two_link_spatial")
     scene = Scene(friction={name: Friction(0.5, 0.8, -0.8) for name in model.rates})
     rng = np.random.default_rng(41)
     time = 0.004 * np.arange(6000)
     states, other = waves(rng, time, model.n), waves(rng, time[:300] * 10.0, model.n)
     tau, true = (robodyn.inverse_dynamics(model, *each, scene=scene) for each in (states, other))
-    parameters, torques = [], []
+    torques = []
     for _ in range(8):
         q = states[0] + 1e-5 * rng.standard_normal(tau.shape)
         noisy = tau + 0.03 * np.sqrt((tau**2).mean(axis=0)) * rng.standard_normal(tau.shape)
         write_log(tmp_path / "log.csv", model, time, q, noisy)
         found = identify([read_log(str(tmp_path / "log.csv"), model)])
-        known = covariance(found)
-        at = regressor(model, *other, scene=found.scene)
-        Y = at.Y[:, :, [found.names.index(name) for name in known.parameters]]
-        deviation = np.sqrt(np.einsum("kia,ab,kib->ki", Y, known.covariance, Y, optimize=True))
-        off = np.einsum("kip,p->ki", at.Y, found.theta) + at.rest - true
-        torques.append(np.abs(off) < LEVEL * deviation)
-        at = regressor(model, *other, scene=scene)
-        values = dict(zip(at.names, at.theta.tolist(), strict=True))
-        values |= {f"{name}.{kind}": 0.8 for name in model.rates for kind in ("coulomb", "stribeck")}
-        base = found.base.base
-        beta = base.values(np.array([values.get(name, 0.0) for name in base.names]))
-        parameters.append(np.abs(found.base.values - beta) < LEVEL * found.base.standard_errors)
-    assert 0.9 <= np.mean(np.concatenate(parameters)) <= 0.99
+        calibrated = with_bodies(model, found.names, found.theta)
+        off = robodyn.inverse_dynamics(calibrated, *other, scene=found.scene) - true
+        torques.append(np.abs(off) < LEVEL * deviation(calibrated, found.scene, other, covariance(found)))
     assert np.mean(torques) >= 0.93
 
 
 EDGES = np.array((0.05, 0.2, 0.4, 0.6, 0.8, 0.95))
-
-
-def bench(name, motion, seed):
-    return Bench(robodyn.load(ROBOTS / f"{name}.urdf" if name in SEEDS else Path(path_of(name))), motion, seed)
 
 
 def magnitudes(bar):
@@ -116,7 +96,7 @@ def magnitudes(bar):
 
 def test_bars_are_those_of_torques():
     """By derivatives or by draws; a limit of the peak curve is a share of it."""
-    known = Verdicts(bench("two_link_spatial", waves, 82), quintics)
+    known = Verdicts(Bench(robot("two_link_spatial"), waves, 82), quintics)
     for values, C in known.bench.logs(white, 2):
         limits = 1.005 * known.true
         bars, stated = known.direct(values, C, limits)
@@ -128,7 +108,7 @@ def test_bars_are_those_of_torques():
 
 
 def test_a_few_verdicts():
-    known = Verdicts(bench("two_link_spatial", waves, 83), quintics)
+    known = Verdicts(Bench(robot("two_link_spatial"), waves, 83), quintics)
     held, stated, kept = known.judged(list(known.bench.logs(white, 20)))
     assert 0.85 <= held.mean() <= 1.0
     assert np.mean((stated - kept) ** 2) < 0.12
@@ -141,7 +121,7 @@ def test_verdicts_hold_as_often_as_they_are_told():
     for name in ("two_link_spatial", "scara", "puma560", "ur5_robot"):
         held = []
         for seed, (motion, other, noise) in enumerate(((waves, quintics, white), (quintics, waves, coloured))):
-            known = Verdicts(bench(name, motion, 84 + seed), other)
+            known = Verdicts(Bench(robot(name), motion, 84 + seed), other)
             found, stated, kept = known.judged(list(known.bench.logs(noise, 50)))
             held.append([found[:, : known.n].mean(), found[:, known.n :].mean()])
             told.append(stated.ravel())

@@ -13,11 +13,6 @@ from robodyn.errors import MeshError
 from robodyn.measure.accuracy.ladder import Ladder, Rung, Spread, timed
 from robodyn.measure.accuracy.meshes import (
     OPERATIONS,
-    by_box,
-    by_columns,
-    by_hull,
-    by_winding_numbers,
-    inertia,
     mesh_accuracy,
 )
 from robodyn.solids.mesh.kernel import volume_kernel
@@ -39,8 +34,8 @@ RUNGS = st.lists(st.tuples(FEW, FEW), min_size=1, max_size=12).map(
 )
 
 
-@given(RUNGS)
-def test_the_front_is_monotone_and_dominates_the_rest(rungs: list[Rung]) -> None:
+@given(RUNGS, FEW)
+def test_the_front_is_monotone_and_dominates_the_rest_and_has_the_cheapest(rungs: list[Rung], target: float) -> None:
     whole = ladder(*rungs)
     best = whole.front
     assert all(a.time.median < b.time.median and a.error > b.error for a, b in pairwise(best))
@@ -51,12 +46,8 @@ def test_the_front_is_monotone_and_dominates_the_rest(rungs: list[Rung]) -> None
             assert other in best
             assert other.time.median <= each.time.median
             assert other.error <= each.error
-
-
-@given(RUNGS, FEW)
-def test_the_cheapest_is_the_quickest_within_the_target(rungs: list[Rung], target: float) -> None:
     within = [each.time.median for each in rungs if each.error <= target]
-    found = ladder(*rungs).cheapest(target)
+    found = whole.cheapest(target)
     assert (found is None) == (not within)
     if found is not None:
         assert found.error <= target
@@ -81,32 +72,6 @@ def test_what_is_slow_runs_once(monkeypatch: pytest.MonkeyPatch) -> None:
 TETRAHEDRON = np.array([(0, 0, 0), (5, 0, 0), (0, 4, 0), (0, 0, 3)], float)[
     np.array([(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
 ]
-I_TETRAHEDRON = np.array([[9.375, 2.5, 1.875], [2.5, 12.75, 1.5], [1.875, 1.5, 15.375]])
-
-
-def error(moments) -> float:
-    off = inertia(moments).astype(float) - I_TETRAHEDRON
-    return max(abs(float(moments.volume) / 10 - 1), float(np.linalg.norm(off) / np.linalg.norm(I_TETRAHEDRON)))
-
-
-def test_box() -> None:
-    found = by_box(TETRAHEDRON)
-    assert found.volume == 60
-    expected = 60 / 12 * np.diag([4**2 + 3**2, 5**2 + 3**2, 5**2 + 4**2])
-    np.testing.assert_allclose(inertia(found).astype(float), expected, rtol=0, atol=2e-13)
-
-
-def test_hull_of_a_convex_body_is_the_body() -> None:
-    assert error(by_hull(TETRAHEDRON)) < 1e-15
-
-
-def test_sums_over_a_lattice_converge() -> None:
-    """Their error falls at least in proportion to the distance of its points; a sixth of the box is inside."""
-    errors = [error(by_columns(TETRAHEDRON, count)) for count in (256, 4096)]
-    assert errors[0] < 2e-2
-    assert errors[1] < errors[0] / 4
-    chance = abs(by_winding_numbers(TETRAHEDRON, 10_000).volume / 10 - 1)
-    assert chance < 3 * np.sqrt(5 / 10_000)
 
 
 def test_ladder_of_a_tetrahedron() -> None:
@@ -120,6 +85,11 @@ def test_ladder_of_a_tetrahedron() -> None:
     assert all(any(kind in name for name in errors) for kind in kinds)
     assert 1e-12 < errors["integral, float32"] < 1e-6
     assert {rung.name: rung.errors[0] for rung in ladder.rungs}["bounding box"] == pytest.approx(5, rel=1e-14)
+    assert errors["convex hull"] < 1e-15
+    columns, chances = ([e for name, e in errors.items() if kind in name] for kind in kinds[-2:])
+    assert columns[0] < 2e-2
+    assert columns[1] < columns[0] / 4  # the error falls at least in proportion to the distance of columns
+    assert chances[-1] < 3 * np.sqrt(5 / 10_000)  # a sixth of the box is inside
     assert [price.name for price in found.prices] == [
         *("proof that it is closed", "proof that it is one shell", "repair ladder", "tessellation error"),
         "symmetry",
