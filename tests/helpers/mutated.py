@@ -8,7 +8,13 @@ from textwrap import dedent
 
 
 def mutated(source: str, old: str, new: str) -> str:
-    """Return a source in which what reads `old` reads `new`, however it is laid out.
+    """Return a source in which what reads `old` reads `new`, however it is laid out; see `change`."""
+    tree = ast.parse(source)
+    return ast.unparse(ast.fix_missing_locations(change(tree, old, new).visit(tree)))
+
+
+def change(tree: ast.AST, old: str, new: str) -> Change:
+    """Return what makes the change when it visits the tree.
 
     Args:
         old: an expression or a statement that stands in the source once, or what stands once in its texts, such as
@@ -18,14 +24,13 @@ def mutated(source: str, old: str, new: str) -> str:
     Raises:
         ValueError: there is no such piece, or more than one.
     """
-    tree = ast.parse(source)
-    change = _piece_changed(tree, old, new) or _text_changed(tree, old, new)
-    if change is None:
+    found = _piece_changed(tree, old, new) or _text_changed(tree, old, new)
+    if found is None:
         raise ValueError(f"not there once: {old}")
-    return ast.unparse(ast.fix_missing_locations(change.visit(tree)))
+    return found
 
 
-class _Change(ast.NodeTransformer):
+class Change(ast.NodeTransformer):
     def __init__(self, node: ast.AST, instead: ast.AST) -> None:
         self.node, self.instead = node, instead
 
@@ -33,13 +38,23 @@ class _Change(ast.NodeTransformer):
         return self.instead if node is self.node else self.generic_visit(node)
 
 
-def _piece_changed(tree: ast.AST, old: str, new: str) -> _Change | None:
+def _piece_changed(tree: ast.AST, old: str, new: str) -> Change | None:
     try:
         piece, instead = _parsed(old), _parsed(new)
     except SyntaxError:
         return None
-    found = [node for node in ast.walk(tree) if type(node) is type(piece) and ast.dump(node) == ast.dump(piece)]
-    return _Change(found[0], instead) if len(found) == 1 else None
+    found = [node for node in ast.walk(tree) if _alike(node, piece)]
+    return Change(found[0], instead) if len(found) == 1 else None
+
+
+def _alike(one: object, other: object) -> bool:
+    if type(one) is not type(other):
+        return False
+    if isinstance(one, ast.AST):
+        return all(_alike(getattr(one, name, None), getattr(other, name, None)) for name in one._fields)
+    if isinstance(one, list) and isinstance(other, list):
+        return len(one) == len(other) and all(map(_alike, one, other))
+    return one == other
 
 
 def _parsed(text: str) -> ast.AST:
@@ -47,11 +62,11 @@ def _parsed(text: str) -> ast.AST:
     return statement.value if isinstance(statement, ast.Expr) else statement
 
 
-def _text_changed(tree: ast.AST, old: str, new: str) -> _Change | None:
+def _text_changed(tree: ast.AST, old: str, new: str) -> Change | None:
     found = [node for node in _texts(tree) if old in node.value]
     if len(found) != 1 or found[0].value.count(old) != 1:
         return None
-    return _Change(found[0], ast.Constant(found[0].value.replace(old, new)))
+    return Change(found[0], ast.Constant(found[0].value.replace(old, new)))
 
 
 def _texts(tree: ast.AST) -> Iterator[ast.Constant]:
