@@ -5,9 +5,9 @@ from its `excitation/` and `configs/kuka_lwr4.yaml`: Fourier series with 3, 3, 4
 to 1 rad/s, coefficients from -1 to 1 rad/s, centres within 25 degrees; -log det(Y^T Y + 1e-4 lambda_max I), scaled to
 10 at the first motion, plus ten times each the spread of the joints' torques, what these fall short of 25 % of their
 limits, and what positions leave of their ranges; limits of position, speed and torque, and torques of 2 % of theirs at
-least; 400 trials of Optuna's TPE (at random where Optuna is not installed), then a gradient method from the best. That
-is SLSQP with 200 iterations here, where FloBaRoID's file gives IPOPT two; and once more with the determinant alone, the
-best that these series can do. Motions that end beyond a limit are made smaller until they keep it, as FloBaRoID does.
+least; 400 trials of Optuna's TPE, then a gradient method from the best. That is SLSQP with 200 iterations here, where
+FloBaRoID's file gives IPOPT two. Motions that end beyond a limit are made smaller until they keep it, as FloBaRoID
+does.
 
 robodyn's motion has the same period, rows and limits, six harmonics, and beyond them rests at both ends and keeps 5 %
 of each range from its limits. Collisions are left out of both: FloBaRoID looks at them, which can only make its motions
@@ -21,11 +21,11 @@ import time
 import warnings
 from collections.abc import Callable
 from functools import cache
-from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import optuna
 from helpers.machine import machine
 from helpers.markdown_tables import main, table
 from scipy.optimize import minimize
@@ -93,8 +93,8 @@ def motion(x: np.ndarray, time: np.ndarray) -> np.ndarray:
 class Search:
     """FloBaRoID's objective and constraints, each at most zero where they are kept."""
 
-    def __init__(self, determinant_alone: bool = False) -> None:
-        self.alone, self.scale, self.known = determinant_alone, 0.0, {}
+    def __init__(self) -> None:
+        self.scale, self.known = 0.0, {}
 
     def values(self, x: np.ndarray) -> np.ndarray:
         """The objective, then the constraints."""
@@ -107,17 +107,14 @@ class Search:
         for j, (columns, part) in enumerate(zip(programs().shown, parts, strict=True)):
             rows[j * SAMPLES : (j + 1) * SAMPLES, columns] = part * np.sqrt(2 * np.pi / x[0] * RATE / SAMPLES)
         eigenvalues = np.linalg.eigvalsh(rows.T @ rows)
-        telling = -np.log(eigenvalues + (0.0 if self.alone else 1e-4 * eigenvalues[-1])).sum()
+        telling = -np.log(eigenvalues + 1e-4 * eigenvalues[-1]).sum()
         self.scale = self.scale or 10.0 / max(abs(telling), 1.0)
         used = np.abs(tau).max(axis=0) / robot.effort
         f = telling * self.scale
-        if not self.alone:
-            ranged = ((q.max(axis=0) - q.min(axis=0)) / (robot.upper - robot.lower)).mean()
-            f += 10.0 * (used.std() / used.mean() + max(0.0, 1.0 - used.mean() / WANTED_TORQUE) + 1.0 - ranged)
+        ranged = ((q.max(axis=0) - q.min(axis=0)) / (robot.upper - robot.lower)).mean()
+        f += 10.0 * (used.std() / used.mean() + max(0.0, 1.0 - used.mean() / WANTED_TORQUE) + 1.0 - ranged)
         beyond = [robot.lower - q.min(axis=0), q.max(axis=0) - robot.upper, np.abs(qd).max(axis=0) - robot.speed]
-        beyond += [robot.effort * (used - 1.0)]
-        if not self.alone:
-            beyond += [robot.effort * (LEAST_TORQUE - used)]
+        beyond += [robot.effort * (used - 1.0), robot.effort * (LEAST_TORQUE - used)]
         found = np.concatenate(([f], *beyond))
         self.known = {x.tobytes(): found}
         return found
@@ -152,27 +149,19 @@ def trials(search: Search) -> np.ndarray:
         return float(values[0]), values[1:].tolist()
 
     judged(first())
-    try:
-        import optuna
+    constraints: dict[int, list[float]] = {}
 
-        warnings.filterwarnings("ignore", module="optuna")
-    except ImportError:
-        rng = np.random.default_rng(0)
-        for _ in range(TRIALS - 1):
-            judged(rng.uniform(low, high))
-    else:
-        optuna.logging.set_verbosity(optuna.logging.ERROR)
-        constraints: dict[int, list[float]] = {}
+    def objective(trial):
+        x = np.array([trial.suggest_float(str(k), *each) for k, each in enumerate(zip(low, high, strict=True))])
+        value, constraints[trial.number] = judged(x)
+        return value
 
-        def objective(trial):
-            x = np.array([trial.suggest_float(str(k), *each) for k, each in enumerate(zip(low, high, strict=True))])
-            value, constraints[trial.number] = judged(x)
-            return value
-
-        sampler = optuna.samplers.TPESampler(seed=0, constraints_func=lambda trial: constraints[trial.number])
-        study = optuna.create_study(sampler=sampler)
-        study.enqueue_trial({str(k): float(value) for k, value in enumerate(first())})
-        study.optimize(objective, n_trials=TRIALS - 1)
+    warnings.filterwarnings("ignore", module="optuna")
+    optuna.logging.set_verbosity(optuna.logging.ERROR)
+    sampler = optuna.samplers.TPESampler(seed=0, constraints_func=lambda trial: constraints[trial.number])
+    study = optuna.create_study(sampler=sampler)
+    study.enqueue_trial({str(k): float(value) for k, value in enumerate(first())})
+    study.optimize(objective, n_trials=TRIALS - 1)
     return min(tried, key=lambda each: each[0])[1]
 
 
@@ -243,14 +232,11 @@ def check(whole: np.ndarray) -> None:
 
 
 def report(iterations: int) -> str:
-    rows = []
-    for name, alone in (("FloBaRoID's", False), ("its series, determinant alone", True)):
-        begun, search = time.perf_counter(), Search(alone)
-        x = climbed(search, trials(search), iterations)
-        seconds, period = time.perf_counter() - begun, 2 * np.pi / x[0]
-        rows += [row(name, period, seconds, lambda at, x=x: motion(x, at), "no"), ours(period, 1e3)]
-    rows.append(ours(period, None))
-    return table(HEAD, rows) + "\n" + machine("scipy", *(["optuna"] if find_spec("optuna") else []))
+    begun, search = time.perf_counter(), Search()
+    x = climbed(search, trials(search), iterations)
+    seconds, period = time.perf_counter() - begun, 2 * np.pi / x[0]
+    theirs = row("FloBaRoID's", period, seconds, lambda at: motion(x, at), "no")
+    return table(HEAD, [theirs, ours(period, 1e3), ours(period, None)]) + "\n" + machine("scipy", "optuna")
 
 
 if __name__ == "__main__":

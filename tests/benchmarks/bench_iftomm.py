@@ -21,7 +21,6 @@ from functools import partial
 from math import cos, sin
 from pathlib import Path
 from time import process_time
-from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -44,18 +43,13 @@ PLACES = [
 ]
 """Of the bob: t, x, z."""
 STEPS = (0.1, 0.05, 0.04, 0.025, 0.02, 0.0125, 0.01, 0.008, 0.005, 0.004, 0.0025, 0.002, 0.001, 0.0005, 0.00025)
+RTOL = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12)
 LONG = 2000.0
 EVERY = 10.0
 """s between records of fixed steps."""
 
-Angles = Callable[[float], float]
-
-
-class Try(NamedTuple):
-    """A setting: what it is called, and what runs it and tells the angle at every time of PLACES."""
-
-    setting: str
-    run: Callable[[], list[float]]
+Run = Callable[[float], list[float]]
+"""The angle at every time of PLACES, by a step [s] or a tolerance."""
 
 
 def error(angles: Iterable[float]) -> float:
@@ -70,7 +64,7 @@ def of_records(q: Iterable[float]) -> list[float]:
     return [float(rows[round(float(t) / EVERY)]) for t, _, _ in PLACES]
 
 
-def ours(method: str) -> list[Try]:
+def ours(method: str) -> Run:
     model = robodyn.load(ROBOTS / "pendulum.urdf")
 
     def run(step: float) -> list[float]:
@@ -81,20 +75,20 @@ def ours(method: str) -> list[Try]:
         )
         return of_records(found.q[:, 0, 0])
 
-    return [Try(f"{step:g} s", partial(run, step)) for step in STEPS if round(EVERY / step, 9).is_integer()]
+    return run
 
 
-def scipys(method: str) -> list[Try]:
+def scipys(method: str) -> Run:
     def run(rtol: float) -> list[float]:
         times = [float(t) for t, _, _ in PLACES]
         how = {"t_eval": times, "rtol": rtol, "atol": rtol}
         found = solve_ivp(lambda _, y: (y[1], -G * cos(y[0])), (0.0, LONG), (0.0, 0.0), method, **how)
         return found.y[0].tolist() if found.success else [0.0] * len(times)
 
-    return [Try(f"rtol {rtol:.0e}", partial(run, rtol)) for rtol in (10.0 ** np.arange(-5, -13, -1)).tolist()]
+    return run
 
 
-def mujocos(integrator: str) -> list[Try]:
+def mujocos(integrator: str) -> Run:
     def run(step: float) -> list[float]:
         model = mujoco.MjModel.from_xml_string(
             f'<mujoco><option timestep="{step!r}" integrator="{integrator}" gravity="0 0 -{G}"/><worldbody><body>'
@@ -107,10 +101,10 @@ def mujocos(integrator: str) -> list[Try]:
             q.append(float(data.qpos[0]))
         return of_records(q)
 
-    return [Try(f"{step:g} s", partial(run, step)) for step in STEPS[3:] if round(EVERY / step, 9).is_integer()]
+    return run
 
 
-def pinocchios() -> list[Try]:
+def pinocchios() -> Run:
     model = pin.buildModelFromUrdf(str(ROBOTS / "pendulum.urdf"))
     data, still = model.createData(), np.zeros(1)
 
@@ -133,22 +127,22 @@ def pinocchios() -> list[Try]:
                 records.append(q)
         return of_records(records)
 
-    return [Try(f"{step:g} s", partial(run, step)) for step in STEPS[5:] if round(EVERY / step, 9).is_integer()]
+    return run
 
 
-def cheapest(tries: Iterable[Try]) -> tuple[str, float, float]:
+def cheapest(run: Run, settings: Iterable[float]) -> tuple[float, float, float]:
     """The first setting that is accurate enough, its error, and the least time of some runs."""
-    for each in tries:
+    for setting in settings:
         start = process_time()
-        found = error(each.run())
+        found = error(run(setting))
         spent = [process_time() - start]
         if found <= BAR:
             while sum(spent) < 1.0 and len(spent) < 30:
                 start = process_time()
-                each.run()
+                run(setting)
                 spent.append(process_time() - start)
-            return each.setting, found, min(spent)
-    return "none", np.nan, np.nan
+            return setting, found, min(spent)
+    return np.nan, np.nan, np.nan
 
 
 COLD = """\
@@ -174,34 +168,27 @@ def first_call(ready: str, call: str) -> float:
     return float(done.stdout)
 
 
-def first_pendulum(method: str, step: float) -> float:
-    steps, zero = round(LONG / step), "np.zeros((1, 1))"
-    how = f'every={steps}, method="{method}", executor="compiled"'
-    call = f"robodyn.rollouts(model, {zero}, {zero}, {steps}, {step}, {how})"
-    return first_call(f"model = robodyn.load({str(ROBOTS / 'pendulum.urdf')!r})", call)
-
-
-def first_bars(count: int, step: float) -> float:
-    call = f'robodyn.simulate(model, scene, 10.0, step={step}, executor="compiled")'
-    return first_call(f"model, scene = four_bars({count})", call)
-
-
 def a01() -> str:
     rows, times = [], {}
-    for name, tries in (
-        *((f"robodyn, {method}", ours(method)) for method in ("verlet", "rk4", "gauss6")),
-        *((f"MuJoCo, {method}", mujocos(method)) for method in ("RK4", "implicitfast")),
-        *((f"SciPy, {method}", scipys(method)) for method in ("DOP853", "RK45", "LSODA", "Radau")),
-        ("Pinocchio's `aba`, RK4 in Python", pinocchios()),
+    for name, run, settings in (
+        *((f"robodyn, {method}", ours(method), STEPS) for method in ("verlet", "rk4", "gauss6")),
+        *((f"MuJoCo, {method}", mujocos(method), STEPS[3:]) for method in ("RK4", "implicitfast")),
+        *((f"SciPy, {method}", scipys(method), RTOL) for method in ("DOP853", "RK45", "LSODA", "Radau")),
+        ("Pinocchio's `aba`, RK4 in Python", pinocchios(), STEPS[5:]),
     ):
-        setting, found, spent = cheapest(tries)
+        setting, found, spent = cheapest(run, settings)
         times[name] = (spent, setting)
-        rows.append([name, setting, f"{found:.1e}", f"{1e3 * spent:.3g}"])
+        said = f"rtol {setting:.0e}" if settings is RTOL else f"{setting:g} s"
+        rows.append([name, said, f"{found:.1e}", f"{1e3 * spent:.3g}"])
     best = min((name for name in times if name.startswith("robodyn")), key=lambda name: times[name][0])
     peer = min((name for name in times if not name.startswith("robodyn")), key=lambda name: times[name][0])
     for row in rows:
         row.append(f"{times[row[0]][0] / times[best][0]:.3g}")
-    cold = first_pendulum(best.split(", ")[1], float(times[best][1].split()[0]))
+    method, step, zero = best.split(", ")[1], times[best][1], "np.zeros((1, 1))"
+    steps = round(LONG / step)
+    how = f'every={steps}, method="{method}", executor="compiled"'
+    call = f"robodyn.rollouts(model, {zero}, {zero}, {steps}, {step}, {how})"
+    cold = first_call(f"model = robodyn.load({str(ROBOTS / 'pendulum.urdf')!r})", call)
     head = ("A01: 2000 s", "setting", "error [m]", "time [ms]", "ratio")
     faster, at_first = times[peer][0] / times[best][0], times[peer][0] / cold
     said = (
@@ -272,7 +259,8 @@ def by_robodyn(count: int, step: float) -> tuple[float, float, float]:
 def a02() -> str:
     rows = []
     for count in (2, 8, 40):
-        cold = f"{1e3 * first_bars(count, 1e-2):.3g}"
+        call = 'robodyn.simulate(model, scene, 10.0, step=0.01, executor="compiled")'
+        cold = f"{1e3 * first_call(f'model, scene = four_bars({count})', call):.3g}"
         for step, first in ((1e-2, cold), (2e-3, "as above")):
             place, drift, spent = by_robodyn(count, step)
             figures = (f"{place:.0e}", f"{drift:.0e}", f"{1e3 * spent:.3g}", first)
