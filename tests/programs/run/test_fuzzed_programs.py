@@ -1,4 +1,4 @@
-"""Every executor against the exact values of random programs and of robots: errors of a few roundings."""
+"""Every executor against the exact values of random programs: errors of a few roundings."""
 
 from __future__ import annotations
 
@@ -6,18 +6,14 @@ from functools import lru_cache, partial
 
 import numpy as np
 import pytest
-from helpers.busy_robot import BUSY_SCENE, busy_robot
-from helpers.oracles import golden_model, random_state, robot
 from helpers.random_programs import OPERATIONS, programs, random_inputs, seeded
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robodyn.dynamics.plan import Plan
 from robodyn.programs.run import numpy_blocks
 from robodyn.programs.run.compiled_blocks import CompiledBlocks
 from robodyn.programs.run.multiprecision import Multiprecision
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
-from robodyn.scene.scene import Scene
 
 SINGLE = {"numpy float32": NumpyBlocks, "compiled float32": CompiledBlocks}
 EXECUTORS = {"numpy": NumpyBlocks, "compiled": CompiledBlocks}
@@ -71,31 +67,6 @@ def test_programs_that_shrink(executor, data):
     sources = random_inputs(data.draw(st.integers(0, 1000)), widths, ROWS)
     exact = values(program, sources, format_of(executor))
     assert off(executor, program, widths, sources, exact).max() <= 5000
-
-
-ROBOTS = {
-    "every effect": lambda: (busy_robot(), BUSY_SCENE),
-    "gripper": lambda: (robot("gripper"), Scene()),
-    "free satellite": lambda: (robot("satellite", moving_base=True), Scene()),
-    "tree": lambda: (golden_model("tree15_bf2_skew0.3"), Scene()),
-}
-
-
-@each_executor
-@pytest.mark.parametrize("name", ["every effect", *(pytest.param(n, marks=pytest.mark.slow) for n in [*ROBOTS][1:])])
-def test_torques_and_wrenches_of_robots(executor, name):
-    model, scene = ROBOTS[name]()
-    rng = np.random.default_rng(12)
-    sources = dict(zip(("q", "qd", "qdd"), random_state(model, rng, ROWS), strict=True))
-    sources["columns"] = rng.uniform(-2.0, 2.0, (ROWS, len(scene.columns)))
-    program, dtype = Plan(model, scene).wrenches(joints=True), format_of(executor)
-    widths = {source: each.shape[1] for source, each in sources.items()}
-    exact = values(program, sources, dtype)
-    largest = np.abs(exact.astype(float)).max()
-    errors = off(executor, program, widths, sources, exact, 1000) * (
-        1.0 + np.abs(exact.astype(float)[np.arange(1000) % ROWS])
-    )
-    assert errors.max() <= 200 * largest
 
 
 @pytest.mark.parametrize("op", sorted(set(OPERATIONS)))

@@ -19,7 +19,6 @@ from robodyn.support.cache import FORGOTTEN, MARK, Key, ObjectCache, cache_folde
 KEY, OTHER = Key("a program", "a machine"), Key("another program", "a machine")
 CONTENT = bytes(range(256)) * 20
 posix = pytest.mark.skipif(os.name == "nt", reason="owners, permissions, links and pipes are those of POSIX")
-as_root = pytest.mark.skipif(not hasattr(os, "getuid") or os.getuid() != 0, reason="only root gives files away")
 
 
 def files(folder):
@@ -116,12 +115,6 @@ def test_folders_of_others_are_ignored(objects, tmp_path, monkeypatch):
     assert objects.get(KEY) is None
     objects.put(KEY, b"new")
     assert the_file(tmp_path).read_bytes() == before
-
-
-@as_root
-def test_file_of_another_user_is_ignored_and_written_again(objects, tmp_path):
-    os.chown(the_file(tmp_path), 4321, -1)
-    put_again(objects)
 
 
 @posix

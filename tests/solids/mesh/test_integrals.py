@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import tracemalloc
 from fractions import Fraction
 from functools import partial
 from math import isqrt
@@ -20,7 +19,6 @@ from helpers.mesh_samples import (
     cylinder,
     flipped,
     moved,
-    sheet,
     tetrahedron,
     torus,
     uv_sphere,
@@ -31,10 +29,9 @@ from hypothesis import strategies as st
 from robodyn.errors import MeshError
 from robodyn.solids.inertia.properties import principal_axes
 from robodyn.solids.mass_properties import mass_properties
-from robodyn.solids.mesh.asymmetry import TriangleSet, mirror
 from robodyn.solids.mesh.integrals import Moments, integrate, measure, surface, volume_bound
 from robodyn.solids.mesh.read.load import load_triangles
-from robodyn.solids.mesh.triangles import BLOCK, ROWS, MemoryTriangles
+from robodyn.solids.mesh.triangles import ROWS, MemoryTriangles
 
 EPS = np.finfo(float).eps
 
@@ -198,25 +195,6 @@ def test_surfaces_within_1e15_wherever_the_origin_is_and_however_wound(body, off
     assert np.abs(exact(found.first) - first).max() <= 1e-15 * float(A) * np.ptp(array)
 
 
-BODY = moved(torus(2.0, 0.5, 60, 40), (0.3, 0.2, 0.1), rotation(1))
-
-
-class Counted:
-    """Triangles that count how often they are read."""
-
-    scale = 1.0
-
-    def __init__(self, array):
-        self._kept = MemoryTriangles("counted", array)
-        self.name, self.count, self.reads = "counted", len(array), 0
-
-    def blocks(self, rows=BLOCK):
-        self.reads += 1
-        return self._kept.blocks(rows)
-
-    records = blocks
-
-
 @pytest.mark.parametrize(("count", "spare"), [(ROWS, 0), (ROWS - 4, 1), (ROWS + 4, 1)])
 def test_the_edge_of_a_block(count, spare):
     array = np.concatenate([cylinder(0.7, 1.1, count // 4), np.zeros((spare, 3, 3))])
@@ -225,23 +203,6 @@ def test_the_edge_of_a_block(count, spare):
     assert found.count == len(array) == count + spare
     assert deviation(found.volume, V) <= 4 * EPS
     assert deviation(found.S, S) <= 4 * EPS
-
-
-def test_a_mesh_is_read_once_and_again_for_finer_arithmetic():
-    mesh, plate = Counted(BODY), Counted(moved(box((1, 1, 1e-6)), R=rotation(3)))
-    measure(mesh)
-    integrate(mesh)
-    assert mesh.reads == 2
-    assert integrate(plate).method == "rational"
-    assert plate.reads >= 3
-
-
-def test_an_open_surface_is_not_worth_finer_arithmetic():
-    flat = MemoryTriangles("body", sheet())
-    found, edges = measure(flat)
-    assert not edges.closed
-    assert (found.method, found.bound) == ("float64", np.inf)
-    assert measure(flat, exact=True)[0].method == integrate(flat).method == "rational"
 
 
 @pytest.mark.parametrize(("size", "how"), [(1e70, "large"), (1e200, "large"), (1e-70, "small"), (1e-200, "small")])
@@ -276,17 +237,6 @@ def test_above_a_limit_neither_is_sought_though_asked(monkeypatch):
     assert found.body.volume > 0
     with pytest.raises(MeshError, match="ROBODYN_LIMITS=mesh_shape=NUMBER"):
         mass_properties(body, symmetrize=True)
-
-
-def test_triangles_are_compared_in_blocks():
-    corners = torus(rings=512, sectors=256)
-    tracemalloc.start()
-    same = TriangleSet(corners, 2.5)
-    assert same.invariant(np.diag((-1.0, -1.0, 1.0)))
-    assert not same.invariant(mirror(np.array((0.6, 0.8, 0.0))))
-    _, peak = tracemalloc.get_traced_memory()
-    tracemalloc.stop()
-    assert peak < corners.nbytes
 
 
 WEDGE = mesh_samples.tetrahedron()

@@ -14,9 +14,8 @@ from helpers.mesh_oracle import rotation
 from helpers.round_shapes import KINDS, SOLIDS
 from helpers.sampled import sampled
 from helpers.symmetric_bodies import bracket
-from helpers.tessellation_errors import errors, estimated
 from helpers.tessellations import prism
-from tessellation_coverage import ENOUGH, coverage, row_of
+from tessellation_coverage import ENOUGH, coverage, errors, estimated, row_of
 
 import robodyn
 from robodyn.solids.mesh.tessellation import line_masses

@@ -232,12 +232,6 @@ def test_headers_with_many_properties_and_elements():
     assert load_triangles(head + more + b"element face" + rest, file_type="ply").count == 1
 
 
-@pytest.mark.parametrize("copies", [3, 20_000])
-def test_faces_given_very_often(copies):
-    part = mass_properties(np.tile(tetrahedron(), (copies, 1, 1)))
-    assert part.body.volume == pytest.approx(10, rel=1e-12)
-
-
 @pytest.mark.slow
 def test_shells_in_each_others_boxes():
     needle = tetrahedron([(0, 0, 0), (1, 1, 1), (1.01, 1, 1), (1, 1.01, 1)])
