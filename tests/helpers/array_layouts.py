@@ -36,10 +36,10 @@ def state(samples, dtype=np.float64):
     return arrays
 
 
-def expected(arrays):
+def expected(arrays, dtype=np.float64):
     """What one thread makes of contiguous columns."""
-    columns = {name: np.asfortranarray(values, np.float64) for name, values in arrays.items()}
-    return ready()(columns, len(columns["a"]))
+    columns = {name: np.asfortranarray(values, dtype) for name, values in arrays.items()}
+    return ready(dtype)(columns, len(columns["a"]))
 
 
 def in_bytes(x, offset, step):

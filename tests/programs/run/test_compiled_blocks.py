@@ -13,14 +13,12 @@ import numpy as np
 import pytest
 from helpers.array_layouts import LAYOUTS, PROGRAM, WIDTHS, expected, ready, state
 from helpers.compiled_programs import bits, compiled, needs_compiler, program_of
-from helpers.oracles import EPS, golden_model, random_state, worst
+from helpers.oracles import EPS, worst
 from helpers.processes import python
 
-from robodyn.dynamics.plan import Plan
 from robodyn.programs.run import compiled_blocks
 from robodyn.programs.run.compiled_blocks import BLOCK, CompiledBlocks
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
-from robodyn.scene.scene import Scene
 
 pytestmark = needs_compiler
 
@@ -56,28 +54,14 @@ def test_any_number_of_samples(samples, busy_threads):
     np.testing.assert_array_equal(bits(found[-1:]), bits(ready()(last, 1)))
 
 
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
 @pytest.mark.parametrize("layout", LAYOUTS)
-def test_any_layout_and_thread_count(layout, busy_threads):
+def test_any_layout_and_thread_count(layout, dtype, busy_threads):
     for samples in (1, 9, BLOCK + 1, 4097):
-        arrays = {name: LAYOUTS[layout](values) for name, values in state(samples).items()}
-        right = bits(expected(arrays))
+        arrays = {name: LAYOUTS[layout](values) for name, values in state(samples, dtype).items()}
+        right = bits(expected(arrays, dtype))
         for threads in (1, 3):
-            np.testing.assert_array_equal(bits(ready()(arrays, samples, None, threads)), right)
-
-
-def test_single_precision(busy_threads):
-    run = ready(np.float32)
-    for samples in (1, 17, BLOCK + 1):
-        arrays = state(samples, np.float32)
-        right = run(arrays, samples)
-        assert right.dtype == np.float32
-        for layout in ("rows", "backwards", "unaligned", "other bytes first"):
-            other = {name: LAYOUTS[layout](values) for name, values in arrays.items()}
-            for threads in (1, 3):
-                np.testing.assert_array_equal(bits(run(other, samples, None, threads)), bits(right))
-        finite = np.isfinite(right)
-        with np.errstate(all="ignore"):
-            assert worst(right[finite], expected(arrays)[finite]) <= 8 * np.finfo(np.float32).eps
+            np.testing.assert_array_equal(bits(ready(dtype)(arrays, samples, None, threads)), right)
 
 
 def test_work_is_shared_among_threads(monkeypatch):
@@ -161,21 +145,6 @@ assert not {fork} or os.waitpid(child, 0)[1] == 0
 )
 def test_a_process_and_its_fork_have_threads_of_their_own_and_end(fork):
     assert python(TWO_THREADS.format(robot=str(ROBOT), fork=fork)).stderr == ""
-
-
-@pytest.mark.parametrize("most_streams", [0, compiled_blocks.MOST_STREAMS], ids=["gathered", "in place"])
-def test_a_robot_in_blocks_and_at_once(most_streams, monkeypatch):
-    monkeypatch.setattr(compiled_blocks, "MOST_STREAMS", most_streams)
-    model = golden_model("tree15_bf2_skew0.3")
-    widths = {"q": model.nq, "qd": model.n, "qdd": model.n}
-    program = Plan(model, Scene()).wrenches(joints=True)
-    run = CompiledBlocks(program, widths)
-    samples = 1001
-    arrays = dict(zip(widths, random_state(model, np.random.default_rng(8), samples), strict=True))
-    found = run(arrays, samples)
-    assert worst(found, NumpyBlocks(program, widths)(arrays, samples)) <= 8 * EPS
-    turned = {name: np.asfortranarray(values[::-1]) for name, values in arrays.items()}
-    np.testing.assert_array_equal(bits(run(turned, samples, None, 2)[::-1]), bits(found))
 
 
 X = np.random.default_rng(5).uniform(-3, 3, (100, 2))

@@ -130,14 +130,6 @@ def test_threads_that_cannot_work(executor):
         run(made(), executor=executor, threads=-1)
 
 
-@pytest.mark.parametrize("dtype", [">f8", ">f4"])
-def test_order_of_bytes_makes_no_difference(fresh, dtype):
-    for executor in ("numpy", "compiled"):
-        found = made()({"x": X.astype(dtype)}, len(X), executor=executor, dtype=dtype)
-        native = np.dtype(dtype).newbyteorder("=")
-        np.testing.assert_array_equal(found, made()({"x": X.astype(native)}, len(X), executor=executor, dtype=native))
-
-
 def test_processor_without_fused_multiply_add(fresh, monkeypatch):
     old = machine.Host("x86_64-unknown-linux-gnu", "sandybridge", "+avx,-fma,-fma4", "0.45", (20,))
     monkeypatch.setattr(machine, "host", lambda: old)

@@ -12,9 +12,8 @@ from helpers.compiled_programs import needs_compiler, program_of
 
 import robodyn
 from robodyn.dynamics.plan import plan
-from robodyn.programs.run import runner
 from robodyn.programs.run.compiled_blocks import CompiledBlocks
-from robodyn.programs.run.runner import Choice, Runner
+from robodyn.programs.run.runner import Runner
 
 PROGRAM = program_of(lambda x, y: [(x * y + x).sin() * y + x * x, x / (y * y + 1.0)], 2)
 WIDTHS = {"x": 2}
@@ -84,16 +83,6 @@ def test_machine_code_is_made_once_by_many_threads(monkeypatch):
     a_runner, x = Runner(PROGRAM, WIDTHS), np.ones((5, 2))
     _at_once([lambda: a_runner({"x": x}, 5, executor="compiled")] * THREADS)
     assert len(made) == 1
-
-
-def test_no_sample_is_lost_from_the_count(monkeypatch):
-    """By the samples so far it is known when machine code would have paid."""
-    a_runner, x = Runner(PROGRAM, WIDTHS), np.ones((3, 2))
-    seen = []
-    monkeypatch.setattr(runner, "choice", lambda work: (seen.append(work), Choice("numpy", "little"))[1])
-    _at_once([lambda: [a_runner({"x": x}, 3, threads=1) for _ in range(100)]] * THREADS)
-    a_runner({"x": x}, 3, threads=1)
-    assert (seen[-1].samples, seen[-1].runs, seen[-1].blocks) == tuple(k * (100 * THREADS + 1) for k in (3, 1, 1))
 
 
 def test_torques_of_many_threads_on_one_robot():

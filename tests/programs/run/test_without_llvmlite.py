@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 
 from helpers.command_line import write_arm
-from helpers.compiled_programs import needs_compiler
 from helpers.oracles import REFERENCE
 from helpers.processes import python
 
@@ -81,18 +80,3 @@ def test_little_work_loads_no_compiler_and_looks_at_no_cache(tmp_path):
     told = _told(python(WORK + code, ROBODYN_CACHE=tmp_path))
     assert not {"llvmlite", "platformdirs"} & set(told["loaded"])
     assert not list(tmp_path.iterdir())
-
-
-@needs_compiler
-def test_a_compiler_that_would_not_pay_is_not_loaded(tmp_path):
-    """Not even where machine code is kept: the same work gives the same digits in a warm and a cold process."""
-    code = """
-told(executor=runner().run(sources, 50, expected=10_000).choice.executor)
-"""
-    make = 'told(same=runner()(sources, 50, executor="compiled").shape)'
-    first = _told(python(WORK + code, ROBODYN_CACHE=tmp_path))
-    python(WORK + make, ROBODYN_CACHE=tmp_path)
-    again = _told(python(WORK + code, ROBODYN_CACHE=tmp_path))
-    for told in (first, again):
-        assert told["executor"] == "numpy"
-        assert "llvmlite" not in told["loaded"]
