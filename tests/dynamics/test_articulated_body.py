@@ -16,7 +16,7 @@ from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import EFFECTS, applied, loads
 from robodyn.dynamics.recursions.articulated_body import aligned
 from robodyn.errors import InputError
-from robodyn.scene.scene import Rotor, Scene
+from robodyn.scene.scene import DEFAULT, Rotor, Scene
 from robodyn.solids.inertia.laws import Inertia
 
 MODELS = reference("golden_inverse_dynamics")["models"]
@@ -59,9 +59,8 @@ def test_fifty_digits(name, free):
         assert max(abs(a - b) for a, b in zip(found, tau, strict=True)) <= mpmath.mpf(10) ** -45
 
 
-def _agrees(model, seed, scene=None):
+def _agrees(model, seed, scene=DEFAULT):
     """Torques of the accelerations are the torques, within what rounding of M qdd allows."""
-    scene = scene or Scene()
     q, qd, tau = random_state(model, np.random.default_rng(seed), 20)
     qdd = forward_dynamics(model, q, qd, tau, scene=scene, executor="numpy")
     M = mass_matrix(model, q, scene=scene)
@@ -78,25 +77,26 @@ def _chain(*joints, moving_base=False):
     return built(*parts, moving_base=moving_base)
 
 
-@pytest.mark.parametrize("free", [False, True])
-def test_a_body_that_falls_free_of_a_moving_one(free):
-    """A floating joint in the middle of a tree passes on the force on it and nothing else."""
-    _agrees(_chain({}, {"kind": "floating"}, {"kind": "prismatic"}, moving_base=free), 7)
+def _nearly_parallel(angle, axis):
+    return _chain(*({"axis": axis, "rpy": (angle, 0.7 * k, 0)} for k in range(3)))
 
 
-def test_planar_joints():
-    _agrees(_chain({"kind": "planar"}, {"kind": "planar", "axis": (0.6, 0, 0.8)}), 9)
+IN_THE_MIDDLE = {}, {"kind": "floating"}, {"kind": "prismatic"}
+ANGLES = 0.0, 1e-12, 2e-6, np.pi - 1e-9
+TREES = {
+    "a body that falls free of a fixed one": lambda: _chain(*IN_THE_MIDDLE),
+    "a body that falls free of a moving one": lambda: _chain(*IN_THE_MIDDLE, moving_base=True),
+    "planar joints": lambda: _chain({"kind": "planar"}, {"kind": "planar", "axis": (0.6, 0, 0.8)}),
+    **{f"axes nearly parallel, {x}": lambda x=x: _nearly_parallel(x, (0, 0, 1)) for x in ANGLES},
+    **{f"skew axes nearly parallel, {x}": lambda x=x: _nearly_parallel(x, (0.48, 0.6, 0.64)) for x in ANGLES},
+    "a random tree": lambda: random_tree(0, 9),
+    "a random tree that floats": lambda: random_tree(1, 9, moving_base=True),
+}
 
 
-@pytest.mark.parametrize("angle", [0.0, 1e-12, 2e-6, np.pi - 1e-9])
-def test_axes_that_are_nearly_parallel(angle):
-    for axis in ((0, 0, 1), (0.48, 0.6, 0.64)):
-        _agrees(_chain(*({"axis": axis, "rpy": (angle, 0.7 * k, 0)} for k in range(3))), 15)
-
-
-@pytest.mark.parametrize(("seed", "free"), [(0, False), (1, True), (2, False), (3, True)])
-def test_random_trees(seed, free):
-    _agrees(random_tree(seed, 9, moving_base=free), seed)
+@pytest.mark.parametrize("name", TREES)
+def test_round_trips(name):
+    _agrees(TREES[name](), 7)
 
 
 def test_a_rotor_far_heavier_than_the_links():

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from helpers.busy_robot import BUSY_SCENE, busy_robot
 from helpers.exact_rates import exact_rates
-from helpers.oracles import frictionless, random_state, robot, worst
+from helpers.oracles import frictionless, random_state, robot, tangent, worst
 from helpers.robot_catalogue import names
 from helpers.sampled import sampled
 
@@ -53,16 +53,9 @@ def _without_friction(model, scene):
 
 
 def _along(model, q, qd):
-    """How q changes as the robot moves, from q' = q (w, 0) / 2 for a quaternion."""
+    """How q changes as the robot moves."""
     out = {}
-    for joint in model.independent:
-        i, k = joint.coordinate, joint.rate
-        if joint.kind != "floating":
-            out["q", i] = qd[:, k]
-            continue
-        x, y, z, w = q[:, i + 3 : i + 7].T
-        a, b, c = qd[:, k : k + 3].T
-        turn = (w * a + y * c - z * b, w * b + z * a - x * c, w * c + x * b - y * a, -(x * a + y * b + z * c))
-        out |= {("q", i + j): qd[:, k + 3 + j] for j in range(3)}
-        out |= {("q", i + 3 + j): part / 2 for j, part in enumerate(turn)}
+    for speed, way in zip(qd.T, tangent(model, q), strict=True):
+        for entry, rate in way.items():
+            out[entry] = out.get(entry, 0.0) + rate * speed
     return out

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from helpers.busy_robot import BUSY_SCENE, busy_robot
 from helpers.compiled_programs import bits, needs_compiler
-from helpers.example_robots import real
 from helpers.oracles import EPS, ROBOTS, random_state, robot, worst
 
 from robodyn.dynamics.forward import forward_dynamics
@@ -16,13 +15,10 @@ from robodyn.dynamics.plan import Plan
 from robodyn.programs.run.compiled_blocks import CompiledBlocks
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
 from robodyn.scene.read import load_scene
-from robodyn.scene.scene import Scene
 
 pytestmark = needs_compiler
 
 SAMPLES = 130
-APART = {False: 4 * EPS, True: 8 * EPS}
-"""Of the largest torque, for fixed and free bases: the rotation from a quaternion costs some roundings more."""
 
 
 def sources(model, scene, samples=SAMPLES):
@@ -37,16 +33,6 @@ def both(program, arrays, dtype=np.float64):
     widths = {name: values.shape[1] for name, values in arrays.items()}
     given = {name: values.astype(dtype) for name, values in arrays.items()}
     return [ready(program, widths, dtype)(given, samples).astype(float) for ready in (CompiledBlocks, NumpyBlocks)]
-
-
-@pytest.mark.parametrize(
-    ("name", "free"),
-    [("ur5_robot", False), *(pytest.param(name, True, marks=pytest.mark.slow) for name in ("panda", "anymal"))],
-)
-def test_torques_of_real_robots(name, free):
-    model = real(name, free)
-    compiled, plain = both(Plan(model, Scene()).torques(), sources(model, Scene()))
-    assert worst(compiled, plain) <= APART[free]
 
 
 @pytest.mark.parametrize(

@@ -95,20 +95,6 @@ def test_in_the_frame_of_a_link(free):
     assert (link.kinetic, link.potential) == (ground.kinetic, ground.potential)
 
 
-def test_a_pendulum_in_closed_form():
-    """One link of mass 1 with its centre at 0.5 turns about a fixed hinge: p = m r qd, L = I qd, T = I qd^2 / 2."""
-    model = chain(1)
-    found = robodyn.momenta(model, [np.pi / 3], [2.0], scene=Scene(gravity=(0.0, -9.81, 0.0)))
-    body = model.bodies[1].inertia
-    c, s = np.cos(np.pi / 3), np.sin(np.pi / 3)
-    assert worst(found.com, [0.5 * c, 0.5 * s, 0]) <= 4 * EPS
-    assert worst(found.linear, [-body.m * s, body.m * c, 0]) <= 4 * EPS
-    assert worst(found.angular, [0, 0, 2 * body.I[2, 2]]) <= 4 * EPS
-    assert worst(found.kinetic, 2 * body.I[2, 2]) <= 4 * EPS
-    assert worst(found.potential, body.m * 9.81 * 0.5 * s) <= 4 * EPS
-    assert found.mass == body.m
-
-
 def test_rotors_and_springs_store_energy_of_their_kind():
     model = chain(2)
     bare = robodyn.momenta(model, [0.2, 0.4], [1.0, 3.0], scene=WEIGHTLESS)

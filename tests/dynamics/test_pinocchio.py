@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers.closed_forms import TORQUES
 from helpers.example_robots import KINDS, REFUSED, all_paths, cases, kinds, path_of
-from helpers.oracles import frictionless, random_state, robot, run, worst
+from helpers.oracles import frictionless, random_state, run, worst
 from helpers.peers import pin
 from helpers.pinocchio_robots import PinocchioRobot
 
@@ -101,21 +100,3 @@ def test_joints_that_nothing_resists_are_named(name, free):
     with pytest.raises(InputError, match=f'joint "{MASSLESS[name]}" moves nothing that has inertia'):
         forward_dynamics(model, q, qd, tau)
     assert not mass_matrix(model, q)[0, model.rates.index(MASSLESS[name])].any()
-
-
-OF_FORMS = 1e-14
-
-
-def _states(n):
-    return np.random.default_rng(11).uniform(-1.5, 1.5, (3, 200, n))
-
-
-@pytest.mark.parametrize("name", TORQUES)
-def test_torques(name):
-    model = robot(name)
-    q, qd, qdd = _states(model.n)
-    expected = TORQUES[name](q, qd, qdd)
-    tau = inverse_dynamics(model, q, qd, qdd, scene=frictionless(model))
-    assert worst(tau, np.column_stack(expected)) <= OF_FORMS
-    for found, wanted in zip(tau.T, expected, strict=True):
-        assert worst(found, wanted) <= OF_FORMS

@@ -75,7 +75,7 @@ MUTATIONS = {
             "wanted = forces[:, ~passive]",
         ),
     ],
-    "dynamics/constraints/test_random_mechanisms.py": [
+    "dynamics/constraints/test_constraint_forces.py": [
         (
             "dynamics/constraints/constraint_jacobian.py",
             "cross(arms[:, k].transpose(2, 0, 1), IDENTITY[axis])",
