@@ -12,7 +12,7 @@ import pytest
 import robodyn
 from helpers.busy_robot import BUSY_SCENE, busy_robot
 from helpers.command_line import ROBOTS
-from helpers.oracles import random_state
+from helpers.oracles import random_state, tangent
 from robodyn.scene.scene import DEFAULT
 
 SAMPLES = 6
@@ -66,6 +66,18 @@ ARGUMENTS = {
 }
 
 
+FUNCTIONS = {
+    "torques": robodyn.inverse_dynamics,
+    "mass_matrix": robodyn.mass_matrix,
+    "bias": robodyn.bias_forces,
+    "coriolis": robodyn.coriolis_matrix,
+    "forward": robodyn.forward_dynamics,
+    "derivatives": robodyn.inverse_dynamics_derivatives,
+    "forward_derivatives": robodyn.forward_dynamics_derivatives,
+    "regressor": robodyn.regressor,
+}
+
+
 def arguments(word, given, columns):
     """The arrays that an exported function takes, in its order."""
     more = [np.column_stack(list(columns.values()))] if columns else []
@@ -74,22 +86,10 @@ def arguments(word, given, columns):
 
 def expected(word, model, scene, given, columns):
     """What robodyn returns: a list of arrays."""
-    arrays, more = [given[source] for source in ARGUMENTS[word]], {"scene": scene, "columns": columns or None}
-    if word == "mass_matrix":
-        return [robodyn.mass_matrix(model, *arrays, scene=scene)]
-    if word == "coriolis":
-        return [robodyn.coriolis_matrix(model, *arrays, scene=scene)]
+    more = {} if word in ("mass_matrix", "coriolis") else {"columns": columns or None}
+    found = FUNCTIONS[word](model, *(given[source] for source in ARGUMENTS[word]), scene=scene, **more)
     if word == "regressor":
-        found = robodyn.regressor(model, *arrays, **more)
         return [found.Y, found.rest]
-    functions = {
-        "torques": robodyn.inverse_dynamics,
-        "bias": robodyn.bias_forces,
-        "forward": robodyn.forward_dynamics,
-        "derivatives": robodyn.inverse_dynamics_derivatives,
-        "forward_derivatives": robodyn.forward_dynamics_derivatives,
-    }
-    found = functions[word](model, *arrays, **more)
     return list(found) if isinstance(found, tuple) else [found]
 
 
@@ -101,15 +101,9 @@ def tolerance(word, model, scene, given, least=1e-12):
 
 
 def turns(model, q):
-    """(samples, nq, n): how q changes along each rate; a turn w about the body's axes changes it by q (w, 0) / 2."""
+    """(samples, nq, n): how q changes along each rate."""
     out = np.zeros((len(q), model.nq, model.n))
-    for joint in model.independent:
-        k, r = joint.coordinate, joint.rate
-        if joint.kind != "floating":
-            out[:, k, r] = 1.0
-            continue
-        x, y, z, w = q[:, k + 3 : k + 7].T
-        for i, turn in enumerate(((w, z, -y, -x), (-z, w, x, -y), (y, -x, w, -z))):
-            out[:, k + 3 : k + 7, r + i] = np.stack(turn, -1) / 2
-        out[:, k : k + 3, r + 3 : r + 6] = np.eye(3)
+    for rate, way in enumerate(tangent(model, q)):
+        for (_, coordinate), slope in way.items():
+            out[:, coordinate, rate] = slope
     return out

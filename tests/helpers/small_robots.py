@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from robodyn.robot.load import load
@@ -35,7 +37,9 @@ def urdf(*parts, name="small"):
     return f'<?xml version="1.0"?>\n<robot name="{name}">\n{chr(10).join(parts)}\n</robot>\n'.encode()
 
 
+@lru_cache(maxsize=32)
 def built(*parts, moving_base=False):
+    """The robot of these links and joints; the same one for the same parts, so that its programs are traced once."""
     return load(urdf(*parts), moving_base=moving_base)
 
 

@@ -6,18 +6,7 @@ import ast
 
 import numpy as np
 import pytest
-from helpers.exported import (
-    ARGUMENTS,
-    CASES,
-    arguments,
-    each_case,
-    expected,
-    module_of,
-    named,
-    states,
-    tolerance,
-    turns,
-)
+from helpers.exported import ARGUMENTS, CASES, arguments, expected, module_of, named, states, tolerance, turns
 from helpers.oracles import worst
 from helpers.peers import peer
 
@@ -25,60 +14,142 @@ import robodyn
 from robodyn.equations.export.export import TARGETS, WORDS
 
 slow = pytest.mark.slow
-WAYS = [
-    ("scara", "jacrev"),
-    pytest.param("scara", "jacfwd", marks=slow),
-    pytest.param("busy_free", "jacrev", marks=slow),
-]
 WHOLE = ",".join(ARGUMENTS)
-few = pytest.mark.parametrize("case", ["mimic", pytest.param("free", marks=slow), pytest.param("columns", marks=slow)])
-small = pytest.mark.parametrize("case", ["free", pytest.param("busy_free", marks=slow)])
+
+
+@pytest.fixture(autouse=True)
+def _double_precision_of_jax(request):
+    if "jax" not in request.node.name:
+        yield
+        return
+    module = peer("jax")
+    before = module.config.jax_enable_x64
+    module.config.update("jax_enable_x64", True)
+    yield
+    module.config.update("jax_enable_x64", before)
 
 
 def test_every_function_is_tried():
     assert set(ARGUMENTS) == set(WORDS)
-    assert set(TARGETS) == {"c", "numpy", "casadi", "jax", "torch"}
+    assert set(TARGETS) == {"c", *MODULES}
 
 
-def compared(call, word, case):
-    """Compare what `call` makes of the arguments with robodyn."""
+def by_arrays(module, word):
+    return getattr(module, word)
+
+
+def by_torch(module, word):
+    return lambda *arrays: getattr(module, word)(*map(peer("torch").as_tensor, arrays))
+
+
+def by_casadi(module, word):
+    """Sample after sample; vectors are columns there."""
+    function = getattr(module, word)
+    assert function.name() == word
+    assert tuple(function.name_in())[: len(ARGUMENTS[word])] == ARGUMENTS[word]
+
+    def call(*arrays):
+        found = [function.call(list(rows)) for rows in zip(*arrays, strict=True)]
+        results = [np.stack([np.asarray(each.full()) for each in result]) for result in zip(*found, strict=True)]
+        flat = ("tau", "b", "qdd", "rest")
+        return [x[..., 0] if name in flat else x for name, x in zip(function.name_out(), results, strict=True)]
+
+    return call
+
+
+MODULES = {"numpy": by_arrays, "jax": by_arrays, "torch": by_torch, "casadi": by_casadi}
+
+
+@pytest.mark.parametrize(
+    ("target", "case"),
+    [
+        ("numpy", "free"),
+        *((target, "mimic") for target in MODULES),
+        *(pytest.param("numpy", case, marks=slow) for case in ("scara", "puma560")),
+        *(pytest.param(target, case, marks=slow) for target in MODULES for case in ("free", "columns")),
+    ],
+)
+def test_modules_compute_what_robodyn_computes(target, case):
+    peer(target)
     model, scene = CASES[case]()
     given, columns = states(model, scene)
-    found = call(*arguments(word, given, columns))
-    found = found if isinstance(found, (tuple, list)) else [found]
-    right = expected(word, model, scene, given, columns)
-    assert len(found) == len(right)
-    bound = tolerance(word, model, scene, given)
-    assert max(worst(np.asarray(ours), theirs) for ours, theirs in zip(found, right, strict=True)) <= bound
+    module = module_of(robodyn.export(model, target, WHOLE, scene=scene))
+    for word in ARGUMENTS:
+        found = MODULES[target](module, word)(*arguments(word, given, columns))
+        found = found if isinstance(found, (tuple, list)) else [found]
+        right = expected(word, model, scene, given, columns)
+        assert len(found) == len(right)
+        bound = tolerance(word, model, scene, given)
+        assert max(worst(np.asarray(ours), theirs) for ours, theirs in zip(found, right, strict=True)) <= bound, word
 
 
-def derivative_of_torques(case, jacobians):
-    """Compare d tau / d (q, qd, qdd) that a library finds, (samples, n, nq or n) each, with robodyn's."""
+def by_complex_steps(torques, given):
+    out = []
+    for k, array in enumerate(given):
+        steps = 1e-30j * np.eye(array.shape[-1])[:, None]
+        moved = torques(*(array + steps if i == k else other for i, other in enumerate(given)))
+        out.append(np.moveaxis(moved.imag, 0, -1) / 1e-30)
+    return out
+
+
+def by_casadis_graphs(torques, given):
+    casadi = peer("casadi")
+    symbols = [casadi.MX.sym(name, array.shape[1]) for name, array in zip(("q", "qd", "qdd"), given, strict=True)]
+    tau = torques(*symbols)
+    function = casadi.Function("J", symbols, [casadi.jacobian(tau, each) for each in symbols])
+    rows = [function.call(list(row)) for row in zip(*given, strict=True)]
+    return [np.stack([each.full() for each in column]) for column in zip(*rows, strict=True)]
+
+
+def by_jax(way):
+    def jacobians(torques, given):
+        jax = peer("jax")
+        return jax.jit(jax.vmap(getattr(jax, way)(torques, argnums=(0, 1, 2))))(*given)
+
+    return jacobians
+
+
+def by_torchs_functions(way):
+    def jacobians(torques, given):
+        torch = peer("torch")
+        derivative = torch.func.vmap(getattr(torch.func, way)(torques, argnums=(0, 1, 2)))
+        return derivative(*map(torch.as_tensor, given))
+
+    return jacobians
+
+
+@pytest.mark.parametrize(
+    ("target", "case", "jacobians"),
+    [
+        ("numpy", "free", by_complex_steps),
+        ("casadi", "free", by_casadis_graphs),
+        ("jax", "mimic", by_jax("jacrev")),
+        ("torch", "mimic", by_torchs_functions("jacrev")),
+        pytest.param("numpy", "busy_free", by_complex_steps, marks=slow),
+        pytest.param("casadi", "busy_free", by_casadis_graphs, marks=slow),
+        pytest.param("jax", "scara", by_jax("jacfwd"), marks=slow),
+        pytest.param("torch", "scara", by_torchs_functions("jacfwd"), marks=slow),
+    ],
+)
+def test_libraries_differentiate_them(target, case, jacobians):
+    """d tau / d (q, qd, qdd), (samples, n, nq or n) each, are robodyn's."""
+    peer(target)
     model, scene = CASES[case]()
-    given, _ = states(model, scene)
-    q, qd, qdd = (given[name] for name in ("q", "qd", "qdd"))
-    by_q, by_qd, by_qdd = map(np.asarray, jacobians(robodyn.export, model, scene, q, qd, qdd))
+    q, qd, qdd = given = [states(model, scene)[0][name] for name in ("q", "qd", "qdd")]
+    torques = module_of(robodyn.export(model, target, "torques", scene=scene)).torques
+    by_q, by_qd, by_qdd = map(np.asarray, jacobians(torques, given))
     right = robodyn.inverse_dynamics_derivatives(model, q, qd, qdd, scene=scene)
     for found, exact in zip((by_q @ turns(model, q), by_qd, by_qdd), right, strict=True):
         assert worst(found, exact) <= 1e-12
 
 
-@each_case
-def test_numpy(case):
-    module = module_of(robodyn.export(CASES[case]()[0], "numpy", WHOLE, scene=CASES[case]()[1]))
-    for word in ARGUMENTS:
-        compared(getattr(module, word), word, case)
-
-
 def test_shapes_of_numpy():
-    model, _ = named("scara")
-    module = module_of(robodyn.export(model, "numpy", WHOLE))
-    given, _ = states(model, named("scara")[1])
+    model, scene = named("scara")
+    module, given = module_of(robodyn.export(model, "numpy", WHOLE)), states(model, scene)[0]
     q, qd, qdd = given["q"], given["qd"], given["qdd"]
     tau = module.torques(q, qd, qdd)
-    assert (
-        module.torques(q.reshape(2, 3, 3), qd.reshape(2, 3, 3), qdd=qdd.reshape(2, 3, 3)).reshape(6, 3) == tau
-    ).all()
+    in_threes = [x.reshape(2, 3, 3) for x in (q, qd, qdd)]
+    assert (module.torques(*in_threes[:2], qdd=in_threes[2]).reshape(6, 3) == tau).all()
     assert module.torques(q[0], qd[0], qdd[0]).tolist() == tau[0].tolist()
     assert (module.torques(q, qd[0], qdd[0])[0] == tau[0]).all()
     assert module.torques(q[:0], qd[:0], qdd[:0]).shape == (0, 3)
@@ -95,54 +166,6 @@ def test_shapes_of_numpy():
             module.mass_matrix(wrong)
 
 
-@small
-def test_complex_steps_through_numpy(case):
-    def jacobians(export, model, scene, *given):
-        module = module_of(export(model, "numpy", "torques", scene=scene))
-        out = []
-        for k, array in enumerate(given):
-            steps = 1e-30j * np.eye(array.shape[-1])[:, None]
-            moved = module.torques(*(array + steps if i == k else other for i, other in enumerate(given)))
-            out.append(np.moveaxis(moved.imag, 0, -1) / 1e-30)
-        return out
-
-    derivative_of_torques(case, jacobians)
-
-
-@few
-def test_casadi(case):
-    peer("casadi")
-    model, scene = CASES[case]()
-    module = module_of(robodyn.export(model, "casadi", WHOLE, scene=scene))
-    for word in ARGUMENTS:
-        function = getattr(module, word)
-        assert function.name() == word
-        assert tuple(function.name_in())[: len(ARGUMENTS[word])] == ARGUMENTS[word]
-
-        def call(*arrays, function=function):
-            found = [function.call(list(rows)) for rows in zip(*arrays, strict=True)]
-            results = [np.stack([np.asarray(each.full()) for each in result]) for result in zip(*found, strict=True)]
-            flat = ("tau", "b", "qdd", "rest")
-            return [x[..., 0] if name in flat else x for name, x in zip(function.name_out(), results, strict=True)]
-
-        compared(call, word, case)
-
-
-@small
-def test_derivatives_by_casadi(case):
-    casadi = peer("casadi")
-
-    def jacobians(export, model, scene, *given):
-        torques = module_of(export(model, "casadi", scene=scene)).torques
-        symbols = [casadi.MX.sym(name, array.shape[1]) for name, array in zip(("q", "qd", "qdd"), given, strict=True)]
-        tau = torques(*symbols)
-        function = casadi.Function("J", symbols, [casadi.jacobian(tau, each) for each in symbols])
-        rows = [function.call(list(row)) for row in zip(*given, strict=True)]
-        return [np.stack([each.full() for each in column]) for column in zip(*rows, strict=True)]
-
-    derivative_of_torques(case, jacobians)
-
-
 def test_zeros_of_casadi_are_structural():
     peer("casadi")
     module = module_of(robodyn.export(named("scara")[0], "casadi", "mass_matrix"))
@@ -151,63 +174,10 @@ def test_zeros_of_casadi_are_structural():
     assert pattern == np.count_nonzero(M) < 9
 
 
-@pytest.fixture
-def jax():
-    module = peer("jax")
-    before = module.config.jax_enable_x64
-    module.config.update("jax_enable_x64", True)
-    yield module
-    module.config.update("jax_enable_x64", before)
-
-
-@few
-def test_jax(case, jax):
-    model, scene = CASES[case]()
-    module = module_of(robodyn.export(model, "jax", WHOLE, scene=scene))
-    for word in ARGUMENTS:
-        compared(getattr(module, word), word, case)
-
-
-@pytest.mark.parametrize(("case", "way"), WAYS)
-def test_derivatives_by_jax(case, way, jax):
-    def jacobians(export, model, scene, *given):
-        torques = module_of(export(model, "jax", scene=scene)).torques
-        derivative = jax.vmap(getattr(jax, way)(torques, argnums=(0, 1, 2)))
-        return (derivative if case == "busy_free" else jax.jit(derivative))(*given)  # compiled in a minute
-
-    derivative_of_torques(case, jacobians)
-
-
-@few
-def test_torch(case):
-    torch = peer("torch")
-    model, scene = CASES[case]()
-    module = module_of(robodyn.export(model, "torch", WHOLE, scene=scene))
-    for word in ARGUMENTS:
-
-        def call(*arrays, word=word):
-            found = getattr(module, word)(*map(torch.as_tensor, arrays))
-            return found if isinstance(found, tuple) else [found]
-
-        compared(call, word, case)
-
-
-@pytest.mark.parametrize(("case", "way"), WAYS)
-def test_derivatives_by_torch(case, way):
-    torch = peer("torch")
-
-    def jacobians(export, model, scene, *given):
-        torques = module_of(export(model, "torch", scene=scene)).torques
-        return torch.func.vmap(getattr(torch.func, way)(torques, argnums=(0, 1, 2)))(*map(torch.as_tensor, given))
-
-    derivative_of_torques(case, jacobians)
-
-
 def test_autograd_and_types_of_torch():
     torch = peer("torch")
-    model, _ = named("scara")
-    module = module_of(robodyn.export(model, "torch", "torques,mass_matrix"))
-    given, _ = states(model, named("scara")[1])
+    model, scene = named("scara")
+    module, given = module_of(robodyn.export(model, "torch", "torques,mass_matrix")), states(model, scene)[0]
     q, qd, qdd = (torch.tensor(given[name], requires_grad=True) for name in ("q", "qd", "qdd"))
     module.torques(q, qd, qdd).sum().backward()
     right = robodyn.inverse_dynamics_derivatives(model, given["q"], given["qd"], given["qdd"])
@@ -215,7 +185,7 @@ def test_autograd_and_types_of_torch():
     assert module.mass_matrix(q.float()).dtype == torch.float32
 
 
-@pytest.mark.parametrize("target", ["numpy", "jax", "torch", "casadi"])
+@pytest.mark.parametrize("target", MODULES)
 def test_modules_import_their_library_alone(target):
     tree = ast.parse(robodyn.export(named("scara")[0], target, WHOLE))
     found = {alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names}
