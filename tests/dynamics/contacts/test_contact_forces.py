@@ -23,17 +23,13 @@ from robodyn.dynamics.contacts.solve import (
 
 FAMILIES = {
     "normals all around": lambda n: all_around(20, n, 7),
-    "feet of points": lambda n: stance(1, n, 4),
     "one point": lambda n: near_the_edge(stance(2, n, 1)),
-    "two points": lambda n: near_the_edge(stance(3, n, 2)),
     "sixteen points": lambda n: stance(4, n, 16),
-    "one foot": lambda n: feet(5, n, 1),
     "two feet": lambda n: feet(6, n, 2),
     "one point on ice": lambda n: on_ice(stance(7, n, 4, push=0.3)),
     "edges of cones": lambda n: near_the_edge(stance(8, n, 4)),
     "pushes that nothing balances": lambda n: stance(9, n, 4, push=5.0),
     "a gram": lambda n: stance(10, n, 6, mass=1e-3),
-    "ten tonnes": lambda n: stance(11, n, 6, mass=1e4),
     "walls and floor": lambda n: replace(
         stance(12, n, 3), normals=np.array(((1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, -0.6, 0.8)))
     ),
@@ -47,7 +43,7 @@ def sizes(values):
 @pytest.mark.parametrize("family", FAMILIES)
 def test_forces_are_the_optimum(family):
     """They balance, f is in the cone, s = f - G^T nu in its dual, f . s = 0; Clarabel's cost and residual agree."""
-    problem = FAMILIES[family](60)
+    problem = FAMILIES[family](30)
     found = contact_forces(problem)
     held, weight = found.feasible, np.maximum(sizes(problem.b), sizes(found.f))
     assert (sizes(found.residual)[held] <= 1e-12 * weight[held]).all()
@@ -62,7 +58,7 @@ def test_forces_are_the_optimum(family):
     assert (cones.cosine * along - cones.sine * press <= 1e-13 * size).all()
     assert (cones.sine * across - cones.cosine * lift <= 1e-13 * size).all()
     assert (np.abs((f * s).sum(axis=1)) <= 1e-12 * size**2).all()
-    first = slice(0, 10)
+    first = slice(0, 4)
     theirs, size = conic_forces(problem.chosen(first)), np.where(sizes(problem.b) > 0.0, sizes(problem.b), 1.0)[first]
     ours, held = found.chosen(first), held[first]
     assert (held == theirs.feasible).all()
@@ -100,10 +96,10 @@ def test_four_feet_carry_a_quarter_each():
 
 
 def test_results_depend_neither_on_blocks_nor_on_the_executor():
-    problem, found = stance(14, 100, 4), []
+    problem, found = stance(14, 40, 4), []
     for executor in ("numpy", "compiled"):
         whole = contact_forces(problem, executor)
-        parts = [contact_forces(problem.chosen(slice(k, k + 37)), executor).f for k in range(0, 100, 37)]
+        parts = [contact_forces(problem.chosen(slice(k, k + 15)), executor).f for k in range(0, 40, 15)]
         assert (np.concatenate(parts) == whole.f).all()
         found.append(whole)
     ours, theirs = found
@@ -121,32 +117,22 @@ def test_inactive_points_do_not_push_and_nothing_needs_nothing():
 
 
 UP = np.array((0.0, 0.0, 1.0))
-ANGLES = [0.0, 0.3, 1.5, np.pi / 2]
 
 
-@pytest.mark.parametrize("angle", ANGLES)
-def test_it_is_the_nearest_point(angle):
-    """p in the cone, z - p in the polar cone and across p (Moreau)."""
-    cosine, sine = (float(np.cos(angle)), float(np.sin(angle))) if angle < 1.57 else (0.0, 1.0)
-    for z in np.random.default_rng(0).normal(size=(100, 3)):
-        p = projected(z, UP, cosine, sine).f
-        rest = z - p
+@pytest.mark.parametrize("angle", [0.0, 0.3, 1.5, np.pi / 2])
+def test_the_nearest_point_of_a_cone_and_how_it_moves(angle):
+    """p in the cone, z - p in the polar cone and across p (Moreau); its derivative by differences."""
+    cosine, sine, h = (float(np.cos(angle)), float(np.sin(angle)), 1e-6) if angle < 1.57 else (0.0, 1.0, 1e-6)
+    for z in np.random.default_rng(0).normal(size=(30, 3)):
+        at = projected(z, UP, cosine, sine)
+        p, rest = at.f, z - at.f
         assert cosine * np.hypot(*p[:2]) <= sine * p[2] + 1e-15
         assert sine * np.hypot(*rest[:2]) <= -cosine * rest[2] + 1e-15
         assert abs(p @ rest) <= 1e-14
-
-
-@pytest.mark.parametrize("angle", ANGLES[1:])
-def test_its_derivative(angle):
-    cosine, sine = float(np.cos(angle)), float(np.sin(angle))
-    for z in np.random.default_rng(1).normal(size=(30, 3)):
-        at, h = projected(z, UP, cosine, sine), 1e-6
         D = at.inside * np.eye(3) + at.edge * np.outer(at.u, at.u) + at.turn * np.outer(at.v, at.v)
-        pairs = [
-            (projected(z + h * e, UP, cosine, sine).f, projected(z - h * e, UP, cosine, sine).f) for e in np.eye(3)
-        ]
-        numeric = np.stack([(up - down) / (2.0 * h) for up, down in pairs], axis=1)
-        assert np.abs(D - numeric).max() <= 1e-6
+        ends = np.array([[projected(z + s * h * e, UP, cosine, sine).f for e in np.eye(3)] for s in (1.0, -1.0)])
+        if angle:
+            assert np.abs(D - (ends[0] - ends[1]).T / (2.0 * h)).max() <= 1e-6
 
 
 SQUARE = np.array([(x, y, 0.0) for x in (-0.1, 0.1) for y in (-0.1, 0.1)])
@@ -161,19 +147,15 @@ def block(wanted, friction, height=0.0):
     return Problem(base_columns(arms, HALF), b, np.tile(UP, (4, 1)), np.full(4, friction))
 
 
-@pytest.mark.parametrize("angle", [0.1, 0.6, 1.2])
-def test_a_block_on_a_slope_needs_the_tangent_of_its_angle(angle):
-    problem = block([50.0 * np.array((np.sin(angle), 0.0, np.cos(angle)))], 0.01)
-    assert kinds(problem, contact_forces(problem)) == ["slip"]
+@pytest.mark.parametrize("angle", [0.5, 1.2])
+def test_a_block_on_a_slope_needs_the_tangent_of_its_angle_and_lacks_the_distance_from_the_cone(angle):
+    problem = block([50.0 * np.array((np.sin(angle), 0.0, np.cos(angle)))], 0.2)
+    found = contact_forces(problem)
+    assert kinds(problem, found) == ["slip"]
     assert least_friction(problem) == pytest.approx(np.tan(angle), rel=2e-6)
-
-
-def test_what_a_slipping_block_lacks_is_the_distance_from_the_cone():
-    angle, friction = 0.5, 0.2
-    problem = block([50.0 * np.array((np.sin(angle), 0.0, np.cos(angle)))], friction)
-    left = contact_forces(problem).residual[0]
-    assert np.linalg.norm(left[3:]) == pytest.approx(50.0 * np.sin(angle - np.arctan(friction)), rel=1e-5)
-    assert np.abs(left[:3]).max() <= 1e-2
+    lacking = np.linalg.norm(found.residual[0, 3:])
+    assert lacking == pytest.approx(50.0 * np.sin(angle - np.arctan(0.2)), rel=1e-5)
+    assert np.abs(found.residual[0, :3]).max() <= 1e-2
 
 
 def test_a_block_tips_where_the_push_passes_its_edge():
@@ -210,7 +192,7 @@ def test_between_walls_only_friction_carries(lean):
 
 
 def test_the_least_friction_is_that_of_the_worst_sample():
-    problem = feet(3, 2, 2, push=0.2)
+    problem = feet(3, 2, 1, push=0.2)
     mu = least_friction(problem)
     alone = [least_friction(problem.chosen([k])) for k in range(2)]
     assert mu == pytest.approx(max(alone), rel=1e-5)

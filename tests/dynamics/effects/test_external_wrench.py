@@ -10,9 +10,8 @@ from helpers.pinocchio_robots import PinocchioRobot
 from helpers.small_robots import urdf
 
 from robodyn.dynamics.effects import forces
-from robodyn.dynamics.inverse import bias_forces, inverse_dynamics
+from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.plan import Plan
-from robodyn.errors import InputError
 from robodyn.programs.vectors import cross
 from robodyn.robot.kinematics import motions, poses
 from robodyn.scene.scene import ExternalWrench, Scene
@@ -71,16 +70,3 @@ def test_columns_drive_it_sample_by_sample():
         constant = ExternalWrench("tool", (push[k], 1.0, push[k]), (0.0, twist[k], 2.0), POINT)
         one = inverse_dynamics(model, *(x[k] for x in state), scene=Scene(wrenches=(constant,)))
         assert worst(tau[k], one) <= 8 * EPS
-
-
-def test_columns_broadcast_and_must_be_there():
-    model = busy_robot()
-    q, qd, qdd = random_state(model, np.random.default_rng(14), SAMPLES)
-    scene = Scene(wrenches=(ExternalWrench("tool", ("push", 0.0, 0.0)),))
-    all_same = inverse_dynamics(model, q, qd, qdd, scene=scene, columns={"push": 3.0})
-    each = inverse_dynamics(model, q, qd, qdd, scene=scene, columns={"push": np.full(SAMPLES, 3.0)})
-    np.testing.assert_array_equal(all_same, each)
-    bias = bias_forces(model, q, qd, scene=scene, columns={"push": 3.0})
-    np.testing.assert_array_equal(bias, inverse_dynamics(model, q, qd, 0, scene=scene, columns={"push": 3.0}))
-    with pytest.raises(InputError, match="the scene needs columns push"):
-        inverse_dynamics(model, q, qd, qdd, scene=scene)

@@ -115,13 +115,6 @@ def test_is_the_same_as_a_link_fixed_there(where):
     assert worst(*wrenches) <= 8 * EPS
 
 
-def test_a_point_mass_hanging_from_a_hinge():
-    model = load(urdf(link("base"), link("arm"), joint("j", "base", "arm", axis=(0, 1, 0))))
-    scene = Scene(payloads=(Payload("arm", 2.0, (0.5, 0, 0)),))
-    assert inverse_dynamics(model, [0.0], [0.0], [3.0], scene=scene)[0] == 2.0 * 0.25 * 3.0 - 2.0 * 9.81 * 0.5
-    assert mass_matrix(model, [0.7], scene=scene)[0, 0] == 0.5
-
-
 WATER = 1000.0
 
 

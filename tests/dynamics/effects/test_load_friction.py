@@ -23,7 +23,6 @@ from robodyn.trajectory.read import motion
 
 SAMPLES = 10
 LOADS = {"j1": 0.03, "j2": 0.2, "slide": 0.5, "j4": 0.1}
-both = pytest.mark.parametrize("free", [False, True], ids=["fixed", "free"])
 
 
 def loaded(model, scene, loads):
@@ -72,10 +71,9 @@ def test_round_trip_with_every_effect(free, slip_speed):
     assert worst(found, qdd) <= 1e-11
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_round_trip_of_random_trees_without_rotors(seed):
+def test_round_trip_of_a_random_tree_without_rotors():
     """High loads are explicit there: up to 95 %, motors driving and being driven."""
-    model, rng = random_tree(seed), np.random.default_rng(seed)
+    model, rng = random_tree(0), np.random.default_rng(0)
     names = [joint.name for joint in model.independent]
     scene = loaded(model, Scene(), dict(zip(names, rng.uniform(0, 0.95, len(names)).tolist(), strict=True)))
     q, qd, qdd = random_state(model, rng, SAMPLES)
@@ -96,29 +94,24 @@ def test_large_rotors_and_loads():
         robodyn.forward_dynamics(model, q, qd, tau, scene=high)
 
 
-@both
-def test_derivatives_of_inverse_dynamics(free):
-    """Central differences along every rate of q, qd and qdd, of coordinates of single joints."""
-    model, scene, state, columns = busy(free, slip_speed=0.4)
-    given = {"scene": scene, "columns": columns}
+def test_derivatives_of_inverse_dynamics():
+    """Central differences along every rate of q, qd and qdd."""
+    model, scene, state, columns = busy(False, slip_speed=0.4)
+    given, h = {"scene": scene, "columns": columns}, 1e-5
     found = robodyn.inverse_dynamics_derivatives(model, *state, **given)
-    first, h = 6 * free, 1e-5
     assert np.abs(found.dqdd - found.dqdd.swapaxes(1, 2)).max() > 1e-2
     for k, matrix in enumerate(found):
-        for j in range(first, model.n):
-            ends = []
-            for sign in (1.0, -1.0):
-                moved = [part.copy() for part in state]
-                moved[k][:, moved[k].shape[1] - model.n + j] += sign * h
-                ends.append(robodyn.inverse_dynamics(model, *moved, **given))
-            expected = (ends[0] - ends[1]) / (2.0 * h)
-            assert worst(matrix[:, :, j], expected, np.abs(matrix).max()) <= 1e-7
+        for j, unit in enumerate(h * np.eye(model.n)):
+            up, down = (
+                robodyn.inverse_dynamics(model, *state[:k], state[k] + sign * unit, *state[k + 1 :], **given)
+                for sign in (1.0, -1.0)
+            )
+            assert worst(matrix[:, :, j], (up - down) / (2.0 * h), np.abs(matrix).max()) <= 1e-7
 
 
-@both
-def test_power_balance_and_shares(free):
+def test_power_balance_and_shares():
     """tau qd = dE/dt + losses; the shares of all effects add up to tau."""
-    model, scene, (q, qd, qdd), columns = busy(free)
+    model, scene, (q, qd, qdd), columns = busy(True)
     a_plan = plan(model, scene)
     sources = {"q": q, "qd": qd, "qdd": qdd, "columns": np.column_stack(list(columns.values()))}
     tau = robodyn.inverse_dynamics(model, q, qd, qdd, scene=scene, columns=columns)
@@ -138,11 +131,11 @@ def test_a_simulation_keeps_its_power_balance():
     rotor = {"j1": robodyn.Rotor(1e-3, 20.0)}
     scene = frictionless(model, gravity=(0.0, -9.81, 0.0), rotor=rotor, drive=drive, slip_speed=0.5)
     free, rubbed = (
-        robodyn.simulate(model, loaded(model, scene, {"j1": load, "j2": load}), duration=0.5, step=1e-3)
+        robodyn.simulate(model, loaded(model, scene, {"j1": load, "j2": load}), duration=0.2, step=1e-3)
         for load in (0.0, 0.2)
     )
     assert rubbed.energy_drift <= 1e-8 * rubbed.figures.kinetic.max()
-    assert rubbed.figures.kinetic[-1] < 0.95 * free.figures.kinetic[-1]
+    assert rubbed.figures.kinetic[-1] < 0.98 * free.figures.kinetic[-1]
     said = "friction that grows with load is regularised"
     assert said in " ".join(rubbed.notes)
     assert said not in " ".join(free.notes)

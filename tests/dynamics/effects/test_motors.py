@@ -67,15 +67,6 @@ def test_an_explicit_rotor_on_a_mimic_joint(free):
         assert worst(getattr(two, part), getattr(one, part)) <= 1e-12
 
 
-def test_closed_form_of_a_turntable():
-    """A turntable that carries a rotor across its axis: it tilts about the third with J G qd w."""
-    parts = [link("base"), link("table"), link("arm")]
-    parts += [joint("turn", "base", "table"), joint("spin", "table", "arm", axis=(1, 0, 0))]
-    model, scene = built(*parts), Scene(rotor={"spin": Rotor(2e-3, 50.0, (2.0, 0.0, 0.0))})
-    tau = robodyn.inverse_dynamics(model, [0.3, 0.1], [1.5, 4.0], [0.0, 2.0], scene=scene)
-    assert worst(tau, [0.0, 2500 * 2e-3 * 2.0]) <= 8 * EPS
-
-
 def test_another_inertia_of_a_rotor_is_its_column_alone():
     model, scene, state, columns = busy()
     found = robodyn.regressor(model, *state, scene=scene, columns=columns)
