@@ -47,19 +47,22 @@ def parallelogram(crank=0.5, bar=1.0, **more):
     return built(*parts), Scene(loops=(loop,), initial_q=dict.fromkeys("abc", 0.0), **more)
 
 
+def branch(rng, name, length):
+    """Bodies of full inertias on skew hinges, and a slide, one after another on l0."""
+    parts = []
+    for k in range(length):
+        axis, before = rng.normal(size=3), f"{name}{k - 1}" if k else "l0"
+        placed = {"xyz": rng.uniform(-0.6, 0.6, 3), "rpy": rng.uniform(-3, 3, 3)}
+        kind = "prismatic" if k == 1 else "revolute"
+        parts.append(link(f"{name}{k}", *body_numbers(rng)))
+        parts.append(joint(f"j{name}{k}", before, f"{name}{k}", kind, axis / np.linalg.norm(axis), **placed))
+    return parts
+
+
 def spatial_loop(seed=0, kind="point", moving_base=False, to="b2", **more):
     """A tree of skew joints with full inertias, two of whose branches are closed, or one to the ground."""
     rng = np.random.default_rng(seed)
-    parts = [link("l0", *body_numbers(rng))]
-    for branch, length in (("a", 4), ("b", 3)):
-        before = "l0"
-        for k in range(length):
-            name, axis = f"{branch}{k}", rng.normal(size=3)
-            kind_of_joint = "prismatic" if k == 1 else "revolute"
-            placed = {"xyz": rng.uniform(-0.6, 0.6, 3), "rpy": rng.uniform(-3, 3, 3)}
-            parts.append(link(name, *body_numbers(rng)))
-            parts.append(joint(f"j{name}", before, name, kind_of_joint, axis / np.linalg.norm(axis), **placed))
-            before = name
+    parts = [link("l0", *body_numbers(rng)), *branch(rng, "a", 4), *branch(rng, "b", 3)]
     axes = {"axis": tuple(rng.normal(size=3)), "to_axis": tuple(rng.normal(size=3))} if kind == "hinge" else {}
     turn = {"rpy": tuple(rng.uniform(-1, 1, 3))} if kind == "weld" else {}
     loop = Loop("tie", "a3", (0.1, 0.2, -0.1), to, (0.2, 0, 0.1), kind, **axes, **turn)

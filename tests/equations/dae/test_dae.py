@@ -1,4 +1,4 @@
-"""The DAE form and its elimination: closed forms, the ODE form, 50 digits, and that each step can fail."""
+"""The DAE form, its counts and its elimination: a closed form, the ODE form, 50 digits, and that each step can fail."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import mpmath
 import numpy as np
 import pytest
 from helpers.busy_robot import BUSY_SCENE, busy_robot
-from helpers.closed_forms import scara
 from helpers.example_robots import kinds
 from helpers.oracles import EPS, random_state, robot, worst
 from helpers.single_bodies import taken_apart, thrown
@@ -29,8 +28,13 @@ STILL_BUSY = replace(BUSY_SCENE, wrenches=BUSY_SCENE.wrenches[::2])
 
 
 def agrees(found, bar=1e-12):
-    both = found.comparison
-    assert found.counts.freedom == found.system.model.n
+    both, counts, model = found.comparison, found.counts, found.system.model
+    assert counts.freedom == model.n
+    assert counts.reactions == counts.rank == 6 * len(model.bodies) - model.n
+    assert counts.rank == np.linalg.matrix_rank(found.system.matrices.G)
+    assert counts.unknowns == 12 * len(model.bodies) + counts.reactions
+    assert not counts.redundant
+    assert not counts.undetermined
     assert max(both.accelerations, both.forces, both.moments) <= bar
     assert np.abs(found.residuals.places).max(initial=0.0) <= 1e-13 * max(found.system.length, 1.0)
 
@@ -47,43 +51,29 @@ def test_rope_tension_of_a_pendulum(speed):
     assert found.counts.index == (3, 2, 1)
 
 
-def test_scara_in_closed_form():
-    """Torques of the textbook for the accelerations of the DAE, and the shoulder carries what stands on it."""
-    model = robot("scara")
-    q, qd, tau = np.array([0.3, -0.5, 0.05]), np.array([1.0, 2.0, 0.1]), np.array([1.0, -2.0, -14.0])
-    found = dae_at(model, DEFAULT, q, qd, tau)
-    assert worst(np.ravel(scara(q[None], qd[None], found.qdd[None])), tau) <= 1e-14
-    shoulder, quill = found.wrenches[1].f, found.wrenches[3].f
-    assert abs(shoulder[2] - ((6 + 4) * 9.81 - tau[2])) <= 1e-13
-    assert abs(quill[2] + tau[2]) <= 1e-14
-
-
-@pytest.mark.parametrize(
-    ("name", "free"), [("gripper", True), ("satellite", True), ("delta", False), ("double_pendulum", True)]
-)
-def test_both_forms_agree_on_robots(name, free):
-    model = robot(name, free)
-    found = taken_apart(model)
-    if found.solution is None:
-        with pytest.raises(InputError, match="moves nothing that has inertia"):
-            robodyn.forward_dynamics(model, found.q, found.qd, found.tau)
-    else:
-        agrees(found)
+def test_a_body_that_nothing_holds_has_an_ode():
+    counts = taken_apart(robot("rigid_body")).counts
+    assert (counts.reactions, counts.rank, counts.freedom, counts.index) == (0, 0, 6, (0, 0, 0))
 
 
 SAME = {
-    "random tree": lambda: taken_apart(random_tree(0, 8)),
-    "random tree that floats": lambda: taken_apart(random_tree(1, 8, moving_base=True), 1),
-    "every effect": lambda: taken_apart(busy_robot(), 1, STILL_BUSY),
-    "every effect, floating": lambda: taken_apart(busy_robot(True), 2, replace(STILL_BUSY, moving_base=True)),
-    "a body that floats from a moving link": lambda: taken_apart(thrown()),
-    "each link a tenth of the one before it": lambda: taken_apart(chain(8, skew=True, taper=0.1)),
+    "satellite": lambda: robot("satellite", True),
+    "gripper": lambda: robot("gripper"),
+    "random tree": lambda: random_tree(0, 8),
+    "random tree that floats": lambda: random_tree(1, 8, moving_base=True),
+    "a body that floats from a moving link": thrown,
+    "each link a tenth of the one before it": lambda: chain(8, skew=True, taper=0.1),
 }
 
 
 @pytest.mark.parametrize("case", SAME)
 def test_both_forms_agree(case):
-    agrees(SAME[case]())
+    agrees(taken_apart(SAME[case]()))
+
+
+@pytest.mark.parametrize("free", [False, True])
+def test_both_forms_agree_with_every_effect(free):
+    agrees(taken_apart(busy_robot(free), 1, replace(STILL_BUSY, moving_base=free)))
 
 
 @pytest.mark.parametrize("path", kinds())
@@ -148,6 +138,8 @@ def test_nothing_resists():
     assert (found.solution, found.comparison, found.counts.index) == (None, None, None)
     assert found.counts.coefficients[2] < found.counts.size
     assert len(found.steps) == 5
+    with pytest.raises(InputError, match="moves nothing that has inertia"):
+        robodyn.forward_dynamics(model, found.q, found.qd, found.tau)
 
 
 def test_names_and_numbers_are_checked():

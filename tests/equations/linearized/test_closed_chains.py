@@ -94,26 +94,14 @@ def test_four_bars():
     assert sorted(mode.real for mode in upright.modes.modes) == pytest.approx([-swing.imag, swing.imag], rel=1e-12)
 
 
-def test_the_period_of_a_simulation():
-    """Pushed aside by 1e-3 rad the chain comes back after 1 / frequency, within the square of that."""
-    model = robot("four_bars")
-    scene = replace(BARS, initial_q=HANGING, initial_qd={})
-    (mode,) = linearize(model, scene).modes.modes
-    aside = {name: angle + 1e-3 * (-1) ** (name[0] == "B") for name, angle in HANGING.items()}
-    moved = robodyn.simulate(model, replace(scene, initial_q=aside), 1.0 / mode.frequency, rtol=1e-10)
-    assert abs(moved.q[-1, 0] - aside["A0"]) <= 1e-9
-    assert abs(moved.qd[-1, 0]) <= 1e-8
-    half = robodyn.simulate(model, replace(scene, initial_q=aside), 0.5 / mode.frequency, rtol=1e-10)
-    assert half.q[-1, 0] - HANGING["A0"] == pytest.approx(-1e-3, rel=1e-5)
-
-
 def test_drives_of_a_closed_chain_hold_it():
     scene = replace(PUMP, drive={"main": Drive(kp=50.0, kd=1.0, reference=0.8)}, initial_q={}, initial_qd={})
     found = linearize(robot("crank_slider"), scene, {"main": 0.7}, equilibrium=True)
     assert found.modes.stable
     assert found.drive[0] == pytest.approx(50.0 * (0.8 - found.q[0]))
-    simulated = robodyn.simulate(robot("crank_slider"), replace(scene, initial_q={"main": 0.5, "rail": 0.38}), 20.0)
-    assert abs(simulated.q[-1] - found.q).max() <= 1e-9
+    with mp.workdps(30):
+        weight = float(mp.diff(lambda th: mpf("0.6") * G * rod(th)[2], mpf(found.q[0])))
+    assert found.drive[0] == pytest.approx(weight, rel=1e-10)
 
 
 def test_refusals():
