@@ -70,31 +70,29 @@ def test_torques(case):
     assert _agrees(tau, case.get("tau", case.get("gravload")))
 
 
-def test_inertia():
-    for q in ("qn", "[0,pi/4,-pi,1,pi/4,0]"):
-        assert _agrees(mass_matrix(MODEL, NAMED[q], scene=MOTORS), PRINTED[f"inertia({q})"])
-    qdd, weightless = np.array([1.0, 2, 3, 1, 2, 3]), replace(MOTORS, gravity=(0.0, 0.0, 0.0))
-    assert _agrees(mass_matrix(MODEL, QN, scene=MOTORS) @ qdd, PRINTED["itorque(qn,[1,2,3,1,2,3])"])
-    assert _agrees(inverse_dynamics(MODEL, QN, 0, qdd, scene=weightless), PRINTED["itorque(qn,[1,2,3,1,2,3])"])
+def test_matrices_accelerations_and_a_payload():
+    def torques(qdd, scene):
+        return inverse_dynamics(MODEL, QN, 0, qdd, scene=scene)
 
-
-def test_acceleration_of_given_torques():
-    qd, tau = [0.1, 0.2, 0.8, 0.2, 0.5, 1.0], [1.0, 3.2, 1.8, 0.1, 0.7, 4.6]
-    bias = bias_forces(MODEL, QN, qd, scene=MOTORS)
-    qdd = np.linalg.solve(mass_matrix(MODEL, QN, scene=MOTORS), tau - bias)
-    assert _agrees(qdd, PRINTED["accel(qn,qd=[0.1,0.2,0.8,0.2,0.5,1.0],tau=[1.0,3.2,1.8,0.1,0.7,4.6])"])
-
-
-def test_coriolis_matrix():
-    C = robodyn.coriolis_matrix(MODEL, QN, [1.0, 2, 3, 1, 2, 3], scene=SMOOTH)
-    assert _agrees(C, PRINTED["coriolis(qn,qd=[1,2,3,1,2,3])"])
-
-
-def test_payload():
-    printed = PRINTED["payload_added_properly_2.5kg_at_[0,0,0.1]_link6"]
+    weightless = replace(MOTORS, gravity=(0.0, 0.0, 0.0))
     loaded = replace(MOTORS, payloads=(Payload("flange", 2.5, (0, 0, 0.1)),))
-    assert _agrees(inverse_dynamics(MODEL, QN, 0, 0, scene=loaded), printed["gravload(qn)"])
-    assert _agrees(np.diag(mass_matrix(MODEL, QN, scene=loaded)), printed["M_diag(qn)_with_motor"], 8)
+    M, steps = mass_matrix(MODEL, QN, scene=MOTORS), np.array([1.0, 2, 3, 1, 2, 3])
+    qd, tau = [0.1, 0.2, 0.8, 0.2, 0.5, 1.0], [1.0, 3.2, 1.8, 0.1, 0.7, 4.6]
+    other, payload = "[0,pi/4,-pi,1,pi/4,0]", PRINTED["payload_added_properly_2.5kg_at_[0,0,0.1]_link6"]
+    for found, printed in (
+        (M, PRINTED["inertia(qn)"]),
+        (mass_matrix(MODEL, NAMED[other], scene=MOTORS), PRINTED[f"inertia({other})"]),
+        (M @ steps, PRINTED["itorque(qn,[1,2,3,1,2,3])"]),
+        (torques(steps, weightless), PRINTED["itorque(qn,[1,2,3,1,2,3])"]),
+        (
+            np.linalg.solve(M, tau - bias_forces(MODEL, QN, qd, scene=MOTORS)),
+            PRINTED["accel(qn,qd=[0.1,0.2,0.8,0.2,0.5,1.0],tau=[1.0,3.2,1.8,0.1,0.7,4.6])"],
+        ),
+        (robodyn.coriolis_matrix(MODEL, QN, steps, scene=SMOOTH), PRINTED["coriolis(qn,qd=[1,2,3,1,2,3])"]),
+        (torques(0, loaded), payload["gravload(qn)"]),
+    ):
+        assert _agrees(found, printed)
+    assert _agrees(np.diag(mass_matrix(MODEL, QN, scene=loaded)), payload["M_diag(qn)_with_motor"], 8)
 
 
 OTHERS_PRINTED = reference("published_checks")
@@ -180,50 +178,37 @@ def test_one_joint_with_friction():
 UNIT = (1, 0, 0, 1, 0, 1)
 
 
-def _rbdl_tree():
-    return built(
-        link("base"),
-        *(link(f"l{i}", 1, com, UNIT) for i, com in enumerate([(1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 1, 0), (0, 0, 1)])),
-        joint("j0", "base", "l0"),
-        joint("j1", "l0", "l1", axis=(0, 1, 0), xyz=(1, 0, 0)),
-        joint("j2", "l1", "l2", axis=(1, 0, 0), xyz=(0, 1, 0)),
-        joint("j3", "l0", "l3", axis=(0, 1, 0), xyz=(-0.5, 0, 0)),
-        joint("j4", "l3", "l4", axis=(1, 0, 0), xyz=(0, -0.5, 0)),
-    )
-
-
-def _rbdl_massless():
-    return built(
-        link("base"),
-        link("l0"),
-        link("l1"),
-        link("l2", 1, (0, 0.5, 0), UNIT),
-        joint("j0", "base", "l0"),
-        joint("j1", "l0", "l1", axis=(0, 1, 0)),
-        joint("j2", "l1", "l2", axis=(1, 0, 0)),
-    )
-
-
 RBDL = {
-    "double 3D: z then y, com2 (0,1,0)": (
-        lambda: built(
-            link("base"),
-            link("l0", 1, (1, 0, 0), UNIT),
-            link("l1", 1, (0, 1, 0), UNIT),
+    "tree: z; (y@+x1 com y, x@+y1 com z); (y@-0.5x com y, x@-0.5y com z)": (
+        [
+            *(
+                link(f"l{i}", 1, com, UNIT)
+                for i, com in enumerate([(1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 1, 0), (0, 0, 1)])
+            ),
             joint("j0", "base", "l0"),
             joint("j1", "l0", "l1", axis=(0, 1, 0), xyz=(1, 0, 0)),
-        ),
-        [0, 0],
+            joint("j2", "l1", "l2", axis=(1, 0, 0), xyz=(0, 1, 0)),
+            joint("j3", "l0", "l3", axis=(0, 1, 0), xyz=(-0.5, 0, 0)),
+            joint("j4", "l3", "l4", axis=(1, 0, 0), xyz=(0, -0.5, 0)),
+        ],
+        [0] * 5,
     ),
-    "tree: z; (y@+x1 com y, x@+y1 com z); (y@-0.5x com y, x@-0.5y com z)": (_rbdl_tree, [0] * 5),
-    "massless intermediates z,y,x; body com(0,.5,0); q1=1": (_rbdl_massless, [1, 0, 0]),
+    "massless intermediates z,y,x; body com(0,.5,0); q1=1": (
+        [
+            *(link("l0"), link("l1"), link("l2", 1, (0, 0.5, 0), UNIT)),
+            joint("j0", "base", "l0"),
+            joint("j1", "l0", "l1", axis=(0, 1, 0)),
+            joint("j2", "l1", "l2", axis=(1, 0, 0)),
+        ],
+        [1, 0, 0],
+    ),
 }
 
 
 @pytest.mark.parametrize("key", RBDL)
 def test_no_torque_at_the_accelerations_of_rbdl(key):
-    make, q = RBDL[key]
-    model, down = make(), Scene(gravity=(0, -g, 0))
+    parts, q = RBDL[key]
+    model, down = built(link("base"), *parts), Scene(gravity=(0, -g, 0))
     qdd = OTHERS_PRINTED["rbdl_forward_dynamics"][key]
     tau = inverse_dynamics(model, q, 0, qdd, scene=down)
     assert worst(tau, np.zeros(model.n), np.abs(inverse_dynamics(model, q, 0, 0, scene=down)).max()) <= 1e-13

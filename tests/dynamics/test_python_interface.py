@@ -137,6 +137,9 @@ def test_no_robot_or_no_scene(model, scene, words):
 OPTIONS = {
     "out is no array but of type list": {"out": [0.0] * 6},
     "dtype 'decimal' is not offered": {"dtype": "decimal"},
+    "dtype int64 is not offered": {"dtype": np.int64},
+    "there is no executor 'gpu'": {"executor": "gpu"},
+    "out has shape": {"out": np.empty((2, 6))},
     "'all' threads cannot work": {"threads": "all"},
     "1.5 threads cannot work": {"threads": 1.5},
     "there is no executor None": {"executor": None},
