@@ -24,7 +24,6 @@ bases = pytest.mark.parametrize(
 )
 
 
-
 def busy_state(moving_base):
     model, rng = busy_robot(moving_base), np.random.default_rng(5)
     return (
