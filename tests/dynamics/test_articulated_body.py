@@ -8,7 +8,7 @@ import mpmath
 import numpy as np
 import pytest
 from helpers.oracles import EPS, golden_model, random_state, reference, robot, worst
-from helpers.small_robots import body_numbers, built, joint, link, numbers, random_tree
+from helpers.small_robots import body_numbers, built, chain_parts, joint, link, numbers, random_tree
 
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.forward import accelerations, forward_dynamics
@@ -81,6 +81,14 @@ def _nearly_parallel(angle, axis):
     return _chain(*({"axis": axis, "rpy": (angle, 0.7 * k, 0)} for k in range(3)))
 
 
+def _with_tip(skew, ratio):
+    """A chain of equal links, the last of which is `ratio` times as heavy."""
+    parts = chain_parts(10, skew)
+    moments = (ratio / 400, 0, 0, ratio * 1.015 / 12, 0, ratio * 1.015 / 12)
+    parts[-2] = link("l10", ratio, (0.5, 0, 0), moments)
+    return built(*parts)
+
+
 IN_THE_MIDDLE = {}, {"kind": "floating"}, {"kind": "prismatic"}
 ANGLES = 0.0, 1e-12, 2e-6, np.pi - 1e-9
 TREES = {
@@ -89,6 +97,9 @@ TREES = {
     "planar joints": lambda: _chain({"kind": "planar"}, {"kind": "planar", "axis": (0.6, 0, 0.8)}),
     **{f"axes nearly parallel, {x}": lambda x=x: _nearly_parallel(x, (0, 0, 1)) for x in ANGLES},
     **{f"skew axes nearly parallel, {x}": lambda x=x: _nearly_parallel(x, (0.48, 0.6, 0.64)) for x in ANGLES},
+    "a chain with a light tip": lambda: _with_tip(False, 1e-12),
+    "a skew chain": lambda: _with_tip(True, 1.0),
+    "a skew chain with a heavy tip": lambda: _with_tip(True, 1e12),
     "a random tree": lambda: random_tree(0, 9),
     "a random tree that floats": lambda: random_tree(1, 9, moving_base=True),
 }

@@ -8,7 +8,7 @@ import mpmath
 import numpy as np
 import pytest
 from helpers.oracles import EPS, random_state, run, worst
-from helpers.small_robots import body_numbers, built, chain, joint, link, random_tree, random_tree_parts, urdf
+from helpers.small_robots import built, chain, joint, link, random_tree, random_tree_parts, urdf
 
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
@@ -59,36 +59,8 @@ def _exact(model, *states):
     return (np.array(part, dtype=float) for part in zip(*found, strict=True))
 
 
-def _states(model, seed, scale=1.0):
-    q, qd, qdd = random_state(model, np.random.default_rng(seed), 2)
-    return q, scale * qd, scale * qdd
-
-
-@pytest.mark.parametrize("scale", [1e-8, 1e150])
-def test_scales_of_speed(scale):
-    """Without gravity tau(q, s qd, s^2 qdd) = s^2 tau(q, qd, qdd)."""
-    model, weightless = random_tree(43), Scene(gravity=(0.0, 0.0, 0.0))
-    q, qd, qdd = random_state(model, np.random.default_rng(44), 10)
-    fast = inverse_dynamics(model, q, scale * qd, scale * (scale * qdd), scene=weightless)
-    assert worst(fast / scale / scale, inverse_dynamics(model, q, qd, qdd, scene=weightless)) <= 4 * EPS
-
-
-def test_scales_of_mass_and_length():
-    """Masses times s and lengths times r: hinge torques times s r^2, exactly for powers of two."""
-
-    def torques(s, r):
-        rng, parts = np.random.default_rng(45), [link("l0")]
-        for i in range(1, 6):
-            m, com, six = body_numbers(rng)
-            placed = {"xyz": r * rng.uniform(-1, 1, 3), "rpy": rng.uniform(-3, 3, 3)}
-            parts += [
-                link(f"l{i}", s * m, r * com, s * r * r * six),
-                joint(f"j{i}", f"l{i - 1}", f"l{i}", axis=(0.6, 0, 0.8), **placed),
-            ]
-        model = built(*parts)
-        return inverse_dynamics(model, *_states(model, 46), scene=Scene(gravity=(0.0, 0.0, 0.0)))
-
-    np.testing.assert_array_equal(torques(2.0**-60, 2.0**50), 2.0**40 * torques(1.0, 1.0))
+def _states(model, seed):
+    return random_state(model, np.random.default_rng(seed), 2)
 
 
 def test_a_base_a_thousand_kilometres_away():
@@ -96,12 +68,8 @@ def test_a_base_a_thousand_kilometres_away():
     parts = random_tree_parts(np.random.default_rng(47), 8)
     here = load(urdf(link("world"), *parts, joint("mount", "world", "l0", "fixed")))
     there = load(urdf(link("world"), *parts, joint("mount", "world", "l0", "fixed", xyz=(-7e5, 3e5, 1e6))))
-    free, state = load(urdf(*parts), moving_base=True), _states(here, 48)
+    state = _states(here, 48)
     np.testing.assert_array_equal(inverse_dynamics(there, *state), inverse_dynamics(here, *state))
-    q, qd, qdd = random_state(free, np.random.default_rng(49), 5)
-    away = q.copy()
-    away[:, :3] = (-7e5, 3e5, 1e6)
-    np.testing.assert_array_equal(inverse_dynamics(free, away, qd, qdd), inverse_dynamics(free, q, qd, qdd))
 
 
 def test_non_unit_axes_are_normalised_with_a_note():

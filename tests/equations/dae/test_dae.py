@@ -1,10 +1,9 @@
-"""The DAE form, its counts and its elimination: a closed form, the ODE form, 50 digits, and that each step can fail."""
+"""The DAE form, its counts and its elimination: a closed form, the ODE form, and that each step can fail."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-import mpmath
 import numpy as np
 import pytest
 from helpers.busy_robot import BUSY_SCENE, busy_robot
@@ -14,15 +13,12 @@ from helpers.single_bodies import taken_apart, thrown
 from helpers.small_robots import built, chain, joint, link, random_tree
 
 import robodyn
-from robodyn.dynamics.effects.effect import Sample
-from robodyn.dynamics.plan import applied, loads, plan
 from robodyn.equations.dae import dae as form
 from robodyn.equations.dae.dae import dae, dae_at, reduced
-from robodyn.equations.dae.system import joint_connections, stacked, state_of, system_at
+from robodyn.equations.dae.system import joint_connections, stacked, state_of
 from robodyn.errors import InputError
 from robodyn.robot.load import load
 from robodyn.scene.scene import DEFAULT, Rotor, Scene
-from robodyn.solids.inertia.laws import Inertia
 
 STILL_BUSY = replace(BUSY_SCENE, wrenches=BUSY_SCENE.wrenches[::2])
 
@@ -82,34 +78,6 @@ def test_both_forms_agree_on_real_robots(path):
     model = load(path, moving_base=path.stem in ("anymal", "talos_full_v2", "simple_humanoid"))
     found = taken_apart(model)
     agrees(found, max(1e-12, 64 * EPS * np.linalg.cond(found.reduced.M)))
-
-
-def exact(x):
-    return np.vectorize(mpmath.mpf, otypes=[object])(x)
-
-
-@pytest.mark.parametrize("name", ["scara", "gripper"])
-def test_fifty_digits(name):
-    """The same functions in 50 digits: the recursion needs the given torques for these accelerations, to 40 digits.
-
-    Axes at right angles, so that they are exactly perpendicular in floats.
-    """
-    model = robot(name)
-    scene = Scene(friction=dict.fromkeys(model.joint_names, robodyn.Friction()))
-    (q,), (qd,), (tau,) = random_state(model, np.random.default_rng(3), 1)
-    with mpmath.workdps(50):
-        bodies = tuple(
-            replace(b, inertia=Inertia(mpmath.mpf(b.inertia.m), *map(exact, b.inertia[1:]))) for b in model.bodies
-        )
-        model = replace(model, bodies=bodies)
-        q, qd, tau = map(exact, (q, qd, tau))
-        single = system_at(model, scene, q, qd, tau)
-        M, f, G, gamma, S, sigma, *_ = single.matrices
-        K = np.block([[M, G.T], [G, np.zeros((len(G), len(G)))]])
-        a = np.array(list(mpmath.lu_solve(mpmath.matrix(K), mpmath.matrix([*f, *gamma])))[: len(f)])
-        sample = Sample(model, tuple(q), tuple(qd), tuple(single.own_rates(list(S @ a + sigma))))
-        again = loads(sample, applied(plan(model, scene).effects, sample, scene)).tau
-        assert max(abs(again - tau)) <= mpmath.mpf("1e-40") * max(abs(tau))
 
 
 def test_a_robot_far_away_moves_alike():
