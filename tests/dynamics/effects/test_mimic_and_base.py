@@ -7,7 +7,7 @@ import pytest
 from helpers.busy_robot import busy_parts, busy_robot
 from helpers.oracles import EPS, random_state, run, worst
 from helpers.pinocchio_robots import PinocchioRobot
-from helpers.small_robots import joint, link, random_tree, urdf
+from helpers.small_robots import joint, link, random_tree, random_tree_parts, urdf
 
 from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan
@@ -47,6 +47,16 @@ def test_a_mimic_of_a_mimic():
     assert "finger" not in model.joint_names
     finger = next(body.joint for body in model.bodies if body.joint.name == "finger")
     assert (finger.mimics, finger.multiplier, finger.offset) == ("j4", 6.0, 2.0)
+
+
+def test_a_tree_on_a_moving_base_against_pinocchio():
+    """Whose bodies' axes are askew in their links, and who has links that are fixed to others."""
+    parts = random_tree_parts(np.random.default_rng(0), 6)
+    model = load(urdf(*parts), moving_base=True)
+    state = random_state(model, np.random.default_rng(0), 10)
+    assert (
+        worst(inverse_dynamics(model, *state), PinocchioRobot(urdf(*parts), free=True).torques(model, *state)) <= 1e-14
+    )
 
 
 def test_a_base_at_rest_is_a_fixed_one():
