@@ -1,7 +1,7 @@
 """`robodyn check` beside simcheck: `cd tests && python -m benchmarks.bench_simcheck`.
 
-simcheck's command must be on the path (pip install simcheck mujoco pybullet, in an environment of its own); it is told
-if it is not. Both are given the same files in the same run:
+simcheck's command must be on the path (pip install simcheck mujoco pybullet, in an environment of its own). Both are
+given the same files in the same run:
 
 - Every defect that the tests plant, in the small robot and in published ones, judged as `helpers/judged.py` says. Its
   static checks run on the small robot and on published ones whose meshes take it seconds, its engines on the small one.
@@ -12,11 +12,9 @@ if it is not. Both are given the same files in the same run:
 
 from __future__ import annotations
 
-import os
 import tempfile
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from statistics import median
@@ -27,7 +25,7 @@ from checks.test_check_real_robots import CLEAN
 from helpers.judged import NAMED, VERDICTS, Case, by_check_urdf, by_robodyn, by_simcheck, files, of_robots, real, small
 from helpers.machine import machine
 from helpers.markdown_tables import main, table
-from helpers.simcheck import ABSENT, STATIC, Verdict, command, verdicts, version
+from helpers.simcheck import STATIC, Verdict, verdicts, version
 from helpers.urdfdom import check_urdf
 from pinned_findings import published
 
@@ -43,23 +41,14 @@ Judged = Mapping[str, Mapping[int, str]]
 """By program, what it makes of the defects, by their numbers."""
 
 
-@contextmanager
-def work() -> Iterator[Path]:
-    """A folder for planted files: the same in each run if what simcheck found is kept."""
-    kept = os.environ.get("SIMCHECK_CACHE")
-    with tempfile.TemporaryDirectory() as folder:
-        yield Path(kept) / "planted" if kept else Path(folder)
-
-
 def planted(cases: Sequence[Case], engines: bool) -> str:
-    with work() as folder:
-        paths = [files(case, folder) for case in cases]
+    with tempfile.TemporaryDirectory() as folder:
+        paths = [files(case, Path(folder)) for case in cases]
         judged = {OURS: {k: by_robodyn(case, paths[k]) for k, case in enumerate(cases)}}
         if check_urdf():
             judged["check_urdf"] = {k: by_check_urdf(pair) for k, pair in enumerate(paths)}
-        if command():
-            judged[PLAIN] = by_simcheck(cases, paths, of_robots(cases, QUICK), *STATIC)
-        if command() and engines:
+        judged[PLAIN] = by_simcheck(cases, paths, of_robots(cases, QUICK), *STATIC)
+        if engines:
             judged[ENGINES] = by_simcheck(cases, paths, of_robots(cases))
     return f"{in_all(cases, judged)}\n{by_rule(cases, judged)}"
 
@@ -94,22 +83,15 @@ def chosen(every: int) -> list[Path]:
     return [path for k, path in enumerate(published()) if k % every == 0 or path.stem in CLEAN]
 
 
-def clean_ones(paths: Sequence[Path]) -> list[Path]:
-    """Return those that the tests know for clean."""
-    return [path for path in paths if path.stem in CLEAN]
-
-
 def alarms(paths: Sequence[Path], engines: bool) -> str:
     """Return what each program finds in published robots as they are, remarks left out."""
-    found = {OURS: {path: _shown(path) for path in paths}}
-    if command():
-        found[PLAIN] = _said(verdicts(paths, *STATIC))
-    if command() and engines:
+    found = {OURS: {path: _shown(path) for path in paths}, PLAIN: _said(verdicts(paths, *STATIC))}
+    if engines:
         found[ENGINES] = _said(verdicts([path for path in paths if path.stem in TIMED]))
     rows = []
     for name, counts in found.items():
         failed = {path for path, each in counts.items() if each["error"]}
-        clean = {*clean_ones([*counts])}
+        clean = {path for path in counts if path.stem in CLEAN}
         errors, warnings = ([each[kind] for each in counts.values()] for kind in ("error", "warning"))
         both = median(map(sum, zip(errors, warnings, strict=True)))
         ends = f"{len(failed)} of {len(counts)}", f"{len(failed & clean)} of {len(clean)}"
@@ -133,9 +115,8 @@ def timed(paths: Sequence[Path], turns: int) -> str:
         ways: dict[str, Callable[[], list[float]]] = {
             f"{OURS}, meshes known": partial(times, paths, folder),
             f"{OURS}, meshes read anew": partial(times, paths, "0"),
+            PLAIN: partial(_seconds, paths, *STATIC),
         }
-        if command():
-            ways[PLAIN] = partial(_seconds, paths, *STATIC)
         rounds = in_turns(ways, turns)
     best = {name: [min(robot) for robot in zip(*found, strict=True)] for name, found in rounds.items()}
     base = sum(best[f"{OURS}, meshes read anew"])
@@ -147,14 +128,14 @@ def timed(paths: Sequence[Path], turns: int) -> str:
 
 
 def _seconds(paths: Sequence[Path], *options: str) -> list[float]:
-    found = verdicts(paths, *options, timed=True)
+    found = verdicts(paths, *options)
     return [found[path].seconds for path in paths]
 
 
 def report(turns: int, engines: int, every: int) -> str:
     cases = [*small(), *real()]
     parts = (
-        f"{version()}.\n" if command() else ABSENT,
+        f"{version()}.\n",
         planted(cases, bool(engines)),
         alarms(chosen(every), bool(engines)),
         timed([path for path in published() if path.stem in TIMED], turns),
