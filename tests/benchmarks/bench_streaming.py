@@ -14,7 +14,8 @@ import tempfile
 from functools import partial
 from pathlib import Path
 
-import numpy as np
+import polars as pl
+from benchmarks.bench_tables import motion
 from benchmarks.timing import in_turns, installed, medians_of, of_process
 from helpers.machine import machine
 from helpers.markdown_tables import main, table
@@ -33,19 +34,12 @@ TABLES = {"time, q, qd, qdd": True, "time, q": False}
 
 def write_motion(path: Path, rows: int, with_rates: bool) -> None:
     """Sines of 1 ms steps for every joint, within its limits; with velocities and accelerations, or positions alone."""
-    import polars as pl
-
     names = robot(ROBOT).joint_names
-    w = 0.3 + 0.11 * np.arange(len(names))
     with path.open("wb") as file:
         for start in range(0, rows, CHUNK):
-            t = np.arange(start, min(start + CHUNK, rows)) * 1e-3
-            columns = {"time": t}
-            columns |= {f"q_{name}": 0.3 * np.sin(k * t) for name, k in zip(names, w, strict=True)}
-            if with_rates:
-                columns |= {f"qd_{name}": 0.3 * k * np.cos(k * t) for name, k in zip(names, w, strict=True)}
-                columns |= {f"qdd_{name}": -0.3 * k * k * np.sin(k * t) for name, k in zip(names, w, strict=True)}
-            file.write(pl.DataFrame(columns).write_csv(include_header=start == 0).encode())
+            frame = pl.DataFrame(motion(range(start, min(start + CHUNK, rows)), names))
+            frame = frame if with_rates else frame.select(frame.columns[: 1 + len(names)])
+            file.write(frame.write_csv(include_header=start == 0).encode())
 
 
 def measured(title: str, with_rates: bool, rows: int, turns: int) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import tempfile
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from statistics import median
@@ -33,14 +33,14 @@ SIGNALS = Signals(tuple(Signal(name, "angle") for name in JOINTS))
 HEAD = ("table", "rows x columns", "robodyn", "raw library", "ratio")
 
 
-def motion(rows: int) -> Arrays:
-    """Sines of 1 ms steps with full digits: time, and q, qd and qdd of every joint."""
-    t = np.arange(rows) * 1e-3
-    w = {name: 0.3 + 0.11 * i for i, name in enumerate(JOINTS)}
+def motion(rows: range, joints: Sequence[str] = JOINTS) -> Arrays:
+    """Sines of 1 ms steps with full digits: time, and q, qd and qdd of every joint, within 0.3 rad."""
+    t = np.array(rows) * 1e-3
+    w = {name: 0.3 + 0.11 * i for i, name in enumerate(joints)}
     columns = {"time": t}
-    columns |= {f"q_{name}": np.sin(k * t) for name, k in w.items()}
-    columns |= {f"qd_{name}": k * np.cos(k * t) for name, k in w.items()}
-    columns |= {f"qdd_{name}": -k * k * np.sin(k * t) for name, k in w.items()}
+    columns |= {f"q_{name}": 0.3 * np.sin(k * t) for name, k in w.items()}
+    columns |= {f"qd_{name}": 0.3 * k * np.cos(k * t) for name, k in w.items()}
+    columns |= {f"qdd_{name}": -0.3 * k * k * np.sin(k * t) for name, k in w.items()}
     return columns
 
 
@@ -112,7 +112,7 @@ def cases(columns: Arrays, folder: Path) -> Mapping[str, tuple[Act, Act]]:
 
 def measured(rows: int, turns: int) -> list[tuple[str, ...]]:
     """The rows of the report for one length of table."""
-    columns, shown = motion(rows), []
+    columns, shown = motion(range(rows)), []
     with tempfile.TemporaryDirectory() as folder:
         written = Path(folder) / "written"
         written.mkdir()

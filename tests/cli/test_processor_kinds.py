@@ -132,6 +132,7 @@ def _same(one: list[Any], found: list[Any]) -> bool:
     return bool(one[2] == found[2])
 
 
+@pytest.mark.slow
 def test_an_old_processor_prints_the_same_and_writes_what_agrees(tmp_path: Path) -> None:
     found = []
     for name, changes in (("here", {}), ("there", old_processor())):

@@ -49,17 +49,5 @@ def model(name: str, root: pin.JointModel | None = None) -> pin.Model:
     return pin.buildModelFromUrdf(path) if root is None else pin.buildModelFromUrdf(path, root)
 
 
-def torques(robot: pin.Model, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> np.ndarray:
-    """Pinocchio's inverse dynamics, row by row; the angles of continuous joints are turned into its (cos, sin)."""
-    data = robot.createData()
-    return np.array(
-        [pin.rnea(robot, data, configuration(robot, row), *rest) for row, *rest in zip(q, qd, qdd, strict=True)]
-    )
-
-
-def configuration(robot: pin.Model, q: np.ndarray) -> np.ndarray:
-    return pin.integrate(robot, pin.neutral(robot), np.asarray(q, dtype=float))
-
-
 def stacked(table: dict[str, np.ndarray], names: list[str]) -> np.ndarray:
     return np.column_stack([table[name] for name in names])

@@ -13,7 +13,6 @@ from robodyn.dynamics.loops.closed_chain import closed_chain
 from robodyn.dynamics.plan import plan
 
 EPS = np.finfo(float).eps
-g = 9.81
 
 
 @pytest.mark.parametrize("name", MIDDLE)
@@ -57,33 +56,3 @@ def test_virtual_work_is_the_balance_of_the_open_tree(name, make):
     chain = make(name)
     bound = 2e-14 * np.abs(chain.torques).max()
     np.testing.assert_allclose(balance(chain), chain.torques, rtol=0, atol=bound)
-
-
-def crank_slider(th):
-    """All rates by hand, and the torque by the power of every mass: tau th' = sum of m a . v + I al w + m g z'."""
-    r, l, m = 0.1, 0.3, 0.6
-    s, c, w, al = np.sin(th.x), np.cos(th.x), th.v, th.a
-    level = np.sqrt(l**2 - (r * s) ** 2)
-    tilt_1 = -r * c / level
-    tilt_2 = r * s / level * (1 - tilt_1**2)
-    x_1 = -r * s - r**2 * s * c / level
-    x_2 = -r * c - r**2 * (c * c - s * s) / level - r**4 * s**2 * c**2 / level**3
-    middle_1, middle_2 = (x_1 - r * s) / 2, (x_2 - r * c) / 2
-    z_1, z_2 = r * c / 2, -r * s / 2
-    I = m * (3 * 0.012**2 + l**2) / 12
-    M = 0.0216 + I * tilt_1**2 + m * (middle_1**2 + z_1**2) + 1.2 * x_1**2
-    half_slope = I * tilt_1 * tilt_2 + m * (middle_1 * middle_2 + z_1 * z_2) + 1.2 * x_1 * x_2
-    return M * al + half_slope * w**2 + m * g * z_1
-
-
-def four_bar(th):
-    I = 1.5 * (3 * 0.02**2 + 0.3**2) / 12 + 1.5 * 0.15**2
-    return (2 * I + 4 * 0.3**2) * th.a - (2 * 1.5 * 0.15 + 4 * 0.3) * g * np.sin(th.x)
-
-
-@pytest.mark.parametrize(("name", "formula"), [("crank_slider", crank_slider), ("four_bar", four_bar)])
-def test_formulas_with_one_coordinate(name, formula):
-    chain = moving(name)
-    expected = formula(chain.u[0])
-    driven = chain.model.joint_names.index(chain.scene.actuated[0])
-    np.testing.assert_allclose(chain.torques[:, driven], expected, rtol=0, atol=40 * EPS * np.abs(expected).max())
