@@ -139,7 +139,7 @@ def case(kind: str, draw: int, half: str, judged: int = JUDGED) -> Case:
         for found, a, b in zip(printed, true, between, strict=True)
     )
     heavy = [load for load in loads if load.true > 1e-3 * scale]
-    limits = (BELOW, float(rng.uniform(0.9, 0.99)), ABOVE)
+    limits = (BELOW, float(rng.uniform(0.9, 0.99)), ABOVE)[:: 1 if judged == JUDGED else 2]
     verdicts = tuple(
         (load, share, robodyn.torques(robot_of(file, load.joint, share * load.true), motion).within_limits)
         for load in (heavy[k] for k in rng.permutation(len(heavy))[:judged])

@@ -224,21 +224,23 @@ MUTATIONS = {
         ),
         ("dynamics/effects/forces.py", "_positive(x)", "x"),
     ],
-    "loads/test_sizing.py": [
-        ("loads/sizing.py", "(f[:2], m)", "(f[:2], m[::-1])"),
-        ("loads/sizing.py", "driving > 0", "driving < 0"),
+    "loads/test_sizing_report.py": [
         ("loads/sizing.py", "tau - (train.gear * train.gear * train.inertia) * qdd", "tau"),
         (
             "loads/sizing.py",
             "(train.gear * train.inertia) * qdd + load * share / train.gear",
             "load * share / train.gear",
         ),
+        ("loads/statistics.py", "np.abs(power)", "power"),
+    ],
+    "loads/test_sizing.py": [
+        ("loads/sizing.py", "(f[:2], m)", "(f[:2], m[::-1])"),
+        ("loads/sizing.py", "driving > 0", "driving < 0"),
         ("loads/sizing.py", "np.interp(speed, speeds, torques, right=0.0)", "np.interp(speed, speeds, torques)"),
         ("loads/sizing.py", "carried * carried * carried * np.abs(qd)", "carried * carried * carried"),
         ("loads/sizing.py", "size / np.maximum(peak, self.least)", "size - peak"),
         ("loads/sizing.py", "torque_runner(self.model, self.scene, rates)", "torque_runner(self.model, self.scene)"),
         ("loads/statistics.py", "weights[0] += before", "weights[0] += 0.0"),
-        ("loads/statistics.py", "np.abs(power)", "power"),
         ("loads/statistics.py", "1 / 3", "1 / 2"),
     ],
     "dynamics/loops/test_closed_motion.py": [

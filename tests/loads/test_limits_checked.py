@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -63,27 +62,6 @@ def test_what_has_no_limit_is_named(limit: str, said: tuple[str, ...]) -> None:
 
 def test_a_continuous_joint_needs_no_limit_of_position() -> None:
     assert not unchecked_words(coverage(load(CONTINUOUS.encode()).independent))
-
-
-class Name(str):
-    """Counts how often it is compared."""
-
-    __slots__ = ()
-    compared = 0
-    __hash__ = str.__hash__
-
-    def __eq__(self, other: object) -> bool:
-        Name.compared += 1
-        return str.__eq__(self, other)
-
-
-def test_each_joint_is_looked_for_once() -> None:
-    elbow = model(LIMIT).independent[-1]
-    names = [f"j{k}" for k in range(200)]
-    joints = [replace(elbow, name=Name(name), effort=0.0 if k % 2 else 1.0) for k, name in enumerate(names)]
-    effort = coverage(joints)[0]
-    assert (list(effort.checked), [each.joint for each in effort.unchecked]) == (names[::2], names[1::2])
-    assert Name.compared < 10 * len(names)
 
 
 def test_a_doubt_takes_the_green_away_and_goes_with_the_headline() -> None:

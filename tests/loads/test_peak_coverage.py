@@ -15,14 +15,15 @@ from helpers.exact_motions import MOTIONS, course
 from helpers.read_motions import GIVEN, READINGS
 from scipy.stats import binom
 
-DRAWS = 5
+DRAWS = 4
 RISK, KEPT = 1e-3, 0.9
 CLASSES = [*MOTIONS, *READINGS, *GIVEN, "100 Hz", "250 Hz", "500 Hz", "1000 Hz"]
 
 
 @pytest.fixture(scope="module")
 def cases() -> list[Case]:
-    return [case(kind, draw, "test", judged=1) for kind in MOTIONS for draw in range(DRAWS)]
+    """Draws differ from motion to motion, so that every reading is among them."""
+    return [case(kind, k + draw, "test", judged=1) for k, kind in enumerate(MOTIONS) for draw in range(DRAWS)]
 
 
 def least(share: float, count: int) -> int:
@@ -30,29 +31,18 @@ def least(share: float, count: int) -> int:
     return int(binom.ppf(RISK, count, share))
 
 
-def judged(cases: list[Case], name: str) -> list[Case]:
-    """Those of a class of which something was printed: most of them."""
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CLASSES)
+def test_bars_hold_the_largest_torque_and_no_verdict_is_green_over_an_exceeded_limit(cases: list[Case], name: str):
+    """Of most tables of a class something is printed."""
     every = [each for each in cases if name in each.labels]
     own = [each for each in every if not each.refused]
+    assert every
     assert len(own) >= len(every) / 2, next(each.refused for each in every if each.refused)
-    return own
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", CLASSES)
-def test_bars_hold_the_largest_torque(cases: list[Case], name: str) -> None:
-    own = judged(cases, name)
     holds = [each.verdicts[0][0].holds(each.verdicts[0][0].true) for each in own]
     assert sum(holds) >= least(ENOUGH, len(own)), f"{sum(holds)} of {len(own)}"
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", CLASSES)
-def test_no_verdict_is_green_over_an_exceeded_limit(cases: list[Case], name: str) -> None:
-    own = judged(cases, name)
-    for told in ([each.told(BELOW)[0] for each in own], [each.told()[0] for each in own]):
-        green = sum(verdict is True for verdict in told)
-        assert len(own) - green >= least(1 - GREEN, len(own)), f"{green} of {len(own)}"
+    green = sum(each.told(BELOW)[0] is True for each in own)
+    assert len(own) - green >= least(1 - GREEN, len(own)), f"{green} of {len(own)}"
 
 
 @pytest.mark.slow
@@ -74,9 +64,9 @@ def test_verdicts_tell_a_limit_that_is_kept(cases: list[Case]) -> None:
 def test_the_motions_are_what_they_are_said_to_be() -> None:
     """Velocities and accelerations are the slopes of positions and velocities, but for one step beside each jump."""
     for kind in MOTIONS:
-        for draw in range(3):
+        for draw in range(2):
             motion = course(kind, np.random.default_rng(draw), [(-2.0, 2.0), (0.0, 0.3)], 0.002)
-            t = np.linspace(0.0, motion.duration, 20001)
+            t = np.linspace(0.0, motion.duration, 8001)
             q, qd, qdd = motion.at(t)
             away = (t > 0) & (t < motion.duration)
             for corner in chain(*(path.corners for path in motion.paths)):

@@ -34,6 +34,39 @@ def puma(tmp_path_factory):
     return json.loads(outcome.out), read(out), read(PUMA[1])
 
 
+def figures(time, torque, speed):
+    """By their definitions, in plain NumPy."""
+    power, top, fast = torque * speed, np.abs(torque).argmax(), np.abs(speed).argmax()
+    return {
+        "peak": torque[top],
+        "peak_time": time[top],
+        "peak_row": top + 1,
+        "peak_speed": speed[top],
+        "rms": np.sqrt(trapezoid(torque**2, time) / (time[-1] - time[0])),
+        "max_speed": speed[fast],
+        "max_speed_time": time[fast],
+        "max_speed_row": fast + 1,
+        "torque_at_max_speed": torque[fast],
+        "peak_power": power.max(),
+        "least_power": power.min(),
+        "work_positive": trapezoid(np.maximum(power, 0), time),
+        "work_negative": trapezoid(np.minimum(power, 0), time),
+    }
+
+
+def test_joints_from_the_table_that_is_written(puma):
+    document, table, moved = puma
+    time = table["time"]
+    assert (document["samples"], document["duration"]) == (len(time), time[-1] - time[0])
+    for found in document["joints"]:
+        tau, q, qd = (each[f"{kind}_{found['name']}"] for each, kind in ((table, "tau"), (moved, "q"), (moved, "qd")))
+        expected = figures(time, tau, qd) | {"q_min": q.min(), "q_max": q.max()}
+        wear, travel = (trapezoid(np.abs(each), time) for each in (qd * tau**3, qd))
+        expected |= {"mean": trapezoid(tau, time) / document["duration"], "cubic_mean": np.cbrt(wear / travel)}
+        for key, value in expected.items():
+            assert found[key] == pytest.approx(value, rel=1e-12, abs=1e-13 * np.abs(tau).max()), (found["name"], key)
+
+
 def test_motors_from_the_table_that_is_written(puma):
     """G, J and e of the scene, tau of the table, qd and qdd of the trajectory; all in NumPy."""
     document, table, moved = puma
@@ -48,25 +81,8 @@ def test_motors_from_the_table_that_is_written(puma):
         load = tau - G**2 * J * qdd
         torque = G * J * qdd + load / (G * scene.motor[name].efficiency ** np.sign(load * qd))
         speed = G * qd
-        power = torque * speed
-        top, fast = np.abs(torque).argmax(), np.abs(speed).argmax()
         mean = trapezoid(np.abs(speed), time) / T
-        expected = {
-            "peak": torque[top],
-            "peak_time": time[top],
-            "peak_row": top + 1,
-            "peak_speed": speed[top],
-            "rms": np.sqrt(trapezoid(torque**2, time) / T),
-            "max_speed": speed[fast],
-            "max_speed_time": time[fast],
-            "max_speed_row": fast + 1,
-            "torque_at_max_speed": torque[fast],
-            "mean_speed": mean,
-            "peak_power": power.max(),
-            "least_power": power.min(),
-            "work_positive": trapezoid(np.maximum(power, 0), time),
-            "work_negative": trapezoid(np.minimum(power, 0), time),
-        }
+        expected = figures(time, torque, speed) | {"mean_speed": mean}
         peak = train_of(own, scene).motor.peak
         if isinstance(peak, tuple):
             limit = np.interp(np.abs(speed), *zip(*peak, strict=True), right=0.0)
@@ -110,6 +126,9 @@ def test_bearings_and_foundation_from_the_table_that_is_written(puma):
             agrees(bearing["components"][name], values)
     base = {name: table[f"base_{name}"] for name in ("fx", "fy", "fz", "mx", "my", "mz")}
     base |= {"fxy": np.hypot(base["fx"], base["fy"]), "mxy": np.hypot(base["mx"], base["my"])}
+    assert list(document["base_wrench"]) == list(base)
+    for name, load in document["base_wrench"].items():
+        agrees({"peak_row": np.abs(base[name]).argmax() + 1, **load}, base[name])
     for name, load in document["sizing"]["foundation"].items():
         values = base[name]
         scale = np.abs(values).max()

@@ -266,21 +266,21 @@ def test_standard_input_and_pipes(path: str, more: str, output: str) -> None:
 
 def test_line_of_a_late_row_in_a_large_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("robodyn.trajectory.formats.csv_table.LARGE", LARGE)
-    rows = [f"{i},{i % 7},1" for i in range(20_000)]
-    rows[14_000] += "x"
-    with pytest.raises(TrajectoryError, match=r"t.csv:14002: column 'q_b': '1x' is not a number"):
+    rows = [f"{i},{i % 7},1" for i in range(8_000)]
+    rows[6_000] += "x"
+    with pytest.raises(TrajectoryError, match=r"t.csv:6002: column 'q_b': '1x' is not a number"):
         read(tmp_path, Q + "\n".join(rows))
-    rows[14_000], rows[13_000] = "14000,1,1", "12999,1,1"
+    rows[6_000], rows[5_000] = "6000,1,1", "4999,1,1"
     (tmp_path / "t.csv").write_text(Q + "\n".join(rows))
-    late = pytest.raises(TrajectoryError, match=r"t.csv:13002: time 12999.0 repeats 12999.0")
+    late = pytest.raises(TrajectoryError, match=r"t.csv:5002: time 4999.0 repeats 4999.0")
     with late, open_trajectory(tmp_path / "t.csv", ARM, block_rows=100) as reader:
         list(reader.blocks())
 
 
 def test_progress(tmp_path: Path) -> None:
     path = tmp_path / "t.csv"
-    path.write_text(Q + "".join(f"{i},{i},{i}\n" for i in range(4_000)))
-    with open_trajectory(path, ARM, reading=Reading("central"), block_rows=400) as reader:
+    path.write_text(Q + "".join(f"{i},{i},{i}\n" for i in range(1_200)))
+    with open_trajectory(path, ARM, reading=Reading("central"), block_rows=120) as reader:
         places = [reader.position_bytes for _ in reader.blocks()]
     assert reader.size_bytes == path.stat().st_size == places[-1]
     assert len(places) >= 10
@@ -327,12 +327,12 @@ SLOW = [("parquet", mode, *how) for mode, how in zip(MODES, DISTURBED, strict=Tr
 )
 def test_blocks_change_nothing(tmp_path: Path, suffix: str, mode: str, jitter: float, noise: float) -> None:
     """The bound: 3e-11 of the largest derivative."""
-    path = write(tmp_path / f"t.{suffix}", motion(1500, jitter=jitter, noise=noise))
+    path = write(tmp_path / f"t.{suffix}", motion(900, jitter=jitter, noise=noise))
     whole = read_trajectory(path, SIGNALS, reading=Reading(mode))  # type: ignore[arg-type]
-    with open_trajectory(path, SIGNALS, reading=Reading(mode), block_rows=300) as reader:  # type: ignore[arg-type]
+    with open_trajectory(path, SIGNALS, reading=Reading(mode), block_rows=180) as reader:  # type: ignore[arg-type]
         blocks = list(reader.blocks())
     assert len(blocks) >= 5
-    assert all(len(block) <= 300 for block in blocks)
+    assert all(len(block) <= 180 for block in blocks)
     assert [block.first_row for block in blocks] == [1 + sum(map(len, blocks[:i])) for i in range(len(blocks))]
     assert {block.derivation for block in blocks} == {whole.derivation}
     for name in ("time", "q"):
@@ -344,7 +344,7 @@ def test_blocks_change_nothing(tmp_path: Path, suffix: str, mode: str, jitter: f
 
 
 def test_blocks_shorter_than_the_halo_twice(tmp_path: Path) -> None:
-    path = write(tmp_path / "t.parquet", motion(150))
+    path = write(tmp_path / "t.parquet", motion(80))
     whole = read_trajectory(path, SIGNALS)
     with open_trajectory(path, SIGNALS, block_rows=7) as reader:
         first, second = (np.concatenate([block.qdd for block in reader.blocks()]) for _ in range(2))
@@ -354,11 +354,11 @@ def test_blocks_shorter_than_the_halo_twice(tmp_path: Path) -> None:
 
 def test_the_method_does_not_depend_on_blocks(tmp_path: Path) -> None:
     """Rest first, then a noisy motion: the method is chosen from all of the file, not from its first block."""
-    t = np.arange(9_000) / 1000
-    q = np.round(np.where(t < 6, 0.0, np.sin(t - 6)), 5)
+    t = np.arange(4_000) / 1000
+    q = np.round(np.where(t < 2, 0.0, np.sin(t - 2)), 5)
     path = write(tmp_path / "t.npz", {"time": t, "q_a": q})
     one = Signals((Signal("a", "angle"),))
-    with open_trajectory(path, one, block_rows=1000) as reader:
+    with open_trajectory(path, one, block_rows=500) as reader:
         first = next(iter(reader.blocks()))
     assert first.derivation is not None
     assert first.derivation.joints[0].acceleration.startswith("local polynomials")
