@@ -47,25 +47,6 @@ def dynamic_joint_state(stamp: int, values: Mapping[str, Mapping[str, float]]) -
     return kind(header=_header(ROS2, stamp), joint_names=list(values), interface_values=each)
 
 
-def joint_trajectory(names: Sequence[str], times: Sequence[int], positions: Sequence[Sequence[float]]) -> Any:
-    point, duration = (ROS2.types[f"{name}"] for name in _POINT)
-    points = [
-        point(
-            positions=_array(row),
-            velocities=_array(()),
-            accelerations=_array(()),
-            effort=_array(()),
-            time_from_start=duration(sec=time // NANO, nanosec=time % NANO),
-        )
-        for time, row in zip(times, positions, strict=True)
-    ]
-    kind = ROS2.types["trajectory_msgs/msg/JointTrajectory"]
-    return kind(header=_header(ROS2, 0), joint_names=list(names), points=points)
-
-
-_POINT = ("trajectory_msgs/msg/JointTrajectoryPoint", "builtin_interfaces/msg/Duration")
-
-
 def write_bag(path: Path, topics: Mapping[str, Sequence[tuple[int, Any]]], kind: str = "sqlite3") -> Path:
     """Write messages by topic, each with the time of its record [ns]; return what is read: a file or a folder."""
     if kind == "ros1":

@@ -90,9 +90,3 @@ def _force(here: Place, seed: Place) -> np.ndarray:
         for f, df in zip(now.f, change.f, strict=True):
             total = total + (c.v * f.v + c.x * f.a) * df.v - 0.5 * dc * f.v * f.v
     return np.asarray(total)
-
-
-def energy(place: Place) -> np.ndarray:
-    """Return T + V [J]."""
-    kinetic = sum(0.5 * jet(part.c).x * f.v * f.v for part in place.moving for f in part.f)
-    return np.asarray(kinetic + place.potential.x)

@@ -41,15 +41,6 @@ def forces(found):
     return np.stack([np.column_stack([found[f"f{axis}_{leg}"] for axis in "xyz"]) for leg in LEGS], axis=1)
 
 
-@pytest.mark.parametrize("name", MOTIONS)
-def test_they_balance_the_base(robot, results, name):
-    motion, f = ({key: values[::9] for key, values in read_csv(name).items()}, forces(results[name])[::9])
-    wanted = list(base_wrenches(robot, motion))
-    for k, (places, (middle, force, moment)) in enumerate(zip(feet_places(robot, motion), wanted, strict=True)):
-        assert np.abs(f[k].sum(axis=0) - force).max() <= 1e-12 * WEIGHT
-        assert np.abs(np.cross(places - middle, f[k]).sum(axis=0) - moment).max() <= 1e-12 * WEIGHT
-
-
 def test_four_feet_under_the_middle_bear_a_quarter_each(results):
     quarter = np.broadcast_to([0, 0, WEIGHT / 4], (4, 3))
     np.testing.assert_allclose(forces(results["quadruped_stand"])[0], quarter, rtol=0, atol=1e-9 * WEIGHT)

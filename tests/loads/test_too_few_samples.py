@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.command_line import ARM, run
+from helpers.exact_motions import linear_accelerations, minimum_jerk
 from helpers.oracles import robot
 from helpers.sampled import sampled
 
@@ -28,29 +29,15 @@ def sine(t: np.ndarray) -> Rates:
     return np.sin(w * t + 0.7), w * np.cos(w * t + 0.7), -w * w * np.sin(w * t + 0.7)
 
 
-def minimum_jerk(t: np.ndarray, T: float) -> Rates:
-    s = t / T
-    rise, slope = 10 * s**3 - 15 * s**4 + 6 * s**5, 30 * s**2 - 60 * s**3 + 30 * s**4
-    return rise, slope / T, (60 * s - 180 * s**2 + 120 * s**3) / T**2
-
-
-def trapezoid(t: np.ndarray, T: float) -> Rates:
-    ramp = T / 4
-    a = 1 / (ramp * (T - ramp))
-    late, middle = T - t, 0.5 * a * ramp**2 + a * ramp * (t - ramp)
-    place = np.select([t < ramp, late < ramp], [0.5 * a * t**2, 1 - 0.5 * a * late**2], middle)
-    return place, a * np.minimum(np.minimum(t, late), ramp), a * ((t < ramp) * 1.0 - (late < ramp) * 1.0)
-
-
-def through(points: tuple[float, ...], part: Callable[..., Rates]) -> Motion:
+def through(points: tuple[float, ...], shape: Callable[[np.ndarray], Rates]) -> Motion:
     """From point to point, at rest in each."""
+    T = DURATION / (len(points) - 1)
 
     def motion(t: np.ndarray) -> Rates:
-        T = DURATION / (len(points) - 1)
         k = np.minimum((t / T).astype(int), len(points) - 2)
-        start, step = np.array(points)[k], np.diff(points)[k]
-        s, v, c = part(t - k * T, T)
-        return start + step * s, step * v, step * c
+        step = np.diff(points)[k]
+        s, v, c = shape(t / T - k)
+        return np.array(points)[k] + step * s, step * v / T, step * c / T**2
 
     return motion
 
@@ -58,8 +45,8 @@ def through(points: tuple[float, ...], part: Callable[..., Rates]) -> Motion:
 POINTS = (0.0, 0.8, -0.4, 0.3, 1.0)
 MOTIONS: dict[str, Motion] = {
     "sine": sine,
-    "points by minimum jerk": through(POINTS, minimum_jerk),
-    "points by trapezoids": through(POINTS, trapezoid),
+    "points by minimum jerk": through(POINTS, minimum_jerk(None, 0.0)[0]),
+    "points by trapezoids": through(POINTS, linear_accelerations([(0.25, 1, 1), (0.5, 0, 0), (0.25, -1, -1)])[0]),
 }
 ROWS = (3, 8, 20, 30, 60, 100, 200, 400)
 TOO_FEW_BELOW = {"sine": 30, "points by minimum jerk": 60, "points by trapezoids": 200}

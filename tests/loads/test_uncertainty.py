@@ -17,6 +17,7 @@ from robodyn.errors import SceneError
 from robodyn.loads.uncertain_report import normal
 from robodyn.scene.scene import CoupledMotor, Friction, Motor, Rotor, Scene
 from robodyn.scene.uncertainty import Covariance, Deviation, Uncertainty
+from robodyn.trajectory.motion import join
 
 KNOWN = Uncertainty(Deviation(0.05), Deviation(0.003, relative=False), Deviation(0.1), Deviation(0.2))
 G = 9.81
@@ -85,7 +86,7 @@ def test_a_peak_that_may_be_at_another_sample():
     scene = Scene(uncertainty=Uncertainty(com=Deviation(0.05, relative=False)))
     motion = robodyn.motion(model, time, q, 0 * q, 0 * q)
     result = robodyn.torques(model, motion, scene)
-    again = run_again(model, [motion], scene, 4000, bearings=False)["hinge", "tau", "peak"]
+    again = run_again(model, motion, scene, 4000, bearings=False)["hinge", "tau", "peak"]
     peak, size = result.uncertainty.joints[0].load.peak, 2 * G * 0.05
     assert peak.method == "draws"
     expected = size * math.sqrt(1 - 1 / math.pi)
@@ -246,7 +247,7 @@ def test_bars_are_those_of_motions_that_are_run_again(name, more, samples, count
     """Joints, motors, gears, bearings and the base: standard errors, and both ends of intervals of their width."""
     model = robot(name) if (ROBOTS / f"{name}.urdf").exists() else real(name)
     motion, scene = waves(model, samples), scene_of(model, **more)
-    compare(robodyn.torques(model, motion, scene), run_again(model, [motion], scene, count))
+    compare(robodyn.torques(model, motion, scene), run_again(model, motion, scene, count))
 
 
 def test_blocks_threads_and_executors_agree():
@@ -269,4 +270,4 @@ def test_a_floating_base():
     with robodyn.read_motion(ROBOTS / "satellite_slew.csv", model, scene) as reader:
         result = robodyn.torques(model, reader, scene, sizing=True)
     with robodyn.read_motion(ROBOTS / "satellite_slew.csv", model, scene) as reader:
-        compare(result, run_again(model, reader.blocks(), scene, 3000))
+        compare(result, run_again(model, join(list(reader.blocks())), scene, 3000))

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import io
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -236,32 +234,6 @@ def test_bad_arrays(arrays: tuple[object, object], message: str) -> None:
     with pytest.raises(TrajectoryError) as caught:
         from_arrays(ARM, *arrays)
     assert message in str(caught.value)
-
-
-PROGRAM = """
-import sys
-from robodyn.errors import InputError
-from robodyn.trajectory.columns.signals import Signal, Signals
-from robodyn.trajectory.read import open_trajectory
-from robodyn.trajectory.options import Reading
-try:
-    signals = Signals((Signal("a", "angle"),))
-    with open_trajectory(sys.argv[1], signals, reading=Reading("central")) as reader:
-        print(sum(block.q.sum() for block in reader.blocks()))
-except InputError as error:
-    print(error)
-"""
-
-
-@pytest.mark.parametrize(
-    ("path", "more", "output"),
-    [("-", "2,1\n", "<stdin>:5: 1 cell where the header names 2 columns (repair the row)"), ("/dev/stdin", "", "7.0")],
-)
-def test_standard_input_and_pipes(path: str, more: str, output: str) -> None:
-    content = f"t a\n0 1\n1 2\n2 4\n{more}"
-    command = [sys.executable, "-c", PROGRAM, path]
-    done = subprocess.run(command, input=content, capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == output
 
 
 def test_line_of_a_late_row_in_a_large_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
