@@ -77,12 +77,12 @@ def test_a_doubt_takes_the_green_away_and_goes_with_the_headline() -> None:
     )
 
 
-@pytest.mark.parametrize("form", ["text", "html"])
 @pytest.mark.parametrize(
-    ("text", "headline", "line"),
+    ("form", "text", "headline", "line"),
     [
-        (ARM.replace('effort="50"', 'effort="0"'), "No limit is exceeded where there is one", NO_EFFORT),
+        ("text", ARM.replace('effort="50"', 'effort="0"'), "No limit is exceeded where there is one", NO_EFFORT),
         (
+            "html",
             WITHOUT,
             "Nothing was checked: the description gives no limits",
             "2 of 2 joints have no velocity limit: not checked (shoulder, elbow).",

@@ -9,7 +9,6 @@ import pytest
 from helpers.busy_robot import BUSY_SCENE, busy_robot
 from helpers.motions import waves
 from helpers.oracles import ROBOTS, random_state, robot, run
-from helpers.sampled import sampled
 
 import robodyn.dynamics.plan
 from robodyn.dynamics.inverse import mass_matrix
@@ -25,19 +24,14 @@ from robodyn.trajectory.read import motion, read_motion
 
 EXAMPLES = {
     "scara_pick_and_place": ("scara", None),
-    "puma_reach": ("puma", None),
-    "puma_polish": ("puma", "puma_polish"),
-    "puma560_sweep": ("puma560", "puma560_motors"),
-    "cylindrical_transfer": ("cylindrical", None),
-    "two_link_planar_swing": ("two_link_planar", None),
-    "two_link_spatial_slew": ("two_link_spatial", None),
-    "gripper_pick": ("gripper", "gripper"),
     "satellite_slew": ("satellite", "satellite"),
+    "puma560_sweep": ("puma560", "puma560_motors"),
+    "gripper_pick": ("gripper", "gripper"),
     "rigid_body_flip": ("rigid_body", "rigid_body"),
 }
 
 
-@pytest.mark.parametrize("name", sampled(EXAMPLES, 4))
+@pytest.mark.parametrize("name", EXAMPLES)
 def test_hold_on_every_example(name):
     """Tables of robots/ carry rounded columns: energy agrees within its sampling, the laws to rounding."""
     urdf, toml = EXAMPLES[name]
@@ -53,9 +47,8 @@ def test_hold_on_every_example(name):
         assert abs(sum(load.shares.values()) - load.peak) <= 1e-12 * largest
 
 
-@pytest.mark.parametrize("moving_base", [False, True])
-def test_hold_with_every_effect(moving_base):
-    model = busy_robot(moving_base)
+def test_hold_with_every_effect():
+    model = busy_robot(True)
     rng = np.random.default_rng(1)
     state = random_state(model, rng, 200)
     columns = {name: rng.normal(size=200) for name in BUSY_SCENE.columns}

@@ -57,7 +57,7 @@ ENERGY_BELOW = {"sine": 12, "points by minimum jerk": 20, "points by trapezoids"
 
 def both(name: str, rows: int, rng: np.random.Generator) -> tuple[robodyn.Result, robodyn.Result, np.ndarray]:
     """What an arm bears that moves so, from positions alone and from all that is known; and the truth."""
-    model = robot("puma560")
+    model = robot("puma")
     t = np.linspace(0.0, DURATION, rows)
     size, middle = rng.uniform(0.3, 1.0, (2, model.n)) * rng.choice((-1.0, 1.0), (2, model.n))
     s, v, a = (x[:, None] * size for x in MOTIONS[name](t))

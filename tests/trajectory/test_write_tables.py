@@ -307,7 +307,7 @@ def test_row_groups_that_do_not_add_up(tmp_path: Path, rows: int) -> None:
 def test_writing_holds_a_part(tmp_path: Path, suffix: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("robodyn.trajectory.write.GROUP_ROWS", 1000)
     most = []
-    for rows in (5_000, 20_000):
+    for rows in (3_000, 9_000):
         values, held = numbers(rows), []
         with open_writer(tmp_path / f"t.{suffix}", NAMES[1:]) as writer:
             before = pa.total_allocated_bytes()
@@ -318,7 +318,7 @@ def test_writing_holds_a_part(tmp_path: Path, suffix: str, monkeypatch: pytest.M
         most.append(tracemalloc.get_traced_memory()[1] + max(held))
         tracemalloc.stop()
     assert most[1] - most[0] <= 200_000
-    np.testing.assert_array_equal(np.concatenate(blocks(tmp_path / f"t.{suffix}", 10_000)), numbers(20_000))
+    np.testing.assert_array_equal(np.concatenate(blocks(tmp_path / f"t.{suffix}", 10_000)), numbers(9_000))
 
 
 def test_row_groups(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
