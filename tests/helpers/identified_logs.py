@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.interpolate import BPoly
+from scipy.interpolate import BPoly, PPoly
 from scipy.signal import lfilter
 
 from robodyn.identification.log.log import Samples
@@ -61,11 +61,8 @@ def trapezoids(rng, time, joints):
             parts += [(ramp, a), (cruise, 0.0), (ramp, -a), (rest + 1e-9, 0.0)]
             sign = -sign if rng.random() < 0.8 else sign
         h, a = np.array(parts).T
-        start, v = (np.concatenate(([0.0], np.cumsum(x)[:-1])) for x in (h, h * a))
-        q = np.concatenate(([0.0], np.cumsum(h * v + 0.5 * a * h * h)[:-1]))
-        k = np.searchsorted(start, time, side="right") - 1
-        t = time - start[k]
-        found[:, :, j] = q[k] + v[k] * t + 0.5 * a[k] * t * t, v[k] + a[k] * t, a[k]
+        curve = PPoly(a[None], np.cumsum([0.0, *h])).antiderivative(2)
+        found[:, :, j] = [curve(time, k) for k in range(3)]
     return tuple(found)
 
 

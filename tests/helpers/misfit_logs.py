@@ -12,15 +12,14 @@ from scipy.interpolate import make_interp_spline
 import robodyn
 from helpers.identified_logs import between, waves, write_log
 from helpers.oracles import ROBOTS
-from helpers.verdicts import with_bodies
-from robodyn.dynamics.regressor import regressor
+from robodyn.dynamics.regressor import INERTIAL, regressor
 from robodyn.identification.identify import identify
 from robodyn.identification.log.log import read_log
 from robodyn.identification.result import covariance
 from robodyn.robot.model import Body, Model
 from robodyn.scene.scene import Friction, Rotor, Scene
 from robodyn.scene.uncertainty import Covariance
-from robodyn.solids.inertia.laws import Inertia
+from robodyn.solids.inertia.laws import Inertia, symmetric
 
 Array = NDArray[np.float64]
 States = tuple[Array, Array, Array]
@@ -203,6 +202,15 @@ class MisfitLog:
             (found.held_out or found.train).relative_error,
             found.warnings,
         )
+
+
+def with_bodies(model, names, theta):
+    """Return a model with the bodies of parameters, as `robodyn.regressor` names them."""
+    of, bodies = dict(zip(names, theta.tolist(), strict=True)), []
+    for body in model.bodies:
+        m, x, y, z, *moments = (of[f"{body.name}.{kind}"] for kind in INERTIAL)
+        bodies.append(replace(body, inertia=Inertia(m, np.array([x, y, z]), symmetric(moments))))
+    return replace(model, bodies=tuple(bodies))
 
 
 def deviation(model: Model, scene: Scene, states: States, known: Covariance) -> Array:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from helpers.command_line import ROBOTS
+from helpers.identified_logs import write_log
 
 import robodyn
-from robodyn.errors import TrajectoryError
 from robodyn.identification.log.log import noise_cutoff, read_log
 from robodyn.identification.log.rows import convolved, filtered, kernel, rates, states
 
@@ -15,12 +15,9 @@ ARM = ROBOTS / "two_link_planar.urdf"
 STEP = 0.004
 
 
-def write(path, time, q, tau, extra=""):
-    model = robodyn.load(ARM)
-    names = [*(f"q_{name}" for name in model.rates), *(f"tau_{name}" for name in model.rates)]
-    rows = np.column_stack([time, q, tau])
-    np.savetxt(path, rows, delimiter=",", header=",".join(["time", *names]), comments="", fmt="%.17g")
-    return str(path)
+def log_of(folder, time, q, tau, cutoff=None):
+    write_log(folder / "log.csv", robodyn.load(ARM), time, q, tau)
+    return read_log(str(folder / "log.csv"), robodyn.load(ARM), cutoff=cutoff)
 
 
 def swing(time):
@@ -55,7 +52,7 @@ def test_blocks_change_nothing(noise, tmp_path, monkeypatch):
     """Rows of a log in blocks of 100 samples are those of the log at once."""
     time = STEP * np.arange(2500)
     q = swing(time) + noise * np.random.default_rng(1).normal(size=(len(time), 2))
-    log = read_log(write(tmp_path / "log.csv", time, q, np.cos(swing(time))), robodyn.load(ARM), cutoff=12.0)
+    log = log_of(tmp_path, time, q, np.cos(swing(time)), cutoff=12.0)
     assert log.noisy == bool(noise)
     whole = [np.concatenate(parts) for parts in zip(*filtered(log, 12.0, lambda s: s.qdd), strict=True)]
     monkeypatch.setattr("robodyn.identification.log.rows._ROWS", 100)
@@ -70,7 +67,7 @@ def test_blocks_change_nothing(noise, tmp_path, monkeypatch):
 def test_uneven_stamps_are_put_on_a_grid(tmp_path):
     rng = np.random.default_rng(2)
     time = STEP * (np.arange(2000) + rng.uniform(-0.3, 0.3, 2000))
-    log = read_log(write(tmp_path / "log.csv", time, swing(time), swing(time)), robodyn.load(ARM))
+    log = log_of(tmp_path, time, swing(time), swing(time))
     assert not log.even
     found = list(log.blocks())
     stamps = np.concatenate([each.time for each in found])
@@ -81,7 +78,7 @@ def test_uneven_stamps_are_put_on_a_grid(tmp_path):
 
 def test_no_window_reaches_over_a_gap(tmp_path):
     time = STEP * np.concatenate([np.arange(1000), np.arange(1100, 2000)])
-    log = read_log(write(tmp_path / "log.csv", time, swing(time), swing(time)), robodyn.load(ARM), cutoff=12.0)
+    log = log_of(tmp_path, time, swing(time), swing(time), cutoff=12.0)
     assert [each.begins for each in states(log, 12.0)] == [True, True]
     stamps = np.concatenate([rows.time for rows in filtered(log, 12.0, lambda s: s.q)])
     reach = STEP * (len(kernel(12.0, STEP)) // 2)
@@ -96,14 +93,3 @@ def test_noise_sets_the_cutoff():
     noisy = tau + 0.1 * rng.normal(size=tau.shape)
     assert 3.0 <= noise_cutoff(noisy, 0.001) <= 12.0
     assert noise_cutoff(noisy + 3.0 * np.sin(2.0 * np.pi * 180.0 * time)[:, None], 0.001) <= 12.0
-
-
-@pytest.mark.parametrize(
-    ("names", "what"), [("q_shoulder,q_elbow", "gives no torque"), ("q_shoulder,q_elbow,tau_shoulder [kW]", "no unit")]
-)
-def test_logs_that_tell_nothing(names, what, tmp_path):
-    rows = np.column_stack([STEP * np.arange(100), swing(STEP * np.arange(100)), np.ones(100)])
-    header = ",".join(["time", names])
-    np.savetxt(tmp_path / "log.csv", rows[:, : header.count(",") + 1], delimiter=",", header=header, comments="")
-    with pytest.raises(TrajectoryError, match=what):
-        read_log(str(tmp_path / "log.csv"), robodyn.load(ARM))

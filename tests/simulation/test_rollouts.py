@@ -12,7 +12,7 @@ from helpers.simulated_robots import pendulum, tumbling
 import robodyn
 from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError
-from robodyn.scene.scene import Drive, Friction, Immersed, LimitSpring, Scene, Spring
+from robodyn.scene.scene import Drive, Scene, Spring
 from robodyn.simulation.equations import Equations, Steps
 from robodyn.simulation.methods import method_named
 from robodyn.simulation.rollouts import TOGETHER, rollouts
@@ -84,13 +84,6 @@ def test_a_compiler_that_fails(monkeypatch):
 
 
 BARE = Scene(gravity=(0, 0, 0))
-PRESENT = [
-    replace(BARE, friction={"elbow": Friction(forward=2.0, backward=-2.0)}, slip_speed=0.01),
-    replace(BARE, limit_spring=LimitSpring(10.0), joint_limits="spring"),
-    replace(BARE, immersed=(Immersed("forearm", drag_area=(1, 1, 1)),), fluid_density=1000.0),
-    replace(BARE, drive={"elbow": Drive(torque=1.0)}),
-    replace(BARE, drive={"elbow": Drive(kp=2.0, kd=3.0, reference=0.3)}),
-]
 ABSENT = [
     replace(BARE, spring={"elbow": Spring(0.0, 0.1)}),
     replace(BARE, drive={"elbow": Drive(reference=1.0, speed=2.0)}),
@@ -99,17 +92,11 @@ ABSENT = [
 ]
 
 
-def test_what_is_absent_costs_nothing_and_what_is_present_as_much_in_every_evaluation():
-    costs = []
-    for method, evaluations in (("euler", 1), ("gauss4", 2), ("rk4", 4)):
+@pytest.mark.parametrize("method", ["gauss4", "rk4"])
+def test_what_is_absent_costs_nothing(method):
+    def programs(scene):
+        steps = Steps(Equations(plan(robot("two_link_planar"), scene)), method_named(method))
+        return steps.step, steps.sweep
 
-        def programs(scene):
-            steps = Steps(Equations(plan(robot("two_link_planar"), scene)), method_named(method))  # noqa: B023
-            return steps.step, steps.sweep
-
-        bare = programs(BARE)
-        assert all(programs(scene) == bare for scene in ABSENT)
-        sizes = [(sweep or step).size for step, sweep in map(programs, PRESENT)]
-        costs.append([(size - (bare[1] or bare[0]).size) / evaluations for size in sizes])
-    assert min(costs[0]) >= 1
-    assert (np.array(costs[1:]) >= 0.6 * np.array(costs[0])).all()
+    bare = programs(BARE)
+    assert all(programs(scene) == bare for scene in ABSENT)

