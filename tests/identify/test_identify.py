@@ -140,7 +140,7 @@ def test_friction_that_grows_with_load(tmp_path, monkeypatch):
 def test_springs_and_payloads_of_the_scene_are_known(tmp_path):
     model = robodyn.load(SPATIAL)
     scene = Scene(spring={model.rates[1]: Spring(20.0, 0.1)}, friction=friction(model, 0.5, 0.8, -0.8))
-    logged(tmp_path / "log.csv", SPATIAL, waves, scene, np.random.default_rng(4), noise=0.01)
+    logged(tmp_path / "log.csv", SPATIAL, waves, scene, np.random.default_rng(4), noise=0.01, time=TIME[:1400])
     found = identify([read_log(str(tmp_path / "log.csv"), model, scene)], scene)
     assert found.held_out.relative_error < 0.01
     assert found.scene.spring == scene.spring
@@ -154,7 +154,9 @@ def test_units_do_not_count(tmp_path):
     text = entry.sub(lambda found: f'{found[1]}{float(found[2]) * factor!r}"', SPATIAL.read_text())
     (tmp_path / "robot.urdf").write_text(text)
     model, _, _ = logged(
-        tmp_path / "log.csv", tmp_path / "robot.urdf", waves, scene, np.random.default_rng(5), noise=0.01
+        *(tmp_path / "log.csv", tmp_path / "robot.urdf", waves, scene, np.random.default_rng(5)),
+        noise=0.01,
+        time=TIME[:1400],
     )
     found = identify([read_log(str(tmp_path / "log.csv"), model)])
     assert found.held_out.relative_error < 0.01

@@ -58,19 +58,19 @@ def test_errors_are_the_true_ones(step):
     assert end <= way
 
 
-@pytest.mark.parametrize(("case", "angle", "least"), [("large(pi/2,0)", 0.5, 1e-12), ("chaotic(3pi/4,0)", 0.75, 1e-11)])
-def test_references_are_within_their_bounds(case, angle, least):
+def test_references_are_within_their_bounds():
     """Of the double pendulum, whose state after 2 s is known to fifteen digits."""
-    model, expected = pendulum(masses=2), np.array(reference("double_pendulum")["data"][case]["2"], dtype=float)
-    known = motion_reference(model, 2.0, partial(simulate, model, Scene(initial_q={"j1": angle * np.pi})))
+    model, start = pendulum(masses=2), Scene(initial_q={"j1": 0.75 * np.pi})
+    expected = np.array(reference("double_pendulum")["data"]["chaotic(3pi/4,0)"]["2"], dtype=float)
+    known = motion_reference(model, 2.0, partial(simulate, model, start))
     assert "gauss6 and dop853" in known.how
-    assert known.bound < least
+    assert known.bound < 1e-11
     assert known.error(known.at(np.array([2.0])), expected[None])[0] <= known.bound + 1e-14
 
 
 def test_a_motion_that_ends_at_a_limit():
-    found = simulation_accuracy(slide(axis=(0, 0, 1)), Scene(), 5.0)
-    assert found.notes[0].startswith("compared up to 1.34")
+    found = simulation_accuracy(slide(axis=(0, 0, 1)), Scene(gravity=(0, 0, -98.1)), 5.0)
+    assert found.notes[0].startswith("compared up to 0.424")
     assert "reaches its lower limit of -9 m" in found.notes[0]
     assert all(rung.error <= 1e-11 for rung in found.ladders[0].rungs if rung.name.startswith("rk4"))
 
@@ -92,7 +92,7 @@ def test_a_table_is_asked_for():
 
 
 def test_tables_are_followed():
-    """A table of a constant torque makes the motion that is known of that torque; its duration is the usual one."""
+    """A table of a constant torque makes the motion that is known of that torque."""
     table = {"time": [0.0, 0.1, 0.25], "push": [2.0, 2.0, 2.0]}
     model, times = pendulum(), np.linspace(0.0, 0.25, 40)
     constant = replace(SWING, drive={"j1": Drive(torque=2.0)})
@@ -100,22 +100,19 @@ def test_tables_are_followed():
     found = motion_reference(model, 0.25, partial(simulate, model, PUSHED, table=table))
     assert "gauss6 and dop853" in found.how
     assert found.error(found.at(times), known.at(times)).max() <= found.bound + known.bound
-    whole = simulation_accuracy(model, PUSHED, table=table)
-    assert whole.name.endswith(", 0.25 s")
-    rungs = {rung.name: rung for rung in whole.ladders[0].rungs}
-    assert rungs["rk4, 4 ms"].errors[0] <= 1e-9 < rungs["euler, 4 ms"].errors[0]
 
 
 def test_an_initial_state_of_a_table_is_that_of_the_reference():
     """A series from q = 0, where the motion does not begin, made every method wrong by as much."""
-    model, scene = pendulum(), replace(SWING, initial_q={"j1": "begin"}, initial_qd={})
-    found = simulation_accuracy(model, scene, 0.2, {"time": [0.0, 1.0], "begin": [0.7, 0.0]})
+    scene = replace(SWING, initial_q={"j1": "begin"}, initial_qd={})
+    found = simulation_accuracy(pendulum(), scene, table={"time": [0.0, 0.2], "begin": [0.7, 0.0]})
+    assert found.name.endswith(", 0.2 s")
     assert min(rung.error for rung in found.ladders[0].rungs) <= 1e-12
 
 
 def test_closed_chains():
     model, scene = four_bars(1)
-    found = simulation_accuracy(model, scene, 0.2)
+    found = simulation_accuracy(model, scene, 0.1)
     assert found.ladders[0].reference.startswith("gauss6 and dop853, which agree to ")
     rungs = {rung.name: rung for rung in found.ladders[0].rungs}
     assert 100 <= rungs["rk4, 16 ms"].error / rungs["rk4, 4 ms"].error <= 700

@@ -81,7 +81,7 @@ def written(folder: Path, body: str, name: str = "own.xacro") -> Path:
     return folder / name
 
 
-AGAIN = ("vars", "optional_environment", "up", "include", "package_etc", "power", "macros", "units")
+AGAIN = ("itself", "vars", "optional_environment", "up", "include", "package_etc", "power", "macros", "units")
 """Of a kind that another one is of, or long."""
 
 
