@@ -120,32 +120,28 @@ def swing(path: str, ticks: float = 1.0, parts: float = 1.0, start: float = 0.0)
 
 
 @pytest.mark.parametrize(("ticks", "parts", "option", "meant"), SLIPS, ids=["ms", "ns", "deg"])
-@pytest.mark.parametrize("more", [(), ("--measured",)], ids=["torques", "measured"])
-def test_a_slip_of_units_ends_in_one_line(
-    ticks: float, parts: float, option: str, meant: str, more: tuple[str, ...]
-) -> None:
+def test_a_slip_of_units_ends_in_one_line(ticks: float, parts: float, option: str, meant: str) -> None:
     """Nothing is computed, printed or written of numbers that can hardly be so, unless it is said that they are."""
     swing("arm.csv", ticks, parts)
-    if "--measured" in more:
-        head, *rows = Path("arm.csv").read_text().splitlines()
-        lines = [f"{head},tau_shoulder", *(f"{row},{k % 7}" for k, row in enumerate(rows))]
-        Path("arm.csv").write_text("\n".join([*lines, ""]))
-    call = ("torques", "arm.urdf", "arm.csv", *more)
-    outputs = () if "--measured" in more else ("--out", "tau.csv", "--report", "page.md")
-    outcome = run(*call, *outputs)
+    call = ("torques", "arm.urdf", "arm.csv")
+    outcome = run(*call, "--out", "tau.csv", "--report", "page.md")
     refused(outcome, "arm.csv: ")
     assert f"({option}, or {meant} if they are" in outcome.err
     assert not Path("tau.csv").exists()
     assert not Path("page.md").exists()
-    if "--measured" not in more:
-        assert run(*call, *option.split()).status == run(*call, *meant.split()).status == 0
+    assert run(*call, *option.split()).status == run(*call, *meant.split()).status == 0
 
 
 def test_a_slip_of_units_is_told_by_other_commands() -> None:
     swing("arm.csv", 1e3)
+    head, *rows = Path("arm.csv").read_text().splitlines()
+    Path("arm.csv").write_text(
+        "\n".join([f"{head},tau_shoulder", *(f"{row},{k % 7}" for k, row in enumerate(rows)), ""])
+    )
     said = "are the stamps milliseconds? (--time-unit ms, or --time-unit s if they are seconds)"
     check = ("check", "arm.urdf", "--trajectory", "arm.csv", "--select", "RD802")
-    for call in (("fbd", "arm.urdf", "--traj", "arm.csv", "--time", "0"), check):
+    measured = ("torques", "arm.urdf", "arm.csv", "--measured")
+    for call in (("fbd", "arm.urdf", "--traj", "arm.csv", "--time", "0"), check, measured):
         outcome = run(*call)
         refused(outcome, "")
         assert said in outcome.err
