@@ -76,10 +76,10 @@ def row(name: str, samples: int) -> tuple[str, ...]:
     acts = {name: partial(function, model, *state, out=out, **options) for name, (function, out) in ours.items()}
     theirs = {f"Pinocchio {name}": act for name, act in peers(model).items()}
     spent = taking_turns(acts | theirs)
-    times = {way: time.per(CALLS if way in theirs else samples) for way, time in spent.items()}
+    times = {way: time / (CALLS if way in theirs else samples) for way, time in spent.items()}
 
     def pair(way: str, peer: str) -> tuple[str, str]:
-        ratio = times[f"Pinocchio {peer}"].least / times[way].least
+        ratio = times[f"Pinocchio {peer}"] / times[way]
         return nanoseconds(times[way]), f"{ratio:.1f}"
 
     a_plan = Plan(model, scene)

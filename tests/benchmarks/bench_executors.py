@@ -14,7 +14,7 @@ from functools import partial
 
 import numpy as np
 from benchmarks.pinocchio_runs import ROBOTS, described, in_parallel, joints, nanoseconds, random_sources
-from benchmarks.timing import Timing, repeated, taking_turns
+from benchmarks.timing import repeated, taking_turns
 from helpers.machine import machine
 from helpers.markdown_tables import main, table
 from helpers.oracles import worst
@@ -40,7 +40,7 @@ def operations(name: str, forward: bool = False) -> tuple[int, int]:
     return moving, resting
 
 
-def builds(name: str) -> tuple[Timing, Timing, Timing | None]:
+def builds(name: str) -> tuple[float, float, float | None]:
     """Tracing, making machine code, and loading it from the cache; None where it keeps nothing."""
     runner = torque_runner(*described(name))
     given = runner.program, runner.widths
@@ -51,7 +51,7 @@ def builds(name: str) -> tuple[Timing, Timing, Timing | None]:
     return repeated(Plan(*described(name)).torques), anew, None if kept is None else repeated(ready)
 
 
-def runs(name: str, samples: int, forward: bool) -> tuple[dict[str, Timing], float]:
+def runs(name: str, samples: int, forward: bool) -> tuple[dict[str, float], float]:
     """Time per sample of every way, and the largest difference from Pinocchio's results, of the largest of them."""
     model, scene = described(name)
     sources = random_sources(model, scene, samples)
@@ -74,7 +74,7 @@ def runs(name: str, samples: int, forward: bool) -> tuple[dict[str, Timing], flo
     }
     if forward:
         del ways["row-major"]
-    return {way: time.per(samples) for way, time in taking_turns(ways).items()}, worst(out, found())
+    return {way: time / samples for way, time in taking_turns(ways).items()}, worst(out, found())
 
 
 def row(name: str, samples: int, forward: bool) -> tuple[str, ...]:
@@ -85,9 +85,9 @@ def row(name: str, samples: int, forward: bool) -> tuple[str, ...]:
         name,
         joints(name),
         *map(str, operations(name, forward)),
-        *("-" if time is None else f"{1e3 * time.least:.1f} ms" for time in built),
+        *("-" if time is None else f"{1e3 * time:.1f} ms" for time in built),
         *(nanoseconds(time) for time in times.values()),
-        f"{times['Pinocchio'].least / times['compiled'].least:.1f}",
+        f"{times['Pinocchio'] / times['compiled']:.1f}",
         "-" if shared else f"{off:.0e}",
     )
 

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from benchmarks.timing import Timing
 from helpers.example_robots import path_of
 from helpers.oracles import ROBOTS as FOLDER
 
@@ -153,6 +152,6 @@ def _moving(model: Model) -> list[Joint]:
     return [body.joint for body in model.bodies if body.joint.kind != "fixed"]
 
 
-def nanoseconds(time: Timing) -> str:
-    value = 1e9 * time.least
+def nanoseconds(seconds: float) -> str:
+    value = 1e9 * seconds
     return f"{value:.0f} ns" if value >= 100 else f"{value:.1f} ns"

@@ -7,31 +7,10 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 from time import perf_counter
 from typing import TypeVar
-
-
-@dataclass(frozen=True)
-class Timing:
-    """Seconds of something that ran several times, in turn with what it is compared with.
-
-    Attributes:
-        least: the shortest run, which the rest of the machine disturbed least.
-        median: of all runs.
-        runs: how many.
-    """
-
-    least: float
-    median: float
-    runs: int
-
-    def per(self, amount: int) -> Timing:
-        """Return the same for one of an amount."""
-        return Timing(self.least / amount, self.median / amount, self.runs)
-
 
 Key = TypeVar("Key", bound=Hashable)
 Found = TypeVar("Found")
@@ -52,40 +31,31 @@ def in_turns(acts: Mapping[Key, Callable[[], Found]], turns: int) -> dict[Key, l
     return {name: [found[name] for found in rounds] for name in acts}
 
 
-def taking_turns(acts: Mapping[Key, Callable[[], object]]) -> dict[Key, Timing]:
-    """Return how long each takes. They take turns, so that all meet the same load of the machine.
-
-    A first round, which brings code and data to the caches, does not count.
-    """
+def taking_turns(acts: Mapping[Key, Callable[[], object]]) -> dict[Key, float]:
+    """Return the shortest time of each [s], which the rest of the machine disturbed least. They take turns, so that all
+    meet the same load; a first round, which brings code and data to the caches, does not count."""
     for act in acts.values():
         act()
     return _rounds(acts, ROUNDS, BUDGET)
 
 
-def repeated(act: Callable[[], object]) -> Timing:
-    """Return how long it takes to make something, once if that is long."""
+def repeated(act: Callable[[], object]) -> float:
+    """Return how long it takes to make something [s], once if that is long."""
     return _rounds({"": act}, 1, SHORT)[""]
 
 
-def _rounds(acts: Mapping[Key, Callable[[], object]], least: int, budget: float) -> dict[Key, Timing]:
+def _rounds(acts: Mapping[Key, Callable[[], object]], least: int, budget: float) -> dict[Key, float]:
     spent: dict[Key, list[float]] = {name: [] for name in acts}
     start, rounds = perf_counter(), 0
     while rounds < least or perf_counter() - start < budget:
         for name, act in acts.items():
-            spent[name] += _turn(act)
+            now = begin = perf_counter()
+            while now == begin or now - begin < TURN:
+                act()
+                before, now = now, perf_counter()
+                spent[name].append(now - before)
         rounds += 1
-    return {name: Timing(min(times), median(times), len(times)) for name, times in spent.items()}
-
-
-def _turn(act: Callable[[], object]) -> list[float]:
-    """Return seconds of every run of one turn."""
-    times: list[float] = []
-    now = begin = perf_counter()
-    while not times or now - begin < TURN:
-        act()
-        before, now = now, perf_counter()
-        times.append(now - before)
-    return times
+    return {name: min(times) for name, times in spent.items()}
 
 
 def of_process(command: Sequence[str], **variables: str) -> tuple[float, float]:

@@ -281,8 +281,6 @@ PARTS = (
 """The tables of a scene that say what acts in joints and on links."""
 
 
-
-
 @pytest.mark.parametrize("table", PARTS)
 def test_what_has_a_key_is_said_to_be_there(table: str) -> None:
     """A new key fails here, so that whoever adds it reads what the page denies."""
@@ -297,5 +295,3 @@ def test_what_has_a_key_is_said_to_be_there(table: str) -> None:
     }
     assert len(keys) > 1
     assert keys - there - {"link"} == set()
-
-

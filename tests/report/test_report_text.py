@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import fields, replace
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -15,13 +15,12 @@ from helpers.oracles import ROBOTS, robot
 from helpers.report_text import simulation_text, torques_text
 
 import robodyn
-from robodyn.loads.result import JointLoad, Result
+from robodyn.loads.result import Result
 from robodyn.report.document import text
 from robodyn.report.equations import free_body_sections
 from robodyn.report.limits import LINES
 from robodyn.report.pictures.free_body import drawings
 from robodyn.report.renderers.pages import html, markdown
-from robodyn.report.sizes import result_sizes
 from robodyn.report.table import Page
 from robodyn.report.torques import torques_json
 from robodyn.report.torques_page import torques_page
@@ -218,34 +217,3 @@ def test_simulations_show_no_noise() -> None:
     assert 0.0 < np.abs(found.qdd).max() < 1e-10
     text = simulation_text(found)
     assert not TINY.search(text.replace("<1e-12", "")), text
-
-
-@pytest.mark.parametrize("sizing", [pytest.param(False, marks=pytest.mark.slow), True])
-def test_no_text_depends_on_the_last_digit(sizing: bool) -> None:
-    """All figures of a motion moved by some units of rounding of the largest of their kind: the same text."""
-    model = robot("puma560")
-    found = robodyn.torques(model, ROBOTS / "puma560_sweep.csv", sizing=sizing)
-    rng, size = np.random.default_rng(1), result_sizes(found)
-    shown = torques_text(found, explain=True)
-    for _ in range(3):
-        joints = tuple(_moved(joint, size, rng) for joint in found.joints)
-        base = tuple(
-            replace(part, peak=_by_noise(part.peak, size["N" if part.name[0] == "f" else "N m"], rng))
-            for part in found.base_wrench
-        )
-        checks = replace(found.checks, first_law=rng.uniform(0, 1e-14), second_law=0.0, power=rng.uniform(0, 1e-14))
-        assert torques_text(replace(found, joints=joints, base_wrench=base, checks=checks), explain=True) == shown
-
-
-def _moved(joint: JointLoad, size, rng) -> JointLoad:
-    kinds = {"peak_power": "W", "work_positive": "J", "work_negative": "J", "max_speed": "rad/s"}
-    kinds |= dict.fromkeys(("peak", "rms", "cubic_mean"), "N m")
-    names = {field.name for field in fields(joint)}
-    assert kinds.keys() <= names
-    moved = {name: _by_noise(getattr(joint, name), size[kind], rng) for name, kind in kinds.items()}
-    shares = {name: _by_noise(share, size["N m"], rng) for name, share in joint.shares.items()}
-    return replace(joint, **moved, shares=shares)
-
-
-def _by_noise(x: float, scale: float, rng) -> float:
-    return x + rng.uniform(-4.0, 4.0) * np.finfo(float).eps * scale
