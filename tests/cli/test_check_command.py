@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from helpers.clean_arm import FAMILIES, IDENTITY, arm
-from helpers.command_line import refused, run
+from helpers.command_line import run
 from helpers.planted_defects import HEALTHY
 
 from robodyn.checks.catalogue import RULES
@@ -151,20 +151,3 @@ def test_unsafe_fixes(folder: Path) -> None:
     assert outcome.status == 0
     assert "RD006, link upper: call it ixy (unsafe: " in outcome.err
     assert (folder / "lower.urdf").read_text() == lower.replace("iyx", "ixy").replace("0 2 0", "0.0 1.0 0.0")
-
-
-def test_a_file_that_cannot_be_written(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(*_: object) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("os.replace", full)
-    outcome = run("check", "axis.urdf", "--fix")
-    assert (outcome.status, outcome.out) == (2, "")
-    assert outcome.err == "error: axis.urdf: cannot be written: no space left on device (nothing was written)\n"
-    assert (folder / "axis.urdf").read_text() == AXIS
-
-
-def test_a_mistake_in_the_settings_names_the_file(folder: Path) -> None:
-    (folder / "robodyn.toml").write_text("[tool.robodyn.check]\nfix = true\n")
-    line = f'{folder}/robodyn.toml:2: [tool.robodyn.check]: unknown key "fix" (valid keys: '
-    refused(run("check", "clean.urdf"), line)

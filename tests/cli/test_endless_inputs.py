@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 from helpers.command_line import refused, run, write_arm
 
-from robodyn.robot.urdf import xacro
 from robodyn.support.input_file import VARIABLE
 from robodyn.trajectory.formats import table
 
@@ -84,17 +83,3 @@ def test_a_table_that_holds_far_more_than_it_weighs(kind: str, monkeypatch: pyte
     outcome = run("torques", "arm.urdf", f"x.{kind}")
     refused(outcome, f"x.{kind}:")
     assert "bytes that hold 12000" in outcome.err
-
-
-@pytest.mark.parametrize("expression", ["9**9**9", "[0] * 9**12"])
-@pytest.mark.parametrize("trust", [(), ("--trust-xacro",)])
-def test_an_expression_of_xacro_without_end(
-    expression: str, trust: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    if trust:
-        monkeypatch.setattr(xacro, "PATIENCE", 1.0)
-    text = f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="a${{{expression}}}"/></robot>'
-    Path("x.xacro").write_text(text)
-    outcome = run("info", "x.xacro", *trust)
-    refused(outcome, "x.xacro:")
-    assert ("xacro cannot expand it" if trust else "x.xacro:1: ") in outcome.err

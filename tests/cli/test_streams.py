@@ -1,4 +1,4 @@
-"""Standard streams: `-`, pipes that break, streams that are closed, interrupts, terminals."""
+"""Standard streams: `-`, pipes that break, streams that are closed, full disks, interrupts, terminals."""
 
 from __future__ import annotations
 
@@ -8,12 +8,17 @@ import sys
 from pathlib import Path
 
 import pytest
-from helpers.command_line import ARM, ROBOTS, command, motion, run, spawn, write_arm
+from helpers.command_line import ARM, ROBOTS, command, motion, refused, run, spawn, write_arm
 from helpers.sampled import sampled
 from helpers.terminals import on_terminal
 
 SCARA = (str(ROBOTS / "scara.urdf"), str(ROBOTS / "scara_pick_and_place.csv"))
 ESCAPE = "\x1b"
+LIMITED = (
+    "import os, resource as r, sys; r.setrlimit(r.RLIMIT_FSIZE, (20_000, 20_000)); "
+    "os.environ['PYTHONDONTWRITEBYTECODE'] = '1'; os.execvp(sys.argv[1], sys.argv[1:])"
+)
+"""Runs a command whose files may have fewer bytes than its table takes."""
 INTERRUPTS = {
     "while standard input is copied": "import tempfile; tempfile.TemporaryFile = stop",
     "between blocks": "from contextlib import nullcontext; from robodyn.cli import progress\n"
@@ -63,6 +68,28 @@ def test_a_reader_that_goes_away_is_no_error(options: tuple[str, ...]) -> None:
     done = subprocess.run(command("torques", *SCARA, *options), stdout=write, stderr=subprocess.PIPE, check=False)
     os.close(write)
     assert (done.returncode, done.stderr) == (int("--fail-on-limits" in options), b"")
+
+
+def test_a_full_disk_leaves_what_was_there() -> None:
+    Path("arm.csv").write_text(motion(2000))
+    Path("tau.csv").write_text("time,older\n")
+    limited = [sys.executable, "-c", LIMITED, *command("torques", "arm.urdf", "arm.csv", "--out", "tau.csv")]
+    done = subprocess.run(limited, capture_output=True, check=False, text=True)
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
+    assert done.stderr.startswith("error: tau.csv: cannot be written: file too large")
+    assert Path("tau.csv").read_text() == "time,older\n"
+    assert sorted(path.name for path in Path().iterdir()) == ["arm.csv", "arm.urdf", "tau.csv"]
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="the system has no device that is always full")
+def test_a_full_device() -> None:
+    for out in ("full.csv", "full.parquet", "full.npz"):
+        os.symlink("/dev/full", out)
+        refused(run("torques", "arm.urdf", "arm.csv", "--out", out), f"{out}: cannot be written: no space left")
+    with open("/dev/full", "wb") as full:
+        call = command("torques", "arm.urdf", "arm.csv")
+        done = subprocess.run(call, stdout=full, stderr=subprocess.PIPE, check=False, text=True)
+    assert (done.returncode, done.stderr) == (2, "error: standard output: no space left on device\n")
 
 
 @pytest.mark.parametrize("when", sampled(INTERRUPTS))
