@@ -43,13 +43,3 @@ def test_parameters_are_those_of_the_reference(name, reference):
         assert ours.inertias[i].mass == theirs.inertias[i].mass
         np.testing.assert_allclose(ours.inertias[i].lever, theirs.inertias[i].lever, rtol=0, atol=1e-52)
         np.testing.assert_allclose(ours.inertias[i].inertia, theirs.inertias[i].inertia, rtol=0, atol=1e-51)
-
-
-def test_gripper_follows_one_leader_and_has_reductions():
-    mimics = {joint.name: joint.mimic for joint in load_description(FOLDER / "gripper.urdf").joints if joint.mimic}
-    assert {name: (mimic.joint, mimic.multiplier, mimic.offset) for name, mimic in mimics.items()} == {
-        "right_jaw": ("jaw", -1, 0),
-        "pinion": ("jaw", 50, 0),
-    }
-    reductions = {item.joint: item.reduction for item in load_description(FOLDER / "gripper.urdf").transmissions}
-    assert reductions == {"lift": 2 * np.pi / 0.01, "wrist": 100, "jaw": 1000}

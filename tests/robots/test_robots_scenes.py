@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
-
 from helpers.robot_files import FOLDER, read_csv
 
 from robodyn.robot.load import load
 from robodyn.scene.fit import check_scene
 from robodyn.scene.read import load_scene
-from robodyn.scene.scene import DEFAULT, Friction, Rotor, Spring
 
 MOTIONS = {
     "puma560_motors": "puma560_sweep",
@@ -40,18 +37,3 @@ def test_a_scene_fits_its_robot_and_its_table_and_says_what_it_exercises():
         check_scene(scene, load(FOLDER / f"{robot}.urdf", moving_base=scene.moving_base))
         assert {*scene.motion_columns, *scene.table_columns} <= set(read_csv(motion) if motion else ())
         assert "# Exercises:" in (FOLDER / f"{name}.toml").read_text()
-
-
-def test_every_effect_appears():
-    scenes = [load_scene(FOLDER / f"{name}.toml") for name in SCENES]
-    for part, kind in (("friction", Friction), ("rotor", Rotor), ("spring", Spring)):
-        used = [each for scene in scenes for each in getattr(scene, part).values()]
-        wanted = {field.name for field in fields(kind)} - {"load", "axis", "on"}
-        assert wanted == {name for name in wanted if any(getattr(each, name) not in (None, 0.0) for each in used)}
-    wrenches = [wrench for scene in scenes for wrench in scene.wrenches]
-    assert {wrench.frame for wrench in wrenches} >= {"link", "base"}
-    assert any(wrench.columns for wrench in wrenches)
-    assert any(any(wrench.point) for wrench in wrenches)
-    assert any(any(load.com) and any(load.inertia) for scene in scenes for load in scene.payloads)
-    assert {scene.moving_base for scene in scenes} == {False, True}
-    assert any(scene.gravity != DEFAULT.gravity for scene in scenes)
