@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 
@@ -28,7 +28,7 @@ from robodyn.cli.options import (
     takes,
 )
 from robodyn.cli.progress import robots_done
-from robodyn.cli.screen import answer, complain, show, write_report
+from robodyn.cli.screen import complain, page, show, write_report
 from robodyn.errors import InputError
 from robodyn.report.check import (
     check_diff,
@@ -39,7 +39,9 @@ from robodyn.report.check import (
     short_sections,
     statistics_sections,
 )
+from robodyn.report.document import text
 from robodyn.report.renderers.findings import check_github, check_junit, check_sarif
+from robodyn.report.table import PLAIN, Page
 from robodyn.robot.urdf.document import read
 from robodyn.robot.urdf.sources import is_xacro
 from robodyn.support.files import write_whole
@@ -54,6 +56,13 @@ def _codes(text: str) -> tuple[str, ...]:
 CODES = Parsed("codes", _codes)
 PROGRAMS = Parsed("names", lambda text: tuple(code.strip().lower() for code in text.split(",")))
 FORMATS = ("text", "short", "json", "sarif", "junit", "github")
+
+
+def _also(text: str) -> tuple[str, str]:
+    form, equals, file = text.partition("=")
+    if form not in FORMATS or not equals or not file:
+        raise ValueError(f"{text!r} is not FORMAT=FILE; formats are {', '.join(FORMATS)}")
+    return form, file
 
 
 def _fix(tasks: Sequence[Task], unsafe: bool, diff: bool) -> bool:
@@ -82,6 +91,7 @@ def _fix(tasks: Sequence[Task], unsafe: bool, diff: bool) -> bool:
     option("--ignore CODES", "Rules not to run.", CODES),
     option("--strict", "Exit with 1 on warnings, too."),
     option("--format", "Default text.", FORMATS, "form", default="text"),
+    option("--also FORMAT=FILE*", "Write it in another format, too: sarif=a.sarif; repeatable.", Parsed("file", _also)),
     option("--statistics", "Count findings by rule in place of listing them."),
     DESCRIPTION,
     option("--target NAMES", "What mujoco, drake, gz, kdl, isaac do.", PROGRAMS, "targets"),
@@ -104,6 +114,7 @@ def command(
     select: tuple[str, ...] | None,
     ignore: tuple[str, ...] | None,
     strict: bool,
+    also: tuple[tuple[str, str], ...],
     statistics: bool,
     targets: tuple[str, ...] | None,
     against: str | None,
@@ -171,18 +182,22 @@ def command(
         checked = replace(checked, findings=found.new)
     if not diff:
         given = {task.name: task.source for task in tasks}
-        listed = short_sections if call.form == "short" else check_sections
-        answer(
-            call,
-            (statistics_sections if statistics else listed)(checked),
-            form="text" if call.form == "short" else call.form,
-            json=lambda: check_json(checked),
-            sarif=lambda: check_sarif(
+        others: dict[str, Callable[[], str]] = {
+            "json": lambda: check_json(checked),
+            "sarif": lambda: check_sarif(
                 checked.findings, RULES, lambda name: read(given.get(name, name), name), checked.unread
             ),
-            junit=lambda: check_junit(checked, strict),
-            github=lambda: check_github(checked.findings, checked.unread),
-        )
+            "junit": lambda: check_junit(checked, strict),
+            "github": lambda: check_github(checked.findings, checked.unread),
+        }
+
+        def written(form: str, onto: Page = PLAIN) -> str:
+            listed = statistics_sections if statistics else short_sections if form == "short" else check_sections
+            return others[form]() if form in others else text(listed(checked), onto)
+
+        show(written(call.form, page()))
+        for form, file in also:
+            write_whole(file, written(form).encode("utf-8", "backslashreplace"))
     if call.report is not None:
         click.echo(write_report(call.report, check_page(checked)).strip(), err=True)
     fatal = (Severity.ERROR, Severity.WARNING) if strict else (Severity.ERROR,)

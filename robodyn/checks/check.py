@@ -25,7 +25,7 @@ from warnings import warn
 from robodyn.checks.catalogue import BY_CODE, CODES, is_selected, rules_for
 from robodyn.checks.context import STANDARD, STDIN, Context, Options
 from robodyn.checks.fixes import Fixed, fixed
-from robodyn.checks.groups import across_robots, deduplicate, grouped, kind_of, places
+from robodyn.checks.groups import across_files, across_robots, deduplicate, grouped, kind_of, places
 from robodyn.checks.rule import HERE, Fault, Finding, Rule, Severity, excerpt
 from robodyn.checks.rules.text import unused_waiver, without_use
 from robodyn.checks.sources import (
@@ -65,7 +65,7 @@ def check(
     config: str | os.PathLike[str] | None = None,
 ) -> tuple[Finding, ...]:
     """Return the findings in one or several descriptions, in the order of the files and of their text: one for each
-    cause in a file, with its `places`.
+    cause in a file, with its `places`, also those in other files of which the same is said.
 
         for finding in robodyn.check("robot.urdf", ignore=["RD110"]):
             print(finding.line, finding.code, finding.message)
@@ -222,9 +222,8 @@ def check_tasks(tasks: Sequence[Task], done: Callable[[], None] = lambda: None) 
     several = any(is_xacro(name) for name, _ in found)
     found = _judged_once(found) if several else found
     shown, hidden = ([one for _, each in found for one in getattr(each, kind)] for kind in ("shown", "hidden"))
-    if several:
-        shown, hidden = across_robots(shown), across_robots(hidden)
-    return Checked(tuple(name for name, _ in found), tuple(shown), tuple(unread), tuple(hidden))
+    together = across_robots if several else across_files
+    return Checked(tuple(name for name, _ in found), tuple(together(shown)), tuple(unread), tuple(together(hidden)))
 
 
 def _judged_once(found: list[tuple[str, Found]]) -> list[tuple[str, Found]]:
@@ -304,7 +303,8 @@ def _read(source: Source, options: Options, name: str | None) -> tuple[Document,
 
 def _findings(reading: Document, expansion: Expansion | None, options: Options) -> tuple[Finding, ...]:
     expanded_to = "" if expansion is None else options.expanded_to
-    context = Context(reading, options.thresholds, options.package_path, options.asked, CODES, expanded_to)
+    asked = replace(options.asked, xacro_args=options.xacro_args)
+    context = Context(reading, options.thresholds, options.package_path, asked, CODES, expanded_to)
     findings = run_rules(context, rules_for(options.select, options.ignore))
     return findings if expansion is None else tuple(located(findings, reading, expansion))
 

@@ -35,6 +35,7 @@ class Asked:
         against: a git revision whose version of the file RD902 compares with.
         trajectory: a file with a motion along which RD802 holds the limits against the loads; reading: how it is read,
             as for `read_motion`.
+        xacro_args: of the file, with which its version at that revision is expanded.
 
     Raises:
         InputError: a target is not known.
@@ -44,6 +45,7 @@ class Asked:
     against: str | None = None
     trajectory: str | None = None
     reading: Mapping[str, Any] = field(default_factory=dict)
+    xacro_args: tuple[tuple[str, str], ...] = ()
 
     def __post_init__(self) -> None:
         for target in self.targets:

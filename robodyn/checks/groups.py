@@ -45,12 +45,34 @@ def cause_of(finding: Finding) -> str:
 
 
 def grouped(findings: Iterable[Finding]) -> tuple[Finding, ...]:
-    """Return one finding for each cause in each file, with its further places; in the order of the first places."""
+    """Return one finding for each cause in each file, with its further places, and for those that are equal in several
+    files; in the order of the first places."""
     together: dict[tuple[object, ...], list[Finding]] = {}
     for finding in findings:
         key = (finding.file, finding.code, finding.severity, finding.kind, cause_of(finding))
         together.setdefault(key, []).append(finding)
-    return tuple(replace(one, others=tuple(others)) if others else one for one, *others in together.values())
+    return across_files(replace(one, others=tuple(others)) if others else one for one, *others in together.values())
+
+
+def across_files(findings: Iterable[Finding]) -> tuple[Finding, ...]:
+    """Return one finding for those that say the same of the same links and joints, with the places in all files."""
+    same: dict[tuple[object, ...], list[Finding]] = {}
+    for finding in findings:
+        said = tuple((place.subject, place.message, place.cause) for place in finding.places)
+        same.setdefault((finding.code, finding.severity, said), []).append(finding)
+    return tuple(
+        replace(one, others=(*one.others, *(place for more in others for place in more.places))) if others else one
+        for one, *others in same.values()
+    )
+
+
+def file_by_file(findings: Iterable[Finding]) -> Iterator[Finding]:
+    """Yield the findings for programs that want those of each file by themselves."""
+    for finding in findings:
+        files: dict[str, list[Finding]] = {}
+        for place in finding.places:
+            files.setdefault(place.checked, []).append(place)
+        yield from (replace(one, others=tuple(others)) for one, *others in files.values())
 
 
 def across_robots(findings: Iterable[Finding]) -> list[Finding]:
@@ -71,8 +93,8 @@ def across_robots(findings: Iterable[Finding]) -> list[Finding]:
 def places(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     """Return every place of the findings by itself, file by file and each in the order of its text."""
     files: dict[str, list[Finding]] = {}
-    for finding in findings:
-        files.setdefault(finding.file, []).extend(finding.places)
+    for place in (place for finding in findings for place in finding.places):
+        files.setdefault(place.file, []).append(place)
     return tuple(one for found in files.values() for one in sorted(found, key=lambda one: (one.start, one.code)))
 
 

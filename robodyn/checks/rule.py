@@ -66,7 +66,8 @@ class Finding:
 
     `message` names the subject; `line` and `column` (in characters) count from 1, `start` and `end` are bytes.
     `kind` is the message without subject, names and numbers: what findings share that one cause explains. `others` are
-    the further places of the same cause in the file, in their order (see `robodyn.checks.groups`). `description` is the
+    the further places of the same cause in the file, in their order, and then those of the same finding in other files
+    (see `robodyn.checks.groups`). `description` is the
     file that was checked, where `file` is another one: macros that it includes, or its SRDF. `robots` are the files
     that were checked and share it, where xacro files are among them.
     """

@@ -84,11 +84,12 @@ _WIDTH = 100
 
 
 def further(finding: Finding) -> list[str]:
-    """Return lines with the further places of a finding: in a row where they are alike, else each with its sentence,
-    and with what its cause may be where that is another."""
-    alike = all((other.what, other.cause) == (finding.what, finding.cause) for other in finding.others)
+    """Return lines with the further places of a finding in its file: in a row where they are alike, else each with its
+    sentence, and with what its cause may be where that is another."""
+    others = [other for other in finding.others if other.file == finding.file]
+    alike = all((other.what, other.cause) == (finding.what, finding.cause) for other in others)
     most = _PLACES if alike else _PLACES_SAID
-    shown, more = finding.others[:most], len(finding.others) - most
+    shown, more = others[:most], len(others) - most
     rest = [f"{count(more, 'more place')}"] if more > 0 else []
     if alike:
         row = ", ".join([*map(place_words, shown), *rest])
@@ -117,10 +118,12 @@ def short_sections(checked: Checked) -> Iterator[doc.Section]:
             lines.append(f"  {head}")
             for one in same:
                 lines.append(f"    {one.line}:{one.column}: {one.message}")
-                if one.others:
-                    more = len(one.others) - _PLACES_SAID
+                others = [other for other in one.others if other.file == one.file]
+                if others:
+                    more = len(others) - _PLACES_SAID
                     rest = [count(more, "more place")] if more > 0 else []
-                    lines.append(f"      also {', '.join([*map(place_words, one.others[:_PLACES_SAID]), *rest])}")
+                    lines.append(f"      also {', '.join([*map(place_words, others[:_PLACES_SAID]), *rest])}")
+                lines += [f"    {line}" for line in _of(one)]
         yield doc.paragraphs(lines)
     yield doc.paragraphs(checked_lines(checked))
 
@@ -139,9 +142,10 @@ def check_sections(checked: Checked) -> Iterator[doc.Section]:
 
 
 def _of(finding: Finding) -> list[str]:
-    """The robots that include the file of a finding."""
-    robots = [robot for robot in finding.robots if robot != finding.file]
-    return [f"  in: {listed_paths(robots)}"] if robots else []
+    """The robots that include the file of a finding, and the other files that have it, too."""
+    files = dict.fromkeys([*finding.robots, *(other.file for other in finding.others)])
+    files.pop(finding.file, None)
+    return [f"  in: {listed_paths(files)}"] if files else []
 
 
 def _safety(fix: Fix) -> str:
@@ -249,7 +253,7 @@ def statistics_sections(checked: Checked) -> Iterator[doc.Section]:
         if findings:
             places = [(finding.code, place) for finding in findings for place in finding.places]
             counts, at = Counter(finding.code for finding in findings), Counter(code for code, _ in places)
-            files = Counter(code for code, _ in {(finding.code, finding.file) for finding in findings})
+            files = Counter(code for code, _ in {(code, place.file) for code, place in places})
             fixes = Counter((code, place.fix.safe) for code, place in places if place.fix)
             names = {finding.code: f"{finding.code} {finding.name}" for finding in findings}
             figures = {
@@ -263,7 +267,7 @@ def statistics_sections(checked: Checked) -> Iterator[doc.Section]:
 def check_json(checked: Checked) -> str:
     """Return {"findings", "unread", "summary"}; places count from 1, edits are byte offsets of the file."""
     subject, bounds, fix = "subject[kind name] message", "measured? bound?", "fix[what safe edits]"
-    places = f"places[line column {subject} {bounds} {fix}]"
+    places = f"places[file line column {subject} {bounds} {fix}]"
     keys = f"file line column code name severity {subject} remedy {bounds} cause {fix} {places} robots"
     return doc.written(
         {

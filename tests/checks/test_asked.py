@@ -71,16 +71,46 @@ def test_a_revision_that_is_not_there_is_an_error(versions: Path, ref: str) -> N
     assert str(caught.value.remedy).startswith("give one ")
 
 
-def test_a_file_that_git_does_not_have_is_an_error(versions: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
+def test_a_file_that_git_does_not_have(versions: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
+    """A new one is a note, or the check of a pull request would end with it."""
     new, outside = versions.parent / "new.urdf", tmp_path_factory.mktemp("outside") / "arm.urdf"
-    for file, what in (
-        (new, "there is no new.urdf at the revision 'HEAD'"),
-        (outside, "arm.urdf is in no git repository"),
-    ):
+    for file in (new, outside):
         file.write_text(REGRESSION.bad)
-        with pytest.raises(InputError, match=what) as caught:
-            found(str(file), "RD902", Asked(against="HEAD"))
-        assert "fatal" not in str(caught.value)
+    (one,) = found(str(new), "RD902", Asked(against="HEAD"))
+    assert (one.severity.value, one.what) == ("note", "the dynamics are not compared with HEAD: the file is not there")
+    with pytest.raises(InputError, match=r"arm.urdf is in no git repository"):
+        found(str(outside), "RD902", Asked(against="HEAD"))
+
+
+def test_a_xacro_file_is_expanded_as_it_was(versions: Path) -> None:
+    """With what it included, from another package of the repository; arguments count then, too."""
+    root = versions.parent
+    head = '<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+    include = '<xacro:arg name="more" default="0"/><xacro:include filename="$(find parts)/mass.xacro"/>'
+    texts = {
+        "arm/package.xml": "<package><name>arm</name></package>",
+        "parts/package.xml": "<package><name>parts</name></package>",
+        "parts/mass.xacro": f'{head}<xacro:property name="m" value="2"/></robot>',
+        "arm/arm.xacro": arm()
+        .replace('<robot name="arm">', head + include)
+        .replace('value="2"', 'value="${m + $(arg more)}"'),
+    }
+    for name, text in texts.items():
+        (root / name).parent.mkdir(exist_ok=True)
+        (root / name).write_text(text)
+    git(root, "add", ".")
+    git(root, "commit", "-qm", "xacro")
+    file, part = str(root / "arm" / "arm.xacro"), root / "parts" / "mass.xacro"
+    asked = Options(asked=Asked(against="HEAD"), xacro_args=(("more", "1"),), package_path=(str(root),))
+    assert not [one for one in check_one(file, asked) if one.code == "RD902"]
+    part.write_text(part.read_text().replace('"2"', '"3"'))
+    said = [one.message for one in check_one(file, asked) if one.code == "RD902"]
+    assert "link 'upper': mass 3 kg has become 4 kg, against HEAD" in said
+    part.write_text("<")
+    git(root, "commit", "-qam", "broken")
+    part.write_text(texts["parts/mass.xacro"])
+    (one,) = [one for one in check_one(file, asked) if one.code == "RD902"]
+    assert one.what.startswith("the dynamics are not compared with HEAD: its version cannot be read: ")
 
 
 def whats(before: str, after: str) -> list[str]:

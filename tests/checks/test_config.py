@@ -130,7 +130,7 @@ def test_settings_reach_every_process(robot: Path, monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(checks, "worth_processes", lambda files: True)
     shared = check_tasks(tasks_for([str(other), str(robot)]))
     assert shared == alone
-    assert [finding.code for finding in shared.findings] == ["RD208", "RD502", "RD502"]
+    assert [(finding.code, len(finding.places)) for finding in shared.findings] == [("RD208", 1), ("RD502", 2)]
     (unread,) = check_tasks(tasks_for(["none.urdf"])).unread
     assert (unread.file, unread.why) == ("none.urdf", "there is no such file (check the name)")
 
@@ -224,7 +224,7 @@ def test_folders_patterns_and_several_files(folder: Path) -> None:
     assert check_all(odd).files == (str(odd),)
     checked = check_all(f"{folder}/more/c.urdf", f"{folder}/a.urdf", f"{folder}/more/c.urdf")
     assert checked.files == (f"{folder}/more/c.urdf", f"{folder}/a.urdf")
-    assert [finding.file for finding in checked.findings] == list(checked.files)
+    assert [place.file for finding in checked.findings for place in finding.places] == list(checked.files)
 
 
 def test_what_is_not_there(folder: Path) -> None:

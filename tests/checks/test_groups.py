@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,12 +11,22 @@ import pytest
 from helpers.clean_arm import IDENTITY, INERTIA, arm
 
 from robodyn.checks.catalogue import BY_CODE, CODES, RULES
-from robodyn.checks.check import STANDARD, Options, Task, check_one, fix_task, found_in
+from robodyn.checks.check import STANDARD, Options, Task, check_one, check_tasks, fix_task, found_in, tasks_for
 from robodyn.checks.examples import a_shaped_link
 from robodyn.checks.examples import inertia as entries
-from robodyn.checks.groups import compared, deduplicate, fingerprints, grouped, kind_of, places, write_baseline
+from robodyn.checks.groups import (
+    compared,
+    deduplicate,
+    file_by_file,
+    fingerprints,
+    grouped,
+    kind_of,
+    places,
+    write_baseline,
+)
 from robodyn.checks.rule import Severity
-from robodyn.report.check import further
+from robodyn.report import document
+from robodyn.report.check import check_json, check_sections, further
 
 ONE = arm(shoulder="0 2 0")
 TWO = arm(shoulder="0 2 0", elbow="0 3 0")
@@ -55,13 +67,26 @@ def test_the_same_slip_in_one_file_is_one_finding_with_its_places() -> None:
     assert all(place.others == () for place in finding.places)
 
 
-def test_files_rules_severities_and_causes_are_kept_apart() -> None:
+def test_rules_severities_and_causes_are_kept_apart() -> None:
     mixed = arm(shoulder="0 0 0", elbow="0 2 0")
     assert shown(mixed, "RD5") == (("RD501", 1), ("RD502", 1))
-    two_files = [*check_one(ONE.encode(), name="a.urdf"), *check_one(ONE.encode(), name="b.urdf")]
-    assert [len(one.places) for one in grouped(two_files)] == [1, 1]
     placeholders = arm(upper=IDENTITY, fore=IDENTITY.replace('"1"', '"0.1"'))
     assert shown(placeholders, "RD208") == (("RD208", 1), ("RD208", 1))
+
+
+def test_equal_findings_of_several_files_are_one_with_the_places_of_all(tmp_path: Path) -> None:
+    """But those of another link are not; programs have them file by file."""
+    for name, text in (("a", TWO), ("b", TWO), ("c", ONE), ("d", arm(shoulder="0 0 0"))):
+        (tmp_path / f"{name}.urdf").write_text(text)
+    checked = check_tasks(tasks_for([str(tmp_path)], Options(("RD5",))))
+    places_in = [[(Path(place.file).stem, place.line) for place in one.places] for one in checked.findings]
+    ab, c, d = places_in
+    assert [file for file, _ in ab] == ["a", "a", "b", "b"]
+    assert ([file for file, _ in c], [file for file, _ in d]) == (["c"], ["d"])
+    assert [Path(one.file).stem for one in file_by_file(checked.findings)] == ["a", "b", "c", "d"]
+    assert re.search(r"\n  in: '[^']*b.urdf'\n", document.text(check_sections(checked)))
+    (first, *_) = json.loads(check_json(checked))["findings"]
+    assert [Path(place["file"]).stem for place in first["places"]] == ["a", "a", "b", "b"]
 
 
 def test_places_are_what_was_grouped() -> None:

@@ -105,7 +105,20 @@ def test_every_block_shows_something():
 def test_every_block_of_commands_is_run():
     """There is no `bash` block, say, that nothing runs."""
     languages = {found[1] for text in PAGES.values() for found in re.finditer(r"^```+(\w+)$", text, re.MULTILINE)}
-    assert languages <= {"console", "pycon", "sh", "toml", "text", "python", "xml", "yaml", "csv", "json"}
+    assert languages <= {
+        "console",
+        "pycon",
+        "sh",
+        "toml",
+        "text",
+        "python",
+        "xml",
+        "yaml",
+        "csv",
+        "json",
+        "cmake",
+        "markdown",
+    }
 
 
 def test_numbers_are_compared_and_rounding_errors_are_not():

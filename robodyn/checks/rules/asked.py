@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from math import inf, isfinite
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,8 +15,9 @@ from robodyn.checks.examples import a_joint, a_link, arm
 from robodyn.checks.imported import INSTALLABLE, verdict_of
 from robodyn.checks.importers import FACTS, Verdict, named
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.errors import DescriptionError, InputError
+from robodyn.errors import InputError
 from robodyn.programs.vectors import length
+from robodyn.robot.urdf.sources import EXPANDED, is_xacro
 from robodyn.robot.urdf.view import JointView, LinkView, Subject
 from robodyn.support.floats import first_largest
 
@@ -100,14 +102,17 @@ def regression(context: Context) -> Faults:
     With --against REF, the robot is compared with what git has of the same file at that revision: joints that come,
     go, move or change their order, types, axes, limits and friction; masses, centres of mass and inertias of the
     moving bodies, with everything fixed to them; and the torques of both in random states, in percent of the
-    largest. Moving a fixed frame, renaming a fixed joint or splitting a link changes nothing here. The examples are
-    two versions of a file: the bad one is compared with the good one.
+    largest. Moving a fixed frame, renaming a fixed joint or splitting a link changes nothing here. Of a xacro file the
+    version is expanded with the files that it includes as they were. The examples are two versions of a file: the bad
+    one is compared with the good one.
     """
     against = context.asked.against
     if against is None:
         return
-    before = model_at(context.reading.file, against)
-    if before is None:
+    before = model_at(context, against)
+    if isinstance(before, str):
+        what = f"the dynamics are not compared with {against}: {before}"
+        yield Fault(context.view.root.span, what, "nothing to do", subject=None, severity=Severity.NOTE)
         return
     parts: dict[Subject, LinkView | JointView] = {part.subject: part for part in context.view.links}
     parts |= {part.subject: part for part in context.view.joints}
@@ -119,6 +124,8 @@ def regression(context: Context) -> Faults:
 
 SAME = 1e-9
 """Relative differences that are no more are rounding."""
+_MESHES = (".stl", ".dae", ".obj", ".ply", ".glb", ".gltf", ".png", ".jpg", ".STL", ".bag", ".mcap")
+"""What descriptions include none of."""
 _PLAIN = ("-c", "safe.bareRepository=explicit", "-c", "core.fsmonitor=false")
 """No settings that name programs are taken from a repository that lies among the files of another."""
 _STATES = 32
@@ -129,42 +136,58 @@ Change = tuple[Subject, str, float]
 """A link, joint or the robot, what is different in it, and how much."""
 
 
-def _no_version(name: str, ref: str, said: str) -> InputError:
-    if "not a git repository" in said:
-        return InputError(f"{name} is in no git repository, which has its versions", remedy="leave --against out")
-    if os.path.exists(ref):
-        what = f"--against takes a revision of git, and {ref!r} is a file"
-        return InputError(what, remedy=f"give one such as HEAD~1 or main, with which {name} itself is compared")
-    if "invalid object name" in said or "bad revision" in said:
-        what, remedy = f"git has no revision {ref!r}", "give one such as HEAD~1 or main: git log lists them"
-    else:
-        what, remedy = f"there is no {name} at the revision {ref!r}", "give one that has it: git log FILE lists them"
-    return InputError(what, remedy=remedy)
-
-
-def model_at(file: str, ref: str) -> Model | None:
-    """Return the robot of a file at a git revision; None where the description there cannot be read.
+def model_at(context: Context, ref: str) -> Model | str:
+    """Return the robot of a file at a git revision, of xacro with what it includes there; or why there is none.
 
     Raises:
-        InputError: git is not there, or knows no such revision or file.
+        InputError: git is not there, the file is in no repository, or that has no such revision.
     """
-    folder, name = os.path.split(os.path.abspath(file))
-    if not ref or ref.startswith("-"):
-        raise _no_version(name, ref, "invalid object name")
+    from io import BytesIO
+    from tarfile import open as open_archive
+    from tempfile import TemporaryDirectory
+
     from robodyn.robot.load import load
     from robodyn.support.children import run_program
 
-    call = ("git", *_PLAIN, "show", f"{ref}:./{name}")
-    try:
-        run = run_program(*call, folder=folder, GIT_NO_LAZY_FETCH="1", LC_ALL="C")
-    except OSError as error:
-        raise InputError(f"git cannot be run: {error}", remedy="install git, or leave --against out") from None
-    if run.returncode:
-        raise _no_version(name, ref, run.stderr.decode(errors="replace"))
-    try:
-        return load(run.stdout)
-    except DescriptionError:
-        return None
+    file = Path(context.reading.file.removesuffix(EXPANDED)).resolve()
+
+    def git(*words: str, folder: Path = file.parent) -> bytes | None:
+        try:
+            run = run_program("git", *_PLAIN, *words, folder=str(folder), GIT_NO_LAZY_FETCH="1", LC_ALL="C")
+        except OSError as error:
+            raise InputError(f"git cannot be run: {error}", remedy="install git, or leave --against out") from None
+        return None if run.returncode else run.stdout
+
+    top = git("rev-parse", "--show-toplevel")
+    if top is None:
+        raise InputError(f"{file.name} is in no git repository, which has its versions", remedy="leave --against out")
+    if git("rev-parse", "--verify", "--quiet", "--end-of-options", f"{ref}^{{tree}}") is None:
+        remedy = f"give one such as HEAD~1 or main, with which {file.name} itself is compared: git log lists them"
+        given = f"--against takes a revision of git, and {ref!r} is a file" if os.path.exists(ref) else ""
+        raise InputError(given or f"git has no revision {ref!r}", remedy=remedy)
+    root = Path(os.fsdecode(top).rstrip("\r\n")).resolve()
+    place = file.relative_to(root)
+    wanted = [f":(literal){place.as_posix()}"]
+    if is_xacro(str(file)):
+        wanted = [f":(exclude)*{suffix}" for suffix in _MESHES]
+    archive = git("archive", "--format=tar", ref, *wanted, folder=root)
+    with TemporaryDirectory() as folder:
+        then = Path(folder).resolve()
+        if archive:
+            with open_archive(fileobj=BytesIO(archive)) as members:
+                for member in members:
+                    to = (then / member.name).resolve()
+                    if member.isfile() and to.is_relative_to(then) and (data := members.extractfile(member)):
+                        to.parent.mkdir(parents=True, exist_ok=True)
+                        to.write_bytes(data.read())
+        if not (then / place).is_file():
+            return "the file is not there"
+        paths = [Path(each).resolve() for each in context.package_path]
+        paths = [then / each.relative_to(root) if each.is_relative_to(root) else each for each in paths]
+        try:
+            return load(then / place, package_paths=paths, xacro_args=dict(context.asked.xacro_args))
+        except InputError as error:
+            return f"its version cannot be read: {error.what}"
 
 
 def changes(before: Model, after: Model) -> Iterator[Change]:

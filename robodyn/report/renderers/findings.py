@@ -14,7 +14,7 @@ from typing import Any
 from urllib.parse import quote
 
 from robodyn.checks.check import Checked, Unread
-from robodyn.checks.groups import fingerprints
+from robodyn.checks.groups import file_by_file, fingerprints
 from robodyn.checks.rule import Finding, Rule, Severity
 from robodyn.report.check import further
 from robodyn.report.document import code_lines
@@ -40,7 +40,7 @@ def check_junit(checked: Checked, strict: bool = False) -> str:
     """
     fatal = {Severity.ERROR, Severity.WARNING} if strict else {Severity.ERROR}
     found: dict[str, list[Finding]] = {file: [] for file in checked.files}
-    for one in checked.findings:
+    for one in file_by_file(checked.findings):
         found.setdefault(one.checked, []).append(one)
     suites, failures = [], 0
     for file, findings in found.items():
@@ -86,7 +86,7 @@ def check_github(findings: Sequence[Finding], unread: Sequence[Unread] = ()) -> 
     own toolkit does (actions/toolkit, packages/core/src/command.ts).
     """
     lines = []
-    for finding in findings:
+    for finding in file_by_file(findings):
         of = "" if finding.description is None else f" (in {finding.description})"
         parts = [finding.message + of, *(f"also: {line}" for line in further(finding))]
         parts += [f"cause: {finding.cause}"] if finding.cause else []
@@ -136,7 +136,7 @@ def check_sarif(
         first, last = places(file).span(start, start), places(file).span(end, end)
         return {"startLine": first.line, "startColumn": first.column, "endLine": last.line, "endColumn": last.column}
 
-    index = {rule.code: k for k, rule in enumerate(rules)}
+    index, findings = {rule.code: k for k, rule in enumerate(rules)}, [*file_by_file(findings)]
     results = [
         _result(finding, index, name, region) for finding, name in zip(findings, fingerprints(findings), strict=True)
     ]
