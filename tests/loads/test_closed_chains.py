@@ -22,14 +22,11 @@ GAINS = {"crank_slider": 2.0, "four_bar": 40.0, "five_bar": 15.0, "delta": 15.0,
 
 def motors_alone(chain: Chain, times: np.ndarray, path: Path) -> Path:
     """Write the motion of the driven joints."""
-    names = chain.scene.actuated
-    assert names
     columns = {"time": times}
     for level, values in zip(("q", "qd", "qdd"), chain.state, strict=True):
-        columns |= {f"{level}_{name}": values[:, chain.model.joint_names.index(name)] for name in names}
-    rows = zip(*(values.tolist() for values in columns.values()), strict=True)
-    lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
-    path.write_text("\n".join(lines) + "\n")
+        columns |= {f"{level}_{name}": values[:, chain.model.joint_names.index(name)] for name in chain.place.motors}
+    rows = np.column_stack([*columns.values()])
+    np.savetxt(path, rows, delimiter=",", header=",".join(columns), comments="", fmt="%.17g")
     return path
 
 

@@ -110,7 +110,12 @@ def test_contacts_made_in_python(robot, scene, contact, said):
 
 
 FEET = tuple(Contact(leg, f"{leg}_foot", normal=(0.0, 0.0, 1.0)) for leg in ("lf", "rf", "lh", "rh"))
-KNEES = (0.0, 0.68, -1.36) * 2 + (0.0, -0.68, 1.36) * 2
+CROUCHED = np.hstack((0.0, 0.0, 0.28, 0.0, 0.0, 0.0, 1.0, (0.0, 0.68, -1.36) * 2, (0.0, -0.68, 1.36) * 2))
+
+
+def crouching(robot, rows):
+    still = np.zeros((rows, 18))
+    return robodyn.motion(robot, np.arange(rows) * 0.1, np.tile(CROUCHED, (rows, 1)), still, still)
 
 
 @pytest.mark.parametrize("gravity", [(0.0, 0.0, -9.81), (0.0, 0.0, 0.0)])
@@ -134,20 +139,15 @@ def test_nothing_is_missing_where_a_robot_falls(robot, gravity):
 
 def test_what_contacts_carry_is_not_left_to_the_base(robot):
     """The laws are checked against the forces that balance, not against the rounding that is left of them."""
-    q = np.tile(np.hstack((0.0, 0.0, 0.28, 0.0, 0.0, 0.0, 1.0, KNEES)), (11, 1))
-    still = np.zeros((11, 18))
-    motion = robodyn.motion(robot, np.arange(11) * 0.1, q, still, still)
-    found = robodyn.torques(robot, motion, Scene(moving_base=True, contacts=FEET))
+    found = robodyn.torques(robot, crouching(robot, 11), Scene(moving_base=True, contacts=FEET))
     assert max(found.checks.first_law, found.checks.second_law, found.checks.power) <= 1e-12
     assert all(part.peak == part.rms == 0.0 for part in found.base_wrench)
 
 
 def test_what_passive_knees_lack_is_told(robot):
     """The base of a robot on limp knees lacks little; the knees lack what bends them."""
-    q = np.tile(np.hstack((0.0, 0.0, 0.28, 0.0, 0.0, 0.0, 1.0, KNEES)), (3, 1))
-    still, knees = np.zeros((3, 18)), tuple(f"{foot.name}_knee" for foot in FEET)
-    scene = Scene(moving_base=True, contacts=FEET, passive=knees)
-    found = robodyn.torques(robot, robodyn.motion(robot, np.arange(3) * 0.1, q, still, still), scene)
+    knees = tuple(f"{foot.name}_knee" for foot in FEET)
+    found = robodyn.torques(robot, crouching(robot, 3), Scene(moving_base=True, contacts=FEET, passive=knees))
     lacks = {each.name: each.most.value for each in found.constraints.unbalanced}
     assert min(abs(lacks[knee]) for knee in knees) > 0.1
     assert sum("N m at the passive 'lf_knee', and 3 more" in caveat.text for caveat in found.caveats) == 1
@@ -158,7 +158,7 @@ def test_what_passive_knees_lack_is_told(robot):
     [(np.array((1.0, np.nan, 0.0)), "is not a number at 1 of 3 samples"), (np.ones(4), r"has the shape \(4,\)")],
 )
 def test_columns_of_contacts_fit_the_samples(robot, column, said):
-    q = np.tile(np.hstack((0.0, 0.0, 0.28, 0.0, 0.0, 0.0, 1.0, KNEES)), (3, 1))
+    q = np.tile(CROUCHED, (3, 1))
     scene = Scene(moving_base=True, contacts=tuple(replace(foot, on="stands") for foot in FEET))
     with pytest.raises(InputError, match=said):
         robodyn.constraint_forces(robot, q, np.zeros(18), np.zeros(18), scene=scene, columns={"stands": column})

@@ -7,7 +7,6 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from helpers.sampled import sampled
 from numpy.typing import NDArray
 
 from robodyn.trajectory.columns.signals import Signal, Signals
@@ -20,6 +19,10 @@ from robodyn.trajectory.read import from_arrays
 
 Array = NDArray[np.float64]
 ONE = Signals((Signal("a", "angle"),))
+
+
+def slow(name: str) -> object:
+    return pytest.param(name, 5000 if name == "4 decimals" else 1000, marks=pytest.mark.slow)
 
 
 def derive(time: Array, q: Array, mode: str = "auto") -> tuple[Trajectory, JointDerivation]:
@@ -89,13 +92,7 @@ CLEAN: dict[str, Callable[[Array], Array]] = {
 }
 
 
-@pytest.mark.parametrize(
-    ("name", "rate"),
-    [
-        *((name, 100) for name in CLEAN),
-        *(pytest.param(name, 1000, marks=pytest.mark.slow) for name in list(CLEAN)[::3]),
-    ],
-)
+@pytest.mark.parametrize(("name", "rate"), [*((name, 100) for name in CLEAN), *map(slow, list(CLEAN)[::3])])
 def test_clean_signals_are_not_smoothed(name: str, rate: int) -> None:
     time = np.arange(10 * rate) / rate
     result, joint = derive(time, CLEAN[name](time))
@@ -116,10 +113,7 @@ NOISY = {
 }
 
 
-@pytest.mark.parametrize(
-    ("name", "rate"),
-    sampled([*(pytest.param(name, 1000) for name in NOISY), pytest.param("4 decimals", 5000)], 4),
-)
+@pytest.mark.parametrize(("name", "rate"), [("17 bits", 1000), ("1e-4", 1000), *map(slow, list(NOISY)[1:])])
 def test_noisy_signals_are_smoothed_nearly_as_well_as_can_be(name: str, rate: int) -> None:
     """The window is found without the truth; with the truth one could do better by 60 % at most."""
     time = np.arange(4 * rate) / rate
@@ -175,6 +169,7 @@ def test_implied_noise_of_acceleration_is_that_of_many_noisy_copies(mode: str) -
     assert (score <= 1.25).all()
 
 
+BITS = {bits: 2 * np.pi / 2**bits for bits in (13, 17)}
 LIMITED = Signals((Signal("a", "angle", -10.0, 10.0, 100.0),))
 
 
@@ -200,19 +195,7 @@ def derived(time, q) -> Trajectory:
     return from_arrays(LIMITED, time, q[:, None])
 
 
-@pytest.mark.parametrize(
-    ("grid", "step", "move"),
-    sampled(
-        [
-            pytest.param(1e-9, 1e-3, hard),
-            pytest.param(0.0, 1e-3, hard),
-            pytest.param(2 * np.pi / 2**17, 1e-3, hard),
-            pytest.param(1e-6, 1e-2, smooth),
-            pytest.param(2 * np.pi / 2**13, 1e-2, smooth),
-        ],
-        4,
-    ),
-)
+@pytest.mark.parametrize(("grid", "step", "move"), [(1e-9, 1e-3, hard), (0.0, 1e-2, smooth), (BITS[13], 1e-2, smooth)])
 def test_speeds_in_a_dwell_are_zero(grid: float, step: float, move) -> None:
     """Of dwells of 0.1 s and of 1 s; before and after it a joint moves but for where it is within its resolution."""
     for long in (0.1, 1.0):
@@ -235,10 +218,7 @@ def test_noise_in_a_dwell_is_no_motion(sigma: float) -> None:
         assert not derived(time, noisy).qd[there, 0].any()
 
 
-@pytest.mark.parametrize(
-    ("grid", "step"),
-    sampled([pytest.param(1e-6, 1e-2), pytest.param(2 * np.pi / 2**17, 1e-3)], 2),
-)
+@pytest.mark.parametrize(("grid", "step"), [(1e-6, 1e-2), pytest.param(BITS[17], 1e-3, marks=pytest.mark.slow)])
 def test_a_slow_motion_goes_on(grid: float, step: float) -> None:
     """A motion of more than a step of the grid in 100 rows, in one direction or about a turning point."""
     time = np.arange(1000) * step

@@ -95,11 +95,14 @@ def limited(model: Model) -> bool:
     return any(joint.lower is not None and joint.lower < joint.upper < 100.0 for joint in turning)
 
 
-SEEDS = [range(1), pytest.param(range(1, 3), marks=pytest.mark.slow)]
+ROBOTS_AND_SEEDS = [
+    ("puma560", range(1)),
+    ("scara", range(1)),
+    pytest.param("scara", range(1, 4), marks=pytest.mark.slow),
+]
 
 
-@pytest.mark.parametrize("seeds", SEEDS, ids=["first", "others"])
-@pytest.mark.parametrize("name", ["puma560", "scara"])
+@pytest.mark.parametrize(("name", "seeds"), ROBOTS_AND_SEEDS)
 def test_motions_at_any_speed_are_not_doubted(name: str, seeds: range) -> None:
     """From a ten-thousandth of the limits of speed to five times these, densely sampled, and with glitches of a row."""
     model = load(str(FOLDER / f"{name}.urdf"))
@@ -118,8 +121,7 @@ def test_motions_at_any_speed_are_not_doubted(name: str, seeds: range) -> None:
         assert of_units(motion(model, stretched, glitch)) == []
 
 
-@pytest.mark.parametrize("seeds", SEEDS, ids=["first", "others"])
-@pytest.mark.parametrize("name", ["puma560", "scara"])
+@pytest.mark.parametrize(("name", "seeds"), ROBOTS_AND_SEEDS)
 @pytest.mark.parametrize("order", [1, 2], ids=["qd", "qdd"])
 def test_rates_in_another_unit_than_positions(name: str, order: int, seeds: range) -> None:
     """Velocities or accelerations alone are in degrees or millimetres, with noise of a hundredth or without."""
@@ -142,15 +144,15 @@ def test_rates_in_another_unit_than_positions(name: str, order: int, seeds: rang
                 assert kind == "prismatic" or told == []
 
 
-@pytest.mark.parametrize("name", ["cylindrical", *(pytest.param(x, marks=pytest.mark.slow) for x in names()[::6])])
-def test_units_of_our_robots(name: str) -> None:
-    model = load(FOLDER / f"{name}.urdf")
-    assert not limited(model) or found(model, range(3)) == {"sane": 0, "ms": 3, "us": 3, "ns": 3, "deg": 3}
+OTHERS = [*(FOLDER / f"{name}.urdf" for name in names()[::6]), *(x for x in PATHS[::8] if not x.stem.startswith(LARGE))]
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("path", [x for x in PATHS[::8] if not x.stem.startswith(LARGE)], ids=lambda x: x.stem)
-def test_units_of_other_robots(path: Path) -> None:
+@pytest.mark.parametrize(
+    "path",
+    [FOLDER / "cylindrical.urdf", *(pytest.param(path, marks=pytest.mark.slow) for path in OTHERS)],
+    ids=lambda path: path.stem,
+)
+def test_slips_are_told_and_sane_motions_are_not_doubted(path: Path) -> None:
     model = load(path)
     told = 3 if any(joint.kind != "floating" for joint in model.independent) else 0
     assert found(model, range(3)) == {**dict.fromkeys(SLIPS, told), "sane": 0, "deg": told if limited(model) else 0}

@@ -337,20 +337,14 @@ def test_the_method_does_not_depend_on_blocks(tmp_path: Path) -> None:
     assert first.derivation == read_trajectory(path, one).derivation
 
 
-def pieces(lengths):
-    table = Pieces(waves(robot("scara"), np.arange(10) * 0.5), lengths)
+def test_the_nearest_row():
+    table = Pieces(waves(robot("scara"), np.arange(10) * 0.5), [4, 5, 1])
     table.file = "table.csv"
-    return table
-
-
-@pytest.mark.parametrize("lengths", [[1] * 10, [4, 5, 1]])
-def test_the_nearest_row(lengths):
     for time, row in ((0.0, 0), (0.24, 0), (0.25, 0), (0.26, 1), (1.5, 3), (2.1, 4), (4.5, 9)):
-        table = pieces(lengths)
         found = row_at(table, time)
         assert (len(found), found.first_row) == (1, row + 1)
         for name in ("time", "q", "qd", "qdd"):
             assert np.array_equal(getattr(found, name)[0], getattr(table.trajectory, name)[row])
     for time in (-0.1, 4.6, float("nan"), float("inf")):
         with pytest.raises(TrajectoryError, match=r"outside the motion \(it lasts from 0 s to 4\.5 s\)"):
-            row_at(pieces(lengths), time)
+            row_at(table, time)
