@@ -9,7 +9,7 @@ import click
 
 from robodyn.cli.files import check_names, robot_in_scene
 from robodyn.cli.options import FORMAT, PATH, POSITIVE, REPORT, SCENE, TABLE_OUT, VALUES, Call, Parsed, option, takes
-from robodyn.cli.screen import answer, get_ready, write_table
+from robodyn.cli.screen import answer, write_table
 from robodyn.identification.excitation.excite import HARMONICS, PERIOD, RATE, excite
 from robodyn.report.identification import excitation_json, excitation_page, excitation_sections
 from robodyn.trajectory.write import format_of
@@ -60,7 +60,6 @@ def command(
     check_names()
     if call.out is not None:
         format_of(call.out)
-    get_ready(call)
     model, scene = robot_in_scene(call, urdf)
     limits: dict[str, Any] = {"max_acceleration": max_acceleration, "noise": noise, "seed": seed}
     found = excite(model, scene, period=period, harmonics=harmonics, rate=rate, joints=joints, **limits)

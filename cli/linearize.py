@@ -11,7 +11,7 @@ import numpy as np
 
 from robodyn.cli.files import check_names, robot_in_scene
 from robodyn.cli.options import AT, FORMAT, PATH, POSITIVE, QD, REPORT, SCENE, Call, Output, option, takes
-from robodyn.cli.screen import answer, get_ready
+from robodyn.cli.screen import answer
 from robodyn.equations.linearized.linearize import linearize
 from robodyn.errors import InputError
 from robodyn.report.linearized import linearized_json, linearized_page, linearized_sections
@@ -44,7 +44,6 @@ def command(call: Call, urdf: str, equilibrium: bool, step: float | None) -> int
     check_names()
     if call.out is not None and not call.out.endswith(".npz"):
         raise InputError("is no .npz file", remedy="--out FILE.npz", file=call.out)
-    get_ready(call)
     model, scene = robot_in_scene(call, urdf, loops=True)
     found = linearize(model, scene, call.at, call.qd or (), equilibrium=equilibrium, step=step)
     text = linearized_json(found)

@@ -8,8 +8,6 @@ import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from importlib import import_module
-from threading import Thread
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -126,18 +124,6 @@ def _sentence(error: click.ClickException) -> str:
         if any(option in each.opts for each in error.ctx.command.params):
             text += f"; did you mean {option} {extra[1]}?"
     return text
-
-
-def get_ready(call: Call) -> None:
-    """Import what draws figures while what they show is still being computed."""
-
-    def load() -> None:
-        with suppress(ImportError):
-            for name in ("matplotlib.figure", "matplotlib.backends.backend_svg", "jinja2"):
-                import_module(name)
-
-    if call.pictured:
-        Thread(target=load, daemon=True).start()
 
 
 def answer(

@@ -9,7 +9,7 @@ import click
 from robodyn.cli import options
 from robodyn.cli.files import check_names, check_table, robot_in_scene
 from robodyn.cli.options import PATH, POSITIVE, TABLE_OUT, VALUES, Call, option, refuse, takes
-from robodyn.cli.screen import answer, get_ready, write_table
+from robodyn.cli.screen import answer, write_table
 from robodyn.dynamics.initial_state import begun_at
 from robodyn.programs.run.runner import EXECUTORS
 from robodyn.report.simulation import simulation_json, simulation_page, simulation_sections
@@ -62,7 +62,6 @@ def command(
     check_names()
     if call.out:
         format_of(call.out)
-    get_ready(call)
     model, scene = robot_in_scene(call, urdf, loops=True)
     scene = begun_at(model, scene, call.at or ())
     check_table(call, table, scene)

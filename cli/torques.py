@@ -12,7 +12,7 @@ import click
 from robodyn.cli import options
 from robodyn.cli.files import ROBOT, STANDARD_INPUT, TABLE, check_names, expect, robot_in_scene
 from robodyn.cli.options import PATH, POSITIVE, TABLE_OUT, Call, option, refuse_where, takes
-from robodyn.cli.screen import answer, get_ready
+from robodyn.cli.screen import answer
 from robodyn.errors import InputError
 from robodyn.programs.run.runner import EXECUTORS
 from robodyn.trajectory.formats.table import FILE_TYPES
@@ -146,7 +146,6 @@ def _measured(call: Call, urdf: str, log: str, cutoff: float | None) -> None:
     check_names()
     expect(ROBOT, urdf)
     expect(TABLE, log)
-    get_ready(call)
     model, scene = robot_in_scene(call, urdf)
     found = compare(model, log, scene, cutoff=cutoff, **call.reading)
     answer(call, measured_sections(found), partial(measured_page, found), json=lambda: measured_json(found))
@@ -166,7 +165,6 @@ def _single(call: Call, urdf: str, trajectory: str, loads: dict[str, Any], examp
     expect(TABLE, trajectory)
     if call.out:
         format_of(call.out)
-    get_ready(call)
     model, scene = robot_in_scene(call, urdf, loops=True, contacts=True)
     if example:
         _write_example(trajectory, model, scene)
