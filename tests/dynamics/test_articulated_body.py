@@ -1,4 +1,4 @@
-"""The articulated-body algorithm: any scalar, shared coordinates, free bodies, and what it refuses."""
+"""Forward dynamics by articulated bodies: any scalar and scene, shared coordinates, its costs, and what it refuses."""
 
 from __future__ import annotations
 
@@ -7,13 +7,16 @@ from dataclasses import replace
 import mpmath
 import numpy as np
 import pytest
-from helpers.oracles import EPS, golden_model, random_state, reference, robot, worst
+from helpers.busy_robot import BUSY_SCENE, EVERY_EFFECT, busy_robot
+from helpers.example_robots import real
+from helpers.oracles import EPS, frictionless, golden_model, random_state, reference, robot, worst
 from helpers.small_robots import body_numbers, built, chain_parts, joint, link, numbers, random_tree
 
+import robodyn
 from robodyn.dynamics.effects.effect import Sample
-from robodyn.dynamics.forward import accelerations, forward_dynamics
+from robodyn.dynamics.forward import acceleration_program, accelerations, forward_dynamics
 from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
-from robodyn.dynamics.plan import EFFECTS, applied, loads
+from robodyn.dynamics.plan import EFFECTS, Plan, applied, loads
 from robodyn.dynamics.recursions.articulated_body import aligned
 from robodyn.errors import InputError
 from robodyn.scene.scene import DEFAULT, Rotor, Scene
@@ -195,3 +198,51 @@ def test_a_point_that_two_axes_meet_is_refused_where_they_meet():
     q[3, 1] = 0.0
     with pytest.raises(InputError, match=r"sample 3 has no finite accelerations: hardly anything resists \"j[13]\""):
         forward_dynamics(model, q, 0.0, 1.0)
+
+
+@pytest.mark.parametrize("moving_base", [False, True])
+@pytest.mark.parametrize(("scene", "times"), [(BUSY_SCENE, 16), (EVERY_EFFECT, 128)], ids=["busy", "motors"])
+def test_it_undoes_inverse_dynamics_with_every_effect(moving_base, scene, times):
+    model, rng = busy_robot(moving_base), np.random.default_rng(1)
+    q, qd, qdd = random_state(model, rng, 20)
+    more = {"scene": scene, "columns": {name: rng.normal(size=20) for name in scene.columns}}
+    tau = inverse_dynamics(model, q, qd, qdd, **more)
+    cond = np.linalg.cond(mass_matrix(model, q, scene=scene)).max()
+    assert worst(robodyn.forward_dynamics(model, q, qd, tau, **more), qdd) <= times * EPS * cond
+    assert worst(inverse_dynamics(model, q, qd, forward_dynamics(model, q, qd, tau, **more), **more), tau) <= 1e-14
+
+
+BOUNDS = {"ur5_robot": (691, 1174), "anymal": (1674, 3896)}
+"""With a fixed base and a free one."""
+
+
+@pytest.mark.parametrize("name", BOUNDS)
+def test_upper_bounds_of_operations(name):
+    for free, bound in enumerate(BOUNDS[name]):
+        model = real(name, bool(free))
+        assert acceleration_program(Plan(model, frictionless(model))).size <= bound
+
+
+def _size(model, zero_columns=frozenset(), **scene):
+    bare = frictionless(model)
+    friction = {**bare.friction, **scene.pop("friction", {})}
+    return acceleration_program(Plan(model, Scene(friction=friction, **scene), zero_columns)).size
+
+
+def test_rest_weightlessness_and_no_torque_are_cheaper():
+    model = robot("scara")
+    names = {source: frozenset((source, i) for i in range(3)) for source in ("qd", "tau")}
+    weightless = {"gravity": (0.0, 0.0, 0.0)}
+    assert _size(model, names["qd"]) < _size(model)
+    assert _size(model, names["tau"]) < _size(model)
+    assert _size(model, **weightless) < _size(model)
+    assert _size(model, names["qd"] | names["tau"], **weightless) == 0
+
+
+@pytest.mark.parametrize("scale", [1e-75, 1e75])
+def test_scales_of_torque(scale):
+    """At rest without gravity qdd is linear in tau."""
+    model, weightless = random_tree(43), Scene(gravity=(0.0, 0.0, 0.0), friction={})
+    q, _, tau = random_state(model, np.random.default_rng(44), 10)
+    qdd = forward_dynamics(model, q, 0.0, tau, scene=weightless)
+    assert worst(forward_dynamics(model, q, 0.0, scale * tau, scene=weightless) / scale, qdd) <= 64 * EPS

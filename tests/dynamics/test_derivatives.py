@@ -92,30 +92,19 @@ def test_friction_has_a_slope_where_it_is_smooth():
 PUSHED = Scene(wrenches=(ExternalWrench("spindle", ("push", 0.0, 2.0), (0.0, "twist", 0.0)),))
 
 
-def pushed(samples, seed=5):
-    """A small arm, and what goes into its derivatives."""
-    model, rng = robot("scara"), np.random.default_rng(seed)
-    return model, random_state(model, rng, samples), {name: rng.uniform(-1, 1, samples) for name in PUSHED.columns}
-
-
 @pytest.mark.parametrize("executor", ["numpy", "compiled"])
 def test_shapes_and_out(executor):
-    model, state, columns = pushed(SAMPLES)
-    more = {"scene": PUSHED, "executor": executor}
-    whole = inverse_dynamics_derivatives(model, *state, columns=columns, **more)
-    n = model.n
+    model = robot("scara")
+    state, n, more = random_state(model, np.random.default_rng(5), SAMPLES), model.n, {"executor": executor}
+    whole = inverse_dynamics_derivatives(model, *state, **more)
     assert whole.dq.shape == (SAMPLES, n, n)
-    assert max(map(worst, whole, inverse_dynamics_derivatives(model, *state, scene=PUSHED, columns=columns))) <= 8 * EPS
-    single = {name: values[0] for name, values in columns.items()}
-    one = inverse_dynamics_derivatives(model, *(x[0] for x in state), columns=single, **more)
-    assert one.dq.shape == (n, n)
+    one = inverse_dynamics_derivatives(model, *(x[0] for x in state), **more)
     assert max(map(worst, one, (x[0] for x in whole))) <= 8 * EPS
-    for order in "CF":
-        out = np.empty((SAMPLES, 3, n, n), order=order)
-        given = inverse_dynamics_derivatives(model, *state, columns=columns, out=out, **more)
-        assert all(np.shares_memory(x, out) for x in given)
-        assert all((a == b).all() for a, b in zip(given, whole, strict=True))
-    in_32 = inverse_dynamics_derivatives(model, *state, columns=columns, dtype=np.float32, **more)
+    out = np.empty((SAMPLES, 3, n, n), order="F")
+    given = inverse_dynamics_derivatives(model, *state, out=out, **more)
+    assert all(np.shares_memory(x, out) for x in given)
+    assert all((a == b).all() for a, b in zip(given, whole, strict=True))
+    in_32 = inverse_dynamics_derivatives(model, *state, dtype=np.float32, **more)
     assert in_32.dq.dtype == np.float32
     assert max(map(worst, in_32, whole)) <= 1e-5
 

@@ -99,19 +99,6 @@ OTHERS_PRINTED = reference("published_checks")
 g = 9.81
 
 
-@pytest.mark.parametrize(("q", "expected"), [((0, 0), (2, 0.5)), ((0, np.pi / 2), (1.5, 0)), ((np.pi / 2, 0), (0, 0))])
-def test_two_links_of_the_robotics_toolbox(q, expected):
-    """Its arm turns upwards with q, ours downwards about +y."""
-    tau = -inverse_dynamics(golden_model("twolink_rtb"), -np.array(q), 0, 0)
-    assert worst(tau, g * np.array(expected), 2 * g) <= 1e-15
-
-
-def test_two_links_with_a_force_at_the_tip():
-    up = ExternalWrench("link2", (0, 0, 1), point=(1, 0, 0), frame="base")
-    tau = inverse_dynamics(golden_model("twolink_rtb"), 0, 0, 0, scene=Scene(gravity=(0, 0, 0), wrenches=(up,)))
-    assert tuple(tau) == tuple(OTHERS_PRINTED["twolink_rtb"]["tip force 1 N up, g=0 -> tau"]) == (2, 1)
-
-
 MR, STRETCH = OTHERS_PRINTED["modern_robotics_3link"], np.array([np.sqrt(2), 1, 1])
 """Its first screw has length sqrt 2: our q1 is sqrt 2 times its theta1, its tau1 sqrt 2 times ours."""
 

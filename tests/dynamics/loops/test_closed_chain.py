@@ -27,18 +27,6 @@ def solved(model, scene, q, qd, tau):
     return np.array(qdd), np.array(multipliers), chain.jacobian(sample), np.array(here.bias, dtype=float)
 
 
-@pytest.mark.parametrize("kind", ["point", "hinge", "weld"])
-def test_the_tree_with_the_loops_forces_moves_as_the_closed_chain(kind):
-    model, scene = spatial_loop(4, kind)
-    rng = np.random.default_rng(0)
-    q, qd, tau = rng.uniform(-1, 1, model.n), rng.normal(size=model.n), rng.normal(size=model.n) * 10
-    qdd, multipliers, J, bias = solved(model, scene, q, qd, tau)
-    needed = robodyn.inverse_dynamics(model, q, qd, qdd)
-    scale = np.abs(needed).max() + np.abs(J.T @ multipliers).max()
-    assert np.abs(needed - tau - J.T @ multipliers).max() <= 1e-13 * scale
-    assert np.abs(J @ qdd + bias).max() <= 1e-13 * np.abs(bias).max() * np.linalg.cond(J)
-
-
 @pytest.mark.parametrize(("moving", "to"), [(False, "b2"), (True, "b2"), (True, "ground")])
 @pytest.mark.parametrize("kind", ["point", "hinge", "weld"])
 def test_rates_are_those_of_dual_numbers(kind, moving, to):

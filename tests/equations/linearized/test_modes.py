@@ -299,17 +299,3 @@ def test_equilibria_of_the_lightest_and_the_heaviest_link(mass):
     assert np.abs(np.sin(found.q[0] + found.q[2] - np.pi / 2)) <= 1e-9
     assert found.modes.verdict == "marginal"
     assert all(mode.oscillates for mode in found.modes.modes)
-
-
-def test_two_carts_on_a_spring_swing_against_each_other():
-    """Free along x as a whole: the first moves by -m2 / (m1 + m2) of the stretch, at sqrt(k (1 / m1 + 1 / m2))."""
-    rail = joint("rail", "base", "first", "prismatic", (1, 0, 0))
-    stretch = joint("stretch", "first", "second", "prismatic", (1, 0, 0))
-    first, second = (
-        link(name, mass, (0, 0, 0), (0.1, 0, 0, 0.1, 0, 0.1)) for name, mass in (("first", 3), ("second", 1))
-    )
-    scene = Scene(spring={"stretch": Spring(12.0)}, friction={"stretch": Friction(0.5)})
-    found = linearize(built(link("base"), first, second, rail, stretch), scene).modes.modes
-    assert [mode.free for mode in found] == [True, False]
-    assert found[1].frequency == pytest.approx(np.sqrt(12.0 * 4 / 3) / (2 * np.pi), rel=1e-14)
-    assert np.abs(np.array(found[1].shape) / found[1].shape[1] - [-0.25, 1]).max() <= 4 * EPS
