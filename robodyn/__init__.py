@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from robodyn.dynamics.inverse import coriolis_matrix as coriolis_matrix
     from robodyn.dynamics.inverse import inverse_dynamics as inverse_dynamics
     from robodyn.dynamics.inverse import mass_matrix as mass_matrix
-    from robodyn.dynamics.kinematics import forward_kinematics as forward_kinematics
-    from robodyn.dynamics.kinematics import jacobian as jacobian
+    from robodyn.dynamics.momenta import forward_kinematics as forward_kinematics
+    from robodyn.dynamics.momenta import jacobian as jacobian
     from robodyn.dynamics.momenta import momenta as momenta
     from robodyn.dynamics.regressor import regressor as regressor
     from robodyn.equations.dae.dae import dae as dae
@@ -84,8 +84,7 @@ _HOMES = {
     "dynamics.forward": ("forward_dynamics",),
     "dynamics.function": ("function",),
     "dynamics.inverse": ("bias_forces", "coriolis_matrix", "inverse_dynamics", "mass_matrix"),
-    "dynamics.kinematics": ("forward_kinematics", "jacobian"),
-    "dynamics.momenta": ("momenta",),
+    "dynamics.momenta": ("forward_kinematics", "jacobian", "momenta"),
     "dynamics.regressor": ("regressor",),
     "equations.dae.dae": ("dae",),
     "equations.export.export": ("export",),
