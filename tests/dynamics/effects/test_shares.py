@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from helpers.busy_robot import BUSY_SCENE, busy_robot
 from helpers.example_robots import real
-from helpers.oracles import EPS, golden_model, random_state, robot, run, worst
+from helpers.oracles import golden_model, random_state, robot, run, worst
 from helpers.robot_files import FOLDER
 
 from robodyn.dynamics.effects import rigid_bodies
 from robodyn.dynamics.forward import acceleration_program
-from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix, mass_runner
+from robodyn.dynamics.inverse import inverse_dynamics, mass_runner
 from robodyn.dynamics.plan import EFFECTS, Plan
 from robodyn.scene.read import load_scene
 from robodyn.scene.scene import CoupledMotor, ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
@@ -74,41 +74,6 @@ def test_coriolis_is_quadratic(scale):
     unit = run(share, plan, q, qd, still)
     found = run(share, plan, q, scale * qd, still) / scale / scale
     assert worst(found, unit) <= 1e-15
-
-
-@pytest.mark.parametrize("scale", SCALES)
-def test_inertia_is_linear_and_gravity_too(scale):
-    model = golden_model("tree15_bf2_skew0.3")
-    q, _, qdd = random_state(model, np.random.default_rng(7), 20)
-    plan, still = Plan(model, Scene()), np.zeros_like(qdd)
-    share = plan.share(rigid_bodies.INERTIA)
-    unit = run(share, plan, q, still, qdd)
-    assert worst(run(share, plan, q, still, scale * qdd) / scale, unit) <= 1e-15
-    M = mass_matrix(model, q)
-    assert worst(np.einsum("ijk,ik->ij", M, qdd), unit) <= 1e-14
-    heavy = Plan(model, Scene(gravity=(0, 0, -9.81 * scale)))
-    weight = run(plan.share(rigid_bodies.GRAVITY), plan, q, still, still)
-    assert worst(run(heavy.share(rigid_bodies.GRAVITY), heavy, q, still, still) / scale, weight) <= 8 * EPS
-
-
-def test_an_effect_is_the_difference_that_it_makes():
-    """But for those that are told apart by what else is on: gravity pulls on payloads and drives buoyancy."""
-    model = busy_robot(True)
-    rng = np.random.default_rng(10)
-    state, columns = random_state(model, rng, SAMPLES), _columns(BUSY_SCENE, rng)
-    plan, table = Plan(model, BUSY_SCENE), np.column_stack([*columns.values()])
-    whole = run(plan.torques(), plan, *state, table)
-    for effect in plan.effects:
-        if effect.name not in ("inertia", "coriolis", "moving base", "gravity"):
-            difference = whole - run(plan.without(effect), plan, *state, table)
-            assert worst(run(plan.share(effect), plan, *state, table), difference, np.abs(whole).max()) <= 1e-14
-    weightless = replace(BUSY_SCENE, gravity=(0.0, 0.0, 0.0))
-    with_weight, without = (
-        run(each.share(rigid_bodies.PAYLOAD), each, *state, table) for each in (plan, Plan(model, weightless))
-    )
-    difference = whole - run(plan.without(rigid_bodies.GRAVITY), plan, *state, table)
-    share = run(plan.share(rigid_bodies.GRAVITY), plan, *state, table) + with_weight - without
-    assert worst(share, difference, np.abs(whole).max()) <= 1e-14
 
 
 NOTHING = {
