@@ -85,7 +85,6 @@ def _nearly_parallel(angle, axis):
 
 
 def _with_tip(skew, ratio):
-    """A chain of equal links, the last of which is `ratio` times as heavy."""
     parts = chain_parts(10, skew)
     moments = (ratio / 400, 0, 0, ratio * 1.015 / 12, 0, ratio * 1.015 / 12)
     parts[-2] = link("l10", ratio, (0.5, 0, 0), moments)

@@ -27,7 +27,6 @@ def name(request):
 
 @pytest.fixture(params=[False, True], ids=["fixed", "free"])
 def case(name, request):
-    """A model and a scene."""
     return (busy_robot(request.param), PAYLOADS) if name == "busy" else (robot(name, request.param), Scene())
 
 
@@ -53,7 +52,6 @@ def _without_friction(model, scene):
 
 
 def _along(model, q, qd):
-    """How q changes as the robot moves."""
     out = {}
     for speed, way in zip(qd.T, tangent(model, q), strict=True):
         for entry, rate in way.items():

@@ -28,7 +28,6 @@ def sources(model, scene, samples=SAMPLES):
 
 
 def both(program, arrays, dtype=np.float64):
-    """The results of the two executors, in doubles."""
     samples = len(arrays["q"])
     widths = {name: values.shape[1] for name, values in arrays.items()}
     given = {name: values.astype(dtype) for name, values in arrays.items()}

@@ -30,7 +30,6 @@ def model():
 
 @pytest.fixture
 def traced(monkeypatch):
-    """A list that grows by one for every program that is traced."""
     made, trace = [], program.trace
 
     def counted(*given):

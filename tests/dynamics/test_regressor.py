@@ -104,14 +104,12 @@ def every(model):
 
 
 def derivatives(model, scene, given):
-    """By x, at x = 0."""
     found = variations(model, scene)
     runner, count = derivative_runner(plan(model, scene), found, every(model)), len(given["q"])
     return runner({**given, "x": np.zeros((count, len(found.each)))}, count).reshape(count, -1, len(found.each))
 
 
 def varied(model, scene, given, x):
-    """Loads of parameters that are off by x (k,)."""
     found, count = variations(model, scene), len(given["q"])
     runner = varied_runner(plan(model, scene), found, every(model))
     return runner({**given, "x": np.tile(x, (count, 1))}, count)

@@ -35,7 +35,6 @@ def equal(found, expected):
 
 
 def evaluated(found, q, qd, qdd):
-    """tau of the closed form for each row."""
     symbols = [*found.q, *found.qd]
     M = sympy.lambdify(symbols, [list(row) for row in found.M])
     bias = sympy.lambdify(symbols, [list(share) for share in found.bias.values()])

@@ -39,7 +39,6 @@ each_case = pytest.mark.parametrize(
 
 
 def module_of(text):
-    """The module whose source this is."""
     module = ModuleType("exported")
     exec(compile(text, "exported.py", "exec"), module.__dict__)
     return module
@@ -79,13 +78,11 @@ FUNCTIONS = {
 
 
 def arguments(word, given, columns):
-    """The arrays that an exported function takes, in its order."""
     more = [np.column_stack(list(columns.values()))] if columns else []
     return [*(given[source] for source in ARGUMENTS[word]), *more]
 
 
 def expected(word, model, scene, given, columns):
-    """What robodyn returns: a list of arrays."""
     more = {} if word in ("mass_matrix", "coriolis") else {"columns": columns or None}
     found = FUNCTIONS[word](model, *(given[source] for source in ARGUMENTS[word]), scene=scene, **more)
     if word == "regressor":

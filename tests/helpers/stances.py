@@ -51,7 +51,6 @@ def feet(seed, samples, count, push=0.3, mass=80.0, friction=0.7):
 
 
 def on_ice(problem):
-    """The same with a first point that has no friction at all."""
     return replace(problem, friction=np.where(np.arange(problem.shape[2]) == 0, 0.0, problem.friction))
 
 

@@ -46,7 +46,6 @@ def drawn(rng, rank, passive, actuated, redundant=0, implied=0, samples=12):
 
 
 def balanced(J, passive, tau):
-    """The torques, those at passive joints projected on what forces of the constraints can give."""
     out = tau.copy()
     for each, one in zip(J, out, strict=True):
         A = each[:, passive].T

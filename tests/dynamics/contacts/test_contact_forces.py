@@ -73,7 +73,6 @@ def test_forces_are_the_optimum(family):
 
 
 def parts(f, n):
-    """Normal and tangential components (K, N) of (K, 3, N)."""
     press = (f * n).sum(axis=1)
     return press, np.sqrt(((f - press[:, None] * n) ** 2).sum(axis=1))
 

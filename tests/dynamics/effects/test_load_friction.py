@@ -95,7 +95,6 @@ def test_large_rotors_and_loads():
 
 
 def test_derivatives_of_inverse_dynamics():
-    """Central differences along every rate of q, qd and qdd."""
     model, scene, state, columns = busy(False, slip_speed=0.4)
     given, h = {"scene": scene, "columns": columns}, 1e-5
     found = robodyn.inverse_dynamics_derivatives(model, *state, **given)

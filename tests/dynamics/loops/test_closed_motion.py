@@ -69,7 +69,6 @@ def test_a_crank_slider_moves_alike_wherever_it_is_cut():
 
 @cache
 def moved(step, method="gauss4"):
-    """Where the crank ends."""
     return robodyn.simulate(*crank_slider(), 0.48, step=step, method=method).q[-1, 0]
 
 

@@ -43,7 +43,6 @@ def begun(robot, **q):
 
 
 def named(model, q, qd, qdd):
-    """Simulated arrays by coordinate and rate."""
     return (
         dict(zip(model.coordinates, q.T, strict=True)),
         dict(zip(model.rates, qd.T, strict=True)),

@@ -88,7 +88,6 @@ def test_loops_that_keep_their_rank_are_not_accused(chain):
 
 
 def started(model, scene):
-    """q and qd that a motion begins with, and the chain."""
     a_plan = plan(model, scene)
     state = closed_start(a_plan, initial_state(model, scene))
     return state[: model.nq], state[model.nq : model.nq + model.n], independent_equations(a_plan)

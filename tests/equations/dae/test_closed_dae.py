@@ -18,7 +18,6 @@ from robodyn.scene.scene import Loop, Scene
 
 
 def torques(model, seed=0):
-    """Of the joints, by name."""
     found = zip(model.rates, np.random.default_rng(seed).normal(size=model.n).tolist(), strict=True)
     return {name: x for name, x in found if not name.startswith("base_")}
 
@@ -83,7 +82,6 @@ def test_four_bars_side_by_side(count):
 
 @pytest.mark.parametrize("cut", ["small_end", "big_end"])
 def test_crank_and_slider(cut):
-    """Wherever the chain is cut open, the crank accelerates alike."""
     found = dae(*crank_slider(cut=cut), tau={"main": 1.5})
     agrees(found)
     other = dae(*crank_slider(), tau={"main": 1.5})

@@ -74,7 +74,6 @@ def test_crank_slider(torque, viscous):
 
 
 def test_inputs_of_all_joints_act():
-    """B: a force at the slider turns the crank by the slope of the slider."""
     found = linearize(robot("crank_slider"), PUMP, {"main": 0.7})
     slope, J = float(mp.diff(slider, found.q[0])), float(inertia(mpf(found.q[0])))
     assert found.states == ("q_main", "qd_main")
@@ -105,27 +104,20 @@ def test_drives_of_a_closed_chain_hold_it():
 
 
 def test_refusals():
-    model = robot("crank_slider")
-    with pytest.raises(InputError, match="closed chains are linearized at rest"):
-        linearize(model, PUMP, {"main": 0.5}, {"main": 1.0})
-    flat = replace(BARS, initial_q={}, initial_qd={})
-    with pytest.raises(InputError, match="the loops allow 3 motions here and 1 nearby, so that nothing is linear"):
-        linearize(robot("four_bars"), flat, dict.fromkeys(HANGING, 0.0))
-    with pytest.raises(InputError, match="a closed chain on a base that moves is not linearized"):
-        linearize(robot("four_bars", True), flat, HANGING)
-    scene = replace(PUMP, spring={}, drive={"main": Drive(torque=4.0)}, gravity=(0.0, 0.0, 0.0), friction={})
-    with pytest.raises(InputError, match="no equilibrium"):
-        linearize(model, scene, {"main": 0.5}, equilibrium=True)
-
-
-def test_what_cannot_move_is_refused():
-    arm = built(
-        link("base"),
-        link("arm", 1.0, (0.5, 0, 0), (0.1, 0, 0, 0.1, 0, 0.1)),
-        joint("j", "base", "arm", axis=(0, -1, 0)),
-    )
-    with pytest.raises(InputError, match="nothing can move: the loops hold all joints"):
-        linearize(arm, Scene(loops=(Loop("pin", "arm", (1.0, 0, 0), to_point=(1.0, 0, 0)),)))
+    model, flat = robot("crank_slider"), replace(BARS, initial_q={}, initial_qd={})
+    turned = replace(PUMP, spring={}, drive={"main": Drive(torque=4.0)}, gravity=(0.0, 0.0, 0.0), friction={})
+    rod, hinge = link("arm", 1.0, (0.5, 0, 0), (0.1, 0, 0, 0.1, 0, 0.1)), joint("j", "base", "arm", axis=(0, -1, 0))
+    held = Scene(loops=(Loop("pin", "arm", (1.0, 0, 0), to_point=(1.0, 0, 0)),))
+    level = dict.fromkeys(HANGING, 0.0)
+    for says, refused, equilibrium in (
+        ("closed chains are linearized at rest", (model, PUMP, {"main": 0.5}, {"main": 1.0}), False),
+        ("allow 3 motions here and 1 nearby, so that nothing is linear", (robot("four_bars"), flat, level), False),
+        ("a closed chain on a base that moves is not linearized", (robot("four_bars", True), flat, HANGING), False),
+        ("no equilibrium", (model, turned, {"main": 0.5}), True),
+        ("nothing can move: the loops hold all joints", (built(link("base"), rod, hinge), held), False),
+    ):
+        with pytest.raises(InputError, match=says):
+            linearize(*refused, equilibrium=equilibrium)
 
 
 @pytest.mark.parametrize("mass", [1.0, 1e-3, 1e-9])

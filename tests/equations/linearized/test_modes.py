@@ -22,7 +22,6 @@ NO_WEIGHT = Scene(gravity=(0.0, 0.0, 0.0))
 
 
 def rod(mass=2.0, com=(0.5, 0, 0), inertia=0.1, axis=(0, -1, 0)):
-    """A rod on a pivot."""
     arm = link("arm", mass, com, (0, 0, 0, inertia, 0, inertia))
     return built(link("base"), arm, joint("pivot", "base", "arm", "continuous", axis))
 
@@ -289,7 +288,6 @@ def test_what_is_left_out_at_rest_is_said(scene, says):
 
 @pytest.mark.parametrize("mass", [1e-13, 1e13])
 def test_equilibria_of_the_lightest_and_the_heaviest_link(mass):
-    """A link that weighs next to nothing, or nearly all, hangs down as well as the others do."""
     parts = [link("base")]
     for k, (name, each) in enumerate((("a", 1.0), ("b", mass), ("c", 1.0))):
         parts += [link(name, each, (0.2, 0, 0), (each * 0.01, 0, 0, each * 0.02, 0, each * 0.03))]
@@ -299,3 +297,14 @@ def test_equilibria_of_the_lightest_and_the_heaviest_link(mass):
     assert np.abs(np.sin(found.q[0] + found.q[2] - np.pi / 2)) <= 1e-9
     assert found.modes.verdict == "marginal"
     assert all(mode.oscillates for mode in found.modes.modes)
+
+
+def test_two_carts_on_a_spring_swing_against_each_other():
+    """Free along x as a whole: the first moves by -m2 / (m1 + m2) of the stretch, at sqrt(k (1 / m1 + 1 / m2))."""
+    carts = [link(name, mass, inertia=(0.1, 0, 0, 0.1, 0, 0.1)) for name, mass in (("first", 3), ("second", 1))]
+    rails = [joint(*names, "prismatic", (1, 0, 0)) for names in (("r", "base", "first"), ("s", "first", "second"))]
+    scene = Scene(spring={"s": Spring(12.0)}, friction={"s": Friction(0.5)})
+    found = linearize(built(link("base"), *carts, *rails), scene).modes.modes
+    assert [mode.free for mode in found] == [True, False]
+    assert found[1].frequency == pytest.approx(np.sqrt(12.0 * 4 / 3) / (2 * np.pi), rel=1e-14)
+    assert np.abs(np.array(found[1].shape) / found[1].shape[1] - [-0.25, 1]).max() <= 4 * EPS
