@@ -31,13 +31,6 @@ def motors_alone(chain: Chain, times: np.ndarray, path: Path) -> Path:
 
 
 @pytest.mark.parametrize("name", MIDDLE)
-def test_drives_are_those_of_virtual_work(name):
-    chain = moving(name)
-    tau = robodyn.inverse_dynamics(chain.model, *chain.state, scene=chain.scene)
-    np.testing.assert_allclose(tau, chain.torques, rtol=0, atol=1e-13 * np.abs(chain.torques).max())
-
-
-@pytest.mark.parametrize("name", MIDDLE)
 def test_friction_springs_and_rotors_act_in_passive_joints_too(name):
     chain, rng = moving(name), np.random.default_rng(1)
     friction, spring, rotor, taken = {}, {}, {}, {}

@@ -19,13 +19,12 @@ def four_bar():
     return robodyn.load(ROBOTS / "four_bar.urdf"), robodyn.load_scene(ROBOTS / "four_bar_lift.toml")
 
 
-def turning(model, scene, samples, coordinates):
-    """The cranks turn evenly; all three angles are given, or the left crank's alone."""
-    time = np.linspace(0.0, 3.0, samples)
-    q, qd = SPEED * time, np.full(samples, SPEED)
-    every = {"left": 1.0, "right": 1.0, "top": -1.0}
-    given = {name: every[name] for name in coordinates}
-    parts = ({name: sign * of for name, sign in given.items()} for of in (q, qd, 0.0 * q))
+WAYS = {"left": 1.0, "right": 1.0, "top": -1.0}
+
+
+def turning(model, scene, time, state, coordinates=tuple(WAYS)):
+    """The cranks turn by the state, an angle and its derivatives; all three angles are given, or some."""
+    parts = ({name: WAYS[name] * (of + 0.0 * time) for name in coordinates} for of in state)
     return robodyn.motion(model, time, *parts, scene=scene)
 
 
@@ -34,7 +33,8 @@ def turning(model, scene, samples, coordinates):
 def test_times_of_singular_passages(samples, coordinates):
     """Every half turn from the first on, to a thousandth of a step; and no green verdict over them."""
     model, scene = four_bar()
-    result = robodyn.torques(model, turning(model, scene, samples, coordinates), scene)
+    time = np.linspace(0.0, 3.0, samples)
+    result = robodyn.torques(model, turning(model, scene, time, (SPEED * time, SPEED, 0.0), coordinates), scene)
     assert result.constraints is not None
     assert result.constraints.singular == pytest.approx([FLAT, 3.0 * FLAT], abs=0.02 * 3.0 / (samples - 1))
     assert result.within_limits is None
@@ -45,15 +45,10 @@ def test_times_of_singular_passages(samples, coordinates):
 def test_a_sample_at_the_place_itself():
     """Nothing is divided through; the torque is taken from beside the place, and told not to be determined."""
     model, scene = four_bar()
-    time = FLAT * np.linspace(0.9, 1.1, 11)
-    order = [("left", "right", "top").index(name) for name in model.rates]
-    turn = np.array([1.0, 1.0, -1.0])[order]
-    state = SPEED * np.outer(time, turn), np.tile(SPEED * turn, (11, 1)), np.zeros((11, 3))
-    assert np.isfinite(robodyn.inverse_dynamics(model, *state, scene=scene)).all()
-    found = []
-    result = robodyn.torques(
-        model, robodyn.motion(model, time, *state, scene=scene), scene, sinks=[lambda time, rows: found.append(rows)]
-    )
+    time, found = FLAT * np.linspace(0.9, 1.1, 11), []
+    motion = turning(model, scene, time, (SPEED * time, SPEED, 0.0))
+    assert np.isfinite(robodyn.inverse_dynamics(model, motion.q, motion.qd, motion.qdd, scene=scene)).all()
+    result = robodyn.torques(model, motion, scene, sinks=[lambda time, rows: found.append(rows)])
     tau = found[0][:, 0]
     assert tau[5] == pytest.approx(0.5 * (tau[4] + tau[6]), rel=1e-12)
     assert abs(result.joints[0].peak) <= 16.2
@@ -87,13 +82,9 @@ def test_a_robot_that_first_rests_at_a_singular_place():
     angle = 0.5 * np.pi * (1.0 - 0.5 * s**3 * (10.0 - 15.0 * s + 6.0 * s**2))
     rate = -0.25 * np.pi * 15.0 * (s * (1.0 - s)) ** 2
     second = -0.25 * np.pi * 15.0 * (s * (1.0 - s) * (1.0 - 2.0 * s))
-    turn = np.array([[1.0, 1.0, -1.0][("left", "right", "top").index(name)] for name in model.rates])
-    state = [np.outer(part, turn) for part in (angle, rate, second)]
-    found, late = [], 6000
-    result = robodyn.torques(
-        model, robodyn.motion(model, time, *state, scene=scene), scene, sinks=[lambda time, rows: found.append(rows)]
-    )
-    expected = robodyn.inverse_dynamics(model, *(part[late:] for part in state), scene=scene)
+    motion, found, late = turning(model, scene, time, (angle, rate, second)), [], 6000
+    result = robodyn.torques(model, motion, scene, sinks=[lambda time, rows: found.append(rows)])
+    expected = robodyn.inverse_dynamics(model, motion.q[late:], motion.qd[late:], motion.qdd[late:], scene=scene)
     tau = np.concatenate(found)[late:, 0]
     np.testing.assert_allclose(tau, expected[:, 0], rtol=0, atol=1e-12 * np.abs(expected).max())
     assert result.constraints is not None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 from pathlib import Path
 
 import numpy as np
@@ -234,6 +235,15 @@ def test_bad_arrays(arrays: tuple[object, object], message: str) -> None:
     with pytest.raises(TrajectoryError) as caught:
         from_arrays(ARM, *arrays)
     assert message in str(caught.value)
+
+
+def test_a_pipe_of_a_shell() -> None:
+    reading, writing = os.pipe()
+    os.write(writing, b"t a b\n0 1 0\n1 2 0\n2 4 0\n")
+    os.close(writing)
+    found = read_trajectory(f"/dev/fd/{reading}", ARM, reading=Reading("central"))
+    os.close(reading)
+    assert found.q[:, 0].tolist() == [1.0, 2.0, 4.0]
 
 
 def test_line_of_a_late_row_in_a_large_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
