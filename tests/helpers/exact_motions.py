@@ -200,15 +200,6 @@ def stretched(shape: Callable[[Array], Rates], start: float, span: float, place:
     return place + step * s, step * v / span, step * a / span**2
 
 
-def spline_piece(spline: Callable[..., Array], start: float, knots: Array) -> Piece:
-    """The piece of a spline whose time counts from `start`."""
-    return Piece(
-        start,
-        lambda t: (spline(t - start), spline(t - start, 1), spline(t - start, 2)),
-        tuple((start + knots).tolist()),
-    )
-
-
 def waypoints(rng: Rng, duration: float, cycle: float) -> tuple[Array, float]:
     """Times between waypoints, from 0, and when the first is left [s]; a rest before and after in half of all cases."""
     start, end = (rng.uniform(0.05, 0.3) if rng.random() < 0.5 else 0.0 for _ in range(2))
@@ -220,7 +211,12 @@ def waypoints(rng: Rng, duration: float, cycle: float) -> tuple[Array, float]:
 def between_rests(spline: Callable[..., Array], times: Array, start: float) -> Path:
     """Rest, the spline, rest."""
     first, last = (float(spline(t)) for t in (0.0, times[-1]))
-    return Path((rest(0.0, first), spline_piece(spline, start, times), rest(start + float(times[-1]), last)))
+    between = Piece(
+        start,
+        lambda t: (spline(t - start), spline(t - start, 1), spline(t - start, 2)),
+        tuple((start + times).tolist()),
+    )
+    return Path((rest(0.0, first), between, rest(start + float(times[-1]), last)))
 
 
 def quintics(rng: Rng, joints: int, duration: float, cycle: float) -> list[Path]:

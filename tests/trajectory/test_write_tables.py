@@ -27,19 +27,9 @@ from robodyn.errors import InputError, TrajectoryError
 from robodyn.trajectory.columns.signals import Signal, Signals
 from robodyn.trajectory.options import Reading
 from robodyn.trajectory.read import open_table, open_trajectory
-from robodyn.trajectory.write import (
-    GROUP_ROWS,
-    CsvWriter,
-    NpzWriter,
-    ParquetWriter,
-    Writer,
-    lines_fast,
-    lines_plain,
-    open_writer,
-)
+from robodyn.trajectory.write import FORMATS, GROUP_ROWS, Writer, lines_fast, lines_plain, open_writer
 
 SUFFIXES = ["csv", "parquet", "npz"]
-FORMATS = {"csv": CsvWriter, "parquet": ParquetWriter, "npz": NpzWriter}
 
 
 def fill(writer: Writer, blocks: int = 3) -> None:
