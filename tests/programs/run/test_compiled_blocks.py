@@ -186,6 +186,12 @@ def test_few_samples_of_many_threads_at_once():
     assert 1 <= len(code._rooms[1]) <= 8
 
 
+def test_wrong_shapes():
+    for shape in ((3, 2), (4,), (4, 2, 1)):
+        with pytest.raises(ValueError, match=r"x has shape .*, not \(4, 2\)"):
+            blocks()({"x": np.zeros(shape)}, 4)
+
+
 @pytest.fixture(params=["kept in caches", "past the caches"])
 def way(request, monkeypatch):
     """How copied results are written: as those of small arrays, and as those of large ones."""

@@ -179,6 +179,11 @@ def test_beyond_the_range_of_floats(size, how):
             use(box((size, size, size)))
 
 
+def test_no_triangles():
+    with pytest.raises(MeshError, match="body: has no triangles"):
+        integrals(np.zeros((0, 3, 3)))
+
+
 @pytest.mark.parametrize(("value", "face"), [(np.nan, 0), (np.inf, ROWS - 1), (-np.inf, ROWS + 5)])
 @pytest.mark.parametrize("use", [integrate, measure])
 def test_a_corner_of_a_streamed_file_that_is_not_finite_names_its_face(use, face, value):

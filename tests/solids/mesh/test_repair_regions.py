@@ -53,6 +53,14 @@ UNIONS = {
         15,
     ),
     "into a cavity": ([HOLLOW, moved(box((4, 1, 1)), (2, 0, 0))], [("union", 2)], 64 - 8 + 1 + 2),
+    "a corner that sticks out": (
+        [
+            moved(part, R=rotation(3))
+            for part in (box((4, 4, 4)), moved(box(), (2.05 - np.abs(R[0]).sum() / 2, 0, 0), R))
+        ],
+        [("union", 2)],
+        64 + 0.05**3 / (6 * abs(R[0].prod())),
+    ),
     "across a frame": ([frame(), box((5, 0.5, 0.5))], [("union", 2)], 21),
     "a wall of one sheet": (walled(), [("holes", 1), ("union", 2)], 10.5),
     "linked rings": ([torus(), moved(torus(), (2, 0, 0), QUARTER)], [], 2 * enclosed(torus())),

@@ -163,6 +163,7 @@ def test_as_repair_has_it(surface: np.ndarray, monkeypatch: pytest.MonkeyPatch) 
 def test_one_sided_ones_are_told_where_repair_refuses_them() -> None:
     triangles = MemoryTriangles("part", klein_bottle()[1:])
     assert gaps(triangles) == Gaps(one_sided=len(klein_bottle()) - 1)
+    assert gaps(MemoryTriangles("part", np.zeros((2, 3, 3)))) == Gaps()
     with pytest.raises(MeshError, match="one side only"):
         repair.repair(triangles)
 

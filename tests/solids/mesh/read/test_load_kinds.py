@@ -292,6 +292,12 @@ def test_the_digits_of_a_text_tell_how_far_it_is_rounded(number, bits):
     np.testing.assert_array_equal(found.array(), written)
 
 
+def test_several_solids_are_taken_together():
+    read = stl(ascii_stl(box()) + ascii_stl(TORUS))
+    np.testing.assert_array_equal(read.array(), np.concatenate([box(), TORUS]))
+    assert "2 solids are taken together" in read.notes
+
+
 def test_a_header_that_counts_too_few_triangles_is_a_warning_with_both_numbers(tmp_path):
     path = tmp_path / "part.stl"
     path.write_bytes(binary_stl(np.concatenate([box(), moved(box(), (3, 0, 0))]), count=12))
